@@ -1,0 +1,53 @@
+# The libraries that we link, each as one target with a name of ours, so that no other file depends on how a
+# distribution spells them.
+
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED CONFIG)
+find_package(Boost 1.74 REQUIRED CONFIG COMPONENTS filesystem)  # Boost.DLL is header-only on top of it
+find_package(yaml-cpp REQUIRED CONFIG)
+find_package(urdfdom REQUIRED CONFIG)
+find_package(tinyxml2 REQUIRED CONFIG)
+find_package(spdlog REQUIRED CONFIG)
+find_package(CLI11 REQUIRED CONFIG)
+find_package(HDF5 REQUIRED COMPONENTS C)
+find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+
+function(skybody_dependency name)
+  add_library(skybody_${name} INTERFACE)
+  target_link_libraries(skybody_${name} INTERFACE ${ARGN})
+endfunction()
+
+function(skybody_first_target result)
+  foreach(candidate IN LISTS ARGN)
+    if(TARGET ${candidate})
+      set(${result} ${candidate} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  message(FATAL_ERROR "none of the targets ${ARGN} exists")
+endfunction()
+
+skybody_first_target(yaml_target yaml-cpp::yaml-cpp yaml-cpp)
+skybody_dependency(yaml ${yaml_target})
+skybody_dependency(eigen Eigen3::Eigen)
+skybody_dependency(dll Boost::filesystem Boost::headers ${CMAKE_DL_LIBS})
+skybody_dependency(xml tinyxml2::tinyxml2)
+skybody_dependency(log spdlog::spdlog)
+skybody_dependency(cli11 CLI11::CLI11)
+skybody_dependency(hdf5)
+list(FILTER HDF5_C_LIBRARIES INCLUDE REGEX "hdf5")  # not what the library itself was linked with
+target_include_directories(skybody_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
+target_compile_definitions(skybody_hdf5 INTERFACE ${HDF5_C_DEFINITIONS})
+target_link_libraries(skybody_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
+skybody_dependency(urdf)
+if(TARGET urdfdom::urdfdom_model)
+  target_link_libraries(skybody_urdf INTERFACE urdfdom::urdfdom_model)
+else()
+  target_include_directories(skybody_urdf SYSTEM INTERFACE ${urdfdom_INCLUDE_DIRS})
+  target_link_libraries(skybody_urdf INTERFACE ${urdfdom_LIBRARIES})
+endif()
+
+if(SKYBODY_BUILD_TESTS)
+  find_package(GTest REQUIRED CONFIG)
+endif()
+find_package(benchmark CONFIG)

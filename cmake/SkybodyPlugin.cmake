@@ -1,0 +1,46 @@
+# skybody_add_plugin(NAME [SOURCES] FILES... [LIBRARIES TARGETS...] [OUTPUT_DIRECTORY DIR] [NO_INSTALL])
+#
+# Builds the plugin NAME.so. Inside Skybody's own tree it goes to lib/skybody/plugins and is installed; in a project that
+# has called find_package(Skybody), to the folder `plugins` of its build folder: name that in SKYBODY_PLUGIN_PATH.
+# The target is called NAME. It exports the plugin's descriptor and nothing else.
+
+include_guard(GLOBAL)
+
+function(skybody_add_plugin name)
+  cmake_parse_arguments(PARSE_ARGV 1 plugin "NO_INSTALL" "OUTPUT_DIRECTORY" "SOURCES;LIBRARIES")
+  set(sources ${plugin_SOURCES} ${plugin_UNPARSED_ARGUMENTS})
+  if(NOT sources)
+    message(FATAL_ERROR "skybody_add_plugin(${name}): no source files given")
+  endif()
+
+  add_library(${name} MODULE ${sources})
+  target_link_libraries(${name} PRIVATE Skybody::plugin_api ${plugin_LIBRARIES})
+  set_target_properties(${name} PROPERTIES
+    PREFIX "" SUFFIX ".so"
+    C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+
+  set(own_tree OFF)
+  if(TARGET skybody_build_flags)
+    set(own_tree ON)
+    target_link_libraries(${name} PRIVATE skybody_build_flags)
+  elseif(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    target_compile_options(${name} PRIVATE -O3)  # nobody chose a build type: not the slowest, then
+  endif()
+  if(NOT SKYBODY_SANITIZE)
+    target_link_options(${name} PRIVATE LINKER:-z,defs)  # what is missing shows here, not at load time
+  endif()
+
+  set(folder "${plugin_OUTPUT_DIRECTORY}")
+  if(NOT folder AND own_tree)
+    set(folder "${SKYBODY_PLUGIN_OUTPUT_DIRECTORY}")
+  elseif(NOT folder)
+    set(folder "${CMAKE_CURRENT_BINARY_DIR}/plugins")
+  endif()
+  set_target_properties(${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${folder}")
+
+  if(own_tree AND NOT plugin_NO_INSTALL AND NOT plugin_OUTPUT_DIRECTORY)
+    install(TARGETS ${name} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/skybody/plugins")
+    set_property(GLOBAL APPEND PROPERTY SKYBODY_PLUGINS ${name})
+  endif()
+endfunction()

@@ -1,0 +1,85 @@
+# What holds for every target of ours: folders, language, warnings, floating-point arithmetic.
+
+include(GNUInstallDirs)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+# build/PRESET/bin, build/PRESET/lib, build/PRESET/lib/skybody/plugins: plugins lie where an installed
+# libskybody finds them too, relative to the library itself.
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
+set(SKYBODY_PLUGIN_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib/skybody/plugins")
+
+# An installed program finds libskybody beside itself, and a Simbody of our own where it was built.
+file(RELATIVE_PATH skybody_bin_to_lib "/${CMAKE_INSTALL_BINDIR}" "/${CMAKE_INSTALL_LIBDIR}")
+set(CMAKE_INSTALL_RPATH "$ORIGIN" "$ORIGIN/${skybody_bin_to_lib}")
+set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
+
+if(SKYBODY_CCACHE)
+  find_program(SKYBODY_CCACHE_PROGRAM ccache)
+  if(SKYBODY_CCACHE_PROGRAM)
+    set(CMAKE_C_COMPILER_LAUNCHER "${SKYBODY_CCACHE_PROGRAM}")
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${SKYBODY_CCACHE_PROGRAM}")
+  endif()
+endif()
+
+# The Python that ./dev made; `python3` on PATH may be a version manager's.
+if(NOT Python3_EXECUTABLE AND EXISTS "${PROJECT_SOURCE_DIR}/.venv/bin/python")
+  set(Python3_EXECUTABLE "${PROJECT_SOURCE_DIR}/.venv/bin/python")
+endif()
+
+# Bit-stable arithmetic (docs/architecture.md). fp-contract and fast-math change results; errno and traps do not,
+# and without them sqrt is one instruction and selects become vector code.
+set(SKYBODY_FP_FLAGS -fno-fast-math -ffp-contract=off -fno-math-errno -fno-trapping-math)
+
+# Packs are wider than the baseline's registers; they never cross a library boundary by value.
+set(SKYBODY_PACK_FLAGS -Wno-psabi)
+
+set(SKYBODY_SANITIZE_FLAGS "")
+if(SKYBODY_SANITIZE)
+  set(SKYBODY_SANITIZE_FLAGS
+    -fsanitize=${SKYBODY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+endif()
+
+# Flags and include folders of our own targets. It says nothing about the C++ standard, for the files that
+# include Simbody are C++17.
+add_library(skybody_build_flags INTERFACE)
+target_include_directories(skybody_build_flags INTERFACE
+  "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/include" "${PROJECT_BINARY_DIR}/include")
+target_compile_options(skybody_build_flags INTERFACE
+  ${SKYBODY_FP_FLAGS} ${SKYBODY_PACK_FLAGS} ${SKYBODY_SANITIZE_FLAGS}
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  $<$<BOOL:${PROJECT_IS_TOP_LEVEL}>:-Werror>)
+target_link_options(skybody_build_flags INTERFACE ${SKYBODY_SANITIZE_FLAGS})
+
+# Adds a folder of this project if it is there.
+function(skybody_add_folder folder)
+  if(EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/CMakeLists.txt")
+    add_subdirectory(${folder})
+  endif()
+endfunction()
+
+function(skybody_print_summary)
+  string(TOUPPER "${CMAKE_BUILD_TYPE}" type)
+  if(SKYBODY_SIMBODY_NDEBUG)
+    set(asserts "without asserts (NDEBUG)")
+  else()
+    set(asserts "with asserts (no NDEBUG); ./dev simbody builds one that is about twice as fast")
+  endif()
+  message(STATUS "Skybody ${PROJECT_VERSION}")
+  message(STATUS "  build     ${CMAKE_BUILD_TYPE} (${CMAKE_CXX_FLAGS_${type}}) ${SKYBODY_SANITIZE}")
+  message(STATUS "  compiler  ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}")
+  message(STATUS "  Simbody   ${Simbody_VERSION} in ${Simbody_ROOT_DIR}, built ${asserts}")
+  message(STATUS "            SKYBODY_SIMBODY_NDEBUG ${SKYBODY_SIMBODY_NDEBUG}")
+endfunction()

@@ -1,0 +1,237 @@
+#include "core/assemble/hold_policy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assemble/pseudo_inverse.h"
+#include "core/base/error.h"
+#include "core/base/math.h"
+#include "core/env/setup_tables.h"
+
+namespace skybody {
+namespace {
+
+// Bandwidths [rad/s]: each loop about four times slower than the one inside it, down from the rotors'
+// own 40 to 80 rad/s.
+constexpr double kPositionBandwidth = 2.0;
+constexpr double kSwingPole = 1.6;
+constexpr double kAttitudeGain = 8.0;
+constexpr double kYawGain = 2.0;
+constexpr double kRateGain = 25.0;
+constexpr double kMaxError = 1.5;       // [m] limits the speed of long flights to 1.5 m/s
+constexpr double kMaxLateral = 5.0;     // [m/s^2], 27 degrees
+constexpr double kMaxVertical = 2.0;    // [m/s^2], below what a thrust-to-weight of 1.27 allows
+
+using V = Vec3<double>;
+
+V limited(const V& v, double most) {
+  const double n = norm(v);
+  return n > most ? v * (most / n) : v;
+}
+
+SymMat3<double> inertia_at(const double* p) {
+  return {p[kInertia], p[kInertia + 1], p[kInertia + 2], p[kInertia + 3], p[kInertia + 4], p[kInertia + 5]};
+}
+
+/// What the loops want, before it is put in the mode's words.
+struct Wish {
+  V position, acceleration;  // W; acceleration without gravity
+  double thrust = 0.0;       // collective, along the body's z [N]
+  Quat<double> attitude{1.0, 0.0, 0.0, 0.0};
+  V rates, torque;           // B
+  double yaw = 0.0;
+};
+
+/// Attitude whose z axis lies along `up` and whose heading is `yaw`.
+Quat<double> attitude_along(const V& up, double yaw) {
+  const V z = up / norm(up);
+  double s, c;
+  sincos(yaw, s, c);
+  V y = cross(z, V{c, s, 0.0});
+  y = y / norm(y);
+  const V x = cross(y, z);
+  return from_rotation(Mat3<double>{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}});
+}
+
+/// Body rates that turn `now` towards `wanted`: proportional to the vector part of the error.
+V rates_towards(const Quat<double>& wanted, const Quat<double>& now) {
+  const Quat<double> e = conjugate(now) * wanted;
+  const double sign = e.w < 0.0 ? -2.0 : 2.0;
+  return {kAttitudeGain * sign * e.x, kAttitudeGain * sign * e.y, kYawGain * sign * e.z};
+}
+
+}  // namespace
+
+HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environment) {
+  const World& world = environment.world();
+  for (int r = 0; r < static_cast<int>(world.scenario.robots.size()); ++r) {
+    const ControllerChain& chain = environment.chains()[static_cast<std::size_t>(r)];
+    if (chain.count == 0) continue;
+    const PluginInstance& first = environment.controllers()[static_cast<std::size_t>(chain.first)];
+    Robot robot;
+    robot.index = r;
+    robot.base = environment.layout().robots[static_cast<std::size_t>(r)].first_body;
+    robot.body_count = environment.layout().robots[static_cast<std::size_t>(r)].body_count;
+    robot.goal_body = robot.base;
+    robot.signal = first.input_signal;
+    robot.action = chain.action;
+    robot.low = first.low;
+    robot.high = first.high;
+    const auto& goals = environment.task().goals;
+    for (std::size_t g = 0; g < goals.size(); ++g) {
+      if (goals[g].robot != r) continue;
+      robot.goal = static_cast<int>(g);
+      robot.goal_body = goals[g].body;
+    }
+    robot.hangs = robot.goal_body != robot.base;
+    robot.cable = hanging_length(world, robot.base, robot.goal_body);
+    robot.allocation = allocation_of(world, r);
+    const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT;
+    if (robot.signal == SKYBODY_TRAJECTORY + 1 || robot.signal < 0) {
+      throw Error(std::string("the hold baseline cannot speak ") + signal_name(robot.signal));
+    }
+    if (needs_rotors && robot.allocation.empty()) {
+      throw Error("the hold baseline cannot fly robot `" +
+                  world.scenario.robots[static_cast<std::size_t>(r)].name +
+                  "`: its rotors do not give thrust and all three torques; use --policy zero or random");
+    }
+    robots_.push_back(std::move(robot));
+  }
+}
+
+void HoldPolicy::act(const Simulation& simulation, std::span<float> action) const {
+  const std::vector<double> params = simulation.params();
+  const std::vector<double> goals = simulation.goals();
+  for (const Robot& robot : robots_) {
+    const std::vector<double> wanted = command(robot, simulation, params, goals);
+    for (std::size_t k = 0; k < robot.low.size(); ++k) {
+      const double range = robot.high[k] - robot.low[k];
+      const double a = range > 0.0 ? 2.0 * (wanted[k] - robot.low[k]) / range - 1.0 : 0.0;
+      action[static_cast<std::size_t>(robot.action) + k] =
+          static_cast<float>(std::clamp(a, -1.0, 1.0));
+    }
+  }
+}
+
+std::vector<double> HoldPolicy::command(const Robot& robot, const Simulation& simulation,
+                                        const std::vector<double>& params,
+                                        const std::vector<double>& goals) const {
+  const World& world = environment_.world();
+  const Layout& layout = environment_.layout();
+  const auto& bodies = simulation.bodies();
+  const BodyState& base = bodies[static_cast<std::size_t>(robot.base)];
+  const RobotUse& use = world.scenario.robots[static_cast<std::size_t>(robot.index)];
+  const double* base_params = params.data() + layout.body_params[static_cast<std::size_t>(robot.base)];
+  const double gravity = norm(world.scenario.gravity);
+
+  double mass = 0.0;
+  for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
+    mass += params[static_cast<std::size_t>(layout.body_params[static_cast<std::size_t>(b)] + kMass)];
+  }
+
+  Wish wish;
+  wish.position = use.pose.position;
+  wish.yaw = yaw(use.pose.rotation);
+  if (robot.goal >= 0) {
+    const double* g = goals.data() + 4 * robot.goal;
+    wish.position = {g[0], g[1], g[2]};
+    wish.yaw = g[3];
+  }
+
+  const BodyState& target = bodies[static_cast<std::size_t>(robot.goal_body)];
+  if (robot.hangs) {
+    // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
+    const double w2 = gravity / robot.cable, p = kSwingPole;
+    const V offset = base.position - target.position, slip = base.velocity - target.velocity;
+    const V error = target.position - wish.position;
+    V a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
+          (4.0 * p * p * p * target.velocity + p * p * p * p * error) / w2;
+    // The bob pulls the base sideways: part of the thrust's lateral share carries it.
+    const double carried = (mass - base_params[kMass]) / mass;
+    a = (1.0 - carried) * a + (carried * w2) * offset;
+    a.z = -kPositionBandwidth * kPositionBandwidth * error.z - 2.0 * kPositionBandwidth * base.velocity.z;
+    wish.acceleration = a;
+  } else {
+    const V error = limited(wish.position - base.position, kMaxError);
+    wish.acceleration = (kPositionBandwidth * kPositionBandwidth) * error -
+                        (2.0 * kPositionBandwidth) * base.velocity;
+  }
+  V lateral = limited({wish.acceleration.x, wish.acceleration.y, 0.0}, kMaxLateral);
+  wish.acceleration = {lateral.x, lateral.y, std::clamp(wish.acceleration.z, -kMaxVertical, kMaxVertical)};
+
+  // Thrust carries weight, the wanted acceleration, and what disturbs.
+  const double* disturbance =
+      params.data() + layout.disturbance_params[static_cast<std::size_t>(robot.index)];
+  const V force = mass * (wish.acceleration - world.scenario.gravity) -
+                  V{disturbance[0], disturbance[1], disturbance[2]};
+  wish.attitude = attitude_along(force, wish.yaw);
+  wish.thrust = std::max(0.0, dot(force, body_z(base.rotation)));
+  wish.rates = rates_towards(wish.attitude, base.rotation);
+  const SymMat3<double> inertia = inertia_at(base_params);
+  const V& w = base.angular_velocity;
+  wish.torque = inertia * (kRateGain * (wish.rates - w)) + cross(w, inertia * w) -
+                V{disturbance[3], disturbance[4], disturbance[5]};
+
+  const auto rotor_thrusts = [&] {
+    std::vector<double> thrusts(robot.allocation.size() / 4);
+    for (std::size_t i = 0; i < thrusts.size(); ++i) {
+      const double* row = robot.allocation.data() + 4 * i;
+      thrusts[i] = std::max(0.0, row[0] * wish.thrust + row[1] * wish.torque.x + row[2] * wish.torque.y +
+                                     row[3] * wish.torque.z);
+    }
+    return thrusts;
+  };
+  switch (robot.signal) {
+    case SKYBODY_CTBR:
+      return {wish.thrust, wish.rates.x, wish.rates.y, wish.rates.z};
+    case SKYBODY_CTBT:
+      return {wish.thrust, wish.torque.x, wish.torque.y, wish.torque.z};
+    case SKYBODY_SRT:
+      return rotor_thrusts();
+    case SKYBODY_ROTOR_SPEED: {
+      std::vector<double> speeds = rotor_thrusts();
+      const int first = layout.robots[static_cast<std::size_t>(robot.index)].first_rotor;
+      for (std::size_t i = 0; i < speeds.size(); ++i) {
+        const int p = layout.rotor_params[static_cast<std::size_t>(first) + i] + kThrustConstant;
+        speeds[i] = std::sqrt(speeds[i] / params[static_cast<std::size_t>(p)]);
+      }
+      return speeds;
+    }
+    case SKYBODY_WRENCH: {
+      // The whole robot hangs on the first site; the others stay idle.
+      std::vector<double> values(robot.low.size(), 0.0);
+      const V moment = rotate(base.rotation, inertia * (kRateGain * (rates_towards(attitude_along(
+                                                 {0.0, 0.0, 1.0}, wish.yaw), base.rotation) - w)) +
+                                                 cross(w, inertia * w));
+      const double put[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
+      std::copy(put, put + 6, values.begin());
+      return values;
+    }
+    case SKYBODY_VELOCITY: {
+      const V v = rotate_inverse(base.rotation, kPositionBandwidth *
+                                                    limited(wish.position - base.position, kMaxError));
+      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), base.rotation);
+      return {v.x, v.y, v.z, r.x, r.y, r.z};
+    }
+    case SKYBODY_POSE: {
+      const Quat<double> q = attitude_along({0.0, 0.0, 1.0}, wish.yaw);
+      return {wish.position.x, wish.position.y, wish.position.z, q.w, q.x, q.y, q.z};
+    }
+    case SKYBODY_ATTITUDE: {
+      const Quat<double>& q = wish.attitude;
+      return {wish.thrust, q.w, q.x, q.y, q.z};
+    }
+    case SKYBODY_POSITION:
+      return {wish.position.x, wish.position.y, wish.position.z, wish.yaw};
+    default: {  // SKYBODY_TRAJECTORY: a point that rests
+      std::vector<double> values(13, 0.0);
+      values[0] = wish.position.x;
+      values[1] = wish.position.y;
+      values[2] = wish.position.z;
+      values[12] = wish.yaw;
+      return values;
+    }
+  }
+}
+
+}  // namespace skybody

@@ -1,0 +1,38 @@
+// The composition root: scenario file + plugins -> Environment.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/env/environment.h"
+#include "core/io/diagnostics.h"
+#include "core/io/plugin_catalog.h"
+
+namespace skybody {
+
+class PluginRegistry;
+
+/// What to load.
+struct LoadOptions {
+  std::string scenario;                            ///< YAML file, or the name of a shipped scenario
+  std::vector<std::string> overrides;              ///< "PATH=VALUE", in order
+  std::vector<std::filesystem::path> plugin_path;  ///< searched before the default places
+};
+
+/// Plugins found on the search path of `options` (see docs/plugins.md for the order).
+std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options);
+
+/// The registry as the scenario reader sees it. Keeps it alive.
+std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry> registry);
+
+/// Reads the scenario, configures its plugins and builds the world.
+/// @returns null if `diagnostics` has errors afterwards; warnings alone do not prevent loading
+std::shared_ptr<const Environment> load_environment(const LoadOptions& options, Diagnostics& diagnostics);
+
+/// The same for callers who want an exception.
+/// @throws InputError with all messages
+std::shared_ptr<const Environment> load_environment(const LoadOptions& options);
+
+}  // namespace skybody

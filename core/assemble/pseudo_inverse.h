@@ -1,0 +1,18 @@
+// Geometry that the hold baseline needs: how rotors share a wanted thrust and torque.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/world.h"
+
+namespace skybody {
+
+/// Thrusts [N] from (collective thrust along z [N], torque about the base's centre of mass [N m],
+/// base axes): rotors x 4, row by row, the pseudo-inverse B^T (B B^T)^-1 of the nominal geometry.
+/// Empty if the rotors do not sit on the base or cannot give all four.
+std::vector<double> allocation_of(const World& world, int robot);
+
+/// How far the origin of `body` lies below that of `base` with all joints at 0 [m]; 0 if it does not.
+double hanging_length(const World& world, int base, int body);
+
+}  // namespace skybody

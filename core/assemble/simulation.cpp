@@ -1,0 +1,210 @@
+#include "core/assemble/simulation.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/fp_environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+
+struct Simulation::Data {
+  Data(const Environment& environment, std::uint64_t seed, std::uint64_t env_id)
+      : group(environment.make_state(1)),
+        work(environment.make_work(1)),
+        observation(static_cast<std::size_t>(environment.observation_size())) {
+    environment.initialize(group, 0, seed, env_id);
+  }
+
+  Rows rows() {
+    return {observation.data(), static_cast<int>(observation.size()), &reward, &status};
+  }
+
+  StateGroup group;
+  std::unique_ptr<GroupWork> work;
+  std::vector<float> observation;
+  float reward = 0.0f;
+  std::uint64_t status = kRunning;
+  HashChain chain;
+  bool started = false;
+};
+
+Simulation::Simulation(const SimulationOptions& options)
+    : Simulation(load_environment({options.scenario, options.overrides, options.plugin_path}),
+                 options.seed, options.env_id) {}
+
+Simulation::Simulation(std::shared_ptr<const Environment> environment, std::uint64_t seed,
+                       std::uint64_t env_id)
+    : environment_(std::move(environment)),
+      data_(std::make_unique<Data>(*environment_, seed, env_id)) {}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+void Simulation::reset() {
+  const FpEnvironment guard;
+  environment_->reset(data_->group, *data_->work, 1u, data_->rows());
+  environment_->hash(data_->group, 0, data_->rows(), data_->chain);
+  data_->started = true;
+}
+
+void Simulation::reset(std::uint64_t seed) {
+  environment_->initialize(data_->group, 0, seed, data_->group.bits(kStreamEnv)[0]);
+  reset();
+}
+
+void Simulation::step(std::span<const float> action) {
+  if (!data_->started) throw Error("step() before reset(): begin an episode first");
+  if (static_cast<int>(action.size()) != action_size()) {
+    throw Error("an action of " + std::to_string(action.size()) + " values; this scenario takes " +
+                std::to_string(action_size()));
+  }
+  const FpEnvironment guard;
+  environment_->step(data_->group, *data_->work, 1u, action.data(), action_size(), data_->rows());
+  environment_->hash(data_->group, 0, data_->rows(), data_->chain);
+}
+
+std::span<const float> Simulation::observation() const { return data_->observation; }
+float Simulation::reward() const { return data_->reward; }
+bool Simulation::terminated() const { return (data_->status & kTerminated) != 0; }
+bool Simulation::truncated() const { return (data_->status & kTruncated) != 0; }
+bool Simulation::fault() const { return (data_->status & kFault) != 0; }
+int Simulation::action_size() const { return environment_->action_size(); }
+int Simulation::observation_size() const { return environment_->observation_size(); }
+std::uint64_t Simulation::episode() const { return data_->group.bits(kEpisode)[0]; }
+std::uint64_t Simulation::steps() const { return data_->group.bits(kStep)[0]; }
+std::uint64_t Simulation::physics_steps() const { return data_->group.bits(kPhysicsStep)[0]; }
+double Simulation::time() const {
+  return static_cast<double>(physics_steps()) * scenario().stepping.dt;
+}
+
+void Simulation::touch() const {
+  const FpEnvironment guard;
+  environment_->update(data_->group, *data_->work, 1u);
+}
+
+const std::vector<BodyState>& Simulation::bodies() const {
+  touch();
+  return data_->work->lanes[0].state.bodies;
+}
+
+const BodyState& Simulation::body(const std::string& robot, const std::string& link) const {
+  const auto& robots = scenario().robots;
+  std::string known;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    known += (known.empty() ? "" : ", ") + robots[r].name;
+    if (robots[r].name != robot && !(robot.empty() && robots.size() == 1)) continue;
+    const int index = robots[r].model.find_link(link);
+    if (index < 0) {
+      std::string links;
+      for (const Link& l : robots[r].model.links) links += (links.empty() ? "" : ", ") + l.name;
+      throw Error("robot `" + robots[r].name + "` has no link `" + link + "`: there are " + links);
+    }
+    const int body = environment_->layout().robots[r].first_body +
+                     robots[r].model.links[static_cast<std::size_t>(index)].body;
+    return bodies()[static_cast<std::size_t>(body)];
+  }
+  throw Error("no robot `" + robot + "`: there are " + known);
+}
+
+namespace {
+std::vector<double> block_of(const StateGroup& group, Block block) {
+  std::vector<double> values(static_cast<std::size_t>(block.size));
+  group.gather(0, block, values.data());
+  return values;
+}
+}  // namespace
+
+std::vector<double> Simulation::rotor_speeds() const {
+  return block_of(data_->group, environment_->layout().rotor_speed);
+}
+std::vector<double> Simulation::rotor_commands() const {
+  return block_of(data_->group, environment_->layout().rotor_command);
+}
+std::vector<double> Simulation::commands() const {
+  return block_of(data_->group, environment_->layout().command);
+}
+std::vector<double> Simulation::actions() const {
+  return block_of(data_->group, environment_->layout().action);
+}
+std::vector<double> Simulation::sensors() const {
+  return block_of(data_->group, environment_->layout().sensors);
+}
+std::vector<double> Simulation::params() const {
+  return block_of(data_->group, environment_->layout().params);
+}
+
+std::vector<double> Simulation::goals() const {
+  touch();
+  std::vector<double> out;
+  environment_->goal(data_->group, *data_->work, 0, out);
+  return out;
+}
+
+double Simulation::param(const std::string& path) const {
+  const int index = environment_->layout().find_param(path);
+  if (index < 0) throw Error("nothing randomizable is called `" + path + "`");
+  return data_->group.reals(environment_->layout().params.offset + index)[0];
+}
+
+void Simulation::set_param(const std::string& path, double value) {
+  const int index = environment_->layout().find_param(path);
+  if (index < 0) throw Error("nothing randomizable is called `" + path + "`");
+  const EnvParam& info = environment_->layout().param_info[static_cast<std::size_t>(index)];
+  if (!(value >= info.min && value <= info.max)) {
+    throw Error(path + " = " + std::to_string(value) + " is outside [" + std::to_string(info.min) + ", " +
+                std::to_string(info.max) + "] " + info.unit);
+  }
+  data_->group.reals(environment_->layout().params.offset + index)[0] = value;
+}
+
+void Simulation::randomize() {
+  const FpEnvironment guard;
+  environment_->randomize(data_->group, *data_->work, 1u);
+}
+
+Snapshot Simulation::save() const {
+  Snapshot s;
+  s.scenario_hash = scenario().hash;
+  s.words = data_->group.save(0);
+  s.observation = data_->observation;
+  s.reward = data_->reward;
+  s.trajectory = data_->chain;
+  s.started = data_->started;
+  return s;
+}
+
+void Simulation::restore(const Snapshot& snapshot) {
+  if (snapshot.scenario_hash != scenario().hash ||
+      static_cast<int>(snapshot.words.size()) != environment_->layout().words) {
+    throw Error("this snapshot is of another scenario than " + scenario().file +
+                ": restore it where it was saved");
+  }
+  data_->group.restore(0, snapshot.words);
+  data_->status = data_->group.bits(kStatus)[0];
+  data_->observation = snapshot.observation;
+  data_->reward = snapshot.reward;
+  data_->chain = snapshot.trajectory;
+  data_->started = snapshot.started;
+}
+
+Simulation Simulation::fork(bool rekey) {
+  std::uint64_t& forks = data_->group.bits(kForks)[0];
+  if (rekey) ++forks;
+  Simulation copy(environment_, 0, 0);
+  copy.restore(save());
+  if (rekey) {
+    // A key of its own: the parent's key and how many such copies it has made decide it.
+    HashChain key;
+    key.update(data_->group.bits(kStreamEnv)[0]);
+    key.update(forks);
+    copy.data_->group.bits(kStreamEnv)[0] = key.value();
+    copy.data_->group.bits(kForks)[0] = 0;
+  }
+  return copy;
+}
+
+std::uint64_t Simulation::hash() const { return data_->chain.value(); }
+
+}  // namespace skybody

@@ -1,0 +1,33 @@
+// The two kinds of failure: the user's, and our own.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace skybody {
+
+/// An error that the user can mend. Its message has the value, the allowed range and the remedy:
+/// "action_repeat is 0; allowed: 1..1000; set task.action_repeat".
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+namespace detail {
+/// @throws std::logic_error always.
+[[noreturn]] inline void fail_demand(const char* file, int line, const char* condition,
+                                     const std::string& message) {
+  throw std::logic_error(std::string(file) + ":" + std::to_string(line) + ": " + message +
+                         " (demanded: " + condition +
+                         "); this is a bug in Skybody, please report it");
+}
+}  // namespace detail
+
+}  // namespace skybody
+
+/// States what must hold unless Skybody itself is wrong. Always on.
+/// @throws std::logic_error with file, line and message where the condition is false.
+#define SKYBODY_DEMAND(condition, message) \
+  (static_cast<bool>(condition)            \
+       ? static_cast<void>(0)              \
+       : ::skybody::detail::fail_demand(__FILE__, __LINE__, #condition, (message)))

@@ -1,0 +1,91 @@
+// The trajectory hash: an order-dependent chain over 64-bit words.
+// Algorithm: per word one xor and two odd multiplications with shifts between (the mixing steps of
+// MurmurHash3's fmix64, Austin Appleby, public domain), so each word is taken in by a bijection of
+// the state: two inputs that differ in one word never collide. Not cryptographic.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+namespace skybody {
+
+/// Hashes words in order; equal sequences give equal values on every machine.
+class HashChain {
+ public:
+  HashChain() = default;
+  /// Chains of different seeds are unrelated.
+  explicit HashChain(std::uint64_t seed) { update(seed); }
+
+  void update(std::uint64_t word) {
+    state_ = (state_ ^ word) * kFirst;
+    state_ = (state_ ^ (state_ >> 32)) * kSecond;
+    state_ ^= state_ >> 29;
+    ++count_;
+  }
+  /// The bits of a double: -0 and +0 differ.
+  void update(double value) {
+    std::uint64_t word;
+    std::memcpy(&word, &value, sizeof(word));
+    update(word);
+  }
+  /// n consecutive words.
+  void update(const std::uint64_t* words, std::size_t n) { update(words, n, 1); }
+  /// n words that lie `stride` words apart.
+  void update(const std::uint64_t* words, std::size_t n, std::size_t stride) {
+    for (std::size_t i = 0; i < n; ++i) update(words[i * stride]);
+  }
+  void update(const double* values, std::size_t n) { update(values, n, 1); }
+  void update(const double* values, std::size_t n, std::size_t stride) {
+    for (std::size_t i = 0; i < n; ++i) update(values[i * stride]);
+  }
+
+  /// The hash of everything so far; the chain may go on afterwards.
+  std::uint64_t value() const {
+    std::uint64_t h = state_ ^ (count_ * kFirst);
+    h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdull;
+    h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ull;
+    return h ^ (h >> 33);
+  }
+
+ private:
+  static constexpr std::uint64_t kFirst = 0x9e3779b97f4a7c15ull;   // 2^64 / golden ratio, odd
+  static constexpr std::uint64_t kSecond = 0xd6e8feb86659fd93ull;  // Pelle Evensen's rrmxmx
+  std::uint64_t state_ = 0x243f6a8885a308d3ull;                    // fraction of pi
+  std::uint64_t count_ = 0;
+};
+
+/// One value from two, in order.
+inline std::uint64_t combine(std::uint64_t first, std::uint64_t second) {
+  HashChain chain;
+  chain.update(first);
+  chain.update(second);
+  return chain.value();
+}
+
+/// The hash of n bytes: whole words as the machine (little endian) reads them, the rest padded
+/// with zeros, then the length.
+inline std::uint64_t hash_bytes(const void* bytes, std::size_t n) {
+  const unsigned char* p = static_cast<const unsigned char*>(bytes);
+  HashChain chain;
+  for (std::size_t i = 0; i < n; i += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, p + i, n - i < 8 ? n - i : 8);
+    chain.update(word);
+  }
+  chain.update(static_cast<std::uint64_t>(n));
+  return chain.value();
+}
+inline std::uint64_t hash_string(const std::string& text) {
+  return hash_bytes(text.data(), text.size());
+}
+
+/// Exactly 16 lower-case hexadecimal digits.
+inline std::string to_hex(std::uint64_t value) {
+  std::string digits(16, '0');
+  for (int i = 15; i >= 0; --i, value >>= 4) digits[i] = "0123456789abcdef"[value & 15];
+  return digits;
+}
+
+}  // namespace skybody

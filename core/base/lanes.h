@@ -1,0 +1,108 @@
+// The storage behind packs: one native vector of W doubles, signed or unsigned 64-bit words.
+// Needs: GCC's (or Clang's) vector extensions on x86-64. Use core/base/pack.h; this file is its
+// lower half.
+#pragma once
+
+#include <emmintrin.h>
+
+#include <cstdint>
+#include <cstring>
+
+/// Inlines into every caller at every optimisation level, so that a pack operation takes the
+/// instruction set of the function that uses it (`__attribute__((target(...), flatten))`). That set
+/// must contain the file's own -march: compile files that hold variants for the lowest one.
+#define SKYBODY_INLINE inline __attribute__((always_inline))
+
+namespace skybody {
+namespace lanes {
+
+/// Native vectors of W lanes. Only W = 2, 4 and 8 exist: the widths of x86-64-v2, v3 and v4.
+template <int W>
+struct Native;
+
+template <>
+struct Native<2> {
+  typedef double Reals __attribute__((vector_size(16)));
+  typedef std::int64_t Ints __attribute__((vector_size(16)));
+  typedef std::uint64_t Words __attribute__((vector_size(16)));
+  static constexpr Words kIota = {0, 1};
+};
+
+template <>
+struct Native<4> {
+  typedef double Reals __attribute__((vector_size(32)));
+  typedef std::int64_t Ints __attribute__((vector_size(32)));
+  typedef std::uint64_t Words __attribute__((vector_size(32)));
+  static constexpr Words kIota = {0, 1, 2, 3};
+};
+
+template <>
+struct Native<8> {
+  typedef double Reals __attribute__((vector_size(64)));
+  typedef std::int64_t Ints __attribute__((vector_size(64)));
+  typedef std::uint64_t Words __attribute__((vector_size(64)));
+  static constexpr Words kIota = {0, 1, 2, 3, 4, 5, 6, 7};
+};
+
+using Reals2 = Native<2>::Reals;
+using Reals4 = Native<4>::Reals;
+using Reals8 = Native<8>::Reals;
+
+// Results come back through a reference: returning a wide vector in a file compiled for a narrower
+// set draws -Wpsabi, though nothing here is ever called.
+SKYBODY_INLINE void split(const Reals4& v, Reals2& low, Reals2& high) {
+  low = __builtin_shufflevector(v, v, 0, 1);
+  high = __builtin_shufflevector(v, v, 2, 3);
+}
+SKYBODY_INLINE void split(const Reals8& v, Reals4& low, Reals4& high) {
+  low = __builtin_shufflevector(v, v, 0, 1, 2, 3);
+  high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
+}
+
+/// Correctly rounded square roots by SSE2's sqrtpd, two lanes at a time. Wider forms have the same
+/// throughput per lane on every x86-64 so far, and an intrinsic of a wider set could not be used in
+/// code that is compiled for a lower one.
+SKYBODY_INLINE void sqrt(const Reals2& v, Reals2& root) {
+  root = reinterpret_cast<Reals2>(_mm_sqrt_pd(reinterpret_cast<__m128d>(v)));
+}
+SKYBODY_INLINE void sqrt(const Reals4& v, Reals4& root) {
+  Reals2 low, high;
+  split(v, low, high);
+  sqrt(low, low);
+  sqrt(high, high);
+  root = __builtin_shufflevector(low, high, 0, 1, 2, 3);
+}
+SKYBODY_INLINE void sqrt(const Reals8& v, Reals8& root) {
+  Reals4 low, high;
+  split(v, low, high);
+  sqrt(low, low);
+  sqrt(high, high);
+  root = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/// Bit i of the result is the sign bit of lane i.
+SKYBODY_INLINE std::uint32_t sign_bits(const Reals2& v) {
+  return static_cast<std::uint32_t>(_mm_movemask_pd(reinterpret_cast<__m128d>(v)));
+}
+SKYBODY_INLINE std::uint32_t sign_bits(const Reals4& v) {
+  Reals2 low, high;
+  split(v, low, high);
+  return sign_bits(low) | sign_bits(high) << 2;
+}
+SKYBODY_INLINE std::uint32_t sign_bits(const Reals8& v) {
+  Reals4 low, high;
+  split(v, low, high);
+  return sign_bits(low) | sign_bits(high) << 4;
+}
+
+/// Copies the bits of `from` into a value of type To of the same size (std::bit_cast is C++20's).
+template <class To, class From>
+SKYBODY_INLINE To copy_bits(const From& from) {
+  static_assert(sizeof(To) == sizeof(From), "copy_bits: both types need the same size");
+  To to;
+  std::memcpy(&to, &from, sizeof(To));
+  return to;
+}
+
+}  // namespace lanes
+}  // namespace skybody

@@ -1,0 +1,225 @@
+// Packs: W environments' values of one quantity, computed together. Code written as a template on
+// `Real` compiles for double and for Pack<W> and gives the same bits in each lane.
+//
+// What authors use: arithmetic and comparisons as for double; `select(mask, a, b)` instead of
+// `if`; `any`, `all`, `none` of a mask. Comparisons give MaskOf<Real>: bool, or Mask<W>.
+// Every operation is one IEEE 754 double operation per lane, in the order written. The payload and
+// sign of a NaN are the only bits that may differ between double and packs.
+#pragma once
+
+#include <type_traits>
+
+#include "core/base/lanes.h"
+
+namespace skybody {
+
+template <int W>
+struct Pack;
+template <int W>
+struct WordPack;
+
+/// The truth of a comparison in each of W lanes: all bits of a lane set, or none.
+template <int W>
+struct Mask {
+  using Native = typename lanes::Native<W>::Ints;
+  Native v;
+
+  Mask() = default;
+  SKYBODY_INLINE explicit Mask(const Native& native) : v(native) {}
+  /// The same truth value in every lane.
+  SKYBODY_INLINE Mask(bool all_lanes) : v(Native{} - static_cast<std::int64_t>(all_lanes)) {}
+
+  /// Fails to compile, with the remedy in the message: lanes may disagree, so there is no one way.
+  template <class Bool = bool, class = std::enable_if_t<std::is_same<Bool, bool>::value>>
+  explicit operator Bool() const {
+    static_assert(!std::is_same<Bool, bool>::value,
+                  "a branch on lanes: use skybody::select(mask, a, b) instead of if");
+    return false;
+  }
+
+  friend SKYBODY_INLINE Mask operator&(const Mask& a, const Mask& b) { return Mask(a.v & b.v); }
+  friend SKYBODY_INLINE Mask operator|(const Mask& a, const Mask& b) { return Mask(a.v | b.v); }
+  friend SKYBODY_INLINE Mask operator^(const Mask& a, const Mask& b) { return Mask(a.v ^ b.v); }
+  friend SKYBODY_INLINE Mask operator!(const Mask& a) { return Mask(~a.v); }
+  /// As & and |: both sides are evaluated. They exist so that conditions written for double
+  /// compile.
+  friend SKYBODY_INLINE Mask operator&&(const Mask& a, const Mask& b) { return a & b; }
+  friend SKYBODY_INLINE Mask operator||(const Mask& a, const Mask& b) { return a | b; }
+  SKYBODY_INLINE Mask& operator&=(const Mask& b) { return *this = *this & b; }
+  SKYBODY_INLINE Mask& operator|=(const Mask& b) { return *this = *this | b; }
+
+  /// Per lane: a where the mask is set, else b.
+  friend SKYBODY_INLINE Pack<W> select(const Mask& mask, const Pack<W>& a, const Pack<W>& b) {
+    using Reals = typename lanes::Native<W>::Reals;
+    const Native x = reinterpret_cast<Native>(a.v), y = reinterpret_cast<Native>(b.v);
+    return Pack<W>(reinterpret_cast<Reals>((x & mask.v) | (y & ~mask.v)));
+  }
+  friend SKYBODY_INLINE WordPack<W> select(const Mask& mask, const WordPack<W>& a,
+                                           const WordPack<W>& b) {
+    using Words = typename lanes::Native<W>::Words;
+    const Words m = reinterpret_cast<Words>(mask.v);
+    return WordPack<W>((a.v & m) | (b.v & ~m));
+  }
+  friend SKYBODY_INLINE Mask select(const Mask& mask, const Mask& a, const Mask& b) {
+    return (a & mask) | (b & !mask);
+  }
+};
+
+/// W unsigned 64-bit words; arithmetic is modulo 2^64.
+template <int W>
+struct WordPack {
+  using Native = typename lanes::Native<W>::Words;
+  Native v;
+
+  WordPack() = default;
+  SKYBODY_INLINE explicit WordPack(const Native& native) : v(native) {}
+  /// The same word in every lane.
+  template <class Integer, class = std::enable_if_t<std::is_integral<Integer>::value>>
+  SKYBODY_INLINE WordPack(Integer all_lanes)
+      : v(Native{} + static_cast<std::uint64_t>(all_lanes)) {}
+
+#define SKYBODY_WORD_OPERATOR(op)                                                    \
+  friend SKYBODY_INLINE WordPack operator op(const WordPack& a, const WordPack& b) { \
+    return WordPack(a.v op b.v);                                                     \
+  }                                                                                  \
+  SKYBODY_INLINE WordPack& operator op##=(const WordPack& b) { return *this = *this op b; }
+  SKYBODY_WORD_OPERATOR(+)
+  SKYBODY_WORD_OPERATOR(-)
+  SKYBODY_WORD_OPERATOR(*)
+  SKYBODY_WORD_OPERATOR(&)
+  SKYBODY_WORD_OPERATOR(|)
+  SKYBODY_WORD_OPERATOR(^)
+#undef SKYBODY_WORD_OPERATOR
+  friend SKYBODY_INLINE WordPack operator~(const WordPack& a) { return WordPack(~a.v); }
+  /// Shifts every lane by the same count, 0 <= count < 64.
+  friend SKYBODY_INLINE WordPack operator<<(const WordPack& a, int n) { return WordPack(a.v << n); }
+  friend SKYBODY_INLINE WordPack operator>>(const WordPack& a, int n) { return WordPack(a.v >> n); }
+
+#define SKYBODY_WORD_COMPARISON(op)                                                 \
+  friend SKYBODY_INLINE Mask<W> operator op(const WordPack& a, const WordPack& b) { \
+    return Mask<W>(a.v op b.v);                                                     \
+  }
+  SKYBODY_WORD_COMPARISON(==)
+  SKYBODY_WORD_COMPARISON(!=)
+  SKYBODY_WORD_COMPARISON(<)
+  SKYBODY_WORD_COMPARISON(>)
+  SKYBODY_WORD_COMPARISON(<=)
+  SKYBODY_WORD_COMPARISON(>=)
+#undef SKYBODY_WORD_COMPARISON
+};
+
+/// W doubles, one per environment of a lane group.
+template <int W>
+struct Pack {
+  using Native = typename lanes::Native<W>::Reals;
+  Native v;
+
+  Pack() = default;
+  SKYBODY_INLINE explicit Pack(const Native& native) : v(native) {}
+  /// The same value in every lane. Subtracting +0 leaves every double as it is, -0 too.
+  SKYBODY_INLINE Pack(double all_lanes) : v(all_lanes - Native{}) {}
+
+#define SKYBODY_REAL_OPERATOR(op)                                        \
+  friend SKYBODY_INLINE Pack operator op(const Pack& a, const Pack& b) { \
+    return Pack(a.v op b.v);                                             \
+  }                                                                      \
+  SKYBODY_INLINE Pack& operator op##=(const Pack& b) { return *this = *this op b; }
+  SKYBODY_REAL_OPERATOR(+)
+  SKYBODY_REAL_OPERATOR(-)
+  SKYBODY_REAL_OPERATOR(*)
+  SKYBODY_REAL_OPERATOR(/)
+#undef SKYBODY_REAL_OPERATOR
+  friend SKYBODY_INLINE Pack operator-(const Pack& a) { return Pack(-a.v); }
+  friend SKYBODY_INLINE Pack operator+(const Pack& a) { return a; }
+
+#define SKYBODY_REAL_COMPARISON(op)                                         \
+  friend SKYBODY_INLINE Mask<W> operator op(const Pack& a, const Pack& b) { \
+    return Mask<W>(a.v op b.v);                                             \
+  }
+  SKYBODY_REAL_COMPARISON(==)
+  SKYBODY_REAL_COMPARISON(!=)
+  SKYBODY_REAL_COMPARISON(<)
+  SKYBODY_REAL_COMPARISON(>)
+  SKYBODY_REAL_COMPARISON(<=)
+  SKYBODY_REAL_COMPARISON(>=)
+#undef SKYBODY_REAL_COMPARISON
+};
+
+/// What belongs to a Real: its mask, its word, its number of lanes.
+template <class Real>
+struct RealTraits;
+template <>
+struct RealTraits<double> {
+  using Mask = bool;
+  using Word = std::uint64_t;
+  static constexpr int kLanes = 1;
+};
+template <int W>
+struct RealTraits<Pack<W>> {
+  using Mask = skybody::Mask<W>;
+  using Word = WordPack<W>;
+  static constexpr int kLanes = W;
+};
+
+/// bool for double, Mask<W> for Pack<W>.
+template <class Real>
+using MaskOf = typename RealTraits<Real>::Mask;
+/// std::uint64_t for double, WordPack<W> for Pack<W>.
+template <class Real>
+using Word = typename RealTraits<Real>::Word;
+/// 1 for double, W for Pack<W>.
+template <class Real>
+constexpr int kLanesOf = RealTraits<Real>::kLanes;
+
+SKYBODY_INLINE double select(bool mask, double a, double b) { return mask ? a : b; }
+SKYBODY_INLINE std::uint64_t select(bool mask, std::uint64_t a, std::uint64_t b) {
+  return mask ? a : b;
+}
+SKYBODY_INLINE bool select(bool mask, bool a, bool b) { return mask ? a : b; }
+
+/// Connectives that read the same for bool and Mask; all sides are evaluated.
+SKYBODY_INLINE bool logical_and(bool a, bool b) { return a & b; }
+SKYBODY_INLINE bool logical_or(bool a, bool b) { return a | b; }
+SKYBODY_INLINE bool logical_not(bool a) { return !a; }
+template <int W>
+SKYBODY_INLINE Mask<W> logical_and(const Mask<W>& a, const Mask<W>& b) {
+  return a & b;
+}
+template <int W>
+SKYBODY_INLINE Mask<W> logical_or(const Mask<W>& a, const Mask<W>& b) {
+  return a | b;
+}
+template <int W>
+SKYBODY_INLINE Mask<W> logical_not(const Mask<W>& a) {
+  return !a;
+}
+
+/// Bit i of the result is lane i of the mask.
+SKYBODY_INLINE std::uint32_t bits_from_mask(bool mask) { return mask; }
+template <int W>
+SKYBODY_INLINE std::uint32_t bits_from_mask(const Mask<W>& mask) {
+  return lanes::sign_bits(reinterpret_cast<typename lanes::Native<W>::Reals>(mask.v));
+}
+
+SKYBODY_INLINE bool any(bool mask) { return mask; }
+SKYBODY_INLINE bool all(bool mask) { return mask; }
+SKYBODY_INLINE bool none(bool mask) { return !mask; }
+/// Whether at least one lane is set.
+template <int W>
+SKYBODY_INLINE bool any(const Mask<W>& mask) {
+  return bits_from_mask(mask) != 0;
+}
+/// Whether every lane is set.
+template <int W>
+SKYBODY_INLINE bool all(const Mask<W>& mask) {
+  return bits_from_mask(mask) == (1u << W) - 1u;
+}
+/// Whether no lane is set.
+template <int W>
+SKYBODY_INLINE bool none(const Mask<W>& mask) {
+  return bits_from_mask(mask) == 0;
+}
+
+}  // namespace skybody
+
+#include "core/base/pack_memory.h"  // IWYU pragma: export

@@ -1,0 +1,90 @@
+// Vectors of three on Real. Sums run x, y, z from the left.
+#pragma once
+
+#include "core/base/math_basic.h"
+
+namespace skybody {
+
+/// A vector of three components; unit and frame are its owner's to say.
+template <class Real>
+struct Vec3 {
+  Real x, y, z;
+
+  SKYBODY_INLINE Vec3& operator+=(const Vec3& b) {
+    x += b.x;
+    y += b.y;
+    z += b.z;
+    return *this;
+  }
+  SKYBODY_INLINE Vec3& operator-=(const Vec3& b) {
+    x -= b.x;
+    y -= b.y;
+    z -= b.z;
+    return *this;
+  }
+  SKYBODY_INLINE Vec3& operator*=(const Real& s) {
+    x *= s;
+    y *= s;
+    z *= s;
+    return *this;
+  }
+
+  friend SKYBODY_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
+  friend SKYBODY_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+  }
+  friend SKYBODY_INLINE Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
+  friend SKYBODY_INLINE Vec3 operator*(const Vec3& a, const Real& s) {
+    return {a.x * s, a.y * s, a.z * s};
+  }
+  friend SKYBODY_INLINE Vec3 operator*(const Real& s, const Vec3& a) {
+    return {a.x * s, a.y * s, a.z * s};
+  }
+  /// Three divisions: a / s rounds differently from a * (1 / s).
+  friend SKYBODY_INLINE Vec3 operator/(const Vec3& a, const Real& s) {
+    return {a.x / s, a.y / s, a.z / s};
+  }
+};
+
+/// (a.x b.x + a.y b.y) + a.z b.z
+template <class Real>
+SKYBODY_INLINE Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return (a.x * b.x + a.y * b.y) + a.z * b.z;
+}
+
+template <class Real>
+SKYBODY_INLINE Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Component by component.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> multiply_elements(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+template <class Real>
+SKYBODY_INLINE Real squared_norm(const Vec3<Real>& a) {
+  return dot(a, a);
+}
+template <class Real>
+SKYBODY_INLINE Real norm(const Vec3<Real>& a) {
+  return sqrt(dot(a, a));
+}
+
+/// a where the mask is set, else b.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> select(const MaskOf<Real>& mask, const Vec3<Real>& a,
+                                 const Vec3<Real>& b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+
+/// Where all three components are finite.
+template <class Real>
+SKYBODY_INLINE MaskOf<Real> is_finite(const Vec3<Real>& a) {
+  return logical_and(logical_and(is_finite(a.x), is_finite(a.y)), is_finite(a.z));
+}
+
+}  // namespace skybody

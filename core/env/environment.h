@@ -1,0 +1,111 @@
+// The transition contract for one world (paper eq. 3): immutable, shared by all environments of a
+// scenario. Steps lane groups of WorldState; holds none itself.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/hash.h"
+#include "core/env/plugin_instance.h"
+#include "core/env/state_group.h"
+#include "core/physics/world.h"
+
+namespace skybody {
+
+class GroupWork;
+
+/// Rows that a transition writes: one per lane, `*_stride` elements apart.
+struct Rows {
+  float* observation = nullptr;
+  int observation_stride = 0;
+  float* reward = nullptr;          ///< one per lane
+  std::uint64_t* status = nullptr;  ///< EpisodeStatus bits, one per lane
+};
+
+/// A robot's controllers and where their signals lie.
+struct ControllerChain {
+  int first = 0, count = 0;  ///< within Environment::controllers()
+  int command = 0;           ///< first word of the input within the command block
+  int action = 0;            ///< first value within the action row
+  int site = 0;              ///< first wrench site of the robot
+};
+
+/// One scenario, ready to step. Const methods are safe to call from several threads on different
+/// groups and works.
+class Environment {
+ public:
+  /// Configures the plugins and lays WorldState out.
+  /// @throws MarkedError with the scenario's line if a plugin refuses or signals do not fit
+  Environment(std::unique_ptr<World> world, PluginFactory& factory);
+  ~Environment();
+
+  const World& world() const { return *world_; }
+  const Layout& layout() const { return world_->layout; }
+  const Scenario& scenario() const { return world_->scenario; }
+  const std::vector<PluginInstance>& controllers() const { return controllers_; }
+  const std::vector<ControllerChain>& chains() const { return chains_; }
+  const std::vector<PluginInstance>& sensors() const { return sensors_; }
+  const std::vector<PluginInstance>& randomizers() const { return randomizers_; }
+  const PluginInstance& task() const { return task_; }
+  int action_size() const { return layout().action.size; }
+  int observation_size() const { return task_.channel_count(); }
+
+  StateGroup make_state(int lanes) const { return {layout().words, lanes}; }
+  /// Scratch for one group: steppers and buffers. Results never depend on which groups it served.
+  std::unique_ptr<GroupWork> make_work(int lanes) const;
+
+  /// Puts one lane at the beginning: nominal parameters, episode 0, the given random key. A reset
+  /// must follow.
+  void initialize(StateGroup& group, int lane, std::uint64_t seed, std::uint64_t stream_env) const;
+
+  /// Begins the next episode of the lanes in `mask`; writes their first observation, reward 0.
+  void reset(StateGroup& group, GroupWork& work, std::uint32_t mask, const Rows& rows) const;
+
+  /// One transition of the lanes in `mask`: exactly K physics steps, unless a fault ends the episode.
+  /// @param actions  row of lane l at actions + l * action_stride, each in [-1, 1] (clipped)
+  void step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
+            int action_stride, const Rows& rows) const;
+
+  /// Draws from all randomizers now, whatever their schedule; episode and motion go on.
+  void randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
+
+  /// Makes the work's bodies and sensors' view current after WorldState was changed from outside.
+  void update(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
+
+  /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
+  void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
+
+  /// Adds one transition of a lane to a trajectory hash: state words, observation, reward, status.
+  void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;
+
+ private:
+  struct Builder;
+  void act(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions, int stride) const;
+  void control(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void actuate(StateGroup&, std::uint32_t mask, const PluginInstance& last,
+               const ControllerChain& chain, const double* output) const;
+  void advance(StateGroup&, GroupWork&, std::uint32_t& mask) const;
+  void sense(StateGroup&, GroupWork&, std::uint32_t mask, bool all) const;
+  void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
+  void evaluate(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void start(StateGroup&, std::uint32_t mask) const;
+  void draw(StateGroup&, GroupWork&, std::uint32_t mask, bool requested) const;
+  void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
+  void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
+  void remember_bodies(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void show_bodies(const StateGroup&, GroupWork&, int lane) const;
+  SkybodyLanes view(StateGroup&, GroupWork&, std::uint32_t mask) const;
+
+  std::unique_ptr<World> world_;
+  std::vector<PluginInstance> controllers_, sensors_, randomizers_;
+  std::vector<ControllerChain> chains_;
+  PluginInstance task_;
+  bool needs_bodies_before_ = false;
+  int scratch_size_ = 0;  ///< of the widest signal between two controllers
+  std::vector<double> initial_;  ///< default values of the q, u, rotor_speed and params blocks
+};
+
+}  // namespace skybody

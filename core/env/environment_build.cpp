@@ -1,0 +1,344 @@
+// Building an Environment: parameters of plugins join WorldState, plugins are configured, signals
+// are checked, and every block gets its place.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+#include "core/env/setup_tables.h"
+#include "core/model/marked_error.h"
+#include "core/physics/default_state.h"
+
+namespace skybody {
+namespace {
+
+/// A plugin use with its values in C form.
+struct BoundUse {
+  const PluginUse* use = nullptr;
+  SkybodyKind kind = SKYBODY_CONTROLLER;
+  int robot = -1;
+  std::string path;  ///< of its parameters, such as robots.quad.controllers.rate_pd
+  std::vector<std::vector<const char*>> texts;
+  std::vector<SkybodyValue> values;
+};
+
+bool drives(int signal) { return signal == SKYBODY_VELOCITY || signal == SKYBODY_POSE; }
+
+bool actuates(int signal) {
+  return signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_WRENCH || drives(signal);
+}
+
+void place(Block& block, int& offset) {
+  block.offset = offset;
+  offset += block.size;
+}
+
+}  // namespace
+
+struct Environment::Builder {
+  Environment& env;
+  World& world;
+  PluginFactory& factory;
+  std::vector<BoundUse> uses;
+
+  Builder(Environment& e, PluginFactory& f) : env(e), world(*e.world_), factory(f) {}
+
+  void build() {
+    collect_uses();
+    for (BoundUse& use : uses) add_params(use);
+    SetupTables tables(world);
+    configure_kind(SKYBODY_SENSOR, tables);
+    configure_kind(SKYBODY_CONTROLLER, tables);
+    connect_controllers(tables);
+    configure_kind(SKYBODY_RANDOMIZER, tables);
+    check_writers();
+    configure_kind(SKYBODY_TASK, tables);
+    check_task();
+    lay_out();
+    remember_start();
+  }
+
+  void collect_uses() {
+    const Scenario& s = world.scenario;
+    for (const PluginUse& use : s.sensors) {
+      uses.push_back({&use, SKYBODY_SENSOR, -1, "sensors." + use.instance, {}, {}});
+    }
+    for (int r = 0; r < static_cast<int>(s.robots.size()); ++r) {
+      const RobotUse& robot = s.robots[static_cast<std::size_t>(r)];
+      for (const PluginUse& use : robot.controllers) {
+        uses.push_back({&use, SKYBODY_CONTROLLER, r,
+                        "robots." + robot.name + ".controllers." + use.instance, {}, {}});
+      }
+    }
+    for (const PluginUse& use : s.randomization) {
+      uses.push_back({&use, SKYBODY_RANDOMIZER, -1, "randomization." + use.instance, {}, {}});
+    }
+    uses.push_back({&s.task, SKYBODY_TASK, -1, "task", {}, {}});
+  }
+
+  /// Randomizable parameters become EnvParams; all become SkybodyValues.
+  void add_params(BoundUse& bound) {
+    std::map<std::string, PluginFactory::Randomizable> randomizable;
+    for (auto& r : factory.randomizable(bound.kind, bound.use->plugin)) randomizable[r.name] = r;
+    bound.texts.reserve(bound.use->parameters.size());
+    for (const ParameterValue& p : bound.use->parameters) {
+      SkybodyValue value{};
+      value.env_param = -1;
+      value.numbers = p.numbers.data();
+      auto& texts = bound.texts.emplace_back();
+      for (const std::string& t : p.texts) texts.push_back(t.c_str());
+      value.texts = texts.data();
+      value.count =
+          static_cast<std::uint32_t>(p.type == ParameterType::kText ? texts.size() : p.numbers.size());
+      const auto found = randomizable.find(p.name);
+      if (found != randomizable.end() && !p.numbers.empty()) {
+        value.env_param = add_env_params(bound.path + "." + p.name, p.numbers, found->second);
+      }
+      bound.values.push_back(value);
+    }
+  }
+
+  int add_env_params(const std::string& path, const std::vector<double>& numbers,
+                     const PluginFactory::Randomizable& spec) {
+    std::vector<EnvParam>& info = world.layout.param_info;
+    const int first = static_cast<int>(info.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const std::string name = numbers.size() == 1 ? path : path + "[" + std::to_string(i) + "]";
+      info.push_back({name, spec.unit, numbers[i], spec.min, spec.max});
+    }
+    return first;
+  }
+
+  void configure_kind(SkybodyKind kind, SetupTables& tables) {
+    for (const BoundUse& bound : uses) {
+      if (bound.kind != kind) continue;
+      PluginInstance made = configure(bound, tables);
+      env.needs_bodies_before_ |= made.needs_bodies_before;
+      if (kind == SKYBODY_SENSOR) {
+        made.output = world.layout.sensors.size;
+        world.layout.sensors.size += made.channel_count();
+        tables.add_sensor(made);
+        env.sensors_.push_back(std::move(made));
+      } else if (kind == SKYBODY_CONTROLLER) {
+        env.controllers_.push_back(std::move(made));
+      } else if (kind == SKYBODY_RANDOMIZER) {
+        env.randomizers_.push_back(std::move(made));
+      } else {
+        env.task_ = std::move(made);
+      }
+    }
+  }
+
+  PluginInstance configure(const BoundUse& bound, const SetupTables& tables) {
+    PluginInstance made;
+    made.kind = bound.kind;
+    made.name = bound.use->instance;
+    made.plugin = bound.use->plugin;
+    made.robot = bound.robot;
+    const SkybodyDeclare declare = declare_into(made);
+    const SkybodySetup setup = tables.setup(bound.path, bound.robot, bound.values);
+    try {
+      PluginFactory::Made result = factory.make(bound.kind, bound.use->plugin, setup, declare);
+      made.self = std::move(result.self);
+      made.kernels = result.kernels;
+      made.state_words = static_cast<int>(result.plugin->state_words);
+    } catch (const Error& e) {
+      throw MarkedError(bound.use->mark, e.what());
+    }
+    return made;
+  }
+
+  [[noreturn]] void refuse(int controller, const std::string& message) const {
+    int i = 0;
+    for (const BoundUse& bound : uses) {
+      if (bound.kind == SKYBODY_CONTROLLER && i++ == controller) {
+        throw MarkedError(bound.use->mark, message);
+      }
+    }
+    throw MarkedError({world.scenario.file, 0, 0}, message);
+  }
+
+  /// Chains the controllers of each robot and gives commands, actions, sites and drives their places.
+  void connect_controllers(SetupTables& tables) {
+    int next = 0;
+    world.drives.assign(world.scenario.robots.size(), DriveKind::kNone);
+    for (int r = 0; r < static_cast<int>(world.scenario.robots.size()); ++r) {
+      ControllerChain chain;
+      chain.first = next;
+      chain.count =
+          static_cast<int>(world.scenario.robots[static_cast<std::size_t>(r)].controllers.size());
+      chain.command = world.layout.command.size;
+      chain.action = world.layout.action.size;
+      chain.site = static_cast<int>(world.sites.size());
+      for (int i = 0; i < chain.count; ++i) check_link(chain, i);
+      if (chain.count > 0) add_chain(r, chain, tables);
+      env.chains_.push_back(chain);
+      next += chain.count;
+    }
+  }
+
+  void check_link(const ControllerChain& chain, int i) {
+    const int index = chain.first + i;
+    const PluginInstance& c = env.controllers_[static_cast<std::size_t>(index)];
+    if (c.input_count() == 0) refuse(index, "controller `" + c.name + "` declares no input");
+    if (i + 1 == chain.count) {
+      if (!actuates(c.output_signal)) {
+        refuse(index, "the last controller, `" + c.name + "`, gives " + signal_name(c.output_signal) +
+                          "; it must give rotor_speed, wrench, velocity or pose: add a controller "
+                          "behind it that takes " + signal_name(c.output_signal));
+      }
+      check_actuator(index, c);
+      return;
+    }
+    const PluginInstance& after = env.controllers_[static_cast<std::size_t>(index + 1)];
+    if (after.input_signal != c.output_signal || after.input_count() != c.output_count) {
+      refuse(index + 1, "controller `" + after.name + "` takes " + signal_name(after.input_signal) + "[" +
+                            std::to_string(after.input_count()) + "], but `" + c.name +
+                            "` before it gives " + signal_name(c.output_signal) + "[" +
+                            std::to_string(c.output_count) + "]");
+    }
+  }
+
+  void check_actuator(int index, const PluginInstance& c) {
+    const int rotors = world.layout.robots[static_cast<std::size_t>(c.robot)].rotor_count;
+    const int expected = c.output_signal == SKYBODY_ROTOR_SPEED ? rotors
+                         : c.output_signal == SKYBODY_WRENCH    ? 6 * static_cast<int>(c.sites.size())
+                         : c.output_signal == SKYBODY_VELOCITY  ? 6
+                                                                : 7;
+    if (c.output_count != expected) {
+      refuse(index, "controller `" + c.name + "` gives " + signal_name(c.output_signal) + "[" +
+                        std::to_string(c.output_count) + "], this robot takes [" +
+                        std::to_string(expected) + "]");
+    }
+    const RobotModel& model = world.scenario.robots[static_cast<std::size_t>(c.robot)].model;
+    if (drives(c.output_signal) && model.fixed_base) {
+      refuse(index, "controller `" + c.name + "` drives the base, but robot `" +
+                        world.scenario.robots[static_cast<std::size_t>(c.robot)].name +
+                        "` has a fixed one");
+    }
+  }
+
+  void add_chain(int robot, const ControllerChain& chain, SetupTables& tables) {
+    const PluginInstance& first = env.controllers_[static_cast<std::size_t>(chain.first)];
+    const PluginInstance& last =
+        env.controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
+    const int inputs = first.input_count();
+    tables.set_command(robot, first.input_signal, chain.command, inputs, chain.action);
+    world.layout.command.size += inputs;
+    world.layout.action.size += inputs;
+    for (const WrenchSite& site : last.sites) world.sites.push_back(site);
+    if (last.output_signal == SKYBODY_VELOCITY) {
+      world.drives[static_cast<std::size_t>(robot)] = DriveKind::kVelocity;
+    } else if (last.output_signal == SKYBODY_POSE) {
+      world.drives[static_cast<std::size_t>(robot)] = DriveKind::kPose;
+    }
+    for (int i = 0; i < chain.count; ++i) {
+      const PluginInstance& c = env.controllers_[static_cast<std::size_t>(chain.first + i)];
+      env.scratch_size_ = std::max(env.scratch_size_, c.output_count);
+    }
+  }
+
+  void check_writers() const {
+    std::map<int, const PluginInstance*> writers;
+    for (std::size_t i = 0; i < env.randomizers_.size(); ++i) {
+      for (const int param : env.randomizers_[i].writes) {
+        const auto [it, fresh] = writers.emplace(param, &env.randomizers_[i]);
+        if (!fresh && it->second != &env.randomizers_[i]) {
+          throw MarkedError(world.scenario.randomization[i].mark,
+                            "randomizers `" + it->second->name + "` and `" + env.randomizers_[i].name +
+                                "` both draw " +
+                                world.layout.param_info[static_cast<std::size_t>(param)].path +
+                                ": leave it to one of them");
+        }
+      }
+    }
+  }
+
+  void check_task() const {
+    if (env.task_.channel_count() == 0) {
+      throw MarkedError(world.scenario.task.mark,
+                        "task `" + env.task_.name + "` declares no observation");
+    }
+  }
+
+  void lay_out() {
+    Layout& l = world.layout;
+    l.wrench.size = 6 * static_cast<int>(world.sites.size());
+    const bool driven = std::any_of(world.drives.begin(), world.drives.end(),
+                                    [](DriveKind d) { return d != DriveKind::kNone; });
+    l.drive.size = driven ? 13 * static_cast<int>(world.drives.size()) : 0;
+    l.bodies_before.size = env.needs_bodies_before_ ? 13 * static_cast<int>(world.bodies.size()) : 0;
+    l.params.size = static_cast<int>(l.param_info.size());
+    l.header.size = kHeaderSize;
+    l.last_observation.size = env.observation_size();
+    int offset = 0;
+    for (Block* block : {&l.header, &l.q, &l.u, &l.rotor_speed, &l.rotor_command, &l.wrench, &l.drive,
+                         &l.bodies_before, &l.params, &l.action, &l.command, &l.sensors}) {
+      place(*block, offset);
+    }
+    l.plugin_state.offset = offset;
+    for (auto* list : {&env.controllers_, &env.sensors_, &env.randomizers_}) {
+      for (PluginInstance& p : *list) place_state(p, offset);
+    }
+    place_state(env.task_, offset);
+    l.plugin_state.size = offset - l.plugin_state.offset;
+    place(l.last_observation, offset);
+    l.words = offset;
+  }
+
+  static void place_state(PluginInstance& p, int& offset) {
+    p.state = offset;
+    p.buffer = offset + p.state_words;
+    offset += p.state_words + p.buffer_words;
+  }
+
+  /// The values that every reset starts from.
+  void remember_start() {
+    LaneState start;
+    write_default_state(world, start);
+    start.params.resize(world.layout.param_info.size());
+    for (std::size_t i = 0; i < start.params.size(); ++i) {
+      start.params[i] = world.layout.param_info[i].nominal;
+    }
+    for (const auto* values : {&start.q, &start.u, &start.rotor_speed, &start.params}) {
+      env.initial_.insert(env.initial_.end(), values->begin(), values->end());
+    }
+  }
+};
+
+Environment::Environment(std::unique_ptr<World> world, PluginFactory& factory)
+    : world_(std::move(world)) {
+  Builder(*this, factory).build();
+}
+
+Environment::~Environment() = default;
+
+std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
+  auto work = std::make_unique<GroupWork>();
+  const auto n = static_cast<std::size_t>(lanes);
+  const Layout& l = layout();
+  work->lanes.resize(n);
+  for (GroupWork::Lane& lane : work->lanes) {
+    LaneState& s = lane.state;
+    const auto sized = [](Block b) { return std::vector<double>(static_cast<std::size_t>(b.size)); };
+    s.q = sized(l.q);
+    s.u = sized(l.u);
+    s.rotor_speed = sized(l.rotor_speed);
+    s.rotor_command = sized(l.rotor_command);
+    s.wrench = sized(l.wrench);
+    s.drive = sized(l.drive);
+    s.params = sized(l.params);
+    s.bodies.resize(world_->bodies.size());
+  }
+  work->bodies.resize(13 * world_->bodies.size() * n);
+  for (auto& signal : work->signal) signal.resize(static_cast<std::size_t>(scratch_size_) * n);
+  work->observation.resize(static_cast<std::size_t>(observation_size()) * n);
+  work->reward.resize(n);
+  work->end.resize(n);
+  return work;
+}
+
+}  // namespace skybody

@@ -1,0 +1,127 @@
+// Beginning an episode: the scenario's start, randomizers, then task, sensors, first observation.
+#include <algorithm>
+#include <cmath>
+
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+
+void Environment::initialize(StateGroup& group, int lane, std::uint64_t seed,
+                             std::uint64_t stream_env) const {
+  for (int k = 0; k < group.words(); ++k) group.bits(k)[lane] = 0;
+  group.bits(kSeed)[lane] = seed;
+  group.bits(kStreamEnv)[lane] = stream_env;
+  const Layout& l = layout();
+  const std::size_t start = static_cast<std::size_t>(l.q.size + l.u.size + l.rotor_speed.size);
+  group.scatter(lane, l.params, initial_.data() + start);
+}
+
+void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask, const Rows& rows) const {
+  work.faulted = 0;
+  start(group, mask);
+  clear_plugin_states(group, mask);
+  draw(group, work, mask, false);
+  update(group, work, mask);
+  remember_bodies(group, work, mask);
+  for (const PluginInstance& c : controllers_) reset_plugin(c, group, work, mask);
+  reset_plugin(task_, group, work, mask);
+  for (const PluginInstance& s : sensors_) reset_plugin(s, group, work, mask);
+  sense(group, work, mask, true);
+  evaluate(group, work, mask);
+  conclude(group, work, mask, true, rows);
+}
+
+/// Counters, the scenario's poses, and no commands. Drawn parameters stay until a randomizer is due.
+void Environment::start(StateGroup& group, std::uint32_t mask) const {
+  const Layout& l = layout();
+  for (int lane = 0; lane < group.lanes(); ++lane) {
+    if (((mask >> lane) & 1u) == 0) continue;
+    ++group.bits(kEpisode)[lane];
+    group.bits(kStep)[lane] = 0;
+    group.bits(kPhysicsStep)[lane] = 0;
+    group.bits(kStatus)[lane] = kRunning;
+    const double* from = initial_.data();
+    for (const Block& block : {l.q, l.u, l.rotor_speed}) {
+      group.scatter(lane, block, from);
+      from += block.size;
+    }
+    for (const Block& block : {l.rotor_command, l.wrench, l.drive, l.action, l.command, l.sensors,
+                               l.last_observation}) {
+      double* values = group.reals(block);
+      for (int k = 0; k < block.size; ++k) values[k * group.lanes() + lane] = 0.0;
+    }
+  }
+}
+
+/// All words of controllers, sensors and the task to 0; randomizers keep theirs.
+void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) const {
+  const auto clear = [&](const PluginInstance& p) {
+    for (int k = p.state; k < p.state + p.state_words + p.buffer_words; ++k) {
+      for (int lane = 0; lane < group.lanes(); ++lane) {
+        if (((mask >> lane) & 1u) != 0) group.bits(k)[lane] = 0;
+      }
+    }
+  };
+  for (const PluginInstance& c : controllers_) clear(c);
+  for (const PluginInstance& s : sensors_) clear(s);
+  clear(task_);
+}
+
+void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group, GroupWork& work,
+                               std::uint32_t mask) const {
+  if (plugin.kernels.reset == nullptr) return;
+  const SkybodyLanes v = view(group, work, mask);
+  plugin.kernels.reset(plugin.self.get(), &v, group.bits(plugin.state), group.reals(plugin.buffer));
+}
+
+/// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
+void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask, bool requested) const {
+  if (randomizers_.empty()) return;
+  const Layout& l = layout();
+  const SkybodyLanes v = view(group, work, mask);
+  const SkybodyStart where{group.reals(l.q), group.reals(l.u), group.reals(l.rotor_speed),
+                           group.reals(l.params), requested ? 1u : 0u};
+  for (const PluginInstance& r : randomizers_) {
+    r.kernels.randomize(r.self.get(), &v, group.bits(r.state), group.reals(r.buffer), &where);
+    for (const int param : r.writes) hold_to_bounds(group, mask, param);
+  }
+}
+
+void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int param) const {
+  const EnvParam& info = layout().param_info[static_cast<std::size_t>(param)];
+  double* values = group.reals(layout().params.offset + param);
+  for (int lane = 0; lane < group.lanes(); ++lane) {
+    if (((mask >> lane) & 1u) == 0) continue;
+    double& value = values[lane];
+    value = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.nominal;
+  }
+}
+
+void Environment::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  // Motion goes on: a randomizer that also places robots must not move them now.
+  const Layout& l = layout();
+  std::vector<double> motion;
+  for (const Block& block : {l.q, l.u, l.rotor_speed}) {
+    const double* values = group.reals(block);
+    motion.insert(motion.end(), values, values + block.size * group.lanes());
+  }
+  draw(group, work, mask, true);
+  const double* from = motion.data();
+  for (const Block& block : {l.q, l.u, l.rotor_speed}) {
+    std::copy(from, from + block.size * group.lanes(), group.reals(block));
+    from += block.size * group.lanes();
+  }
+  update(group, work, mask);
+}
+
+void Environment::remember_bodies(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  if (!needs_bodies_before_) return;
+  for (int lane = 0; lane < group.lanes(); ++lane) {
+    if (((mask >> lane) & 1u) == 0) continue;
+    const auto& bodies = work.lanes[static_cast<std::size_t>(lane)].state.bodies;
+    group.scatter(lane, layout().bodies_before, reinterpret_cast<const double*>(bodies.data()));
+  }
+}
+
+}  // namespace skybody

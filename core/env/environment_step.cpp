@@ -1,0 +1,282 @@
+// One transition, phase by phase (paper eq. 3): act, K times (control, advance, sense), conclude.
+#include <cmath>
+#include <cstring>
+
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+namespace {
+
+/// Calls `f(lane)` for every lane of a mask.
+template <class F>
+void each(std::uint32_t mask, F&& f) {
+  for (int lane = 0; mask != 0; ++lane, mask >>= 1) {
+    if ((mask & 1u) != 0) f(lane);
+  }
+}
+
+bool same_bits(const std::vector<double>& mine, const double* theirs) {
+  return std::memcmp(mine.data(), theirs, mine.size() * sizeof(double)) == 0;
+}
+
+}  // namespace
+
+void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
+                       int action_stride, const Rows& rows) const {
+  work.faulted = 0;
+  update(group, work, mask);
+  act(group, work, mask, actions, action_stride);
+  std::uint32_t flying = mask;
+  for (int k = 0; k < scenario().stepping.action_repeat; ++k) {
+    control(group, work, flying);
+    advance(group, work, flying);
+    sense(group, work, flying, false);
+  }
+  each(mask, [&](int lane) { ++group.bits(kStep)[lane]; });
+  evaluate(group, work, mask);
+  conclude(group, work, mask, false, rows);
+}
+
+SkybodyLanes Environment::view(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  const Layout& l = layout();
+  SkybodyLanes v{};
+  v.lanes = static_cast<std::uint32_t>(group.lanes());
+  v.active = mask;
+  v.key = group.bits(kSeed);
+  v.episode = group.bits(kEpisode);
+  v.step = group.bits(kStep);
+  v.physics_step = group.bits(kPhysicsStep);
+  v.bodies = work.bodies.data();
+  v.bodies_before = l.bodies_before.size > 0 ? group.reals(l.bodies_before) : nullptr;
+  v.q = group.reals(l.q);
+  v.u = group.reals(l.u);
+  v.rotor_speed = group.reals(l.rotor_speed);
+  v.params = group.reals(l.params);
+  v.sensors = group.reals(l.sensors);
+  v.action = group.reals(l.action);
+  v.command = group.reals(l.command);
+  return v;
+}
+
+void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  const Layout& l = layout();
+  each(mask, [&](int lane) {
+    GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
+    if (group.lanes() == 1 && w.current && same_bits(w.state.q, group.reals(l.q)) &&
+        same_bits(w.state.u, group.reals(l.u)) && same_bits(w.state.params, group.reals(l.params)) &&
+        same_bits(w.state.rotor_speed, group.reals(l.rotor_speed))) {
+      return;
+    }
+    if (!w.stepper) w.stepper = make_simbody_stepper(*world_);
+    group.gather(lane, l.q, w.state.q.data());
+    group.gather(lane, l.u, w.state.u.data());
+    group.gather(lane, l.rotor_speed, w.state.rotor_speed.data());
+    group.gather(lane, l.params, w.state.params.data());
+    w.stepper->update_bodies(w.state);
+    w.current = true;
+    show_bodies(group, work, lane);
+  });
+}
+
+void Environment::show_bodies(const StateGroup& group, GroupWork& work, int lane) const {
+  const auto& bodies = work.lanes[static_cast<std::size_t>(lane)].state.bodies;
+  const auto* values = reinterpret_cast<const double*>(bodies.data());
+  const std::size_t count = bodies.size() * 13;
+  const auto lanes = static_cast<std::size_t>(group.lanes());
+  if (lanes == 1) {
+    std::memcpy(work.bodies.data(), values, count * sizeof(double));
+    return;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    work.bodies[k * lanes + static_cast<std::size_t>(lane)] = values[k];
+  }
+}
+
+/// P_i: clip the action and turn it into the command, once. A row that is not finite keeps the last
+/// action instead and makes this transition a fault.
+void Environment::act(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
+                      int action_stride) const {
+  const Layout& l = layout();
+  const int lanes = group.lanes();
+  double* action = group.reals(l.action);
+  each(mask, [&](int lane) {
+    const float* row = actions + static_cast<std::ptrdiff_t>(lane) * action_stride;
+    bool finite = true;
+    for (int k = 0; k < l.action.size; ++k) finite = finite && std::isfinite(row[k]);
+    if (!finite) {
+      work.faulted |= 1u << lane;
+      return;
+    }
+    for (int k = 0; k < l.action.size; ++k) {
+      const double a = row[k];
+      action[k * lanes + lane] = a < -1.0 ? -1.0 : (a > 1.0 ? 1.0 : a);
+    }
+  });
+  double* command = group.reals(l.command);
+  if (task_.kernels.process != nullptr) {
+    const SkybodyLanes v = view(group, work, mask);
+    task_.kernels.process(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
+                          action, command);
+    return;
+  }
+  for (const ControllerChain& chain : chains_) {
+    if (chain.count == 0) continue;
+    const PluginInstance& first = controllers_[static_cast<std::size_t>(chain.first)];
+    for (int k = 0; k < first.input_count(); ++k) {
+      const double low = first.low[static_cast<std::size_t>(k)];
+      const double high = first.high[static_cast<std::size_t>(k)];
+      each(mask, [&](int lane) {
+        const double a = action[(chain.action + k) * lanes + lane];
+        command[(chain.command + k) * lanes + lane] = low + 0.5 * (a + 1.0) * (high - low);
+      });
+    }
+  }
+}
+
+/// C_i: every robot's controllers in order, from the latest state.
+void Environment::control(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  const int lanes = group.lanes();
+  const SkybodyLanes v = view(group, work, mask);
+  for (const ControllerChain& chain : chains_) {
+    const double* input = group.reals(layout().command) + chain.command * lanes;
+    for (int i = 0; i < chain.count; ++i) {
+      const PluginInstance& c = controllers_[static_cast<std::size_t>(chain.first + i)];
+      double* output = work.signal[i & 1].data();
+      c.kernels.control(c.self.get(), &v, group.bits(c.state), group.reals(c.buffer), input, output);
+      input = output;
+      if (i + 1 == chain.count) actuate(group, mask, c, chain, output);
+    }
+  }
+}
+
+/// Hands the last controller's output to rotors, wrench sites or the base's drive.
+void Environment::actuate(StateGroup& group, std::uint32_t mask, const PluginInstance& last,
+                          const ControllerChain& chain, const double* output) const {
+  const Layout& l = layout();
+  const int lanes = group.lanes();
+  double* target = nullptr;
+  if (last.output_signal == SKYBODY_ROTOR_SPEED) {
+    const int first = l.robots[static_cast<std::size_t>(last.robot)].first_rotor;
+    target = group.reals(l.rotor_command) + first * lanes;
+  } else if (last.output_signal == SKYBODY_WRENCH) {
+    target = group.reals(l.wrench) + 6 * chain.site * lanes;
+  } else {
+    const int skip = last.output_signal == SKYBODY_VELOCITY ? 0 : 6;
+    target = group.reals(l.drive) + (13 * last.robot + skip) * lanes;
+  }
+  for (int k = 0; k < last.output_count; ++k) {
+    each(mask, [&](int lane) { target[k * lanes + lane] = output[k * lanes + lane]; });
+  }
+}
+
+/// x_{k-1} -> x_k with the command held. Lanes whose physics gives up leave `mask`, in their last
+/// finite state.
+void Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t& mask) const {
+  const Layout& l = layout();
+  std::uint32_t fallen = 0;
+  each(mask, [&](int lane) {
+    GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
+    group.gather(lane, l.rotor_command, w.state.rotor_command.data());
+    group.gather(lane, l.wrench, w.state.wrench.data());
+    group.gather(lane, l.drive, w.state.drive.data());
+    if (needs_bodies_before_) {
+      group.scatter(lane, l.bodies_before, reinterpret_cast<const double*>(w.state.bodies.data()));
+    }
+    if (!w.stepper->advance(w.state)) {
+      fallen |= 1u << lane;
+      return;
+    }
+    group.scatter(lane, l.q, w.state.q.data());
+    group.scatter(lane, l.u, w.state.u.data());
+    group.scatter(lane, l.rotor_speed, w.state.rotor_speed.data());
+    show_bodies(group, work, lane);
+    ++group.bits(kPhysicsStep)[lane];
+  });
+  work.faulted |= fallen;
+  mask &= ~fallen;
+}
+
+/// Sensors that are due after this physics step, each lane by its own count; all of them at a reset.
+void Environment::sense(StateGroup& group, GroupWork& work, std::uint32_t mask, bool all) const {
+  if (sensors_.empty() || mask == 0) return;
+  const int lanes = group.lanes();
+  const std::uint64_t* count = group.bits(kPhysicsStep);
+  for (const PluginInstance& s : sensors_) {
+    std::uint32_t due = 0;
+    each(mask, [&](int lane) {
+      if (all || count[lane] % static_cast<std::uint64_t>(s.period) == 0) due |= 1u << lane;
+    });
+    if (due == 0) continue;
+    const SkybodyLanes v = view(group, work, due);
+    s.kernels.sense(s.self.get(), &v, group.bits(s.state), group.reals(s.buffer),
+                    group.reals(layout().sensors) + s.output * lanes);
+  }
+}
+
+/// Psi_i: what the task says about the final state.
+void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  each(mask, [&](int lane) {
+    work.reward[static_cast<std::size_t>(lane)] = 0.0;
+    work.end[static_cast<std::size_t>(lane)] = 0;
+  });
+  const SkybodyLanes v = view(group, work, mask);
+  const SkybodyEvaluation out{work.observation.data(), work.reward.data(), work.end.data()};
+  task_.kernels.evaluate(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
+                         &out);
+}
+
+/// Horizon and faults, then the rows. A fault gives the last finite observation and reward 0.
+void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask, bool is_reset,
+                           const Rows& rows) const {
+  const int lanes = group.lanes();
+  const int size = observation_size();
+  const auto horizon = static_cast<std::uint64_t>(scenario().stepping.horizon);
+  double* last = group.reals(layout().last_observation);
+  each(mask, [&](int lane) {
+    const auto l = static_cast<std::size_t>(lane);
+    bool finite = std::isfinite(work.reward[l]);
+    for (int k = 0; k < size; ++k) finite = finite && std::isfinite(work.observation[static_cast<std::size_t>(k * lanes + lane)]);
+    std::uint64_t status = is_reset ? kRunning : work.end[l] & (kTerminated | kTruncated);
+    double reward = is_reset ? 0.0 : work.reward[l];
+    if (!is_reset && horizon > 0 && group.bits(kStep)[lane] >= horizon) status |= kTruncated;
+    if (!finite || ((work.faulted >> lane) & 1u) != 0) {
+      status = kTruncated | kFault;
+      reward = 0.0;
+    }
+    if (finite) {
+      for (int k = 0; k < size; ++k) {
+        last[k * lanes + lane] = work.observation[static_cast<std::size_t>(k * lanes + lane)];
+      }
+    }
+    group.bits(kStatus)[lane] = status;
+    float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * rows.observation_stride;
+    for (int k = 0; k < size; ++k) row[k] = static_cast<float>(last[k * lanes + lane]);
+    rows.reward[lane] = static_cast<float>(reward);
+    rows.status[lane] = status;
+  });
+}
+
+void Environment::goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const {
+  out.assign(task_.goals.size() * 4, 0.0);
+  if (task_.kernels.goal == nullptr || out.empty()) return;
+  const auto lanes = static_cast<std::size_t>(group.lanes());
+  std::vector<double> values(out.size() * lanes);
+  const SkybodyLanes v = view(group, work, 1u << lane);
+  task_.kernels.goal(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
+                     values.data());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k] = values[k * lanes + static_cast<std::size_t>(lane)];
+  }
+}
+
+void Environment::hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const {
+  const auto lanes = static_cast<std::size_t>(group.lanes());
+  chain.update(group.bits(0) + lane, static_cast<std::size_t>(layout().words), lanes);
+  const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * rows.observation_stride;
+  for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));
+  chain.update(static_cast<double>(rows.reward[lane]));
+  chain.update(rows.status[lane]);
+}
+
+}  // namespace skybody

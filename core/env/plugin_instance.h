@@ -1,0 +1,85 @@
+// A configured plugin as the engine uses it: functions, what it declared, where its state lies.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/physics/world.h"
+#include "plugins/api/abi.h"
+
+namespace skybody {
+
+/// A named part of a sensor's output or of an observation.
+struct Channel {
+  std::string name;
+  std::string unit;
+  int count = 0;
+  double low = 0.0;   ///< bounds of the values, may be infinite
+  double high = 0.0;
+};
+
+/// What a task's goal() is about.
+struct Goal {
+  int robot = 0;
+  int body = 0;  ///< world body index
+};
+
+/// A plugin instance. Immutable once the Environment is built.
+struct PluginInstance {
+  SkybodyKind kind = SKYBODY_CONTROLLER;
+  std::string name;    ///< instance, as in paths
+  std::string plugin;  ///< the plugin's own name
+  int robot = -1;      ///< controllers only
+
+  std::shared_ptr<const void> self;  ///< keeps the library loaded
+  SkybodyKernels kernels{};          ///< of the chosen instruction set
+
+  // Declared in configure():
+  int input_signal = -1;  ///< SkybodySignal, controllers only
+  int output_signal = -1;
+  int output_count = 0;
+  std::vector<double> low, high;  ///< of the input: what actions -1 and +1 mean
+  std::vector<WrenchSite> sites;
+  std::vector<Channel> channels;
+  std::vector<Goal> goals;
+  std::vector<int> writes;  ///< EnvParams that a randomizer writes
+  int period = 1;           ///< sensors: physics steps between calls
+  bool needs_bodies_before = false;
+
+  // Where things lie, in words of WorldState:
+  int state = 0, state_words = 0;
+  int buffer = 0, buffer_words = 0;
+  int output = 0;  ///< sensors: first word of the output within the sensor block
+
+  int input_count() const { return static_cast<int>(low.size()); }
+  int channel_count() const {
+    int sum = 0;
+    for (const Channel& c : channels) sum += c.count;
+    return sum;
+  }
+};
+
+/// Makes instances: the plugin host, or a test's own. Called once per use, in the order
+/// sensors, controllers, randomizers, task.
+class PluginFactory {
+ public:
+  virtual ~PluginFactory() = default;
+
+  struct Made {
+    std::shared_ptr<const void> self;
+    const SkybodyPlugin* plugin = nullptr;
+    SkybodyKernels kernels{};
+  };
+  /// @throws Error with the plugin's own text if it refuses
+  virtual Made make(SkybodyKind kind, const std::string& plugin, const SkybodySetup& setup,
+                    const SkybodyDeclare& declare) = 0;
+  /// Which of a plugin's parameters are randomizable, with unit and bounds, by name.
+  struct Randomizable {
+    std::string name, unit;
+    double min, max;
+  };
+  virtual std::vector<Randomizable> randomizable(SkybodyKind kind, const std::string& plugin) = 0;
+};
+
+}  // namespace skybody

@@ -1,0 +1,197 @@
+#include "core/env/setup_tables.h"
+
+#include <algorithm>
+#include <array>
+
+namespace skybody {
+namespace {
+
+void copy(const Vec3<double>& v, double* out) {
+  out[0] = v.x;
+  out[1] = v.y;
+  out[2] = v.z;
+}
+
+void copy(const Quat<double>& q, double* out) {
+  out[0] = q.w;
+  out[1] = q.x;
+  out[2] = q.y;
+  out[3] = q.z;
+}
+
+SkybodyBodyInfo body_info(const World& world, int index) {
+  const WorldBody& b = world.bodies[static_cast<std::size_t>(index)];
+  const MassProperties& m = b.model->mass;
+  SkybodyBodyInfo info{};
+  info.name = b.model->name.c_str();
+  info.robot = b.robot;
+  info.parent = b.parent;
+  info.mass = m.mass;
+  copy(m.com, info.com);
+  const double inertia[6] = {m.inertia.xx, m.inertia.yy, m.inertia.zz,
+                             m.inertia.xy, m.inertia.xz, m.inertia.yz};
+  std::copy(inertia, inertia + 6, info.inertia);
+  info.first_param = world.layout.body_params[static_cast<std::size_t>(index)];
+  info.first_q = b.q;
+  info.first_u = b.u;
+  info.joint = static_cast<int>(b.model->joint.type);
+  return info;
+}
+
+SkybodyRotorInfo rotor_info(const World& world, int index) {
+  const WorldRotor& w = world.rotors[static_cast<std::size_t>(index)];
+  const Rotor& r = *w.model;
+  SkybodyRotorInfo info{};
+  info.name = r.name.c_str();
+  info.robot = w.robot;
+  info.body = w.body;
+  copy(r.position, info.position);
+  copy(r.axis, info.axis);
+  info.direction = r.direction;
+  const double constants[kRotorParamCount] = {
+      r.thrust_constant, r.moment_constant, r.drag_constant, r.rolling_moment_constant,
+      r.inertia,         r.max_speed,       r.tau_up,        r.tau_down};
+  std::copy(constants, constants + kRotorParamCount, info.constants);
+  info.first_param = world.layout.rotor_params[static_cast<std::size_t>(index)];
+  return info;
+}
+
+SkybodyRobotInfo robot_info(const World& world, int index) {
+  const RobotUse& use = world.scenario.robots[static_cast<std::size_t>(index)];
+  const RobotLayout& layout = world.layout.robots[static_cast<std::size_t>(index)];
+  SkybodyRobotInfo info{};
+  info.name = use.name.c_str();
+  info.first_body = layout.first_body;
+  info.body_count = layout.body_count;
+  info.first_rotor = layout.first_rotor;
+  info.rotor_count = layout.rotor_count;
+  info.first_q = layout.first_q;
+  info.q_count = layout.q_count;
+  info.first_u = layout.first_u;
+  info.u_count = layout.u_count;
+  info.disturbance_param = world.layout.disturbance_params[static_cast<std::size_t>(index)];
+  info.fixed_base = use.model.fixed_base ? 1 : 0;
+  copy(use.pose.position, info.position);
+  copy(use.pose.rotation, info.rotation);
+  info.command_signal = -1;
+  return info;
+}
+
+PluginInstance& instance_of(void* host) { return *static_cast<PluginInstance*>(host); }
+
+}  // namespace
+
+SetupTables::SetupTables(const World& world) : world_(world) {
+  for (int i = 0; i < static_cast<int>(world.scenario.robots.size()); ++i) {
+    robots_.push_back(robot_info(world, i));
+    const int first_body = world.layout.robots[static_cast<std::size_t>(i)].first_body;
+    for (const Link& link : world.scenario.robots[static_cast<std::size_t>(i)].model.links) {
+      SkybodyLinkInfo info{};
+      info.name = link.name.c_str();
+      info.robot = i;
+      info.body = first_body + link.body;
+      copy(link.pose.position, info.position);
+      copy(link.pose.rotation, info.rotation);
+      copy(link.com, info.com);
+      links_.push_back(info);
+    }
+  }
+  for (int i = 0; i < static_cast<int>(world.bodies.size()); ++i) {
+    bodies_.push_back(body_info(world, i));
+  }
+  for (int i = 0; i < static_cast<int>(world.rotors.size()); ++i) {
+    rotors_.push_back(rotor_info(world, i));
+  }
+  for (const EnvParam& p : world.layout.param_info) {
+    params_.push_back({p.path.c_str(), p.nominal, p.min, p.max});
+  }
+}
+
+SkybodySetup SetupTables::setup(const std::string& instance, int robot,
+                                const std::vector<SkybodyValue>& values) const {
+  SkybodySetup s{};
+  s.instance = instance.c_str();
+  s.dt = world_.scenario.stepping.dt;
+  s.action_repeat = world_.scenario.stepping.action_repeat;
+  s.horizon = world_.scenario.stepping.horizon;
+  copy(world_.scenario.gravity, s.gravity);
+  s.robot = robot;
+  s.robots = robots_.data();
+  s.robot_count = static_cast<int>(robots_.size());
+  s.bodies = bodies_.data();
+  s.body_count = static_cast<int>(bodies_.size());
+  s.links = links_.data();
+  s.link_count = static_cast<int>(links_.size());
+  s.rotors = rotors_.data();
+  s.rotor_count = static_cast<int>(rotors_.size());
+  s.sensors = sensors_.data();
+  s.sensor_count = static_cast<int>(sensors_.size());
+  s.params = params_.data();
+  s.param_count = static_cast<int>(params_.size());
+  s.values = values.data();
+  s.value_count = static_cast<int>(values.size());
+  return s;
+}
+
+void SetupTables::add_sensor(const PluginInstance& sensor) {
+  int first = sensor.output;
+  for (const Channel& channel : sensor.channels) {
+    names_.push_back(std::make_unique<std::string>(sensor.name));
+    const char* instance = names_.back()->c_str();
+    names_.push_back(std::make_unique<std::string>(channel.name));
+    sensors_.push_back({instance, names_.back()->c_str(), first, channel.count});
+    first += channel.count;
+  }
+}
+
+void SetupTables::set_command(int robot, int signal, int first_command, int command_count,
+                              int first_action) {
+  SkybodyRobotInfo& info = robots_[static_cast<std::size_t>(robot)];
+  info.command_signal = signal;
+  info.first_command = first_command;
+  info.command_count = command_count;
+  info.first_action = first_action;
+  info.action_count = command_count;
+}
+
+SkybodyDeclare declare_into(PluginInstance& instance) {
+  SkybodyDeclare d{};
+  d.host = &instance;
+  d.input = [](void* host, int32_t signal, int32_t count, const double* low, const double* high) {
+    PluginInstance& p = instance_of(host);
+    p.input_signal = signal;
+    p.low.assign(low, low + count);
+    p.high.assign(high, high + count);
+  };
+  d.output = [](void* host, int32_t signal, int32_t count) {
+    instance_of(host).output_signal = signal;
+    instance_of(host).output_count = count;
+  };
+  d.site = [](void* host, const SkybodySite* site) {
+    instance_of(host).sites.push_back({site->body,
+                                       {site->point[0], site->point[1], site->point[2]},
+                                       site->at_com != 0,
+                                       site->world_axes != 0});
+  };
+  d.channel = [](void* host, const SkybodyChannel* c) {
+    instance_of(host).channels.push_back({c->name, c->unit, c->count, c->low, c->high});
+  };
+  d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
+  d.buffer = [](void* host, int32_t words) { instance_of(host).buffer_words = words; };
+  d.bodies_before = [](void* host) { instance_of(host).needs_bodies_before = true; };
+  d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
+  d.goal = [](void* host, int32_t robot, int32_t body) {
+    instance_of(host).goals.push_back({robot, body});
+  };
+  return d;
+}
+
+const char* signal_name(int signal) {
+  static constexpr std::array<const char*, SKYBODY_SIGNAL_COUNT> kNames = {
+      "rotor_speed", "srt",  "ctbt",     "ctbr",     "wrench",
+      "velocity",    "pose", "attitude", "position", "trajectory"};
+  return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT ? kNames[static_cast<std::size_t>(signal)]
+                                                      : "none";
+}
+
+}  // namespace skybody

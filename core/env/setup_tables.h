@@ -1,0 +1,44 @@
+// The world in the C form that plugins see in configure().
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/env/plugin_instance.h"
+#include "core/physics/world.h"
+#include "plugins/api/abi.h"
+
+namespace skybody {
+
+/// Tables behind SkybodySetup. They point into the World and stay valid as long as it does.
+class SetupTables {
+ public:
+  explicit SetupTables(const World& world);
+
+  /// The setup for one plugin use. `values` are its parameters with their EnvParam indices.
+  SkybodySetup setup(const std::string& instance, int robot,
+                     const std::vector<SkybodyValue>& values) const;
+
+  /// Makes a configured sensor's channels visible to those configured later.
+  void add_sensor(const PluginInstance& sensor);
+  /// Tells the robots' action and command ranges, once their controllers are configured.
+  void set_command(int robot, int signal, int first_command, int command_count, int first_action);
+
+ private:
+  const World& world_;
+  std::vector<SkybodyRobotInfo> robots_;
+  std::vector<SkybodyBodyInfo> bodies_;
+  std::vector<SkybodyLinkInfo> links_;
+  std::vector<SkybodyRotorInfo> rotors_;
+  std::vector<SkybodySensorInfo> sensors_;
+  std::vector<SkybodyEnvParamInfo> params_;
+  std::vector<std::unique_ptr<std::string>> names_;  ///< texts of sensors_
+};
+
+/// A SkybodyDeclare that writes into `instance`.
+SkybodyDeclare declare_into(PluginInstance& instance);
+
+/// The word for a signal, such as "rotor_speed".
+const char* signal_name(int signal);
+
+}  // namespace skybody

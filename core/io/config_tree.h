@@ -1,0 +1,72 @@
+// A YAML document as a tree in which every key and value knows where it was written.
+//
+// Keys keep their order. Anchors and aliases are expanded, duplicate keys are errors. Files can
+// include others, and single values can be overridden from the command line.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/diagnostics.h"
+
+namespace skybody {
+
+struct ConfigEntry;
+
+/// One value: null, scalar, sequence or map.
+struct ConfigNode {
+  enum class Kind { kNull, kScalar, kSequence, kMap };
+
+  Kind kind = Kind::kNull;
+  SourceMark mark;
+  std::string scalar;                ///< text of a scalar, unquoted
+  bool quoted = false;               ///< the scalar was quoted: it is text whatever it spells
+  std::vector<ConfigNode> items;     ///< of a sequence
+  std::vector<ConfigEntry> entries;  ///< of a map, in the order in which they were written
+
+  bool is_null() const { return kind == Kind::kNull; }
+  bool is_scalar() const { return kind == Kind::kScalar; }
+  bool is_sequence() const { return kind == Kind::kSequence; }
+  bool is_map() const { return kind == Kind::kMap; }
+
+  /// The value of `key` in a map, or null.
+  const ConfigNode* find(const std::string& key) const;
+  ConfigNode* find(const std::string& key);
+  /// The keys of a map.
+  std::vector<std::string> keys() const;
+  /// What the node is, for messages: "a map", "a list", "the number 3", "the text `abc`".
+  std::string describe() const;
+};
+
+/// A key of a map with its value.
+struct ConfigEntry {
+  std::string key;
+  SourceMark key_mark;
+  ConfigNode value;
+};
+
+/// Parses YAML. Marks name `file`; with `file` starting "--set" they carry no position. Nothing and
+/// an error on bad syntax, duplicate keys, several documents, or more than a million nodes.
+std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string& file,
+                                     Diagnostics& diagnostics);
+
+/// Reads `file` and what it includes by its top-level key `include` (a file or a list of files,
+/// relative to the including file). Later files override earlier ones and the including file
+/// overrides all: maps are merged deeply, everything else is replaced. Nothing and errors where a
+/// file is missing, broken or includes itself.
+std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics);
+
+/// Merges `over` into `base`.
+void merge_config(ConfigNode& base, const ConfigNode& over);
+
+/// Applies `PATH=VALUE`, where PATH is like `robots[0].controllers[0].plugin`, `task.horizon` or
+/// `robots.quad.pose.position` (entries of a list by their name, or by their plugin's name) and
+/// VALUE is YAML. A key that is not there yet is added, for the reader to judge. Errors are marked
+/// with the override's text. Returns whether it was applied.
+bool apply_override(ConfigNode& root, const std::string& assignment, Diagnostics& diagnostics);
+
+/// Writes the tree as YAML that reads back as the same tree.
+std::string to_yaml(const ConfigNode& node);
+
+}  // namespace skybody

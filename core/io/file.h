@@ -1,0 +1,26 @@
+// Reading files whole, and paths relative to the file in which they are written.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/io/diagnostics.h"
+
+namespace skybody {
+
+/// What marks a position on the command line: the text before the override.
+inline constexpr const char* kOverridePrefix = "--set ";
+
+/// The contents of `path`, or nothing and an error at `used_at` (or at the file, if `used_at` names
+/// none). Folders and files beyond 64 MiB are errors.
+std::optional<std::string> read_file(const std::string& path, const SourceMark& used_at,
+                                     Diagnostics& diagnostics);
+
+/// `path` as written at `mark`: relative paths start at the folder of the file that holds them, or
+/// at the working directory when they come from the command line.
+std::string resolve_path(const std::string& path, const SourceMark& mark);
+
+/// Whether `path` names an existing regular file.
+bool is_file(const std::string& path);
+
+}  // namespace skybody

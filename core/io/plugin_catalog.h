@@ -1,0 +1,38 @@
+// What the reader of scenarios asks about plugins: which there are and what they declare. The plugin
+// host implements it; tests use a fake.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/model/parameter_spec.h"
+
+namespace skybody {
+
+enum class PluginKind { kController, kSensor, kRandomizer, kTask };
+
+/// "controller", "sensor", "randomizer" or "task".
+const char* to_string(PluginKind kind);
+
+/// What a plugin says about itself.
+struct PluginDeclaration {
+  PluginKind kind = PluginKind::kController;
+  std::string name;
+  std::string doc;      ///< one line
+  std::string file;     ///< shared library
+  std::string failure;  ///< why it was found but cannot be used; empty: it can
+  std::vector<ParameterSpec> parameters;
+};
+
+/// All plugins that were found.
+class PluginCatalog {
+ public:
+  virtual ~PluginCatalog() = default;
+
+  /// The plugin `name` of `kind`, or null. Lives as long as the catalog.
+  virtual const PluginDeclaration* find(PluginKind kind, const std::string& name) const = 0;
+  /// Names of all plugins of `kind`, sorted.
+  virtual std::vector<std::string> names(PluginKind kind) const = 0;
+};
+
+}  // namespace skybody

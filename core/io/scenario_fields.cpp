@@ -1,0 +1,234 @@
+#include "core/io/scenario_fields.h"
+
+#include "core/io/parameter_reader.h"
+
+namespace skybody {
+namespace {
+
+constexpr double kFar = 1e6;  // bound of positions [m] and of anything else without a natural bound
+
+Field hover_or(Field field) {
+  field.word = "hover";
+  return field;
+}
+
+}  // namespace
+
+const MapSpec& stepping_fields() {
+  static const MapSpec spec{
+      "stepping",
+      "The time grid and how it is advanced.",
+      {
+          real_field("dt", "s", 0.001, 1e-6, 0.1, "physics step"),
+          integer_field("action_repeat", 1, 1, 100000, "K, physics steps an action"),
+          integer_field("horizon", 0, 0, 2e9, "actions until an episode is truncated; 0: never"),
+          choice_field("dynamics", {"auto", "simbody", "tree"},
+                       "what computes accelerations; auto picks the fastest that can"),
+          choice_field("integrator", {"semi_implicit_euler", "rk4"}, "what advances the state"),
+      }};
+  return spec;
+}
+
+const MapSpec& contact_fields() {
+  static const MapSpec spec{
+      "contact",
+      "Contact of the robots with the ground plane z = 0.",
+      {
+          boolean_field("ground", true, "whether the ground carries robots"),
+          real_field("penetration", "m", 0.001, 1e-6, 1.0,
+                     "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
+          real_field("dissipation", "s/m", 1.0, 0.0, 100.0, "Hunt-Crossley dissipation"),
+          real_field("friction", "", 0.6, 0.0, 10.0, "Coulomb coefficient"),
+          real_field("slip_velocity", "m/s", 0.02, 1e-6, 10.0,
+                     "below it friction is proportional to the velocity"),
+      }};
+  return spec;
+}
+
+const MapSpec& pose_fields() {
+  static const MapSpec spec{
+      "pose",
+      "A place in the world.",
+      {
+          vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "origin in W"),
+          vector_field("rpy", "rad", {0, 0, 0}, -1000, 1000,
+                       "roll, pitch, yaw about the fixed axes x, y, z of W, in this order"),
+      }};
+  return spec;
+}
+
+const MapSpec& disturbance_fields() {
+  static const MapSpec spec{
+      "disturbance",
+      "A steady load on the base.",
+      {
+          vector_field("force", "N", {0, 0, 0}, -kFar, kFar,
+                       "on the base's centre of mass, axes of W"),
+          vector_field("moment", "N m", {0, 0, 0}, -kFar, kFar, "on the base, its own axes"),
+      }};
+  return spec;
+}
+
+const MapSpec& joint_fields() {
+  static const MapSpec spec{
+      "joint",
+      "What replaces or completes the URDF's values of one joint; what is left out stays.",
+      {
+          real_field("damping", "N m s/rad or N s/m", 0.0, 0.0, kFar, "viscous, every coordinate"),
+          real_field("stiffness", "N m/rad or N/m", 0.0, 0.0, kFar,
+                     "spring to `rest`; revolute and prismatic joints"),
+          real_field("rest", "rad or m", 0.0, -kFar, kFar, "where the spring is relaxed"),
+          real_field("limit_stiffness", "N m/rad or N/m", 0.0, 0.0, 1e9,
+                     "of the spring beyond the limits"),
+          real_field("limit_damping", "N m s/rad or N s/m", 0.0, 0.0, 1e9,
+                     "of the damper beyond the limits"),
+      }};
+  return spec;
+}
+
+const MapSpec& robot_fields() {
+  static const MapSpec spec{
+      "robot",
+      "One robot. Entries can be any number.",
+      {
+          required(name_field("its name in paths")),
+          required(text_field("model", "", "URDF file, relative to the file that names it")),
+          text_field("rotors", "",
+                     "rotors file, or `none`; without this key it is rotors.yaml beside the URDF, "
+                     "where that exists"),
+          boolean_field("fixed_base", false, "weld the base to the world"),
+          map_field("pose", Field::Kind::kMap, pose_fields(), "of the base at reset"),
+          hover_or(real_field("rotor_speed", "rad/s", 0.0, 0.0, kFar,
+                              "of every rotor at reset; hover: what carries the robot's weight")),
+          map_field("disturbance", Field::Kind::kMap, disturbance_fields(),
+                    "a steady load on the base"),
+          map_field("joints", Field::Kind::kNamedMaps, joint_fields(),
+                    "springs and dampers by joint name"),
+          plugin_field("controllers", Field::Kind::kPluginList, PluginKind::kController,
+                       "in the order in which they are evaluated"),
+      }};
+  return spec;
+}
+
+const MapSpec& obstacle_fields() {
+  static const MapSpec spec{
+      "obstacle",
+      "A shape that stands still in the world: one of box, sphere, cylinder.",
+      {
+          required(name_field("its name")),
+          above_minimum(vector_field("box", "m", {1, 1, 1}, 0, kFar, "edge lengths")),
+          above_minimum(real_field("sphere", "m", 1, 0, kFar, "radius")),
+          above_minimum(vector_field("cylinder", "m", {1, 1}, 0, kFar, "radius, length along z")),
+          vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "of its centre in W"),
+          vector_field("rpy", "rad", {0, 0, 0}, -1000, 1000,
+                       "roll, pitch, yaw about the fixed axes of W"),
+      }};
+  return spec;
+}
+
+const MapSpec& plugin_use_fields() {
+  static const MapSpec parameters{"parameters", "As the plugin declares them.", {}};
+  static const MapSpec spec{
+      "plugin",
+      "One use of a plugin.",
+      {
+          required(text_field("plugin", "", "the plugin's name, see `skybody plugins`")),
+          name_field("its name in paths; default: the plugin's name"),
+          map_field("parameters", Field::Kind::kMap, parameters, "as the plugin declares them"),
+      }};
+  return spec;
+}
+
+const MapSpec& scenario_fields() {
+  static const MapSpec spec{
+      "scenario",
+      "What one environment consists of.",
+      {
+          name_field("for tables and logs; default: the file's name"),
+          map_field("stepping", Field::Kind::kMap, stepping_fields(),
+                    "the time grid and how it is advanced"),
+          vector_field("gravity", "m/s^2", {0, 0, -9.81}, -1000, 1000, "axes of W"),
+          map_field("contact", Field::Kind::kMap, contact_fields(), "contact with the ground"),
+          required(map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
+          map_field("obstacles", Field::Kind::kMapList, obstacle_fields(),
+                    "shapes that stand still"),
+          plugin_field("sensors", Field::Kind::kPluginList, PluginKind::kSensor,
+                       "what measures, in the order of evaluation"),
+          plugin_field("randomization", Field::Kind::kPluginList, PluginKind::kRandomizer,
+                       "what draws values at a reset, in order"),
+          required(plugin_field("task", Field::Kind::kPlugin, PluginKind::kTask,
+                                "observation, reward and end of an episode")),
+      }};
+  return spec;
+}
+
+const MapSpec& rotor_fields() {
+  static const MapSpec spec{
+      "rotor",
+      "One rotor; `defaults` has the same keys.",
+      {
+          required(name_field("its name in paths")),
+          text_field("link", "", "the link that carries it; default: the base"),
+          required(vector_field("position", "m", {0, 0, 0}, -1000, 1000,
+                                "hub in the link's frame")),
+          vector_field("axis", "", {0, 0, 1}, -kFar, kFar,
+                       "thrust direction in the link's frame, any length but 0"),
+          required(choice_field("direction", {"ccw", "cw"}, "sense of rotation about the axis")),
+          required(above_minimum(real_field("thrust_constant", "N s^2/rad^2", 1, 0, 1,
+                                            "k_f, thrust = k_f w^2"))),
+          required(real_field("moment_constant", "N m s^2/rad^2", 0, 0, 1,
+                              "k_m, drag torque about the axis = k_m w^2")),
+          real_field("drag_constant", "N s^2/(m rad)", 0, 0, 1,
+                     "rotor drag, force = -c w v_perp"),
+          real_field("rolling_moment_constant", "N m s^2/(m rad)", 0, 0, 1,
+                     "rolling moment = -direction c w v_perp"),
+          real_field("inertia", "kg m^2", 0, 0, 100,
+                     "about the axis; 0 leaves gyroscopic terms out"),
+          required(above_minimum(real_field("max_speed", "rad/s", 1, 0, 1e5, "largest speed"))),
+          real_field("tau_up", "s", 0, 0, 100, "time constant while speeding up; 0: immediate"),
+          real_field("tau_down", "s", 0, 0, 100, "time constant while slowing down; 0: immediate"),
+      }};
+  return spec;
+}
+
+const MapSpec& rotors_file_fields() {
+  static const MapSpec spec{
+      "rotors file",
+      "The rotors of one model.",
+      {
+          text_field("source", "", "where the constants come from"),
+          map_field("defaults", Field::Kind::kMap, rotor_fields(), "merged into every rotor"),
+          required(map_field("rotors", Field::Kind::kMapList, rotor_fields(),
+                             "at least one rotor")),
+      }};
+  return spec;
+}
+
+std::string scenario_reference() {
+  const MapSpec* specs[] = {&scenario_fields(),   &stepping_fields(), &contact_fields(),
+                            &robot_fields(),      &pose_fields(),     &disturbance_fields(),
+                            &joint_fields(),      &obstacle_fields(), &plugin_use_fields(),
+                            &rotors_file_fields(), &rotor_fields()};
+  std::string text;
+  for (const MapSpec* spec : specs) {
+    text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";
+    text +=
+        "| key | allowed | default | meaning |\n"
+        "|---|---|---|---|\n";
+    for (const Field& field : spec->fields) {
+      std::string allowed = describe_allowed(field.value);
+      if (field.kind == Field::Kind::kMap) allowed = "a map: " + field.map->name;
+      if (field.kind == Field::Kind::kMapList) allowed = "a list of maps: " + field.map->name;
+      if (field.kind == Field::Kind::kNamedMaps) allowed = "maps by name: " + field.map->name;
+      if (field.kind == Field::Kind::kPlugin) allowed = "a plugin use";
+      if (field.kind == Field::Kind::kPluginList) allowed = "a list of plugin uses";
+      if (!field.word.empty()) allowed += ", or `" + field.word + "`";
+      text += "| `" + field.value.name + "` | " + allowed + " | " + default_text(field.value) +
+              " | " + field.value.doc + " |\n";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace skybody

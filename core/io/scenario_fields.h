@@ -1,0 +1,30 @@
+// The keys of a scenario file and of rotors.yaml, each with its unit, default, range and meaning.
+#pragma once
+
+#include "core/io/field.h"
+
+namespace skybody {
+
+/// The whole scenario.
+const MapSpec& scenario_fields();
+const MapSpec& stepping_fields();
+const MapSpec& contact_fields();
+/// One entry of `robots`.
+const MapSpec& robot_fields();
+const MapSpec& pose_fields();
+const MapSpec& disturbance_fields();
+/// One entry of a robot's `joints`.
+const MapSpec& joint_fields();
+/// One entry of `obstacles`.
+const MapSpec& obstacle_fields();
+/// One use of a plugin: `plugin`, `name`, `parameters`.
+const MapSpec& plugin_use_fields();
+/// A rotors file.
+const MapSpec& rotors_file_fields();
+/// One entry of `rotors` in it; `defaults` has the same keys.
+const MapSpec& rotor_fields();
+
+/// Every map above with its keys as Markdown tables.
+std::string scenario_reference();
+
+}  // namespace skybody

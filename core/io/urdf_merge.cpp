@@ -1,0 +1,169 @@
+#include "core/io/urdf_merge.h"
+
+#include "core/base/inertia.h"
+#include "core/io/pose.h"
+#include "core/io/text.h"
+
+namespace skybody {
+namespace {
+
+std::string inertia_text(const SymMat3<double>& i) {
+  const auto number = [](double value) { return format_number(value); };
+  return "ixx=" + number(i.xx) + " ixy=" + number(i.xy) + " ixz=" + number(i.xz) +
+         " iyy=" + number(i.yy) + " iyz=" + number(i.yz) + " izz=" + number(i.zz);
+}
+
+bool is_zero(const SymMat3<double>& i) {
+  return i.xx == 0.0 && i.yy == 0.0 && i.zz == 0.0 && i.xy == 0.0 && i.xz == 0.0 && i.yz == 0.0;
+}
+
+class Merger {
+ public:
+  Merger(const UrdfDocument& document, Diagnostics& diagnostics)
+      : document_(document), diagnostics_(diagnostics) {
+    result_.link_pose.resize(document.links.size());
+    result_.link_group.assign(document.links.size(), -1);
+  }
+
+  UrdfGroups run() {
+    const UrdfLink& root = document_.links[static_cast<std::size_t>(document_.root)];
+    if (root.name == "world") {
+      check_world(root);
+      for (int joint : root.child_joints) open_group(joint, -1);
+    } else {
+      open_group(-1, -1);
+    }
+    for (UrdfGroup& group : result_.groups) finish(group);
+    return std::move(result_);
+  }
+
+ private:
+  const UrdfLink& link(int index) const { return document_.links[static_cast<std::size_t>(index)]; }
+  const UrdfJoint& joint(int index) const {
+    return document_.joints[static_cast<std::size_t>(index)];
+  }
+
+  void check_world(const UrdfLink& world) {
+    const SourceMark mark = document_.mark(world.line);
+    if (world.has_inertial && !world.is_massless()) {
+      diagnostics_.error(mark, "the root link `world` stands for the world and can have no mass; "
+                               "rename it, or remove its <inertial>");
+    }
+    if (!world.collisions.empty() || !world.visuals.empty()) {
+      diagnostics_.warning(mark, "the shapes of the link `world` are ignored; use `obstacles`");
+    }
+  }
+
+  /// A group that moves by `joint_index` (-1: the free root).
+  void open_group(int joint_index, int parent) {
+    const int index = static_cast<int>(result_.groups.size());
+    UrdfGroup group;
+    group.joint = joint_index;
+    group.parent = parent;
+    result_.groups.push_back(group);
+    if (parent >= 0) result_.groups[static_cast<std::size_t>(parent)].children.push_back(index);
+    std::vector<int> moving;
+    take_link(joint_index < 0 ? document_.root : joint(joint_index).child, Pose{}, index, moving);
+    for (int child : moving) open_group(child, index);
+  }
+
+  void take_link(int link_index, const Pose& pose, int group, std::vector<int>& moving) {
+    result_.link_pose[static_cast<std::size_t>(link_index)] = pose;
+    result_.link_group[static_cast<std::size_t>(link_index)] = group;
+    result_.groups[static_cast<std::size_t>(group)].links.push_back(link_index);
+    for (int child : link(link_index).child_joints) {
+      if (joint(child).type == UrdfJointType::kFixed) {
+        take_link(joint(child).child, compose(pose, joint(child).origin), group, moving);
+      } else {
+        moving.push_back(child);
+      }
+    }
+  }
+
+  void finish(UrdfGroup& group) {
+    std::vector<MassProperties> parts;
+    bool good = true;
+    for (int index : group.links) {
+      const UrdfLink& source = link(index);
+      const Pose& pose = result_.link_pose[static_cast<std::size_t>(index)];
+      if (!source.is_massless()) parts.push_back(transform(pose, source.mass));
+      if (source.is_massless() && index != group.links[0]) warn_massless(source);
+      good = check_inertia(source, group.links.size() > 1) && good;
+      for (const Shape& shape : source.collisions) group.collisions.push_back(place(shape, pose));
+      for (const Shape& shape : source.visuals) group.visuals.push_back(place(shape, pose));
+    }
+    group.mass = add_masses(parts);
+    if (good && !group.is_massless() && !is_physical_inertia(group.mass.inertia)) {
+      const UrdfLink& source = link(group.links[0]);
+      not_physical("the body of the link `" + source.name + "` (links on fixed joints merged)",
+                   group.mass.inertia, document_.mark(source.line));
+    }
+  }
+
+  static Shape place(Shape shape, const Pose& pose) {
+    shape.pose = compose(pose, shape.pose);
+    return shape;
+  }
+
+  void warn_massless(const UrdfLink& source) {
+    const UrdfJoint& by = joint(source.parent_joint);
+    diagnostics_.warning(document_.mark(source.line),
+                         "the link `" + source.name + "` has no mass; it merges with `" +
+                             link(by.parent).name + "` through the fixed joint `" + by.name + "`");
+  }
+
+  bool check_inertia(const UrdfLink& source, bool merges) {
+    const SymMat3<double>& inertia = source.mass.inertia;
+    const SourceMark mark = document_.mark(source.line);
+    if (source.is_massless()) {
+      if (is_zero(inertia)) return true;
+      diagnostics_.error(mark, "the link `" + source.name + "` has an inertia (" +
+                                   inertia_text(inertia) + ") and no mass; give it a mass");
+      return false;
+    }
+    const bool point_mass = merges && is_zero(inertia);
+    if (point_mass || is_physical_inertia(inertia)) return true;
+    not_physical("the link `" + source.name + "`", inertia, mark);
+    return false;
+  }
+
+  void not_physical(const std::string& what, const SymMat3<double>& inertia,
+                    const SourceMark& mark) {
+    const Vec3<double> p = eigenvalues(inertia);
+    const std::string moments = format_numbers({p.x, p.y, p.z}) + " kg m^2";
+    const std::string rule =
+        p.x > 0.0 ? "the largest must not exceed the sum of the other two" : "all must be above 0";
+    diagnostics_.error(mark, "no rigid body has the inertia of " + what + ", " +
+                                 inertia_text(inertia) + ": its principal moments are " + moments +
+                                 "; " + rule);
+  }
+
+  const UrdfDocument& document_;
+  Diagnostics& diagnostics_;
+  UrdfGroups result_;
+};
+
+}  // namespace
+
+MassProperties add_masses(const std::vector<MassProperties>& parts) {
+  if (parts.size() == 1) return parts[0];
+  MassProperties total;
+  Vec3<double> moment{0.0, 0.0, 0.0};
+  for (const MassProperties& part : parts) {
+    total.mass += part.mass;
+    moment += part.com * part.mass;
+  }
+  if (total.mass == 0.0) return total;
+  total.com = moment / total.mass;
+  for (const MassProperties& part : parts) {
+    total.inertia =
+        total.inertia + part.inertia + point_inertia(part.mass, part.com - total.com);
+  }
+  return total;
+}
+
+UrdfGroups merge_fixed_joints(const UrdfDocument& document, Diagnostics& diagnostics) {
+  return Merger(document, diagnostics).run();
+}
+
+}  // namespace skybody

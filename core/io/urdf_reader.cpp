@@ -1,0 +1,41 @@
+#include "core/io/urdf_reader.h"
+
+#include "core/io/file.h"
+#include "core/io/urdf_document.h"
+#include "core/io/urdf_joints.h"
+#include "core/io/urdf_merge.h"
+
+namespace skybody {
+
+std::optional<RobotModel> read_urdf(const std::string& file, const UrdfOptions& options,
+                                    Diagnostics& diagnostics) {
+  const std::optional<std::string> text = read_file(file, {}, diagnostics);
+  if (!text) return std::nullopt;
+  return parse_urdf(*text, file, options, diagnostics);
+}
+
+std::optional<RobotModel> parse_urdf(const std::string& text, const std::string& file,
+                                     const UrdfOptions& options, Diagnostics& diagnostics) {
+  const int errors_before = diagnostics.error_count();
+  const std::optional<UrdfDocument> document = parse_urdf_document(text, file, diagnostics);
+  if (!document) return std::nullopt;
+  const UrdfGroups groups = merge_fixed_joints(*document, diagnostics);
+  RobotModel model;
+  model.name = document->name;
+  model.urdf_file = file;
+  make_bodies(*document, groups, options.fixed_base, model, diagnostics);
+  if (model.bodies.empty() && diagnostics.error_count() == errors_before) {
+    diagnostics.error({file, 0, 0}, "the robot has no link besides `world`");
+  }
+  if (diagnostics.error_count() > errors_before) return std::nullopt;
+  // Fixed: nothing floats.
+  model.fixed_base = true;
+  for (const Body& body : model.bodies) {
+    const bool floats = body.joint.type == JointType::kFree && body.joint.parent < 0;
+    if (floats) model.fixed_base = false;
+  }
+  derive_limit_springs(model);
+  return model;
+}
+
+}  // namespace skybody

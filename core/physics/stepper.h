@@ -1,0 +1,34 @@
+// Advances one environment by one physics step on a chosen dynamics with a chosen integrator.
+#pragma once
+
+#include <memory>
+
+#include "core/physics/lane_state.h"
+#include "core/physics/world.h"
+
+namespace skybody {
+
+/// The physics of one environment on the one-by-one path. Not thread-safe; use one per environment.
+/// Holds only what can be derived from World and LaneState (a cache): results never depend on which
+/// states it saw before.
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  /// Makes `state.bodies` current after q, u or params were changed from outside.
+  virtual void update_bodies(LaneState& state) = 0;
+
+  /// Advances q, u, rotor speeds and bodies by exactly dt, the rotor command, wrenches and drives held.
+  /// @returns false if the step gave a non-finite value or the integrator gave up; then the state is
+  ///          as it was before the call.
+  virtual bool advance(LaneState& state) = 0;
+
+  /// Generalised accelerations at the present state and t = 0 of the step, one per u.
+  virtual void accelerations(const LaneState& state, double* udot) = 0;
+};
+
+/// A stepper over Simbody with the scenario's integrator.
+/// @throws Error if the world cannot be built (message names the body and the reason).
+std::unique_ptr<Stepper> make_simbody_stepper(const World& world);
+
+}  // namespace skybody

@@ -1,0 +1,6 @@
+// Everything that a plugin author includes.
+#pragma once
+
+#include "core/base/math.h"
+#include "plugins/api/export.h"
+#include "plugins/api/plugin.h"

@@ -1,0 +1,4 @@
+// Everything that lab code includes to fly scenarios in its own process.
+#pragma once
+
+#include "core/assemble/simulation.h"

@@ -1,0 +1,303 @@
+/* The binary contract between Skybody and a plugin: plain C, nothing else crosses the boundary.
+ *
+ * A plugin is a shared library that exports one object, `skybody_plugin_library`. The host checks
+ * magic, ABI version, structure sizes and the floating-point probe before it calls anything else.
+ * Authors do not write against this file but against <skybody/plugin.h>, which fills it in.
+ *
+ * Values lie in lanes: scalar k of lane l of a group of L lanes is at p[k * L + l]. A step function
+ * serves every lane whose bit is set in `active` and must not write to the others.
+ *
+ * Step functions (`SkybodyKernels`) are called concurrently on one instance from several threads.
+ * They do not allocate, lock, log, throw or keep anything: all that changes lies in `state`.
+ */
+#ifndef SKYBODY_PLUGINS_API_ABI_H_
+#define SKYBODY_PLUGINS_API_ABI_H_
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
+#define SKYBODY_ABI_VERSION 1u
+#define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
+
+enum SkybodyKind {
+  SKYBODY_CONTROLLER = 0,
+  SKYBODY_SENSOR = 1,
+  SKYBODY_RANDOMIZER = 2,
+  SKYBODY_TASK = 3,
+  SKYBODY_KIND_COUNT = 4
+};
+
+enum SkybodyParameterType {
+  SKYBODY_REAL = 0,
+  SKYBODY_INTEGER = 1, /* handed over as double, exact */
+  SKYBODY_BOOLEAN = 2, /* 0 or 1 as double */
+  SKYBODY_TEXT = 3
+};
+
+/* Words in which controllers speak to one another and to the actuators. Sizes in brackets; N is the
+ * robot's number of rotors. Normative units and frames: docs/control-modes.md. */
+enum SkybodySignal {
+  SKYBODY_ROTOR_SPEED = 0, /* [N] rad/s; as an output: drives the rotors */
+  SKYBODY_SRT = 1,         /* [N] single rotor thrusts, N along each rotor's axis */
+  SKYBODY_CTBT = 2,        /* [4] collective thrust N, body torque N m (B axes) */
+  SKYBODY_CTBR = 3,        /* [4] collective thrust N, body rates rad/s (B axes) */
+  SKYBODY_WRENCH = 4,      /* [6 per site] force N, moment N m; as an output: drives the sites */
+  SKYBODY_VELOCITY = 5,    /* [6] v m/s, w rad/s, B axes; as an output: drives the base */
+  SKYBODY_POSE = 6,        /* [7] position m (W), quaternion w x y z; as an output: drives the base */
+  SKYBODY_ATTITUDE = 7,    /* [5] collective thrust N, quaternion w x y z */
+  SKYBODY_POSITION = 8,    /* [4] position m (W), yaw rad */
+  SKYBODY_TRAJECTORY = 9,  /* [13] position, velocity, acceleration, jerk (W), yaw rad */
+  SKYBODY_SIGNAL_COUNT = 10
+};
+
+/* One declared parameter. A vector has min_count != 1 or max_count != 1; max_count -1: any length. */
+typedef struct SkybodyParameter {
+  const char* name;
+  const char* unit; /* "" for a pure number */
+  const char* doc;  /* one line */
+  uint32_t type;    /* SkybodyParameterType */
+  int32_t min_count;
+  int32_t max_count;
+  uint32_t required;     /* 1: no default */
+  uint32_t randomizable; /* 1: one value per environment, in WorldState; reals only */
+  double min;            /* inclusive */
+  double max;            /* inclusive */
+  const double* default_numbers;
+  const char* const* default_texts;
+  uint32_t default_count;
+  const char* const* choices; /* texts only; NULL: anything */
+  uint32_t choice_count;
+} SkybodyParameter;
+
+/* A parameter's value, in the order of the declarations. */
+typedef struct SkybodyValue {
+  const double* numbers;
+  const char* const* texts;
+  uint32_t count;
+  int32_t env_param; /* first index into SkybodyLanes::params if randomizable, else -1 */
+} SkybodyValue;
+
+typedef struct SkybodyBodyInfo {
+  const char* name;
+  int32_t robot;
+  int32_t parent;       /* world body index or -1 */
+  double mass;          /* nominal [kg] */
+  double com[3];        /* [m], body frame */
+  double inertia[6];    /* about com: xx yy zz xy xz yz [kg m^2] */
+  int32_t first_param;  /* 10 EnvParams: mass, com, inertia */
+  int32_t first_q;      /* within the q block */
+  int32_t first_u;      /* within the u block */
+  int32_t joint;        /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
+} SkybodyBodyInfo;
+
+typedef struct SkybodyLinkInfo {
+  const char* name;
+  int32_t robot;
+  int32_t body;       /* world body index */
+  double position[3]; /* link frame in the body's frame [m] */
+  double rotation[4]; /* body frame from link frame, w x y z */
+  double com[3];      /* the link's own centre of mass in the body's frame [m] */
+} SkybodyLinkInfo;
+
+typedef struct SkybodyRotorInfo {
+  const char* name;
+  int32_t robot;
+  int32_t body;
+  double position[3]; /* body frame [m] */
+  double axis[3];     /* body frame, unit */
+  double direction;   /* +1 counter-clockwise about the axis, -1 clockwise */
+  double constants[8]; /* thrust, moment, drag, rolling moment, inertia, max_speed, tau_up, tau_down */
+  int32_t first_param; /* 8 EnvParams in the same order */
+} SkybodyRotorInfo;
+
+typedef struct SkybodyRobotInfo {
+  const char* name;
+  int32_t first_body, body_count;
+  int32_t first_rotor, rotor_count;
+  int32_t first_q, q_count;
+  int32_t first_u, u_count;
+  int32_t disturbance_param; /* 6 EnvParams: force (W), moment (base axes) */
+  int32_t fixed_base;
+  double position[3];     /* of the base at reset [m], W */
+  double rotation[4];     /* W from B, w x y z */
+  int32_t first_action;   /* within the action row; for tasks and randomizers, else 0 */
+  int32_t action_count;
+  int32_t command_signal; /* SkybodySignal of its first controller, -1 before it is known */
+  int32_t first_command;  /* within the command block */
+  int32_t command_count;
+} SkybodyRobotInfo;
+
+typedef struct SkybodySensorInfo {
+  const char* name;    /* instance */
+  const char* channel; /* such as specific_force */
+  int32_t first;       /* within SkybodyLanes::sensors */
+  int32_t count;
+} SkybodySensorInfo;
+
+/* What a randomizer may change. */
+typedef struct SkybodyEnvParamInfo {
+  const char* path;
+  double nominal;
+  double min;
+  double max;
+} SkybodyEnvParamInfo;
+
+/* The world as configure() sees it. Pointers stay valid as long as the instance. */
+typedef struct SkybodySetup {
+  const char* instance; /* name in paths */
+  double dt;            /* physics step [s] */
+  int32_t action_repeat;
+  int32_t horizon; /* steps until truncation, 0: none */
+  double gravity[3];
+  int32_t robot; /* the robot a controller belongs to, else -1 */
+  const SkybodyRobotInfo* robots;
+  int32_t robot_count;
+  const SkybodyBodyInfo* bodies;
+  int32_t body_count;
+  const SkybodyLinkInfo* links;
+  int32_t link_count;
+  const SkybodyRotorInfo* rotors;
+  int32_t rotor_count;
+  const SkybodySensorInfo* sensors; /* for controllers and tasks */
+  int32_t sensor_count;
+  const SkybodyEnvParamInfo* params;
+  int32_t param_count;
+  const SkybodyValue* values; /* this plugin's parameters */
+  int32_t value_count;
+} SkybodySetup;
+
+/* A vector that a plugin declares while it is configured: with bounds, for the spaces. */
+typedef struct SkybodyChannel {
+  const char* name;
+  const char* unit;
+  int32_t count;
+  double low;  /* bounds of the values; -inf, inf where there are none */
+  double high;
+} SkybodyChannel;
+
+/* Where a wrench acts. */
+typedef struct SkybodySite {
+  int32_t body;      /* world body index */
+  double point[3];   /* body frame [m] */
+  int32_t at_com;    /* 1: at the present centre of mass, point ignored */
+  int32_t world_axes; /* 1: force and moment in W; 0: in the body's axes */
+} SkybodySite;
+
+/* What configure() tells the host. Texts are copied during the call. */
+typedef struct SkybodyDeclare {
+  void* host;
+  /* Controllers: the command taken, and the physical values of action -1 and +1 per component. */
+  void (*input)(void* host, int32_t signal, int32_t count, const double* low, const double* high);
+  void (*output)(void* host, int32_t signal, int32_t count);
+  void (*site)(void* host, const SkybodySite* site);
+  /* Sensors: outputs. Tasks: parts of the observation, in order. */
+  void (*channel)(void* host, const SkybodyChannel* channel);
+  /* Sensors: called after every `period` physics steps. */
+  void (*period)(void* host, int32_t physics_steps);
+  /* Any kind: words of state besides State, reachable as a buffer of doubles. */
+  void (*buffer)(void* host, int32_t words);
+  /* Any kind: asks for SkybodyLanes::bodies_before. */
+  void (*bodies_before)(void* host);
+  /* Randomizers: this parameter will be written. Two writers of one parameter are an error. */
+  void (*writes)(void* host, int32_t env_param);
+  /* Tasks: the body of `robot` that the goal is about. */
+  void (*goal)(void* host, int32_t robot, int32_t body);
+} SkybodyDeclare;
+
+/* What every step function reads. Pointers are per group; strides are `lanes`. */
+typedef struct SkybodyLanes {
+  uint32_t lanes;  /* L: 1 or 8 */
+  uint32_t active; /* bit l: serve lane l */
+  const uint64_t* key;          /* 2: seed, stream env */
+  const uint64_t* episode;      /* 1 */
+  const uint64_t* step;         /* 1: actions taken in this episode, this one not counted */
+  const uint64_t* physics_step; /* 1: physics steps completed in this episode */
+  const double* bodies;         /* 13 per body: p (W), q (w x y z), v (W), w (B) */
+  const double* bodies_before;  /* the same at the start of the last physics step, or NULL */
+  const double* q;
+  const double* u;
+  const double* rotor_speed;    /* 1 per rotor [rad/s] */
+  const double* params;         /* EnvParams */
+  const double* sensors;        /* outputs of all sensors */
+  const double* action;         /* clipped action row of this step */
+  const double* command;        /* commands of all robots */
+} SkybodyLanes;
+
+/* What a randomizer changes at a reset. */
+typedef struct SkybodyStart {
+  double* q;
+  double* u;
+  double* rotor_speed;
+  double* params;
+  uint32_t requested; /* 1: draw now, whatever the randomizer's own schedule says */
+} SkybodyStart;
+
+/* What a task gives after a step. `end` bits: 1 terminated, 2 truncated. */
+typedef struct SkybodyEvaluation {
+  double* observation;
+  double* reward;  /* 1 */
+  uint64_t* end;   /* 1 */
+} SkybodyEvaluation;
+
+/* The functions of one instruction set; those of other kinds are NULL, optional ones may be. */
+typedef struct SkybodyKernels {
+  /* any kind, optional: initial state at a reset (else all words 0) */
+  void (*reset)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer);
+  void (*control)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
+                  const double* input, double* output);
+  void (*sense)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
+                double* output);
+  void (*randomize)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
+                    const SkybodyStart* start);
+  /* tasks: optional; else the host scales the action to the first controllers' ranges */
+  void (*process)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
+                  const double* action, double* command);
+  void (*evaluate)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
+                   const SkybodyEvaluation* out);
+  /* tasks: optional; 4 values per declared goal: position (W) [m], yaw [rad] */
+  void (*goal)(const void* self, const SkybodyLanes* lanes, const uint64_t* state,
+               const double* buffer, double* goal);
+} SkybodyKernels;
+
+typedef struct SkybodyPlugin {
+  uint32_t kind; /* SkybodyKind */
+  uint32_t state_words;
+  const char* name;
+  const char* version;
+  const char* doc; /* one line */
+  const SkybodyParameter* parameters;
+  uint32_t parameter_count;
+  uint32_t vectorized; /* 1: kernels serve several lanes at a time; 0: lane after lane */
+  /* Makes an instance. NULL and a message in `error` if it cannot. Never throws. */
+  void* (*create)(const SkybodySetup* setup, const SkybodyDeclare* declare, char* error,
+                  size_t error_size);
+  void (*destroy)(void* self);
+  SkybodyKernels kernels[3]; /* x86-64-v2, v3, v4 */
+} SkybodyPlugin;
+
+/* The exported object. */
+typedef struct SkybodyPluginLibrary {
+  uint64_t magic;
+  uint32_t abi_version;
+  uint32_t library_size; /* sizeof of each structure as the author's compiler saw it */
+  uint32_t plugin_size;
+  uint32_t kernels_size;
+  uint32_t setup_size;
+  uint32_t declare_size;
+  uint32_t lanes_size;
+  uint32_t parameter_size;
+  uint64_t (*fp_probe)(void);
+  const SkybodyPlugin* const* plugins;
+  uint32_t plugin_count;
+} SkybodyPluginLibrary;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* SKYBODY_PLUGINS_API_ABI_H_ */

@@ -1,0 +1,84 @@
+// What a plugin sees of its environment while it steps.
+#pragma once
+
+#include "core/base/quat.h"
+#include "core/base/vec3.h"
+#include "plugins/api/abi.h"
+#include "plugins/api/values.h"
+
+namespace skybody {
+
+/// Motion of one body frame. W: world, B: the body.
+template <class Real>
+struct BodyMotion {
+  Vec3<Real> position;          ///< origin in W [m]
+  Quat<Real> rotation;          ///< W from B, w x y z
+  Vec3<Real> velocity;          ///< of the origin, W axes [m/s]
+  Vec3<Real> angular_velocity;  ///< B axes [rad/s]
+};
+
+/// Number of values in a BodyMotion.
+inline constexpr int kBodyMotionSize = 13;
+
+/// One environment (Real = double) or several side by side (Real = Pack<W>), read-only.
+/// Indices of bodies, rotors, sensors and parameters are found in configure().
+template <class Real>
+class Lanes {
+ public:
+  /// @param first  the first lane that this view serves
+  Lanes(const SkybodyLanes& raw, std::uint32_t first, MaskOf<Real> mask)
+      : raw_(raw), first_(first), mask_(mask) {}
+
+  /// Motion of a world body, at the latest physics state.
+  BodyMotion<Real> body(int index) const {
+    return motion(raw_.bodies, index);
+  }
+  /// The same at the start of the last physics step; configure() must have asked for it by
+  /// Setup::need_bodies_before().
+  BodyMotion<Real> body_before(int index) const {
+    return motion(raw_.bodies_before, index);
+  }
+  /// Speed of a world rotor [rad/s], >= 0.
+  Real rotor_speed(int index) const { return at(raw_.rotor_speed, index); }
+  /// A coordinate (q) or its rate (u) of a joint; see BodyInfo::first_q.
+  Real q(int index) const { return at(raw_.q, index); }
+  Real u(int index) const { return at(raw_.u, index); }
+  /// A randomizable value of this environment.
+  Real param(int index) const { return at(raw_.params, index); }
+  /// A sensor's output value; see Setup::sensor().
+  Real sensor(int index) const { return at(raw_.sensors, index); }
+  /// The action of this step, clipped to [-1, 1].
+  Real action(int index) const { return at(raw_.action, index); }
+  /// The command made from it, in physical units.
+  Real command(int index) const { return at(raw_.command, index); }
+
+  Word<Real> seed() const { return word(raw_.key, 0); }
+  Word<Real> stream_env() const { return word(raw_.key, 1); }
+  /// Resets of this environment so far; 1 in its first episode.
+  Word<Real> episode() const { return word(raw_.episode, 0); }
+  /// Actions taken in this episode before the present one.
+  Word<Real> step() const { return word(raw_.step, 0); }
+  /// Physics steps completed in this episode.
+  Word<Real> physics_step() const { return word(raw_.physics_step, 0); }
+  /// Which lanes are being served; the others hold values that must not be relied upon.
+  MaskOf<Real> served() const { return mask_; }
+
+ private:
+  Real at(const double* base, int k) const {
+    return load_lanes<Real>(base + static_cast<std::size_t>(k) * raw_.lanes + first_);
+  }
+  Word<Real> word(const std::uint64_t* base, int k) const {
+    return load_words<Real>(base + static_cast<std::size_t>(k) * raw_.lanes + first_);
+  }
+  BodyMotion<Real> motion(const double* base, int index) const {
+    const ConstValues<Real> v(
+        base + static_cast<std::size_t>(index) * kBodyMotionSize * raw_.lanes + first_, raw_.lanes);
+    return {v.vec3(0), v.quat(3), v.vec3(7), v.vec3(10)};
+  }
+
+  const SkybodyLanes& raw_;
+  std::uint32_t first_;
+  MaskOf<Real> mask_;
+};
+
+}  // namespace skybody

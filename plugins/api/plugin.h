@@ -1,0 +1,143 @@
+// The classes that authors derive from: Controller, Sensor, Randomizer, Task.
+//
+// A plugin is one class. Its parameters are members (parameter.h); configure() looks names up and
+// declares what it takes and gives; the step methods are const and work on State, which the host
+// owns. `template <class Real> struct State` holds only Real, Word<Real>, Vec3<Real>, Quat<Real> and
+// arrays of them. A step method that is a template on Real runs for several environments side by
+// side; one written for plain double runs lane after lane, with the same result.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/random.h"
+#include "plugins/api/lanes.h"
+#include "plugins/api/parameter.h"
+#include "plugins/api/setup.h"
+
+namespace skybody {
+
+/// Common base of all plugin classes. An instance is immutable after configure().
+class Plugin {
+ public:
+  Plugin() = default;
+  Plugin(const Plugin&) = delete;
+  Plugin& operator=(const Plugin&) = delete;
+  virtual ~Plugin() = default;
+
+  /// Looks up names, checks the world, declares inputs and outputs. Parameters have their values.
+  /// Throws std::runtime_error with a text for the user where the scenario cannot be served.
+  virtual void configure(const Setup& setup) = 0;
+
+  /// No state, unless the derived class declares its own.
+  template <class Real>
+  struct State {};
+
+  const std::vector<Parameter*>& parameters() const { return parameters_; }
+
+  /// Called by the host before configure(): names this instance's random numbers.
+  void set_stream(std::uint64_t stream) { stream_ = stream; }
+
+ protected:
+  /// Random numbers that depend on (seed, stream env, episode, this instance, physics step) only.
+  /// Two uses within one physics step need different `substream`s.
+  template <class Real>
+  Random<Real> random(const Lanes<Real>& env, std::uint64_t substream = 0) const {
+    return Random<Real>(env.seed(), env.stream_env(), env.episode(), env.physics_step(),
+                        stream_ + substream);
+  }
+
+ private:
+  friend class Parameter;
+  std::vector<Parameter*> parameters_;
+  std::uint64_t stream_ = 0;
+};
+
+/// Maps a command to another one, or to actuators; evaluated before every physics step.
+/// Optional: `reset(env, state)`; required:
+///   template <class Real> void control(const Lanes<Real>& env, State<Real>& state,
+///                                      ConstValues<Real> input, Values<Real> output) const;
+class Controller : public Plugin {
+ public:
+  static constexpr SkybodyKind kKind = SKYBODY_CONTROLLER;
+};
+
+/// Measures; called after every `period` physics steps and at a reset.
+///   template <class Real> void sense(const Lanes<Real>& env, State<Real>& state,
+///                                    Values<Real> output) const;
+class Sensor : public Plugin {
+ public:
+  static constexpr SkybodyKind kKind = SKYBODY_SENSOR;
+};
+
+/// What a randomizer may change at a reset.
+template <class Real>
+class Start {
+ public:
+  Start(const SkybodyStart& raw, std::uint32_t lanes, std::uint32_t first, MaskOf<Real> mask)
+      : q(raw.q + first, lanes, mask),
+        u(raw.u + first, lanes, mask),
+        rotor_speed(raw.rotor_speed + first, lanes, mask),
+        params(raw.params + first, lanes, mask),
+        requested(raw.requested != 0) {}
+
+  Values<Real> q;            ///< joint coordinates; base: position (W), quaternion w x y z
+  Values<Real> u;            ///< their rates; base: velocity (W axes), angular velocity (B axes)
+  Values<Real> rotor_speed;  ///< [rad/s]
+  Values<Real> params;       ///< EnvParams; only those announced by Setup::writes()
+  bool requested;            ///< the caller asks for a draw now, whatever the schedule says
+};
+
+/// Draws at resets, after the scenario's own start was set. Parameters keep what was drawn before.
+///   template <class Real> void randomize(const Lanes<Real>& env, State<Real>& state,
+///                                        Start<Real>& start) const;
+/// A randomizer's State survives resets (it may count them).
+class Randomizer : public Plugin {
+ public:
+  static constexpr SkybodyKind kKind = SKYBODY_RANDOMIZER;
+};
+
+/// What a task gives after a step.
+template <class Real>
+class Evaluation {
+ public:
+  Evaluation(const SkybodyEvaluation& raw, std::uint32_t lanes, std::uint32_t first,
+             MaskOf<Real> mask)
+      : observation(raw.observation + first, lanes, mask),
+        reward_(raw.reward + first, lanes, mask),
+        end_(raw.end + first),
+        mask_(mask) {}
+
+  Values<Real> observation;  ///< channels as declared, in order
+
+  void set_reward(const Real& reward) { reward_.set(0, reward); }
+  /// Ends the episode where `ended` holds: a failure or success of the task.
+  void terminate(MaskOf<Real> ended) { add_end(ended, 1); }
+  /// Cuts the episode short where `cut` holds: no statement about the value of the state.
+  void truncate(MaskOf<Real> cut) { add_end(cut, 2); }
+
+ private:
+  void add_end(MaskOf<Real> where, std::uint64_t bit) {
+    const Word<Real> old = load_words<Real>(end_);
+    store_words(end_, select(logical_and(where, mask_), old | Word<Real>(bit), old));
+  }
+  Values<Real> reward_;
+  std::uint64_t* end_;
+  MaskOf<Real> mask_;
+};
+
+/// Defines observation, reward and end of episodes.
+///   template <class Real> void evaluate(const Lanes<Real>& env, State<Real>& state,
+///                                       Evaluation<Real>& out) const;
+/// is called after every step and once after a reset (reward and end are then ignored). Optional:
+///   reset(env, state)                        draws targets; the robots have been placed
+///   process(env, state, action, command)     once a step; default: each controller's own scaling
+///   goal(env, state, Values<Real> goal)      position (W) [m] and yaw [rad] per declared goal
+class Task : public Plugin {
+ public:
+  static constexpr SkybodyKind kKind = SKYBODY_TASK;
+};
+
+}  // namespace skybody
+
+#include "plugins/api/parameter_inl.h"  // IWYU pragma: export

@@ -1,0 +1,111 @@
+// The world as a plugin's configure() sees it, and what it declares there.
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "plugins/api/abi.h"
+
+namespace skybody {
+
+using RobotInfo = SkybodyRobotInfo;
+using BodyInfo = SkybodyBodyInfo;
+using LinkInfo = SkybodyLinkInfo;
+using RotorInfo = SkybodyRotorInfo;
+using EnvParamInfo = SkybodyEnvParamInfo;
+
+/// Signals between controllers; sizes, units and frames in abi.h.
+enum class Signal {
+  kRotorSpeed = SKYBODY_ROTOR_SPEED,
+  kSrt = SKYBODY_SRT,
+  kCtbt = SKYBODY_CTBT,
+  kCtbr = SKYBODY_CTBR,
+  kWrench = SKYBODY_WRENCH,
+  kVelocity = SKYBODY_VELOCITY,
+  kPose = SKYBODY_POSE,
+  kAttitude = SKYBODY_ATTITUDE,
+  kPosition = SKYBODY_POSITION,
+  kTrajectory = SKYBODY_TRAJECTORY,
+};
+
+/// A contiguous array that belongs to the host.
+template <class T>
+class View {
+ public:
+  View(const T* data, int size) : data_(data), size_(size) {}
+  const T* begin() const { return data_; }
+  const T* end() const { return data_ + size_; }
+  const T& operator[](int i) const { return data_[i]; }
+  int size() const { return size_; }
+
+ private:
+  const T* data_;
+  int size_;
+};
+
+/// Passed to configure(). Valid during that call. A plugin refuses a scenario by throwing any
+/// std::exception: its text becomes the error at the scenario's line.
+class Setup {
+ public:
+  Setup(const SkybodySetup& raw, const SkybodyDeclare& declare) : raw_(raw), declare_(declare) {}
+
+  std::string instance() const { return raw_.instance; }
+  double dt() const { return raw_.dt; }                    ///< physics step [s]
+  int action_repeat() const { return raw_.action_repeat; }  ///< physics steps an action
+  int horizon() const { return raw_.horizon; }              ///< steps an episode, 0: unlimited
+  const double* gravity() const { return raw_.gravity; }    ///< 3 values, W [m/s^2]
+
+  View<RobotInfo> robots() const { return {raw_.robots, raw_.robot_count}; }
+  View<BodyInfo> bodies() const { return {raw_.bodies, raw_.body_count}; }
+  View<LinkInfo> links() const { return {raw_.links, raw_.link_count}; }
+  View<RotorInfo> rotors() const { return {raw_.rotors, raw_.rotor_count}; }
+  View<EnvParamInfo> params() const { return {raw_.params, raw_.param_count}; }
+
+  /// Controllers: index of the robot that this one belongs to. @throws std::logic_error for others
+  int robot() const;
+  /// Index of the robot called `name`; an empty name means the only one.
+  /// @throws std::runtime_error naming those that exist
+  int robot(const std::string& name) const;
+  /// The rotors of one robot: world rotor indices [first, first + count).
+  View<RotorInfo> rotors_of(int robot) const;
+  /// A link of a robot. @throws std::runtime_error naming those that exist
+  const LinkInfo& link(int robot, const std::string& name) const;
+  /// Index for Lanes::sensor() of the first value of a sensor's channel, and its size.
+  /// @throws std::runtime_error naming those that exist
+  int sensor(const std::string& instance, const std::string& channel, int* count = nullptr) const;
+  /// Indices for Lanes::param() of the parameters that `path` means. A path may begin with
+  /// `robot.` for every robot, and with `controllers.`, `sensors.`, `task.` for plugins; `[*]`
+  /// means all elements. @throws std::runtime_error if nothing matches
+  std::vector<int> find_params(const std::string& path) const;
+
+  /// Controllers: the command taken; `low` and `high` are what actions -1 and +1 mean.
+  void input(Signal signal, const std::vector<double>& low, const std::vector<double>& high) const;
+  /// Controllers: what control() writes.
+  void output(Signal signal, int count) const;
+  /// Controllers with output kWrench: where value 6 i.. acts; in order.
+  void site(const SkybodySite& site) const { declare_.site(declare_.host, &site); }
+  /// Sensors and tasks: a part of the output or observation, in order.
+  void channel(const std::string& name, const std::string& unit, int count, double low, double high) const;
+  /// Sensors: sense() is called after every `physics_steps` physics steps. Default 1.
+  void period(int physics_steps) const { declare_.period(declare_.host, physics_steps); }
+  /// `words` doubles of state beside State, for sizes known only now; zero at a reset.
+  void buffer(int words) const { declare_.buffer(declare_.host, words); }
+  /// Asks for Lanes::body_before().
+  void need_bodies_before() const { declare_.bodies_before(declare_.host); }
+  /// Randomizers: announces that a parameter will be written.
+  void writes(int param) const { declare_.writes(declare_.host, param); }
+  /// Tasks: goal() gives where `body` of `robot` should be. In order; once a robot at most.
+  void goal(int robot, int body) const { declare_.goal(declare_.host, robot, body); }
+
+  const SkybodySetup& raw() const { return raw_; }
+
+ private:
+  const SkybodySetup& raw_;
+  const SkybodyDeclare& declare_;
+};
+
+}  // namespace skybody
+
+#include "plugins/api/setup_inl.h"

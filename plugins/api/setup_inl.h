@@ -1,0 +1,113 @@
+// Definitions for setup.h.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plugins/api/setup.h"
+
+namespace skybody {
+
+inline int Setup::robot() const {
+  if (raw_.robot < 0) throw std::logic_error("only a controller belongs to one robot");
+  return raw_.robot;
+}
+
+inline int Setup::robot(const std::string& name) const {
+  std::string known;
+  for (int i = 0; i < raw_.robot_count; ++i) {
+    if (name.empty() && raw_.robot_count == 1) return i;
+    if (name == raw_.robots[i].name) return i;
+    known += (i > 0 ? ", " : "") + std::string(raw_.robots[i].name);
+  }
+  if (name.empty()) throw std::runtime_error("several robots: name one of " + known);
+  throw std::runtime_error("no robot `" + name + "`: there are " + known);
+}
+
+inline View<RotorInfo> Setup::rotors_of(int robot) const {
+  const RobotInfo& r = raw_.robots[robot];
+  return {raw_.rotors + r.first_rotor, r.rotor_count};
+}
+
+inline const LinkInfo& Setup::link(int robot, const std::string& name) const {
+  std::string known;
+  for (const LinkInfo& l : links()) {
+    if (l.robot != robot) continue;
+    if (name == l.name) return l;
+    known += (known.empty() ? "" : ", ") + std::string(l.name);
+  }
+  throw std::runtime_error("robot `" + std::string(raw_.robots[robot].name) + "` has no link `" + name +
+                           "`: there are " + known);
+}
+
+inline int Setup::sensor(const std::string& instance, const std::string& channel, int* count) const {
+  std::string known;
+  for (int i = 0; i < raw_.sensor_count; ++i) {
+    const SkybodySensorInfo& s = raw_.sensors[i];
+    if (instance == s.name && channel == s.channel) {
+      if (count != nullptr) *count = s.count;
+      return s.first;
+    }
+    known += (i > 0 ? ", " : "") + std::string(s.name) + "." + s.channel;
+  }
+  throw std::runtime_error("no sensor output `" + instance + "." + channel + "`: there are " +
+                           (known.empty() ? "none" : known));
+}
+
+namespace plugin_detail {
+
+/// Does `path` match `pattern`, in which `[*]` stands for any index and a leading `robot.` or
+/// plugin section for the same thing of every robot?
+inline bool matches(const std::string& pattern, const std::string& path) {
+  std::size_t i = 0, j = 0;
+  while (i < pattern.size() && j < path.size()) {
+    if (pattern.compare(i, 3, "[*]") == 0 && path[j] == '[') {
+      i += 3;
+      j = path.find(']', j) + 1;
+    } else if (pattern[i++] != path[j++]) {
+      return false;
+    }
+  }
+  if (i == pattern.size() && j < path.size()) return path[j] == '[';  // a whole vector
+  return i == pattern.size() && j == path.size();
+}
+
+}  // namespace plugin_detail
+
+inline std::vector<int> Setup::find_params(const std::string& path) const {
+  std::vector<int> found;
+  const bool every_robot = path.rfind("robot.", 0) == 0 || path.rfind("controllers.", 0) == 0;
+  const std::string rest = path.rfind("robot.", 0) == 0 ? path.substr(6) : path;
+  for (int i = 0; i < raw_.param_count; ++i) {
+    const std::string candidate = raw_.params[i].path;
+    bool match = plugin_detail::matches(path, candidate);
+    for (int r = 0; every_robot && !match && r < raw_.robot_count; ++r) {
+      match = plugin_detail::matches("robots." + std::string(raw_.robots[r].name) + "." + rest, candidate);
+    }
+    if (match) found.push_back(i);
+  }
+  if (found.empty()) {
+    throw std::runtime_error("nothing randomizable is called `" + path +
+                             "`; `skybody check --parameters` lists what is");
+  }
+  return found;
+}
+
+inline void Setup::input(Signal signal, const std::vector<double>& low,
+                         const std::vector<double>& high) const {
+  if (low.size() != high.size()) throw std::logic_error("input(): low and high differ in size");
+  declare_.input(declare_.host, static_cast<int>(signal), static_cast<int>(low.size()), low.data(),
+                 high.data());
+}
+
+inline void Setup::output(Signal signal, int count) const {
+  declare_.output(declare_.host, static_cast<int>(signal), count);
+}
+
+inline void Setup::channel(const std::string& name, const std::string& unit, int count, double low,
+                           double high) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high};
+  declare_.channel(declare_.host, &channel);
+}
+
+}  // namespace skybody
