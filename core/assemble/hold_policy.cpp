@@ -45,9 +45,8 @@ struct Wish {
 /// Attitude whose z axis lies along `up` and whose heading is `yaw`.
 Quat<double> attitude_along(const V& up, double yaw) {
   const V z = up / norm(up);
-  double s, c;
-  sincos(yaw, s, c);
-  V y = cross(z, V{c, s, 0.0});
+  const SinCos<double> heading = sincos(yaw);
+  V y = cross(z, V{heading.cos, heading.sin, 0.0});
   y = y / norm(y);
   const V x = cross(y, z);
   return from_rotation(Mat3<double>{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}});

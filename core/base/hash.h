@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
 namespace skybody {
 
@@ -18,7 +19,10 @@ class HashChain {
   /// Chains of different seeds are unrelated.
   explicit HashChain(std::uint64_t seed) { update(seed); }
 
-  void update(std::uint64_t word) {
+  /// One word; narrower integers are converted as C++ does.
+  template <class Integer, class = std::enable_if_t<std::is_integral<Integer>::value>>
+  void update(Integer value) {
+    const std::uint64_t word = static_cast<std::uint64_t>(value);
     state_ = (state_ ^ word) * kFirst;
     state_ = (state_ ^ (state_ >> 32)) * kSecond;
     state_ ^= state_ >> 29;

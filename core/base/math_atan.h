@@ -22,9 +22,9 @@ SKYBODY_INLINE Real atan_kernel(const Real& x) {
 
 }  // namespace detail
 
-/// The angle of the point (x, y) in [-pi, pi] [rad]. Error below 2 ulp. Zeros, infinities and signs
-/// as C's atan2; NaN if either is NaN.
-/// Method: the octant's ratio, shifted by pi/4 above tan(pi/8), one division; fdlibm's series.
+/// The angle of the point (x, y) in [-pi, pi] [rad]. Error below 2.5 ulp. Zeros, infinities and
+/// signs as C's atan2; NaN if either is NaN. Method: the octant's ratio, shifted by pi/4 above
+/// tan(pi/8), one division; fdlibm's series.
 template <class Real>
 SKYBODY_INLINE Real atan2(const Real& y, const Real& x) {
   using M = MaskOf<Real>;

@@ -53,7 +53,7 @@ SKYBODY_INLINE Quadrant<Real> reduce_to_quadrant(const Real& x) {
   const Real high = third.sum + rest;
   // Beyond the documented range the remainder is noise; keep it where the series are bounded.
   const Real limited = clamp(high, Real(-0.7854), Real(0.7854));
-  return {n, limited, (third.sum - high) + rest};
+  return {n, limited, select(limited == high, (third.sum - high) + rest, Real(0.0))};
 }
 
 /// sin(x + y) for |x| <= pi/4, y its tail. fdlibm k_sin.c, error below 2^-58.
@@ -107,7 +107,7 @@ template <class Real>
 SKYBODY_INLINE Real cos(const Real& x) {
   return sincos(x).cos;
 }
-/// Tangent of x [rad], sine over cosine. Error below 2 ulp for |x| <= 1e6.
+/// Tangent of x [rad], sine over cosine. Error below 2.5 ulp for |x| <= 1e6.
 template <class Real>
 SKYBODY_INLINE Real tan(const Real& x) {
   const SinCos<Real> both = sincos(x);

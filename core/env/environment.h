@@ -30,6 +30,7 @@ struct ControllerChain {
   int command = 0;           ///< first word of the input within the command block
   int action = 0;            ///< first value within the action row
   int site = 0;              ///< first wrench site of the robot
+  int drive = 0;             ///< its place among the driven robots, where it drives the base
 };
 
 /// One scenario, ready to step. Const methods are safe to call from several threads on different

@@ -11,6 +11,7 @@
 #include "core/env/setup_tables.h"
 #include "core/model/marked_error.h"
 #include "core/physics/default_state.h"
+#include "core/physics/world_layout.h"
 
 namespace skybody {
 namespace {
@@ -29,11 +30,6 @@ bool drives(int signal) { return signal == SKYBODY_VELOCITY || signal == SKYBODY
 
 bool actuates(int signal) {
   return signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_WRENCH || drives(signal);
-}
-
-void place(Block& block, int& offset) {
-  block.offset = offset;
-  offset += block.size;
 }
 
 }  // namespace
@@ -103,11 +99,10 @@ struct Environment::Builder {
 
   int add_env_params(const std::string& path, const std::vector<double>& numbers,
                      const PluginFactory::Randomizable& spec) {
-    std::vector<EnvParam>& info = world.layout.param_info;
-    const int first = static_cast<int>(info.size());
+    const int first = static_cast<int>(world.layout.param_info.size());
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const std::string name = numbers.size() == 1 ? path : path + "[" + std::to_string(i) + "]";
-      info.push_back({name, spec.unit, numbers[i], spec.min, spec.max});
+      add_param(world.layout, {name, spec.unit, numbers[i], spec.min, spec.max});
     }
     return first;
   }
@@ -221,7 +216,7 @@ struct Environment::Builder {
     }
   }
 
-  void add_chain(int robot, const ControllerChain& chain, SetupTables& tables) {
+  void add_chain(int robot, ControllerChain& chain, SetupTables& tables) {
     const PluginInstance& first = env.controllers_[static_cast<std::size_t>(chain.first)];
     const PluginInstance& last =
         env.controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
@@ -230,6 +225,7 @@ struct Environment::Builder {
     world.layout.command.size += inputs;
     world.layout.action.size += inputs;
     for (const WrenchSite& site : last.sites) world.sites.push_back(site);
+    chain.drive = count_driven(world);
     if (last.output_signal == SKYBODY_VELOCITY) {
       world.drives[static_cast<std::size_t>(robot)] = DriveKind::kVelocity;
     } else if (last.output_signal == SKYBODY_POSE) {
@@ -266,27 +262,22 @@ struct Environment::Builder {
 
   void lay_out() {
     Layout& l = world.layout;
-    l.wrench.size = 6 * static_cast<int>(world.sites.size());
-    const bool driven = std::any_of(world.drives.begin(), world.drives.end(),
-                                    [](DriveKind d) { return d != DriveKind::kNone; });
-    l.drive.size = driven ? 13 * static_cast<int>(world.drives.size()) : 0;
     l.bodies_before.size = env.needs_bodies_before_ ? 13 * static_cast<int>(world.bodies.size()) : 0;
-    l.params.size = static_cast<int>(l.param_info.size());
-    l.header.size = kHeaderSize;
     l.last_observation.size = env.observation_size();
-    int offset = 0;
-    for (Block* block : {&l.header, &l.q, &l.u, &l.rotor_speed, &l.rotor_command, &l.wrench, &l.drive,
-                         &l.bodies_before, &l.params, &l.action, &l.command, &l.sensors}) {
-      place(*block, offset);
-    }
-    l.plugin_state.offset = offset;
+    int words = 0;
+    for_each_plugin([&](PluginInstance& p) { words += p.state_words + p.buffer_words; });
+    l.plugin_state.size = words;
+    finish_layout(world);
+    int offset = l.plugin_state.offset;
+    for_each_plugin([&](PluginInstance& p) { place_state(p, offset); });
+  }
+
+  template <class F>
+  void for_each_plugin(F&& f) {
     for (auto* list : {&env.controllers_, &env.sensors_, &env.randomizers_}) {
-      for (PluginInstance& p : *list) place_state(p, offset);
+      for (PluginInstance& p : *list) f(p);
     }
-    place_state(env.task_, offset);
-    l.plugin_state.size = offset - l.plugin_state.offset;
-    place(l.last_observation, offset);
-    l.words = offset;
+    f(env.task_);
   }
 
   static void place_state(PluginInstance& p, int& offset) {

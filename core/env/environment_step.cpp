@@ -163,7 +163,7 @@ void Environment::actuate(StateGroup& group, std::uint32_t mask, const PluginIns
     target = group.reals(l.wrench) + 6 * chain.site * lanes;
   } else {
     const int skip = last.output_signal == SKYBODY_VELOCITY ? 0 : 6;
-    target = group.reals(l.drive) + (13 * last.robot + skip) * lanes;
+    target = group.reals(l.drive) + (13 * chain.drive + skip) * lanes;
   }
   for (int k = 0; k < last.output_count; ++k) {
     each(mask, [&](int lane) { target[k * lanes + lane] = output[k * lanes + lane]; });

@@ -22,6 +22,7 @@ extern "C" {
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
 #define SKYBODY_ABI_VERSION 1u
+#define SKYBODY_GROUP_LANES 8u /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
 
 enum SkybodyKind {
@@ -149,7 +150,7 @@ typedef struct SkybodyEnvParamInfo {
 
 /* The world as configure() sees it. Pointers stay valid as long as the instance. */
 typedef struct SkybodySetup {
-  const char* instance; /* name in paths */
+  const char* instance; /* unique in the world: names this instance's random numbers */
   double dt;            /* physics step [s] */
   int32_t action_repeat;
   int32_t horizon; /* steps until truncation, 0: none */
@@ -294,6 +295,7 @@ typedef struct SkybodyPluginLibrary {
   uint64_t (*fp_probe)(void);
   const SkybodyPlugin* const* plugins;
   uint32_t plugin_count;
+  const char* failure; /* why the plugin could not describe itself, or NULL */
 } SkybodyPluginLibrary;
 
 #ifdef __cplusplus

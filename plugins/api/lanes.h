@@ -63,6 +63,14 @@ class Lanes {
   /// Which lanes are being served; the others hold values that must not be relied upon.
   MaskOf<Real> served() const { return mask_; }
 
+  /// For the library: these lanes' view of values in lanes; `base` may be null if nothing is read.
+  ConstValues<Real> const_values(const double* base, std::uint32_t first) const {
+    return {base == nullptr ? nullptr : base + first, raw_.lanes};
+  }
+  Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask) const {
+    return {base == nullptr ? nullptr : base + first, raw_.lanes, mask};
+  }
+
  private:
   Real at(const double* base, int k) const {
     return load_lanes<Real>(base + static_cast<std::size_t>(k) * raw_.lanes + first_);
@@ -76,7 +84,7 @@ class Lanes {
     return {v.vec3(0), v.quat(3), v.vec3(7), v.vec3(10)};
   }
 
-  const SkybodyLanes& raw_;
+  SkybodyLanes raw_;  // a copy: nothing that is written can alias its pointers
   std::uint32_t first_;
   MaskOf<Real> mask_;
 };

@@ -4,7 +4,10 @@
 // declares what it takes and gives; the step methods are const and work on State, which the host
 // owns. `template <class Real> struct State` holds only Real, Word<Real>, Vec3<Real>, Quat<Real> and
 // arrays of them. A step method that is a template on Real runs for several environments side by
-// side; one written for plain double runs lane after lane, with the same result.
+// side; one written for plain double runs lane after lane, with the same result. Every step method
+// may take the instance's buffer (Setup::buffer) as a last argument, `Values<Real> buffer`. Helper
+// functions on Real must be templates in the plugin's own file or in headers: everything is inlined
+// into functions of one instruction set.
 #pragma once
 
 #include <string>
@@ -101,23 +104,20 @@ class Randomizer : public Plugin {
 template <class Real>
 class Evaluation {
  public:
-  Evaluation(const SkybodyEvaluation& raw, std::uint32_t lanes, std::uint32_t first,
-             MaskOf<Real> mask)
-      : observation(raw.observation + first, lanes, mask),
-        reward_(raw.reward + first, lanes, mask),
-        end_(raw.end + first),
-        mask_(mask) {}
+  Evaluation(const Values<Real>& observation_row, const Values<Real>& reward, std::uint64_t* end,
+             const MaskOf<Real>& mask)
+      : observation(observation_row), reward_(reward), end_(end), mask_(mask) {}
 
   Values<Real> observation;  ///< channels as declared, in order
 
   void set_reward(const Real& reward) { reward_.set(0, reward); }
   /// Ends the episode where `ended` holds: a failure or success of the task.
-  void terminate(MaskOf<Real> ended) { add_end(ended, 1); }
+  void terminate(const MaskOf<Real>& ended) { add_end(ended, 1); }
   /// Cuts the episode short where `cut` holds: no statement about the value of the state.
-  void truncate(MaskOf<Real> cut) { add_end(cut, 2); }
+  void truncate(const MaskOf<Real>& cut) { add_end(cut, 2); }
 
  private:
-  void add_end(MaskOf<Real> where, std::uint64_t bit) {
+  void add_end(const MaskOf<Real>& where, std::uint64_t bit) {
     const Word<Real> old = load_words<Real>(end_);
     store_words(end_, select(logical_and(where, mask_), old | Word<Real>(bit), old));
   }

@@ -38,7 +38,7 @@ class ConstValues {
 template <class Real>
 class Values {
  public:
-  Values(double* data, std::size_t stride, MaskOf<Real> mask)
+  Values(double* data, std::size_t stride, const MaskOf<Real>& mask)
       : data_(data), stride_(stride), mask_(mask) {}
 
   /// Value `k` as it is now.

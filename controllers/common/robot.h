@@ -1,0 +1,104 @@
+// Constants of one robot as configure() sees them: masses, limits, texts for messages. Nominal
+// values throughout; what randomizers draw is not known here.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+namespace skybody::control {
+
+/// Order of RotorInfo::constants and of a rotor's EnvParams.
+enum RotorConstant : int {
+  kThrust = 0,
+  kMoment,
+  kDrag,
+  kRollingMoment,
+  kRotorInertia,
+  kMaxSpeed,
+  kTauUp,
+  kTauDown
+};
+
+/// A number as users write it.
+inline std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof(buffer), "%g", value);
+  return buffer;
+}
+
+inline Vec3<double> vec3(const double* v) { return {v[0], v[1], v[2]}; }
+
+/// The same constant in every lane.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> lift(const Vec3<double>& v) {
+  return {Real(v.x), Real(v.y), Real(v.z)};
+}
+template <class Real>
+SKYBODY_INLINE SymMat3<Real> lift(const SymMat3<double>& a) {
+  return {Real(a.xx), Real(a.yy), Real(a.zz), Real(a.xy), Real(a.xz), Real(a.yz)};
+}
+
+/// Each component limited to [-limit, limit].
+template <class Real>
+SKYBODY_INLINE Vec3<Real> clamp_symmetric(const Vec3<Real>& v, const Vec3<double>& limit) {
+  return {clamp(v.x, -limit.x, limit.x), clamp(v.y, -limit.y, limit.y),
+          clamp(v.z, -limit.z, limit.z)};
+}
+
+inline std::string robot_name(const Setup& setup, int robot) { return setup.robots()[robot].name; }
+
+/// World index of the robot's base body.
+inline int base_of(const Setup& setup, int robot) { return setup.robots()[robot].first_body; }
+
+/// Nominal inertia of a body about its centre of mass, body axes [kg m^2].
+inline SymMat3<double> inertia_of(const BodyInfo& body) {
+  const double* i = body.inertia;
+  return {i[0], i[1], i[2], i[3], i[4], i[5]};
+}
+
+/// Nominal mass of all bodies of a robot [kg].
+inline double total_mass(const Setup& setup, int robot) {
+  const RobotInfo& r = setup.robots()[robot];
+  double mass = 0.0;
+  for (int i = r.first_body; i < r.first_body + r.body_count; ++i) mass += setup.bodies()[i].mass;
+  return mass;
+}
+
+/// Magnitude of gravity [m/s^2].
+inline double gravity_of(const Setup& setup) { return norm(vec3(setup.gravity())); }
+
+/// A rotor's thrust at its maximum speed [N].
+inline double full_thrust(const RotorInfo& rotor) {
+  return rotor.constants[kThrust] * rotor.constants[kMaxSpeed] * rotor.constants[kMaxSpeed];
+}
+
+/// The robot's rotors; each must be able to push. @throws std::runtime_error
+inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::string& mode) {
+  const View<RotorInfo> rotors = setup.rotors_of(robot);
+  if (rotors.size() == 0) {
+    throw std::runtime_error("robot `" + robot_name(setup, robot) + "` has no rotors, which " + mode +
+                             " needs: give it a rotors file, or use controller `wrench`");
+  }
+  for (const RotorInfo& rotor : rotors) {
+    if (!(full_thrust(rotor) > 0.0)) {
+      throw std::runtime_error("rotor `" + std::string(rotor.name) + "` has no thrust (thrust_constant " +
+                               text(rotor.constants[kThrust]) + ", max_speed " +
+                               text(rotor.constants[kMaxSpeed]) +
+                               "): both must be above 0 in the robot's rotors file");
+    }
+  }
+  return rotors;
+}
+
+/// Fails unless low < high, with both values in the message. @throws std::runtime_error
+inline void require_order(const std::string& low_name, double low, const std::string& high_name,
+                          double high) {
+  if (low < high) return;
+  throw std::runtime_error("`" + low_name + "` " + text(low) + " is not below `" + high_name + "` " +
+                           text(high) + ": lower the first or raise the second");
+}
+
+}  // namespace skybody::control

@@ -1,0 +1,86 @@
+// HDF5's C API as far as the flight log needs it: ids that close themselves, failures as Error.
+#pragma once
+
+#include <hdf5.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace skybody {
+
+/// Owns an HDF5 id and closes it by the function that belongs to its kind.
+class Hdf5Id {
+ public:
+  using Close = herr_t (*)(hid_t);
+
+  Hdf5Id() = default;
+  Hdf5Id(hid_t id, Close close) : id_(id), close_(close) {}
+  Hdf5Id(Hdf5Id&& other) noexcept
+      : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Hdf5Id& operator=(Hdf5Id&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Hdf5Id() { reset(); }
+
+  operator hid_t() const { return id_; }
+  /// Closes it now. Returns whether that went well.
+  bool reset() {
+    const hid_t id = std::exchange(id_, H5I_INVALID_HID);
+    return id < 0 || close_(id) >= 0;
+  }
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  Close close_ = nullptr;
+};
+
+/// Keeps HDF5 from printing its error stack while it lives; we report errors ourselves.
+class QuietHdf5 {
+ public:
+  QuietHdf5();
+  ~QuietHdf5();
+  QuietHdf5(const QuietHdf5&) = delete;
+  QuietHdf5& operator=(const QuietHdf5&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// Creates things inside one file. Every member throws Error with the file's name and HDF5's reason.
+class Hdf5Writer {
+ public:
+  explicit Hdf5Writer(std::filesystem::path path) : path_(std::move(path)) {}
+
+  Hdf5Id create_file() const;
+  Hdf5Id create_group(hid_t parent, const std::string& name) const;
+
+  void write_attribute(hid_t object, const char* name, const std::string& value) const;
+  void write_attribute(hid_t object, const char* name, double value) const;
+  void write_attribute(hid_t object, const char* name, std::int64_t value) const;
+  void write_attribute(hid_t object, const char* name, const std::vector<std::string>& values) const;
+
+  void write_dataset(hid_t parent, const char* name, const std::vector<double>& values) const;
+  void write_dataset(hid_t parent, const char* name, const std::vector<std::string>& values) const;
+
+  /// The id or status, if it is not negative.
+  template <class Result>
+  Result check(Result result) const {
+    if (result < 0) fail();
+    return result;
+  }
+  /// @throws Error with what HDF5 says last
+  [[noreturn]] void fail() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// HDF5's type of a UTF-8 text of any length.
+Hdf5Id hdf5_text_type();
+
+}  // namespace skybody

@@ -1,0 +1,72 @@
+#include "core/io/plugin_use_reader.h"
+
+#include "core/io/parameter_reader.h"
+#include "core/io/scenario_fields.h"
+#include "core/io/text.h"
+
+namespace skybody {
+namespace {
+
+/// The declaration that `use` names, or null and an error where it is written.
+const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
+                                     const PluginCatalog& catalog, Diagnostics& diagnostics) {
+  const std::string what = std::string(to_string(kind)) + " `" + use.plugin + "`";
+  const PluginDeclaration* found = catalog.find(kind, use.plugin);
+  if (found == nullptr) {
+    diagnostics.error(use.mark, "unknown " + what +
+                                    suggestion(use.plugin, catalog.names(kind), "found"));
+    return nullptr;
+  }
+  if (!found->failure.empty()) {
+    diagnostics.error(use.mark,
+                      "the " + what + " (" + found->file + ") cannot be used: " + found->failure);
+    return nullptr;
+  }
+  return found;
+}
+
+}  // namespace
+
+PluginUse read_plugin_use(const ConfigNode& node, PluginKind kind, const PluginCatalog& catalog,
+                          Diagnostics& diagnostics) {
+  const MapReader reader(&node, plugin_use_fields(), node.mark, diagnostics);
+  PluginUse use;
+  use.plugin = reader.text("plugin");
+  use.instance = reader.text("name");
+  if (use.instance.empty()) use.instance = use.plugin;
+  use.mark = reader.mark("plugin");
+  use.parameters_mark = reader.mark("parameters");
+  if (use.plugin.empty()) return use;
+  const PluginDeclaration* declaration = find_plugin(use, kind, catalog, diagnostics);
+  if (declaration == nullptr) return use;
+  ConfigNode none;
+  none.mark = use.mark;
+  const ConfigNode* parameters = reader.node("parameters");
+  use.parameters = read_parameters(parameters == nullptr ? none : *parameters,
+                                   declaration->parameters, diagnostics);
+  return use;
+}
+
+std::vector<PluginUse> read_plugin_uses(const ConfigNode* node, PluginKind kind,
+                                        const PluginCatalog& catalog, Diagnostics& diagnostics) {
+  std::vector<PluginUse> uses;
+  if (node == nullptr || node->is_null()) return uses;
+  if (!node->is_sequence()) {
+    diagnostics.error(node->mark, std::string(to_string(kind)) + "s are " + node->describe() +
+                                      "; allowed: a list such as [{plugin: NAME}]");
+    return uses;
+  }
+  for (const ConfigNode& item : node->items) {
+    PluginUse use = read_plugin_use(item, kind, catalog, diagnostics);
+    for (const PluginUse& other : uses) {
+      if (other.instance != use.instance || use.instance.empty()) continue;
+      diagnostics.error(use.mark, "a second " + std::string(to_string(kind)) + " called `" +
+                                      use.instance + "`; give it another `name`");
+      break;
+    }
+    uses.push_back(std::move(use));
+  }
+  return uses;
+}
+
+}  // namespace skybody

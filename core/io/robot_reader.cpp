@@ -1,0 +1,161 @@
+#include "core/io/robot_reader.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/base/hash.h"
+#include "core/io/file.h"
+#include "core/io/plugin_use_reader.h"
+#include "core/io/rotors_reader.h"
+#include "core/io/scenario_fields.h"
+#include "core/io/text.h"
+#include "core/io/urdf_reader.h"
+
+namespace skybody {
+
+Pose read_pose(const MapReader& reader) {
+  const Vec3<double> rpy = reader.vec3("rpy");
+  return {reader.vec3("position"), from_rpy(rpy.x, rpy.y, rpy.z)};
+}
+
+void RobotReader::note(const std::string& text) {
+  files_hash_ = combine(files_hash_, hash_string(text));
+}
+
+std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
+  const MapReader reader(&node, robot_fields(), node.mark, diagnostics_);
+  RobotUse robot;
+  robot.name = reader.text("name");
+  robot.pose = read_pose(MapReader(reader.node("pose"), pose_fields(), node.mark, diagnostics_));
+  const MapReader load(reader.node("disturbance"), disturbance_fields(), node.mark, diagnostics_);
+  robot.disturbance_force = load.vec3("force");
+  robot.disturbance_moment = load.vec3("moment");
+  robot.controllers = read_plugin_uses(reader.node("controllers"), PluginKind::kController,
+                                       catalog_, diagnostics_);
+  std::optional<RobotModel> model = read_model(reader);
+  if (!model) {
+    reader.real_or_word("rotor_speed");
+    return std::nullopt;
+  }
+  robot.model = std::move(*model);
+  read_joints(reader, robot.model);
+  read_rotor_speed(reader, robot);
+  return robot;
+}
+
+std::optional<RobotModel> RobotReader::read_model(const MapReader& reader) {
+  const std::string written = reader.text("model");
+  const bool fixed_base = reader.boolean("fixed_base");
+  const std::string rotors = reader.text("rotors");
+  if (written.empty()) {
+    if (reader.node("model") != nullptr && reader.node("model")->is_scalar()) {
+      diagnostics_.error(reader.mark("model"), "`model` is empty; allowed: a URDF file");
+    }
+    return std::nullopt;
+  }
+  const SourceMark mark = reader.mark("model");
+  const std::string file = resolve_path(written, mark);
+  const std::string rotors_key =
+      reader.node("rotors") == nullptr ? "" : resolve_path(rotors, reader.mark("rotors"));
+  const std::string key = file + '\n' + rotors_key + (fixed_base ? "\nfixed" : "\nfree");
+  if (const auto known = models_.find(key); known != models_.end()) return known->second;
+  std::optional<RobotModel>& model = models_[key];
+  const std::optional<std::string> text = read_file(file, mark, diagnostics_);
+  if (!text) return std::nullopt;
+  note(*text);
+  model = parse_urdf(*text, file, {fixed_base}, diagnostics_);
+  if (model && !add_rotors(reader, *model)) model.reset();
+  const bool refuses = model && model->fixed_base && !fixed_base;
+  if (refuses && reader.node("fixed_base") != nullptr) {
+    diagnostics_.error(reader.mark("fixed_base"), "`fixed_base` is false, but the root link of " +
+                                                      file + " is `world`: remove one of them");
+  }
+  return model;
+}
+
+bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model) {
+  const std::string written = reader.text("rotors");
+  if (written == "none") return true;
+  std::string file;
+  SourceMark used_at;
+  if (!written.empty()) {
+    used_at = reader.mark("rotors");
+    file = resolve_path(written, used_at);
+  } else {
+    const std::filesystem::path folder = std::filesystem::path(model.urdf_file).parent_path();
+    file = (folder / "rotors.yaml").string();
+    if (!is_file(file)) return true;
+  }
+  std::string text;
+  const bool good = read_rotors(file, used_at, model, text, diagnostics_);
+  note(text);
+  return good;
+}
+
+void RobotReader::read_rotor_speed(const MapReader& reader, RobotUse& robot) {
+  const std::optional<double> speed = reader.real_or_word("rotor_speed");
+  robot.rotor_speed = speed.value_or(-1.0);
+  const SourceMark mark = reader.mark("rotor_speed");
+  const std::vector<Rotor>& rotors = robot.model.rotors;
+  if (reader.node("rotor_speed") != nullptr && rotors.empty() && robot.rotor_speed != 0.0) {
+    diagnostics_.error(mark, "`rotor_speed` is given, but `" + robot.name +
+                                 "` has no rotors; add a rotors file or remove the key");
+  }
+  for (const Rotor& rotor : rotors) {
+    if (robot.rotor_speed <= rotor.max_speed) continue;
+    diagnostics_.error(mark, "`rotor_speed` is " + format_number(robot.rotor_speed) +
+                                 " rad/s; the rotor `" + rotor.name + "` turns at most at " +
+                                 format_number(rotor.max_speed) + " rad/s");
+    break;
+  }
+}
+
+void RobotReader::read_joints(const MapReader& reader, RobotModel& model) {
+  const ConfigNode* joints = reader.node("joints");
+  if (joints == nullptr || joints->is_null()) return;
+  if (!joints->is_map()) {
+    diagnostics_.error(joints->mark, "`joints` is " + joints->describe() +
+                                         "; allowed: a map from joint names to springs and dampers");
+    return;
+  }
+  for (const ConfigEntry& entry : joints->entries) read_joint(entry, model);
+}
+
+void RobotReader::read_joint(const ConfigEntry& entry, RobotModel& model) {
+  const MapReader reader(&entry.value, joint_fields(), entry.key_mark, diagnostics_);
+  std::vector<std::string> names;
+  Joint* joint = nullptr;
+  for (Body& body : model.bodies) {
+    const bool fixed_or_base = body.joint.type == JointType::kWeld ||
+                               (body.joint.type == JointType::kFree && body.joint.parent < 0);
+    if (fixed_or_base) continue;
+    names.push_back(body.joint.name);
+    if (body.joint.name == entry.key) joint = &body.joint;
+  }
+  if (joint == nullptr) {
+    diagnostics_.error(entry.key_mark, "`" + entry.key + "` is not a moving joint of " +
+                                           model.urdf_file +
+                                           suggestion(entry.key, names, "joints"));
+    return;
+  }
+  const bool springs = joint->type == JointType::kPin || joint->type == JointType::kSlider;
+  for (const char* key : {"stiffness", "rest", "limit_stiffness", "limit_damping"}) {
+    const bool needs_limit = std::string(key).rfind("limit", 0) == 0;
+    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint->limit.enabled))) continue;
+    diagnostics_.error(reader.mark(key),
+                       "`" + std::string(key) + "` does not apply to the joint `" + entry.key +
+                           "`, which " +
+                           (springs ? "has no limits" : "is not revolute or prismatic"));
+  }
+  const auto replace = [&](const char* key, double& value) {
+    const double read = reader.real(key);
+    if (reader.node(key) != nullptr) value = read;
+  };
+  replace("damping", joint->damping);
+  replace("stiffness", joint->stiffness);
+  replace("rest", joint->rest);
+  replace("limit_stiffness", joint->limit.stiffness);
+  replace("limit_damping", joint->limit.damping);
+}
+
+}  // namespace skybody

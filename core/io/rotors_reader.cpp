@@ -1,0 +1,119 @@
+#include "core/io/rotors_reader.h"
+
+#include "core/io/config_tree.h"
+#include "core/io/file.h"
+#include "core/io/pose.h"
+#include "core/io/scenario_fields.h"
+#include "core/io/text.h"
+
+namespace skybody {
+namespace {
+
+class RotorsReader {
+ public:
+  RotorsReader(RobotModel& model, Diagnostics& diagnostics)
+      : model_(model), diagnostics_(diagnostics) {}
+
+  void read(const ConfigNode& root) {
+    const MapReader file(&root, rotors_file_fields(), root.mark, diagnostics_);
+    file.text("source");
+    const ConfigNode* defaults = file.node("defaults");
+    if (defaults != nullptr && !defaults->is_map()) {
+      diagnostics_.error(defaults->mark,
+                         "`defaults` is " + defaults->describe() + "; allowed: a map");
+      defaults = nullptr;
+    }
+    const ConfigNode* rotors = file.node("rotors");
+    if (rotors == nullptr) return;
+    if (!rotors->is_sequence() || rotors->items.empty()) {
+      const std::string what = rotors->is_sequence() ? "an empty list" : rotors->describe();
+      diagnostics_.error(rotors->mark, "`rotors` is " + what + "; allowed: a list of at least one "
+                                       "rotor (a robot without rotors: `rotors: none`)");
+      return;
+    }
+    for (const ConfigNode& item : rotors->items) {
+      ConfigNode merged = item;
+      if (defaults != nullptr && item.is_map()) {
+        merged = *defaults;
+        merge_config(merged, item);
+      }
+      read_rotor(merged);
+    }
+  }
+
+ private:
+  void read_rotor(const ConfigNode& node) {
+    const MapReader reader(&node, rotor_fields(), node.mark, diagnostics_);
+    Rotor rotor;
+    rotor.name = reader.text("name");
+    rotor.position = reader.vec3("position");
+    rotor.axis = reader.vec3("axis");
+    rotor.direction = reader.text("direction") == "ccw" ? 1 : -1;
+    rotor.thrust_constant = reader.real("thrust_constant");
+    rotor.moment_constant = reader.real("moment_constant");
+    rotor.drag_constant = reader.real("drag_constant");
+    rotor.rolling_moment_constant = reader.real("rolling_moment_constant");
+    rotor.inertia = reader.real("inertia");
+    rotor.max_speed = reader.real("max_speed");
+    rotor.tau_up = reader.real("tau_up");
+    rotor.tau_down = reader.real("tau_down");
+    check_name(rotor.name, reader.mark("name"));
+    place(reader, rotor);
+    model_.rotors.push_back(rotor);
+  }
+
+  void check_name(const std::string& name, const SourceMark& mark) {
+    for (const Rotor& other : model_.rotors) {
+      if (other.name != name || name.empty()) continue;
+      diagnostics_.error(mark, "a second rotor called `" + name + "`; names must differ");
+    }
+  }
+
+  /// Turns position and axis from the link's frame into the body's.
+  void place(const MapReader& reader, Rotor& rotor) {
+    const double length = norm(rotor.axis);
+    if (length == 0.0) {
+      diagnostics_.error(reader.mark("axis"), "`axis` is [0, 0, 0]; it must have a direction");
+      return;
+    }
+    const std::string name = reader.text("link");
+    const int index = name.empty() ? 0 : model_.find_link(name);
+    if (index < 0) {
+      std::vector<std::string> names;
+      for (const Link& link : model_.links) names.push_back(link.name);
+      diagnostics_.error(reader.mark("link"), "`link` is `" + name + "`, which " +
+                                                  model_.urdf_file + " does not have (or only "
+                                                  "inside a universal or ball joint)" +
+                                                  suggestion(name, names, "links"));
+      return;
+    }
+    // Without a name: the link whose frame is the base's.
+    const Link base{"", 0, Pose{}, {0.0, 0.0, 0.0}};
+    const Link& link = name.empty() ? base : model_.links[static_cast<std::size_t>(index)];
+    rotor.body = link.body;
+    rotor.position = transform(link.pose, rotor.position);
+    rotor.axis = rotate(link.pose.rotation, rotor.axis / length);
+  }
+
+  RobotModel& model_;
+  Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+bool read_rotors(const std::string& file, const SourceMark& used_at, RobotModel& model,
+                 std::string& text, Diagnostics& diagnostics) {
+  if (!is_file(file) && !used_at.file.empty()) {
+    read_file(file, used_at, diagnostics);  // says why not, where the file was named
+    return false;
+  }
+  const std::optional<ConfigNode> root = load_config(file, diagnostics);
+  if (!root) return false;
+  const int errors_before = diagnostics.error_count();
+  text = to_yaml(*root);
+  model.rotors_file = file;
+  RotorsReader(model, diagnostics).read(*root);
+  return diagnostics.error_count() == errors_before;
+}
+
+}  // namespace skybody

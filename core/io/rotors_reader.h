@@ -1,0 +1,25 @@
+// rotors.yaml -> rotors of a model.
+//
+//     source: where the constants come from
+//     defaults: {direction: ccw, thrust_constant: 1.9e-6, moment_constant: 2.8e-8, max_speed: 2246}
+//     rotors:
+//       - {name: front_left, link: base_link, position: [0.1, 0.1, 0.02]}
+//
+// `defaults` has the keys of a rotor and is merged into each. Position and axis are in the link's
+// frame; the model keeps them in the body's. Files may `include` others, as scenarios do.
+#pragma once
+
+#include <string>
+
+#include "core/io/diagnostics.h"
+#include "core/model/robot_model.h"
+
+namespace skybody {
+
+/// Reads `file` and puts its rotors into `model`, whose links must be there already. `text` receives
+/// the merged file for hashes. Returns false after errors, each with its place; `used_at` says who
+/// named the file.
+bool read_rotors(const std::string& file, const SourceMark& used_at, RobotModel& model,
+                 std::string& text, Diagnostics& diagnostics);
+
+}  // namespace skybody

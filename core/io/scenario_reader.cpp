@@ -1,0 +1,191 @@
+#include "core/io/scenario_reader.h"
+
+#include <filesystem>
+
+#include "core/base/hash.h"
+#include "core/io/config_tree.h"
+#include "core/io/field.h"
+#include "core/io/plugin_use_reader.h"
+#include "core/io/robot_reader.h"
+#include "core/io/scenario_fields.h"
+#include "core/io/text.h"
+
+namespace skybody {
+namespace {
+
+class ScenarioReader {
+ public:
+  ScenarioReader(const ConfigNode& root, const std::string& file, const PluginCatalog& catalog,
+                 Diagnostics& diagnostics)
+      : root_(root), catalog_(catalog), diagnostics_(diagnostics), robots_(catalog, diagnostics) {
+    scenario_.file = file;
+  }
+
+  Scenario read() {
+    const MapReader reader(&root_, scenario_fields(), root_.mark, diagnostics_);
+    scenario_.name = reader.text("name");
+    if (scenario_.name.empty()) scenario_.name = stem_of(scenario_.file);
+    read_stepping(reader);
+    scenario_.gravity = reader.vec3("gravity");
+    read_contact(reader);
+    read_robots(reader);
+    read_obstacles(reader);
+    scenario_.sensors = uses(reader, "sensors", PluginKind::kSensor);
+    scenario_.randomization = uses(reader, "randomization", PluginKind::kRandomizer);
+    if (const ConfigNode* task = reader.node("task")) {
+      scenario_.task = read_plugin_use(*task, PluginKind::kTask, catalog_, diagnostics_);
+    }
+    scenario_.text = to_yaml(root_);
+    scenario_.hash = hash();
+    return std::move(scenario_);
+  }
+
+ private:
+  static std::string stem_of(const std::string& file) {
+    return std::filesystem::path(file).stem().string();
+  }
+
+  std::vector<PluginUse> uses(const MapReader& reader, const std::string& key, PluginKind kind) {
+    return read_plugin_uses(reader.node(key), kind, catalog_, diagnostics_);
+  }
+
+  void read_stepping(const MapReader& scenario) {
+    const MapReader reader(scenario.node("stepping"), stepping_fields(), root_.mark, diagnostics_);
+    Stepping& stepping = scenario_.stepping;
+    stepping.dt = reader.real("dt");
+    stepping.action_repeat = reader.integer("action_repeat");
+    stepping.horizon = reader.integer("horizon");
+    const std::string dynamics = reader.text("dynamics");
+    if (dynamics == "simbody") stepping.dynamics = DynamicsChoice::kSimbody;
+    if (dynamics == "tree") stepping.dynamics = DynamicsChoice::kTree;
+    if (reader.text("integrator") == "rk4") stepping.integrator = IntegratorChoice::kRk4;
+  }
+
+  void read_contact(const MapReader& scenario) {
+    const MapReader reader(scenario.node("contact"), contact_fields(), root_.mark, diagnostics_);
+    ContactSettings& contact = scenario_.contact;
+    contact.ground = reader.boolean("ground");
+    contact.penetration = reader.real("penetration");
+    contact.dissipation = reader.real("dissipation");
+    contact.friction = reader.real("friction");
+    contact.slip_velocity = reader.real("slip_velocity");
+  }
+
+  /// The maps of a list; errors for what is none.
+  const std::vector<ConfigNode>& list_of(const MapReader& scenario, const std::string& key,
+                                         bool may_be_empty) {
+    static const std::vector<ConfigNode> none;
+    const ConfigNode* node = scenario.node(key);
+    if (node == nullptr || (may_be_empty && node->is_null())) return none;
+    if (node->is_sequence() && (may_be_empty || !node->items.empty())) return node->items;
+    const std::string what = node->is_sequence() ? "an empty list" : node->describe();
+    const std::string allowed = may_be_empty ? "a list of maps" : "a list of at least one map";
+    diagnostics_.error(node->mark, "`" + key + "` is " + what + "; allowed: " + allowed);
+    return none;
+  }
+
+  void read_robots(const MapReader& scenario) {
+    std::vector<std::string> names;
+    for (const ConfigNode& item : list_of(scenario, "robots", false)) {
+      check_unique(item, "robot", names);
+      std::optional<RobotUse> robot = robots_.read(item);
+      if (robot) scenario_.robots.push_back(std::move(*robot));
+    }
+  }
+
+  void check_unique(const ConfigNode& item, const std::string& what,
+                    std::vector<std::string>& names) {
+    const ConfigNode* name = item.find("name");
+    if (name == nullptr || !name->is_scalar()) return;
+    for (const std::string& other : names) {
+      if (other != name->scalar) continue;
+      diagnostics_.error(name->mark,
+                         "a second " + what + " called `" + other + "`; names must differ");
+      return;
+    }
+    names.push_back(name->scalar);
+  }
+
+  void read_obstacles(const MapReader& scenario) {
+    std::vector<std::string> names;
+    for (const ConfigNode& item : list_of(scenario, "obstacles", true)) {
+      check_unique(item, "obstacle", names);
+      read_obstacle(item);
+    }
+  }
+
+  void read_obstacle(const ConfigNode& item) {
+    const MapReader reader(&item, obstacle_fields(), item.mark, diagnostics_);
+    Obstacle obstacle;
+    obstacle.name = reader.text("name");
+    obstacle.shape.pose = read_pose(reader);
+    std::vector<std::string> shapes;
+    for (const char* key : {"box", "sphere", "cylinder"}) {
+      if (reader.node(key) != nullptr) shapes.push_back(key);
+    }
+    if (shapes.size() != 1) {
+      const std::string what = shapes.empty() ? "has no shape" : "has " + join(shapes, " and ");
+      diagnostics_.error(reader.mark(), "the obstacle `" + obstacle.name + "` " + what +
+                                            "; needed: one of box, sphere, cylinder");
+      return;
+    }
+    if (shapes[0] == "box") {
+      obstacle.shape.type = ShapeType::kBox;
+      obstacle.shape.size = reader.vec3("box");
+    } else if (shapes[0] == "sphere") {
+      obstacle.shape.type = ShapeType::kSphere;
+      obstacle.shape.radius = reader.real("sphere");
+    } else {
+      const std::vector<double> size = reader.numbers("cylinder");
+      obstacle.shape.type = ShapeType::kCylinder;
+      obstacle.shape.radius = size[0];
+      obstacle.shape.length = size[1];
+    }
+    scenario_.obstacles.push_back(obstacle);
+  }
+
+  /// Over the merged text, the model files and all parameters, defaults included.
+  std::uint64_t hash() const {
+    HashChain chain;
+    chain.update(hash_string(scenario_.text));
+    chain.update(robots_.files_hash());
+    for (const RobotUse& robot : scenario_.robots) add(robot.controllers, chain);
+    add(scenario_.sensors, chain);
+    add(scenario_.randomization, chain);
+    add({scenario_.task}, chain);
+    return chain.value();
+  }
+
+  static void add(const std::vector<PluginUse>& uses, HashChain& chain) {
+    for (const PluginUse& use : uses) {
+      chain.update(hash_string(use.plugin));
+      for (const ParameterValue& value : use.parameters) {
+        chain.update(hash_string(value.name));
+        for (double number : value.numbers) chain.update(number);
+        for (const std::string& text : value.texts) chain.update(hash_string(text));
+      }
+    }
+  }
+
+  const ConfigNode& root_;
+  const PluginCatalog& catalog_;
+  Diagnostics& diagnostics_;
+  RobotReader robots_;
+  Scenario scenario_;
+};
+
+}  // namespace
+
+std::optional<Scenario> read_scenario(const std::string& file,
+                                      const std::vector<std::string>& overrides,
+                                      const PluginCatalog& catalog, Diagnostics& diagnostics) {
+  const int errors_before = diagnostics.error_count();
+  std::optional<ConfigNode> root = load_config(file, diagnostics);
+  if (!root) return std::nullopt;
+  for (const std::string& override : overrides) apply_override(*root, override, diagnostics);
+  Scenario scenario = ScenarioReader(*root, file, catalog, diagnostics).read();
+  if (diagnostics.error_count() > errors_before) return std::nullopt;
+  return scenario;
+}
+
+}  // namespace skybody

@@ -1,0 +1,38 @@
+// Accelerations of a world's bodies under given forces: what an integrator asks for. Several dynamics
+// stand behind this one interface, on one state (design decision 7). C++17, no Simbody types.
+#pragma once
+
+#include <memory>
+
+#include "core/physics/lane_state.h"
+#include "core/physics/spatial_force.h"
+#include "core/physics/world.h"
+
+namespace skybody {
+
+/// Dynamics of one environment. Coordinates are ours throughout (JointType). Not thread-safe.
+class Dynamics {
+ public:
+  virtual ~Dynamics() = default;
+
+  /// Takes the mass properties over from the parameter block; cheap if they are as before.
+  /// @throws Error naming the body if they are not physical
+  virtual void set_params(const double* params) = 0;
+
+  /// Generalised accelerations [per u]. Contact of bodies with one another and with obstacles, where
+  /// the dynamics has it, comes on top of the forces given. Bases of driven robots get zero.
+  /// @param q             quaternions need not be of norm 1
+  /// @param body_forces   one per body
+  /// @param joint_forces  one per u
+  virtual void accelerations(const double* q, const double* u,
+                             const SpatialForce<double>* body_forces, const double* joint_forces,
+                             double* udot) = 0;
+
+  /// Motion of all bodies as the dynamics itself has it; for tests against our kinematics.
+  virtual void body_states(const double* q, const double* u, BodyState* bodies) = 0;
+};
+
+/// Simbody's dynamics. Drives are read from `world.drives`.
+std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world);
+
+}  // namespace skybody

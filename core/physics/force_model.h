@@ -1,0 +1,156 @@
+// Every force of ours on the bodies of a world: gravity, rotors, disturbances, wrenches of
+// controllers, ground contact, joints. Evaluated inside the derivative, one code for all dynamics,
+// for double and packs.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/ground_contact.h"
+#include "core/physics/joint_force.h"
+#include "core/physics/kinematics.h"
+#include "core/physics/rotor_force.h"
+#include "core/physics/spatial_force.h"
+#include "core/physics/world.h"
+
+namespace skybody {
+
+/// What forces depend on at one instant. Pointers to the values of one environment (or one pack),
+/// in the order of the layout's blocks.
+template <class Real>
+struct ForceInputs {
+  const Real* q = nullptr;
+  const Real* u = nullptr;
+  const BodyMotion<Real>* bodies = nullptr;
+  const RotorMotion<Real>* rotors = nullptr;
+  const Real* params = nullptr;
+  const Real* wrench = nullptr;
+};
+
+/// Immutable; refers to the world, which must outlive it.
+class ForceModel {
+ public:
+  explicit ForceModel(const World& world);
+
+  /// @param forces        one per body, overwritten
+  /// @param joint_forces  one per u; only those of joints with damping, springs or limits are
+  ///                      written, the others must be zero
+  template <class Real>
+  void evaluate(const ForceInputs<Real>& in, SpatialForce<Real>* forces, Real* joint_forces) const {
+    add_gravity(in, forces);
+    add_rotors(in, forces);
+    add_disturbances(in, forces);
+    add_wrenches(in, forces);
+    add_ground(in, forces);
+    add_joints(in, joint_forces);
+  }
+
+ private:
+  /// Consecutive rotors on one body.
+  struct RotorGroup {
+    int body = 0, first = 0, count = 0;
+  };
+  /// Consecutive contact spheres on one body; none touches while the origin is above `reach` [m].
+  struct SphereGroup {
+    int body = 0, first = 0, count = 0;
+    double reach = 0.0;
+  };
+
+  template <class Real>
+  static Vec3<Real> com_arm(const BodyMotion<Real>& body, const Real* body_params) {
+    return body.axes * load_vec3(body_params + kCom);
+  }
+
+  /// Overwrites: the first to be called.
+  template <class Real>
+  void add_gravity(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+    const Vec3<Real> gravity = to_real<Real>(world_.scenario.gravity);
+    for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
+      const Real* params = in.params + world_.layout.body_params[i];
+      forces[i].force = gravity * params[kMass];
+      forces[i].moment = cross(com_arm(in.bodies[i], params), forces[i].force);
+    }
+  }
+
+  template <class Real>
+  void add_rotors(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+    for (const RotorGroup& group : rotor_groups_) {
+      const BodyMotion<Real>& body = in.bodies[group.body];
+      const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+      const Vec3<Real> spin = transpose_times(body.axes, body.angular_velocity);
+      SpatialForce<Real> sum = SpatialForce<Real>::zero();
+      for (int i = group.first; i < group.first + group.count; ++i) {
+        const Rotor& rotor = *world_.rotors[i].model;
+        add_rotor_force(in.params + world_.layout.rotor_params[i], rotor.direction,
+                        to_real<Real>(rotor.position), to_real<Real>(rotor.axis), in.rotors[i],
+                        velocity, spin, sum);
+      }
+      forces[group.body].force += body.axes * sum.force;
+      forces[group.body].moment += body.axes * sum.moment;
+    }
+  }
+
+  /// Paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
+  template <class Real>
+  void add_disturbances(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+    for (std::size_t r = 0; r < bases_.size(); ++r) {
+      const int base = bases_[r];
+      const Real* params = in.params + world_.layout.disturbance_params[r];
+      const Vec3<Real> arm = com_arm(in.bodies[base], in.params + world_.layout.body_params[base]);
+      forces[base].add_force_at(arm, load_vec3(params + kDisturbanceForce));
+      forces[base].moment += in.bodies[base].axes * load_vec3(params + kDisturbanceMoment);
+    }
+  }
+
+  template <class Real>
+  void add_wrenches(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+    for (std::size_t s = 0; s < world_.sites.size(); ++s) {
+      const WrenchSite& site = world_.sites[s];
+      const BodyMotion<Real>& body = in.bodies[site.body];
+      Vec3<Real> force = load_vec3(in.wrench + 6 * s);
+      Vec3<Real> moment = load_vec3(in.wrench + 6 * s + 3);
+      if (!site.world_axes) {
+        force = body.axes * force;
+        moment = body.axes * moment;
+      }
+      const Vec3<Real> arm = site.at_com
+                                 ? com_arm(body, in.params + world_.layout.body_params[site.body])
+                                 : body.axes * to_real<Real>(site.point);
+      forces[site.body].add_force_at(arm, force);
+      forces[site.body].moment += moment;
+    }
+  }
+
+  template <class Real>
+  void add_ground(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+    const ContactSettings& contact = world_.scenario.contact;
+    for (const SphereGroup& group : sphere_groups_) {
+      const BodyMotion<Real>& body = in.bodies[group.body];
+      if (none(body.position.z < group.reach)) continue;
+      for (int i = group.first; i < group.first + group.count; ++i) {
+        const ContactSphere& sphere = world_.spheres[i];
+        Vec3<Real> arm = body.axes * to_real<Real>(sphere.center);
+        arm.z -= sphere.radius;
+        const Vec3<Real> velocity = body.velocity + cross(body.angular_velocity, arm);
+        forces[group.body].add_force_at(
+            arm, ground_force(body.position + arm, velocity, Real(sphere.stiffness),
+                              contact.dissipation, contact.friction, contact.slip_velocity));
+      }
+    }
+  }
+
+  template <class Real>
+  void add_joints(const ForceInputs<Real>& in, Real* joint_forces) const {
+    for (const int i : stiff_joints_) {
+      const WorldBody& body = world_.bodies[i];
+      joint_force(body.model->joint, in.q + body.q, in.u + body.u, joint_forces + body.u);
+    }
+  }
+
+  const World& world_;
+  std::vector<RotorGroup> rotor_groups_;
+  std::vector<SphereGroup> sphere_groups_;
+  std::vector<int> bases_;         ///< per robot: world body index of its base
+  std::vector<int> stiff_joints_;  ///< bodies whose joint has damping, a spring or limits
+};
+
+}  // namespace skybody

@@ -1,0 +1,30 @@
+// Fixed-step integrators over the equations of motion, written once for all dynamics.
+#pragma once
+
+#include <memory>
+
+#include "core/physics/mechanics.h"
+
+namespace skybody {
+
+/// Advances q and u by dt. Keeps work space only: no memory outlives a step.
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  /// Between Mechanics::begin_step and end_step. Quaternions come out unnormalised.
+  /// @param q, u  coordinates at the start, overwritten with those at the end
+  virtual void advance(Mechanics& mechanics, double* q, double* u) = 0;
+};
+
+/// Semi-implicit (symplectic) Euler, order 1: u += dt udot(q, u), then q += dt N(q) u. Rotors count
+/// with their speed in mid-step.
+std::unique_ptr<Integrator> make_semi_implicit_euler(const World& world);
+
+/// The classical Runge-Kutta method, order 4; rotors follow their closed form at t, t + dt/2, t + dt.
+std::unique_ptr<Integrator> make_rk4(const World& world);
+
+/// The one that the scenario asks for.
+std::unique_ptr<Integrator> make_integrator(const World& world);
+
+}  // namespace skybody

@@ -1,0 +1,204 @@
+// Where bodies are and how they move, from q and u: forward kinematics over the tree. One code for
+// double and packs; Simbody is not asked, so that forces and sensors see the same motion on both
+// dynamics. Coordinates of each joint: core/model/robot_model.h, JointType.
+#pragma once
+
+#include <vector>
+
+#include "core/base/math.h"
+#include "core/base/quat.h"
+#include "core/physics/lane_state.h"
+#include "core/physics/world.h"
+
+namespace skybody {
+
+/// Position and motion of one body frame, all in W axes.
+template <class Real>
+struct BodyMotion {
+  Vec3<Real> position;          ///< of the body's origin [m]
+  Quat<Real> rotation;          ///< W from B, unit
+  Mat3<Real> axes;              ///< the same rotation as a matrix
+  Vec3<Real> velocity;          ///< of the origin [m/s]
+  Vec3<Real> angular_velocity;  ///< [rad/s]
+};
+
+/// Motion of a joint's frame M in its frame F.
+template <class Real>
+struct JointMotion {
+  Vec3<Real> translation;       ///< of M's origin, F axes [m]
+  Quat<Real> rotation;          ///< F from M, unit
+  Vec3<Real> velocity;          ///< of M's origin, F axes [m/s]
+  Vec3<Real> angular_velocity;  ///< M axes [rad/s]
+};
+
+template <class Real>
+SKYBODY_INLINE Vec3<Real> to_real(const Vec3<double>& v) {
+  return {Real(v.x), Real(v.y), Real(v.z)};
+}
+template <class Real>
+SKYBODY_INLINE Quat<Real> to_real(const Quat<double>& q) {
+  return {Real(q.w), Real(q.x), Real(q.y), Real(q.z)};
+}
+
+template <class Real>
+SKYBODY_INLINE Vec3<Real> load_vec3(const Real* p) {
+  return {p[0], p[1], p[2]};
+}
+template <class Real>
+SKYBODY_INLINE Quat<Real> load_quat(const Real* p) {
+  return {p[0], p[1], p[2], p[3]};
+}
+template <class Real>
+SKYBODY_INLINE void store(const Vec3<Real>& v, Real* p) {
+  p[0] = v.x;
+  p[1] = v.y;
+  p[2] = v.z;
+}
+template <class Real>
+SKYBODY_INLINE void store(const Quat<Real>& q, Real* p) {
+  p[0] = q.w;
+  p[1] = q.x;
+  p[2] = q.y;
+  p[3] = q.z;
+}
+
+/// @param q, u  the joint's own coordinates; a quaternion of any norm but zero, as between the
+///              stages of an integrator
+template <class Real>
+SKYBODY_INLINE JointMotion<Real> joint_motion(JointType type, const Real* q, const Real* u) {
+  const Real zero(0.0), one(1.0);
+  JointMotion<Real> m{{zero, zero, zero}, {one, zero, zero, zero}, {zero, zero, zero},
+                      {zero, zero, zero}};
+  switch (type) {
+    case JointType::kWeld:
+      break;
+    case JointType::kFree:
+      m = {load_vec3(q), normalized(load_quat(q + 3)), load_vec3(u), load_vec3(u + 3)};
+      break;
+    case JointType::kPin: {
+      const SinCos<Real> half = sincos(0.5 * q[0]);
+      m.rotation = {half.cos, zero, zero, half.sin};
+      m.angular_velocity.z = u[0];
+      break;
+    }
+    case JointType::kSlider:
+      m.translation.x = q[0];
+      m.velocity.x = u[0];
+      break;
+    case JointType::kUniversal: {
+      // About x, then about the new y: in M axes the first rate lies along R_y^T x.
+      const SinCos<Real> x = sincos(0.5 * q[0]), y = sincos(0.5 * q[1]);
+      const SinCos<Real> full{2.0 * y.sin * y.cos, 1.0 - 2.0 * y.sin * y.sin};
+      m.rotation = {x.cos * y.cos, x.sin * y.cos, x.cos * y.sin, x.sin * y.sin};
+      m.angular_velocity = {full.cos * u[0], u[1], full.sin * u[0]};
+      break;
+    }
+    case JointType::kBall:
+      m.rotation = normalized(load_quat(q));
+      m.angular_velocity = load_vec3(u);
+      break;
+  }
+  return m;
+}
+
+/// dq/dt of one joint. Quaternions: half q times (0, w), w in M axes (paper eq. 1).
+template <class Real>
+SKYBODY_INLINE void position_rates(JointType type, const Real* q, const Real* u, Real* qdot) {
+  const auto quaternion_rate = [](const Real* quat, const Real* w, Real* rate) {
+    const Quat<Real> half{Real(0.0), 0.5 * w[0], 0.5 * w[1], 0.5 * w[2]};
+    store(load_quat(quat) * half, rate);
+  };
+  if (type == JointType::kFree) {
+    for (int i = 0; i < 3; ++i) qdot[i] = u[i];
+    quaternion_rate(q + 3, u + 3, qdot + 3);
+  } else if (type == JointType::kBall) {
+    quaternion_rate(q, u, qdot);
+  } else {
+    for (int i = 0; i < velocity_size(type); ++i) qdot[i] = u[i];
+  }
+}
+
+/// Scales the joint's quaternion, if it has one, back to norm 1.
+template <class Real>
+SKYBODY_INLINE void normalize_position(JointType type, Real* q) {
+  if (type == JointType::kFree) store(normalized(load_quat(q + 3)), q + 3);
+  if (type == JointType::kBall) store(normalized(load_quat(q)), q);
+}
+
+/// One body of the tree as the kinematics walk it. Frames that coincide are left out of the sums.
+struct TreeBody {
+  JointType type = JointType::kFree;
+  int parent = -1;
+  int q = 0, u = 0;
+  bool plain_parent = true;  ///< F is the parent's own frame
+  bool plain_body = true;    ///< M is the body's own frame
+  Pose frame_in_parent;      ///< X_PF
+  Pose frame_in_body;        ///< X_BM
+};
+
+/// The world's bodies, parents before children.
+std::vector<TreeBody> make_tree(const World& world);
+
+/// The motion of a joint's frame F, which is fixed to the parent (or to W).
+template <class Real>
+SKYBODY_INLINE BodyMotion<Real> frame_on_parent(const TreeBody& body,
+                                                const BodyMotion<Real>* bodies) {
+  const Real zero(0.0);
+  BodyMotion<Real> frame;
+  if (body.parent < 0) {
+    frame.position = to_real<Real>(body.frame_in_parent.position);
+    frame.rotation = to_real<Real>(body.frame_in_parent.rotation);
+    frame.axes = to_mat3(frame.rotation);
+    frame.velocity = frame.angular_velocity = {zero, zero, zero};
+    return frame;
+  }
+  frame = bodies[body.parent];
+  if (body.plain_parent) return frame;
+  const Vec3<Real> arm = frame.axes * to_real<Real>(body.frame_in_parent.position);
+  frame.position += arm;
+  frame.velocity += cross(frame.angular_velocity, arm);
+  frame.rotation = frame.rotation * to_real<Real>(body.frame_in_parent.rotation);
+  frame.axes = to_mat3(frame.rotation);
+  return frame;
+}
+
+/// Motion of all bodies, in the order of `tree`.
+template <class Real>
+void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q, const Real* u,
+                        BodyMotion<Real>* bodies) {
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const TreeBody& body = tree[i];
+    const JointMotion<Real> joint = joint_motion(body.type, q + body.q, u + body.u);
+    BodyMotion<Real>& b = bodies[i];
+    if (body.parent < 0 && body.plain_parent) {
+      b.position = joint.translation;
+      b.rotation = joint.rotation;
+      b.axes = to_mat3(b.rotation);
+      b.velocity = joint.velocity;
+      b.angular_velocity = b.axes * joint.angular_velocity;
+    } else {
+      const BodyMotion<Real> frame = frame_on_parent(body, bodies);
+      const Vec3<Real> travel = frame.axes * joint.translation;
+      b.position = frame.position + travel;
+      b.rotation = frame.rotation * joint.rotation;
+      b.axes = to_mat3(b.rotation);
+      b.velocity = (frame.velocity + cross(frame.angular_velocity, travel)) +
+                   frame.axes * joint.velocity;
+      b.angular_velocity = frame.angular_velocity + b.axes * joint.angular_velocity;
+    }
+    if (body.plain_body) continue;
+    // From the joint's frame M to the body's own: B from M is the inverse of X_BM.
+    b.rotation = b.rotation * conjugate(to_real<Real>(body.frame_in_body.rotation));
+    b.axes = to_mat3(b.rotation);
+    const Vec3<Real> arm = b.axes * to_real<Real>(body.frame_in_body.position);
+    b.position -= arm;
+    b.velocity -= cross(b.angular_velocity, arm);
+  }
+}
+
+/// The same motion as sensors and plugins see it: angular velocity in the body's axes.
+SKYBODY_INLINE BodyState to_body_state(const BodyMotion<double>& b) {
+  return {b.position, b.rotation, b.velocity, transpose_times(b.axes, b.angular_velocity)};
+}
+
+}  // namespace skybody

@@ -1,0 +1,135 @@
+#include "core/physics/mechanics.h"
+
+#include <cstring>
+
+#include "core/base/error.h"
+#include "core/physics/base_drive.h"
+
+namespace skybody {
+namespace {
+
+/// NaN-proof "the same bits".
+bool same_words(const double* a, const double* b, std::size_t count) {
+  return std::memcmp(a, b, count * sizeof(double)) == 0;
+}
+
+}  // namespace
+
+Mechanics::Mechanics(const World& world, std::unique_ptr<Dynamics> dynamics)
+    : world_(world),
+      tree_(make_tree(world)),
+      force_model_(world),
+      dynamics_(std::move(dynamics)),
+      lag_params_(kRotorParamCount * world.rotors.size(), kNan),
+      lag_(world.rotors.size()),
+      mean_rotors_(world.rotors.size()),
+      motion_(world.bodies.size()),
+      body_forces_(world.bodies.size()),
+      joint_forces_(world.layout.u.size, 0.0) {
+  for (auto& rotors : rotors_) rotors.resize(world.rotors.size());
+  int value = 0;
+  for (std::size_t r = 0; r < world.drives.size(); ++r) {
+    if (world.drives[r] == DriveKind::kNone) continue;
+    const int base = world.layout.robots[r].first_body;
+    if (tree_[base].type != JointType::kFree || tree_[base].parent >= 0) {
+      throw Error("robot '" + world.scenario.robots[r].name +
+                  "' has a fixed base, which cannot be driven; choose another controller");
+    }
+    drives_.push_back({world.drives[r], base, value, {}});
+    value += kDriveSize;
+  }
+}
+
+void Mechanics::begin_step(const LaneState& state, const double* q, double* u) {
+  state_ = &state;
+  dynamics_->set_params(state.params.data());
+  update_lag(state.params.data());
+  run_rotors(state);
+  if (!drives_.empty()) start_drives(state, q, u);
+}
+
+void Mechanics::update_lag(const double* params) {
+  if (lag_.empty()) return;
+  // The constants of all rotors lie one after another (world_layout.cpp).
+  const double* constants = params + world_.layout.rotor_params.front();
+  if (same_words(constants, lag_params_.data(), lag_params_.size())) return;
+  for (std::size_t i = 0; i < lag_.size(); ++i) {
+    lag_[i] = make_rotor_lag(constants + kRotorParamCount * i, world_.scenario.stepping.dt);
+  }
+  std::memcpy(lag_params_.data(), constants, lag_params_.size() * sizeof(double));
+}
+
+void Mechanics::run_rotors(const LaneState& state) {
+  for (std::size_t i = 0; i < lag_.size(); ++i) {
+    const double* constants = state.params.data() + world_.layout.rotor_params[i];
+    const double speed = state.rotor_speed[i];
+    const double command = limit_command(state.rotor_command[i], constants[kMaxSpeed]);
+    for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
+      rotors_[time][i] = rotor_at(lag_[i], speed, command, time);
+    }
+    mean_rotors_[i] = {rotors_[kStepMiddle][i].speed,
+                       mean_rotor_acceleration(lag_[i], speed, command)};
+  }
+}
+
+void Mechanics::start_drives(const LaneState& state, const double* q, double* u) {
+  forward_kinematics(tree_, q, u, motion_.data());
+  for (Drive& drive : drives_) {
+    const TreeBody& base = tree_[drive.body];
+    const double* values = state.drive.data() + drive.value;
+    if (drive.kind == DriveKind::kVelocity) {
+      drive_velocity(base, motion_[drive.body], values, u + base.u);
+      continue;
+    }
+    const Pose target = joint_pose_of_base(
+        world_.bodies[drive.body].model->joint,
+        {load_vec3(values + kDrivePosition), normalized(load_quat(values + kDriveRotation))});
+    store(target.position, drive.target);
+    store(target.rotation, drive.target + 3);
+    drive_to_pose(q + base.q, drive.target, world_.scenario.stepping.dt, u + base.u);
+  }
+}
+
+void Mechanics::accelerations(const double* q, const double* u, StageTime time, double* udot) {
+  accelerations(q, u, rotors_[time].data(), udot);
+}
+
+void Mechanics::mean_accelerations(const double* q, const double* u, double* udot) {
+  accelerations(q, u, mean_rotors_.data(), udot);
+}
+
+void Mechanics::accelerations(const double* q, const double* u, const RotorMotion<double>* rotors,
+                              double* udot) {
+  forward_kinematics(tree_, q, u, motion_.data());
+  ForceInputs<double> in;
+  in.q = q;
+  in.u = u;
+  in.bodies = motion_.data();
+  in.rotors = rotors;
+  in.params = state_->params.data();
+  in.wrench = state_->wrench.data();
+  force_model_.evaluate(in, body_forces_.data(), joint_forces_.data());
+  dynamics_->accelerations(q, u, body_forces_.data(), joint_forces_.data(), udot);
+}
+
+void Mechanics::position_rates(const double* q, const double* u, double* qdot) const {
+  for (const TreeBody& body : tree_) {
+    skybody::position_rates(body.type, q + body.q, u + body.u, qdot + body.q);
+  }
+}
+
+void Mechanics::end_step(double* q, double* rotor_speed) const {
+  for (const TreeBody& body : tree_) normalize_position(body.type, q + body.q);
+  for (const Drive& drive : drives_) {
+    if (drive.kind != DriveKind::kPose) continue;
+    std::memcpy(q + tree_[drive.body].q, drive.target, sizeof(drive.target));
+  }
+  for (std::size_t i = 0; i < lag_.size(); ++i) rotor_speed[i] = rotors_[kStepEnd][i].speed;
+}
+
+void Mechanics::bodies(const double* q, const double* u, BodyState* out) {
+  forward_kinematics(tree_, q, u, motion_.data());
+  for (std::size_t i = 0; i < motion_.size(); ++i) out[i] = to_body_state(motion_[i]);
+}
+
+}  // namespace skybody

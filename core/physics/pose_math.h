@@ -1,0 +1,27 @@
+// Arithmetic of rigid transforms.
+#pragma once
+
+#include "core/base/quat.h"
+#include "core/model/robot_model.h"
+
+namespace skybody {
+
+/// X_AC from X_AB and X_BC.
+inline Pose compose(const Pose& ab, const Pose& bc) {
+  return {ab.position + rotate(ab.rotation, bc.position), ab.rotation * bc.rotation};
+}
+
+/// X_BA from X_AB.
+inline Pose inverse(const Pose& ab) {
+  return {-rotate_inverse(ab.rotation, ab.position), conjugate(ab.rotation)};
+}
+
+/// Whether the frames coincide to the last bit.
+inline bool is_identity(const Pose& pose) {
+  const Vec3<double>& p = pose.position;
+  const Quat<double>& r = pose.rotation;
+  return p.x == 0.0 && p.y == 0.0 && p.z == 0.0 && r.w == 1.0 && r.x == 0.0 && r.y == 0.0 &&
+         r.z == 0.0;
+}
+
+}  // namespace skybody

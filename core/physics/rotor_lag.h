@@ -1,0 +1,96 @@
+// First-order rotor lag in closed form, paper eq. 2:
+//   w(t) = w_ref + (w(0) - w_ref) exp(-t / tau), tau = tau_up while speeding up, tau_down else.
+// A time constant of 0 is an immediate jump. The exponentials depend on parameters and dt only, so
+// they are computed once per change of the parameters.
+#pragma once
+
+#include "core/base/math.h"
+#include "core/model/layout.h"
+
+namespace skybody {
+
+/// Instants of a physics step at which integrators want forces.
+enum StageTime : int { kStepStart = 0, kStepMiddle = 1, kStepEnd = 2, kStageTimeCount = 3 };
+
+/// A rotor at one instant.
+template <class Real>
+struct RotorMotion {
+  Real speed;         ///< [rad/s], >= 0
+  Real acceleration;  ///< [rad/s^2]
+};
+
+/// Lag of one time constant over one physics step.
+template <class Real>
+struct LagFactors {
+  Real decay[kStageTimeCount];  ///< exp(-t/tau); all 0 for tau = 0
+  Real slope[kStageTimeCount];  ///< acceleration per (w_ref - w(0)) [1/s]
+  Real mean_slope;              ///< mean acceleration of the step per (w_ref - w(0)) [1/s]
+};
+
+/// Both directions of one rotor.
+template <class Real>
+struct RotorLag {
+  LagFactors<Real> up, down;
+};
+
+/// The slopes are those of the exponential, scaled so that Simpson's rule over start, middle and end
+/// gives exactly the change of speed: the spin-up's reaction then carries exactly the rotor's change
+/// of angular momentum, for time constants far below dt as well (for tau >> dt the scale is
+/// 1 + O((dt/tau)^4), so fourth-order integrators keep their order).
+/// @param tau [s] >= 0
+/// @param dt  physics step [s]
+template <class Real>
+LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
+  const auto immediate = tau <= 0.0;
+  const Real safe_tau = select(immediate, Real(1.0), tau);
+  const Real zero(0.0), one(1.0);
+  LagFactors<Real> f;
+  f.decay[kStepStart] = select(immediate, zero, one);
+  f.decay[kStepMiddle] = select(immediate, zero, exp(-(0.5 * dt) / safe_tau));
+  f.decay[kStepEnd] = select(immediate, zero, exp(-dt / safe_tau));
+  // 1 - exp(-x) without cancellation.
+  f.mean_slope = select(immediate, one, -expm1(-dt / safe_tau)) / dt;
+  const Real simpson =
+      (f.decay[kStepStart] + 4.0 * f.decay[kStepMiddle] + f.decay[kStepEnd]) / 6.0;
+  const Real safe_simpson = select(immediate, one, simpson);
+  for (int i = 0; i < kStageTimeCount; ++i) {
+    const Real share = select(immediate, one, f.decay[i] / safe_simpson);
+    f.slope[i] = f.mean_slope * share;
+  }
+  return f;
+}
+
+/// @param constants the rotor's kRotorParamCount values
+template <class Real>
+RotorLag<Real> make_rotor_lag(const Real* constants, double dt) {
+  return {make_lag_factors(constants[kTauUp], dt), make_lag_factors(constants[kTauDown], dt)};
+}
+
+/// What a rotor is asked for, limited to what it can do: [0, max_speed]; NaN stays NaN.
+template <class Real>
+SKYBODY_INLINE Real limit_command(const Real& command, const Real& max_speed) {
+  return clamp(command, Real(0.0), max_speed);
+}
+
+/// The rotor at an instant of the step.
+/// @param speed   at the start of the step [rad/s]
+/// @param command limited command, held during the step [rad/s]
+template <class Real>
+SKYBODY_INLINE RotorMotion<Real> rotor_at(const RotorLag<Real>& lag, const Real& speed,
+                                          const Real& command, StageTime t) {
+  const auto rising = command > speed;
+  const Real decay = select(rising, lag.up.decay[t], lag.down.decay[t]);
+  const Real slope = select(rising, lag.up.slope[t], lag.down.slope[t]);
+  // Where the decay is 1 or 0 this is exactly the start's speed or the command.
+  return {speed * decay + command * (1.0 - decay), (command - speed) * slope};
+}
+
+/// Mean acceleration over the whole step [rad/s^2].
+template <class Real>
+SKYBODY_INLINE Real mean_rotor_acceleration(const RotorLag<Real>& lag, const Real& speed,
+                                            const Real& command) {
+  const auto rising = command > speed;
+  return (command - speed) * select(rising, lag.up.mean_slope, lag.down.mean_slope);
+}
+
+}  // namespace skybody

@@ -1,0 +1,78 @@
+#include <cstring>
+#include <exception>
+#include <vector>
+
+#include "core/base/math.h"
+#include "core/physics/integrator.h"
+#include "core/physics/stepper.h"
+
+namespace skybody {
+namespace {
+
+bool all_finite(const std::vector<double>& values) {
+  // One sum: it is finite only if every term is (finite terms are far too small to overflow it).
+  double sum = 0.0;
+  for (const double v : values) sum += abs(v);
+  return is_finite(sum);
+}
+
+/// Works on copies of q, u and rotor speeds and hands them over when the step has succeeded.
+class MechanicsStepper final : public Stepper {
+ public:
+  MechanicsStepper(const World& world, std::unique_ptr<Dynamics> dynamics)
+      : mechanics_(world, std::move(dynamics)), integrator_(make_integrator(world)),
+        q_(world.layout.q.size), u_(world.layout.u.size), rotor_speed_(world.rotors.size()) {}
+
+  void update_bodies(LaneState& state) override {
+    mechanics_.bodies(state.q.data(), state.u.data(), state.bodies.data());
+  }
+
+  bool advance(LaneState& state) override {
+    if (!try_step(state)) return false;
+    if (!all_finite(q_) || !all_finite(u_) || !all_finite(rotor_speed_)) return false;
+    copy(q_, state.q);
+    copy(u_, state.u);
+    copy(rotor_speed_, state.rotor_speed);
+    update_bodies(state);
+    return true;
+  }
+
+  void accelerations(const LaneState& state, double* udot) override {
+    copy(state.q, q_);
+    copy(state.u, u_);
+    mechanics_.begin_step(state, q_.data(), u_.data());
+    mechanics_.accelerations(q_.data(), u_.data(), kStepStart, udot);
+  }
+
+ private:
+  static void copy(const std::vector<double>& from, std::vector<double>& to) {
+    if (!from.empty()) std::memcpy(to.data(), from.data(), from.size() * sizeof(double));
+  }
+
+  /// Simbody throws where it gives up (a singular matrix, a NaN in a rotation): a failed step, not
+  /// the end of the program.
+  bool try_step(const LaneState& state) {
+    try {
+      copy(state.q, q_);
+      copy(state.u, u_);
+      mechanics_.begin_step(state, q_.data(), u_.data());
+      integrator_->advance(mechanics_, q_.data(), u_.data());
+      mechanics_.end_step(q_.data(), rotor_speed_.data());
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+
+  Mechanics mechanics_;
+  std::unique_ptr<Integrator> integrator_;
+  std::vector<double> q_, u_, rotor_speed_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {
+  return std::make_unique<MechanicsStepper>(world, make_simbody_dynamics(world));
+}
+
+}  // namespace skybody

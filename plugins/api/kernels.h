@@ -1,0 +1,182 @@
+// The step functions of a plugin class, for three instruction sets.
+//
+// Each step method is compiled for double and for packs as wide as the vectors of x86-64-v2, v3 and
+// v4. `flatten` pulls the author's code into functions of that target; the arithmetic is the same
+// everywhere, so all give the same bits. None of the functions below is always_inline: g++ inlines
+// into a flattened function only what it has seen before, and it does not look through always_inline
+// functions when it orders them, so that the author's code would stay outside, compiled for the
+// baseline. tests/unit/plugins/codegen_test.cpp watches this.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "plugins/api/methods.h"
+#include "plugins/api/plugin.h"
+#include "plugins/api/state.h"
+
+// Unoptimised code is not inlined, and a call from v4 code to baseline code passes packs in other
+// registers than it expects; AddressSanitizer makes flattened code slow to compile. Both then run all
+// kernels on the baseline's instructions, with the same bits.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__)
+#define SKYBODY_KERNEL(TARGET) __attribute__((target(TARGET), flatten))
+#else
+#define SKYBODY_KERNEL(TARGET)
+#endif
+
+namespace skybody::plugin_export {
+
+/// Calls `function(env, state, first, mask)` for the lanes [first, first + lanes of Real) that are to
+/// be served, with the state loaded before and stored after.
+template <class T, class Real, class Function>
+inline void serve(const SkybodyLanes& lanes, std::uint32_t first, std::uint64_t* words,
+                  Function&& function) {
+  const std::uint32_t bits = (lanes.active >> first) & ((1u << kLanesOf<Real>)-1u);
+  if (bits == 0) return;
+  const MaskOf<Real> mask = mask_from_bits<Real>(bits);
+  const Lanes<Real> env(lanes, first, mask);
+  StateOf<T, Real> state;
+  load_state<Real>(state, words, first, lanes.lanes);
+  function(env, state, first, mask);
+  store_state<Real>(state, words, first, lanes.lanes, mask);
+}
+
+/// Serves a group: in packs where the class has lane code and the group is a full one, else lane
+/// after lane.
+template <class T, int W, class Function>
+inline void for_lanes(const SkybodyLanes& lanes, std::uint64_t* words, Function&& function) {
+  if constexpr (kVectorized<T>) {
+    if (lanes.lanes == SKYBODY_GROUP_LANES) {
+      SkybodyLanes group = lanes;
+      group.lanes = SKYBODY_GROUP_LANES;  // a constant: strides become immediates
+      for (std::uint32_t first = 0; first < SKYBODY_GROUP_LANES; first += W) {
+        serve<T, Pack<W>>(group, first, words, function);
+      }
+      return;
+    }
+  }
+  for (std::uint32_t first = 0; first < lanes.lanes; ++first) {
+    serve<T, double>(lanes, first, words, function);
+  }
+}
+
+/// The step functions of one class, shared by the instruction sets. W: lanes of a pack.
+template <class T, int W>
+struct Steps {
+  static const T& self(const void* p) { return *static_cast<const T*>(p); }
+
+  static void reset(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer) {
+    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      call_reset(self(p), env, state, env.values(buffer, first, mask));
+    });
+  }
+  static void control(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                      const double* in, double* out) {
+    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      call_control(self(p), env, state, env.const_values(in, first), env.values(out, first, mask),
+                   env.values(buffer, first, mask));
+    });
+  }
+  static void sense(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                    double* out) {
+    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      call_sense(self(p), env, state, env.values(out, first, mask), env.values(buffer, first, mask));
+    });
+  }
+  static void randomize(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                        const SkybodyStart* start) {
+    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      Start<RealOf<decltype(env)>> where(env.values(start->q, first, mask),
+                                         env.values(start->u, first, mask),
+                                         env.values(start->rotor_speed, first, mask),
+                                         env.values(start->params, first, mask));
+      call_randomize(self(p), env, state, where, env.values(buffer, first, mask));
+    });
+  }
+  static void process(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                      const double* action, double* command) {
+    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      call_process(self(p), env, state, env.const_values(action, first),
+                   env.values(command, first, mask), env.values(buffer, first, mask));
+    });
+  }
+  static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                       const SkybodyEvaluation* result) {
+    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      Evaluation<RealOf<decltype(env)>> out(env.values(result->observation, first, mask),
+                                            env.values(result->reward, first, mask),
+                                            result->end + first, mask);
+      call_evaluate(self(p), env, state, out, env.values(buffer, first, mask));
+    });
+  }
+  /// Reads the state only: a goal can be asked for at any time.
+  static void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double*,
+                   double* goal) {
+    for (std::uint32_t first = 0; first < l->lanes; ++first) {
+      if (((l->active >> first) & 1u) == 0) continue;
+      const Lanes<double> env(*l, first, true);
+      StateOf<T, double> state;
+      load_state<double>(state, s, first, l->lanes);
+      self(p).goal(env, static_cast<const StateOf<T, double>&>(state),
+                   env.values(goal, first, true));
+    }
+  }
+};
+
+// One set of functions per instruction set. A macro, because the target is an attribute.
+#define SKYBODY_KERNEL_SET(NAME, TARGET, WIDTH)                                                     \
+  template <class T>                                                                                \
+  struct NAME {                                                                                     \
+    using S = Steps<T, WIDTH>;                                                                      \
+    SKYBODY_KERNEL(TARGET)                                                                          \
+    static void reset(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b) {          \
+      if constexpr (kHasReset<T, double>) S::reset(p, l, s, b);                                     \
+    }                                                                                               \
+    SKYBODY_KERNEL(TARGET)                                                                          \
+    static void control(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,          \
+                        const double* in, double* out) {                                            \
+      if constexpr (T::kKind == SKYBODY_CONTROLLER) S::control(p, l, s, b, in, out);                \
+    }                                                                                               \
+    SKYBODY_KERNEL(TARGET)                                                                          \
+    static void sense(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,            \
+                      double* out) {                                                                \
+      if constexpr (T::kKind == SKYBODY_SENSOR) S::sense(p, l, s, b, out);                          \
+    }                                                                                               \
+    SKYBODY_KERNEL(TARGET)                                                                          \
+    static void randomize(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,        \
+                          const SkybodyStart* start) {                                              \
+      if constexpr (T::kKind == SKYBODY_RANDOMIZER) S::randomize(p, l, s, b, start);                \
+    }                                                                                               \
+    SKYBODY_KERNEL(TARGET)                                                                          \
+    static void process(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,          \
+                        const double* action, double* command) {                                    \
+      if constexpr (kHasProcess<T, double>) S::process(p, l, s, b, action, command);                \
+    }                                                                                               \
+    SKYBODY_KERNEL(TARGET)                                                                          \
+    static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,         \
+                         const SkybodyEvaluation* out) {                                            \
+      if constexpr (T::kKind == SKYBODY_TASK) S::evaluate(p, l, s, b, out);                         \
+    }                                                                                               \
+    static void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double* b, \
+                     double* out) {                                                                 \
+      if constexpr (kHasGoal<T>) S::goal(p, l, s, b, out);                                          \
+    }                                                                                               \
+    static constexpr SkybodyKernels table() {                                                       \
+      SkybodyKernels k{};                                                                           \
+      if constexpr (kHasReset<T, double>) k.reset = &reset;                                         \
+      if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = &control;                           \
+      if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = &sense;                                   \
+      if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = &randomize;                       \
+      if constexpr (kHasProcess<T, double>) k.process = &process;                                   \
+      if constexpr (T::kKind == SKYBODY_TASK) k.evaluate = &evaluate;                               \
+      if constexpr (kHasGoal<T>) k.goal = &goal;                                                    \
+      return k;                                                                                     \
+    }                                                                                               \
+  }
+
+SKYBODY_KERNEL_SET(KernelsV2, "arch=x86-64-v2", 2);
+SKYBODY_KERNEL_SET(KernelsV3, "arch=x86-64-v3", 4);
+SKYBODY_KERNEL_SET(KernelsV4, "arch=x86-64-v4", 8);
+#undef SKYBODY_KERNEL_SET
+
+}  // namespace skybody::plugin_export

@@ -1,0 +1,82 @@
+// No allocation of ours in the step path: operator new is replaced, and every call that comes from
+// libskybody or a plugin while stepping is counted. Simbody's own allocations (13 a step in the air)
+// come from its libraries and are not.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "core/assemble/hold_policy.h"
+#include "core/assemble/simulation.h"
+
+namespace {
+
+std::atomic<bool> counting{false};
+std::atomic<int> ours{0}, all{0};
+
+bool is_ours(void* caller) {
+  Dl_info info;
+  if (dladdr(caller, &info) == 0 || info.dli_fname == nullptr) return false;
+  const char* name = std::strrchr(info.dli_fname, '/');
+  name = name == nullptr ? info.dli_fname : name + 1;
+  return std::strncmp(name, "libskybody", 10) == 0 || std::strstr(info.dli_fname, "skybody/plugins/") != nullptr;
+}
+
+[[gnu::noinline]] void note(void* caller) {
+  if (!counting.load()) return;
+  counting.store(false);  // dladdr must not count itself
+  ++all;
+  if (is_ours(caller)) ++ours;
+  counting.store(true);
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  note(__builtin_return_address(0));
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+void* operator new[](std::size_t size) {
+  note(__builtin_return_address(0));
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete[](void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+
+namespace skybody {
+namespace {
+
+class NoAllocation : public testing::TestWithParam<const char*> {};
+
+TEST_P(NoAllocation, OfOursHappensWhileStepping) {
+  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/" + std::string(GetParam())});
+  const HoldPolicy hold(simulation.environment());
+  std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+  simulation.reset();
+  hold.act(simulation, action);
+  for (int i = 0; i < 10; ++i) simulation.step(action);  // caches fill
+  ours = all = 0;
+  for (int i = 0; i < 50; ++i) {
+    hold.act(simulation, action);  // a baseline may allocate
+    counting = true;
+    simulation.step(action);
+    counting = false;
+  }
+  EXPECT_EQ(ours.load(), 0) << "of " << all.load() << " in all";
+  EXPECT_GT(all.load(), 0) << "nothing was counted: is operator new still replaced?";
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
+                         testing::Values("hover.yaml", "payload.yaml", "formation.yaml"));
+
+}  // namespace
+}  // namespace skybody

@@ -1,0 +1,7 @@
+// The probe as a file sees it that is compiled with -ffast-math: for environment_test.cpp.
+#pragma GCC optimize("fast-math")
+#include "core/base/fp_environment.h"
+
+namespace skybody {
+std::uint64_t fp_probe_with_fast_math() { return fp_probe(); }
+}  // namespace skybody

@@ -1,0 +1,373 @@
+// The transition contract (docs/architecture.md, "The way of an action").
+#include "core/env/environment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "core/model/marked_error.h"
+#include "tests/unit/env/in_process_factory.h"
+
+namespace skybody {
+namespace {
+
+using test::Flight;
+using test::InProcessFactory;
+
+/// Rotor speeds straight from the action, 0 to 4000 rad/s; counts its calls and notes what it saw.
+class Direct : public Controller {
+ public:
+  template <class Real>
+  struct State {
+    Real calls, last_height;
+    Word<Real> last_physics_step;
+  };
+  RealParameter scale{this, {.name = "scale", .value = 1.0, .min = 0.5, .max = 2.0, .doc = "factor",
+                             .randomizable = true}};
+
+  void configure(const Setup& setup) override {
+    const int n = setup.rotors_of(setup.robot()).size();
+    setup.input(Signal::kRotorSpeed, std::vector<double>(static_cast<std::size_t>(n), 0.0),
+                std::vector<double>(static_cast<std::size_t>(n), 4000.0));
+    setup.output(Signal::kRotorSpeed, n);
+    body_ = setup.robots()[setup.robot()].first_body;
+    count_ = n;
+  }
+  template <class Real>
+  void control(const Lanes<Real>& env, State<Real>& s, ConstValues<Real> in, Values<Real> out) const {
+    s.calls += Real(1.0);
+    s.last_height = env.body(body_).position.z;
+    s.last_physics_step = env.physics_step();
+    for (int i = 0; i < count_; ++i) out.set(i, in[i] * scale(env));
+  }
+
+ private:
+  int body_ = 0, count_ = 0;
+};
+
+/// The same, written for plain double.
+class PlainDirect : public Controller {
+ public:
+  struct State {
+    double calls, last_height;
+    std::uint64_t last_physics_step;
+  };
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {4000, 4000, 4000, 4000});
+    setup.output(Signal::kRotorSpeed, 4);
+  }
+  void control(const Lanes<double>& env, State& s, ConstValues<double> in, Values<double> out) const {
+    s.calls += 1.0;
+    s.last_height = env.body(0).position.z;
+    s.last_physics_step = env.physics_step();
+    for (int i = 0; i < 4; ++i) out.set(i, in[i]);
+  }
+};
+
+/// Gives a signal that no actuator takes.
+class Dangling : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kCtbt, {0, 0, 0, 0}, {1, 1, 1, 1});
+    setup.output(Signal::kSrt, 4);
+  }
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+};
+
+/// Observes height, vertical speed, physics step and a draw; ends below the ground.
+class Watch : public Task {
+ public:
+  template <class Real>
+  struct State {
+    Real drawn;
+  };
+  void configure(const Setup& setup) override {
+    setup.channel("height", "m", 1, -kInfinity, kInfinity);
+    setup.channel("vertical_speed", "m/s", 1, -kInfinity, kInfinity);
+    setup.channel("physics_step", "", 1, 0, kInfinity);
+    setup.channel("drawn", "", 1, 0, 1);
+  }
+  template <class Real>
+  void reset(const Lanes<Real>& env, State<Real>& s) const {
+    auto rng = random(env);
+    s.drawn = rng.uniform();
+  }
+  template <class Real>
+  void evaluate(const Lanes<Real>& env, State<Real>& s, Evaluation<Real>& out) const {
+    const BodyMotion<Real> b = env.body(0);
+    out.observation.set(0, b.position.z);
+    out.observation.set(1, b.velocity.z);
+    out.observation.set(2, to_real(env.physics_step()));
+    out.observation.set(3, s.drawn);
+    out.set_reward(b.position.z);
+    out.terminate(b.position.z < Real(-1.0));
+  }
+};
+
+/// Kicks the robot, and draws the controller's scale far out of its bounds every second reset.
+class Kick : public Randomizer {
+ public:
+  template <class Real>
+  struct State {
+    Word<Real> resets;
+  };
+  void configure(const Setup& setup) override {
+    param_ = setup.find_params("controllers.direct.scale")[0];
+    setup.writes(param_);
+  }
+  template <class Real>
+  void randomize(const Lanes<Real>& env, State<Real>& s, Start<Real>& start) const {
+    auto rng = random(env);
+    start.u.set(0, rng.uniform(Real(-1.0), Real(1.0)));
+    start.params.set(param_, rng.uniform(Real(0.0), Real(4.0)));
+    s.resets = s.resets + Word<Real>(1);
+  }
+
+ private:
+  int param_ = 0;
+};
+
+struct Options {
+  int action_repeat = 1, horizon = 0;
+  std::string controller = "direct";
+  bool kick = false, kick_twice = false;
+};
+
+std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& options = {}) {
+  factory.add<Direct>("direct");
+  factory.add<PlainDirect>("plain");
+  factory.add<Dangling>("dangling");
+  factory.add<Watch>("watch");
+  factory.add<Kick>("kick");
+  Scenario s;
+  s.name = "test";
+  s.stepping.action_repeat = options.action_repeat;
+  s.stepping.horizon = options.horizon;
+  s.contact.ground = false;
+  RobotUse robot;
+  robot.name = "quad";
+  robot.model = test::quadrotor();
+  robot.pose.position = {0.0, 0.0, 1.0};
+  robot.controllers.push_back(factory.use(options.controller, options.controller));
+  s.robots.push_back(robot);
+  if (options.kick) s.randomization.push_back(factory.use("kick", "kick"));
+  if (options.kick_twice) s.randomization.push_back(factory.use("kick", "again"));
+  s.task = factory.use("watch", "task");
+  return std::make_unique<Environment>(std::make_unique<World>(std::move(s)), factory);
+}
+
+TEST(TransitionContract, AnActionActsOnTheVeryNextPhysicsStep) {
+  InProcessFactory factory;
+  const auto env = make(factory);
+  Flight flight(*env, 1);
+  flight.reset();
+  flight.step({1, 1, 1, 1});  // 4 * 1e-6 * 4000^2 = 64 N on 1 kg: 54.19 m/s^2 upwards
+  // One semi-implicit Euler step of 1 ms: v = dt a. Zero intervening steps.
+  EXPECT_NEAR(flight.observation[1], 0.001 * (64.0 - 9.81), 1e-6);
+}
+
+TEST(TransitionContract, ControlSeesTheLatestStateInEachOfTheKSteps) {
+  InProcessFactory factory;
+  const auto env = make(factory, {.action_repeat = 10});
+  Flight flight(*env, 1);
+  flight.reset();
+  flight.step({-1, -1, -1, -1});
+  const PluginInstance& c = env->controllers()[0];
+  EXPECT_EQ(flight.group.reals(c.state)[0], 10.0);  // once a physics step
+  EXPECT_EQ(flight.group.bits(c.state + 2)[0], 9u);  // its last call: after 9 completed steps
+  // Semi-implicit Euler in free fall: z_n = z_0 - g dt^2 n (n + 1) / 2. The tenth call saw n = 9.
+  EXPECT_NEAR(flight.group.reals(c.state + 1)[0], 1.0 - 9.81e-6 * 45.0, 1e-12);
+}
+
+TEST(TransitionContract, AnObservationBelongsToTheFinalState) {
+  InProcessFactory factory;
+  const auto env = make(factory, {.action_repeat = 10});
+  Flight flight(*env, 1);
+  flight.reset();
+  EXPECT_EQ(flight.observation[2], 0.0f);
+  flight.step({-1, -1, -1, -1});
+  EXPECT_EQ(flight.observation[2], 10.0f);
+  EXPECT_NEAR(flight.observation[0], 1.0 - 9.81e-6 * 55.0, 1e-7);  // float32 row
+}
+
+TEST(TransitionContract, TheHorizonTruncatesAndATaskTerminates) {
+  InProcessFactory factory;
+  const auto env = make(factory, {.horizon = 3});
+  Flight flight(*env, 1);
+  flight.reset();
+  for (int i = 0; i < 2; ++i) {
+    flight.step({0, 0, 0, 0});
+    EXPECT_EQ(flight.status[0], kRunning);
+  }
+  flight.step({0, 0, 0, 0});
+  EXPECT_EQ(flight.status[0], kTruncated);
+  flight.reset();
+  flight.group.reals(env->layout().q)[2] = -2.0;
+  flight.step({0, 0, 0, 0});
+  EXPECT_EQ(flight.status[0], kTerminated);
+}
+
+TEST(Fault, ANonFiniteActionKeepsTheLastOneAndTruncates) {
+  InProcessFactory factory;
+  const auto env = make(factory);
+  Flight flight(*env, 1);
+  flight.reset();
+  flight.step({0.5f, 0.5f, 0.5f, 0.5f});
+  flight.step({0.1f, std::numeric_limits<float>::quiet_NaN(), 0.1f, 0.1f});
+  EXPECT_EQ(flight.status[0], kTruncated | kFault);
+  EXPECT_EQ(flight.reward[0], 0.0f);
+  EXPECT_EQ(flight.group.reals(env->layout().action)[1], 0.5);
+  for (const float o : flight.observation) EXPECT_TRUE(std::isfinite(o));
+}
+
+TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) {
+  InProcessFactory factory;
+  const auto env = make(factory);
+  Flight flight(*env, 8), alone(*env, 8);
+  flight.reset();
+  alone.reset();
+  const std::vector<float> actions(32, 0.2f);
+  flight.step(actions);
+  alone.step(actions);
+  const float height = flight.observation[3 * 4];
+  flight.group.reals(env->layout().u)[3] = std::numeric_limits<double>::infinity();
+  flight.step(actions);
+  alone.step(actions);
+  EXPECT_EQ(flight.status[3], kTruncated | kFault);
+  EXPECT_EQ(flight.reward[3], 0.0f);
+  EXPECT_EQ(flight.observation[3 * 4], height);
+  for (int lane = 0; lane < 8; ++lane) {
+    if (lane == 3) continue;
+    EXPECT_EQ(flight.status[static_cast<std::size_t>(lane)], kRunning);
+    EXPECT_EQ(flight.group.save(lane), alone.group.save(lane)) << "lane " << lane;
+  }
+  flight.reset();
+  flight.step(actions);
+  EXPECT_EQ(flight.status[3], kRunning);  // a reset mends it
+}
+
+TEST(Lanes, EightSideBySideHaveTheBitsOfEightOneByOne) {
+  for (const char* controller : {"direct", "plain"}) {
+    InProcessFactory factory;
+    const auto env = make(factory, {.action_repeat = 3, .controller = controller,
+                                    .kick = std::string(controller) == "direct"});
+    Flight group(*env, 8);
+    group.reset();
+    std::vector<std::unique_ptr<Flight>> singles;
+    for (int l = 0; l < 8; ++l) {
+      singles.push_back(std::make_unique<Flight>(*env, 1));
+      env->initialize(singles.back()->group, 0, 1, static_cast<std::uint64_t>(l));
+      singles.back()->reset();
+    }
+    for (int step = 0; step < 20; ++step) {
+      std::vector<float> actions(32);
+      for (int k = 0; k < 32; ++k) {
+        actions[static_cast<std::size_t>(k)] = 0.05f * static_cast<float>((k * 7 + step) % 9) - 0.2f;
+      }
+      group.step(actions);
+      for (int l = 0; l < 8; ++l) {
+        const auto from = actions.begin() + 4 * l;
+        singles[static_cast<std::size_t>(l)]->step({from, from + 4});
+        ASSERT_EQ(group.group.save(l), singles[static_cast<std::size_t>(l)]->group.save(0))
+            << controller << ", lane " << l << ", step " << step;
+      }
+    }
+  }
+}
+
+TEST(Lanes, AMaskLeavesTheOthersUntouched) {
+  InProcessFactory factory;
+  const auto env = make(factory, {.kick = true});
+  Flight flight(*env, 8);
+  flight.reset();
+  const auto before = flight.group.save(5);
+  const std::vector<float> actions(32, 0.3f);
+  env->step(flight.group, *flight.work, 0b11011111, actions.data(), 4, flight.rows());
+  env->reset(flight.group, *flight.work, 0b11011111, flight.rows());
+  EXPECT_EQ(flight.group.save(5), before);
+}
+
+TEST(Snapshot, SaveStepRestoreStepGivesTheSameBits) {
+  InProcessFactory factory;
+  const auto env = make(factory, {.kick = true});
+  Flight flight(*env, 1);
+  flight.reset();
+  for (int i = 0; i < 5; ++i) flight.step({0.1f, 0.2f, 0.1f, 0.2f});
+  const auto saved = flight.group.save(0);
+  for (int i = 0; i < 50; ++i) flight.step({0.1f, 0.25f, 0.1f, 0.2f});
+  flight.reset();
+  const auto first = flight.group.save(0);
+  flight.group.restore(0, saved);
+  for (int i = 0; i < 50; ++i) flight.step({0.1f, 0.25f, 0.1f, 0.2f});
+  flight.reset();
+  EXPECT_EQ(flight.group.save(0), first);
+  Flight other(*env, 1);  // another work, which has seen nothing
+  other.group.restore(0, saved);
+  for (int i = 0; i < 50; ++i) other.step({0.1f, 0.25f, 0.1f, 0.2f});
+  other.reset();
+  EXPECT_EQ(other.group.save(0), first);
+}
+
+TEST(Randomization, DrawsAreHeldToTheDeclaredBounds) {
+  InProcessFactory factory;
+  const auto env = make(factory, {.kick = true});
+  Flight flight(*env, 8);
+  const int index = env->layout().find_param("robots.quad.controllers.direct.scale");
+  ASSERT_GE(index, 0);
+  bool low = false, high = false;
+  for (int i = 0; i < 50; ++i) {
+    flight.reset();
+    for (int l = 0; l < 8; ++l) {
+      const double v = flight.group.reals(env->layout().params.offset + index)[l];
+      ASSERT_GE(v, 0.5);
+      ASSERT_LE(v, 2.0);
+      low |= v == 0.5;
+      high |= v == 2.0;
+    }
+  }
+  EXPECT_TRUE(low && high);
+}
+
+TEST(Randomization, AControllerGainIsOneValuePerEnvironment) {
+  InProcessFactory factory;
+  const auto env = make(factory);
+  Flight flight(*env, 8);
+  flight.reset();
+  const int index = env->layout().find_param("robots.quad.controllers.direct.scale");
+  flight.group.reals(env->layout().params.offset + index)[2] = 0.5;
+  flight.step(std::vector<float>(32, 0.0f));
+  // 2000 rad/s give 16 N on 1 kg; half the speed gives 4 N.
+  EXPECT_NEAR(flight.observation[2 * 4 + 1], 0.001 * (4.0 - 9.81), 1e-6);
+  EXPECT_NEAR(flight.observation[3 * 4 + 1], 0.001 * (16.0 - 9.81), 1e-6);
+}
+
+TEST(Configuration, ASignalThatNoActuatorTakesIsRefusedAtItsLine) {
+  InProcessFactory factory;
+  try {
+    make(factory, {.controller = "dangling"});
+    FAIL();
+  } catch (const MarkedError& e) {
+    EXPECT_EQ(e.mark().file, "test.yaml");
+    EXPECT_STREQ(e.what(),
+                 "the last controller, `dangling`, gives srt; it must give rotor_speed, wrench, velocity "
+                 "or pose: add a controller behind it that takes srt");
+  }
+}
+
+TEST(Configuration, TwoRandomizersOfOneParameterAreRefused) {
+  InProcessFactory factory;
+  try {
+    make(factory, {.kick = true, .kick_twice = true});
+    FAIL();
+  } catch (const MarkedError& e) {
+    EXPECT_STREQ(e.what(),
+                 "randomizers `kick` and `again` both draw robots.quad.controllers.direct.scale: leave it to "
+                 "one of them");
+  }
+}
+
+}  // namespace
+}  // namespace skybody

@@ -1,0 +1,125 @@
+// Plugins that live in the test itself: the engine's tests need no shared libraries.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/isa.h"
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+#include "core/env/plugin_instance.h"
+#include "plugins/api/export.h"
+
+namespace skybody::test {
+
+class InProcessFactory : public PluginFactory {
+ public:
+  template <class T>
+  void add(const std::string& name) {
+    auto description = std::make_shared<plugin_export::Description<T>>("test", "0", "test");
+    plugins_[name] = std::shared_ptr<const SkybodyPlugin>(description, description->plugin());
+  }
+
+  Made make(SkybodyKind, const std::string& plugin, const SkybodySetup& setup,
+            const SkybodyDeclare& declare) override {
+    const auto& p = plugins_.at(plugin);
+    char error[512] = "";
+    void* self = p->create(&setup, &declare, error, sizeof error);
+    if (self == nullptr) throw Error(error);
+    return {std::shared_ptr<const void>(self, p->destroy), p.get(),
+            p->kernels[static_cast<int>(best_isa())]};
+  }
+
+  std::vector<Randomizable> randomizable(SkybodyKind, const std::string& plugin) override {
+    std::vector<Randomizable> list;
+    const SkybodyPlugin& p = *plugins_.at(plugin);
+    for (std::uint32_t i = 0; i < p.parameter_count; ++i) {
+      if (p.parameters[i].randomizable != 0) {
+        list.push_back({p.parameters[i].name, p.parameters[i].unit, p.parameters[i].min,
+                        p.parameters[i].max});
+      }
+    }
+    return list;
+  }
+
+  /// A use with all defaults, as the scenario reader would fill them in.
+  PluginUse use(const std::string& plugin, const std::string& instance) const {
+    PluginUse u;
+    u.plugin = plugin;
+    u.instance = instance;
+    u.mark = {"test.yaml", 1, 1};
+    const SkybodyPlugin& p = *plugins_.at(plugin);
+    for (std::uint32_t i = 0; i < p.parameter_count; ++i) {
+      const SkybodyParameter& d = p.parameters[i];
+      ParameterValue v;
+      v.name = d.name;
+      v.type = static_cast<ParameterType>(d.type);
+      if (d.type == SKYBODY_TEXT) {
+        v.texts.assign(d.default_texts, d.default_texts + d.default_count);
+      } else {
+        v.numbers.assign(d.default_numbers, d.default_numbers + d.default_count);
+      }
+      u.parameters.push_back(v);
+    }
+    return u;
+  }
+
+ private:
+  std::map<std::string, std::shared_ptr<const SkybodyPlugin>> plugins_;
+};
+
+/// A quadrotor cross of 1 kg with 4 rotors at 0.1 m, k_f = 1e-6 N s^2, no rotor lag.
+inline RobotModel quadrotor() {
+  RobotModel m;
+  m.name = "quad";
+  Body body;
+  body.name = "base";
+  body.mass = {1.0, {0, 0, 0}, {0.01, 0.01, 0.02, 0, 0, 0}};
+  m.bodies.push_back(body);
+  m.links.push_back({"base", 0, {}, {0, 0, 0}});
+  for (int i = 0; i < 4; ++i) {
+    Rotor r;
+    r.name = "rotor" + std::to_string(i);
+    r.position = {i < 2 ? 0.1 : -0.1, (i % 2) == 0 ? 0.1 : -0.1, 0.0};
+    r.direction = (i == 0 || i == 3) ? 1 : -1;
+    r.thrust_constant = 1e-6;
+    r.moment_constant = 1e-8;
+    r.max_speed = 4000.0;
+    m.rotors.push_back(r);
+  }
+  return m;
+}
+
+/// Group, work and rows of one environment, ready to reset.
+struct Flight {
+  Flight(const Environment& environment, int lanes, std::uint64_t seed = 1)
+      : env(environment),
+        group(environment.make_state(lanes)),
+        work(environment.make_work(lanes)),
+        observation(static_cast<std::size_t>(lanes * environment.observation_size())),
+        reward(static_cast<std::size_t>(lanes)),
+        status(static_cast<std::size_t>(lanes)),
+        all((lanes == 32 ? 0u : (1u << lanes)) - 1u) {
+    for (int l = 0; l < lanes; ++l) env.initialize(group, l, seed, static_cast<std::uint64_t>(l));
+  }
+  Rows rows() {
+    return {observation.data(), env.observation_size(), reward.data(), status.data()};
+  }
+  void reset() { env.reset(group, *work, all, rows()); }
+  void step(const std::vector<float>& actions) {
+    env.step(group, *work, all, actions.data(), env.action_size(), rows());
+  }
+
+  const Environment& env;
+  StateGroup group;
+  std::unique_ptr<GroupWork> work;
+  std::vector<float> observation, reward;
+  std::vector<std::uint64_t> status;
+  std::uint32_t all;
+};
+
+}  // namespace skybody::test
