@@ -1,0 +1,53 @@
+// Rotor speed references straight from the command, held to what each rotor can do.
+#include "controllers/common/robot.h"
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class RotorSpeed : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "rotor_speed");
+    std::vector<double> low, high;
+    for (const RotorInfo& rotor : rotors) {
+      limit_.push_back(rotor.constants[control::kMaxSpeed]);
+      low.push_back(min_speed_.value());
+      high.push_back(max_speed_.value() > 0.0 ? max_speed_.value() : limit_.back());
+      control::require_order("min_speed", low.back(), "max_speed", high.back());
+    }
+    setup.input(Signal::kRotorSpeed, low, high);
+    setup.output(Signal::kRotorSpeed, rotors.size());
+  }
+
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    for (int i = 0; i < static_cast<int>(limit_.size()); ++i) {
+      output.set(i, clamp(input[i], Real(0.0), Real(limit_[static_cast<std::size_t>(i)])));
+    }
+  }
+
+ private:
+  RealParameter min_speed_{this,
+                           {.name = "min_speed",
+                            .unit = "rad/s",
+                            .value = 0.0,
+                            .min = 0.0,
+                            .doc = "speed that action -1 means"}};
+  RealParameter max_speed_{this,
+                           {.name = "max_speed",
+                            .unit = "rad/s",
+                            .value = 0.0,
+                            .min = 0.0,
+                            .doc = "speed that action +1 means; 0: each rotor's own maximum"}};
+
+  std::vector<double> limit_;  ///< [rad/s], one per rotor
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::RotorSpeed, "rotor_speed", "1.0.0",
+               "Speed reference per rotor [rad/s] (the paper's RPM mode).");

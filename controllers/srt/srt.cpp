@@ -1,0 +1,59 @@
+// Single rotor thrusts: each rotor's speed from the thrust that is asked of it.
+#include "controllers/common/robot.h"
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class Srt : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "srt");
+    std::vector<double> low, high;
+    for (const RotorInfo& rotor : rotors) {
+      rotors_.push_back({control::full_thrust(rotor), 1.0 / rotor.constants[control::kThrust]});
+      low.push_back(min_thrust_.value());
+      high.push_back(max_thrust_.value() > 0.0 ? max_thrust_.value() : rotors_.back().full);
+      control::require_order("min_thrust", low.back(), "max_thrust", high.back());
+    }
+    setup.input(Signal::kSrt, low, high);
+    setup.output(Signal::kRotorSpeed, rotors.size());
+  }
+
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    for (int i = 0; i < static_cast<int>(rotors_.size()); ++i) {
+      const Rotor& rotor = rotors_[static_cast<std::size_t>(i)];
+      const Real thrust = clamp(input[i], Real(0.0), Real(rotor.full));
+      output.set(i, sqrt(thrust * rotor.per_constant));
+    }
+  }
+
+ private:
+  struct Rotor {
+    double full;          ///< [N]
+    double per_constant;  ///< 1 / kf
+  };
+
+  RealParameter min_thrust_{this,
+                            {.name = "min_thrust",
+                             .unit = "N",
+                             .value = 0.0,
+                             .min = 0.0,
+                             .doc = "thrust that action -1 means"}};
+  RealParameter max_thrust_{this,
+                            {.name = "max_thrust",
+                             .unit = "N",
+                             .value = 0.0,
+                             .min = 0.0,
+                             .doc = "thrust that action +1 means; 0: each rotor's full thrust"}};
+
+  std::vector<Rotor> rotors_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Srt, "srt", "1.0.0", "Thrust per rotor [N] along its axis.");

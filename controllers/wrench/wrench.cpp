@@ -1,0 +1,104 @@
+// Force and moment in world axes at the centres of mass of named links.
+#include "controllers/common/allocation.h"
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class Wrench : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    const int robot = setup.robot();
+    std::vector<std::string> links = links_.values();
+    if (links.empty()) links = {setup.bodies()[control::base_of(setup, robot)].name};
+    force_ = force_limit(setup, robot);
+    moment_ = moment_limit(setup, robot);
+    std::vector<double> high;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (links[k] == links[i]) {
+          throw std::runtime_error("`links` names `" + links[i] + "` twice: name each link once");
+        }
+      }
+      const LinkInfo& link = setup.link(robot, links[i]);
+      setup.site({link.body, {link.com[0], link.com[1], link.com[2]}, 0, 1});
+      high.insert(high.end(), {force_.x, force_.y, force_.z, moment_.x, moment_.y, moment_.z});
+    }
+    std::vector<double> low;
+    for (const double h : high) low.push_back(-h);
+    sites_ = static_cast<int>(links.size());
+    setup.input(Signal::kWrench, low, high);
+    setup.output(Signal::kWrench, 6 * sites_);
+  }
+
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    for (int i = 0; i < sites_; ++i) {
+      output.set(6 * i, control::clamp_symmetric(input.vec3(6 * i), force_));
+      output.set(6 * i + 3, control::clamp_symmetric(input.vec3(6 * i + 3), moment_));
+    }
+  }
+
+ private:
+  static double or_else(double given, double fallback) { return given > 0.0 ? given : fallback; }
+
+  /// Twice the robot's weight, unless given.
+  Vec3<double> force_limit(const Setup& setup, int robot) const {
+    const double weight = control::total_mass(setup, robot) * control::gravity_of(setup);
+    const Vec3<double> given = max_force_.vec3();
+    const Vec3<double> limit{or_else(given.x, 2.0 * weight), or_else(given.y, 2.0 * weight),
+                             or_else(given.z, 2.0 * weight)};
+    if (!(limit.x > 0.0 && limit.y > 0.0 && limit.z > 0.0)) {
+      throw std::runtime_error(
+          "without gravity `max_force` has no default: give three values above 0");
+    }
+    return limit;
+  }
+
+  /// What the rotors could do, unless given.
+  Vec3<double> moment_limit(const Setup& setup, int robot) const {
+    const Vec3<double> given = max_moment_.vec3();
+    if (given.x > 0.0 && given.y > 0.0 && given.z > 0.0) return given;
+    const View<RotorInfo> rotors = setup.rotors_of(robot);
+    const BodyInfo& base = setup.bodies()[control::base_of(setup, robot)];
+    const Vec3<double> possible =
+        rotors.size() > 0
+            ? control::limits_of(control::working_rotors(setup, robot, "wrench"), base).torque
+            : Vec3<double>{0.0, 0.0, 0.0};
+    const Vec3<double> limit{or_else(given.x, possible.x), or_else(given.y, possible.y),
+                             or_else(given.z, possible.z)};
+    if (!(limit.x > 0.0 && limit.y > 0.0 && limit.z > 0.0)) {
+      throw std::runtime_error("the rotors of robot `" + control::robot_name(setup, robot) +
+                               "` give no limits for all three moments: give `max_moment` three "
+                               "values above 0");
+    }
+    return limit;
+  }
+
+  TextsParameter links_{this,
+                        {.name = "links",
+                         .doc = "links at whose centres of mass it acts; none: the base"}};
+  RealsParameter max_force_{this,
+                            {.name = "max_force",
+                             .unit = "N",
+                             .values = {0.0, 0.0, 0.0},
+                             .min = 0.0,
+                             .doc = "forces that action +1 means; 0: twice the robot's weight"}};
+  RealsParameter max_moment_{this,
+                             {.name = "max_moment",
+                              .unit = "N m",
+                              .values = {0.0, 0.0, 0.0},
+                              .min = 0.0,
+                              .doc = "moments that action +1 means; 0: what the rotors could do"}};
+
+  Vec3<double> force_{}, moment_{};
+  int sites_ = 0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Wrench, "wrench", "1.0.0",
+               "Force [N] and moment [N m] in world axes at named links.");

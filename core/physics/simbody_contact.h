@@ -1,0 +1,49 @@
+// Collision shapes of bodies and obstacles as Simbody's compliant contact has them. Only files of
+// skybody_simbody include this. C++17.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Simbody.h>
+
+#include "core/physics/world.h"
+
+namespace skybody {
+
+/// Whether bodies of different robots, or bodies and obstacles, can touch in this world.
+bool has_body_contact(const World& world);
+
+/// The contact surfaces of a world, made once; systems are built from them again and again.
+///
+/// Spheres are exact (Hertz); boxes and cylinders are triangle meshes (elastic foundation). Meshes
+/// of files are ignored. Bodies of one robot do not collide among themselves. Simbody's trackers for
+/// these shapes keep no history, so the forces are a function of q and u alone.
+class SimbodyContact {
+ public:
+  explicit SimbodyContact(const World& world);
+
+  /// Surfaces of one body of the world; body -1: of the obstacles.
+  void add_surfaces(int body, SimTK::Body& rigid) const;
+
+  /// Friction's transition velocity [m/s].
+  double transition_velocity() const { return transition_velocity_; }
+
+ private:
+  struct Surface {
+    int body = -1;
+    SimTK::Transform pose;
+    SimTK::ContactSurface surface;
+  };
+  void add(int body, const Shape& shape, const SimTK::ContactMaterial& material,
+           SimTK::ContactCliqueId clique, double largest_face, int largest_resolution);
+
+  std::vector<Surface> surfaces_;
+  double transition_velocity_ = 0.0;
+};
+
+/// Simbody's rotation and transform of ours.
+SimTK::Rotation to_simbody(const Quat<double>& q);
+SimTK::Transform to_simbody(const Pose& pose);
+
+}  // namespace skybody

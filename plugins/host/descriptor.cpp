@@ -1,0 +1,174 @@
+#include "plugins/host/descriptor.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <string_view>
+
+#include "plugins/host/kind.h"
+
+namespace skybody {
+namespace {
+
+/// The shortest decimal text that reads back as the same double.
+std::string number(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  return {text, end.ptr};
+}
+
+std::string quoted(const char* text) { return "`" + std::string(text) + "`"; }
+
+bool is_text(const char* text) { return text != nullptr && *text != '\0'; }
+
+/// Lower-case words joined by underscores, starting with a letter.
+bool is_snake_case(const char* name) {
+  if (!is_text(name) || *name < 'a' || *name > 'z') return false;
+  return std::string_view(name).find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") ==
+         std::string_view::npos;
+}
+
+std::string numbers_problem(const SkybodyParameter& p) {
+  if (p.default_count > 0 && p.default_numbers == nullptr) return "its default is missing";
+  if (!(p.min <= p.max)) return "its range " + number(p.min) + ".." + number(p.max) + " is empty";
+  for (std::uint32_t i = 0; i < p.default_count && p.required == 0; ++i) {
+    const double value = p.default_numbers[i];
+    if (!(value >= p.min && value <= p.max)) {
+      return "its default " + number(value) + " is outside its range " + number(p.min) + ".." +
+             number(p.max);
+    }
+    if (p.type != SKYBODY_REAL && value != std::floor(value)) {
+      return "its default " + number(value) + " is not a whole number";
+    }
+  }
+  return {};
+}
+
+std::string texts_problem(const SkybodyParameter& p) {
+  if (p.default_count > 0 && p.default_texts == nullptr) return "its default is missing";
+  if (p.choice_count > 0 && p.choices == nullptr) return "its choices are missing";
+  for (std::uint32_t i = 0; i < p.choice_count; ++i) {
+    if (p.choices[i] == nullptr) return "a choice is missing";
+  }
+  for (std::uint32_t i = 0; i < p.default_count && p.required == 0; ++i) {
+    const char* value = p.default_texts[i];
+    if (value == nullptr) return "its default is missing";
+    const bool allowed =
+        p.choice_count == 0 ||
+        std::any_of(p.choices, p.choices + p.choice_count,
+                    [value](const char* c) { return std::string_view(c) == value; });
+    if (!allowed) return "its default " + quoted(value) + " is none of its choices";
+  }
+  return {};
+}
+
+std::string parameter_problem(const SkybodyParameter& p) {
+  if (p.unit == nullptr || p.doc == nullptr) return "its unit or doc is missing";
+  if (p.type > SKYBODY_TEXT) return "its type " + std::to_string(p.type) + " is unknown";
+  const int most = p.max_count;
+  if (p.min_count < 0 || most < -1 || (most >= 0 && most < p.min_count)) {
+    return "its number of entries " + std::to_string(p.min_count) + ".." + std::to_string(most) +
+           " is impossible";
+  }
+  const int count = static_cast<int>(p.default_count);
+  if (p.required == 0 && (count < p.min_count || (most >= 0 && count > most))) {
+    return "its default has " + std::to_string(count) + " entries, allowed are " +
+           std::to_string(p.min_count) + (most == p.min_count ? "" : ".." + std::to_string(most));
+  }
+  if (p.randomizable != 0 && p.type != SKYBODY_REAL) return "only reals can be randomizable";
+  return p.type == SKYBODY_TEXT ? texts_problem(p) : numbers_problem(p);
+}
+
+std::string kernels_problem(const SkybodyPlugin& plugin) {
+  constexpr const char* kIsaNames[] = {"v2", "v3", "v4"};
+  constexpr const char* kFunctions[] = {"control", "sense", "randomize", "evaluate"};
+  for (int i = 0; i < 3; ++i) {
+    const SkybodyKernels& k = plugin.kernels[i];
+    const bool there = plugin.kind == SKYBODY_CONTROLLER   ? k.control != nullptr
+                       : plugin.kind == SKYBODY_SENSOR     ? k.sense != nullptr
+                       : plugin.kind == SKYBODY_RANDOMIZER ? k.randomize != nullptr
+                                                           : k.evaluate != nullptr;
+    if (!there) {
+      return "has no " + std::string(kFunctions[plugin.kind]) + " function for x86-64-" +
+             kIsaNames[i];
+    }
+    const SkybodyKernels& first = plugin.kernels[0];
+    if ((k.reset == nullptr) != (first.reset == nullptr) ||
+        (k.process == nullptr) != (first.process == nullptr) ||
+        (k.goal == nullptr) != (first.goal == nullptr)) {
+      return "has other functions for x86-64-" + std::string(kIsaNames[i]) + " than for x86-64-v2";
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string descriptor_problem(const SkybodyPlugin& plugin) {
+  if (!is_text(plugin.name)) return "has no name";
+  const std::string who = "plugin " + quoted(plugin.name) + " ";
+  if (!is_snake_case(plugin.name)) {
+    return who + "has a bad name: lower-case letters, digits and underscores, a letter first";
+  }
+  if (plugin.kind >= SKYBODY_KIND_COUNT) {
+    return who + "is of unknown kind " + std::to_string(plugin.kind);
+  }
+  if (!is_text(plugin.version)) return who + "has no version";
+  if (!is_text(plugin.doc)) return who + "has no line of documentation";
+  if (plugin.create == nullptr || plugin.destroy == nullptr) {
+    return who + "has no function to make or destroy an instance";
+  }
+  const std::string kernels = kernels_problem(plugin);
+  if (!kernels.empty()) return who + kernels;
+  if (plugin.parameter_count > 0 && plugin.parameters == nullptr) {
+    return who + "has lost its parameters";
+  }
+  std::set<std::string_view> names;
+  for (std::uint32_t i = 0; i < plugin.parameter_count; ++i) {
+    const SkybodyParameter& p = plugin.parameters[i];
+    if (!is_snake_case(p.name)) {
+      return who + "has a badly named parameter " + quoted(p.name == nullptr ? "" : p.name) +
+             ": lower-case letters, digits and underscores, a letter first";
+    }
+    if (!names.insert(p.name).second) {
+      return who + "declares parameter " + quoted(p.name) + " twice";
+    }
+    const std::string problem = parameter_problem(p);
+    if (!problem.empty()) return who + "declares parameter " + quoted(p.name) + ": " + problem;
+  }
+  return {};
+}
+
+std::vector<ParameterSpec> parameter_specs(const SkybodyPlugin& plugin) {
+  std::vector<ParameterSpec> specs;
+  for (std::uint32_t i = 0; i < plugin.parameter_count; ++i) {
+    const SkybodyParameter& p = plugin.parameters[i];
+    ParameterSpec spec;
+    spec.name = p.name;
+    spec.unit = p.unit;
+    spec.doc = p.doc;
+    spec.type = p.type == SKYBODY_REAL      ? ParameterType::kReal
+                : p.type == SKYBODY_INTEGER ? ParameterType::kInteger
+                : p.type == SKYBODY_BOOLEAN ? ParameterType::kBoolean
+                                            : ParameterType::kText;
+    spec.min_count = p.min_count;
+    spec.max_count = p.max_count;
+    spec.required = p.required != 0;
+    spec.randomizable = p.randomizable != 0;
+    spec.choices.assign(p.choices, p.choices + p.choice_count);
+    if (p.type != SKYBODY_TEXT) {
+      spec.min = p.min;
+      spec.max = p.max;
+    }
+    if (!spec.required && p.type == SKYBODY_TEXT) {
+      spec.default_texts.assign(p.default_texts, p.default_texts + p.default_count);
+    } else if (!spec.required) {
+      spec.default_numbers.assign(p.default_numbers, p.default_numbers + p.default_count);
+    }
+    specs.push_back(std::move(spec));
+  }
+  return specs;
+}
+
+}  // namespace skybody

@@ -1,0 +1,218 @@
+// Inertial measurement unit on any link: specific force and angular rate, with noise, bias walk,
+// rate and latency.
+#include <skybody/plugin.h>
+
+#include <numeric>
+
+namespace skybody {
+namespace {
+
+class Imu : public Sensor {
+ public:
+  template <class Real>
+  struct State {
+    Vec3<Real> force_bias;  ///< [m/s^2]
+    Vec3<Real> rate_bias;   ///< [rad/s]
+    Vec3<Real> force;       ///< latest sample, held until the next
+    Vec3<Real> rate;
+  };
+
+  void configure(const Setup& setup) override {
+    const int robot = setup.robot(robot_.value());
+    std::string name = link_.value();
+    if (name.empty()) name = setup.bodies()[setup.robots()[robot].first_body].name;
+    const LinkInfo& link = setup.link(robot, name);
+    const Quat<double> frame{link.rotation[0], link.rotation[1], link.rotation[2],
+                             link.rotation[3]};
+    body_ = link.body;
+    point_ = Vec3<double>{link.position[0], link.position[1], link.position[2]} +
+             rotate(frame, position_.vec3());
+    rotation_ = frame * from_rpy(orientation_.value(0), orientation_.value(1),
+                                 orientation_.value(2));
+    gravity_ = {setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]};
+    dt_ = setup.dt();
+    // Called often enough both to sample and to deliver; the line has one place a call.
+    const std::int64_t call = std::gcd(period_.value(), latency_.value());
+    places_ = static_cast<int>(latency_.value() / call);
+    interval_ = static_cast<double>(period_.value()) * dt_;
+    setup.need_bodies_before();
+    setup.period(static_cast<int>(call));
+    if (places_ > 0) setup.buffer(kSize * places_);
+    setup.channel("specific_force", "m/s^2", 3, -kInfinity, kInfinity);
+    setup.channel("angular_rate", "rad/s", 3, -kInfinity, kInfinity);
+  }
+
+  /// Draws the biases that the episode starts with.
+  template <class Real>
+  void reset(const Lanes<Real>& env, State<Real>& state) const {
+    Random<Real> draw = random(env, kStartDraws);
+    state.force_bias = normal(draw) * accelerometer_bias_(env);
+    state.rate_bias = normal(draw) * gyroscope_bias_(env);
+  }
+
+  template <class Real>
+  void sense(const Lanes<Real>& env, State<Real>& state, Values<Real> output,
+             Values<Real> buffer) const {
+    const Real step = to_real(env.physics_step());
+    const double period = static_cast<double>(period_.value());
+    const auto due = step - period * floor(step / period) == 0.0;
+    sample(env, state, due);
+    deliver(state, env.physics_step() == Word<Real>(0), output, buffer);
+  }
+
+ private:
+  static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1;
+  static constexpr int kSize = 6;
+
+  template <class Real>
+  static SKYBODY_INLINE Vec3<Real> normal(Random<Real>& draw) {
+    const Real x = draw.normal(), y = draw.normal(), z = draw.normal();
+    return {x, y, z};
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> point_velocity(const BodyMotion<Real>& m) const {
+    const Vec3<Real> arm{Real(point_.x), Real(point_.y), Real(point_.z)};
+    return m.velocity + rotate(m.rotation, cross(m.angular_velocity, arm));
+  }
+
+  /// Measures where `due` holds.
+  template <class Real>
+  SKYBODY_INLINE void sample(const Lanes<Real>& env, State<Real>& state, MaskOf<Real> due) const {
+    const BodyMotion<Real> now = env.body(body_), before = env.body_before(body_);
+    const Vec3<Real> acceleration =
+        (point_velocity(now) - point_velocity(before)) / Real(dt_);
+    const Quat<Real> mount{Real(rotation_.w), Real(rotation_.x), Real(rotation_.y),
+                           Real(rotation_.z)};
+    const Vec3<Real> gravity{Real(gravity_.x), Real(gravity_.y), Real(gravity_.z)};
+    Vec3<Real> force = rotate_inverse(now.rotation * mount, acceleration - gravity);
+    Vec3<Real> rate = rotate_inverse(mount, now.angular_velocity);
+    if (any(noisy(env))) {
+      Random<Real> draw = random(env, kSampleDraws);
+      const auto first = env.physics_step() == Word<Real>(0);
+      disturb(draw, accelerometer_noise_(env), accelerometer_walk_(env), due, first, force,
+              state.force_bias);
+      disturb(draw, gyroscope_noise_(env), gyroscope_walk_(env), due, first, rate,
+              state.rate_bias);
+    }
+    force += state.force_bias;
+    rate += state.rate_bias;
+    state.force = select(due, force, state.force);
+    state.rate = select(due, rate, state.rate);
+  }
+
+  template <class Real>
+  SKYBODY_INLINE MaskOf<Real> noisy(const Lanes<Real>& env) const {
+    return logical_or(
+        logical_or(accelerometer_noise_(env) > 0.0, accelerometer_walk_(env) > 0.0),
+        logical_or(gyroscope_noise_(env) > 0.0, gyroscope_walk_(env) > 0.0));
+  }
+
+  /// Bias walk since the last sample (none before the first), then white noise. A density of zero
+  /// leaves every bit as it is, whatever the other lanes do.
+  template <class Real>
+  SKYBODY_INLINE void disturb(Random<Real>& draw, const Real& density, const Real& walk,
+                              MaskOf<Real> due, MaskOf<Real> first, Vec3<Real>& value,
+                              Vec3<Real>& bias) const {
+    const double root = sqrt(interval_);
+    const auto walks = logical_and(logical_and(walk > 0.0, due), logical_not(first));
+    bias = select(walks, bias + normal(draw) * (walk * root), bias);
+    value = select(density > 0.0, value + normal(draw) * (density / root), value);
+  }
+
+  /// The line moves by one place a call; at a reset it is filled with the first sample.
+  template <class Real>
+  SKYBODY_INLINE void deliver(const State<Real>& state, MaskOf<Real> fresh, Values<Real> output,
+                              Values<Real> buffer) const {
+    if (places_ == 0) {
+      output.set(0, state.force);
+      output.set(3, state.rate);
+      return;
+    }
+    output.set(0, select(fresh, state.force, buffer.vec3(0)));
+    output.set(3, select(fresh, state.rate, buffer.vec3(3)));
+    for (int i = 0; i + 1 < places_; ++i) {
+      const int to = kSize * i, from = kSize * (i + 1);
+      buffer.set(to, select(fresh, state.force, buffer.vec3(from)));
+      buffer.set(to + 3, select(fresh, state.rate, buffer.vec3(from + 3)));
+    }
+    buffer.set(kSize * (places_ - 1), state.force);
+    buffer.set(kSize * (places_ - 1) + 3, state.rate);
+  }
+
+  TextParameter robot_{this, {.name = "robot", .doc = "whose link; may be left out for a single robot"}};
+  TextParameter link_{this, {.name = "link", .doc = "where it is mounted; empty: the base"}};
+  IntegerParameter period_{this,
+                           {.name = "period",
+                            .unit = "physics steps",
+                            .value = 1,
+                            .min = 1,
+                            .max = 1000000,
+                            .doc = "between two samples"}};
+  IntegerParameter latency_{this,
+                            {.name = "latency",
+                             .unit = "physics steps",
+                             .value = 0,
+                             .min = 0,
+                             .max = 1000,
+                             .doc = "from a sample to its appearance in the output"}};
+  RealsParameter position_{this,
+                           {.name = "position",
+                            .unit = "m",
+                            .values = {0.0, 0.0, 0.0},
+                            .doc = "of the sensor in the link's frame"}};
+  RealsParameter orientation_{this,
+                              {.name = "orientation",
+                               .unit = "rad",
+                               .values = {0.0, 0.0, 0.0},
+                               .doc = "roll, pitch, yaw of the sensor's axes in the link's frame"}};
+  RealParameter accelerometer_noise_{this,
+                                     {.name = "accelerometer_noise",
+                                      .unit = "m/s^2/sqrt(Hz)",
+                                      .min = 0.0,
+                                      .doc = "density of the white noise",
+                                      .randomizable = true}};
+  RealParameter gyroscope_noise_{this,
+                                 {.name = "gyroscope_noise",
+                                  .unit = "rad/s/sqrt(Hz)",
+                                  .min = 0.0,
+                                  .doc = "density of the white noise",
+                                  .randomizable = true}};
+  RealParameter accelerometer_walk_{this,
+                                    {.name = "accelerometer_walk",
+                                     .unit = "m/s^3/sqrt(Hz)",
+                                     .min = 0.0,
+                                     .doc = "density of the bias's random walk",
+                                     .randomizable = true}};
+  RealParameter gyroscope_walk_{this,
+                                {.name = "gyroscope_walk",
+                                 .unit = "rad/s^2/sqrt(Hz)",
+                                 .min = 0.0,
+                                 .doc = "density of the bias's random walk",
+                                 .randomizable = true}};
+  RealParameter accelerometer_bias_{this,
+                                    {.name = "accelerometer_bias",
+                                     .unit = "m/s^2",
+                                     .min = 0.0,
+                                     .doc = "standard deviation of the bias at a reset, per axis",
+                                     .randomizable = true}};
+  RealParameter gyroscope_bias_{this,
+                                {.name = "gyroscope_bias",
+                                 .unit = "rad/s",
+                                 .min = 0.0,
+                                 .doc = "standard deviation of the bias at a reset, per axis",
+                                 .randomizable = true}};
+
+  int body_ = 0;
+  Vec3<double> point_{};      ///< body frame [m]
+  Quat<double> rotation_{};   ///< body from sensor
+  Vec3<double> gravity_{};    ///< W [m/s^2]
+  double dt_ = 0.0;
+  double interval_ = 0.0;     ///< between samples [s]
+  int places_ = 0;            ///< of the delay line
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Imu, "imu", "1.0.0", "Specific force [m/s^2] and angular rate [rad/s].");
