@@ -38,7 +38,8 @@ class Loader {
     if (!root) return std::nullopt;
     if (!root->is_map()) {
       diagnostics_.error({path, root->mark.line, root->mark.column},
-                         "the file holds " + root->describe() + "; a map is needed");
+                         "the file holds " + (root->is_null() ? "nothing" : root->describe()) +
+                             "; a map of keys and values is needed");
       return std::nullopt;
     }
     chain_.push_back({path, identity});

@@ -117,7 +117,8 @@ class Override {
     const int count = static_cast<int>(list.items.size());
     if (step.index >= 0) {
       if (step.index < count) return &list.items[step.index];
-      return none("`" + path + "` has " + std::to_string(count) + " entries; there is no [" +
+      return none("`" + path + "` has " + std::to_string(count) +
+                  (count == 1 ? " entry" : " entries") + "; there is no [" +
                   std::to_string(step.index) + "], indices start at 0");
     }
     std::vector<std::string> names;

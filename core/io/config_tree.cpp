@@ -31,7 +31,7 @@ std::string ConfigNode::describe() const {
     case Kind::kMap: return "a map";
     case Kind::kScalar: break;
   }
-  if (!quoted && parse_number(scalar)) return "the number " + scalar;
+  if (parse_number(scalar)) return quoted ? "a text, \"" + scalar + '"' : "the number " + scalar;
   return "the text `" + scalar + "`";
 }
 

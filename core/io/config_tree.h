@@ -35,7 +35,8 @@ struct ConfigNode {
   ConfigNode* find(const std::string& key);
   /// The keys of a map.
   std::vector<std::string> keys() const;
-  /// What the node is, for messages: "a map", "a list", "the number 3", "the text `abc`".
+  /// What the node is, for messages: "a map", "a list", "the number 3", "the text `abc`",
+  /// "a text, \"3\"" for a number in quotes.
   std::string describe() const;
 };
 

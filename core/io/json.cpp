@@ -34,6 +34,11 @@ JsonObject& JsonObject::set_text(const std::string& key, std::string_view text) 
   return set(key, json_string(text));
 }
 
+JsonObject& JsonObject::add(const JsonObject& other) {
+  members_.insert(members_.end(), other.members_.begin(), other.members_.end());
+  return *this;
+}
+
 std::string JsonObject::text() const {
   std::vector<std::string> parts;
   for (const auto& [key, value] : members_) parts.push_back(json_string(key) + ": " + value);

@@ -20,6 +20,8 @@ class JsonObject {
   /// `value` is JSON.
   JsonObject& set(const std::string& key, std::string value);
   JsonObject& set_text(const std::string& key, std::string_view text);
+  /// Appends the members of another object.
+  JsonObject& add(const JsonObject& other);
   bool empty() const { return members_.empty(); }
   std::string text() const;
 

@@ -17,7 +17,9 @@ std::string range_text(const ParameterSpec& spec) {
   const bool upper = std::isfinite(spec.max);
   const std::string low = format_number(spec.min);
   const std::string high = with_unit(format_number(spec.max), spec.unit);
-  if (lower && upper) return (spec.min_exclusive ? " above " + low : " from " + low) + " to " + high;
+  if (lower && upper) {
+    return spec.min_exclusive ? " above " + low + ", up to " + high : " from " + low + " to " + high;
+  }
   if (lower) return (spec.min_exclusive ? " above " : " of at least ") + with_unit(low, spec.unit);
   if (upper) return " of at most " + high;
   return spec.unit.empty() ? "" : " [" + spec.unit + "]";

@@ -44,6 +44,7 @@ std::string default_json(const ParameterSpec& spec) {
   std::vector<std::string> values;
   for (const std::string& text : spec.default_texts) values.push_back(json_string(text));
   for (double value : spec.default_numbers) {
+    if (!std::isfinite(value)) return "";  // JSON has no infinities
     const bool boolean = spec.type == ParameterType::kBoolean;
     values.push_back(boolean ? (value != 0.0 ? "true" : "false") : format_number(value));
   }
@@ -58,12 +59,12 @@ std::string description_of(const ParameterSpec& spec) {
   return text;
 }
 
-std::string array_schema(const ParameterSpec& spec) {
+JsonObject array_schema(const ParameterSpec& spec) {
   JsonObject array;
   array.set_text("type", "array").set("items", entry_schema(spec).text());
   array.set("minItems", std::to_string(spec.min_count));
   if (spec.max_count >= 0) array.set("maxItems", std::to_string(spec.max_count));
-  return array.text();
+  return array;
 }
 
 /// A declared value. `broadcast`: one number may stand for a list of fixed length.
@@ -72,13 +73,14 @@ std::string value_schema(const ParameterSpec& spec, const std::string& word, boo
   schema.set_text("description", description_of(spec));
   const std::string standard = default_json(spec);
   if (!standard.empty()) schema.set("default", standard);
-  std::vector<std::string> forms = {spec.is_scalar() ? entry_schema(spec).text()
-                                                     : array_schema(spec)};
+  const JsonObject form = spec.is_scalar() ? entry_schema(spec) : array_schema(spec);
+  std::vector<std::string> forms = {form.text()};
   const bool fixed = spec.min_count == spec.max_count && spec.min_count > 1;
   if (broadcast && fixed && spec.type != ParameterType::kText) {
     forms.push_back(entry_schema(spec).text());
   }
   if (!word.empty()) forms.push_back(JsonObject().set_text("const", word).text());
+  if (forms.size() == 1) return schema.add(form).text();
   return schema.set("anyOf", json_array(forms)).text();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 namespace skybody {
@@ -64,6 +65,8 @@ std::optional<double> parse_number(std::string_view text) {
 
 std::string format_number(double value) {
   std::array<char, 40> buffer;
+  const bool short_integer = std::fabs(value) < 1e7 && std::trunc(value) == value;
+  if (short_integer) return std::to_string(static_cast<int>(value));
   const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return std::string(buffer.data(), result.ptr);
 }

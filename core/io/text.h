@@ -12,7 +12,8 @@ namespace skybody {
 /// rounded; accepts a leading '+' and YAML's .inf and .nan.
 std::optional<double> parse_number(std::string_view text);
 
-/// The shortest decimal text that reads back as the same double.
+/// The shortest decimal text that reads back as the same double (integers below 10^7 without an
+/// exponent, -0 as 0).
 std::string format_number(double value);
 
 /// `[1, 2, 3]`.

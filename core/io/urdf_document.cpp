@@ -151,11 +151,27 @@ class DocumentBuilder {
     return shape;
   }
 
+  static bool has_primitive_collision(const tinyxml2::XMLElement& link) {
+    for (const auto* e = link.FirstChildElement("collision"); e;
+         e = e->NextSiblingElement("collision")) {
+      const tinyxml2::XMLElement* geometry = e->FirstChildElement("geometry");
+      if (std::string(geometry->FirstChildElement()->Name()) != "mesh") return true;
+    }
+    return false;
+  }
+
   bool keep_mesh(const std::string& mesh, const tinyxml2::XMLElement& e, const std::string& link) {
     const tinyxml2::XMLElement* element = e.FirstChildElement("geometry")->FirstChildElement();
     const SourceMark mark = document_.mark(element->GetLineNum());
     const bool collision = std::string(e.Name()) == "collision";
-    if (find_mesh(mesh, document_.file).empty()) {
+    const bool missing = find_mesh(mesh, document_.file).empty();
+    if (missing && collision && !has_primitive_collision(*e.Parent()->ToElement())) {
+      diagnostics_.error(mark, "the mesh `" + mesh + "` of the link `" + link +
+                                   "` does not exist, and the link has no other collision shape; "
+                                   "add the file, or a box, cylinder or sphere");
+      return false;
+    }
+    if (missing) {
       diagnostics_.warning(mark, "the mesh `" + mesh + "` of the link `" + link +
                                      "` does not exist; it is left out, primitive shapes remain");
       return false;
@@ -213,7 +229,10 @@ std::optional<UrdfDocument> parse_urdf_document(const std::string& text, const s
     diagnostics.error({file, 0, 0}, "urdfdom refuses the file: " + reasons);
     return std::nullopt;
   }
-  return DocumentBuilder(xml, *model, file, diagnostics).build();
+  const int errors_before = diagnostics.error_count();
+  UrdfDocument document = DocumentBuilder(xml, *model, file, diagnostics).build();
+  if (diagnostics.error_count() > errors_before) return std::nullopt;
+  return document;
 }
 
 }  // namespace skybody

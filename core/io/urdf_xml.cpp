@@ -26,6 +26,17 @@ std::string attribute_of(const XMLElement& element, const char* name) {
   return value == nullptr ? "" : value;
 }
 
+/// "mismatched element" from tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
+std::string error_words(std::string name) {
+  const std::string prefix = "XML_ERROR_";
+  if (name.rfind(prefix, 0) == 0) name = name.substr(prefix.size());
+  for (char& c : name) {
+    if (c == '_') c = ' ';
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return name;
+}
+
 class Checker {
  public:
   Checker(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics)
@@ -314,8 +325,8 @@ bool check_urdf_xml(const std::string& text, const std::string& file, UrdfXml& x
                     Diagnostics& diagnostics) {
   const int errors_before = diagnostics.error_count();
   if (xml.document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    const std::string name = xml.document.ErrorName();
-    diagnostics.error({file, xml.document.ErrorLineNum(), 0}, "not well-formed XML: " + name);
+    diagnostics.error({file, xml.document.ErrorLineNum(), 0},
+                      "not well-formed XML: " + error_words(xml.document.ErrorName()));
     return false;
   }
   if (xml.document.RootElement() == nullptr) {

@@ -6,8 +6,8 @@
 namespace skybody {
 namespace {
 
-/// Radius of curvature at which spheres and meshes are equally stiff [m]; also the thickness of the
-/// elastic layer on meshes.
+/// Radius of curvature at which spheres and meshes are about equally stiff [m]; also the least
+/// thickness of the elastic layer on meshes.
 constexpr double kReferenceRadius = 0.05;
 /// Faces of a mesh are springs: they have to be small beside what touches them [m].
 constexpr double kBodyFace = 0.02, kObstacleFace = 0.03;
@@ -33,6 +33,43 @@ int resolution_of(double longest_edge, double largest_face, int most) {
   return std::clamp(static_cast<int>(std::ceil(longest_edge / largest_face)) - 1, 0, most);
 }
 
+/// @param largest_face        wanted edge of a mesh's faces [m]
+/// @param largest_resolution  bound on vertices added along the longest edge
+SimTK::ContactGeometry make_geometry(const Shape& shape, double largest_face,
+                                     int largest_resolution) {
+  if (shape.type == ShapeType::kSphere) return SimTK::ContactGeometry::Sphere(shape.radius);
+  if (shape.type == ShapeType::kBox) {
+    const SimTK::Vec3 half(0.5 * shape.size.x, 0.5 * shape.size.y, 0.5 * shape.size.z);
+    const int n = resolution_of(2.0 * SimTK::max(half), largest_face, largest_resolution);
+    return SimTK::ContactGeometry::TriangleMesh(SimTK::PolygonalMesh::createBrickMesh(half, n));
+  }
+  // A cylinder; the base's polygon has 6 (n + 1) edges.
+  const int n = std::min(resolution_of(2.0 * shape.radius, largest_face, largest_resolution), 8);
+  return SimTK::ContactGeometry::TriangleMesh(SimTK::PolygonalMesh::createCylinderMesh(
+      SimTK::ZAxis, shape.radius, 0.5 * shape.length, n));
+}
+
+/// The largest area with which a shape can lie flat on another [m^2].
+double largest_area(const Shape& shape) {
+  const Vec3<double>& s = shape.size;
+  switch (shape.type) {
+    case ShapeType::kBox: return std::max({s.x * s.y, s.x * s.z, s.y * s.z});
+    case ShapeType::kCylinder:
+      return std::max(SimTK::Pi * shape.radius, 2.0 * shape.length) * shape.radius;
+    case ShapeType::kSphere: return SimTK::Pi * shape.radius * shape.radius;
+    case ShapeType::kMesh: return 0.0;
+  }
+  return 0.0;
+}
+
+/// Thickness of the elastic layer: an elastic foundation is a spring of E A / thickness. Lying flat
+/// it must not be so stiff that dt cannot follow: E A / thickness <= kSquaredPhase m / dt^2.
+double layer_thickness(const Shape& shape, double stiffness, double mass, double dt) {
+  constexpr double kSquaredPhase = 0.05;
+  return std::max(kReferenceRadius,
+                  stiffness * largest_area(shape) * dt * dt / (kSquaredPhase * mass));
+}
+
 }  // namespace
 
 bool has_body_contact(const World& world) {
@@ -42,9 +79,22 @@ bool has_body_contact(const World& world) {
 SimbodyContact::SimbodyContact(const World& world)
     : transition_velocity_(world.scenario.contact.slip_velocity) {
   const SimTK::ContactMaterial material = make_material(world);
+  add_obstacles(world, material);
+  add_bodies(world, material);
+}
+
+void SimbodyContact::add_obstacles(const World& world, const SimTK::ContactMaterial& material) {
   for (const Obstacle& obstacle : world.scenario.obstacles) {
-    add(-1, obstacle.shape, material, {}, kObstacleFace, kObstacleResolution);
+    const Shape& shape = obstacle.shape;
+    if (shape.type == ShapeType::kMesh) continue;
+    // In series with the layer of whatever touches it, which is the softer one.
+    const SimTK::ContactSurface surface(make_geometry(shape, kObstacleFace, kObstacleResolution),
+                                        material, kReferenceRadius);
+    surfaces_.push_back({-1, to_simbody(shape.pose), surface});
   }
+}
+
+void SimbodyContact::add_bodies(const World& world, const SimTK::ContactMaterial& material) {
   std::vector<SimTK::ContactCliqueId> cliques;
   for (std::size_t r = 0; r < world.scenario.robots.size(); ++r) {
     cliques.push_back(SimTK::ContactSurface::createNewContactClique());
@@ -52,32 +102,15 @@ SimbodyContact::SimbodyContact(const World& world)
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const WorldBody& body = world.bodies[i];
     for (const Shape& shape : body.model->collisions) {
-      add(static_cast<int>(i), shape, material, cliques[body.robot], kBodyFace, kBodyResolution);
+      if (shape.type == ShapeType::kMesh) continue;
+      const double thickness =
+          layer_thickness(shape, material.getStiffness(), body.model->mass.mass,
+                          world.scenario.stepping.dt);
+      SimTK::ContactSurface surface(make_geometry(shape, kBodyFace, kBodyResolution), material,
+                                    thickness);
+      surface.joinClique(cliques[body.robot]);
+      surfaces_.push_back({static_cast<int>(i), to_simbody(shape.pose), surface});
     }
-  }
-}
-
-void SimbodyContact::add(int body, const Shape& shape, const SimTK::ContactMaterial& material,
-                         SimTK::ContactCliqueId clique, double largest_face,
-                         int largest_resolution) {
-  const auto add_geometry = [&](const SimTK::ContactGeometry& geometry) {
-    SimTK::ContactSurface surface(geometry, material, kReferenceRadius);
-    if (clique.isValid()) surface.joinClique(clique);
-    surfaces_.push_back({body, to_simbody(shape.pose), surface});
-  };
-  if (shape.type == ShapeType::kSphere) {
-    add_geometry(SimTK::ContactGeometry::Sphere(shape.radius));
-  } else if (shape.type == ShapeType::kBox) {
-    const SimTK::Vec3 half(0.5 * shape.size.x, 0.5 * shape.size.y, 0.5 * shape.size.z);
-    const int n = resolution_of(2.0 * SimTK::max(half), largest_face, largest_resolution);
-    add_geometry(
-        SimTK::ContactGeometry::TriangleMesh(SimTK::PolygonalMesh::createBrickMesh(half, n)));
-  } else if (shape.type == ShapeType::kCylinder) {
-    // The base's polygon has 6 (n + 1) edges.
-    const double rim = 2.0 * shape.radius;
-    const int n = std::min(resolution_of(rim, largest_face, largest_resolution), 8);
-    add_geometry(SimTK::ContactGeometry::TriangleMesh(SimTK::PolygonalMesh::createCylinderMesh(
-        SimTK::ZAxis, shape.radius, 0.5 * shape.length, n)));
   }
 }
 

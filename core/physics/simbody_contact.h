@@ -35,8 +35,8 @@ class SimbodyContact {
     SimTK::Transform pose;
     SimTK::ContactSurface surface;
   };
-  void add(int body, const Shape& shape, const SimTK::ContactMaterial& material,
-           SimTK::ContactCliqueId clique, double largest_face, int largest_resolution);
+  void add_obstacles(const World& world, const SimTK::ContactMaterial& material);
+  void add_bodies(const World& world, const SimTK::ContactMaterial& material);
 
   std::vector<Surface> surfaces_;
   double transition_velocity_ = 0.0;

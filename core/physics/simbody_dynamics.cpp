@@ -186,7 +186,7 @@ class SimbodySystem {
 
   void put_forces(const SpatialForce<double>* body_forces, const double* joint_forces) {
     static_assert(sizeof(SpatialForce<double>) == sizeof(SpatialVec), "moment, then force");
-    std::memcpy(&body_forces_[1], body_forces, slots_.size() * sizeof(SpatialVec));
+    std::memcpy(static_cast<void*>(&body_forces_[1]), body_forces, slots_.size() * sizeof(SpatialVec));
     if (contact_ != nullptr) body_forces_ += system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics);
     if (mobility_forces_.size() == 0) return;
     double* to = &mobility_forces_[0];
@@ -237,6 +237,10 @@ class SimbodyDynamics final : public Dynamics {
  public:
   explicit SimbodyDynamics(const World& world) : world_(world), tree_(make_tree(world)) {
     if (has_body_contact(world)) contact_ = std::make_unique<SimbodyContact>(world);
+    // What cannot be built is said here rather than in the first step.
+    std::vector<double> nominal;
+    for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
+    set_params(nominal.data());
   }
 
   void set_params(const double* params) override {

@@ -90,7 +90,8 @@ struct Steps {
       Start<RealOf<decltype(env)>> where(env.values(start->q, first, mask),
                                          env.values(start->u, first, mask),
                                          env.values(start->rotor_speed, first, mask),
-                                         env.values(start->params, first, mask));
+                                         env.values(start->params, first, mask),
+                                         start->requested != 0);
       call_randomize(self(p), env, state, where, env.values(buffer, first, mask));
     });
   }

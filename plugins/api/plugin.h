@@ -77,12 +77,13 @@ class Sensor : public Plugin {
 template <class Real>
 class Start {
  public:
-  Start(const SkybodyStart& raw, std::uint32_t lanes, std::uint32_t first, MaskOf<Real> mask)
-      : q(raw.q + first, lanes, mask),
-        u(raw.u + first, lanes, mask),
-        rotor_speed(raw.rotor_speed + first, lanes, mask),
-        params(raw.params + first, lanes, mask),
-        requested(raw.requested != 0) {}
+  Start(const Values<Real>& q_values, const Values<Real>& u_values,
+        const Values<Real>& rotor_speed_values, const Values<Real>& param_values, bool draw_now)
+      : q(q_values),
+        u(u_values),
+        rotor_speed(rotor_speed_values),
+        params(param_values),
+        requested(draw_now) {}
 
   Values<Real> q;            ///< joint coordinates; base: position (W), quaternion w x y z
   Values<Real> u;            ///< their rates; base: velocity (W axes), angular velocity (B axes)

@@ -8,7 +8,24 @@
 
 #include "plugins/api/plugin.h"
 
-namespace skybody::plugin_export {
+namespace skybody {
+namespace plugin_export {
+
+/// A Real of three bytes. In a State<ThreeBytes> everything else, padding too, shows in the size.
+struct ThreeBytes {
+  char bytes[3];
+};
+
+}  // namespace plugin_export
+
+template <>
+struct RealTraits<plugin_export::ThreeBytes> {
+  using Mask = bool;
+  using Word = plugin_export::ThreeBytes;
+  static constexpr int kLanes = 1;
+};
+
+namespace plugin_export {
 
 template <class T>
 concept HasStateTemplate = requires { typename T::template State<double>; };
@@ -41,9 +58,7 @@ constexpr void check_state() {
   static_assert(std::is_empty_v<Scalar> || (sizeof(Scalar) % 8 == 0 && alignof(Scalar) == 8),
                 "State must consist of 64-bit words: use Real or Word<Real>, not int, bool or float");
   if constexpr (HasStateTemplate<T> && !std::is_empty_v<Scalar>) {
-    static_assert(sizeof(StateOf<T, Pack<2>>) == 2 * sizeof(Scalar) &&
-                      sizeof(StateOf<T, Pack<4>>) == 4 * sizeof(Scalar) &&
-                      sizeof(StateOf<T, Pack<8>>) == 8 * sizeof(Scalar),
+    static_assert(sizeof(StateOf<T, ThreeBytes>) == 3 * kStateWords<T>,
                   "every member of State must be Real or Word<Real> (or a Vec3, Quat or array of "
                   "them), so that it has one 64-bit word per environment");
   }
@@ -78,4 +93,5 @@ inline void store_state(const State& state, std::uint64_t* words, std::uint32_t 
   }
 }
 
-}  // namespace skybody::plugin_export
+}  // namespace plugin_export
+}  // namespace skybody

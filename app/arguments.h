@@ -1,0 +1,27 @@
+// What CLI11 leaves open: checks with clear messages, and one line for a wrong command line.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace skybody {
+
+/// Accepts whole numbers in min..max, in decimal digits.
+CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
+
+/// Accepts one of `words`. @param noun  what it is, such as "policy"
+CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words);
+
+/// Accepts PATH=VALUE.
+CLI::Validator assignment();
+
+/// One line about a command line that cannot be used, with the remedy.
+std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error);
+
+/// "" if the first argument is a command or an option, else what is wrong with it.
+std::string check_command_name(const CLI::App& app, int count, const char* const* arguments);
+
+}  // namespace skybody

@@ -1,0 +1,65 @@
+#include "app/command_columns.h"
+
+#include "core/env/setup_tables.h"
+
+namespace skybody {
+namespace {
+
+/// Components of a signal that always has the same ones; those of a wrench are of one site.
+std::vector<LogColumn> fixed_columns(int signal) {
+  switch (signal) {
+    case SKYBODY_CTBT:
+      return {{"thrust", "N"}, {"torque_x", "N m"}, {"torque_y", "N m"}, {"torque_z", "N m"}};
+    case SKYBODY_CTBR:
+      return {{"thrust", "N"}, {"rate_x", "rad/s"}, {"rate_y", "rad/s"}, {"rate_z", "rad/s"}};
+    case SKYBODY_WRENCH:
+      return {{"force_x", "N"},    {"force_y", "N"},    {"force_z", "N"},
+              {"moment_x", "N m"}, {"moment_y", "N m"}, {"moment_z", "N m"}};
+    case SKYBODY_VELOCITY:
+      return {{"v_x", "m/s"},   {"v_y", "m/s"},   {"v_z", "m/s"},
+              {"w_x", "rad/s"}, {"w_y", "rad/s"}, {"w_z", "rad/s"}};
+    case SKYBODY_POSE:
+      return {{"x", "m"}, {"y", "m"}, {"z", "m"}, {"qw", ""}, {"qx", ""}, {"qy", ""}, {"qz", ""}};
+    case SKYBODY_ATTITUDE:
+      return {{"thrust", "N"}, {"qw", ""}, {"qx", ""}, {"qy", ""}, {"qz", ""}};
+    case SKYBODY_POSITION:
+      return {{"x", "m"}, {"y", "m"}, {"z", "m"}, {"yaw", "rad"}};
+    case SKYBODY_TRAJECTORY:
+      return {{"x", "m"},      {"y", "m"},      {"z", "m"},      {"v_x", "m/s"},  {"v_y", "m/s"},
+              {"v_z", "m/s"},  {"a_x", "m/s^2"}, {"a_y", "m/s^2"}, {"a_z", "m/s^2"},
+              {"j_x", "m/s^3"}, {"j_y", "m/s^3"}, {"j_z", "m/s^3"}, {"yaw", "rad"}};
+    default:
+      return {};
+  }
+}
+
+/// One component for each rotor of the robot.
+std::vector<LogColumn> rotor_columns(const RobotModel& model, int signal) {
+  const bool is_speed = signal == SKYBODY_ROTOR_SPEED;
+  std::vector<LogColumn> columns;
+  for (const Rotor& rotor : model.rotors) {
+    columns.push_back({rotor.name + (is_speed ? ".speed" : ".thrust"), is_speed ? "rad/s" : "N"});
+  }
+  return columns;
+}
+
+}  // namespace
+
+std::vector<LogColumn> command_columns(const Environment& environment,
+                                       const PluginInstance& controller) {
+  const int signal = controller.input_signal;
+  const RobotUse& robot =
+      environment.scenario().robots.at(static_cast<std::size_t>(controller.robot));
+  std::vector<LogColumn> one = fixed_columns(signal);
+  if (one.empty()) one = rotor_columns(robot.model, signal);
+  const std::size_t count = static_cast<std::size_t>(controller.input_count());
+  std::vector<LogColumn> columns;
+  for (std::size_t k = 0; k < count; ++k) {
+    LogColumn column = one.empty() ? LogColumn{signal_name(signal), ""} : one[k % one.size()];
+    if (one.size() < count) column.name += "[" + std::to_string(one.empty() ? k : k / one.size()) + "]";
+    columns.push_back({robot.name + "." + column.name, column.unit});
+  }
+  return columns;
+}
+
+}  // namespace skybody

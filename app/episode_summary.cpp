@@ -1,0 +1,58 @@
+#include "app/episode_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace skybody {
+namespace {
+
+double yaw_of(const Quat<double>& q) {
+  return std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
+}
+
+/// Least absolute difference of two angles.
+double angle_between(double a, double b) {
+  return std::abs(std::remainder(a - b, 2.0 * std::numbers::pi));
+}
+
+}  // namespace
+
+ErrorWindow::ErrorWindow(const Environment& environment)
+    : goals_(environment.task().goals.size()) {
+  const Stepping& stepping = environment.scenario().stepping;
+  const double steps = std::round(1.0 / (stepping.dt * stepping.action_repeat));
+  length_ = static_cast<std::size_t>(std::max(1.0, steps));
+  samples_.resize(goals_ * length_);
+}
+
+void ErrorWindow::add(const Simulation& simulation) {
+  const std::vector<double> goals = simulation.goals();
+  Sample* row = samples_.data() + (count_ % length_) * goals_;
+  for (std::size_t k = 0; k < goals_; ++k) {
+    const int body = simulation.environment().task().goals[k].body;
+    const BodyState& state = simulation.bodies()[static_cast<std::size_t>(body)];
+    const double* goal = goals.data() + 4 * k;
+    row[k].distance = std::hypot(state.position.x - goal[0], state.position.y - goal[1],
+                                 state.position.z - goal[2]);
+    row[k].yaw = angle_between(yaw_of(state.rotation), goal[3]);
+  }
+  ++count_;
+}
+
+std::vector<GoalError> ErrorWindow::errors() const {
+  const std::size_t n = std::min(count_, length_);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  if (n == 0) return std::vector<GoalError>(goals_, {nan, nan, nan});
+  std::vector<GoalError> errors(goals_);
+  for (std::size_t i = 0; i < n * goals_; ++i) {
+    GoalError& error = errors[i % goals_];
+    error.mean += samples_[i].distance / static_cast<double>(n);
+    error.max = std::max(error.max, samples_[i].distance);
+    error.yaw += samples_[i].yaw / static_cast<double>(n);
+  }
+  return errors;
+}
+
+}  // namespace skybody

@@ -1,0 +1,51 @@
+// What a row of the summary table says about one episode.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/assemble/simulation.h"
+
+namespace skybody {
+
+/// How far a goal's body was from its goal in the last second of an episode.
+struct GoalError {
+  double mean = 0.0;  ///< distance of the body's origin [m]
+  double max = 0.0;
+  double yaw = 0.0;  ///< mean absolute error [rad]
+};
+
+struct EpisodeSummary {
+  std::uint64_t steps = 0;
+  double time = 0.0;  ///< [s]
+  double total_reward = 0.0;
+  std::string end;               ///< terminated, truncated, fault, stopped or interrupted
+  std::vector<GoalError> goals;  ///< as the task declares them
+  std::vector<double> params;    ///< drawn values
+};
+
+/// Keeps the goal errors of the last second of simulated time.
+class ErrorWindow {
+ public:
+  explicit ErrorWindow(const Environment& environment);
+
+  /// Takes in the state after a step.
+  void add(const Simulation& simulation);
+  /// Over the last second, or all that was added if that is less; NaN where there was nothing.
+  std::vector<GoalError> errors() const;
+
+ private:
+  struct Sample {
+    double distance;
+    double yaw;
+  };
+
+  std::size_t goals_;
+  std::size_t length_;            ///< steps
+  std::size_t count_ = 0;         ///< steps added
+  std::vector<Sample> samples_;  ///< ring: step-major
+};
+
+}  // namespace skybody

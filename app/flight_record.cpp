@@ -1,0 +1,181 @@
+#include "app/flight_record.h"
+
+#include <skybody/build_info.h>
+#include <skybody/git_describe.h>
+
+#include <cstring>
+
+#include "app/command_columns.h"
+#include "core/version.h"
+
+namespace skybody {
+namespace {
+
+/// Names of a joint's coordinates; M in F, see robot_model.h.
+std::vector<LogColumn> position_columns(JointType type) {
+  switch (type) {
+    case JointType::kFree:
+      return {{"x", "m"}, {"y", "m"}, {"z", "m"}, {"qw", ""}, {"qx", ""}, {"qy", ""}, {"qz", ""}};
+    case JointType::kBall:
+      return {{"qw", ""}, {"qx", ""}, {"qy", ""}, {"qz", ""}};
+    case JointType::kPin:
+      return {{"angle", "rad"}};
+    case JointType::kSlider:
+      return {{"travel", "m"}};
+    case JointType::kUniversal:
+      return {{"angle_x", "rad"}, {"angle_y", "rad"}};
+    case JointType::kWeld:
+      return {};
+  }
+  return {};
+}
+
+std::vector<LogColumn> velocity_columns(JointType type) {
+  switch (type) {
+    case JointType::kFree:
+      return {{"vx", "m/s"},   {"vy", "m/s"},   {"vz", "m/s"},
+              {"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}};
+    case JointType::kBall:
+      return {{"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}};
+    case JointType::kPin:
+      return {{"rate", "rad/s"}};
+    case JointType::kSlider:
+      return {{"rate", "m/s"}};
+    case JointType::kUniversal:
+      return {{"rate_x", "rad/s"}, {"rate_y", "rad/s"}};
+    case JointType::kWeld:
+      return {};
+  }
+  return {};
+}
+
+void append(std::vector<LogColumn>& columns, const std::string& prefix,
+            const std::vector<LogColumn>& more) {
+  for (const LogColumn& column : more) columns.push_back({prefix + "." + column.name, column.unit});
+}
+
+/// `name` for a single value, `name[0]`, `name[1]`, ... for several.
+void append(std::vector<LogColumn>& columns, const std::string& prefix, const Channel& channel) {
+  for (int k = 0; k < channel.count; ++k) {
+    const std::string index = channel.count == 1 ? "" : "[" + std::to_string(k) + "]";
+    columns.push_back({prefix + channel.name + index, channel.unit});
+  }
+}
+
+void describe_bodies(const Environment& environment, FlightLogHeader& header) {
+  const World& world = environment.world();
+  for (std::size_t k = 0; k < world.bodies.size(); ++k) {
+    const std::string name = body_name(environment, static_cast<int>(k));
+    header.bodies.push_back(name);
+    append(header.q, name, position_columns(world.bodies[k].model->joint.type));
+    append(header.u, name, velocity_columns(world.bodies[k].model->joint.type));
+  }
+  for (const WorldRotor& rotor : world.rotors) {
+    const RobotUse& robot = world.scenario.robots[static_cast<std::size_t>(rotor.robot)];
+    header.rotors.push_back({robot.name + "." + rotor.model->name, "rad/s"});
+  }
+}
+
+void describe_signals(const Environment& environment, FlightLogHeader& header) {
+  for (const ControllerChain& chain : environment.chains()) {
+    if (chain.count == 0) continue;
+    const auto first = static_cast<std::size_t>(chain.first);
+    for (const LogColumn& column : command_columns(environment, environment.controllers()[first])) {
+      header.command.push_back(column);
+      header.action.push_back({column.name, ""});
+    }
+  }
+  for (const PluginInstance& sensor : environment.sensors()) {
+    for (const Channel& channel : sensor.channels) append(header.sensors, sensor.name + ".", channel);
+  }
+  for (const Channel& channel : environment.task().channels) append(header.observation, "", channel);
+  for (const Goal& goal : environment.task().goals) {
+    header.goals.push_back(body_name(environment, goal.body));
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> versions() {
+  return {{"skybody", version()},
+          {"git", SKYBODY_GIT_DESCRIBE},
+          {"build", SKYBODY_BUILD_TYPE},
+          {"sanitizers", SKYBODY_SANITIZE},
+          {"compiler", SKYBODY_COMPILER},
+          {"simbody", SKYBODY_SIMBODY_VERSION},
+          {"libraries", SKYBODY_LIBRARY_VERSIONS}};
+}
+
+/// A block of WorldState as doubles.
+std::vector<double> values_of(const Snapshot& snapshot, Block block) {
+  std::vector<double> values(static_cast<std::size_t>(block.size));
+  if (!values.empty()) {
+    std::memcpy(values.data(), snapshot.words.data() + block.offset, values.size() * sizeof(double));
+  }
+  return values;
+}
+
+std::uint64_t status_of(const Simulation& simulation) {
+  return (simulation.terminated() ? kTerminated : kRunning) |
+         (simulation.truncated() ? kTruncated : kRunning) |
+         (simulation.fault() ? kFault : kRunning);
+}
+
+}  // namespace
+
+std::string body_name(const Environment& environment, int body) {
+  const WorldBody& b = environment.world().bodies.at(static_cast<std::size_t>(body));
+  return environment.scenario().robots[static_cast<std::size_t>(b.robot)].name + "." +
+         b.model->name;
+}
+
+FlightLogHeader describe_flight(const Environment& environment, std::uint64_t seed,
+                                const std::string& policy) {
+  const Scenario& scenario = environment.scenario();
+  FlightLogHeader header;
+  header.scenario_name = scenario.name;
+  header.scenario_file = scenario.file;
+  header.scenario_text = scenario.text;
+  header.scenario_hash = scenario.hash;
+  header.seed = seed;
+  header.policy = policy;
+  header.dt = scenario.stepping.dt;
+  header.action_repeat = scenario.stepping.action_repeat;
+  header.versions = versions();
+  describe_bodies(environment, header);
+  describe_signals(environment, header);
+  for (const EnvParam& param : environment.layout().param_info) {
+    header.params.push_back({param.path, param.unit});
+    header.nominal_params.push_back(param.nominal);
+  }
+  return header;
+}
+
+void record(const Simulation& simulation, FlightLog& log) {
+  const Layout& layout = simulation.environment().layout();
+  const Snapshot state = simulation.save();
+  const std::vector<double> q = values_of(state, layout.q), u = values_of(state, layout.u);
+  const std::vector<double> speed = values_of(state, layout.rotor_speed);
+  const std::vector<double> rotor_command = values_of(state, layout.rotor_command);
+  const std::vector<double> action = values_of(state, layout.action);
+  const std::vector<double> command = values_of(state, layout.command);
+  const std::vector<double> sensors = values_of(state, layout.sensors);
+  const std::vector<double> goal = simulation.goals();
+  const std::vector<BodyState>& bodies = simulation.bodies();
+  FlightLogRow row;
+  row.time = simulation.time();
+  row.bodies = {reinterpret_cast<const double*>(bodies.data()),
+                bodies.size() * sizeof(BodyState) / sizeof(double)};
+  row.q = q;
+  row.u = u;
+  row.rotor_speed = speed;
+  row.rotor_command = rotor_command;
+  row.action = action;
+  row.command = command;
+  row.observation = simulation.observation();
+  row.reward = simulation.reward();
+  row.status = status_of(simulation);
+  row.sensors = sensors;
+  row.goal = goal;
+  log.add(row);
+}
+
+}  // namespace skybody

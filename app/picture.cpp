@@ -1,0 +1,121 @@
+#include "app/picture.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+#include <utility>
+
+#include "plugins/host/places.h"
+
+extern char** environ;
+
+namespace skybody {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPicturePrefix = "picture ";
+
+/// A program that was run to its end.
+struct Outcome {
+  int spawn_error = 0;  ///< errno; 0: it ran
+  int status = 0;       ///< of waitpid
+  std::string output;   ///< stdout and stderr
+};
+
+std::string interpreter() {
+  const char* chosen = std::getenv("SKYBODY_PYTHON");
+  if (chosen != nullptr && *chosen != '\0') return chosen;
+  const std::string configured = SKYBODY_DEFAULT_PYTHON;
+  return access(configured.c_str(), X_OK) == 0 ? configured : "python3";
+}
+
+fs::path script() { return shipped_data("plot_flight.py", SKYBODY_PLOT_SCRIPT); }
+
+std::vector<std::string> command_line(const fs::path& log) {
+  return {interpreter(), script().string(), log.string()};
+}
+
+std::string read_all(int descriptor) {
+  std::string text;
+  std::array<char, 4096> buffer;
+  for (;;) {
+    const ssize_t count = read(descriptor, buffer.data(), buffer.size());
+    if (count > 0) text.append(buffer.data(), static_cast<std::size_t>(count));
+    if (count == 0 || (count < 0 && errno != EINTR)) return text;
+  }
+}
+
+int spawn(const std::vector<std::string>& command, int output, pid_t& child) {
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  const int error =
+      posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  return error;
+}
+
+Outcome run(const std::vector<std::string>& command) {
+  Outcome outcome;
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) return {errno, 0, ""};
+  pid_t child = 0;
+  outcome.spawn_error = spawn(command, ends[1], child);
+  close(ends[1]);
+  if (outcome.spawn_error == 0) {
+    outcome.output = read_all(ends[0]);
+    while (waitpid(child, &outcome.status, 0) < 0 && errno == EINTR) continue;
+  }
+  close(ends[0]);
+  return outcome;
+}
+
+/// The paths among the lines of the script; `last` becomes the last other line.
+std::vector<fs::path> picture_paths(const std::string& output, std::string& last) {
+  std::vector<fs::path> files;
+  std::istringstream lines(output);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind(kPicturePrefix, 0) == 0) {
+      files.emplace_back(line.substr(std::strlen(kPicturePrefix)));
+    } else if (!line.empty()) {
+      last = line;
+    }
+  }
+  return files;
+}
+
+}  // namespace
+
+Pictures draw_pictures(const fs::path& log) {
+  const std::vector<std::string> command = command_line(log);
+  const Outcome outcome = run(command);
+  if (outcome.spawn_error != 0) {
+    return {{}, "cannot start " + command[0] + ": " + std::strerror(outcome.spawn_error) +
+                    "; name a Python with matplotlib and h5py in SKYBODY_PYTHON"};
+  }
+  std::string last;
+  Pictures pictures{picture_paths(outcome.output, last), ""};
+  if (outcome.status != 0) pictures.failure = last.empty() ? command[1] + " failed" : last;
+  return pictures;
+}
+
+std::string picture_command(const fs::path& log) {
+  std::string text;
+  for (const std::string& word : command_line(log)) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+}  // namespace skybody

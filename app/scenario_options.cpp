@@ -1,0 +1,43 @@
+#include "app/scenario_options.h"
+
+#include <cstdio>
+
+#include "app/arguments.h"
+
+namespace skybody {
+
+void add_plugin_path(CLI::App& command, LoadOptions& options) {
+  command
+      .add_option("--plugin-path", options.plugin_path,
+                  "Folder to search for plugins first; may be repeated")
+      ->type_name("DIR")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->take_all();
+}
+
+void add_scenario_options(CLI::App& command, LoadOptions& options) {
+  command.add_option("SCENARIO", options.scenario, "YAML file, or the name of a shipped scenario")
+      ->required()
+      ->type_name("");
+  command
+      .add_option("--set", options.overrides,
+                  "Override one value of the scenario, such as stepping.dt=0.002; may be repeated")
+      ->type_name("PATH=VALUE")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->delimiter('\0')
+      ->take_all()
+      ->check(assignment());
+  add_plugin_path(command, options);
+}
+
+std::shared_ptr<const Environment> load_and_warn(const LoadOptions& options) {
+  Diagnostics diagnostics;
+  std::shared_ptr<const Environment> environment = load_environment(options, diagnostics);
+  if (diagnostics.has_errors()) throw InputError(diagnostics.all());
+  std::fputs(diagnostics.to_string().c_str(), stderr);
+  return environment;
+}
+
+}  // namespace skybody

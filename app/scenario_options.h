@@ -1,0 +1,21 @@
+// The arguments that name a scenario, shared by the commands that load one.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+#include "core/assemble/load.h"
+
+namespace skybody {
+
+/// Declares SCENARIO, --set and --plugin-path.
+void add_scenario_options(CLI::App& command, LoadOptions& options);
+/// Declares --plugin-path alone.
+void add_plugin_path(CLI::App& command, LoadOptions& options);
+
+/// Loads it and prints its warnings.
+/// @throws InputError with errors and warnings
+std::shared_ptr<const Environment> load_and_warn(const LoadOptions& options);
+
+}  // namespace skybody

@@ -1,0 +1,99 @@
+#include "app/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "app/flight_record.h"
+#include "app/text_table.h"
+
+namespace skybody {
+namespace {
+
+constexpr double kMillimetres = 1e3;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+std::vector<std::string> error_cells(const std::string& goal, const GoalError& error) {
+  return {goal, fixed(kMillimetres * error.mean, 3), fixed(kMillimetres * error.max, 3),
+          fixed(kDegrees * error.yaw, 3)};
+}
+
+/// The leading cells in the first of an episode's rows, blanks in the others.
+void add_rows(TextTable& table, const std::vector<std::string>& lead,
+              const std::vector<std::string>& goals, const std::vector<GoalError>& errors) {
+  if (goals.empty()) table.add(lead);
+  for (std::size_t k = 0; k < goals.size(); ++k) {
+    std::vector<std::string> row = k == 0 ? lead : std::vector<std::string>(lead.size());
+    for (std::string& cell : error_cells(goals[k], errors[k])) row.push_back(std::move(cell));
+    table.add(std::move(row));
+  }
+}
+
+/// "2 truncated, 1 fault".
+std::string count_ends(const std::vector<EpisodeSummary>& episodes) {
+  std::map<std::string, int> counts;
+  for (const EpisodeSummary& episode : episodes) ++counts[episode.end];
+  std::string text;
+  for (const auto& [end, count] : counts) {
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + end;
+  }
+  return text;
+}
+
+/// Mean of the means, greatest of the greatest, of the episodes that have any.
+GoalError over_all(const std::vector<EpisodeSummary>& episodes, std::size_t goal) {
+  GoalError sum;
+  double count = 0.0;
+  for (const EpisodeSummary& episode : episodes) {
+    const GoalError& error = episode.goals[goal];
+    if (std::isnan(error.mean)) continue;
+    sum.mean += error.mean;
+    sum.max = std::max(sum.max, error.max);
+    sum.yaw += error.yaw;
+    count += 1.0;
+  }
+  return {sum.mean / count, sum.max, sum.yaw / count};
+}
+
+void add_total(TextTable& table, const std::vector<std::string>& goals,
+               const std::vector<EpisodeSummary>& episodes) {
+  EpisodeSummary total;
+  for (const EpisodeSummary& episode : episodes) {
+    total.steps += episode.steps;
+    total.time += episode.time;
+    total.total_reward += episode.total_reward / static_cast<double>(episodes.size());
+  }
+  for (std::size_t k = 0; k < goals.size(); ++k) total.goals.push_back(over_all(episodes, k));
+  table.add_rule();
+  add_rows(table,
+           {"all", std::to_string(total.steps), fixed(total.time, 3),
+            fixed(total.total_reward, 4) + " mean", count_ends(episodes)},
+           goals, total.goals);
+}
+
+}  // namespace
+
+std::string summary_table(const Environment& environment,
+                          const std::vector<EpisodeSummary>& episodes) {
+  std::vector<std::string> goals;
+  for (const Goal& goal : environment.task().goals) {
+    goals.push_back(body_name(environment, goal.body));
+  }
+  std::vector<std::string> heading = {"episode", "steps", "time [s]", "return", "end"};
+  if (!goals.empty()) {
+    heading.insert(heading.end(), {"goal of", "error [mm]", "max [mm]", "yaw error [deg]"});
+  }
+  TextTable table(std::move(heading));
+  for (std::size_t k = 0; k < episodes.size(); ++k) {
+    const EpisodeSummary& episode = episodes[k];
+    add_rows(table,
+             {std::to_string(k + 1), std::to_string(episode.steps), fixed(episode.time, 3),
+              fixed(episode.total_reward, 4), episode.end},
+             goals, episode.goals);
+  }
+  if (!episodes.empty()) add_total(table, goals, episodes);
+  return table.to_string() + (goals.empty() ? "" : "errors: mean and greatest of the last second\n");
+}
+
+}  // namespace skybody

@@ -1,0 +1,15 @@
+// The table that `skybody run` ends with.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/episode_summary.h"
+
+namespace skybody {
+
+/// One row per episode and goal, and a row for all.
+std::string summary_table(const Environment& environment,
+                          const std::vector<EpisodeSummary>& episodes);
+
+}  // namespace skybody

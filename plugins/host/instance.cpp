@@ -1,0 +1,33 @@
+#include "plugins/host/instance.h"
+
+#include <string>
+
+#include "core/base/fp_environment.h"
+
+namespace skybody {
+
+std::shared_ptr<const void> create_instance(const PluginEntry& entry, const SkybodySetup& setup,
+                                            const SkybodyDeclare& declare) {
+  if (!entry.failure.empty() || entry.descriptor == nullptr) {
+    throw PluginLoadError(LoadFailure::kNotLoadable, entry.file, entry.failure);
+  }
+  const FpEnvironment guard;
+  const SkybodyPlugin& plugin = *entry.descriptor;
+  std::string error(2048, '\0');
+  void* self = plugin.create(&setup, &declare, error.data(), error.size());
+  if (self == nullptr) {
+    error.resize(error.find('\0') == std::string::npos ? error.size() : error.find('\0'));
+    throw PluginConfigureError(entry.name, error.empty() ? "gives no reason" : error);
+  }
+  const auto destroy = plugin.destroy;
+  // The library goes after the instance: the deleter holds it.
+  return {static_cast<const void*>(self), [destroy, library = entry.library](const void* instance) {
+            destroy(const_cast<void*>(instance));
+          }};
+}
+
+const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa) {
+  return plugin.kernels[static_cast<int>(isa)];
+}
+
+}  // namespace skybody

@@ -1,0 +1,184 @@
+// Scales masses, inertias and rotor constants around their nominal values.
+#include <skybody/plugin.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class Inertia : public Randomizer {
+ public:
+  template <class Real>
+  struct State {
+    Word<Real> waited;  ///< resets since the last draw, 0: draw at the next one
+  };
+
+  void configure(const Setup& setup) override {
+    const RealsParameter* rotor[kRotorConstants] = {
+        &thrust_, &moment_, &drag_, &rolling_, &rotor_inertia_, nullptr, &tau_up_, &tau_down_};
+    const Range unit{1.0, 1.0};
+    mass_range_ = range_of(mass_, "mass");
+    inertia_range_ = range_of(inertia_, "inertia");
+    for (int k = 0; k < kRotorConstants; ++k) {
+      rotor_range_[k] = rotor[k] != nullptr ? range_of(*rotor[k], kRotorNames[k]) : unit;
+    }
+    choose_bodies(setup);
+    choose_rotors(setup);
+    if (bodies_.empty() && rotors_.empty()) {
+      throw std::runtime_error(
+          "every range is [1, 1], so that nothing would be drawn: give at least one, such as "
+          "`mass: [0.9, 1.1]`");
+    }
+  }
+
+  template <class Real>
+  void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const {
+    const auto due = logical_or(MaskOf<Real>(start.requested), state.waited == Word<Real>(0));
+    Random<Real> draw = random(env, start.requested ? 1 : 0);
+    for (const Target& body : bodies_) scale_body(draw, body, due, start);
+    for (const Target& rotor : rotors_) {
+      for (int k = 0; k < kRotorConstants; ++k) {
+        if (rotor_range_[k].idle()) continue;
+        const Real scale = draw.uniform(Real(rotor_range_[k].low), Real(rotor_range_[k].high));
+        put(start, rotor.first + k, due, scale * rotor.nominal[static_cast<std::size_t>(k)]);
+      }
+    }
+    if (!start.requested) {
+      const Word<Real> next = state.waited + Word<Real>(1);
+      const Word<Real> every(static_cast<std::uint64_t>(every_.value()));
+      state.waited = select(next == every, Word<Real>(0), next);
+    }
+  }
+
+ private:
+  static constexpr int kRotorConstants = 8;
+  static constexpr int kBodyConstants = 10;  // mass, com, inertia
+  static constexpr const char* kRotorNames[kRotorConstants] = {
+      "thrust_constant", "moment_constant", "drag",   "rolling_moment",
+      "rotor_inertia",   "max_speed",       "tau_up", "tau_down"};
+
+  struct Range {
+    double low, high;
+    bool idle() const { return low == 1.0 && high == 1.0; }
+  };
+  struct Target {
+    int first;                    ///< EnvParam
+    std::vector<double> nominal;  ///< values from there on
+  };
+
+  static Range range_of(const RealsParameter& p, const std::string& name) {
+    if (p.value(0) > p.value(1)) {
+      throw std::runtime_error("`" + name + "` [" + std::to_string(p.value(0)) + ", " +
+                               std::to_string(p.value(1)) + "] runs backwards: write [low, high]");
+    }
+    return {p.value(0), p.value(1)};
+  }
+
+  static Target target(const Setup& setup, int first, int count) {
+    Target t{first, {}};
+    for (int k = 0; k < count; ++k) t.nominal.push_back(setup.params()[first + k].nominal);
+    return t;
+  }
+
+  bool serves(const Setup& setup, int robot) const {
+    return robot_.value().empty() || setup.robot(robot_.value()) == robot;
+  }
+
+  void choose_bodies(const Setup& setup) {
+    if (!robot_.value().empty()) setup.robot(robot_.value());  // fails on an unknown name
+    const std::vector<int> named = named_bodies(setup);
+    if (mass_range_.idle() && inertia_range_.idle()) return;
+    const bool writes_inertia = !inertia_range_.idle() || couple_.value();
+    for (int i = 0; i < setup.bodies().size(); ++i) {
+      const BodyInfo& body = setup.bodies()[i];
+      const bool wanted = links_.values().empty()
+                              ? serves(setup, body.robot)
+                              : std::find(named.begin(), named.end(), i) != named.end();
+      if (!wanted) continue;
+      bodies_.push_back(target(setup, body.first_param, kBodyConstants));
+      if (!mass_range_.idle()) setup.writes(body.first_param);
+      for (int k = 4; writes_inertia && k < kBodyConstants; ++k) setup.writes(body.first_param + k);
+    }
+  }
+
+  /// Bodies of `links`, which every chosen robot must have.
+  std::vector<int> named_bodies(const Setup& setup) const {
+    std::vector<int> named;
+    for (const std::string& link : links_.values()) {
+      for (int r = 0; r < setup.robots().size(); ++r) {
+        if (serves(setup, r)) named.push_back(setup.link(r, link).body);
+      }
+    }
+    return named;
+  }
+
+  void choose_rotors(const Setup& setup) {
+    bool any_range = false;
+    for (const Range& r : rotor_range_) any_range = any_range || !r.idle();
+    if (!any_range) return;
+    for (const RotorInfo& rotor : setup.rotors()) {
+      if (!serves(setup, rotor.robot)) continue;
+      rotors_.push_back(target(setup, rotor.first_param, kRotorConstants));
+      for (int k = 0; k < kRotorConstants; ++k) {
+        if (!rotor_range_[k].idle()) setup.writes(rotor.first_param + k);
+      }
+    }
+  }
+
+  /// One scale for the mass, one for all six of the inertia: what was physical stays so.
+  template <class Real>
+  SKYBODY_INLINE void scale_body(Random<Real>& draw, const Target& body, MaskOf<Real> due,
+                                 Start<Real>& start) const {
+    const Real mass = draw.uniform(Real(mass_range_.low), Real(mass_range_.high));
+    const Real own = draw.uniform(Real(inertia_range_.low), Real(inertia_range_.high));
+    const bool coupled = couple_.value();
+    if (!mass_range_.idle()) put(start, body.first, due, mass * body.nominal[0]);
+    if (!coupled && inertia_range_.idle()) return;
+    const Real inertia = coupled ? mass * own : own;
+    for (int k = 4; k < kBodyConstants; ++k) {
+      put(start, body.first + k, due, inertia * body.nominal[static_cast<std::size_t>(k)]);
+    }
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE void put(Start<Real>& start, int param, MaskOf<Real> due,
+                                 const Real& value) {
+    start.params.set(param, select(due, value, start.params[param]));
+  }
+
+  static RealsSpec scale(const char* name, const char* doc) {
+    return {.name = name, .values = {1.0, 1.0}, .count = 2, .min = 0.01, .max = 100.0, .doc = doc};
+  }
+
+  TextParameter robot_{this, {.name = "robot", .doc = "whose constants; empty: every robot's"}};
+  TextsParameter links_{this, {.name = "links", .doc = "which bodies; none: all of the robot"}};
+  IntegerParameter every_{this,
+                          {.name = "every",
+                           .value = 1,
+                           .min = 1,
+                           .doc = "draw at every n-th reset, the first included"}};
+  RealsParameter mass_{this, scale("mass", "range of the scale of each body's mass")};
+  RealsParameter inertia_{this, scale("inertia", "range of the scale of each body's inertia")};
+  BooleanParameter couple_{this,
+                           {.name = "couple_inertia",
+                            .value = true,
+                            .doc = "a body's inertia is scaled with its mass as well"}};
+  RealsParameter thrust_{this, scale("thrust_constant", "scale range, each rotor for itself")};
+  RealsParameter moment_{this, scale("moment_constant", "scale range, each rotor for itself")};
+  RealsParameter drag_{this, scale("drag", "scale range, each rotor for itself")};
+  RealsParameter rolling_{this, scale("rolling_moment", "scale range, each rotor for itself")};
+  RealsParameter rotor_inertia_{this, scale("rotor_inertia", "scale range, each rotor for itself")};
+  RealsParameter tau_up_{this, scale("tau_up", "scale range, each rotor for itself")};
+  RealsParameter tau_down_{this, scale("tau_down", "scale range, each rotor for itself")};
+
+  Range mass_range_{1.0, 1.0}, inertia_range_{1.0, 1.0};
+  Range rotor_range_[kRotorConstants] = {};
+  std::vector<Target> bodies_, rotors_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Inertia, "inertia", "1.0.0",
+               "Scales masses, inertias and rotor constants around the nominal.");

@@ -1,0 +1,196 @@
+// Where and how robots begin an episode: position, heading, tilt, velocity, rates, rotor speeds.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class RandomStart : public Randomizer {
+ public:
+  void configure(const Setup& setup) override {
+    require_order(position_min_, position_max_, 3, "position_min", "position_max");
+    if (yaw_.value(0) > yaw_.value(1)) {
+      throw std::runtime_error("`yaw` [" + std::to_string(yaw_.value(0)) + ", " +
+                               std::to_string(yaw_.value(1)) + "] runs backwards: write [low, high]");
+    }
+    gravity_ = norm(Vec3<double>{setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]});
+    const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
+    for (int r = 0; r < setup.robots().size(); ++r) {
+      const RobotInfo& info = setup.robots()[r];
+      if (only >= 0 && r != only) continue;
+      if (info.fixed_base != 0) {
+        if (only < 0) continue;
+        throw std::runtime_error("robot `" + std::string(info.name) +
+                                 "` has a fixed base, which cannot start elsewhere: name another "
+                                 "robot, or leave `start` out");
+      }
+      robots_.push_back(target(setup, info));
+    }
+    if (robots_.empty()) {
+      throw std::runtime_error("no robot has a floating base: leave `start` out");
+    }
+  }
+
+  template <class Real>
+  void randomize(const Lanes<Real>& env, State<Real>&, Start<Real>& start) const {
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      Random<Real> draw = random(env, i);
+      place(draw, robots_[i], start);
+      if (hover_.value() == "hover") spin(env, robots_[i], start);
+    }
+  }
+
+ private:
+  struct Rotor {
+    int index;      ///< in the world
+    int constants;  ///< first EnvParam
+    double lift;    ///< axis . z of the base
+  };
+  struct Target {
+    int q, u;
+    Vec3<double> position;
+    Quat<double> rotation;
+    std::vector<int> masses;  ///< EnvParams
+    std::vector<Rotor> rotors;
+  };
+
+  static void require_order(const RealsParameter& low, const RealsParameter& high, int count,
+                            const std::string& low_name, const std::string& high_name) {
+    for (int k = 0; k < count; ++k) {
+      if (low.value(k) <= high.value(k)) continue;
+      const std::string place = "[" + std::to_string(k) + "]";
+      throw std::runtime_error("`" + low_name + place + "` " + std::to_string(low.value(k)) +
+                               " is above `" + high_name + place + "` " +
+                               std::to_string(high.value(k)) + ": swap them");
+    }
+  }
+
+  Target target(const Setup& setup, const RobotInfo& info) const {
+    Target t{info.first_q,
+             info.first_u,
+             {info.position[0], info.position[1], info.position[2]},
+             {info.rotation[0], info.rotation[1], info.rotation[2], info.rotation[3]},
+             {},
+             {}};
+    for (int b = 0; b < info.body_count; ++b) {
+      t.masses.push_back(setup.bodies()[info.first_body + b].first_param);
+    }
+    double lift = 0.0;
+    for (int i = info.first_rotor; i < info.first_rotor + info.rotor_count; ++i) {
+      const RotorInfo& rotor = setup.rotors()[i];
+      t.rotors.push_back({i, rotor.first_param, max(0.0, rotor.axis[2])});
+      lift += t.rotors.back().lift;
+    }
+    if (hover_.value() == "hover" && !(lift > 1e-6)) {
+      throw std::runtime_error("robot `" + std::string(info.name) +
+                               "` has no rotor that lifts, so that there is no hover speed: set "
+                               "`rotor_speed: keep`");
+    }
+    return t;
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void place(Random<Real>& draw, const Target& t, Start<Real>& start) const {
+    const Real x = draw.uniform(Real(position_min_.value(0)), Real(position_max_.value(0)));
+    const Real y = draw.uniform(Real(position_min_.value(1)), Real(position_max_.value(1)));
+    const Real z = draw.uniform(Real(position_min_.value(2)), Real(position_max_.value(2)));
+    const Vec3<double> from = relative_.value() ? t.position : Vec3<double>{0.0, 0.0, 0.0};
+    start.q.set(t.q, Vec3<Real>{x + from.x, y + from.y, max(z + from.z, min_height_.value())});
+    start.q.set(t.q + 3, rotation(draw, t));
+    start.u.set(t.u, random_vector(draw, velocity_max_.value()));
+    start.u.set(t.u + 3, random_vector(draw, rate_max_.value()));
+  }
+
+  /// Tilt about a random horizontal axis, then heading; on top of the scenario's own if relative.
+  template <class Real>
+  SKYBODY_INLINE Quat<Real> rotation(Random<Real>& draw, const Target& t) const {
+    const Real turn = draw.uniform(Real(yaw_.value(0)), Real(yaw_.value(1)));
+    const Real angle = draw.uniform(Real(0.0), Real(tilt_max_.value()));
+    const SinCos<Real> axis = sincos(kTwoPi * draw.uniform());
+    const Quat<Real> tilt = from_axis_angle(Vec3<Real>{axis.cos, axis.sin, Real(0.0)}, angle);
+    const Quat<Real> heading =
+        from_axis_angle(Vec3<Real>{Real(0.0), Real(0.0), Real(1.0)}, turn);
+    const Quat<Real> own = relative_.value() ? Quat<Real>{Real(t.rotation.w), Real(t.rotation.x),
+                                                          Real(t.rotation.y), Real(t.rotation.z)}
+                                             : Quat<Real>::identity();
+    return normalized(heading * tilt * own);
+  }
+
+  /// Any direction, magnitude uniform up to `largest`.
+  template <class Real>
+  static SKYBODY_INLINE Vec3<Real> random_vector(Random<Real>& draw, double largest) {
+    const Vec3<Real> direction = draw.unit_vector();
+    return direction * (largest * draw.uniform());
+  }
+
+  /// One speed for all rotors that carries the environment's own weight, level.
+  template <class Real>
+  SKYBODY_INLINE void spin(const Lanes<Real>& env, const Target& t, Start<Real>& start) const {
+    Real mass(0.0), lift(0.0);
+    for (const int param : t.masses) mass += env.param(param);
+    for (const Rotor& r : t.rotors) lift += env.param(r.constants) * r.lift;
+    const Real speed = sqrt(mass * gravity_ / lift);
+    for (const Rotor& r : t.rotors) {
+      const Real own = select(Real(r.lift) > 0.0, speed, Real(0.0));
+      start.rotor_speed.set(r.index, min(own, env.param(r.constants + 5)));
+    }
+  }
+
+  TextParameter robot_{this, {.name = "robot", .doc = "which robot; empty: every floating one"}};
+  BooleanParameter relative_{this,
+                             {.name = "relative",
+                              .value = true,
+                              .doc = "position, yaw and tilt add to the scenario's pose, else replace it"}};
+  RealsParameter position_min_{this,
+                               {.name = "position_min",
+                                .unit = "m",
+                                .values = {0.0, 0.0, 0.0},
+                                .doc = "lower corner of the box of positions (W axes)"}};
+  RealsParameter position_max_{this,
+                               {.name = "position_max",
+                                .unit = "m",
+                                .values = {0.0, 0.0, 0.0},
+                                .doc = "upper corner of the box of positions (W axes)"}};
+  RealParameter min_height_{this,
+                            {.name = "min_height",
+                             .unit = "m",
+                             .value = 0.0,
+                             .doc = "the base starts no lower than this (W z)"}};
+  RealsParameter yaw_{this,
+                      {.name = "yaw",
+                       .unit = "rad",
+                       .values = {0.0, 0.0},
+                       .count = 2,
+                       .doc = "range of the heading"}};
+  RealParameter tilt_max_{this,
+                          {.name = "tilt_max",
+                           .unit = "rad",
+                           .min = 0.0,
+                           .max = kPi,
+                           .doc = "largest tilt, about a random horizontal axis"}};
+  RealParameter velocity_max_{this,
+                              {.name = "velocity_max",
+                               .unit = "m/s",
+                               .min = 0.0,
+                               .doc = "largest velocity, in any direction"}};
+  RealParameter rate_max_{this,
+                          {.name = "rate_max",
+                           .unit = "rad/s",
+                           .min = 0.0,
+                           .doc = "largest angular velocity, about any axis"}};
+  TextParameter hover_{this,
+                       {.name = "rotor_speed",
+                        .value = "keep",
+                        .choices = {"keep", "hover"},
+                        .doc = "keep: the scenario's; hover: what carries the drawn weight"}};
+
+  std::vector<Target> robots_;
+  double gravity_ = 0.0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::RandomStart, "start", "1.0.0",
+               "Draws pose, velocity and rotor speeds at a reset.");

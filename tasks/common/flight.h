@@ -1,0 +1,47 @@
+// What tasks about flying robots share: limits of the flight, the history of actions, texts.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <string>
+
+namespace skybody::flight {
+
+/// When a flight has failed. Angles in rad, `bound` in m.
+struct Limits {
+  double tilt_cosine;  ///< below: tilted too far
+  double yaw;
+  double bound;
+};
+
+/// True where the body has tilted or turned too far or left the box |p_i| <= bound.
+template <class Real>
+SKYBODY_INLINE MaskOf<Real> failed(const BodyMotion<Real>& body, const Limits& limits) {
+  const Vec3<Real>& p = body.position;
+  const Real farthest = max(max(abs(p.x), abs(p.y)), abs(p.z));
+  const auto attitude = logical_or(tilt_cosine(body.rotation) < limits.tilt_cosine,
+                                   abs(yaw(body.rotation)) > limits.yaw);
+  return logical_or(attitude, farthest > limits.bound);
+}
+
+/// The same rotation with w >= 0.
+template <class Real>
+SKYBODY_INLINE Quat<Real> canonical(const Quat<Real>& q) {
+  const Quat<Real> opposite{-q.w, -q.x, -q.y, -q.z};
+  return select(q.w < 0.0, opposite, q);
+}
+
+/// 1 / (1 + weight x)
+template <class Real>
+SKYBODY_INLINE Real closeness(const Real& x, double weight) {
+  return 1.0 / (1.0 + weight * x);
+}
+
+/// The robot's actions; a task that observes them needs a controller.
+inline int action_count(const RobotInfo& robot, const std::string& task) {
+  if (robot.action_count > 0) return robot.action_count;
+  throw std::runtime_error("robot `" + std::string(robot.name) + "` takes no action, and task `" + task +
+                           "` observes actions: give it a controller, such as `rotor_speed`");
+}
+
+}  // namespace skybody::flight

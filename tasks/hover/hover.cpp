@@ -1,0 +1,212 @@
+// The paper's hover task for one robot, or for a team that holds a formation.
+#include "tasks/common/flight.h"
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class Hover : public Task {
+ public:
+  template <class Real>
+  struct State {
+    Vec3<Real> target;  ///< of the team's centre, W [m]
+    Real yaw;           ///< [rad]
+  };
+
+  void configure(const Setup& setup) override {
+    check_target();
+    limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
+    const bool team = setup.robots().size() > 1;
+    for (int r = 0; r < setup.robots().size(); ++r) add_robot(setup, r, team);
+    set_offsets(setup);
+    setup.buffer(history_);
+  }
+
+  template <class Real>
+  void reset(const Lanes<Real>& env, State<Real>& state, Values<Real> buffer) const {
+    Random<Real> draw = random(env);
+    const Vec3<Real> drawn{
+        draw.uniform(Real(target_min_.value(0)), Real(target_max_.value(0))),
+        draw.uniform(Real(target_min_.value(1)), Real(target_max_.value(1))),
+        draw.uniform(Real(target_min_.value(2)), Real(target_max_.value(2)))};
+    const Real turn = draw.uniform(Real(-target_yaw_.value()), Real(target_yaw_.value()));
+    const bool fixed = target_.count() > 0;
+    state.target = fixed ? Vec3<Real>{Real(target_.value(0)), Real(target_.value(1)),
+                                      Real(target_.value(2))}
+                         : drawn;
+    state.yaw = fixed ? Real(target_.value(3)) : turn;
+    for (int k = 0; k < history_; ++k) buffer.set(k, Real(-1.0));
+  }
+
+  template <class Real>
+  void evaluate(const Lanes<Real>& env, State<Real>& state, Evaluation<Real>& out,
+                Values<Real> buffer) const {
+    remember(env, buffer);
+    Real reward(0.0);
+    MaskOf<Real> failed(false);
+    int at = 0;
+    for (const Robot& robot : robots_) {
+      const BodyMotion<Real> body = env.body(robot.body);
+      const Vec3<Real> error = target_of(robot, state) - body.position;
+      const Real yaw_error = wrap_angle(state.yaw - yaw(body.rotation));
+      out.observation.set(at, error);
+      out.observation.set(at + 3, yaw_error);
+      out.observation.set(at + 4, body.velocity);
+      out.observation.set(at + 7, flight::canonical(body.rotation));
+      out.observation.set(at + 11, body.angular_velocity);
+      at += 14;
+      for (int k = 0; k < 2 * robot.actions; ++k) out.observation.set(at++, buffer[robot.history + k]);
+      reward += flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
+                kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
+      failed = logical_or(failed, flight::failed(body, limits_));
+    }
+    out.set_reward(reward / static_cast<double>(robots_.size()));
+    out.terminate(failed);
+  }
+
+  template <class Real>
+  void goal(const Lanes<Real>&, const State<Real>& state, Values<Real> goal) const {
+    for (int i = 0; i < static_cast<int>(robots_.size()); ++i) {
+      goal.set(4 * i, target_of(robots_[static_cast<std::size_t>(i)], state));
+      goal.set(4 * i + 3, state.yaw);
+    }
+  }
+
+ private:
+  static constexpr double kDistanceWeight = 2.56;  // (1.6)^2 [1/m^2]
+  static constexpr double kRateReward = 0.01;
+
+  struct Robot {
+    int body;
+    int first_action, actions;
+    int history;          ///< within the buffer: this action, then the one before
+    Vec3<double> offset;  ///< from the team's centre [m]
+  };
+
+  void check_target() const {
+    if (target_.count() != 0 && target_.count() != 4) {
+      throw std::runtime_error("`target` has " + std::to_string(target_.count()) +
+                               " values: write [x, y, z, yaw], or leave it out to draw one an episode");
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (target_min_.value(k) <= target_max_.value(k)) continue;
+      throw std::runtime_error("`target_min[" + std::to_string(k) + "]` " +
+                               std::to_string(target_min_.value(k)) + " is above `target_max` " +
+                               std::to_string(target_max_.value(k)) + ": swap them");
+    }
+  }
+
+  void add_robot(const Setup& setup, int index, bool team) {
+    const RobotInfo& info = setup.robots()[index];
+    const int actions = flight::action_count(info, "hover");
+    const std::string prefix = team ? std::string(info.name) + "." : "";
+    robots_.push_back({info.first_body, info.first_action, actions, history_,
+                       {info.position[0], info.position[1], info.position[2]}});
+    history_ += 2 * actions;
+    setup.channel(prefix + "position_error", "m", 3, -kInfinity, kInfinity);
+    setup.channel(prefix + "yaw_error", "rad", 1, -kPi, kPi);
+    setup.channel(prefix + "velocity", "m/s", 3, -kInfinity, kInfinity);
+    setup.channel(prefix + "attitude", "", 4, -1.0, 1.0);
+    setup.channel(prefix + "angular_velocity", "rad/s", 3, -kInfinity, kInfinity);
+    setup.channel(prefix + "actions", "", 2 * actions, -1.0, 1.0);
+    setup.goal(index, info.first_body);
+  }
+
+  /// Places in the team: `formation`, else where the scenario puts the robots, about their mean.
+  void set_offsets(const Setup& setup) {
+    const int count = setup.robots().size();
+    if (formation_.count() != 0 && formation_.count() != 3 * count) {
+      throw std::runtime_error("`formation` has " + std::to_string(formation_.count()) +
+                               " values for " + std::to_string(count) +
+                               " robots: write x, y, z for each, or leave it out");
+    }
+    Vec3<double> mean{0.0, 0.0, 0.0};
+    for (const Robot& r : robots_) mean += r.offset;
+    mean = mean / static_cast<double>(count);
+    for (int i = 0; i < count; ++i) {
+      Vec3<double>& offset = robots_[static_cast<std::size_t>(i)].offset;
+      offset -= mean;
+      if (formation_.count() > 0) {
+        offset = {formation_.value(3 * i), formation_.value(3 * i + 1), formation_.value(3 * i + 2)};
+      }
+    }
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE Vec3<Real> target_of(const Robot& robot, const State<Real>& state) {
+    return state.target +
+           Vec3<Real>{Real(robot.offset.x), Real(robot.offset.y), Real(robot.offset.z)};
+  }
+
+  /// Shifts the action of this step in; there is none at a reset.
+  template <class Real>
+  SKYBODY_INLINE void remember(const Lanes<Real>& env, Values<Real> buffer) const {
+    const auto stepped = env.step() > Word<Real>(0);
+    for (const Robot& robot : robots_) {
+      for (int k = 0; k < robot.actions; ++k) {
+        const int now = robot.history + k, before = now + robot.actions;
+        buffer.set(before, select(stepped, buffer[now], buffer[before]));
+        buffer.set(now, select(stepped, env.action(robot.first_action + k), buffer[now]));
+      }
+    }
+  }
+
+  RealsParameter target_{this,
+                         {.name = "target",
+                          .unit = "m, rad",
+                          .count = -1,
+                          .doc = "fixed target x, y, z (W), yaw; none: one is drawn an episode"}};
+  RealsParameter target_min_{this,
+                             {.name = "target_min",
+                              .unit = "m",
+                              .values = {-5.0, -5.0, 0.5},
+                              .doc = "lower corner of the box of drawn targets (W)"}};
+  RealsParameter target_max_{this,
+                             {.name = "target_max",
+                              .unit = "m",
+                              .values = {5.0, 5.0, 3.0},
+                              .doc = "upper corner of the box of drawn targets (W)"}};
+  RealParameter target_yaw_{this,
+                            {.name = "target_yaw",
+                             .unit = "rad",
+                             .value = 0.72,
+                             .min = 0.0,
+                             .max = kPi,
+                             .doc = "largest magnitude of a drawn heading"}};
+  RealsParameter formation_{this,
+                            {.name = "formation",
+                             .unit = "m",
+                             .count = -1,
+                             .doc = "x, y, z of each robot from the target; none: as the scenario "
+                                    "places them about their mean"}};
+  RealParameter tilt_max_{this,
+                          {.name = "tilt_max",
+                           .unit = "rad",
+                           .value = 1.57,
+                           .min = 0.0,
+                           .max = kPi,
+                           .doc = "an episode terminates beyond this tilt"}};
+  RealParameter yaw_max_{this,
+                         {.name = "yaw_max",
+                          .unit = "rad",
+                          .value = 1.57,
+                          .min = 0.0,
+                          .max = 4.0,
+                          .doc = "or beyond this heading, either way"}};
+  RealParameter bound_{this,
+                       {.name = "bound",
+                        .unit = "m",
+                        .value = 7.0,
+                        .min = 1e-3,
+                        .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+
+  flight::Limits limits_{};
+  std::vector<Robot> robots_;
+  int history_ = 0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Hover, "hover", "1.0.0", "Hold a target position and heading.");

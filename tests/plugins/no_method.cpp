@@ -1,0 +1,17 @@
+// Does not compile, and says why: control() is not const.
+#include <skybody/plugin.h>
+
+namespace {
+
+using namespace skybody;
+
+class NoMethod : public Controller {
+ public:
+  void configure(const Setup&) override {}
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) {}
+};
+
+}  // namespace
+
+SKYBODY_PLUGIN(NoMethod, "no_method", "1.0.0", "Does not compile.");

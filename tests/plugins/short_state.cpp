@@ -1,0 +1,24 @@
+// Does not compile, and says why: a State with something that is no 64-bit word.
+#include <skybody/plugin.h>
+
+namespace {
+
+using namespace skybody;
+
+class ShortState : public Controller {
+ public:
+  template <class Real>
+  struct State {
+    Real filtered;
+    int calls;
+  };
+  void configure(const Setup&) override {}
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>& state, ConstValues<Real>, Values<Real>) const {
+    ++state.calls;
+  }
+};
+
+}  // namespace
+
+SKYBODY_PLUGIN(ShortState, "short_state", "1.0.0", "Does not compile.");

@@ -1,0 +1,168 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/config_tree.h"
+#include "tests/unit/io/temp_folder.h"
+
+namespace skybody {
+namespace {
+
+using ::testing::HasSubstr;
+
+ConfigNode parse(const std::string& text) {
+  Diagnostics diagnostics;
+  const auto node = parse_yaml(text, "x.yaml", diagnostics);
+  EXPECT_TRUE(node.has_value()) << diagnostics.to_string();
+  return node.value_or(ConfigNode{});
+}
+
+std::string parse_error(const std::string& text) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(parse_yaml(text, "x.yaml", diagnostics).has_value());
+  return diagnostics.to_string();
+}
+
+TEST(Yaml, KeysAndValuesKnowTheirPlaces) {
+  const ConfigNode root = parse("a: 1\nb:\n  c: [2, three]\n");
+  EXPECT_EQ(root.keys(), (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(root.entries[1].key_mark.line, 2);
+  EXPECT_EQ(root.entries[1].key_mark.column, 1);
+  const ConfigNode& list = *root.find("b")->find("c");
+  ASSERT_EQ(list.items.size(), 2u);
+  EXPECT_EQ(list.items[1].scalar, "three");
+  EXPECT_EQ(to_string(list.items[1].mark), "x.yaml:3:10");
+}
+
+TEST(Yaml, AliasesAreExpanded) {
+  const ConfigNode root = parse("a: &one {x: [1, 2]}\nb: *one\n");
+  EXPECT_EQ(root.find("b")->find("x")->items[1].scalar, "2");
+}
+
+TEST(Yaml, DuplicateKeyNamesBothPlaces) {
+  EXPECT_EQ(parse_error("a: 1\nb: 2\na: 3\n"),
+            "x.yaml:3:1: error: duplicate key `a`; it stands at x.yaml:1:1 already; remove one\n");
+}
+
+TEST(Yaml, EveryDuplicateIsReported) {
+  Diagnostics diagnostics;
+  parse_yaml("a: {b: 1, b: 2}\nc: 1\nc: 2\n", "x.yaml", diagnostics);
+  EXPECT_EQ(diagnostics.error_count(), 2);
+}
+
+TEST(Yaml, SyntaxErrorsHaveAPlace) {
+  EXPECT_THAT(parse_error("a: [1, 2\nb: 3\n"), HasSubstr("x.yaml:2:2: error: not YAML"));
+}
+
+TEST(Yaml, SecondDocumentIsAnError) {
+  EXPECT_THAT(parse_error("a: 1\n---\nb: 2\n"), HasSubstr("a second document"));
+}
+
+TEST(Yaml, AliasInsideItselfIsAnError) {
+  EXPECT_THAT(parse_error("a: &a [*a]\n"), HasSubstr("contains it"));
+}
+
+TEST(Yaml, AliasesThatExplodeAreAnError) {
+  std::string text = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (int i = 1; i < 20; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+    for (int k = 0; k < 9; ++k) text += ", " + before;
+    text += "]\n";
+  }
+  EXPECT_THAT(parse_error(text), HasSubstr("more than a million"));
+}
+
+TEST(Yaml, DeepNestingIsAnErrorAndNoCrash) {
+  EXPECT_THAT(parse_error(std::string(100000, '[')), HasSubstr("error"));
+}
+
+TEST(Yaml, WrittenTreeReadsBackTheSame) {
+  const std::string text =
+      "name: \"a: b\"\nquoted: \"12\"\nnumbers: [1, -2.5, 1e-3]\nnothing: ~\nempty: {}\n"
+      "list:\n  - {name: x, sub: {deep: [[1, 2], [3]]}}\n  - plain\n  - [a, b]\n"
+      "odd: \"line\\nbreak \\\"quote\\\" \\\\ # no comment\"\n";
+  const std::string once = to_yaml(parse(text));
+  EXPECT_EQ(to_yaml(parse(once)), once);
+  const ConfigNode back = parse(once);
+  EXPECT_EQ(back.find("name")->scalar, "a: b");
+  EXPECT_TRUE(back.find("quoted")->quoted);
+  EXPECT_EQ(back.find("odd")->scalar, "line\nbreak \"quote\" \\ # no comment");
+  EXPECT_TRUE(back.find("nothing")->is_null());
+  EXPECT_TRUE(back.find("empty")->is_map());
+  EXPECT_EQ(back.find("list")->items[0].find("sub")->find("deep")->items[1].items[0].scalar, "3");
+}
+
+TEST(Include, IncludingFileOverridesAndMapsMergeDeeply) {
+  TempFolder folder;
+  folder.write("base.yaml", "a: {x: 1, y: 2}\nlist: [1, 2]\n");
+  folder.write("more.yaml", "a: {y: 3}\n");
+  const std::string file = folder.write("top.yaml", "include: [base.yaml, more.yaml]\na: {z: 4}\nlist: [9]\n");
+  Diagnostics diagnostics;
+  const auto root = load_config(file, diagnostics);
+  ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
+  EXPECT_EQ(to_yaml(*root), "a:\n  x: 1\n  y: 3\n  z: 4\nlist: [9]\n");
+  EXPECT_EQ(root->find("a")->find("y")->mark.file, folder.path("more.yaml"));
+}
+
+TEST(Include, IsRelativeToTheIncludingFile) {
+  TempFolder folder;
+  folder.write("sub/inner.yaml", "include: ../base.yaml\nb: 2\n");
+  folder.write("base.yaml", "a: 1\n");
+  Diagnostics diagnostics;
+  const auto root = load_config(folder.write("top.yaml", "include: sub/inner.yaml\n"), diagnostics);
+  ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
+  EXPECT_EQ(root->keys(), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST(Include, CycleShowsItsChain) {
+  TempFolder folder;
+  folder.write("b.yaml", "include: a.yaml\n");
+  const std::string a = folder.write("a.yaml", "include: b.yaml\n");
+  Diagnostics diagnostics;
+  EXPECT_FALSE(load_config(a, diagnostics).has_value());
+  EXPECT_THAT(diagnostics.to_string(),
+              HasSubstr("cyclic include: " + a + " -> " + folder.path("b.yaml") + " -> " + a));
+}
+
+TEST(Include, TheSameFileTwiceIsNoCycle) {
+  TempFolder folder;
+  folder.write("base.yaml", "a: 1\n");
+  Diagnostics diagnostics;
+  EXPECT_TRUE(load_config(folder.write("t.yaml", "include: [base.yaml, base.yaml]\n"), diagnostics));
+}
+
+std::string override_result(const std::string& text, const std::string& assignment) {
+  ConfigNode root = parse(text);
+  Diagnostics diagnostics;
+  if (!apply_override(root, assignment, diagnostics)) return diagnostics.to_string();
+  return to_yaml(root);
+}
+
+TEST(Override, ReachesKeysIndicesAndNames) {
+  const std::string text = "robots: [{name: quad, pose: {z: 1}}, {plugin: imu}]\n";
+  EXPECT_THAT(override_result(text, "robots[0].pose.z=2"), HasSubstr("z: 2"));
+  EXPECT_THAT(override_result(text, "robots.quad.pose.z=[3, 4]"), HasSubstr("z: [3, 4]"));
+  EXPECT_THAT(override_result(text, "robots.imu.name=x"), HasSubstr("plugin: imu\n    name: x"));
+}
+
+TEST(Override, AddsKeysAndReplacesWholeValues) {
+  EXPECT_EQ(override_result("a: {b: 1}\n", "a.c.d=2"), "a:\n  b: 1\n  c:\n    d: 2\n");
+  EXPECT_EQ(override_result("a: {b: 1}\n", "a={x: y}"), "a:\n  x: y\n");
+  EXPECT_EQ(override_result("a: 1\n", "a="), "a: null\n");
+}
+
+TEST(Override, NonsenseIsAnErrorThatNamesTheOverride) {
+  EXPECT_EQ(override_result("a: 1\n", "a.b=2"),
+            "--set a.b=2: error: `a` is the number 1; it has no `b`\n");
+  for (const char* bad : {"", "=1", "a", ".a=1", "a.=1", "a..b=1", "[0]=1", "a[x]=1", "a[0]b=1",
+                          "a[-1]=1", "a[99999999999]=1"}) {
+    EXPECT_THAT(override_result("a: [1]\n", bad), HasSubstr("error")) << bad;
+  }
+}
+
+TEST(Override, AmbiguousNameIsAnError) {
+  EXPECT_THAT(override_result("a: [{plugin: x}, {plugin: x}]\n", "a.x.name=y"), HasSubstr("several"));
+}
+
+}  // namespace
+}  // namespace skybody

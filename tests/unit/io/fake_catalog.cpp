@@ -1,0 +1,85 @@
+#include "tests/unit/io/fake_catalog.h"
+
+#include <utility>
+
+namespace skybody {
+namespace {
+
+ParameterSpec real(const std::string& name, double value, double min, double max) {
+  ParameterSpec spec;
+  spec.name = name;
+  spec.unit = "rad/s";
+  spec.doc = "a number";
+  spec.default_numbers = {value};
+  spec.min = min;
+  spec.max = max;
+  return spec;
+}
+
+ParameterSpec reals(const std::string& name, std::vector<double> value, int max_count) {
+  ParameterSpec spec = real(name, 0.0, -100.0, 100.0);
+  spec.min_count = max_count < 0 ? 0 : max_count;
+  spec.max_count = max_count;
+  spec.default_numbers = std::move(value);
+  return spec;
+}
+
+ParameterSpec text(const std::string& name, std::vector<std::string> choices) {
+  ParameterSpec spec;
+  spec.name = name;
+  spec.doc = "a word";
+  spec.type = ParameterType::kText;
+  spec.default_texts = {choices.empty() ? "" : choices.front()};
+  spec.choices = std::move(choices);
+  return spec;
+}
+
+ParameterSpec of_type(ParameterSpec spec, ParameterType type) {
+  spec.type = type;
+  return spec;
+}
+
+ParameterSpec required(ParameterSpec spec) {
+  spec.required = true;
+  return spec;
+}
+
+}  // namespace
+
+FakeCatalog::FakeCatalog() {
+  add(PluginKind::kController, "rotor_speed", {real("max_speed", 2300.0, 0.0, 1e5)});
+  add(PluginKind::kController, "ctbr",
+      {text("apply", {"rotors", "body"}), reals("gain", {1, 1, 1}, 3), reals("list", {}, -1),
+       of_type(real("order", 1, 1, 4), ParameterType::kInteger),
+       of_type(real("filter", 1, 0, 1), ParameterType::kBoolean)});
+  add(PluginKind::kController, "broken", {});
+  plugins_[PluginKind::kController]["broken"].failure = "it is truncated";
+  add(PluginKind::kSensor, "imu", {required(text("robot", {})), text("link", {})});
+  add(PluginKind::kRandomizer, "start", {text("robot", {})});
+  add(PluginKind::kTask, "hover", {text("robot", {})});
+}
+
+void FakeCatalog::add(PluginKind kind, const std::string& name,
+                      std::vector<ParameterSpec> parameters) {
+  PluginDeclaration declaration;
+  declaration.kind = kind;
+  declaration.name = name;
+  declaration.doc = "does \"" + name + "\"";
+  declaration.file = "lib" + name + ".so";
+  declaration.parameters = std::move(parameters);
+  plugins_[kind][name] = std::move(declaration);
+}
+
+const PluginDeclaration* FakeCatalog::find(PluginKind kind, const std::string& name) const {
+  const auto& list = plugins_.at(kind);
+  const auto found = list.find(name);
+  return found == list.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> FakeCatalog::names(PluginKind kind) const {
+  std::vector<std::string> list;
+  for (const auto& entry : plugins_.at(kind)) list.push_back(entry.first);
+  return list;
+}
+
+}  // namespace skybody

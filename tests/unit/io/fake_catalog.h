@@ -1,0 +1,25 @@
+// A plugin catalog without plugins, for tests of readers.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/io/plugin_catalog.h"
+
+namespace skybody {
+
+/// Declares a few plugins of each kind, among them one that cannot be loaded.
+class FakeCatalog : public PluginCatalog {
+ public:
+  FakeCatalog();
+  const PluginDeclaration* find(PluginKind kind, const std::string& name) const override;
+  std::vector<std::string> names(PluginKind kind) const override;
+
+ private:
+  void add(PluginKind kind, const std::string& name, std::vector<ParameterSpec> parameters);
+
+  std::map<PluginKind, std::map<std::string, PluginDeclaration>> plugins_;
+};
+
+}  // namespace skybody

@@ -1,0 +1,184 @@
+// Ground contact, robots and obstacles against each other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/physics/test_models.h"
+
+namespace skybody::test {
+namespace {
+
+TEST(ContactSpheres, SitAtTheExtremitiesOfShapes) {
+  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
+  Shape box = make_box(0.2, 0.4, 0.6);
+  box.pose.position = {1, 0, 0};
+  model.bodies[0].collisions = {box, make_sphere(0.05), make_cylinder(0.1, 0.3)};
+  const World world(make_scenario(model));
+  ASSERT_EQ(world.spheres.size(), 8u + 1u + 16u);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_NEAR(std::fabs(world.spheres[i].center.x - 1.0), 0.1, 1e-15);
+    EXPECT_NEAR(std::fabs(world.spheres[i].center.y), 0.2, 1e-15);
+    EXPECT_NEAR(std::fabs(world.spheres[i].center.z), 0.3, 1e-15);
+  }
+  EXPECT_EQ(world.spheres[8].radius, 0.05);
+  EXPECT_NEAR(norm(world.spheres[9].center.x, world.spheres[9].center.y), 0.1, 1e-15);
+}
+
+TEST(Ground, VehiclesRestStillWithinTheStaticPenetration) {
+  for (const VehicleData& data : {qdrone2(), crazyflie(), hummingbird(), firefly()}) {
+    Scenario scenario = make_scenario(make_vehicle(data));
+    scenario.robots[0].pose.position = {0, 0, 0.5 * data.box.z + 0.02};
+    scenario.robots[0].pose.rotation = from_rpy(0.02, -0.03, 0.5);
+    Bench bench(std::move(scenario));
+    ASSERT_TRUE(bench.run_seconds(8.0));
+    const double height = bench.state.q[2];
+    // 1 mm by definition of the stiffness; Hertz' law splits it evenly over four corners.
+    EXPECT_NEAR(0.5 * data.box.z - height, 0.001, 1e-5) << data.mass << " kg";
+    for (int i = 0; i < 1000; ++i) {
+      ASSERT_TRUE(bench.run(1));
+      ASSERT_LT(norm(bench.state.bodies[0].velocity), 1e-6) << data.mass << " kg";
+      ASSERT_LT(norm(bench.state.bodies[0].angular_velocity), 1e-5) << data.mass << " kg";
+    }
+    EXPECT_NEAR(bench.state.q[2], height, 1e-7);
+  }
+}
+
+TEST(Ground, VehicleUpsideDownRestsToo) {
+  const VehicleData data = crazyflie();
+  Scenario scenario = make_scenario(make_vehicle(data));
+  scenario.robots[0].pose = {{0, 0, 0.5}, from_rpy(2.5, 0.3, 0.5)};
+  Bench bench(std::move(scenario));
+  ASSERT_TRUE(bench.run_seconds(10.0));
+  EXPECT_NEAR(bench.state.q[2], 0.5 * data.box.z - 0.001, 1e-4);
+  EXPECT_LT(norm(bench.state.bodies[0].velocity), 1e-5);
+}
+
+TEST(Ground, SlidingBoxSlowsDownByFrictionAndStops) {
+  RobotModel model = make_free_body(1.5, diagonal(0.02, 0.02, 0.03));
+  model.bodies[0].collisions = {make_box(0.5, 0.5, 0.02)};
+  Scenario scenario = make_scenario(model);
+  scenario.robots[0].pose.position = {0, 0, 0.009};
+  Bench bench(std::move(scenario));
+  bench.state.u[0] = 2.0;
+  ASSERT_TRUE(bench.run_seconds(0.2));
+  // Regularised friction is mu m g (1 - (v_s / v)^2 / 2): 1e-4 less at 1 m/s.
+  EXPECT_NEAR(bench.state.u[0], 2.0 - 0.6 * 9.81 * 0.2, 0.01);
+  ASSERT_TRUE(bench.run_seconds(2.0));
+  EXPECT_NEAR(bench.state.u[0], 0.0, 1e-6);
+  // v^2 / (2 mu g), a little farther on the regularised last centimetres per second.
+  EXPECT_NEAR(bench.state.q[0], 4.0 / (2.0 * 0.6 * 9.81), 0.01);
+}
+
+TEST(Ground, BouncesLoseEnergy) {
+  RobotModel model = make_free_body(0.5, diagonal(1e-3, 1e-3, 1e-3));
+  model.bodies[0].collisions = {make_sphere(0.05)};
+  for (const double dissipation : {0.0, 0.3, 1.0}) {
+    Scenario scenario = make_scenario(model);
+    scenario.contact.dissipation = dissipation;
+    scenario.robots[0].pose.position = {0, 0, 0.55};
+    Bench bench(std::move(scenario));
+    double last_top = 0.5, top = 0.0;
+    bool rising = false;
+    int bounces = 0;
+    for (int i = 0; i < 3000; ++i) {
+      ASSERT_TRUE(bench.run(1));
+      const bool now_rising = bench.state.u[2] > 0.0;
+      if (now_rising) top = bench.state.q[2] - 0.05;
+      if (rising && !now_rising && top > 0.01) {
+        ++bounces;
+        // Without dissipation a symplectic step keeps the energy up to its own order (w h / 2).
+        EXPECT_LT(top, last_top * (dissipation > 0.0 ? 1.0 : 1.05)) << dissipation;
+        last_top = top;
+      }
+      rising = now_rising;
+    }
+    EXPECT_GE(bounces, 1) << dissipation;
+  }
+}
+
+TEST(Ground, CanBeSwitchedOff) {
+  Scenario scenario = make_scenario(make_vehicle(crazyflie()));
+  scenario.contact.ground = false;
+  Bench bench(std::move(scenario));
+  ASSERT_TRUE(bench.run_seconds(1.0));
+  EXPECT_LT(bench.state.q[2], -4.0);
+}
+
+Scenario two_robots(RobotModel a, RobotModel b, Vec3<double> place_b) {
+  Scenario scenario = make_scenario(std::move(a));
+  scenario.gravity = {0, 0, 0};
+  scenario.contact.ground = false;
+  RobotUse other;
+  other.name = "s";
+  other.model = std::move(b);
+  other.pose.position = place_b;
+  scenario.robots.push_back(std::move(other));
+  return scenario;
+}
+
+void expect_momentum_exchange(Shape a, Shape b) {
+  RobotModel first = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
+  RobotModel second = make_free_body(0.5, diagonal(0.01, 0.01, 0.01));
+  first.bodies[0].collisions = {a};
+  second.bodies[0].collisions = {b};
+  Bench bench(two_robots(first, second, {0.4, 0.01, 0.0}));
+  bench.state.u[0] = 1.0;
+  ASSERT_TRUE(bench.run_seconds(1.0));
+  EXPECT_GT(bench.state.u[6], 0.2) << "the second robot was pushed";
+  EXPECT_LT(bench.state.u[0], 0.8);
+  EXPECT_GT(bench.state.q[7], bench.state.q[0]) << "they did not pass through each other";
+  // Contact forces are equal and opposite: rounding only.
+  EXPECT_NEAR(1.0 * bench.state.u[0] + 0.5 * bench.state.u[6], 1.0, 1e-11);
+  const double energy = 0.5 * bench.state.u[0] * bench.state.u[0] +
+                        0.25 * bench.state.u[6] * bench.state.u[6];
+  EXPECT_LT(energy, 0.5);
+}
+
+TEST(Robots, CollidingSpheresExchangeMomentum) {
+  expect_momentum_exchange(make_sphere(0.1), make_sphere(0.1));
+}
+TEST(Robots, CollidingBoxesExchangeMomentum) {
+  expect_momentum_exchange(make_box(0.2, 0.2, 0.1), make_box(0.2, 0.2, 0.1));
+}
+TEST(Robots, SphereAndCylinderExchangeMomentum) {
+  expect_momentum_exchange(make_sphere(0.1), make_cylinder(0.1, 0.2));
+}
+
+TEST(Robots, BodiesOfOneRobotDoNotCollide) {
+  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
+  model.bodies.push_back(
+      make_body("second", JointType::kPin, 0, 0.5, {0, 0, 0}, diagonal(0.01, 0.01, 0.01)));
+  for (Body& body : model.bodies) body.collisions = {make_sphere(0.1)};
+  Bench bench(two_robots(model, make_free_body(1.0, diagonal(0.01, 0.01, 0.01)), {5, 0, 0}));
+  std::vector<double> udot(bench.state.u.size());
+  bench.stepper->accelerations(bench.state, udot.data());
+  for (const double a : udot) EXPECT_NEAR(a, 0.0, 1e-12);
+}
+
+TEST(Obstacle, StopsARobot) {
+  for (const Shape& shape : {make_sphere(0.1), make_box(0.2, 0.2, 0.2)}) {
+    RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
+    model.bodies[0].collisions = {shape};
+    Scenario scenario = make_scenario(model);
+    scenario.gravity = {0, 0, 0};
+    scenario.contact.ground = false;
+    Obstacle wall;
+    wall.name = "wall";
+    wall.shape = make_box(0.2, 1.0, 1.0);
+    wall.shape.pose.position = {0.5, 0.0, 0.0};
+    scenario.obstacles.push_back(wall);
+    Bench bench(std::move(scenario));
+    bench.state.u[0] = 1.0;
+    double farthest = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      ASSERT_TRUE(bench.run(1));
+      farthest = std::fmax(farthest, bench.state.q[0]);
+    }
+    EXPECT_LT(farthest, 0.35) << "the wall begins where the robot's origin is at 0.3";
+    EXPECT_LT(bench.state.u[0], 0.0) << "thrown back";
+    EXPECT_GT(bench.state.u[0], -1.0) << "with less energy";
+  }
+}
+
+}  // namespace
+}  // namespace skybody::test

@@ -1,0 +1,256 @@
+// Wrenches, disturbances, drives, and what the stepper promises.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "core/base/error.h"
+#include "core/physics/base_drive.h"
+#include "tests/unit/physics/test_models.h"
+
+namespace skybody::test {
+namespace {
+
+constexpr auto kRk4 = IntegratorChoice::kRk4;
+
+/// An off-centre body in space, turned by a quarter about z: body x is world y.
+Scenario turned_body() {
+  Scenario scenario =
+      make_scenario(make_free_body(2.0, diagonal(0.01, 0.02, 0.03), {0.1, 0.0, 0.0}));
+  scenario.gravity = {0, 0, 0};
+  scenario.robots[0].pose = {{0, 0, 5}, from_rpy(0.0, 0.0, kHalfPi)};
+  return scenario;
+}
+
+/// Acceleration of the centre of mass [W] and angular acceleration [body axes], at rest.
+struct Response {
+  Vec3<double> linear, angular;
+};
+Response respond(Bench& bench) {
+  std::vector<double> udot(6);
+  bench.stepper->accelerations(bench.state, udot.data());
+  const Vec3<double> angular = load_vec3(udot.data() + 3);
+  const Vec3<double> com{bench.param("robots.r.links.base.com[0]"), 0, 0};
+  return {load_vec3(udot.data()) + rotate(bench.state.bodies[0].rotation, cross(angular, com)),
+          angular};
+}
+
+void expect_near(const Vec3<double>& a, const Vec3<double>& b) {
+  EXPECT_LT(norm(a - b), 1e-12) << a.x << " " << a.y << " " << a.z;
+}
+
+TEST(Wrench, ActsAtItsPointInItsAxes) {
+  struct Case {
+    WrenchSite site;
+    Vec3<double> linear, angular;
+  };
+  // Force (1, 2, 3) N, moment (0.1, 0.2, 0.3) N m; body x is world y, body y is world -x.
+  const Case cases[] = {
+      {{0, {0, 0, 0}, true, true}, {0.5, 1.0, 1.5}, {0.2 / 0.01, -0.1 / 0.02, 0.3 / 0.03}},
+      {{0, {0, 0, 0}, true, false}, {-1.0, 0.5, 1.5}, {0.1 / 0.01, 0.2 / 0.02, 0.3 / 0.03}},
+      // At (0.1, 0.4, 0), 0.4 m along body y from the centre of mass: moment (0.4 y) x F.
+      {{0, {0.1, 0.4, 0}, false, false},
+       {-1.0, 0.5, 1.5},
+       {(0.1 + 1.2) / 0.01, 0.2 / 0.02, (0.3 - 0.4) / 0.03}},
+  };
+  for (const Case& c : cases) {
+    Bench bench(turned_body(), [&](World& world) { world.sites = {c.site}; });
+    ASSERT_EQ(bench.world.layout.wrench.size, 6);
+    bench.state.wrench = {1, 2, 3, 0.1, 0.2, 0.3};
+    const Response r = respond(bench);
+    expect_near(r.linear, c.linear);
+    expect_near(r.angular, c.angular);
+  }
+}
+
+TEST(Wrench, AtTheCentreOfMassFollowsADrawnCentreOfMass) {
+  Bench bench(turned_body(), [](World& world) { world.sites = {{0, {0, 0, 0}, true, true}}; });
+  bench.state.wrench = {1, 2, 3, 0, 0, 0};
+  bench.param("robots.r.links.base.com[0]") = -0.2;
+  expect_near(respond(bench).angular, {0, 0, 0});
+}
+
+TEST(Disturbance, ForceIsInWorldAxesAndMomentInBaseAxes) {
+  Scenario scenario = turned_body();
+  scenario.robots[0].disturbance_force = {1, 2, 3};
+  scenario.robots[0].disturbance_moment = {0.1, 0.2, 0.3};
+  Bench bench(std::move(scenario));
+  const Response r = respond(bench);
+  expect_near(r.linear, {0.5, 1.0, 1.5});
+  expect_near(r.angular, {10.0, 10.0, 10.0});
+  bench.param("robots.r.disturbance.force[0]") = 5.0;
+  expect_near(respond(bench).linear, {2.5, 1.0, 1.5});
+}
+
+Scenario driven_payload() {
+  RobotModel model = make_vehicle(qdrone2());
+  model.bodies.push_back(make_body("bob", JointType::kPin, 0, 0.2, {0, -0.8, 0},
+                                   diagonal(1e-3, 1e-3, 1e-3)));
+  model.bodies[1].joint.frame_in_parent.rotation =
+      from_axis_angle(Vec3<double>{1, 0, 0}, kHalfPi);
+  Scenario scenario = make_scenario(std::move(model), kRk4);
+  scenario.robots[0].pose.position = {0, 0, 5};
+  return scenario;
+}
+
+TEST(VelocityDrive, MovesTheBaseInItsOwnAxesAndLetsThePayloadSwing) {
+  Scenario scenario = driven_payload();
+  scenario.robots[0].pose.rotation = from_rpy(0.0, 0.0, kHalfPi);
+  Bench bench(std::move(scenario), [](World& w) { w.drives = {DriveKind::kVelocity}; });
+  ASSERT_EQ(bench.world.layout.drive.size, 13);
+  bench.state.drive[0] = 1.5;
+  ASSERT_TRUE(bench.run(1000));
+  // Forward is world y; no force moves or turns the base.
+  EXPECT_NEAR(bench.state.q[1], 1.5, 1e-12);
+  EXPECT_NEAR(bench.state.q[2], 5.0, 1e-12);
+  EXPECT_NEAR(bench.state.u[1], 1.5, 1e-14);
+  EXPECT_NEAR(bench.state.q[7], 0.0, 1e-15) << "steady motion leaves the payload hanging";
+
+  bench.state.drive[0] = 0.0;
+  bench.state.q[7] = -0.01;
+  const double period =
+      mean_period(upward_crossings(bench, [&] { return bench.state.q[7]; }, 8000));
+  // A pendulum on a base that no reaction moves.
+  EXPECT_NEAR(period, kTwoPi * std::sqrt((1e-3 + 0.2 * 0.64) / (0.2 * 9.81 * 0.8)), 1e-4);
+}
+
+TEST(VelocityDrive, TurnsTheBase) {
+  Bench bench(driven_payload(), [](World& w) { w.drives = {DriveKind::kVelocity}; });
+  bench.state.drive[5] = 0.5;
+  ASSERT_TRUE(bench.run(1000));
+  // Each step turns by atan(w h / 2) 2 rather than w h at most: (w h)^3 / 12 a step.
+  EXPECT_NEAR(yaw(load_quat(bench.state.q.data() + 3)), 0.5, 1e-8);
+}
+
+TEST(PoseDrive, ReachesThePoseExactlyAtTheEndOfTheStep) {
+  for (const bool off_centre : {false, true}) {
+    Scenario scenario = driven_payload();
+    if (off_centre) {
+      scenario.robots[0].model.bodies[0].joint.frame_in_body = {{0.1, 0, 0}, from_rpy(0.0, 0.0, 1.0)};
+    }
+    Bench bench(std::move(scenario), [](World& w) { w.drives = {DriveKind::kPose}; });
+    const Quat<double> target = from_rpy(0.1, -0.2, 0.3);
+    store(Vec3<double>{0.01, 0.02, 5.03}, bench.state.drive.data() + kDrivePosition);
+    store(target, bench.state.drive.data() + kDriveRotation);
+    ASSERT_TRUE(bench.run(1));
+    const BodyState& base = bench.state.bodies[0];
+    // Exact but for the change of frames.
+    EXPECT_LT(norm(base.position - Vec3<double>{0.01, 0.02, 5.03}), 1e-15 + off_centre * 1e-14);
+    EXPECT_NEAR(std::fabs((conjugate(target) * base.rotation).w), 1.0, 1e-14);
+    if (!off_centre) {
+      EXPECT_NEAR(base.velocity.x, 10.0, 1e-12);
+    }
+    ASSERT_TRUE(bench.run(1));
+    EXPECT_LT(norm(bench.state.bodies[0].velocity), 1e-10) << "arrived";
+  }
+}
+
+TEST(Drive, OfAFixedBaseIsAnError) {
+  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
+  model.bodies[0].joint.type = JointType::kWeld;
+  EXPECT_THROW(Bench(make_scenario(model), [](World& w) { w.drives = {DriveKind::kPose}; }), Error);
+}
+
+bool same_bits(const LaneState& a, const LaneState& b) {
+  const auto same = [](const std::vector<double>& x, const std::vector<double>& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(double)) == 0;
+  };
+  return same(a.q, b.q) && same(a.u, b.u) && same(a.rotor_speed, b.rotor_speed) &&
+         std::memcmp(a.bodies.data(), b.bodies.data(), a.bodies.size() * sizeof(BodyState)) == 0;
+}
+
+Scenario payload_flight() {
+  Scenario scenario = driven_payload();
+  scenario.stepping.integrator = IntegratorChoice::kSemiImplicitEuler;
+  scenario.robots[0].rotor_speed = -1.0;
+  return scenario;
+}
+
+TEST(Stepper, AfterAMassChangeIsTheSameAsAFreshWorldOfThatMass) {
+  Scenario heavy = payload_flight();
+  heavy.robots[0].model.bodies[0].mass.mass = 2.0;
+  heavy.robots[0].model.bodies[1].mass.com.x = 0.05;
+  Bench fresh(std::move(heavy));
+  Bench changed(payload_flight());
+  ASSERT_TRUE(changed.run(50));
+  changed.state = fresh.state;  // parameters and all
+  ASSERT_TRUE(changed.run(200));
+  ASSERT_TRUE(fresh.run(200));
+  EXPECT_TRUE(same_bits(changed.state, fresh.state));
+}
+
+TEST(Stepper, ResultsDoNotDependOnWhatItSawBefore) {
+  Bench a(payload_flight()), b(payload_flight());
+  a.state.rotor_command.assign(4, 1500.0);
+  ASSERT_TRUE(a.run(100));
+  const LaneState saved = a.state;
+  ASSERT_TRUE(a.run(100));
+  // b serves another environment in between, with other parameters, then a failing one.
+  b.state.q[7] = 1.0;
+  b.param("robots.r.links.base.mass") = 3.0;
+  b.param("robots.r.rotors[0].tau_up") = 0.1;
+  ASSERT_TRUE(b.run(37));
+  b.state.u[0] = kNan;
+  EXPECT_FALSE(b.run(1));
+  b.state = saved;
+  ASSERT_TRUE(b.run(100));
+  EXPECT_TRUE(same_bits(a.state, b.state));
+}
+
+TEST(Stepper, NonFiniteStepReturnsFalseAndLeavesTheState) {
+  for (const IntegratorChoice integrator : {IntegratorChoice::kSemiImplicitEuler, kRk4}) {
+    Scenario scenario = payload_flight();
+    scenario.stepping.integrator = integrator;
+    Bench bench(std::move(scenario));
+    ASSERT_TRUE(bench.run(10));
+    const LaneState good = bench.state;
+    bench.state.rotor_command[1] = kNan;
+    EXPECT_FALSE(bench.run(1));
+    EXPECT_TRUE(same_bits(bench.state, good));
+    bench.state = good;
+    bench.state.u[4] = kInfinity;
+    EXPECT_FALSE(bench.run(1));
+    bench.state = good;
+    bench.state.u[4] = 1e200;  // finite, but not after a step
+    EXPECT_FALSE(bench.run(1));
+    bench.state = good;
+    bench.param("robots.r.links.base.mass") = -1.0;
+    EXPECT_FALSE(bench.run(1)) << "masses that cannot be built are a failed step";
+    EXPECT_EQ(bench.state.q, good.q);
+    bench.state = good;
+    EXPECT_TRUE(bench.run(10)) << "the stepper goes on with good states";
+  }
+}
+
+TEST(Stepper, ImpossibleInertiaIsAnErrorThatNamesTheBody) {
+  try {
+    Bench bench(make_scenario(make_free_body(1.0, diagonal(0.01, 0.01, 0.03))));
+    FAIL() << "built";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("'base'"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Stepper, AcceptsTheInertiaOfAFlatBodyWithinRounding) {
+  Bench bench(make_scenario(make_free_body(1.0, diagonal(0.01, 0.02, 0.03 * (1 + 1e-9)))));
+  EXPECT_TRUE(bench.run(10));
+}
+
+TEST(Layout, NamesEveryParameterAndOrdersTheBlocks) {
+  Bench bench(payload_flight());
+  const Layout& layout = bench.world.layout;
+  EXPECT_EQ(layout.q.size, 8);
+  EXPECT_EQ(layout.u.size, 7);
+  EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 8 + 6);
+  EXPECT_EQ(layout.find_param("robots.r.links.bob.mass"), layout.body_params[1]);
+  EXPECT_EQ(layout.find_param("robots.r.links.base.inertia[5]"), layout.body_params[0] + 9);
+  EXPECT_EQ(layout.find_param("robots.r.rotors[2].tau_down"), layout.rotor_params[2] + kTauDown);
+  EXPECT_EQ(layout.find_param("robots.r.disturbance.moment[0]"), layout.disturbance_params[0] + 3);
+  EXPECT_EQ(layout.find_param("robots.r.links.rod.mass"), -1);
+  EXPECT_EQ(layout.q.offset, kHeaderSize);
+  EXPECT_EQ(layout.params.offset, layout.drive.offset + layout.drive.size);
+  EXPECT_EQ(layout.words, layout.params.offset + layout.params.size);
+}
+
+}  // namespace
+}  // namespace skybody::test

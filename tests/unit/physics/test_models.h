@@ -1,0 +1,185 @@
+// Small robots built by hand, and what tests of physics do with them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/math.h"
+#include "core/physics/default_state.h"
+#include "core/physics/stepper.h"
+#include "core/physics/world_layout.h"
+
+namespace skybody::test {
+
+inline SymMat3<double> diagonal(double xx, double yy, double zz) { return {xx, yy, zz, 0, 0, 0}; }
+
+inline Body make_body(const std::string& name, JointType type, int parent, double mass,
+                      Vec3<double> com, SymMat3<double> inertia) {
+  Body body;
+  body.name = name;
+  body.joint.name = name + "_joint";
+  body.joint.type = type;
+  body.joint.parent = parent;
+  body.mass = {mass, com, inertia};
+  return body;
+}
+
+inline Shape make_box(double x, double y, double z) {
+  Shape shape;
+  shape.type = ShapeType::kBox;
+  shape.size = {x, y, z};
+  return shape;
+}
+
+inline Shape make_sphere(double radius) {
+  Shape shape;
+  shape.type = ShapeType::kSphere;
+  shape.radius = radius;
+  return shape;
+}
+
+inline Shape make_cylinder(double radius, double length) {
+  Shape shape;
+  shape.type = ShapeType::kCylinder;
+  shape.radius = radius;
+  shape.length = length;
+  return shape;
+}
+
+/// One free body without rotors or shapes.
+inline RobotModel make_free_body(double mass, SymMat3<double> inertia,
+                                 Vec3<double> com = {0, 0, 0}) {
+  RobotModel model;
+  model.name = "free_body";
+  model.bodies.push_back(make_body("base", JointType::kFree, -1, mass, com, inertia));
+  return model;
+}
+
+/// What a vehicle's size comes down to.
+struct VehicleData {
+  double mass;             ///< [kg]
+  SymMat3<double> inertia;
+  double arm;              ///< rotor hubs at (+-arm, +-arm) or on a circle of this radius [m]
+  double kf, km;           ///< thrust and moment constants
+  double max_speed;        ///< [rad/s]
+  double tau_up, tau_down; ///< [s]
+  Vec3<double> box;        ///< collision box [m]
+  int rotors = 4;
+};
+
+inline VehicleData qdrone2() {
+  return {1.54, diagonal(0.0147, 0.0169, 0.0294), 0.115, 1.9533e-6, 2.8401e-8, 2246, 0.0125, 0.025,
+          {0.30, 0.26, 0.10}};
+}
+inline VehicleData crazyflie() {
+  return {0.027, diagonal(1.6572e-5, 1.6656e-5, 2.9262e-5), 0.031, 1.28192e-8, 7.646e-11, 2618,
+          0.0125, 0.025, {0.09, 0.09, 0.03}};
+}
+inline VehicleData hummingbird() {
+  return {0.716, diagonal(0.007, 0.007, 0.012), 0.12, 8.54858e-6, 1.3678e-7, 838, 0.0125, 0.025,
+          {0.36, 0.36, 0.11}};
+}
+inline VehicleData firefly() {
+  return {1.56, diagonal(0.03476, 0.04589, 0.066), 0.215, 8.54858e-6, 1.3678e-7, 838, 0.0125,
+          0.025, {0.45, 0.45, 0.12}, 6};
+}
+
+/// A multirotor with alternating rotors in the plane of its centre of mass and a box to land on.
+inline RobotModel make_vehicle(const VehicleData& d) {
+  RobotModel model = make_free_body(d.mass, d.inertia);
+  model.bodies[0].collisions.push_back(make_box(d.box.x, d.box.y, d.box.z));
+  for (int i = 0; i < d.rotors; ++i) {
+    const SinCos<double> at = sincos((i + 0.5) * kTwoPi / d.rotors);
+    Rotor rotor;
+    rotor.name = "rotor_" + std::to_string(i);
+    rotor.position = {d.arm * at.cos, d.arm * at.sin, 0.0};
+    rotor.direction = i % 2 == 0 ? 1 : -1;
+    rotor.thrust_constant = d.kf;
+    rotor.moment_constant = d.km;
+    rotor.max_speed = d.max_speed;
+    rotor.tau_up = d.tau_up;
+    rotor.tau_down = d.tau_down;
+    model.rotors.push_back(rotor);
+  }
+  return model;
+}
+
+inline Scenario make_scenario(RobotModel model,
+                              IntegratorChoice integrator = IntegratorChoice::kSemiImplicitEuler,
+                              double dt = 0.001) {
+  Scenario scenario;
+  scenario.name = "test";
+  scenario.stepping.dt = dt;
+  scenario.stepping.integrator = integrator;
+  RobotUse use;
+  use.name = "r";
+  use.model = std::move(model);
+  scenario.robots.push_back(std::move(use));
+  return scenario;
+}
+
+/// A world with its stepper and state. `prepare` may set sites and drives before the layout is done.
+struct Bench {
+  explicit Bench(Scenario scenario, const std::function<void(World&)>& prepare = {})
+      : world(std::move(scenario)) {
+    if (prepare) prepare(world);
+    finish_layout(world);
+    stepper = make_simbody_stepper(world);
+    write_default_state(world, state);
+  }
+
+  double dt() const { return world.scenario.stepping.dt; }
+  double& param(const std::string& path) { return state.params.at(world.layout.find_param(path)); }
+  /// @returns false as soon as a step fails
+  bool run(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      if (!stepper->advance(state)) return false;
+    }
+    return true;
+  }
+  bool run_seconds(double seconds) { return run(static_cast<int>(seconds / dt() + 0.5)); }
+
+  World world;
+  std::unique_ptr<Stepper> stepper;
+  LaneState state;
+};
+
+/// Kinetic energy of one body [J].
+inline double kinetic_energy(const BodyState& b, const MassProperties& m) {
+  const Vec3<double> v =
+      b.velocity + rotate(b.rotation, cross(b.angular_velocity, m.com));
+  return 0.5 * m.mass * dot(v, v) +
+         0.5 * dot(b.angular_velocity, m.inertia * b.angular_velocity);
+}
+
+/// Angular momentum of one body about its centre of mass, W axes.
+inline Vec3<double> spin_momentum(const BodyState& b, const MassProperties& m) {
+  return rotate(b.rotation, m.inertia * b.angular_velocity);
+}
+
+inline Vec3<double> com_velocity(const BodyState& b, const MassProperties& m) {
+  return b.velocity + rotate(b.rotation, cross(b.angular_velocity, m.com));
+}
+
+/// Times at which `value` crosses zero upwards while stepping, interpolated linearly.
+inline std::vector<double> upward_crossings(Bench& bench, const std::function<double()>& value,
+                                            int steps) {
+  std::vector<double> times;
+  double before = value();
+  for (int i = 0; i < steps; ++i) {
+    if (!bench.stepper->advance(bench.state)) break;
+    const double now = value();
+    if (before < 0.0 && now >= 0.0) times.push_back((i + before / (before - now)) * bench.dt());
+    before = now;
+  }
+  return times;
+}
+
+/// Mean time between the first and the last of the crossings.
+inline double mean_period(const std::vector<double>& times) {
+  return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+}
+
+}  // namespace skybody::test

@@ -1,0 +1,349 @@
+// Loads a shipped plugin's library, makes an instance in a PluginWorld and calls its kernels on
+// groups of environments, without the engine.
+#pragma once
+
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/unit/plugin_world.h"
+
+namespace skybody::testing {
+
+/// What a test gives for a parameter.
+struct Given {
+  std::vector<double> numbers;
+  std::vector<std::string> texts;
+  Given(double number) : numbers{number} {}
+  Given(int number) : numbers{static_cast<double>(number)} {}
+  Given(bool value) : numbers{value ? 1.0 : 0.0} {}
+  Given(const char* text) : texts{text} {}
+  Given(std::vector<double> list) : numbers(std::move(list)) {}
+  Given(std::vector<std::string> list) : texts(std::move(list)) {}
+};
+using Parameters = std::map<std::string, Given>;
+
+/// What configure() declared.
+struct Declared {
+  int input = -1, output = -1, output_count = 0, period = 1, buffer = 0;
+  bool bodies_before = false;
+  std::vector<double> low, high;
+  std::vector<SkybodySite> sites;
+  std::vector<std::string> channels;
+  std::vector<int> counts, writes;
+  std::vector<std::pair<int, int>> goals;
+  int channel_size() const {
+    int sum = 0;
+    for (const int c : counts) sum += c;
+    return sum;
+  }
+};
+
+/// Values of a group of environments, scalar k of lane l at [k * lanes + l].
+struct Group {
+  int lanes = 1;
+  std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
+  std::vector<double> bodies, before, q, u, rotor_speed, params, action, command;
+  std::vector<double> buffer, input, output, observation, reward;
+
+  double& at(std::vector<double>& block, int k, int lane = 0) const {
+    return block[static_cast<std::size_t>(k * lanes + lane)];
+  }
+  /// One lane as a group of its own.
+  Group alone(int lane) const {
+    Group one;
+    one.lanes = 1;
+    each(*this, one, [&](const auto& from, auto& to) {
+      to.clear();
+      for (std::size_t k = static_cast<std::size_t>(lane); k < from.size(); k += static_cast<std::size_t>(lanes)) {
+        to.push_back(from[k]);
+      }
+    });
+    return one;
+  }
+  template <class F>
+  static void each(const Group& a, Group& b, F&& f) {
+    f(a.key, b.key), f(a.episode, b.episode), f(a.step, b.step), f(a.state, b.state), f(a.end, b.end);
+    f(a.physics_step, b.physics_step), f(a.bodies, b.bodies), f(a.before, b.before), f(a.q, b.q);
+    f(a.u, b.u), f(a.rotor_speed, b.rotor_speed), f(a.params, b.params), f(a.action, b.action);
+    f(a.command, b.command), f(a.buffer, b.buffer), f(a.input, b.input), f(a.output, b.output);
+    f(a.observation, b.observation), f(a.reward, b.reward);
+  }
+  bool same_bits(const Group& other) const {
+    bool same = lanes == other.lanes;
+    Group copy = other;
+    each(*this, copy, [&](const auto& a, auto& b) {
+      same = same && a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * 8) == 0);
+    });
+    return same;
+  }
+};
+
+/// One instance of a shipped plugin.
+class Instance {
+ public:
+  /// @throws std::runtime_error with configure()'s message
+  Instance(const std::string& name, PluginWorld& world, const Parameters& given = {})
+      : world_(world), name_("test." + name) {
+    const std::string file = std::string(SKYBODY_BINARY_DIR) + "/lib/skybody/plugins/" + name + ".so";
+    library_.reset(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* h) { if (h != nullptr) dlclose(h); });
+    if (!library_) throw std::logic_error(dlerror());
+    const auto* exported =
+        static_cast<const SkybodyPluginLibrary*>(dlsym(library_.get(), SKYBODY_LIBRARY_SYMBOL));
+    plugin_ = exported->plugins[0];
+    bind(given);
+    const SkybodyDeclare declare = declaration();
+    const SkybodySetup setup = world.setup(name_.c_str(), values_);
+    char error[1024] = "";
+    self_ = plugin_->create(&setup, &declare, error, sizeof(error));
+    if (self_ == nullptr) throw std::runtime_error(error);
+  }
+  ~Instance() {
+    if (self_ != nullptr) plugin_->destroy(self_);
+  }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  Declared declared;
+  const SkybodyPlugin& plugin() const { return *plugin_; }
+  int env_param(const std::string& parameter) const { return env_params_.at(parameter); }
+
+  /// Environments at rest at their scenario poses, nominal parameters, state 0.
+  Group group(int lanes) const {
+    Group g;
+    g.lanes = lanes;
+    const auto n = [&](int count) { return static_cast<std::size_t>(count * lanes); };
+    g.key.assign(n(2), 7);
+    g.episode.assign(n(1), 1);
+    g.step.assign(n(1), 0);
+    g.physics_step.assign(n(1), 0);
+    g.state.assign(n(static_cast<int>(plugin_->state_words)), 0);
+    g.end.assign(n(1), 0);
+    g.q.assign(n(world_.q), 0.0);
+    g.u.assign(n(world_.u), 0.0);
+    g.rotor_speed.assign(n(static_cast<int>(world_.rotors.size())), 0.0);
+    g.action.assign(n(world_.actions), 0.0);
+    g.command.assign(n(world_.actions), 0.0);
+    g.buffer.assign(n(declared.buffer), 0.0);
+    g.input.assign(n(static_cast<int>(declared.low.size())), 0.0);
+    g.output.assign(n(std::max(declared.output_count, declared.channel_size())), 0.0);
+    g.observation.assign(n(declared.channel_size()), 0.0);
+    g.reward.assign(n(1), 0.0);
+    g.bodies.assign(n(13 * static_cast<int>(world_.bodies.size())), 0.0);
+    g.params.assign(n(static_cast<int>(world_.params.size())), 0.0);
+    for (int l = 0; l < lanes; ++l) {
+      for (std::size_t k = 0; k < world_.params.size(); ++k) {
+        g.at(g.params, static_cast<int>(k), l) = world_.params[k].nominal;
+      }
+      for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
+        const SkybodyRobotInfo& robot = world_.robots[static_cast<std::size_t>(world_.bodies[b].robot)];
+        const int first = 13 * static_cast<int>(b);
+        for (int k = 0; k < 3; ++k) g.at(g.bodies, first + k, l) = robot.position[k];
+        g.at(g.bodies, first + 3, l) = 1.0;
+      }
+    }
+    g.before = g.bodies;
+    return g;
+  }
+
+  enum class Call { kReset, kControl, kSense, kRandomize, kRequest, kEvaluate };
+  /// Calls one step function of an instruction set (0, 1, 2: v2, v3, v4) for the lanes of `mask`.
+  void call(Call what, Group& g, std::uint32_t mask = 1, int set = 0) const {
+    const SkybodyKernels& k = plugin_->kernels[set];
+    const SkybodyLanes v = view(g, mask);
+    std::uint64_t* state = g.state.data();
+    double* buffer = g.buffer.data();
+    const bool requested = what == Call::kRequest;
+    const SkybodyStart start{g.q.data(), g.u.data(), g.rotor_speed.data(), g.params.data(), requested ? 1u : 0u};
+    const SkybodyEvaluation out{g.observation.data(), g.reward.data(), g.end.data()};
+    switch (what) {
+      case Call::kReset:
+        if (k.reset != nullptr) k.reset(self_, &v, state, buffer);
+        break;
+      case Call::kControl: k.control(self_, &v, state, buffer, g.input.data(), g.output.data()); break;
+      case Call::kSense: k.sense(self_, &v, state, buffer, g.output.data()); break;
+      case Call::kRandomize:
+      case Call::kRequest: k.randomize(self_, &v, state, buffer, &start); break;
+      case Call::kEvaluate: k.evaluate(self_, &v, state, buffer, &out); break;
+    }
+  }
+  /// The step function of its kind.
+  Call main_call() const {
+    const Call calls[] = {Call::kControl, Call::kSense, Call::kRandomize, Call::kEvaluate};
+    return calls[plugin_->kind];
+  }
+  std::vector<double> goal(Group& g) const {
+    std::vector<double> goal(4 * declared.goals.size() * static_cast<std::size_t>(g.lanes));
+    const SkybodyLanes v = view(g, 1);
+    plugin_->kernels[0].goal(self_, &v, g.state.data(), g.buffer.data(), goal.data());
+    return goal;
+  }
+
+ private:
+  static SkybodyLanes view(Group& g, std::uint32_t mask) {
+    SkybodyLanes v{};
+    v.lanes = static_cast<std::uint32_t>(g.lanes);
+    v.active = mask;
+    v.key = g.key.data();
+    v.episode = g.episode.data();
+    v.step = g.step.data();
+    v.physics_step = g.physics_step.data();
+    v.bodies = g.bodies.data();
+    v.bodies_before = g.before.data();
+    v.q = g.q.data();
+    v.u = g.u.data();
+    v.rotor_speed = g.rotor_speed.data();
+    v.params = g.params.data();
+    v.action = g.action.data();
+    v.command = g.command.data();
+    return v;
+  }
+
+  void bind(const Parameters& given) {
+    std::size_t used = 0;
+    for (std::uint32_t i = 0; i < plugin_->parameter_count; ++i) {
+      const SkybodyParameter& p = plugin_->parameters[i];
+      const auto found = given.find(p.name);
+      used += found != given.end() ? 1u : 0u;
+      auto& numbers = *numbers_.emplace_back(std::make_unique<std::vector<double>>());
+      auto& words = *words_.emplace_back(std::make_unique<std::vector<const char*>>());
+      if (found != given.end()) {
+        numbers = found->second.numbers;
+        for (const auto& t : found->second.texts) words.push_back(world_.keep(t));
+      } else if (p.type == SKYBODY_TEXT) {
+        words.assign(p.default_texts, p.default_texts + p.default_count);
+      } else {
+        numbers.assign(p.default_numbers, p.default_numbers + p.default_count);
+      }
+      SkybodyValue v{numbers.data(), words.data(),
+                     static_cast<std::uint32_t>(p.type == SKYBODY_TEXT ? words.size() : numbers.size()), -1};
+      if (p.randomizable != 0) {
+        v.env_param = static_cast<std::int32_t>(world_.params.size());
+        env_params_[p.name] = v.env_param;
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
+          world_.add_param(name_ + "." + p.name + "[" + std::to_string(k) + "]", numbers[k], p.min, p.max);
+        }
+      }
+      values_.push_back(v);
+    }
+    if (used != given.size()) throw std::logic_error("a parameter in the test is not declared");
+  }
+
+  SkybodyDeclare declaration() {
+    SkybodyDeclare d{};
+    d.host = &declared;
+    const auto me = [](void* host) -> Declared& { return *static_cast<Declared*>(host); };
+    static const auto self = me;
+    d.input = [](void* h, int32_t signal, int32_t n, const double* low, const double* high) {
+      self(h).input = signal;
+      self(h).low.assign(low, low + n);
+      self(h).high.assign(high, high + n);
+    };
+    d.output = [](void* h, int32_t signal, int32_t n) { self(h).output = signal, self(h).output_count = n; };
+    d.site = [](void* h, const SkybodySite* s) { self(h).sites.push_back(*s); };
+    d.channel = [](void* h, const SkybodyChannel* c) {
+      self(h).channels.push_back(c->name);
+      self(h).counts.push_back(c->count);
+    };
+    d.period = [](void* h, int32_t n) { self(h).period = n; };
+    d.buffer = [](void* h, int32_t n) { self(h).buffer = n; };
+    d.bodies_before = [](void* h) { self(h).bodies_before = true; };
+    d.writes = [](void* h, int32_t p) { self(h).writes.push_back(p); };
+    d.goal = [](void* h, int32_t r, int32_t b) { self(h).goals.push_back({r, b}); };
+    return d;
+  }
+
+  PluginWorld& world_;
+  std::string name_;
+  std::shared_ptr<void> library_;
+  const SkybodyPlugin* plugin_ = nullptr;
+  void* self_ = nullptr;
+  std::vector<std::unique_ptr<std::vector<double>>> numbers_;
+  std::vector<std::unique_ptr<std::vector<const char*>>> words_;
+  std::vector<SkybodyValue> values_;
+  std::map<std::string, int> env_params_;
+};
+
+/// The message with which configure() refuses, or "" if it does not.
+inline std::string refusal(const std::string& plugin, PluginWorld& world, const Parameters& given) {
+  try {
+    const Instance instance(plugin, world, given);
+  } catch (const std::runtime_error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+/// Random but plausible motion, counters, actions and inputs (beyond the declared range by half).
+inline void scatter(Group& g, const Declared& declared, std::mt19937_64& generator) {
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(generator() >> 11) * 0x1p-53;
+  };
+  for (auto* block : {&g.bodies, &g.before}) {
+    for (double& x : *block) x = uniform(-1.0, 1.0);
+    for (int b = 0; 13 * b * g.lanes < static_cast<int>(block->size()); ++b) {
+      for (int l = 0; l < g.lanes; ++l) {
+        double sum = 0.0;
+        for (int k = 3; k < 7; ++k) sum += g.at(*block, 13 * b + k, l) * g.at(*block, 13 * b + k, l);
+        for (int k = 3; k < 7; ++k) g.at(*block, 13 * b + k, l) /= std::sqrt(sum);
+        for (int k = 7; k < 13; ++k) g.at(*block, 13 * b + k, l) *= 8.0;
+      }
+    }
+  }
+  for (double& x : g.rotor_speed) x = uniform(0.0, 2200.0);
+  for (double& x : g.action) x = uniform(-1.0, 1.0);
+  for (int k = 0; k < static_cast<int>(declared.low.size()); ++k) {
+    const double low = declared.low[static_cast<std::size_t>(k)], high = declared.high[static_cast<std::size_t>(k)];
+    for (int l = 0; l < g.lanes; ++l) g.at(g.input, k, l) = uniform(1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low);
+  }
+}
+
+/// Every instruction set gives the bits that double gives, lane by lane, and leaves lanes alone that
+/// it is not asked to serve: 125 rounds of 8 environments with random masks.
+inline void expect_same_bits(const std::string& plugin, PluginWorld& world, const Parameters& given = {}) {
+  const Instance instance(plugin, world, given);
+  EXPECT_EQ(instance.plugin().vectorized, 1u) << plugin << " is written for double only";
+  const bool runs[3] = {__builtin_cpu_supports("sse4.2") > 0, __builtin_cpu_supports("avx2") > 0,
+                        __builtin_cpu_supports("avx512f") > 0 && __builtin_cpu_supports("avx512dq") > 0 &&
+                            __builtin_cpu_supports("avx512bw") > 0 && __builtin_cpu_supports("avx512vl") > 0};
+  for (int set = 0; set < 3; ++set) {
+    if (!runs[set]) continue;
+    std::mt19937_64 generator(11);
+    Group g = instance.group(8);
+    for (int l = 0; l < 8; ++l) g.key[static_cast<std::size_t>(8 + l)] = static_cast<std::uint64_t>(l);
+    for (int round = 0; round < 125; ++round) {
+      scatter(g, instance.declared, generator);
+      const auto mask = static_cast<std::uint32_t>(generator() & 255u);
+      const bool fresh = round % 10 == 0;
+      for (int l = 0; l < 8; ++l) {
+        if (fresh) g.physics_step[static_cast<std::size_t>(l)] = g.step[static_cast<std::size_t>(l)] = 0;
+      }
+      const Group before = g;
+      if (fresh) instance.call(Instance::Call::kReset, g, mask, set);
+      instance.call(instance.main_call(), g, mask, set);
+      for (int l = 0; l < 8; ++l) {
+        Group one = before.alone(l);
+        if (((mask >> l) & 1u) != 0) {
+          if (fresh) instance.call(Instance::Call::kReset, one);
+          instance.call(instance.main_call(), one);
+        }
+        ASSERT_TRUE(one.same_bits(g.alone(l)))
+            << plugin << ", instruction set " << set << ", round " << round << ", lane " << l
+            << (((mask >> l) & 1u) != 0 ? "" : " (not to be served)");
+        ++g.physics_step[static_cast<std::size_t>(l)];
+        ++g.step[static_cast<std::size_t>(l)];
+        if (fresh) ++g.episode[static_cast<std::size_t>(l)];
+      }
+    }
+  }
+}
+
+}  // namespace skybody::testing

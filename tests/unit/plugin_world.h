@@ -1,0 +1,147 @@
+// A small world by hand, as a plugin's configure() sees it: QDrone2, and what tests hang on it.
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "plugins/api/abi.h"
+
+namespace skybody::testing {
+
+/// Tables behind a SkybodySetup. Add robots first, then ask for setup().
+class PluginWorld {
+ public:
+  double dt = 0.001;
+  double gravity = 9.81;
+  int robot = 0;  ///< that a controller belongs to
+  std::vector<SkybodyRobotInfo> robots;
+  std::vector<SkybodyBodyInfo> bodies;
+  std::vector<SkybodyLinkInfo> links;
+  std::vector<SkybodyRotorInfo> rotors;
+  std::vector<SkybodyEnvParamInfo> params;
+  int q = 0, u = 0, actions = 0;
+
+  /// QDrone2 (GzDRL's figures), one rigid body, four rotors on the base.
+  int add_quad(const std::string& name, double x = 0.0, double y = 0.0, double z = 1.0) {
+    const int index = add_robot(name, x, y, z);
+    add_body(index, "base", -1, 1, 1.54, {0.0147209, 0.0169101, 0.029448});
+    const double at[4][3] = {
+        {0.1016, 0.127, 0.023}, {-0.1016, -0.127, 0.023}, {0.1016, -0.127, 0.023}, {-0.1016, 0.127, 0.023}};
+    const double direction[4] = {-1.0, -1.0, 1.0, 1.0};
+    for (int i = 0; i < 4; ++i) add_rotor(index, at[i], direction[i]);
+    return index;
+  }
+
+  /// A body on a ball joint below the base of the last robot.
+  int add_payload(const std::string& name) {
+    return add_body(static_cast<int>(robots.size()) - 1, name, robots.back().first_body, 5, 0.205,
+                    {9.8e-4, 9.8e-4, 9.8e-4});
+  }
+
+  int add_robot(const std::string& name, double x, double y, double z) {
+    const int index = static_cast<int>(robots.size());
+    SkybodyRobotInfo r{};
+    r.name = keep(name);
+    r.first_body = static_cast<int>(bodies.size());
+    r.first_rotor = static_cast<int>(rotors.size());
+    r.first_q = q;
+    r.first_u = u;
+    r.position[0] = x;
+    r.position[1] = y;
+    r.position[2] = z;
+    r.rotation[0] = 1.0;
+    r.disturbance_param = static_cast<int>(params.size());
+    for (int k = 0; k < 6; ++k) add_param("robots." + name + ".disturbance[" + std::to_string(k) + "]", 0.0);
+    r.first_action = r.first_command = actions;
+    r.action_count = r.command_count = 4;
+    r.command_signal = SKYBODY_ROTOR_SPEED;
+    actions += 4;
+    robots.push_back(r);
+    return index;
+  }
+
+  int add_body(int owner, const std::string& name, int parent, int joint, double mass,
+               const std::vector<double>& moments) {
+    SkybodyBodyInfo b{};
+    const std::string path = std::string("robots.") + robots[at(owner)].name + ".links." + name;
+    b.name = keep(name);
+    b.robot = owner;
+    b.parent = parent;
+    b.mass = mass;
+    for (int k = 0; k < 3; ++k) b.inertia[k] = moments[at(k)];
+    b.first_param = add_param(path + ".mass", mass, 1e-9);
+    for (int k = 0; k < 3; ++k) add_param(path + ".com[" + std::to_string(k) + "]", 0.0);
+    for (int k = 0; k < 6; ++k) add_param(path + ".inertia[" + std::to_string(k) + "]", b.inertia[k]);
+    b.first_q = q;
+    b.first_u = u;
+    b.joint = joint;
+    q += joint == 1 ? 7 : 4;
+    u += joint == 1 ? 6 : 3;
+    ++robots[at(owner)].body_count;
+    bodies.push_back(b);
+    SkybodyLinkInfo link{};
+    link.name = b.name;
+    link.robot = owner;
+    link.body = static_cast<int>(bodies.size()) - 1;
+    link.rotation[0] = 1.0;
+    links.push_back(link);
+    return link.body;
+  }
+
+  void add_rotor(int owner, const double (&position)[3], double direction) {
+    SkybodyRotorInfo r{};
+    const std::string name = "rotor" + std::to_string(robots[at(owner)].rotor_count);
+    const double constants[8] = {1.9533e-6, 2.8401e-8, 2.0673e-5, 1e-9, 4.92e-6, 2246.0, 0.0125, 0.025};
+    r.name = keep(name);
+    r.robot = owner;
+    r.body = robots[at(owner)].first_body;
+    r.axis[2] = 1.0;
+    r.direction = direction;
+    r.first_param = static_cast<int>(params.size());
+    for (int k = 0; k < 3; ++k) r.position[k] = position[k];
+    for (int k = 0; k < 8; ++k) {
+      r.constants[k] = constants[k];
+      add_param(std::string("robots.") + robots[at(owner)].name + ".rotors[" +
+                    std::to_string(robots[at(owner)].rotor_count) + "].constant" + std::to_string(k),
+                constants[k]);
+    }
+    ++robots[at(owner)].rotor_count;
+    rotors.push_back(r);
+  }
+
+  int add_param(const std::string& path, double nominal, double min = -1e9, double max = 1e9) {
+    params.push_back({keep(path), nominal, min, max});
+    return static_cast<int>(params.size()) - 1;
+  }
+
+  const char* keep(const std::string& text) { return texts_.emplace_back(text).c_str(); }
+
+  SkybodySetup setup(const char* instance, const std::vector<SkybodyValue>& values) const {
+    SkybodySetup s{};
+    s.instance = instance;
+    s.dt = dt;
+    s.action_repeat = 1;
+    s.gravity[2] = -gravity;
+    s.robot = robot;
+    s.robots = robots.data();
+    s.robot_count = static_cast<int>(robots.size());
+    s.bodies = bodies.data();
+    s.body_count = static_cast<int>(bodies.size());
+    s.links = links.data();
+    s.link_count = static_cast<int>(links.size());
+    s.rotors = rotors.data();
+    s.rotor_count = static_cast<int>(rotors.size());
+    s.params = params.data();
+    s.param_count = static_cast<int>(params.size());
+    s.values = values.data();
+    s.value_count = static_cast<int>(values.size());
+    return s;
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  std::deque<std::string> texts_;
+};
+
+}  // namespace skybody::testing
