@@ -48,6 +48,15 @@ std::string describe_extra(const CLI::App& command, const std::string& argument)
   return "unknown option `" + name + "`" + (near.empty() ? "" : "; did you mean `" + near + "`?");
 }
 
+/// What nothing took: an option before what may be its value. CLI11 hands them up to the program.
+std::string first_extra(const CLI::App& app) {
+  const std::vector<std::string> extras = app.remaining(true);
+  for (const std::string& extra : extras) {
+    if (extra.size() > 1 && extra[0] == '-') return extra;
+  }
+  return extras.empty() ? "" : extras.back();
+}
+
 /// CLI11's own text: "--seed: what is wrong", "SCENARIO is required".
 std::string describe_other(const CLI::ParseError& error) {
   std::string text = error.what();
@@ -96,9 +105,8 @@ CLI::Validator assignment() {
 
 std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost(app);
-  const std::vector<std::string> extras = command.remaining(true);
-  const bool is_extra = error.get_name() == "ExtrasError" && !extras.empty();
-  const std::string text = is_extra ? describe_extra(command, extras.front()) : describe_other(error);
+  const std::string extra = error.get_name() == "ExtrasError" ? first_extra(app) : "";
+  const std::string text = extra.empty() ? describe_other(error) : describe_extra(command, extra);
   return text + "; see `" + path_of(command) + " --help`";
 }
 

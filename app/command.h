@@ -13,7 +13,7 @@ enum ExitStatus : int {
   kExitDone = 0,
   kExitError = 2,        ///< the user's input: command line, files, plugins, places to write to
   kExitBug = 3,          ///< ours
-  kExitInterrupted = 130  ///< Ctrl-C
+  kExitSignal = 128     ///< plus the signal: 130 after Ctrl-C
 };
 
 /// Does the command's work. @returns the exit status

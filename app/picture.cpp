@@ -37,7 +37,7 @@ std::string interpreter() {
   return access(configured.c_str(), X_OK) == 0 ? configured : "python3";
 }
 
-fs::path script() { return shipped_data("plot_flight.py", SKYBODY_PLOT_SCRIPT); }
+fs::path script() { return shipped_data("scripts", "scripts") / "plot_flight.py"; }
 
 std::vector<std::string> command_line(const fs::path& log) {
   return {interpreter(), script().string(), log.string()};

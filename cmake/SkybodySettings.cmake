@@ -60,6 +60,7 @@ target_include_directories(skybody_build_flags INTERFACE
 target_compile_options(skybody_build_flags INTERFACE
   ${SKYBODY_FP_FLAGS} ${SKYBODY_PACK_FLAGS} ${SKYBODY_SANITIZE_FLAGS}
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  -Wno-restrict  # false alarms of GCC 12 on std::string (GCC bug 105651)
   $<$<BOOL:${PROJECT_IS_TOP_LEVEL}>:-Werror>)
 target_link_options(skybody_build_flags INTERFACE ${SKYBODY_SANITIZE_FLAGS})
 

@@ -1,4 +1,5 @@
-// Collective thrust and attitude: body rates in proportion to the attitude error. Chain `ctbr` next.
+// Collective thrust and attitude: body rates in proportion to the attitude error. Chain `ctbr`
+// next.
 #include "controllers/common/allocation.h"
 
 namespace skybody {

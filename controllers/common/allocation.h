@@ -13,10 +13,10 @@
 // A rotor that does not serve thrust (P_i0 <= 0) takes no part in this and is cut at its limits.
 #pragma once
 
-#include "controllers/common/robot.h"
-
 #include <string>
 #include <vector>
+
+#include "controllers/common/robot.h"
 
 namespace skybody::control {
 
@@ -69,8 +69,9 @@ class Allocation {
     std::vector<double> rows;  // N x 4
     for (const RotorInfo& rotor : rotors) {
       if (rotor.body != base_of(setup, robot)) {
-        throw std::runtime_error("rotor `" + std::string(rotor.name) + "` sits behind a joint, on `" +
-                                 setup.bodies()[rotor.body].name + "`; " + mode +
+        throw std::runtime_error("rotor `" + std::string(rotor.name) +
+                                 "` sits behind a joint, on `" + setup.bodies()[rotor.body].name +
+                                 "`; " + mode +
                                  " needs rotors fixed to the base: use controller `srt`");
       }
       const RotorEffect e = effect_of(rotor, base);
@@ -153,8 +154,8 @@ class Allocation {
       if (!r.lifts) continue;
       const Real spread = tilt_part(r, torque) * r.per_thrust - lowest;
       const Real room(r.full * r.per_thrust);
-      share = min(share, select(spread > room, room / select(spread > room, spread, Real(1.0)),
-                                Real(1.0)));
+      share = min(
+          share, select(spread > room, room / select(spread > room, spread, Real(1.0)), Real(1.0)));
     }
     return share;
   }

@@ -79,15 +79,15 @@ inline double full_thrust(const RotorInfo& rotor) {
 inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::string& mode) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
   if (rotors.size() == 0) {
-    throw std::runtime_error("robot `" + robot_name(setup, robot) + "` has no rotors, which " + mode +
-                             " needs: give it a rotors file, or use controller `wrench`");
+    throw std::runtime_error("robot `" + robot_name(setup, robot) + "` has no rotors, which " +
+                             mode + " needs: give it a rotors file, or use controller `wrench`");
   }
   for (const RotorInfo& rotor : rotors) {
     if (!(full_thrust(rotor) > 0.0)) {
-      throw std::runtime_error("rotor `" + std::string(rotor.name) + "` has no thrust (thrust_constant " +
-                               text(rotor.constants[kThrust]) + ", max_speed " +
-                               text(rotor.constants[kMaxSpeed]) +
-                               "): both must be above 0 in the robot's rotors file");
+      throw std::runtime_error(
+          "rotor `" + std::string(rotor.name) + "` has no thrust (thrust_constant " +
+          text(rotor.constants[kThrust]) + ", max_speed " + text(rotor.constants[kMaxSpeed]) +
+          "): both must be above 0 in the robot's rotors file");
     }
   }
   return rotors;
@@ -97,8 +97,8 @@ inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::
 inline void require_order(const std::string& low_name, double low, const std::string& high_name,
                           double high) {
   if (low < high) return;
-  throw std::runtime_error("`" + low_name + "` " + text(low) + " is not below `" + high_name + "` " +
-                           text(high) + ": lower the first or raise the second");
+  throw std::runtime_error("`" + low_name + "` " + text(low) + " is not below `" + high_name +
+                           "` " + text(high) + ": lower the first or raise the second");
 }
 
 }  // namespace skybody::control

@@ -1,11 +1,11 @@
-// From a collective thrust and a body torque to actuators: through the rotors, or as a wrench at the
-// base's centre of mass behind a first-order lag (paper eq. 1 and 2). Shared by ctbt and ctbr.
+// From a collective thrust and a body torque to actuators: through the rotors, or as a wrench at
+// the base's centre of mass behind a first-order lag (paper eq. 1 and 2). Shared by ctbt and ctbr.
 #pragma once
-
-#include "controllers/common/allocation.h"
 
 #include <string>
 #include <vector>
+
+#include "controllers/common/allocation.h"
 
 namespace skybody::control {
 
@@ -18,11 +18,11 @@ struct ThrustTorqueState {
 
 /// How a controller wants its thrust and torque to reach the body.
 struct ThrustTorqueChoice {
-  bool rotors = true;         ///< else: wrench on the body
-  bool lag = true;            ///< body only: eq. 2, or immediately
-  double time_up = -1.0;      ///< [s]; below 0: mean tau_up of the environment's rotors
-  double time_down = -1.0;    ///< [s]; likewise
-  double max_thrust = 0.0;    ///< [N]; 0: what the rotors can do
+  bool rotors = true;       ///< else: wrench on the body
+  bool lag = true;          ///< body only: eq. 2, or immediately
+  double time_up = -1.0;    ///< [s]; below 0: mean tau_up of the environment's rotors
+  double time_down = -1.0;  ///< [s]; likewise
+  double max_thrust = 0.0;  ///< [N]; 0: what the rotors can do
   Vec3<double> max_torque{0.0, 0.0, 0.0};  ///< [N m]; 0: what the rotors can do
 };
 
@@ -98,8 +98,10 @@ class ThrustTorque {
       return;
     }
     if (effects_.empty() && !choice_.rotors) {
-      throw std::runtime_error("robot `" + robot_name(setup, robot) + "` has no rotors to take limits "
-                               "from: give " + mode + " `max_thrust` and `max_torque`, all above 0");
+      throw std::runtime_error("robot `" + robot_name(setup, robot) +
+                               "` has no rotors to take limits "
+                               "from: give " +
+                               mode + " `max_thrust` and `max_torque`, all above 0");
     }
     limits_ = limits_of(working_rotors(setup, robot, mode), base);
     limits_.thrust = tighter("max_thrust", choice_.max_thrust, limits_.thrust);
@@ -114,8 +116,9 @@ class ThrustTorque {
 
   static double tighter(const std::string& name, double given, double possible) {
     if (given > possible * (1.0 + 1e-9)) {
-      throw std::runtime_error("`" + name + "` " + text(given) + " is more than the rotors can do, " +
-                               text(possible) + ": lower it, or leave it out for that limit");
+      throw std::runtime_error("`" + name + "` " + text(given) +
+                               " is more than the rotors can do, " + text(possible) +
+                               ": lower it, or leave it out for that limit");
     }
     return given > 0.0 ? given : possible;
   }

@@ -9,8 +9,8 @@ class Ctbr : public Controller {
   template <class Real>
   struct State {
     control::ThrustTorqueState<Real> actuators;
-    Vec3<Real> last_rate;      ///< [rad/s]
-    Vec3<Real> acceleration;   ///< filtered difference of rates [rad/s^2]
+    Vec3<Real> last_rate;     ///< [rad/s]
+    Vec3<Real> acceleration;  ///< filtered difference of rates [rad/s^2]
   };
 
   void configure(const Setup& setup) override {
@@ -23,7 +23,8 @@ class Ctbr : public Controller {
     choice.max_thrust = max_thrust_.value();
     if (!pd_.value() && choice.rotors) {
       throw std::runtime_error(
-          "`pd: false` gives ideal rates past the rotors, but `apply` is `rotors`: set `apply: body`, "
+          "`pd: false` gives ideal rates past the rotors, but `apply` is `rotors`: set `apply: "
+          "body`, "
           "or leave `pd` on");
     }
     actuators_.configure(setup, robot, "ctbr", choice);

@@ -12,16 +12,17 @@ class Position : public Controller {
     mass_ = control::total_mass(setup, robot);
     gravity_ = control::gravity_of(setup);
     if (max_down_.value() > 0.9 * gravity_) {
-      throw std::runtime_error("`max_acceleration_down` " + control::text(max_down_.value()) +
-                               " would leave no thrust to steer with: at most 0.9 g = " +
-                               control::text(0.9 * gravity_));
+      throw std::runtime_error(
+          "`max_acceleration_down` " + control::text(max_down_.value()) +
+          " would leave no thrust to steer with: at most 0.9 g = " + control::text(0.9 * gravity_));
     }
     low_ = position_min_.vec3();
     high_ = position_max_.vec3();
     control::require_order("position_min[0]", low_.x, "position_max[0]", high_.x);
     control::require_order("position_min[1]", low_.y, "position_max[1]", high_.y);
     control::require_order("position_min[2]", low_.z, "position_max[2]", high_.z);
-    setup.input(Signal::kPosition, {low_.x, low_.y, low_.z, -kPi}, {high_.x, high_.y, high_.z, kPi});
+    setup.input(Signal::kPosition, {low_.x, low_.y, low_.z, -kPi},
+                {high_.x, high_.y, high_.z, kPi});
     setup.output(Signal::kAttitude, 5);
   }
 
@@ -48,8 +49,7 @@ class Position : public Controller {
     const Real most(max_side_.value());
     const auto beyond = side > most;
     const Real scale = select(beyond, most / select(beyond, side, Real(1.0)), Real(1.0));
-    return {a.x * scale, a.y * scale,
-            clamp(a.z, -max_down_.value(), max_up_.value()) + gravity_};
+    return {a.x * scale, a.y * scale, clamp(a.z, -max_down_.value(), max_up_.value()) + gravity_};
   }
 
   /// Heading first, then the shortest turn of e_z to `up` (up.z > 0).

@@ -1,7 +1,7 @@
 // Rotor speed references straight from the command, held to what each rotor can do.
-#include "controllers/common/robot.h"
-
 #include <vector>
+
+#include "controllers/common/robot.h"
 
 namespace skybody {
 namespace {

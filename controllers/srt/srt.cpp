@@ -1,7 +1,7 @@
 // Single rotor thrusts: each rotor's speed from the thrust that is asked of it.
-#include "controllers/common/robot.h"
-
 #include <vector>
+
+#include "controllers/common/robot.h"
 
 namespace skybody {
 namespace {

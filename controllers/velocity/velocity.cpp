@@ -22,11 +22,13 @@ class Velocity : public Controller {
       control::require_order("position_min[0]", low_.x, "position_max[0]", high_.x);
       control::require_order("position_min[1]", low_.y, "position_max[1]", high_.y);
       control::require_order("position_min[2]", low_.z, "position_max[2]", high_.z);
-      setup.input(Signal::kPosition, {low_.x, low_.y, low_.z, -kPi}, {high_.x, high_.y, high_.z, kPi});
+      setup.input(Signal::kPosition, {low_.x, low_.y, low_.z, -kPi},
+                  {high_.x, high_.y, high_.z, kPi});
       setup.output(Signal::kPose, 7);
       return;
     }
-    setup.input(Signal::kVelocity, {-velocity_.x, -velocity_.y, -velocity_.z, -rate_.x, -rate_.y, -rate_.z},
+    setup.input(Signal::kVelocity,
+                {-velocity_.x, -velocity_.y, -velocity_.z, -rate_.x, -rate_.y, -rate_.z},
                 {velocity_.x, velocity_.y, velocity_.z, rate_.x, rate_.y, rate_.z});
     setup.output(Signal::kVelocity, 6);
   }
@@ -52,12 +54,13 @@ class Velocity : public Controller {
                        .value = "velocity",
                        .choices = {"velocity", "position"},
                        .doc = "velocity: v and w in base axes; position: place and yaw, level"}};
-  RealsParameter max_velocity_{this,
-                               {.name = "max_velocity",
-                                .unit = "m/s",
-                                .values = {2.0, 2.0, 2.0},
-                                .min = 1e-6,
-                                .doc = "velocities that action +1 means; commands are held to them"}};
+  RealsParameter max_velocity_{
+      this,
+      {.name = "max_velocity",
+       .unit = "m/s",
+       .values = {2.0, 2.0, 2.0},
+       .min = 1e-6,
+       .doc = "velocities that action +1 means; commands are held to them"}};
   RealsParameter max_rate_{this,
                            {.name = "max_rate",
                             .unit = "rad/s",

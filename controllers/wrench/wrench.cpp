@@ -1,7 +1,7 @@
 // Force and moment in world axes at the centres of mass of named links.
-#include "controllers/common/allocation.h"
-
 #include <vector>
+
+#include "controllers/common/allocation.h"
 
 namespace skybody {
 namespace {
@@ -77,9 +77,8 @@ class Wrench : public Controller {
     return limit;
   }
 
-  TextsParameter links_{this,
-                        {.name = "links",
-                         .doc = "links at whose centres of mass it acts; none: the base"}};
+  TextsParameter links_{
+      this, {.name = "links", .doc = "links at whose centres of mass it acts; none: the base"}};
   RealsParameter max_force_{this,
                             {.name = "max_force",
                              .unit = "N",

@@ -14,7 +14,7 @@ namespace {
 // Bandwidths [rad/s]: each loop about four times slower than the one inside it, down from the rotors'
 // own 40 to 80 rad/s.
 constexpr double kPositionBandwidth = 2.0;
-constexpr double kSwingPole = 1.6;
+constexpr double kSwingPole = 1.8;
 constexpr double kAttitudeGain = 8.0;
 constexpr double kYawGain = 2.0;
 constexpr double kRateGain = 25.0;

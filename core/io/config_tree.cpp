@@ -26,10 +26,14 @@ std::vector<std::string> ConfigNode::keys() const {
 
 std::string ConfigNode::describe() const {
   switch (kind) {
-    case Kind::kNull: return "empty";
-    case Kind::kSequence: return "a list";
-    case Kind::kMap: return "a map";
-    case Kind::kScalar: break;
+    case Kind::kNull:
+      return "empty";
+    case Kind::kSequence:
+      return "a list";
+    case Kind::kMap:
+      return "a map";
+    case Kind::kScalar:
+      break;
   }
   if (parse_number(scalar)) return quoted ? "a text, \"" + scalar + '"' : "the number " + scalar;
   return "the text `" + scalar + "`";

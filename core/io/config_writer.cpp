@@ -12,7 +12,8 @@ bool is_plain(const std::string& text) {
   const std::string_view first = "!&*-?:,[]{}#|>@`\"'%";
   if (first.find(text[0]) != first.npos && !parse_number(text)) return false;
   for (char c : text) {
-    const bool safe = c >= ' ' && c < 0x7f && std::string_view(":#,[]{}\"'\\").find(c) == std::string_view::npos;
+    const bool safe =
+        c >= ' ' && c < 0x7f && std::string_view(":#,[]{}\"'\\").find(c) == std::string_view::npos;
     if (!safe) return false;
   }
   return true;
@@ -30,7 +31,8 @@ std::string quote(const std::string& text) {
       out += c;
     } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
       char code[8];
-      std::snprintf(code, sizeof code, "\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      std::snprintf(code, sizeof code, "\\x%02x",
+                    static_cast<unsigned>(static_cast<unsigned char>(c)));
       out += code;
     } else {
       out += c;

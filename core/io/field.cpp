@@ -22,10 +22,14 @@ Field value_field(std::string name, std::string doc, ParameterType type) {
 
 const char* to_string(PluginKind kind) {
   switch (kind) {
-    case PluginKind::kController: return "controller";
-    case PluginKind::kSensor: return "sensor";
-    case PluginKind::kRandomizer: return "randomizer";
-    case PluginKind::kTask: return "task";
+    case PluginKind::kController:
+      return "controller";
+    case PluginKind::kSensor:
+      return "sensor";
+    case PluginKind::kRandomizer:
+      return "randomizer";
+    case PluginKind::kTask:
+      return "task";
   }
   return "plugin";
 }
@@ -117,7 +121,9 @@ Field above_minimum(Field field) {
 
 MapReader::MapReader(const ConfigNode* node, const MapSpec& spec, const SourceMark& owner,
                      Diagnostics& diagnostics)
-    : node_(node), spec_(spec), mark_(node != nullptr ? node->mark : owner),
+    : node_(node),
+      spec_(spec),
+      mark_(node != nullptr ? node->mark : owner),
       diagnostics_(diagnostics) {
   if (node_ != nullptr && !node_->is_map()) {
     diagnostics_.error(mark_, "`" + spec_.name + "` is " + node_->describe() +

@@ -45,8 +45,8 @@ class ValueReader {
 
  private:
   bool broadcasts() const {
-    return broadcast_ == Broadcast::kYes && spec_.type != ParameterType::kText && spec_.min_count == spec_.max_count &&
-           spec_.min_count > 1;
+    return broadcast_ == Broadcast::kYes && spec_.type != ParameterType::kText &&
+           spec_.min_count == spec_.max_count && spec_.min_count > 1;
   }
 
   std::optional<ParameterValue> done() { return std::move(value_); }
@@ -68,9 +68,12 @@ class ValueReader {
   bool take(const ConfigNode& node, const std::string& name) {
     if (!node.is_scalar()) return complain(node, name, node.describe());
     switch (spec_.type) {
-      case ParameterType::kText: return take_text(node, name);
-      case ParameterType::kBoolean: return take_boolean(node, name);
-      default: return take_number(node, name);
+      case ParameterType::kText:
+        return take_text(node, name);
+      case ParameterType::kBoolean:
+        return take_boolean(node, name);
+      default:
+        return take_number(node, name);
     }
   }
 
@@ -78,8 +81,8 @@ class ValueReader {
     const std::vector<std::string>& choices = spec_.choices;
     const bool known = std::find(choices.begin(), choices.end(), node.scalar) != choices.end();
     if (!choices.empty() && !known) {
-      diagnostics_.error(node.mark, "`" + name + "` is `" + node.scalar + "`; allowed: " +
-                                        join(choices) + did_you_mean(node.scalar));
+      diagnostics_.error(node.mark, "`" + name + "` is `" + node.scalar +
+                                        "`; allowed: " + join(choices) + did_you_mean(node.scalar));
       return false;
     }
     value_.texts.push_back(node.scalar);

@@ -1,9 +1,9 @@
 // One declared value out of a tree: types, ranges and lengths checked, defaults filled in.
 //
-// Rules. Booleans are `true` and `false` only. Integers must be integral. Numbers in quotes are text.
-// NaN and infinities are errors. A plugin's parameter that is a list of fixed length N > 1 of numbers
-// accepts a single number and repeats it N times; lists of variable length, and the vectors of the
-// scenario itself (positions, forces), are always written as lists. Texts are limited to the
+// Rules. Booleans are `true` and `false` only. Integers must be integral. Numbers in quotes are
+// text. NaN and infinities are errors. A plugin's parameter that is a list of fixed length N > 1 of
+// numbers accepts a single number and repeats it N times; lists of variable length, and the vectors
+// of the scenario itself (positions, forces), are always written as lists. Texts are limited to the
 // declared choices.
 #pragma once
 

@@ -18,7 +18,8 @@ std::string range_text(const ParameterSpec& spec) {
   const std::string low = format_number(spec.min);
   const std::string high = with_unit(format_number(spec.max), spec.unit);
   if (lower && upper) {
-    return spec.min_exclusive ? " above " + low + ", up to " + high : " from " + low + " to " + high;
+    return spec.min_exclusive ? " above " + low + ", up to " + high
+                              : " from " + low + " to " + high;
   }
   if (lower) return (spec.min_exclusive ? " above " : " of at least ") + with_unit(low, spec.unit);
   if (upper) return " of at most " + high;
@@ -49,10 +50,14 @@ std::string describe_allowed(const ParameterSpec& spec) {
     return text + range_text(spec);
   }
   switch (spec.type) {
-    case ParameterType::kReal: return "a number" + range_text(spec);
-    case ParameterType::kInteger: return "an integer" + range_text(spec);
-    case ParameterType::kBoolean: return "true or false";
-    case ParameterType::kText: break;
+    case ParameterType::kReal:
+      return "a number" + range_text(spec);
+    case ParameterType::kInteger:
+      return "an integer" + range_text(spec);
+    case ParameterType::kBoolean:
+      return "true or false";
+    case ParameterType::kText:
+      break;
   }
   return spec.choices.empty() ? "a text" : join(spec.choices);
 }

@@ -1,5 +1,5 @@
-// What the reader of scenarios asks about plugins: which there are and what they declare. The plugin
-// host implements it; tests use a fake.
+// What the reader of scenarios asks about plugins: which there are and what they declare. The
+// plugin host implements it; tests use a fake.
 #pragma once
 
 #include <string>

@@ -13,8 +13,8 @@ const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
   const std::string what = std::string(to_string(kind)) + " `" + use.plugin + "`";
   const PluginDeclaration* found = catalog.find(kind, use.plugin);
   if (found == nullptr) {
-    diagnostics.error(use.mark, "unknown " + what +
-                                    suggestion(use.plugin, catalog.names(kind), "found"));
+    diagnostics.error(use.mark,
+                      "unknown " + what + suggestion(use.plugin, catalog.names(kind), "found"));
     return nullptr;
   }
   if (!found->failure.empty()) {

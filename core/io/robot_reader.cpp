@@ -30,8 +30,8 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
   const MapReader load(reader.node("disturbance"), disturbance_fields(), node.mark, diagnostics_);
   robot.disturbance_force = load.vec3("force");
   robot.disturbance_moment = load.vec3("moment");
-  robot.controllers = read_plugin_uses(reader.node("controllers"), PluginKind::kController,
-                                       catalog_, diagnostics_);
+  robot.controllers =
+      read_plugin_uses(reader.node("controllers"), PluginKind::kController, catalog_, diagnostics_);
   std::optional<RobotModel> model = read_model(reader);
   if (!model) {
     reader.real_or_word("rotor_speed");
@@ -114,8 +114,9 @@ void RobotReader::read_joints(const MapReader& reader, RobotModel& model) {
   const ConfigNode* joints = reader.node("joints");
   if (joints == nullptr || joints->is_null()) return;
   if (!joints->is_map()) {
-    diagnostics_.error(joints->mark, "`joints` is " + joints->describe() +
-                                         "; allowed: a map from joint names to springs and dampers");
+    diagnostics_.error(joints->mark,
+                       "`joints` is " + joints->describe() +
+                           "; allowed: a map from joint names to springs and dampers");
     return;
   }
   for (const ConfigEntry& entry : joints->entries) read_joint(entry, model);
@@ -141,7 +142,8 @@ void RobotReader::read_joint(const ConfigEntry& entry, RobotModel& model) {
   const bool springs = joint->type == JointType::kPin || joint->type == JointType::kSlider;
   for (const char* key : {"stiffness", "rest", "limit_stiffness", "limit_damping"}) {
     const bool needs_limit = std::string(key).rfind("limit", 0) == 0;
-    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint->limit.enabled))) continue;
+    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint->limit.enabled)))
+      continue;
     diagnostics_.error(reader.mark(key),
                        "`" + std::string(key) + "` does not apply to the joint `" + entry.key +
                            "`, which " +

@@ -27,8 +27,9 @@ class RotorsReader {
     if (rotors == nullptr) return;
     if (!rotors->is_sequence() || rotors->items.empty()) {
       const std::string what = rotors->is_sequence() ? "an empty list" : rotors->describe();
-      diagnostics_.error(rotors->mark, "`rotors` is " + what + "; allowed: a list of at least one "
-                                       "rotor (a robot without rotors: `rotors: none`)");
+      diagnostics_.error(rotors->mark, "`rotors` is " + what +
+                                           "; allowed: a list of at least one "
+                                           "rotor (a robot without rotors: `rotors: none`)");
       return;
     }
     for (const ConfigNode& item : rotors->items) {
@@ -82,7 +83,8 @@ class RotorsReader {
       std::vector<std::string> names;
       for (const Link& link : model_.links) names.push_back(link.name);
       diagnostics_.error(reader.mark("link"), "`link` is `" + name + "`, which " +
-                                                  model_.urdf_file + " does not have (or only "
+                                                  model_.urdf_file +
+                                                  " does not have (or only "
                                                   "inside a universal or ball joint)" +
                                                   suggestion(name, names, "links"));
       return;

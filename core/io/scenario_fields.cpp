@@ -35,8 +35,9 @@ const MapSpec& contact_fields() {
       "Contact of the robots with the ground plane z = 0.",
       {
           boolean_field("ground", true, "whether the ground carries robots"),
-          real_field("penetration", "m", 0.001, 1e-6, 1.0,
-                     "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
+          real_field(
+              "penetration", "m", 0.001, 1e-6, 1.0,
+              "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
           real_field("dissipation", "s/m", 1.0, 0.0, 100.0, "Hunt-Crossley dissipation"),
           real_field("friction", "", 0.6, 0.0, 10.0, "Coulomb coefficient"),
           real_field("slip_velocity", "m/s", 0.02, 1e-6, 10.0,
@@ -149,7 +150,8 @@ const MapSpec& scenario_fields() {
                     "the time grid and how it is advanced"),
           vector_field("gravity", "m/s^2", {0, 0, -9.81}, -1000, 1000, "axes of W"),
           map_field("contact", Field::Kind::kMap, contact_fields(), "contact with the ground"),
-          required(map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
+          required(
+              map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
           map_field("obstacles", Field::Kind::kMapList, obstacle_fields(),
                     "shapes that stand still"),
           plugin_field("sensors", Field::Kind::kPluginList, PluginKind::kSensor,
@@ -169,17 +171,16 @@ const MapSpec& rotor_fields() {
       {
           required(name_field("its name in paths")),
           text_field("link", "", "the link that carries it; default: the base"),
-          required(vector_field("position", "m", {0, 0, 0}, -1000, 1000,
-                                "hub in the link's frame")),
+          required(
+              vector_field("position", "m", {0, 0, 0}, -1000, 1000, "hub in the link's frame")),
           vector_field("axis", "", {0, 0, 1}, -kFar, kFar,
                        "thrust direction in the link's frame, any length but 0"),
           required(choice_field("direction", {"ccw", "cw"}, "sense of rotation about the axis")),
-          required(above_minimum(real_field("thrust_constant", "N s^2/rad^2", 1, 0, 1,
-                                            "k_f, thrust = k_f w^2"))),
+          required(above_minimum(
+              real_field("thrust_constant", "N s^2/rad^2", 1, 0, 1, "k_f, thrust = k_f w^2"))),
           required(real_field("moment_constant", "N m s^2/rad^2", 0, 0, 1,
                               "k_m, drag torque about the axis = k_m w^2")),
-          real_field("drag_constant", "N s^2/(m rad)", 0, 0, 1,
-                     "rotor drag, force = -c w v_perp"),
+          real_field("drag_constant", "N s^2/(m rad)", 0, 0, 1, "rotor drag, force = -c w v_perp"),
           real_field("rolling_moment_constant", "N m s^2/(m rad)", 0, 0, 1,
                      "rolling moment = -direction c w v_perp"),
           real_field("inertia", "kg m^2", 0, 0, 100,
@@ -198,16 +199,16 @@ const MapSpec& rotors_file_fields() {
       {
           text_field("source", "", "where the constants come from"),
           map_field("defaults", Field::Kind::kMap, rotor_fields(), "merged into every rotor"),
-          required(map_field("rotors", Field::Kind::kMapList, rotor_fields(),
-                             "at least one rotor")),
+          required(
+              map_field("rotors", Field::Kind::kMapList, rotor_fields(), "at least one rotor")),
       }};
   return spec;
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {&scenario_fields(),   &stepping_fields(), &contact_fields(),
-                            &robot_fields(),      &pose_fields(),     &disturbance_fields(),
-                            &joint_fields(),      &obstacle_fields(), &plugin_use_fields(),
+  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(), &contact_fields(),
+                            &robot_fields(),       &pose_fields(),     &disturbance_fields(),
+                            &joint_fields(),       &obstacle_fields(), &plugin_use_fields(),
                             &rotors_file_fields(), &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {

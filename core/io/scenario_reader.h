@@ -1,7 +1,7 @@
 // YAML -> Scenario. What a file may contain is declared in scenario_fields.h.
 //
-// Files named in a scenario (models, rotors, includes) are relative to the file in which the name is
-// written; names on the command line are relative to the working directory.
+// Files named in a scenario (models, rotors, includes) are relative to the file in which the name
+// is written; names on the command line are relative to the working directory.
 #pragma once
 
 #include <optional>
@@ -14,8 +14,8 @@
 
 namespace skybody {
 
-/// Reads `file` with its includes, applies `overrides` (`PATH=VALUE` each, in order) and reads every
-/// model it names. Nothing if there are errors; `diagnostics` then has all of them.
+/// Reads `file` with its includes, applies `overrides` (`PATH=VALUE` each, in order) and reads
+/// every model it names. Nothing if there are errors; `diagnostics` then has all of them.
 std::optional<Scenario> read_scenario(const std::string& file,
                                       const std::vector<std::string>& overrides,
                                       const PluginCatalog& catalog, Diagnostics& diagnostics);

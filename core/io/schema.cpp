@@ -25,10 +25,18 @@ std::string words(const std::vector<std::string>& texts) {
 JsonObject entry_schema(const ParameterSpec& spec) {
   JsonObject entry;
   switch (spec.type) {
-    case ParameterType::kReal: entry.set_text("type", "number"); break;
-    case ParameterType::kInteger: entry.set_text("type", "integer"); break;
-    case ParameterType::kBoolean: entry.set_text("type", "boolean"); break;
-    case ParameterType::kText: entry.set_text("type", "string"); break;
+    case ParameterType::kReal:
+      entry.set_text("type", "number");
+      break;
+    case ParameterType::kInteger:
+      entry.set_text("type", "integer");
+      break;
+    case ParameterType::kBoolean:
+      entry.set_text("type", "boolean");
+      break;
+    case ParameterType::kText:
+      entry.set_text("type", "string");
+      break;
   }
   if (!spec.choices.empty()) entry.set("enum", words(spec.choices));
   const bool number = spec.type == ParameterType::kReal || spec.type == ParameterType::kInteger;
@@ -140,7 +148,8 @@ std::string field_schema(const Field& field) {
   JsonObject schema;
   schema.set_text("description", field.value.doc);
   switch (field.kind) {
-    case Field::Kind::kValue: return value_schema(field.value, field.word, false);
+    case Field::Kind::kValue:
+      return value_schema(field.value, field.word, false);
     case Field::Kind::kMap:
       return schema.set("allOf", json_array({reference(field.map->name)})).text();
     case Field::Kind::kMapList:
@@ -188,8 +197,8 @@ std::string definitions(const PluginCatalog& catalog) {
                             &robot_fields(),    &disturbance_fields(), &joint_fields(),
                             &obstacle_fields()};
   for (const MapSpec* spec : specs) list.set(spec->name, map_schema(*spec));
-  for (PluginKind kind : {PluginKind::kController, PluginKind::kSensor, PluginKind::kRandomizer,
-                          PluginKind::kTask}) {
+  for (PluginKind kind :
+       {PluginKind::kController, PluginKind::kSensor, PluginKind::kRandomizer, PluginKind::kTask}) {
     list.set(to_string(kind), plugin_schema(kind, catalog));
   }
   return list.text();

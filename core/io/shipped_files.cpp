@@ -40,8 +40,6 @@ std::optional<fs::path> find_shipped(const std::string& relative) {
   return std::nullopt;
 }
 
-fs::path shipped_plugin_folder() { return library_folder() / "skybody/plugins"; }
-
 std::optional<fs::path> find_shipped_scenario(const std::string& name) {
   return is_word(name) ? find_shipped("scenarios/" + name + ".yaml") : std::nullopt;
 }

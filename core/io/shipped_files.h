@@ -13,9 +13,6 @@ namespace skybody {
 /// this library was built from. Nothing if it is in neither.
 std::optional<std::filesystem::path> find_shipped(const std::string& relative);
 
-/// The folder of shipped plugins: skybody/plugins beside libskybody (build tree and prefix alike).
-std::filesystem::path shipped_plugin_folder();
-
 /// The shipped scenario called `name` (hover -> scenarios/hover.yaml), for what is not itself a file.
 std::optional<std::filesystem::path> find_shipped_scenario(const std::string& name);
 

@@ -1,5 +1,5 @@
-// Needs: urdfdom for what URDF means, tinyxml2 for lines. urdfdom turns rpy into quaternions by libm,
-// whose last bits depend on the processor, so rotations are computed again from the text.
+// Needs: urdfdom for what URDF means, tinyxml2 for lines. urdfdom turns rpy into quaternions by
+// libm, whose last bits depend on the processor, so rotations are computed again from the text.
 #include "core/io/urdf_document.h"
 
 #include <console_bridge/console.h>
@@ -45,11 +45,16 @@ urdf::ModelInterfaceSharedPtr parse_by_urdfdom(const std::string& text, Chatter&
 
 UrdfJointType type_of(const urdf::Joint& joint) {
   switch (joint.type) {
-    case urdf::Joint::REVOLUTE: return UrdfJointType::kRevolute;
-    case urdf::Joint::CONTINUOUS: return UrdfJointType::kContinuous;
-    case urdf::Joint::PRISMATIC: return UrdfJointType::kPrismatic;
-    case urdf::Joint::FLOATING: return UrdfJointType::kFloating;
-    default: return UrdfJointType::kFixed;
+    case urdf::Joint::REVOLUTE:
+      return UrdfJointType::kRevolute;
+    case urdf::Joint::CONTINUOUS:
+      return UrdfJointType::kContinuous;
+    case urdf::Joint::PRISMATIC:
+      return UrdfJointType::kPrismatic;
+    case urdf::Joint::FLOATING:
+      return UrdfJointType::kFloating;
+    default:
+      return UrdfJointType::kFixed;
   }
 }
 
@@ -225,7 +230,8 @@ std::optional<UrdfDocument> parse_urdf_document(const std::string& text, const s
   Chatter chatter;
   const urdf::ModelInterfaceSharedPtr model = parse_by_urdfdom(text, chatter);
   if (!model) {
-    const std::string reasons = chatter.errors.empty() ? "no reason given" : join(chatter.errors, " ");
+    const std::string reasons =
+        chatter.errors.empty() ? "no reason given" : join(chatter.errors, " ");
     diagnostics.error({file, 0, 0}, "urdfdom refuses the file: " + reasons);
     return std::nullopt;
   }

@@ -1,5 +1,5 @@
-// A URDF after parsing and before merging: links and joints as they are written, checked one by one,
-// each with its line. Internal to core/io's URDF reader.
+// A URDF after parsing and before merging: links and joints as they are written, checked one by
+// one, each with its line. Internal to core/io's URDF reader.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ struct UrdfLink {
   std::string name;
   int line = 0;
   bool has_inertial = false;
-  MassProperties mass;  ///< com and inertia in the link's frame
+  MassProperties mass;            ///< com and inertia in the link's frame
   std::vector<Shape> collisions;  ///< poses in the link's frame
   std::vector<Shape> visuals;     ///< likewise
   int parent_joint = -1;

@@ -32,8 +32,8 @@ Quat<double> frame_of_axes(const Vec3<double>& x, const Vec3<double>& y) {
   const Vec3<double> across = y - x * dot(x, y);
   const Vec3<double> second = across / norm(across);
   const Vec3<double> third = cross(x, second);
-  return from_rotation(Mat3<double>{{x.x, second.x, third.x, x.y, second.y, third.y, x.z,
-                                     second.z, third.z}});
+  return from_rotation(
+      Mat3<double>{{x.x, second.x, third.x, x.y, second.y, third.y, x.z, second.z, third.z}});
 }
 
 bool limits_matter(const UrdfJoint& joint) {
@@ -63,7 +63,9 @@ class BodyMaker {
   }
 
  private:
-  const UrdfGroup& group(int index) const { return groups_.groups[static_cast<std::size_t>(index)]; }
+  const UrdfGroup& group(int index) const {
+    return groups_.groups[static_cast<std::size_t>(index)];
+  }
   const UrdfLink& link(int index) const { return document_.links[static_cast<std::size_t>(index)]; }
   const UrdfJoint& joint_of(const UrdfGroup& group) const {
     return document_.joints[static_cast<std::size_t>(group.joint)];
@@ -100,8 +102,9 @@ class BodyMaker {
     if (source.joint >= 0) joint.frame_in_parent = joint_frame(joint_of(source));
     if (joint.type == JointType::kFree && source.is_massless()) {
       const UrdfLink& root = first_link(source);
-      error(root.line, "the base `" + root.name + "` has no mass and moves freely; give it an "
-                       "<inertial> with a mass, or set fixed_base: true");
+      error(root.line, "the base `" + root.name +
+                           "` has no mass and moves freely; give it an "
+                           "<inertial> with a mass, or set fixed_base: true");
     }
     push_body(g, std::move(joint));
   }
@@ -124,8 +127,10 @@ class BodyMaker {
     const UrdfLink& bad = first_link(source);
     const std::string what = bad.has_inertial ? "has no mass" : "has no <inertial>";
     error(bad.line, "the link `" + bad.name + "` " + what + " and moves on the joint `" +
-                        joint_of(source).name + "`; give it a mass, or fix the joint (no part of a "
-                        "universal or ball joint: " + reason + ")");
+                        joint_of(source).name +
+                        "`; give it a mass, or fix the joint (no part of a "
+                        "universal or ball joint: " +
+                        reason + ")");
   }
 
   /// The groups from the one that hangs on a body to `g`, massless ones in between.
@@ -228,8 +233,8 @@ class BodyMaker {
       const int body = g < 0 ? -1 : body_of_group_[static_cast<std::size_t>(g)];
       if (body < 0) continue;
       const Pose& pose = groups_.link_pose[i];
-      model_.links.push_back({document_.links[i].name, body, pose,
-                              transform(pose, document_.links[i].mass.com)});
+      model_.links.push_back(
+          {document_.links[i].name, body, pose, transform(pose, document_.links[i].mass.com)});
     }
   }
 

@@ -9,8 +9,8 @@
 
 namespace skybody {
 
-/// Fills bodies and links of `model`. Two (three) consecutive revolute or continuous joints with one
-/// origin, orthogonal axes and nothing but massless, shapeless links between them become one
+/// Fills bodies and links of `model`. Two (three) consecutive revolute or continuous joints with
+/// one origin, orthogonal axes and nothing but massless, shapeless links between them become one
 /// universal (ball) joint, named after the last of them. Every other massless body that moves is an
 /// error. The base is welded to the world with `fixed_base`.
 void make_bodies(const UrdfDocument& document, const UrdfGroups& groups, bool fixed_base,

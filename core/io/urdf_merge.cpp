@@ -46,8 +46,9 @@ class Merger {
   void check_world(const UrdfLink& world) {
     const SourceMark mark = document_.mark(world.line);
     if (world.has_inertial && !world.is_massless()) {
-      diagnostics_.error(mark, "the root link `world` stands for the world and can have no mass; "
-                               "rename it, or remove its <inertial>");
+      diagnostics_.error(mark,
+                         "the root link `world` stands for the world and can have no mass; "
+                         "rename it, or remove its <inertial>");
     }
     if (!world.collisions.empty() || !world.visuals.empty()) {
       diagnostics_.warning(mark, "the shapes of the link `world` are ignored; use `obstacles`");
@@ -82,22 +83,17 @@ class Merger {
 
   void finish(UrdfGroup& group) {
     std::vector<MassProperties> parts;
-    bool good = true;
     for (int index : group.links) {
       const UrdfLink& source = link(index);
       const Pose& pose = result_.link_pose[static_cast<std::size_t>(index)];
       if (!source.is_massless()) parts.push_back(transform(pose, source.mass));
       if (source.is_massless() && index != group.links[0]) warn_massless(source);
-      good = check_inertia(source, group.links.size() > 1) && good;
+      if (source.is_massless() && !is_zero(source.mass.inertia)) warn_lone_inertia(source);
       for (const Shape& shape : source.collisions) group.collisions.push_back(place(shape, pose));
       for (const Shape& shape : source.visuals) group.visuals.push_back(place(shape, pose));
     }
     group.mass = add_masses(parts);
-    if (good && !group.is_massless() && !is_physical_inertia(group.mass.inertia)) {
-      const UrdfLink& source = link(group.links[0]);
-      not_physical("the body of the link `" + source.name + "` (links on fixed joints merged)",
-                   group.mass.inertia, document_.mark(source.line));
-    }
+    if (!group.is_massless()) check_inertia(group);
   }
 
   static Shape place(Shape shape, const Pose& pose) {
@@ -112,30 +108,46 @@ class Merger {
                              link(by.parent).name + "` through the fixed joint `" + by.name + "`");
   }
 
-  bool check_inertia(const UrdfLink& source, bool merges) {
-    const SymMat3<double>& inertia = source.mass.inertia;
-    const SourceMark mark = document_.mark(source.line);
-    if (source.is_massless()) {
-      if (is_zero(inertia)) return true;
-      diagnostics_.error(mark, "the link `" + source.name + "` has an inertia (" +
-                                   inertia_text(inertia) + ") and no mass; give it a mass");
-      return false;
-    }
-    const bool point_mass = merges && is_zero(inertia);
-    if (point_mass || is_physical_inertia(inertia)) return true;
-    not_physical("the link `" + source.name + "`", inertia, mark);
-    return false;
+  void warn_lone_inertia(const UrdfLink& source) {
+    diagnostics_.warning(document_.mark(source.line), "the link `" + source.name +
+                                                          "` has an inertia (" +
+                                                          inertia_text(source.mass.inertia) +
+                                                          ") and no mass; the inertia is ignored");
   }
 
-  void not_physical(const std::string& what, const SymMat3<double>& inertia,
-                    const SourceMark& mark) {
+  /// What moves must be physical. A link that is not, in a body that is, changes nothing but the
+  /// body's values: a warning.
+  void check_inertia(const UrdfGroup& group) {
+    const bool good = is_physical_inertia(group.mass.inertia);
+    bool named = false;
+    for (int index : group.links) {
+      const UrdfLink& source = link(index);
+      const SymMat3<double>& inertia = source.mass.inertia;
+      const bool point_mass = group.links.size() > 1 && is_zero(inertia);
+      if (source.is_massless() || point_mass || is_physical_inertia(inertia)) continue;
+      not_physical("the link `" + source.name + "`", source, inertia, good);
+      named = true;
+    }
+    if (good || named) return;
+    const UrdfLink& source = link(group.links[0]);
+    not_physical("the body of the link `" + source.name + "` (links on fixed joints merged)",
+                 source, group.mass.inertia, false);
+  }
+
+  void not_physical(const std::string& what, const UrdfLink& source, const SymMat3<double>& inertia,
+                    bool only_warn) {
     const Vec3<double> p = eigenvalues(inertia);
-    const std::string moments = format_numbers({p.x, p.y, p.z}) + " kg m^2";
     const std::string rule =
         p.x > 0.0 ? "the largest must not exceed the sum of the other two" : "all must be above 0";
-    diagnostics_.error(mark, "no rigid body has the inertia of " + what + ", " +
-                                 inertia_text(inertia) + ": its principal moments are " + moments +
-                                 "; " + rule);
+    const std::string message = "no rigid body has the inertia of " + what + ", " +
+                                inertia_text(inertia) + ": its principal moments are " +
+                                format_numbers({p.x, p.y, p.z}) + " kg m^2; " + rule;
+    const SourceMark mark = document_.mark(source.line);
+    if (only_warn) {
+      diagnostics_.warning(mark, message + " (the body that it merges into is sound)");
+    } else {
+      diagnostics_.error(mark, message);
+    }
   }
 
   const UrdfDocument& document_;
@@ -156,8 +168,7 @@ MassProperties add_masses(const std::vector<MassProperties>& parts) {
   if (total.mass == 0.0) return total;
   total.com = moment / total.mass;
   for (const MassProperties& part : parts) {
-    total.inertia =
-        total.inertia + part.inertia + point_inertia(part.mass, part.com - total.com);
+    total.inertia = total.inertia + part.inertia + point_inertia(part.mass, part.com - total.com);
   }
   return total;
 }

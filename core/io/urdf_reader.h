@@ -3,9 +3,9 @@
 // Supported: links with inertials in rotated frames, visuals and collisions (box, cylinder, sphere,
 // mesh); fixed joints (merged exactly), revolute, continuous, prismatic, floating. Two or three
 // revolute or continuous joints in one place make a universal or ball joint (urdf_joints.h). Planar
-// and other types are errors. Elements that are not URDF, meshes that are missing and massless links
-// on fixed joints are warnings, each with its line; a missing mesh is an error only where it is the
-// link's sole kind of collision shape.
+// and other types are errors. Elements that are not URDF, meshes that are missing and massless
+// links on fixed joints are warnings, each with its line; a missing mesh is an error only where it
+// is the link's sole kind of collision shape.
 //
 // The base. The root link moves freely, or is welded to the world with `fixed_base`. A root link
 // called `world` stands for the world itself: what a fixed joint attaches to it is a fixed base, a

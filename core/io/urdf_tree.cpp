@@ -59,8 +59,9 @@ class TreeCheck {
     }
     if (root != nullptr) xml_.root = root->name;
     if (root == nullptr) {
-      error(xml_.links[0].line, "there is no root: every link is the child of a joint; remove the "
-                                "joint that closes the loop");
+      error(xml_.links[0].line,
+            "there is no root: every link is the child of a joint; remove the "
+            "joint that closes the loop");
     }
   }
 

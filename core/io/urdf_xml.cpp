@@ -125,8 +125,8 @@ class Checker {
       error(inertial, "<inertial> of " + where + " has no <mass value=\"...\">");
     } else if (const auto value = number(*mass, "value", where)) {
       if (*value < 0.0) {
-        error(*mass, "the mass of " + where + " is " + format_number(*value) +
-                         "; allowed: 0 or more kg");
+        error(*mass,
+              "the mass of " + where + " is " + format_number(*value) + "; allowed: 0 or more kg");
       }
     }
     if (inertia == nullptr) {
@@ -155,7 +155,8 @@ class Checker {
     } else if (name == "sphere") {
       positive(*e, "radius", 1, where);
     } else if (name == "mesh") {
-      if (attribute_of(*e, "filename").empty()) error(*e, "<mesh> of " + where + " has no filename");
+      if (attribute_of(*e, "filename").empty())
+        error(*e, "<mesh> of " + where + " has no filename");
       if (e->Attribute("scale") != nullptr) numbers(*e, "scale", 3, where);
     } else {
       error(*e, "<" + name + "> is not a shape; allowed: box, cylinder, sphere, mesh");
@@ -186,8 +187,9 @@ class Checker {
     }
     std::string remedy = "; allowed: " + join(types);
     if (joint.type == "spherical" || joint.type == "ball" || joint.type == "universal") {
-      remedy += "; for a ball or universal joint write three or two continuous joints with one "
-                "origin, orthogonal axes and massless links between them";
+      remedy +=
+          "; for a ball or universal joint write three or two continuous joints with one "
+          "origin, orthogonal axes and massless links between them";
     } else {
       const std::string found = closest(joint.type, types);
       if (!found.empty()) remedy += "; did you mean `" + found + "`?";
@@ -230,9 +232,10 @@ class Checker {
     const double lower = optional_number("lower"), upper = optional_number("upper");
     const bool limited = joint.type == "revolute" || joint.type == "prismatic";
     if (limited && !(lower < upper)) {
-      error(e, "the limits of " + where + " are " + format_number(lower) + " to " +
-                   format_number(upper) + "; lower must be less than upper" +
-                   (joint.type == "revolute" ? ", and a joint without limits is `continuous`" : ""));
+      error(e,
+            "the limits of " + where + " are " + format_number(lower) + " to " +
+                format_number(upper) + "; lower must be less than upper" +
+                (joint.type == "revolute" ? ", and a joint without limits is `continuous`" : ""));
     }
   }
 
@@ -244,8 +247,8 @@ class Checker {
         error(e, std::string("the ") + name + " of " + where + " is " + format_number(value) +
                      "; allowed: 0 or more");
       } else if (value > 0.0 && std::string(name) == "friction") {
-        diagnostics_.warning(mark(e), "the friction of " + where +
-                                          " is ignored; joints have viscous damping only");
+        diagnostics_.warning(
+            mark(e), "the friction of " + where + " is ignored; joints have viscous damping only");
       }
     }
   }

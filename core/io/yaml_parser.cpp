@@ -1,7 +1,7 @@
-// Needs: yaml-cpp's parser events, since its own tree forgets where keys stand and drops duplicates.
-// Assumes: marks of events count lines and columns from 0.
-// Algorithm: a stack of open containers; a map on top alternates between keys and values. Nodes with
-// an anchor are kept by id and copied where an alias names them.
+// Needs: yaml-cpp's parser events, since its own tree forgets where keys stand and drops
+// duplicates. Assumes: marks of events count lines and columns from 0. Algorithm: a stack of open
+// containers; a map on top alternates between keys and values. Nodes with an anchor are kept by id
+// and copied where an alias names them.
 #include <yaml-cpp/anchor.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>

@@ -1,5 +1,6 @@
-// Accelerations of a world's bodies under given forces: what an integrator asks for. Several dynamics
-// stand behind this one interface, on one state (design decision 7). C++17, no Simbody types.
+// Accelerations of a world's bodies under given forces: what an integrator asks for. Several
+// dynamics stand behind this one interface, on one state (design decision 7). C++17, no Simbody
+// types.
 #pragma once
 
 #include <memory>
@@ -19,8 +20,8 @@ class Dynamics {
   /// @throws Error naming the body if they are not physical
   virtual void set_params(const double* params) = 0;
 
-  /// Generalised accelerations [per u]. Contact of bodies with one another and with obstacles, where
-  /// the dynamics has it, comes on top of the forces given. Bases of driven robots get zero.
+  /// Generalised accelerations [per u]. Contact of bodies with one another and with obstacles,
+  /// where the dynamics has it, comes on top of the forces given. Bases of driven robots get zero.
   /// @param q             quaternions need not be of norm 1
   /// @param body_forces   one per body
   /// @param joint_forces  one per u

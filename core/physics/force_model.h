@@ -125,16 +125,22 @@ class ForceModel {
     const ContactSettings& contact = world_.scenario.contact;
     for (const SphereGroup& group : sphere_groups_) {
       const BodyMotion<Real>& body = in.bodies[group.body];
-      if (none(body.position.z < group.reach)) continue;
+      const auto near_ground = body.position.z < group.reach;
+      if (none(near_ground)) continue;
+      SpatialForce<Real> sum = SpatialForce<Real>::zero();
       for (int i = group.first; i < group.first + group.count; ++i) {
         const ContactSphere& sphere = world_.spheres[i];
         Vec3<Real> arm = body.axes * to_real<Real>(sphere.center);
         arm.z -= sphere.radius;
         const Vec3<Real> velocity = body.velocity + cross(body.angular_velocity, arm);
-        forces[group.body].add_force_at(
+        sum.add_force_at(
             arm, ground_force(body.position + arm, velocity, Real(sphere.stiffness),
                               contact.dissipation, contact.friction, contact.slip_velocity));
       }
+      // Lanes in the air keep their sums untouched: adding +0 would turn a -0 round.
+      SpatialForce<Real>& total = forces[group.body];
+      total.force = select(near_ground, total.force + sum.force, total.force);
+      total.moment = select(near_ground, total.moment + sum.moment, total.moment);
     }
   }
 

@@ -31,8 +31,11 @@ class SemiImplicitEuler final : public Integrator {
 class RungeKutta4 final : public Integrator {
  public:
   explicit RungeKutta4(const World& world)
-      : dt_(world.scenario.stepping.dt), q0_(world.layout.q.size), q_(q0_.size()),
-        u0_(world.layout.u.size), u_(u0_.size()) {
+      : dt_(world.scenario.stepping.dt),
+        q0_(world.layout.q.size),
+        q_(q0_.size()),
+        u0_(world.layout.u.size),
+        u_(u0_.size()) {
     for (auto& rate : qdot_) rate.resize(q0_.size());
     for (auto& rate : udot_) rate.resize(u0_.size());
   }
@@ -88,8 +91,10 @@ std::unique_ptr<Integrator> make_rk4(const World& world) {
 
 std::unique_ptr<Integrator> make_integrator(const World& world) {
   switch (world.scenario.stepping.integrator) {
-    case IntegratorChoice::kSemiImplicitEuler: return make_semi_implicit_euler(world);
-    case IntegratorChoice::kRk4: return make_rk4(world);
+    case IntegratorChoice::kSemiImplicitEuler:
+      return make_semi_implicit_euler(world);
+    case IntegratorChoice::kRk4:
+      return make_rk4(world);
   }
   return nullptr;
 }

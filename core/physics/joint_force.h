@@ -1,5 +1,5 @@
-// Forces along a joint's own coordinates: viscous damping on all of them, a spring and travel limits
-// on pins and sliders.
+// Forces along a joint's own coordinates: viscous damping on all of them, a spring and travel
+// limits on pins and sliders.
 #pragma once
 
 #include "core/base/math.h"

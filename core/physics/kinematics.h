@@ -67,8 +67,8 @@ SKYBODY_INLINE void store(const Quat<Real>& q, Real* p) {
 template <class Real>
 SKYBODY_INLINE JointMotion<Real> joint_motion(JointType type, const Real* q, const Real* u) {
   const Real zero(0.0), one(1.0);
-  JointMotion<Real> m{{zero, zero, zero}, {one, zero, zero, zero}, {zero, zero, zero},
-                      {zero, zero, zero}};
+  JointMotion<Real> m{
+      {zero, zero, zero}, {one, zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
   switch (type) {
     case JointType::kWeld:
       break;
@@ -182,8 +182,8 @@ void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q, const 
       b.position = frame.position + travel;
       b.rotation = frame.rotation * joint.rotation;
       b.axes = to_mat3(b.rotation);
-      b.velocity = (frame.velocity + cross(frame.angular_velocity, travel)) +
-                   frame.axes * joint.velocity;
+      b.velocity =
+          (frame.velocity + cross(frame.angular_velocity, travel)) + frame.axes * joint.velocity;
       b.angular_velocity = frame.angular_velocity + b.axes * joint.angular_velocity;
     }
     if (body.plain_body) continue;

@@ -32,8 +32,8 @@ class Mechanics {
   /// qdot = N(q) u.
   void position_rates(const double* q, const double* u, double* qdot) const;
 
-  /// Quaternions to norm 1, pose-driven bases exactly where they were told to be. Writes the rotors'
-  /// speed at the step's end.
+  /// Quaternions to norm 1, pose-driven bases exactly where they were told to be. Writes the
+  /// rotors' speed at the step's end.
   void end_step(double* q, double* rotor_speed) const;
 
   /// Motion of all bodies.
@@ -44,8 +44,8 @@ class Mechanics {
   struct Drive {
     DriveKind kind = DriveKind::kNone;
     int body = 0;
-    int value = 0;      ///< first of its values within the drive block
-    double target[7];   ///< pose drives: coordinates at the step's end
+    int value = 0;     ///< first of its values within the drive block
+    double target[7];  ///< pose drives: coordinates at the step's end
   };
 
   void update_lag(const double* params);
@@ -63,8 +63,8 @@ class Mechanics {
   std::vector<double> lag_params_;  ///< rotor constants that `lag_` was made from
   std::vector<RotorLag<double>> lag_;
 
-  const LaneState* state_ = nullptr;                           ///< of the step under way
-  std::vector<RotorMotion<double>> rotors_[kStageTimeCount];   ///< per instant of the step
+  const LaneState* state_ = nullptr;                          ///< of the step under way
+  std::vector<RotorMotion<double>> rotors_[kStageTimeCount];  ///< per instant of the step
   std::vector<RotorMotion<double>> mean_rotors_;
   std::vector<BodyMotion<double>> motion_;
   std::vector<SpatialForce<double>> body_forces_;

@@ -1,14 +1,15 @@
-// What a spinning rotor does to its body. F. Furrer, M. Burri, M. Achtelik, R. Siegwart, "RotorS - A
-// modular Gazebo MAV simulator framework", 2016, section "Rotor dynamics", after P. Martin and
-// E. Salaun, "The true role of accelerometer feedback in quadrotor control", ICRA 2010. Collective
+// What a spinning rotor does to its body. F. Furrer, M. Burri, M. Achtelik, R. Siegwart, "RotorS -
+// A modular Gazebo MAV simulator framework", 2016, section "Rotor dynamics", after P. Martin and E.
+// Salaun, "The true role of accelerometer feedback in quadrotor control", ICRA 2010. Collective
 // thrust and torque of paper eq. 1 are the sums over a robot's rotors.
 //
-// With w >= 0 the speed, n the axis, s = +1 for counter-clockwise about n, and v' the hub's velocity
-// across the axis (still air):
+// With w >= 0 the speed, n the axis, s = +1 for counter-clockwise about n, and v' the hub's
+// velocity across the axis (still air):
 //   thrust            F = k_f w^2 n
 //   reaction          M = -s k_m w^2 n
 //   rotor drag        F = -c_d w v'
-//   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; the side of the advancing blade,
+//   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; the side of the advancing
+//   blade,
 //                                         and so the sign, goes with the direction of turning)
 //   gyroscopic        M = -omega x (s J w n)
 //   spin-up           M = -s J (dw/dt) n

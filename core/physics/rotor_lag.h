@@ -33,9 +33,9 @@ struct RotorLag {
   LagFactors<Real> up, down;
 };
 
-/// The slopes are those of the exponential, scaled so that Simpson's rule over start, middle and end
-/// gives exactly the change of speed: the spin-up's reaction then carries exactly the rotor's change
-/// of angular momentum, for time constants far below dt as well (for tau >> dt the scale is
+/// The slopes are those of the exponential, scaled so that Simpson's rule over start, middle and
+/// end gives exactly the change of speed: the spin-up's reaction then carries exactly the rotor's
+/// change of angular momentum, for time constants far below dt as well (for tau >> dt the scale is
 /// 1 + O((dt/tau)^4), so fourth-order integrators keep their order).
 /// @param tau [s] >= 0
 /// @param dt  physics step [s]
@@ -50,8 +50,7 @@ LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
   f.decay[kStepEnd] = select(immediate, zero, exp(-dt / safe_tau));
   // 1 - exp(-x) without cancellation.
   f.mean_slope = select(immediate, one, -expm1(-dt / safe_tau)) / dt;
-  const Real simpson =
-      (f.decay[kStepStart] + 4.0 * f.decay[kStepMiddle] + f.decay[kStepEnd]) / 6.0;
+  const Real simpson = (f.decay[kStepStart] + 4.0 * f.decay[kStepMiddle] + f.decay[kStepEnd]) / 6.0;
   const Real safe_simpson = select(immediate, one, simpson);
   for (int i = 0; i < kStageTimeCount; ++i) {
     const Real share = select(immediate, one, f.decay[i] / safe_simpson);

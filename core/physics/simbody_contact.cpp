@@ -45,19 +45,22 @@ SimTK::ContactGeometry make_geometry(const Shape& shape, double largest_face,
   }
   // A cylinder; the base's polygon has 6 (n + 1) edges.
   const int n = std::min(resolution_of(2.0 * shape.radius, largest_face, largest_resolution), 8);
-  return SimTK::ContactGeometry::TriangleMesh(SimTK::PolygonalMesh::createCylinderMesh(
-      SimTK::ZAxis, shape.radius, 0.5 * shape.length, n));
+  return SimTK::ContactGeometry::TriangleMesh(
+      SimTK::PolygonalMesh::createCylinderMesh(SimTK::ZAxis, shape.radius, 0.5 * shape.length, n));
 }
 
 /// The largest area with which a shape can lie flat on another [m^2].
 double largest_area(const Shape& shape) {
   const Vec3<double>& s = shape.size;
   switch (shape.type) {
-    case ShapeType::kBox: return std::max({s.x * s.y, s.x * s.z, s.y * s.z});
+    case ShapeType::kBox:
+      return std::max({s.x * s.y, s.x * s.z, s.y * s.z});
     case ShapeType::kCylinder:
       return std::max(SimTK::Pi * shape.radius, 2.0 * shape.length) * shape.radius;
-    case ShapeType::kSphere: return SimTK::Pi * shape.radius * shape.radius;
-    case ShapeType::kMesh: return 0.0;
+    case ShapeType::kSphere:
+      return SimTK::Pi * shape.radius * shape.radius;
+    case ShapeType::kMesh:
+      return 0.0;
   }
   return 0.0;
 }
@@ -103,9 +106,8 @@ void SimbodyContact::add_bodies(const World& world, const SimTK::ContactMaterial
     const WorldBody& body = world.bodies[i];
     for (const Shape& shape : body.model->collisions) {
       if (shape.type == ShapeType::kMesh) continue;
-      const double thickness =
-          layer_thickness(shape, material.getStiffness(), body.model->mass.mass,
-                          world.scenario.stepping.dt);
+      const double thickness = layer_thickness(shape, material.getStiffness(),
+                                               body.model->mass.mass, world.scenario.stepping.dt);
       SimTK::ContactSurface surface(make_geometry(shape, kBodyFace, kBodyResolution), material,
                                     thickness);
       surface.joinClique(cliques[body.robot]);

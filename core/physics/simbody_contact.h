@@ -2,10 +2,10 @@
 // skybody_simbody include this. C++17.
 #pragma once
 
+#include <Simbody.h>
+
 #include <memory>
 #include <vector>
-
-#include <Simbody.h>
 
 #include "core/physics/world.h"
 
@@ -17,8 +17,8 @@ bool has_body_contact(const World& world);
 /// The contact surfaces of a world, made once; systems are built from them again and again.
 ///
 /// Spheres are exact (Hertz); boxes and cylinders are triangle meshes (elastic foundation). Meshes
-/// of files are ignored. Bodies of one robot do not collide among themselves. Simbody's trackers for
-/// these shapes keep no history, so the forces are a function of q and u alone.
+/// of files are ignored. Bodies of one robot do not collide among themselves. Simbody's trackers
+/// for these shapes keep no history, so the forces are a function of q and u alone.
 class SimbodyContact {
  public:
   explicit SimbodyContact(const World& world);

@@ -42,7 +42,8 @@ SimTK::MassProperties make_mass(const std::string& name, const double* params) {
                 " kg; it must be positive, and the centre of mass finite");
   }
   if (!is_physical_inertia(inertia)) {
-    throw Error("body '" + name + "' has an inertia that no rigid body can have: principal moments " +
+    throw Error("body '" + name +
+                "' has an inertia that no rigid body can have: principal moments " +
                 "must be positive, none above the sum of the other two");
   }
   // Rounded values of flat bodies lie a little beyond the bound, where Simbody refuses them.
@@ -59,7 +60,7 @@ SimTK::MassProperties make_mass(const std::string& name, const double* params) {
 /// One body's Simbody coordinates.
 struct Slot {
   JointType type = JointType::kFree;
-  int q = 0, u = 0;              ///< ours
+  int q = 0, u = 0;  ///< ours
   int simbody_q = 0, simbody_u = 0;
   Quat<double> rotation{1.0, 0.0, 0.0, 0.0};  ///< F from M at the present q, for Free and Ball
 };
@@ -109,11 +110,11 @@ class SimbodySystem {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       const SimTK::MobilizedBody& body = mobilized(i);
       const SimTK::Quaternion rotation = body.getBodyRotation(state_).convertRotationToQuaternion();
-      bodies[i] = {from_simbody(body.getBodyOriginLocation(state_)),
-                   {rotation[0], rotation[1], rotation[2], rotation[3]},
-                   from_simbody(body.getBodyOriginVelocity(state_)),
-                   from_simbody(~body.getBodyRotation(state_) *
-                                body.getBodyAngularVelocity(state_))};
+      bodies[i] = {
+          from_simbody(body.getBodyOriginLocation(state_)),
+          {rotation[0], rotation[1], rotation[2], rotation[3]},
+          from_simbody(body.getBodyOriginVelocity(state_)),
+          from_simbody(~body.getBodyRotation(state_) * body.getBodyAngularVelocity(state_))};
     }
   }
 
@@ -129,12 +130,24 @@ class SimbodySystem {
     const SimTK::Transform f = to_simbody(tree.frame_in_parent);
     const SimTK::Transform m = to_simbody(tree.frame_in_body);
     switch (tree.type) {
-      case JointType::kWeld: SimTK::MobilizedBody::Weld(parent, f, body, m); break;
-      case JointType::kFree: SimTK::MobilizedBody::Free(parent, f, body, m); break;
-      case JointType::kPin: SimTK::MobilizedBody::Pin(parent, f, body, m); break;
-      case JointType::kSlider: SimTK::MobilizedBody::Slider(parent, f, body, m); break;
-      case JointType::kUniversal: SimTK::MobilizedBody::Universal(parent, f, body, m); break;
-      case JointType::kBall: SimTK::MobilizedBody::Ball(parent, f, body, m); break;
+      case JointType::kWeld:
+        SimTK::MobilizedBody::Weld(parent, f, body, m);
+        break;
+      case JointType::kFree:
+        SimTK::MobilizedBody::Free(parent, f, body, m);
+        break;
+      case JointType::kPin:
+        SimTK::MobilizedBody::Pin(parent, f, body, m);
+        break;
+      case JointType::kSlider:
+        SimTK::MobilizedBody::Slider(parent, f, body, m);
+        break;
+      case JointType::kUniversal:
+        SimTK::MobilizedBody::Universal(parent, f, body, m);
+        break;
+      case JointType::kBall:
+        SimTK::MobilizedBody::Ball(parent, f, body, m);
+        break;
     }
   }
 
@@ -186,8 +199,10 @@ class SimbodySystem {
 
   void put_forces(const SpatialForce<double>* body_forces, const double* joint_forces) {
     static_assert(sizeof(SpatialForce<double>) == sizeof(SpatialVec), "moment, then force");
-    std::memcpy(static_cast<void*>(&body_forces_[1]), body_forces, slots_.size() * sizeof(SpatialVec));
-    if (contact_ != nullptr) body_forces_ += system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics);
+    std::memcpy(static_cast<void*>(&body_forces_[1]), body_forces,
+                slots_.size() * sizeof(SpatialVec));
+    if (contact_ != nullptr)
+      body_forces_ += system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics);
     if (mobility_forces_.size() == 0) return;
     double* to = &mobility_forces_[0];
     for (const Slot& slot : slots_) {
@@ -248,7 +263,8 @@ class SimbodyDynamics final : public Dynamics {
     // The mass properties of all bodies lie one after another (world_layout.cpp).
     const double* masses = params + world_.layout.body_params.front();
     const std::size_t count = kBodyParamCount * world_.bodies.size();
-    if (system_ != nullptr && std::memcmp(masses, built_from_.data(), count * sizeof(double)) == 0) {
+    if (system_ != nullptr &&
+        std::memcmp(masses, built_from_.data(), count * sizeof(double)) == 0) {
       return;
     }
     system_.reset();

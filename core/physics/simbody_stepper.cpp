@@ -20,8 +20,11 @@ bool all_finite(const std::vector<double>& values) {
 class MechanicsStepper final : public Stepper {
  public:
   MechanicsStepper(const World& world, std::unique_ptr<Dynamics> dynamics)
-      : mechanics_(world, std::move(dynamics)), integrator_(make_integrator(world)),
-        q_(world.layout.q.size), u_(world.layout.u.size), rotor_speed_(world.rotors.size()) {}
+      : mechanics_(world, std::move(dynamics)),
+        integrator_(make_integrator(world)),
+        q_(world.layout.q.size),
+        u_(world.layout.u.size),
+        rotor_speed_(world.rotors.size()) {}
 
   void update_bodies(LaneState& state) override {
     mechanics_.bodies(state.q.data(), state.u.data(), state.bodies.data());

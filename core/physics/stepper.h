@@ -18,12 +18,14 @@ class Stepper {
   /// Makes `state.bodies` current after q, u or params were changed from outside.
   virtual void update_bodies(LaneState& state) = 0;
 
-  /// Advances q, u, rotor speeds and bodies by exactly dt, the rotor command, wrenches and drives held.
-  /// @returns false if the step gave a non-finite value or the integrator gave up; then the state is
-  ///          as it was before the call.
+  /// Advances q, u, rotor speeds and bodies by exactly dt, the rotor command, wrenches and drives
+  /// held.
+  /// @returns false if the step gave a non-finite value or the integrator gave up; then the state
+  ///          is as it was before the call
   virtual bool advance(LaneState& state) = 0;
 
   /// Generalised accelerations at the present state and t = 0 of the step, one per u.
+  /// @throws Error if the parameters are not physical; std::exception if the dynamics gives up
   virtual void accelerations(const LaneState& state, double* udot) = 0;
 };
 

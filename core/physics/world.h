@@ -1,5 +1,6 @@
-// What never changes while environments step: the bodies, rotors and contact points of all robots of
-// a scenario in one numbering, and where each value lies in WorldState. Built once, shared by all.
+// What never changes while environments step: the bodies, rotors and contact points of all robots
+// of a scenario in one numbering, and where each value lies in WorldState. Built once, shared by
+// all.
 #pragma once
 
 #include <vector>
@@ -12,10 +13,10 @@ namespace skybody {
 /// A body in the world's numbering.
 struct WorldBody {
   int robot = 0;
-  int parent = -1;        ///< world body index; -1: the world
+  int parent = -1;  ///< world body index; -1: the world
   const Body* model = nullptr;
-  int q = 0;              ///< first coordinate within the q block
-  int u = 0;              ///< first coordinate within the u block
+  int q = 0;  ///< first coordinate within the q block
+  int u = 0;  ///< first coordinate within the u block
 };
 
 /// A rotor in the world's numbering.
@@ -37,8 +38,8 @@ struct ContactSphere {
 struct WrenchSite {
   int body = 0;                       ///< world body index
   Vec3<double> point{0.0, 0.0, 0.0};  ///< in the body's frame [m]
-  bool at_com = false;                ///< act at the body's present centre of mass instead of `point`
-  bool world_axes = true;             ///< axes of force and moment: W, or else the body's
+  bool at_com = false;     ///< act at the body's present centre of mass instead of `point`
+  bool world_axes = true;  ///< axes of force and moment: W, or else the body's
 };
 
 /// How a robot's base is driven kinematically by a controller, if at all.
@@ -58,8 +59,8 @@ class World {
   std::vector<WorldBody> bodies;
   std::vector<WorldRotor> rotors;
   std::vector<ContactSphere> spheres;
-  std::vector<WrenchSite> sites;    ///< set by core/env from the controllers' declarations
-  std::vector<DriveKind> drives;    ///< one per robot, likewise
+  std::vector<WrenchSite> sites;  ///< set by core/env from the controllers' declarations
+  std::vector<DriveKind> drives;  ///< one per robot, likewise
 };
 
 }  // namespace skybody

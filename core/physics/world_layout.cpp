@@ -19,7 +19,8 @@ void add_body_params(World& world, const WorldBody& body) {
   layout.body_params.push_back(
       add_param(layout, {path + ".mass", "kg", mass.mass, kLeastPositive, kInfinity}));
   for (int k = 0; k < 3; ++k) {
-    add_param(layout, {path + ".com[" + std::to_string(k) + "]", "m", com[k], -kInfinity, kInfinity});
+    add_param(layout,
+              {path + ".com[" + std::to_string(k) + "]", "m", com[k], -kInfinity, kInfinity});
   }
   for (int k = 0; k < 6; ++k) {
     const double least = k < 3 ? kLeastPositive : -kInfinity;

@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestName = 64;
+/// Text for the README: in a template beside the files, which end in .in.
+constexpr const char* kAboutFile = "about.md";
 
 /// Names that CMake or C++ keep for themselves.
 bool is_reserved(std::string_view name) {
@@ -135,20 +137,21 @@ fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
   }
 
   TemporaryFolder fresh(place);
-  for (const fs::path& source :
-       {templates / "common", templates / std::string(kind_name(kind))}) {
+  const fs::path own = templates / std::string(kind_name(kind));
+  const std::vector<std::pair<std::string_view, std::string>> words = {
+      {"@ABOUT@", read(own / kAboutFile)},
+      {"@NAME@", name},
+      {"@CLASS@", class_name(name)},
+      {"@KIND@", std::string(kind_name(kind))}};
+  for (const fs::path& source : {templates / "common", own}) {
     for (const auto& item : fs::recursive_directory_iterator(source)) {
-      const std::string relative =
-          replaced(fs::relative(item.path(), source).string(), "NAME", name);
-      const fs::path target = fresh.path() / relative;
-      if (item.is_directory()) {
-        fs::create_directories(target);
-        continue;
-      }
+      if (!item.is_regular_file() || item.path().extension() != ".in") continue;
+      // tests/NAME_test.cpp.in -> tests/wind_gust_test.cpp
+      fs::path target = replaced(fs::relative(item.path(), source).string(), "NAME", name);
+      target = fresh.path() / target.replace_extension();
+      fs::create_directories(target.parent_path());
       std::string text = read(item.path());
-      text = replaced(std::move(text), "@NAME@", name);
-      text = replaced(std::move(text), "@CLASS@", class_name(name));
-      text = replaced(std::move(text), "@KIND@", std::string(kind_name(kind)));
+      for (const auto& [word, meaning] : words) text = replaced(std::move(text), word, meaning);
       write(target, text);
     }
   }

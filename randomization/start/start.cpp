@@ -9,11 +9,7 @@ namespace {
 class RandomStart : public Randomizer {
  public:
   void configure(const Setup& setup) override {
-    require_order(position_min_, position_max_, 3, "position_min", "position_max");
-    if (yaw_.value(0) > yaw_.value(1)) {
-      throw std::runtime_error("`yaw` [" + std::to_string(yaw_.value(0)) + ", " +
-                               std::to_string(yaw_.value(1)) + "] runs backwards: write [low, high]");
-    }
+    check_ranges();
     gravity_ = norm(Vec3<double>{setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]});
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
     for (int r = 0; r < setup.robots().size(); ++r) {
@@ -55,14 +51,30 @@ class RandomStart : public Randomizer {
     std::vector<Rotor> rotors;
   };
 
-  static void require_order(const RealsParameter& low, const RealsParameter& high, int count,
-                            const std::string& low_name, const std::string& high_name) {
-    for (int k = 0; k < count; ++k) {
-      if (low.value(k) <= high.value(k)) continue;
+  static void require_order(const std::string& low_name, double low, const std::string& high_name,
+                            double high) {
+    if (low <= high) return;
+    throw std::runtime_error("`" + low_name + "` " + std::to_string(low) + " is above `" +
+                             high_name + "` " + std::to_string(high) + ": swap them");
+  }
+
+  void check_ranges() {
+    require_order("yaw_min", yaw_min_.value(), "yaw_max", yaw_max_.value());
+    const int low = position_min_.count(), high = position_max_.count();
+    if (low != high || (low != 0 && low != 3)) {
+      throw std::runtime_error("`position_min` has " + std::to_string(low) +
+                               " values and `position_max` " + std::to_string(high) +
+                               ": give both [x, y, z], or neither to keep the scenario's position");
+    }
+    moves_ = low == 3;
+    for (int k = 0; k < low; ++k) {
       const std::string place = "[" + std::to_string(k) + "]";
-      throw std::runtime_error("`" + low_name + place + "` " + std::to_string(low.value(k)) +
-                               " is above `" + high_name + place + "` " +
-                               std::to_string(high.value(k)) + ": swap them");
+      require_order("position_min" + place, position_min_.value(k), "position_max" + place,
+                    position_max_.value(k));
+    }
+    if (moves_) {
+      low_ = position_min_.vec3();
+      high_ = position_max_.vec3();
     }
   }
 
@@ -92,10 +104,11 @@ class RandomStart : public Randomizer {
 
   template <class Real>
   SKYBODY_INLINE void place(Random<Real>& draw, const Target& t, Start<Real>& start) const {
-    const Real x = draw.uniform(Real(position_min_.value(0)), Real(position_max_.value(0)));
-    const Real y = draw.uniform(Real(position_min_.value(1)), Real(position_max_.value(1)));
-    const Real z = draw.uniform(Real(position_min_.value(2)), Real(position_max_.value(2)));
-    const Vec3<double> from = relative_.value() ? t.position : Vec3<double>{0.0, 0.0, 0.0};
+    const Real x = draw.uniform(Real(low_.x), Real(high_.x));
+    const Real y = draw.uniform(Real(low_.y), Real(high_.y));
+    const Real z = draw.uniform(Real(low_.z), Real(high_.z));
+    const Vec3<double> from =
+        relative_.value() || !moves_ ? t.position : Vec3<double>{0.0, 0.0, 0.0};
     start.q.set(t.q, Vec3<Real>{x + from.x, y + from.y, max(z + from.z, min_height_.value())});
     start.q.set(t.q + 3, rotation(draw, t));
     start.u.set(t.u, random_vector(draw, velocity_max_.value()));
@@ -105,12 +118,11 @@ class RandomStart : public Randomizer {
   /// Tilt about a random horizontal axis, then heading; on top of the scenario's own if relative.
   template <class Real>
   SKYBODY_INLINE Quat<Real> rotation(Random<Real>& draw, const Target& t) const {
-    const Real turn = draw.uniform(Real(yaw_.value(0)), Real(yaw_.value(1)));
+    const Real turn = draw.uniform(Real(yaw_min_.value()), Real(yaw_max_.value()));
     const Real angle = draw.uniform(Real(0.0), Real(tilt_max_.value()));
     const SinCos<Real> axis = sincos(kTwoPi * draw.uniform());
     const Quat<Real> tilt = from_axis_angle(Vec3<Real>{axis.cos, axis.sin, Real(0.0)}, angle);
-    const Quat<Real> heading =
-        from_axis_angle(Vec3<Real>{Real(0.0), Real(0.0), Real(1.0)}, turn);
+    const Quat<Real> heading = from_axis_angle(Vec3<Real>{Real(0.0), Real(0.0), Real(1.0)}, turn);
     const Quat<Real> own = relative_.value() ? Quat<Real>{Real(t.rotation.w), Real(t.rotation.x),
                                                           Real(t.rotation.y), Real(t.rotation.z)}
                                              : Quat<Real>::identity();
@@ -138,31 +150,31 @@ class RandomStart : public Randomizer {
   }
 
   TextParameter robot_{this, {.name = "robot", .doc = "which robot; empty: every floating one"}};
-  BooleanParameter relative_{this,
-                             {.name = "relative",
-                              .value = true,
-                              .doc = "position, yaw and tilt add to the scenario's pose, else replace it"}};
+  BooleanParameter relative_{
+      this,
+      {.name = "relative",
+       .value = false,
+       .doc = "position, yaw and tilt add to the scenario's pose, else replace it"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
-                                .values = {0.0, 0.0, 0.0},
-                                .doc = "lower corner of the box of positions (W axes)"}};
+                                .count = -1,
+                                .doc = "lower corner of the box of positions (W axes); none: the "
+                                       "scenario's position"}};
   RealsParameter position_max_{this,
                                {.name = "position_max",
                                 .unit = "m",
-                                .values = {0.0, 0.0, 0.0},
+                                .count = -1,
                                 .doc = "upper corner of the box of positions (W axes)"}};
   RealParameter min_height_{this,
                             {.name = "min_height",
                              .unit = "m",
                              .value = 0.0,
                              .doc = "the base starts no lower than this (W z)"}};
-  RealsParameter yaw_{this,
-                      {.name = "yaw",
-                       .unit = "rad",
-                       .values = {0.0, 0.0},
-                       .count = 2,
-                       .doc = "range of the heading"}};
+  RealParameter yaw_min_{
+      this, {.name = "yaw_min", .unit = "rad", .doc = "smallest heading that is drawn"}};
+  RealParameter yaw_max_{
+      this, {.name = "yaw_max", .unit = "rad", .doc = "largest heading that is drawn"}};
   RealParameter tilt_max_{this,
                           {.name = "tilt_max",
                            .unit = "rad",
@@ -186,6 +198,8 @@ class RandomStart : public Randomizer {
                         .doc = "keep: the scenario's; hover: what carries the drawn weight"}};
 
   std::vector<Target> robots_;
+  Vec3<double> low_{0.0, 0.0, 0.0}, high_{0.0, 0.0, 0.0};  ///< box of positions [m]
+  bool moves_ = false;
   double gravity_ = 0.0;
 };
 

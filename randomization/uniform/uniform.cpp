@@ -16,13 +16,15 @@ class Uniform : public Randomizer {
 
   void configure(const Setup& setup) override {
     if (paths_.values().empty()) {
-      throw std::runtime_error("`paths` names nothing to draw: give at least one path, such as "
-                               "`controllers.rate_pd.kp`");
+      throw std::runtime_error(
+          "`paths` names nothing to draw: give at least one path, such as "
+          "`controllers.rate_pd.kp`");
     }
     const bool scales = scale_.count() > 0;
     if (scales == (range_.count() > 0)) {
-      throw std::runtime_error(scales ? "both `scale` and `range` are given: leave one out"
-                                      : "neither `scale` nor `range` is given: give one, [low, high]");
+      throw std::runtime_error(scales
+                                   ? "both `scale` and `range` are given: leave one out"
+                                   : "neither `scale` nor `range` is given: give one, [low, high]");
     }
     const RealsParameter& given = scales ? scale_ : range_;
     const std::string name = scales ? "scale" : "range";
@@ -84,13 +86,13 @@ class Uniform : public Randomizer {
     setup.writes(param);
   }
 
-  TextsParameter paths_{this, {.name = "paths", .doc = "what is drawn; `[*]` means all elements", .required = true}};
-  RealsParameter scale_{this,
-                        {.name = "scale",
-                         .count = -1,
-                         .doc = "[low, high] as multiples of each nominal value"}};
-  RealsParameter range_{this,
-                        {.name = "range", .count = -1, .doc = "[low, high] in the value's own unit"}};
+  TextsParameter paths_{
+      this, {.name = "paths", .doc = "what is drawn; `[*]` means all elements", .required = true}};
+  RealsParameter scale_{
+      this,
+      {.name = "scale", .count = -1, .doc = "[low, high] as multiples of each nominal value"}};
+  RealsParameter range_{
+      this, {.name = "range", .count = -1, .doc = "[low, high] in the value's own unit"}};
   BooleanParameter shared_{this,
                            {.name = "shared", .doc = "one draw for all of them, not one for each"}};
   IntegerParameter every_{this,
@@ -106,4 +108,5 @@ class Uniform : public Randomizer {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Uniform, "uniform", "1.0.0", "Draws any randomizable values, named by path.");
+SKYBODY_PLUGIN(skybody::Uniform, "uniform", "1.0.0",
+               "Draws any randomizable values, named by path.");

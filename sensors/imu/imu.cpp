@@ -27,8 +27,8 @@ class Imu : public Sensor {
     body_ = link.body;
     point_ = Vec3<double>{link.position[0], link.position[1], link.position[2]} +
              rotate(frame, position_.vec3());
-    rotation_ = frame * from_rpy(orientation_.value(0), orientation_.value(1),
-                                 orientation_.value(2));
+    rotation_ =
+        frame * from_rpy(orientation_.value(0), orientation_.value(1), orientation_.value(2));
     gravity_ = {setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]};
     dt_ = setup.dt();
     // Called often enough both to sample and to deliver; the line has one place a call.
@@ -80,8 +80,7 @@ class Imu : public Sensor {
   template <class Real>
   SKYBODY_INLINE void sample(const Lanes<Real>& env, State<Real>& state, MaskOf<Real> due) const {
     const BodyMotion<Real> now = env.body(body_), before = env.body_before(body_);
-    const Vec3<Real> acceleration =
-        (point_velocity(now) - point_velocity(before)) / Real(dt_);
+    const Vec3<Real> acceleration = (point_velocity(now) - point_velocity(before)) / Real(dt_);
     const Quat<Real> mount{Real(rotation_.w), Real(rotation_.x), Real(rotation_.y),
                            Real(rotation_.z)};
     const Vec3<Real> gravity{Real(gravity_.x), Real(gravity_.y), Real(gravity_.z)};
@@ -92,8 +91,7 @@ class Imu : public Sensor {
       const auto first = env.physics_step() == Word<Real>(0);
       disturb(draw, accelerometer_noise_(env), accelerometer_walk_(env), due, first, force,
               state.force_bias);
-      disturb(draw, gyroscope_noise_(env), gyroscope_walk_(env), due, first, rate,
-              state.rate_bias);
+      disturb(draw, gyroscope_noise_(env), gyroscope_walk_(env), due, first, rate, state.rate_bias);
     }
     force += state.force_bias;
     rate += state.rate_bias;
@@ -103,9 +101,8 @@ class Imu : public Sensor {
 
   template <class Real>
   SKYBODY_INLINE MaskOf<Real> noisy(const Lanes<Real>& env) const {
-    return logical_or(
-        logical_or(accelerometer_noise_(env) > 0.0, accelerometer_walk_(env) > 0.0),
-        logical_or(gyroscope_noise_(env) > 0.0, gyroscope_walk_(env) > 0.0));
+    return logical_or(logical_or(accelerometer_noise_(env) > 0.0, accelerometer_walk_(env) > 0.0),
+                      logical_or(gyroscope_noise_(env) > 0.0, gyroscope_walk_(env) > 0.0));
   }
 
   /// Bias walk since the last sample (none before the first), then white noise. A density of zero
@@ -140,7 +137,8 @@ class Imu : public Sensor {
     buffer.set(kSize * (places_ - 1) + 3, state.rate);
   }
 
-  TextParameter robot_{this, {.name = "robot", .doc = "whose link; may be left out for a single robot"}};
+  TextParameter robot_{this,
+                       {.name = "robot", .doc = "whose link; may be left out for a single robot"}};
   TextParameter link_{this, {.name = "link", .doc = "where it is mounted; empty: the base"}};
   IntegerParameter period_{this,
                            {.name = "period",
@@ -204,12 +202,12 @@ class Imu : public Sensor {
                                  .randomizable = true}};
 
   int body_ = 0;
-  Vec3<double> point_{};      ///< body frame [m]
-  Quat<double> rotation_{};   ///< body from sensor
-  Vec3<double> gravity_{};    ///< W [m/s^2]
+  Vec3<double> point_{};     ///< body frame [m]
+  Quat<double> rotation_{};  ///< body from sensor
+  Vec3<double> gravity_{};   ///< W [m/s^2]
   double dt_ = 0.0;
-  double interval_ = 0.0;     ///< between samples [s]
-  int places_ = 0;            ///< of the delay line
+  double interval_ = 0.0;  ///< between samples [s]
+  int places_ = 0;         ///< of the delay line
 };
 
 }  // namespace

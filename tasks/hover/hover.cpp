@@ -1,7 +1,7 @@
 // The paper's hover task for one robot, or for a team that holds a formation.
-#include "tasks/common/flight.h"
-
 #include <vector>
+
+#include "tasks/common/flight.h"
 
 namespace skybody {
 namespace {
@@ -17,24 +17,26 @@ class Hover : public Task {
   void configure(const Setup& setup) override {
     check_target();
     limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
-    const bool team = setup.robots().size() > 1;
-    for (int r = 0; r < setup.robots().size(); ++r) add_robot(setup, r, team);
-    set_offsets(setup);
+    const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
+    const bool team = only < 0 && setup.robots().size() > 1;
+    for (int r = 0; r < setup.robots().size(); ++r) {
+      if (only < 0 || r == only) add_robot(setup, r, team);
+    }
+    set_offsets();
     setup.buffer(history_);
   }
 
   template <class Real>
   void reset(const Lanes<Real>& env, State<Real>& state, Values<Real> buffer) const {
     Random<Real> draw = random(env);
-    const Vec3<Real> drawn{
-        draw.uniform(Real(target_min_.value(0)), Real(target_max_.value(0))),
-        draw.uniform(Real(target_min_.value(1)), Real(target_max_.value(1))),
-        draw.uniform(Real(target_min_.value(2)), Real(target_max_.value(2)))};
+    const Vec3<Real> drawn{draw.uniform(Real(target_min_.value(0)), Real(target_max_.value(0))),
+                           draw.uniform(Real(target_min_.value(1)), Real(target_max_.value(1))),
+                           draw.uniform(Real(target_min_.value(2)), Real(target_max_.value(2)))};
     const Real turn = draw.uniform(Real(-target_yaw_.value()), Real(target_yaw_.value()));
     const bool fixed = target_.count() > 0;
-    state.target = fixed ? Vec3<Real>{Real(target_.value(0)), Real(target_.value(1)),
-                                      Real(target_.value(2))}
-                         : drawn;
+    state.target =
+        fixed ? Vec3<Real>{Real(target_.value(0)), Real(target_.value(1)), Real(target_.value(2))}
+              : drawn;
     state.yaw = fixed ? Real(target_.value(3)) : turn;
     for (int k = 0; k < history_; ++k) buffer.set(k, Real(-1.0));
   }
@@ -56,7 +58,8 @@ class Hover : public Task {
       out.observation.set(at + 7, flight::canonical(body.rotation));
       out.observation.set(at + 11, body.angular_velocity);
       at += 14;
-      for (int k = 0; k < 2 * robot.actions; ++k) out.observation.set(at++, buffer[robot.history + k]);
+      for (int k = 0; k < 2 * robot.actions; ++k)
+        out.observation.set(at++, buffer[robot.history + k]);
       reward += flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
                 kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
       failed = logical_or(failed, flight::failed(body, limits_));
@@ -86,8 +89,9 @@ class Hover : public Task {
 
   void check_target() const {
     if (target_.count() != 0 && target_.count() != 4) {
-      throw std::runtime_error("`target` has " + std::to_string(target_.count()) +
-                               " values: write [x, y, z, yaw], or leave it out to draw one an episode");
+      throw std::runtime_error(
+          "`target` has " + std::to_string(target_.count()) +
+          " values: write [x, y, z, yaw], or leave it out to draw one an episode");
     }
     for (int k = 0; k < 3; ++k) {
       if (target_min_.value(k) <= target_max_.value(k)) continue;
@@ -101,7 +105,10 @@ class Hover : public Task {
     const RobotInfo& info = setup.robots()[index];
     const int actions = flight::action_count(info, "hover");
     const std::string prefix = team ? std::string(info.name) + "." : "";
-    robots_.push_back({info.first_body, info.first_action, actions, history_,
+    robots_.push_back({info.first_body,
+                       info.first_action,
+                       actions,
+                       history_,
                        {info.position[0], info.position[1], info.position[2]}});
     history_ += 2 * actions;
     setup.channel(prefix + "position_error", "m", 3, -kInfinity, kInfinity);
@@ -114,8 +121,8 @@ class Hover : public Task {
   }
 
   /// Places in the team: `formation`, else where the scenario puts the robots, about their mean.
-  void set_offsets(const Setup& setup) {
-    const int count = setup.robots().size();
+  void set_offsets() {
+    const int count = static_cast<int>(robots_.size());
     if (formation_.count() != 0 && formation_.count() != 3 * count) {
       throw std::runtime_error("`formation` has " + std::to_string(formation_.count()) +
                                " values for " + std::to_string(count) +
@@ -128,7 +135,8 @@ class Hover : public Task {
       Vec3<double>& offset = robots_[static_cast<std::size_t>(i)].offset;
       offset -= mean;
       if (formation_.count() > 0) {
-        offset = {formation_.value(3 * i), formation_.value(3 * i + 1), formation_.value(3 * i + 2)};
+        offset = {formation_.value(3 * i), formation_.value(3 * i + 1),
+                  formation_.value(3 * i + 2)};
       }
     }
   }
@@ -152,6 +160,7 @@ class Hover : public Task {
     }
   }
 
+  TextParameter robot_{this, {.name = "robot", .doc = "who hovers; empty: all robots, as a team"}};
   RealsParameter target_{this,
                          {.name = "target",
                           .unit = "m, rad",

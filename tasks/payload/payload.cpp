@@ -1,7 +1,7 @@
 // The paper's payload task: bring what hangs below the robot to a point and keep it there.
-#include "tasks/common/flight.h"
-
 #include <vector>
+
+#include "tasks/common/flight.h"
 
 namespace skybody {
 namespace {
@@ -87,11 +87,10 @@ class Payload : public Task {
     return {Real(center_.x), Real(center_.y), Real(center_.z)};
   }
 
-  TextParameter robot_{this, {.name = "robot", .doc = "who carries; may be left out for a single robot"}};
+  TextParameter robot_{this,
+                       {.name = "robot", .doc = "who carries; may be left out for a single robot"}};
   TextParameter link_{this,
-                      {.name = "payload_link",
-                       .value = "payload",
-                       .doc = "the link that is carried"}};
+                      {.name = "payload_link", .value = "bob", .doc = "the link that is carried"}};
   RealsParameter target_{this,
                          {.name = "target",
                           .unit = "m",

@@ -63,7 +63,8 @@ struct Group {
     one.lanes = 1;
     each(*this, one, [&](const auto& from, auto& to) {
       to.clear();
-      for (std::size_t k = static_cast<std::size_t>(lane); k < from.size(); k += static_cast<std::size_t>(lanes)) {
+      for (std::size_t k = static_cast<std::size_t>(lane); k < from.size();
+           k += static_cast<std::size_t>(lanes)) {
         to.push_back(from[k]);
       }
     });
@@ -71,7 +72,8 @@ struct Group {
   }
   template <class F>
   static void each(const Group& a, Group& b, F&& f) {
-    f(a.key, b.key), f(a.episode, b.episode), f(a.step, b.step), f(a.state, b.state), f(a.end, b.end);
+    f(a.key, b.key), f(a.episode, b.episode), f(a.step, b.step), f(a.state, b.state),
+        f(a.end, b.end);
     f(a.physics_step, b.physics_step), f(a.bodies, b.bodies), f(a.before, b.before), f(a.q, b.q);
     f(a.u, b.u), f(a.rotor_speed, b.rotor_speed), f(a.params, b.params), f(a.action, b.action);
     f(a.command, b.command), f(a.buffer, b.buffer), f(a.input, b.input), f(a.output, b.output);
@@ -81,7 +83,8 @@ struct Group {
     bool same = lanes == other.lanes;
     Group copy = other;
     each(*this, copy, [&](const auto& a, auto& b) {
-      same = same && a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * 8) == 0);
+      same = same && a.size() == b.size() &&
+             (a.empty() || std::memcmp(a.data(), b.data(), a.size() * 8) == 0);
     });
     return same;
   }
@@ -93,8 +96,11 @@ class Instance {
   /// @throws std::runtime_error with configure()'s message
   Instance(const std::string& name, PluginWorld& world, const Parameters& given = {})
       : world_(world), name_("test." + name) {
-    const std::string file = std::string(SKYBODY_BINARY_DIR) + "/lib/skybody/plugins/" + name + ".so";
-    library_.reset(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* h) { if (h != nullptr) dlclose(h); });
+    const std::string file =
+        std::string(SKYBODY_BINARY_DIR) + "/lib/skybody/plugins/" + name + ".so";
+    library_.reset(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* h) {
+      if (h != nullptr) dlclose(h);
+    });
     if (!library_) throw std::logic_error(dlerror());
     const auto* exported =
         static_cast<const SkybodyPluginLibrary*>(dlsym(library_.get(), SKYBODY_LIBRARY_SYMBOL));
@@ -144,7 +150,8 @@ class Instance {
         g.at(g.params, static_cast<int>(k), l) = world_.params[k].nominal;
       }
       for (std::size_t b = 0; b < world_.bodies.size(); ++b) {
-        const SkybodyRobotInfo& robot = world_.robots[static_cast<std::size_t>(world_.bodies[b].robot)];
+        const SkybodyRobotInfo& robot =
+            world_.robots[static_cast<std::size_t>(world_.bodies[b].robot)];
         const int first = 13 * static_cast<int>(b);
         for (int k = 0; k < 3; ++k) g.at(g.bodies, first + k, l) = robot.position[k];
         g.at(g.bodies, first + 3, l) = 1.0;
@@ -162,17 +169,26 @@ class Instance {
     std::uint64_t* state = g.state.data();
     double* buffer = g.buffer.data();
     const bool requested = what == Call::kRequest;
-    const SkybodyStart start{g.q.data(), g.u.data(), g.rotor_speed.data(), g.params.data(), requested ? 1u : 0u};
+    const SkybodyStart start{g.q.data(), g.u.data(), g.rotor_speed.data(), g.params.data(),
+                             requested ? 1u : 0u};
     const SkybodyEvaluation out{g.observation.data(), g.reward.data(), g.end.data()};
     switch (what) {
       case Call::kReset:
         if (k.reset != nullptr) k.reset(self_, &v, state, buffer);
         break;
-      case Call::kControl: k.control(self_, &v, state, buffer, g.input.data(), g.output.data()); break;
-      case Call::kSense: k.sense(self_, &v, state, buffer, g.output.data()); break;
+      case Call::kControl:
+        k.control(self_, &v, state, buffer, g.input.data(), g.output.data());
+        break;
+      case Call::kSense:
+        k.sense(self_, &v, state, buffer, g.output.data());
+        break;
       case Call::kRandomize:
-      case Call::kRequest: k.randomize(self_, &v, state, buffer, &start); break;
-      case Call::kEvaluate: k.evaluate(self_, &v, state, buffer, &out); break;
+      case Call::kRequest:
+        k.randomize(self_, &v, state, buffer, &start);
+        break;
+      case Call::kEvaluate:
+        k.evaluate(self_, &v, state, buffer, &out);
+        break;
     }
   }
   /// The step function of its kind.
@@ -223,13 +239,15 @@ class Instance {
       } else {
         numbers.assign(p.default_numbers, p.default_numbers + p.default_count);
       }
-      SkybodyValue v{numbers.data(), words.data(),
-                     static_cast<std::uint32_t>(p.type == SKYBODY_TEXT ? words.size() : numbers.size()), -1};
+      SkybodyValue v{
+          numbers.data(), words.data(),
+          static_cast<std::uint32_t>(p.type == SKYBODY_TEXT ? words.size() : numbers.size()), -1};
       if (p.randomizable != 0) {
         v.env_param = static_cast<std::int32_t>(world_.params.size());
         env_params_[p.name] = v.env_param;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
-          world_.add_param(name_ + "." + p.name + "[" + std::to_string(k) + "]", numbers[k], p.min, p.max);
+          world_.add_param(name_ + "." + p.name + "[" + std::to_string(k) + "]", numbers[k], p.min,
+                           p.max);
         }
       }
       values_.push_back(v);
@@ -247,7 +265,9 @@ class Instance {
       self(h).low.assign(low, low + n);
       self(h).high.assign(high, high + n);
     };
-    d.output = [](void* h, int32_t signal, int32_t n) { self(h).output = signal, self(h).output_count = n; };
+    d.output = [](void* h, int32_t signal, int32_t n) {
+      self(h).output = signal, self(h).output_count = n;
+    };
     d.site = [](void* h, const SkybodySite* s) { self(h).sites.push_back(*s); };
     d.channel = [](void* h, const SkybodyChannel* c) {
       self(h).channels.push_back(c->name);
@@ -292,7 +312,8 @@ inline void scatter(Group& g, const Declared& declared, std::mt19937_64& generat
     for (int b = 0; 13 * b * g.lanes < static_cast<int>(block->size()); ++b) {
       for (int l = 0; l < g.lanes; ++l) {
         double sum = 0.0;
-        for (int k = 3; k < 7; ++k) sum += g.at(*block, 13 * b + k, l) * g.at(*block, 13 * b + k, l);
+        for (int k = 3; k < 7; ++k)
+          sum += g.at(*block, 13 * b + k, l) * g.at(*block, 13 * b + k, l);
         for (int k = 3; k < 7; ++k) g.at(*block, 13 * b + k, l) /= std::sqrt(sum);
         for (int k = 7; k < 13; ++k) g.at(*block, 13 * b + k, l) *= 8.0;
       }
@@ -301,30 +322,36 @@ inline void scatter(Group& g, const Declared& declared, std::mt19937_64& generat
   for (double& x : g.rotor_speed) x = uniform(0.0, 2200.0);
   for (double& x : g.action) x = uniform(-1.0, 1.0);
   for (int k = 0; k < static_cast<int>(declared.low.size()); ++k) {
-    const double low = declared.low[static_cast<std::size_t>(k)], high = declared.high[static_cast<std::size_t>(k)];
-    for (int l = 0; l < g.lanes; ++l) g.at(g.input, k, l) = uniform(1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low);
+    const double low = declared.low[static_cast<std::size_t>(k)],
+                 high = declared.high[static_cast<std::size_t>(k)];
+    for (int l = 0; l < g.lanes; ++l)
+      g.at(g.input, k, l) = uniform(1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low);
   }
 }
 
-/// Every instruction set gives the bits that double gives, lane by lane, and leaves lanes alone that
-/// it is not asked to serve: 125 rounds of 8 environments with random masks.
-inline void expect_same_bits(const std::string& plugin, PluginWorld& world, const Parameters& given = {}) {
+/// Every instruction set gives the bits that double gives, lane by lane, and leaves lanes alone
+/// that it is not asked to serve: 125 rounds of 8 environments with random masks.
+inline void expect_same_bits(const std::string& plugin, PluginWorld& world,
+                             const Parameters& given = {}) {
   const Instance instance(plugin, world, given);
   EXPECT_EQ(instance.plugin().vectorized, 1u) << plugin << " is written for double only";
-  const bool runs[3] = {__builtin_cpu_supports("sse4.2") > 0, __builtin_cpu_supports("avx2") > 0,
-                        __builtin_cpu_supports("avx512f") > 0 && __builtin_cpu_supports("avx512dq") > 0 &&
-                            __builtin_cpu_supports("avx512bw") > 0 && __builtin_cpu_supports("avx512vl") > 0};
+  const bool runs[3] = {
+      __builtin_cpu_supports("sse4.2") > 0, __builtin_cpu_supports("avx2") > 0,
+      __builtin_cpu_supports("avx512f") > 0 && __builtin_cpu_supports("avx512dq") > 0 &&
+          __builtin_cpu_supports("avx512bw") > 0 && __builtin_cpu_supports("avx512vl") > 0};
   for (int set = 0; set < 3; ++set) {
     if (!runs[set]) continue;
     std::mt19937_64 generator(11);
     Group g = instance.group(8);
-    for (int l = 0; l < 8; ++l) g.key[static_cast<std::size_t>(8 + l)] = static_cast<std::uint64_t>(l);
+    for (int l = 0; l < 8; ++l)
+      g.key[static_cast<std::size_t>(8 + l)] = static_cast<std::uint64_t>(l);
     for (int round = 0; round < 125; ++round) {
       scatter(g, instance.declared, generator);
       const auto mask = static_cast<std::uint32_t>(generator() & 255u);
       const bool fresh = round % 10 == 0;
       for (int l = 0; l < 8; ++l) {
-        if (fresh) g.physics_step[static_cast<std::size_t>(l)] = g.step[static_cast<std::size_t>(l)] = 0;
+        if (fresh)
+          g.physics_step[static_cast<std::size_t>(l)] = g.step[static_cast<std::size_t>(l)] = 0;
       }
       const Group before = g;
       if (fresh) instance.call(Instance::Call::kReset, g, mask, set);

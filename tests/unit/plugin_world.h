@@ -26,8 +26,10 @@ class PluginWorld {
   int add_quad(const std::string& name, double x = 0.0, double y = 0.0, double z = 1.0) {
     const int index = add_robot(name, x, y, z);
     add_body(index, "base", -1, 1, 1.54, {0.0147209, 0.0169101, 0.029448});
-    const double at[4][3] = {
-        {0.1016, 0.127, 0.023}, {-0.1016, -0.127, 0.023}, {0.1016, -0.127, 0.023}, {-0.1016, 0.127, 0.023}};
+    const double at[4][3] = {{0.1016, 0.127, 0.023},
+                             {-0.1016, -0.127, 0.023},
+                             {0.1016, -0.127, 0.023},
+                             {-0.1016, 0.127, 0.023}};
     const double direction[4] = {-1.0, -1.0, 1.0, 1.0};
     for (int i = 0; i < 4; ++i) add_rotor(index, at[i], direction[i]);
     return index;
@@ -52,7 +54,8 @@ class PluginWorld {
     r.position[2] = z;
     r.rotation[0] = 1.0;
     r.disturbance_param = static_cast<int>(params.size());
-    for (int k = 0; k < 6; ++k) add_param("robots." + name + ".disturbance[" + std::to_string(k) + "]", 0.0);
+    for (int k = 0; k < 6; ++k)
+      add_param("robots." + name + ".disturbance[" + std::to_string(k) + "]", 0.0);
     r.first_action = r.first_command = actions;
     r.action_count = r.command_count = 4;
     r.command_signal = SKYBODY_ROTOR_SPEED;
@@ -72,7 +75,8 @@ class PluginWorld {
     for (int k = 0; k < 3; ++k) b.inertia[k] = moments[at(k)];
     b.first_param = add_param(path + ".mass", mass, 1e-9);
     for (int k = 0; k < 3; ++k) add_param(path + ".com[" + std::to_string(k) + "]", 0.0);
-    for (int k = 0; k < 6; ++k) add_param(path + ".inertia[" + std::to_string(k) + "]", b.inertia[k]);
+    for (int k = 0; k < 6; ++k)
+      add_param(path + ".inertia[" + std::to_string(k) + "]", b.inertia[k]);
     b.first_q = q;
     b.first_u = u;
     b.joint = joint;
@@ -92,7 +96,8 @@ class PluginWorld {
   void add_rotor(int owner, const double (&position)[3], double direction) {
     SkybodyRotorInfo r{};
     const std::string name = "rotor" + std::to_string(robots[at(owner)].rotor_count);
-    const double constants[8] = {1.9533e-6, 2.8401e-8, 2.0673e-5, 1e-9, 4.92e-6, 2246.0, 0.0125, 0.025};
+    const double constants[8] = {1.9533e-6, 2.8401e-8, 2.0673e-5, 1e-9,
+                                 4.92e-6,   2246.0,    0.0125,    0.025};
     r.name = keep(name);
     r.robot = owner;
     r.body = robots[at(owner)].first_body;
@@ -103,7 +108,8 @@ class PluginWorld {
     for (int k = 0; k < 8; ++k) {
       r.constants[k] = constants[k];
       add_param(std::string("robots.") + robots[at(owner)].name + ".rotors[" +
-                    std::to_string(robots[at(owner)].rotor_count) + "].constant" + std::to_string(k),
+                    std::to_string(robots[at(owner)].rotor_count) + "].constant" +
+                    std::to_string(k),
                 constants[k]);
     }
     ++robots[at(owner)].rotor_count;

@@ -15,7 +15,8 @@ constexpr double kFull = kThrustConstant * 2246.0 * 2246.0;
 class Modes : public ::testing::Test {
  protected:
   Modes() { world.add_quad("quad"); }
-  std::vector<double> control(const Instance& instance, Group& g, const std::vector<double>& input) {
+  std::vector<double> control(const Instance& instance, Group& g,
+                              const std::vector<double>& input) {
     g.input = input;
     instance.call(Call::kControl, g);
     return g.output;
@@ -24,7 +25,8 @@ class Modes : public ::testing::Test {
 };
 
 TEST_F(Modes, AllGiveTheBitsOfDouble) {
-  for (const char* name : {"rotor_speed", "srt", "ctbt", "ctbr", "wrench", "velocity", "attitude", "position"}) {
+  for (const char* name :
+       {"rotor_speed", "srt", "ctbt", "ctbr", "wrench", "velocity", "attitude", "position"}) {
     expect_same_bits(name, world);
   }
   expect_same_bits("ctbt", world, {{"apply", "body"}});
@@ -58,7 +60,8 @@ TEST_F(Modes, SrtGivesTheThrustBack) {
 TEST_F(Modes, VelocityHoldsItsLimitsAndThePositionFormIsLevel) {
   const Instance velocity("velocity", world, {{"max_velocity", std::vector<double>{1, 2, 3}}});
   Group g = velocity.group(1);
-  EXPECT_EQ(control(velocity, g, {5, -5, 5, -1, 0.5, 9}), (std::vector<double>{1, -2, 3, -1, 0.5, 3}));
+  EXPECT_EQ(control(velocity, g, {5, -5, 5, -1, 0.5, 9}),
+            (std::vector<double>{1, -2, 3, -1, 0.5, 3}));
   const Instance position("velocity", world, {{"form", "position"}});
   EXPECT_EQ(position.declared.output, SKYBODY_POSE);
   Group h = position.group(1);
@@ -117,16 +120,19 @@ TEST_F(Modes, PositionTiltsTowardsTheGoal) {
 }
 
 TEST_F(Modes, BadConfigurationNamesValueAndRemedy) {
-  EXPECT_THAT(refusal("rotor_speed", world, {{"min_speed", 2400}}), HasSubstr("`min_speed` 2400 is not below"));
+  EXPECT_THAT(refusal("rotor_speed", world, {{"min_speed", 2400}}),
+              HasSubstr("`min_speed` 2400 is not below"));
   EXPECT_THAT(refusal("srt", world, {{"min_thrust", 3}, {"max_thrust", 2}}),
               HasSubstr("`min_thrust` 3 is not below `max_thrust` 2: lower the first"));
-  EXPECT_THAT(refusal("ctbt", world, {{"max_thrust", 50}}), HasSubstr("`max_thrust` 50 is more than"));
+  EXPECT_THAT(refusal("ctbt", world, {{"max_thrust", 50}}),
+              HasSubstr("`max_thrust` 50 is more than"));
   EXPECT_THAT(refusal("ctbr", world, {{"pd", false}}), HasSubstr("set `apply: body`"));
   EXPECT_THAT(refusal("wrench", world, {{"links", std::vector<std::string>{"bas"}}}),
               HasSubstr("has no link `bas`"));
   EXPECT_THAT(refusal("wrench", world, {{"links", std::vector<std::string>{"base", "base"}}}),
               HasSubstr("names `base` twice"));
-  EXPECT_THAT(refusal("velocity", world, {{"form", "position"}, {"position_min", std::vector<double>{6, 0, 0}}}),
+  EXPECT_THAT(refusal("velocity", world,
+                      {{"form", "position"}, {"position_min", std::vector<double>{6, 0, 0}}}),
               HasSubstr("`position_min[0]` 6 is not below `position_max[0]` 5"));
   EXPECT_THAT(refusal("position", world, {{"max_acceleration_down", 9.5}}),
               HasSubstr("`max_acceleration_down` 9.5 would leave no thrust"));

@@ -20,7 +20,8 @@ Wrench4 effect(const PluginWorld& world, const std::vector<double>& speed) {
     const SkybodyRotorInfo& r = world.rotors[i];
     const double f = r.constants[0] * speed[i] * speed[i];
     sum.thrust += f * r.axis[2];
-    const double arm[3] = {r.position[0] - world.bodies[0].com[0], r.position[1] - world.bodies[0].com[1],
+    const double arm[3] = {r.position[0] - world.bodies[0].com[0],
+                           r.position[1] - world.bodies[0].com[1],
                            r.position[2] - world.bodies[0].com[2]};
     const double reaction = -r.direction * r.constants[1] / r.constants[0];
     sum.x += f * (arm[1] * r.axis[2] - arm[2] * r.axis[1] + reaction * r.axis[0]);
@@ -52,7 +53,8 @@ void expect_near(const Wrench4& got, const std::vector<double>& want, double tol
 TEST_F(ThrustTorqueTest, ReachableWrenchesComeOut) {
   world.bodies[0].com[0] = 0.01;  // nothing relies on symmetry
   const Instance instance("ctbt", world);
-  for (const std::vector<double>& u : {std::vector<double>{15, 0, 0, 0}, {15, 0.3, -0.2, 0.02}, {25, -0.5, 0.4, -0.03}}) {
+  for (const std::vector<double>& u :
+       {std::vector<double>{15, 0, 0, 0}, {15, 0.3, -0.2, 0.02}, {25, -0.5, 0.4, -0.03}}) {
     expect_near(effect(world, run(instance, u)), u, 1e-12);
   }
 }
@@ -129,15 +131,18 @@ TEST_F(ThrustTorqueTest, UnreachableTorqueIsRefused) {
   PluginWorld line;
   line.add_robot("line", 0, 0, 1);
   line.add_body(0, "base", -1, 1, 1.0, {1, 1, 1});
-  for (int i = 0; i < 4; ++i) line.add_rotor(0, {0.1 * i - 0.15, 0.0, 0.0}, i % 2 == 0 ? 1.0 : -1.0);
+  for (int i = 0; i < 4; ++i)
+    line.add_rotor(0, {0.1 * i - 0.15, 0.0, 0.0}, i % 2 == 0 ? 1.0 : -1.0);
   EXPECT_THAT(refusal("ctbt", line, {}), HasSubstr("cannot give roll torque"));
   line.rotors.pop_back();
   line.robots[0].rotor_count = 3;
-  EXPECT_THAT(refusal("ctbt", line, {}), HasSubstr("has 3 rotors; ctbt needs 4 or more: use controller `srt`"));
+  EXPECT_THAT(refusal("ctbt", line, {}),
+              HasSubstr("has 3 rotors; ctbt needs 4 or more: use controller `srt`"));
 }
 
 TEST_F(ThrustTorqueTest, BodyLagFollowsEquationTwo) {
-  const Instance instance("ctbt", world, {{"apply", "body"}, {"time_constant_up", 0.02}, {"time_constant_down", 0.05}});
+  const Instance instance(
+      "ctbt", world, {{"apply", "body"}, {"time_constant_up", 0.02}, {"time_constant_down", 0.05}});
   ASSERT_EQ(instance.declared.sites.size(), 1u);
   EXPECT_EQ(instance.declared.sites[0].at_com, 1);
   EXPECT_EQ(instance.declared.sites[0].world_axes, 0);
@@ -160,7 +165,8 @@ TEST_F(ThrustTorqueTest, BodyLagIsTheRotorsMeanUnlessGivenAndStartsWhereTheyAre)
   const Instance instance("ctbt", world, {{"apply", "body"}});
   Group g = instance.group(1);
   for (int i = 0; i < 4; ++i) {
-    g.params[static_cast<std::size_t>(world.rotors[static_cast<std::size_t>(i)].first_param + 7)] = 0.04;
+    g.params[static_cast<std::size_t>(world.rotors[static_cast<std::size_t>(i)].first_param + 7)] =
+        0.04;
     g.rotor_speed[static_cast<std::size_t>(i)] = 1400.0;
   }
   instance.call(Call::kReset, g);
@@ -178,7 +184,8 @@ TEST_F(ThrustTorqueTest, IdealRatesAreReachedInOnePhysicsStep) {
   instance.call(Call::kControl, g);
   EXPECT_EQ(g.output[2], 12.0);
   const double j[3] = {0.0147209, 0.0169101, 0.029448};
-  const double gyro[3] = {w[1] * j[2] * w[2] - w[2] * j[1] * w[1], w[2] * j[0] * w[0] - w[0] * j[2] * w[2],
+  const double gyro[3] = {w[1] * j[2] * w[2] - w[2] * j[1] * w[1],
+                          w[2] * j[0] * w[0] - w[0] * j[2] * w[2],
                           w[0] * j[1] * w[1] - w[1] * j[0] * w[0]};
   for (int k = 0; k < 3; ++k) {  // Euler's equation, one explicit step
     const double next = w[k] + 0.001 * (g.output[static_cast<std::size_t>(3 + k)] - gyro[k]) / j[k];
@@ -198,7 +205,8 @@ TEST_F(ThrustTorqueTest, RatePdScalesWithInertiaAndItsGainsArePerEnvironment) {
 }
 
 TEST_F(ThrustTorqueTest, DerivativeOpposesAngularAcceleration) {
-  const Instance instance("ctbr", world, {{"kp", std::vector<double>{0, 0, 0}}, {"kd", std::vector<double>{2, 2, 2}}});
+  const Instance instance(
+      "ctbr", world, {{"kp", std::vector<double>{0, 0, 0}}, {"kd", std::vector<double>{2, 2, 2}}});
   Group g = instance.group(1);
   instance.call(Call::kReset, g);
   g.input = {15.0, 0.0, 0.0, 0.0};

@@ -96,7 +96,8 @@ TEST(Include, IncludingFileOverridesAndMapsMergeDeeply) {
   TempFolder folder;
   folder.write("base.yaml", "a: {x: 1, y: 2}\nlist: [1, 2]\n");
   folder.write("more.yaml", "a: {y: 3}\n");
-  const std::string file = folder.write("top.yaml", "include: [base.yaml, more.yaml]\na: {z: 4}\nlist: [9]\n");
+  const std::string file =
+      folder.write("top.yaml", "include: [base.yaml, more.yaml]\na: {z: 4}\nlist: [9]\n");
   Diagnostics diagnostics;
   const auto root = load_config(file, diagnostics);
   ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
@@ -128,7 +129,8 @@ TEST(Include, TheSameFileTwiceIsNoCycle) {
   TempFolder folder;
   folder.write("base.yaml", "a: 1\n");
   Diagnostics diagnostics;
-  EXPECT_TRUE(load_config(folder.write("t.yaml", "include: [base.yaml, base.yaml]\n"), diagnostics));
+  EXPECT_TRUE(
+      load_config(folder.write("t.yaml", "include: [base.yaml, base.yaml]\n"), diagnostics));
 }
 
 std::string override_result(const std::string& text, const std::string& assignment) {
@@ -161,7 +163,8 @@ TEST(Override, NonsenseIsAnErrorThatNamesTheOverride) {
 }
 
 TEST(Override, AmbiguousNameIsAnError) {
-  EXPECT_THAT(override_result("a: [{plugin: x}, {plugin: x}]\n", "a.x.name=y"), HasSubstr("several"));
+  EXPECT_THAT(override_result("a: [{plugin: x}, {plugin: x}]\n", "a.x.name=y"),
+              HasSubstr("several"));
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ TEST(Parameters, ExclusiveMinimumExcludesItself) {
 
 TEST(Parameters, NotFiniteAndNotNumbersAreErrors) {
   const ParameterSpec s = spec("a", ParameterType::kReal);
-  for (const char* bad : {"nan", ".nan", ".inf", "-.inf", "1e999", "0x10", "1_0", "1,5", "\"3\"",
-                          "[3]", "{}", "~", "1.2.3", "--1", "true"}) {
+  for (const char* bad : {"nan", ".nan", ".inf", "-.inf", "1e999", "0x10", "1_0", "\"3\"", "[3]",
+                          "{}", "~", "1.2.3", "--1", "true"}) {
     const Read r = read({s}, std::string("{a: ") + bad + "}");
     EXPECT_THAT(r.messages, HasSubstr("error: `a`")) << bad;
     EXPECT_EQ(r.values[0].numbers, std::vector<double>{0.5}) << bad;
@@ -97,9 +97,10 @@ TEST(Parameters, OneNumberFillsAListOfFixedLengthOnly) {
   EXPECT_EQ(read({s}, "{a: 2}").values[0].numbers, (std::vector<double>{2, 2, 2}));
   s.max_count = -1;
   s.min_count = 1;
-  EXPECT_EQ(read({s}, "{a: 2}").messages,
-            "x.yaml:1:5: error: `a` is the number 2; allowed: a list of at least 1 numbers from 0 to "
-            "10 m\n");
+  EXPECT_EQ(
+      read({s}, "{a: 2}").messages,
+      "x.yaml:1:5: error: `a` is the number 2; allowed: a list of at least 1 numbers from 0 to "
+      "10 m\n");
   EXPECT_EQ(read({s}, "{a: [2, 3]}").values[0].numbers, (std::vector<double>{2, 3}));
 }
 

@@ -129,8 +129,8 @@ void expect_momentum_exchange(Shape a, Shape b) {
   EXPECT_GT(bench.state.q[7], bench.state.q[0]) << "they did not pass through each other";
   // Contact forces are equal and opposite: rounding only.
   EXPECT_NEAR(1.0 * bench.state.u[0] + 0.5 * bench.state.u[6], 1.0, 1e-11);
-  const double energy = 0.5 * bench.state.u[0] * bench.state.u[0] +
-                        0.25 * bench.state.u[6] * bench.state.u[6];
+  const double energy =
+      0.5 * bench.state.u[0] * bench.state.u[0] + 0.25 * bench.state.u[6] * bench.state.u[6];
   EXPECT_LT(energy, 0.5);
 }
 
@@ -142,6 +142,22 @@ TEST(Robots, CollidingBoxesExchangeMomentum) {
 }
 TEST(Robots, SphereAndCylinderExchangeMomentum) {
   expect_momentum_exchange(make_sphere(0.1), make_cylinder(0.1, 0.2));
+}
+
+TEST(Robots, ContactForcesKeepNoHistory) {
+  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
+  model.bodies[0].collisions = {make_box(0.2, 0.2, 0.1), make_sphere(0.11)};
+  Bench a(two_robots(model, model, {0.4, 0.01, 0.0})), b(two_robots(model, model, {0.4, 0.01, 0}));
+  a.state.u[0] = 1.0;
+  ASSERT_TRUE(a.run(200));  // they have begun to touch at 0.18 s
+  const LaneState saved = a.state;
+  ASSERT_GT(saved.u[6], 0.0);
+  ASSERT_TRUE(a.run(100));
+  ASSERT_TRUE(b.run(50));
+  b.state = saved;
+  ASSERT_TRUE(b.run(100));
+  EXPECT_EQ(a.state.q, b.state.q);
+  EXPECT_EQ(a.state.u, b.state.u);
 }
 
 TEST(Robots, BodiesOfOneRobotDoNotCollide) {

@@ -74,7 +74,8 @@ TEST(AsymmetricTop, FlipsAboutItsIntermediateAxis) {
 }
 
 TEST(AsymmetricTop, SpinsOnAboutItsLargestAxis) {
-  Bench bench(without_gravity(make_scenario(make_free_body(1.0, diagonal(0.01, 0.02, 0.03)), kRk4)));
+  Bench bench(
+      without_gravity(make_scenario(make_free_body(1.0, diagonal(0.01, 0.02, 0.03)), kRk4)));
   bench.state.u[3] = 1e-3;
   bench.state.u[5] = 10.0;
   for (int i = 0; i < 5000; ++i) {
@@ -116,8 +117,8 @@ TEST(Hover, SpeedFromThrustConstantAndMassBalancesGravity) {
     scenario.robots[0].pose.position = {0, 0, 5};
     scenario.robots[0].rotor_speed = -1.0;
     Bench bench(std::move(scenario));
-    EXPECT_NEAR(bench.state.rotor_speed[0],
-                std::sqrt(data.mass * 9.81 / (data.rotors * data.kf)), 1e-9);
+    EXPECT_NEAR(bench.state.rotor_speed[0], std::sqrt(data.mass * 9.81 / (data.rotors * data.kf)),
+                1e-9);
     ASSERT_TRUE(bench.run(1000));
     // One ulp of g as a residual gives 1e-15 m; rounding over 1000 steps some hundred times that.
     EXPECT_NEAR(bench.state.q[2], 5.0, 1e-11);

@@ -46,7 +46,8 @@ double agm(double a, double b) {
 double pendulum_period(JointType type, int coordinate, SymMat3<double> inertia, double amplitude) {
   Bench bench(high_up(make_pendulum(type, 0.4, 0.7, inertia)));
   bench.state.q[coordinate] = -amplitude;
-  return mean_period(upward_crossings(bench, [&] { return bench.state.q[coordinate]; }, 12000));
+  return mean_period(upward_crossings(
+      bench, [&] { return bench.state.q[coordinate]; }, 12000));
 }
 
 TEST(Pin, SmallAndLargeSwingsHaveTheirPeriods) {
@@ -73,8 +74,8 @@ TEST(Universal, SwingsAboutEachAxisWithThatAxisInertia) {
 
 TEST(Ball, ConicalPendulumCirclesAtConstantHeight) {
   const double tilt = 0.6, m = 0.205, length = 1.0, axial = 0.003, transverse = 0.01;
-  Bench bench(high_up(make_pendulum(JointType::kBall, m, length,
-                                    diagonal(transverse, transverse, axial))));
+  Bench bench(
+      high_up(make_pendulum(JointType::kBall, m, length, diagonal(transverse, transverse, axial))));
   // Turning as a whole about the vertical: W^2 (A - C) cos(tilt) = m g l, A about the pivot.
   const double rate =
       std::sqrt(m * kG * length / ((transverse + m * length * length - axial) * std::cos(tilt)));
@@ -105,8 +106,8 @@ TEST(DoublePendulum, BothModesHaveTheirFrequencies) {
     // The mode's shape: (K - w^2 M) theta = 0; the second angle is relative.
     const double first = -1e-4, second = first * (k1 - w2 * a) / (w2 * b);
     bench.state.q = {first, second - first};
-    const double period =
-        mean_period(upward_crossings(bench, [&] { return bench.state.q[0]; }, 10000));
+    const double period = mean_period(upward_crossings(
+        bench, [&] { return bench.state.q[0]; }, 10000));
     // Amplitude 1e-4: nonlinearity a^2 / 16 < 1e-8.
     EXPECT_NEAR(period, kTwoPi / std::sqrt(w2), 1e-6);
   }
@@ -155,8 +156,7 @@ TEST(Slider, LimitPushesBackAndNeverPulls) {
 /// A free base with a chain of every joint type, all frames turned and offset.
 RobotModel make_chain() {
   RobotModel model = make_free_body(1.2, {0.02, 0.03, 0.04, 0.001, -0.002, 0.003}, {0.01, 0.02, 0});
-  model.bodies[0].joint.frame_in_body = {{0.02, -0.05, 0.03},
-                                         from_rpy(0.2, -0.4, 0.7)};
+  model.bodies[0].joint.frame_in_body = {{0.02, -0.05, 0.03}, from_rpy(0.2, -0.4, 0.7)};
   const JointType types[] = {JointType::kPin, JointType::kUniversal, JointType::kBall,
                              JointType::kSlider, JointType::kWeld};
   const char* names[] = {"pin", "universal", "ball", "slider", "weld"};
@@ -214,8 +214,8 @@ TEST(Chain, OfEveryJointTypeKeepsItsEnergy) {
     for (std::size_t i = 0; i < bench.world.bodies.size(); ++i) {
       const MassProperties& mass = bench.world.bodies[i].model->mass;
       const BodyState& b = bench.state.bodies[i];
-      sum += kinetic_energy(b, mass) +
-             mass.mass * kG * (b.position + rotate(b.rotation, mass.com)).z;
+      sum +=
+          kinetic_energy(b, mass) + mass.mass * kG * (b.position + rotate(b.rotation, mass.com)).z;
     }
     return sum;
   };

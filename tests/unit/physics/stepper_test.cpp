@@ -84,10 +84,9 @@ TEST(Disturbance, ForceIsInWorldAxesAndMomentInBaseAxes) {
 
 Scenario driven_payload() {
   RobotModel model = make_vehicle(qdrone2());
-  model.bodies.push_back(make_body("bob", JointType::kPin, 0, 0.2, {0, -0.8, 0},
-                                   diagonal(1e-3, 1e-3, 1e-3)));
-  model.bodies[1].joint.frame_in_parent.rotation =
-      from_axis_angle(Vec3<double>{1, 0, 0}, kHalfPi);
+  model.bodies.push_back(
+      make_body("bob", JointType::kPin, 0, 0.2, {0, -0.8, 0}, diagonal(1e-3, 1e-3, 1e-3)));
+  model.bodies[1].joint.frame_in_parent.rotation = from_axis_angle(Vec3<double>{1, 0, 0}, kHalfPi);
   Scenario scenario = make_scenario(std::move(model), kRk4);
   scenario.robots[0].pose.position = {0, 0, 5};
   return scenario;
@@ -108,8 +107,8 @@ TEST(VelocityDrive, MovesTheBaseInItsOwnAxesAndLetsThePayloadSwing) {
 
   bench.state.drive[0] = 0.0;
   bench.state.q[7] = -0.01;
-  const double period =
-      mean_period(upward_crossings(bench, [&] { return bench.state.q[7]; }, 8000));
+  const double period = mean_period(upward_crossings(
+      bench, [&] { return bench.state.q[7]; }, 8000));
   // A pendulum on a base that no reaction moves.
   EXPECT_NEAR(period, kTwoPi * std::sqrt((1e-3 + 0.2 * 0.64) / (0.2 * 9.81 * 0.8)), 1e-4);
 }
@@ -126,7 +125,8 @@ TEST(PoseDrive, ReachesThePoseExactlyAtTheEndOfTheStep) {
   for (const bool off_centre : {false, true}) {
     Scenario scenario = driven_payload();
     if (off_centre) {
-      scenario.robots[0].model.bodies[0].joint.frame_in_body = {{0.1, 0, 0}, from_rpy(0.0, 0.0, 1.0)};
+      scenario.robots[0].model.bodies[0].joint.frame_in_body = {{0.1, 0, 0},
+                                                                from_rpy(0.0, 0.0, 1.0)};
     }
     Bench bench(std::move(scenario), [](World& w) { w.drives = {DriveKind::kPose}; });
     const Quat<double> target = from_rpy(0.1, -0.2, 0.3);

@@ -59,31 +59,60 @@ inline RobotModel make_free_body(double mass, SymMat3<double> inertia,
 
 /// What a vehicle's size comes down to.
 struct VehicleData {
-  double mass;             ///< [kg]
+  double mass;  ///< [kg]
   SymMat3<double> inertia;
-  double arm;              ///< rotor hubs at (+-arm, +-arm) or on a circle of this radius [m]
-  double kf, km;           ///< thrust and moment constants
-  double max_speed;        ///< [rad/s]
-  double tau_up, tau_down; ///< [s]
-  Vec3<double> box;        ///< collision box [m]
+  double arm;               ///< rotor hubs at (+-arm, +-arm) or on a circle of this radius [m]
+  double kf, km;            ///< thrust and moment constants
+  double max_speed;         ///< [rad/s]
+  double tau_up, tau_down;  ///< [s]
+  Vec3<double> box;         ///< collision box [m]
   int rotors = 4;
 };
 
 inline VehicleData qdrone2() {
-  return {1.54, diagonal(0.0147, 0.0169, 0.0294), 0.115, 1.9533e-6, 2.8401e-8, 2246, 0.0125, 0.025,
+  return {1.54,
+          diagonal(0.0147, 0.0169, 0.0294),
+          0.115,
+          1.9533e-6,
+          2.8401e-8,
+          2246,
+          0.0125,
+          0.025,
           {0.30, 0.26, 0.10}};
 }
 inline VehicleData crazyflie() {
-  return {0.027, diagonal(1.6572e-5, 1.6656e-5, 2.9262e-5), 0.031, 1.28192e-8, 7.646e-11, 2618,
-          0.0125, 0.025, {0.09, 0.09, 0.03}};
+  return {0.027,
+          diagonal(1.6572e-5, 1.6656e-5, 2.9262e-5),
+          0.031,
+          1.28192e-8,
+          7.646e-11,
+          2618,
+          0.0125,
+          0.025,
+          {0.09, 0.09, 0.03}};
 }
 inline VehicleData hummingbird() {
-  return {0.716, diagonal(0.007, 0.007, 0.012), 0.12, 8.54858e-6, 1.3678e-7, 838, 0.0125, 0.025,
+  return {0.716,
+          diagonal(0.007, 0.007, 0.012),
+          0.12,
+          8.54858e-6,
+          1.3678e-7,
+          838,
+          0.0125,
+          0.025,
           {0.36, 0.36, 0.11}};
 }
 inline VehicleData firefly() {
-  return {1.56, diagonal(0.03476, 0.04589, 0.066), 0.215, 8.54858e-6, 1.3678e-7, 838, 0.0125,
-          0.025, {0.45, 0.45, 0.12}, 6};
+  return {1.56,
+          diagonal(0.03476, 0.04589, 0.066),
+          0.215,
+          8.54858e-6,
+          1.3678e-7,
+          838,
+          0.0125,
+          0.025,
+          {0.45, 0.45, 0.12},
+          6};
 }
 
 /// A multirotor with alternating rotors in the plane of its centre of mass and a box to land on.
@@ -120,7 +149,8 @@ inline Scenario make_scenario(RobotModel model,
   return scenario;
 }
 
-/// A world with its stepper and state. `prepare` may set sites and drives before the layout is done.
+/// A world with its stepper and state. `prepare` may set sites and drives before the layout is
+/// done.
 struct Bench {
   explicit Bench(Scenario scenario, const std::function<void(World&)>& prepare = {})
       : world(std::move(scenario)) {
@@ -148,10 +178,8 @@ struct Bench {
 
 /// Kinetic energy of one body [J].
 inline double kinetic_energy(const BodyState& b, const MassProperties& m) {
-  const Vec3<double> v =
-      b.velocity + rotate(b.rotation, cross(b.angular_velocity, m.com));
-  return 0.5 * m.mass * dot(v, v) +
-         0.5 * dot(b.angular_velocity, m.inertia * b.angular_velocity);
+  const Vec3<double> v = b.velocity + rotate(b.rotation, cross(b.angular_velocity, m.com));
+  return 0.5 * m.mass * dot(v, v) + 0.5 * dot(b.angular_velocity, m.inertia * b.angular_velocity);
 }
 
 /// Angular momentum of one body about its centre of mass, W axes.

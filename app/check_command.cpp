@@ -1,0 +1,63 @@
+// skybody check: reads a scenario with everything it names, and says what is wrong.
+#include <cstdio>
+
+#include "app/command.h"
+#include "app/scenario_options.h"
+#include "app/text_table.h"
+#include "core/base/hash.h"
+#include "core/io/text.h"
+
+namespace skybody {
+namespace {
+
+constexpr const char* kFooter =
+    "Every message goes to stderr as file:line:column: error: what. Exit status 2 if there is an\n"
+    "error; warnings alone are 0.\n"
+    "Examples:\n"
+    "  skybody check scenarios/hover.yaml\n"
+    "  skybody check scenarios/hover.yaml --parameters";
+
+struct CheckOptions {
+  LoadOptions load;
+  bool parameters = false;
+};
+
+std::string describe(const Environment& environment) {
+  const Scenario& scenario = environment.scenario();
+  const World& world = environment.world();
+  return "ok: " + scenario.name + ": " + std::to_string(scenario.robots.size()) + " robot(s), " +
+         std::to_string(world.bodies.size()) + " bodies, " + std::to_string(world.rotors.size()) +
+         " rotors, " + std::to_string(environment.observation_size()) + " observations, " +
+         std::to_string(environment.action_size()) + " actions, scenario hash " +
+         to_hex(scenario.hash);
+}
+
+std::string parameter_table(const Environment& environment) {
+  TextTable table({"parameter", "unit", "nominal", "min", "max"});
+  for (const EnvParam& param : environment.layout().param_info) {
+    table.add({param.path, param.unit, format_number(param.nominal), format_number(param.min),
+               format_number(param.max)});
+  }
+  return table.to_string();
+}
+
+int check(const CheckOptions& options) {
+  const auto environment = load_and_warn(options.load);
+  std::printf("%s\n", describe(*environment).c_str());
+  if (options.parameters) std::printf("\n%s", parameter_table(*environment).c_str());
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Action& chosen) {
+  CLI::App* command = app.add_subcommand("check", "Say what is wrong with a scenario");
+  const auto options = std::make_shared<CheckOptions>();
+  command->footer(kFooter);
+  add_scenario_options(*command, options->load);
+  command->add_flag("--parameters", options->parameters,
+                    "List all randomizable values: path, unit, nominal, least, greatest");
+  command->callback([options, &chosen] { chosen = [options] { return check(*options); }; });
+}
+
+}  // namespace skybody

@@ -1,0 +1,122 @@
+// skybody run: flies a scenario, writes the log, the picture and a table.
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "app/arguments.h"
+#include "app/command.h"
+#include "app/drawn_values.h"
+#include "app/flight.h"
+#include "app/flight_record.h"
+#include "app/output_folder.h"
+#include "app/picture.h"
+#include "app/scenario_options.h"
+#include "app/summary.h"
+
+namespace skybody {
+namespace {
+
+constexpr double kDefaultSeconds = 10.0;
+constexpr std::uint64_t kMostEpisodes = 1000000;
+constexpr std::uint64_t kMostSteps = 1000000000000;
+
+constexpr const char* kFooter =
+    "Policies: zero is the middle of every command's range; random is uniform in it, a function of\n"
+    "seed, episode and step; hold hovers at the task's goal.\n"
+    "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes. Without\n"
+    "--out, DIR is a new folder flights/SCENARIO-SEED (or -2, -3, ... behind it where that exists);\n"
+    "with --out, a log and pictures that are there are replaced once the flight is over.\n"
+    "Ctrl-C ends the flight after the present step; what was flown is kept, exit status 130.\n"
+    "Examples:\n"
+    "  skybody run scenarios/hover.yaml\n"
+    "  skybody run scenarios/payload.yaml --episodes 3 --seed 7 --out /tmp/payload\n"
+    "  skybody run hover --policy random --set task.horizon=500 --no-picture";
+
+struct RunOptions {
+  LoadOptions load;
+  FlightPlan plan;
+  std::uint64_t seed = 0;
+  std::string policy = "hold";
+  std::filesystem::path out;
+  bool no_picture = false;
+};
+
+/// An episode's cap: what was asked for, else the horizon, else ten seconds.
+std::uint64_t most_steps(const FlightPlan& plan, const Stepping& stepping) {
+  if (plan.most_steps > 0) return plan.most_steps;
+  if (stepping.horizon > 0) return static_cast<std::uint64_t>(stepping.horizon);
+  const double steps = std::ceil(kDefaultSeconds / (stepping.dt * stepping.action_repeat));
+  return static_cast<std::uint64_t>(std::fmax(1.0, steps));
+}
+
+/// Flies and leaves the finished log in `folder`.
+FlightResult fly_and_log(const RunOptions& options, const FlightPlan& plan,
+                         const std::shared_ptr<const Environment>& environment, Policy& policy,
+                         OutputFolder& folder) {
+  Simulation simulation(environment, options.seed, 0);
+  FlightLog log(folder.partial_log(), describe_flight(*environment, options.seed, options.policy));
+  FlightResult result = fly(plan, simulation, policy, log);
+  log.close();
+  folder.commit();
+  return result;
+}
+
+void print_summary(const Environment& environment, const FlightResult& result) {
+  std::fputs(summary_table(environment, result.episodes).c_str(), stdout);
+  const std::string drawn = drawn_values(environment, result.episodes);
+  if (!drawn.empty()) std::printf("\n%s", drawn.c_str());
+}
+
+void draw_and_print(const std::filesystem::path& log) {
+  const Pictures pictures = draw_pictures(log);
+  for (const std::filesystem::path& file : pictures.files) std::printf("picture  %s\n", file.c_str());
+  std::fflush(stdout);
+  if (!pictures.failure.empty()) spdlog::warn("no picture: {}", pictures.failure);
+}
+
+int run(const RunOptions& options) {
+  const auto environment = load_and_warn(options.load);
+  const auto policy = make_policy(options.policy, *environment, options.seed);
+  FlightPlan plan = options.plan;
+  plan.most_steps = most_steps(plan, environment->scenario().stepping);
+  OutputFolder folder(options.out, environment->scenario().name, options.seed);
+  const FlightResult result = fly_and_log(options, plan, environment, *policy, folder);
+  print_summary(*environment, result);
+  std::printf("\nlog      %s\n", folder.log().c_str());
+  std::fflush(stdout);
+  if (result.signal != 0) {
+    spdlog::warn("interrupted in episode {} of {}; what was flown is in the log",
+                 result.episodes.size(), plan.episodes);
+    return kExitSignal + result.signal;
+  }
+  if (!options.no_picture) draw_and_print(folder.log());
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Action& chosen) {
+  CLI::App* command = app.add_subcommand("run", "Fly a scenario; write a log, a picture and a table");
+  const auto options = std::make_shared<RunOptions>();
+  command->footer(kFooter);
+  add_scenario_options(*command, options->load);
+  command->add_option("--episodes", options->plan.episodes, "Episodes to fly (1)")
+      ->type_name("N")
+      ->check(whole_number(1, kMostEpisodes));
+  command->add_option("--steps", options->plan.most_steps,
+                      "Most steps an episode (the horizon; 10 s where there is none)")
+      ->type_name("N")
+      ->check(whole_number(1, kMostSteps));
+  command->add_option("--seed", options->seed, "Key of all random numbers (0)")
+      ->type_name("S")
+      ->check(whole_number(0, UINT64_MAX));
+  command->add_option("--policy", options->policy, "zero, random or hold (hold)")
+      ->type_name("NAME")
+      ->check(one_of("policy", policy_names()));
+  command->add_option("--out", options->out, "Folder of log and pictures")->type_name("DIR");
+  command->add_flag("--no-picture", options->no_picture, "Draw no picture");
+  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+}
+
+}  // namespace skybody

@@ -1,0 +1,35 @@
+// skybody schema: the JSON schema of scenario files, for editors.
+#include <cstdio>
+
+#include "app/command.h"
+#include "app/scenario_options.h"
+#include "core/io/schema.h"
+
+namespace skybody {
+namespace {
+
+constexpr const char* kFooter =
+    "The schema knows all plugins that are found now. VS Code with the YAML extension, in a scenario:\n"
+    "  # yaml-language-server: $schema=scenario.schema.json\n"
+    "Example:\n"
+    "  skybody schema > scenario.schema.json";
+
+int print_schema(const LoadOptions& options) {
+  const auto catalog = make_catalog(find_plugins(options));
+  const std::string schema = scenario_schema(*catalog);
+  std::fputs(schema.c_str(), stdout);
+  if (schema.empty() || schema.back() != '\n') std::fputc('\n', stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_schema_command(CLI::App& app, Action& chosen) {
+  CLI::App* command = app.add_subcommand("schema", "Print the JSON schema of scenario files");
+  const auto options = std::make_shared<LoadOptions>();
+  command->footer(kFooter);
+  add_plugin_path(*command, *options);
+  command->callback([options, &chosen] { chosen = [options] { return print_schema(*options); }; });
+}
+
+}  // namespace skybody

@@ -1,0 +1,81 @@
+// Lane code must end up inside the kernels: a function on packs that stays outside is compiled for
+// the baseline, slow, and called with packs in registers that it does not expect. And the kernels
+// for v3 and v4 must use wide registers.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "tests/unit/plugins/small_world.h"
+
+namespace skybody {
+namespace {
+
+/// Lines of a command's output.
+std::vector<std::string> output_of(const std::string& command) {
+  std::vector<std::string> lines;
+  FILE* pipe = popen((command + " 2>/dev/null").c_str(), "r");
+  char line[4096];
+  while (pipe != nullptr && fgets(line, sizeof line, pipe) != nullptr) lines.emplace_back(line);
+  if (pipe != nullptr) pclose(pipe);
+  return lines;
+}
+
+bool kernels_are_inlined() {
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__)
+  return true;
+#else
+  return false;
+#endif
+}
+
+std::vector<std::filesystem::path> plugin_files() {
+  std::vector<std::filesystem::path> files;
+  for (const std::filesystem::path& folder :
+       {test::good_plugins(), std::filesystem::path(SKYBODY_BINARY_DIR "/lib/skybody/plugins")}) {
+    std::error_code none;
+    for (const auto& item : std::filesystem::directory_iterator(folder, none)) {
+      if (item.path().extension() == ".so") files.push_back(item.path());
+    }
+  }
+  return files;
+}
+
+TEST(Codegen, NoLaneCodeOutsideTheKernels) {
+  if (!kernels_are_inlined()) GTEST_SKIP() << "this build does not inline kernels";
+  ASSERT_FALSE(plugin_files().empty());
+  for (const std::filesystem::path& file : plugin_files()) {
+    const auto symbols = output_of("nm -C '" + file.string() + "'");
+    if (symbols.empty()) GTEST_SKIP() << "no nm, or no symbols";
+    for (const std::string& line : symbols) {
+      EXPECT_EQ(line.find("Pack<"), std::string::npos) << file << ": " << line;
+    }
+  }
+}
+
+TEST(Codegen, WideKernelsUseWideRegisters) {
+  if (!kernels_are_inlined()) GTEST_SKIP() << "this build does not inline kernels";
+  const std::string file = (test::good_plugins() / "lane_controller.so").string();
+  std::string function;
+  int ymm = 0, zmm = 0, ymm_in_v2 = 0;
+  const auto lines = output_of("objdump -d -C --no-show-raw-insn '" + file + "'");
+  if (lines.empty()) GTEST_SKIP() << "no objdump";
+  for (const std::string& line : lines) {
+    if (line.find(">:") != std::string::npos) function = line;
+    if (function.find("::control(") == std::string::npos) continue;
+    const bool product = line.find("vmulpd") != std::string::npos;
+    const bool v3 = function.find("KernelsV3<") != std::string::npos;
+    const bool v4 = function.find("KernelsV4<") != std::string::npos;
+    const bool v2 = function.find("KernelsV2<") != std::string::npos;
+    ymm += v3 && product && line.find("%ymm") != std::string::npos;
+    zmm += v4 && product && line.find("%zmm") != std::string::npos;
+    ymm_in_v2 += v2 && line.find("%ymm") != std::string::npos;
+  }
+  EXPECT_GE(ymm, 8);  // four gains, four shares
+  EXPECT_GE(zmm, 8);
+  EXPECT_EQ(ymm_in_v2, 0);
+}
+
+}  // namespace
+}  // namespace skybody

@@ -1,0 +1,83 @@
+// Every plugin's kernels give the same bits: for each instruction set, in lanes and one by one; and
+// lanes that are not served keep everything.
+#include <gtest/gtest.h>
+
+#include "tests/unit/plugins/small_world.h"
+
+namespace skybody {
+namespace {
+
+constexpr int kSteps = 7;
+
+class SameBits : public testing::TestWithParam<std::pair<SkybodyKind, const char*>> {
+ protected:
+  SameBits() : registry_({test::good_plugins()}) {}
+  PluginRegistry registry_;
+};
+
+TEST_P(SameBits, AcrossInstructionSetsLanesAndMasks) {
+  const auto [kind, name] = GetParam();
+  const PluginEntry* entry = registry_.find(kind, name);
+  ASSERT_NE(entry, nullptr);
+  ASSERT_EQ(entry->failure, "");
+  test::SmallWorld world(*entry);
+  const auto self = world.create();
+  const int state = static_cast<int>(entry->descriptor->state_words);
+  const int buffer = world.declared.buffer_words;
+
+  std::vector<std::vector<std::uint64_t>> expected, untouched;
+  for (std::uint32_t e = 0; e < 8; ++e) {
+    test::Group one(1, e, 1, state, buffer);
+    untouched.push_back(one.lane(0));
+    one.run(kernels_for(*entry->descriptor, Isa::v2), self.get(), kSteps);
+    expected.push_back(one.lane(0));
+    EXPECT_NE(expected[e], untouched[e]);
+  }
+  EXPECT_NE(expected[0], expected[1]);
+
+  for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4}) {
+    if (!machine_has(isa)) continue;
+    const SkybodyKernels& kernels = kernels_for(*entry->descriptor, isa);
+    for (const std::uint32_t active : {0xffu, 0xa5u, 0x01u, 0x80u, 0x0fu, 0x00u}) {
+      test::Group all(8, 0, active, state, buffer);
+      all.run(kernels, self.get(), kSteps);
+      for (std::uint32_t e = 0; e < 8; ++e) {
+        const bool served = (active >> e & 1u) != 0;
+        EXPECT_EQ(all.lane(e), served ? expected[e] : untouched[e])
+            << skybody::name(isa) << ", lanes " << active << ", environment " << e;
+      }
+    }
+    for (std::uint32_t e = 0; e < 8; ++e) {
+      test::Group one(1, e, 1, state, buffer);
+      one.run(kernels, self.get(), kSteps);
+      EXPECT_EQ(one.lane(0), expected[e]) << skybody::name(isa) << ", environment " << e;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Plugins, SameBits,
+    testing::Values(std::pair{SKYBODY_CONTROLLER, "plain_controller"},
+                    std::pair{SKYBODY_CONTROLLER, "lane_controller"},
+                    std::pair{SKYBODY_SENSOR, "delay_sensor"},
+                    std::pair{SKYBODY_RANDOMIZER, "lane_randomizer"},
+                    std::pair{SKYBODY_TASK, "lane_task"}),
+    [](const auto& plugin) { return std::string(plugin.param.second); });
+
+TEST(SameBits, PlainDoubleAndLaneCodeAgree) {
+  const PluginRegistry registry({test::good_plugins()});
+  std::vector<std::vector<std::uint64_t>> lanes;
+  for (const char* name : {"plain_controller", "lane_controller"}) {
+    const PluginEntry* entry = registry.find(SKYBODY_CONTROLLER, name);
+    ASSERT_NE(entry, nullptr);
+    test::SmallWorld world(*entry);
+    const auto self = world.create();
+    test::Group group(8, 0, 0xff, static_cast<int>(entry->descriptor->state_words), 0);
+    group.run(kernels_for(*entry->descriptor, best_isa()), self.get(), kSteps);
+    for (std::uint32_t e = 0; e < 8; ++e) lanes.push_back(group.lane(e));
+  }
+  for (int e = 0; e < 8; ++e) EXPECT_EQ(lanes[e], lanes[8 + e]);
+}
+
+}  // namespace
+}  // namespace skybody

@@ -1,0 +1,190 @@
+#include "tests/unit/plugins/small_world.h"
+
+#include <stdlib.h>
+
+#include <cstring>
+
+#include "core/base/hash.h"
+
+namespace skybody::test {
+namespace {
+
+constexpr int kWidth = 16;  // values per block, enough for every test plugin
+
+Declared& declared_of(void* host) { return *static_cast<Declared*>(host); }
+void note(void* host, const std::string& line) { declared_of(host).lines.push_back(line); }
+
+}  // namespace
+
+std::filesystem::path good_plugins() { return SKYBODY_TEST_PLUGINS "/good"; }
+std::filesystem::path bad_plugins() { return SKYBODY_TEST_PLUGINS "/bad"; }
+std::filesystem::path twin_plugins() { return SKYBODY_TEST_PLUGINS "/twins"; }
+
+Folder::Folder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "skybody-test-XXXXXX").string();
+  path_ = std::filesystem::canonical(mkdtemp(pattern.data()));
+}
+Folder::~Folder() { std::filesystem::remove_all(path_); }
+
+SkybodyDeclare Declared::table() {
+  SkybodyDeclare d{};
+  d.host = this;
+  d.input = [](void* h, int32_t signal, int32_t count, const double* low, const double* high) {
+    note(h, "input " + std::to_string(signal) + " x " + std::to_string(count) + " " +
+                std::to_string(low[0]) + ".." + std::to_string(high[0]));
+  };
+  d.output = [](void* h, int32_t signal, int32_t count) {
+    note(h, "output " + std::to_string(signal) + " x " + std::to_string(count));
+  };
+  d.site = [](void* h, const SkybodySite* site) { note(h, "site " + std::to_string(site->body)); };
+  d.channel = [](void* h, const SkybodyChannel* c) {
+    note(h, "channel " + std::string(c->name) + " x " + std::to_string(c->count));
+  };
+  d.period = [](void* h, int32_t steps) { note(h, "period " + std::to_string(steps)); };
+  d.buffer = [](void* h, int32_t words) { declared_of(h).buffer_words = words; };
+  d.bodies_before = [](void* h) { note(h, "bodies_before"); };
+  d.writes = [](void* h, int32_t param) { note(h, "writes " + std::to_string(param)); };
+  d.goal = [](void* h, int32_t robot, int32_t body) {
+    note(h, "goal " + std::to_string(robot) + " " + std::to_string(body));
+  };
+  return d;
+}
+
+SmallWorld::SmallWorld(const PluginEntry& entry) : entry_(entry), texts_(entry.parameters.size()) {
+  for (std::size_t i = 0; i < entry.parameters.size(); ++i) {
+    const ParameterSpec& p = entry.parameters[i];
+    for (const std::string& text : p.default_texts) texts_[i].push_back(text.c_str());
+    const bool is_text = p.type == ParameterType::kText;
+    values_.push_back({p.default_numbers.data(), texts_[i].data(),
+                       static_cast<std::uint32_t>(is_text ? p.default_texts.size()
+                                                          : p.default_numbers.size()),
+                       p.randomizable ? 0 : -1});
+  }
+  robot_.name = "quad";
+  robot_.body_count = 1;
+  robot_.rotor_count = 4;
+  robot_.q_count = 7;
+  robot_.u_count = 6;
+  robot_.rotation[0] = 1.0;
+  body_.name = "base";
+  body_.mass = 0.5;
+  body_.joint = 1;
+  for (int i = 0; i < 4; ++i) rotors_.push_back({"rotor", 0, 0, {}, {0, 0, 1}, 1.0, {}, 0});
+  setup_.instance = "robots.quad.controllers.c";
+  setup_.dt = 0.001;
+  setup_.action_repeat = 1;
+  setup_.gravity[2] = -9.81;
+  setup_.robots = &robot_;
+  setup_.robot_count = 1;
+  setup_.bodies = &body_;
+  setup_.body_count = 1;
+  setup_.rotors = rotors_.data();
+  setup_.rotor_count = 4;
+  setup_.params = &param_;
+  setup_.param_count = 1;
+  setup_.values = values_.data();
+  setup_.value_count = static_cast<int>(values_.size());
+}
+
+std::shared_ptr<const void> SmallWorld::create() {
+  const SkybodyDeclare table = declared.table();
+  return create_instance(entry_, setup_, table);
+}
+
+std::vector<double> Group::fill(int words, double scale, int salt) const {
+  std::vector<double> values(static_cast<std::size_t>(words) * lanes_);
+  for (int k = 0; k < words; ++k) {
+    for (std::uint32_t l = 0; l < lanes_; ++l) {
+      HashChain chain(static_cast<std::uint64_t>(salt));
+      chain.update(static_cast<std::uint64_t>(k) * 1000 + l + first_);
+      const double unit = static_cast<double>(chain.value() >> 11) * 0x1p-53;
+      values[static_cast<std::size_t>(k) * lanes_ + l] = scale * (2.0 * unit - 1.0);
+    }
+  }
+  return values;
+}
+
+Group::Group(std::uint32_t lanes, std::uint32_t first, std::uint32_t active, int state_words,
+             int buffer_words)
+    : lanes_(lanes), first_(first), active_(active), key_(2 * lanes, 5), episode_(lanes),
+      step_(lanes, 3), physics_step_(lanes, 17), state_(state_words * lanes, 0), end_(lanes, 0) {
+  for (std::uint32_t l = 0; l < lanes; ++l) {
+    key_[lanes + l] = first + l;
+    episode_[l] = 1 + (first + l) % 3;
+  }
+  bodies_ = fill(13, 2.0, 1);
+  q_ = fill(kWidth, 1.0, 2);
+  u_ = fill(kWidth, 1.0, 3);
+  rotor_speed_ = fill(kWidth, 500.0, 4);
+  params_ = fill(kWidth, 1.0, 5);
+  sensors_ = fill(kWidth, 1.0, 6);
+  action_ = fill(kWidth, 1.0, 7);
+  command_ = fill(kWidth, 1.0, 8);
+  input_ = fill(kWidth, 1000.0, 9);
+  output_ = fill(kWidth, 1.0, 10);
+  observation_ = fill(kWidth, 1.0, 11);
+  reward_ = fill(1, 1.0, 12);
+  goal_ = fill(4, 1.0, 13);
+  buffer_ = fill(buffer_words, 1.0, 14);
+}
+
+SkybodyLanes Group::view() {
+  SkybodyLanes v{};
+  v.lanes = lanes_;
+  v.active = active_;
+  v.key = key_.data();
+  v.episode = episode_.data();
+  v.step = step_.data();
+  v.physics_step = physics_step_.data();
+  v.bodies = bodies_.data();
+  v.q = q_.data();
+  v.u = u_.data();
+  v.rotor_speed = rotor_speed_.data();
+  v.params = params_.data();
+  v.sensors = sensors_.data();
+  v.action = action_.data();
+  v.command = command_.data();
+  return v;
+}
+
+void Group::run(const SkybodyKernels& k, const void* self, int steps) {
+  SkybodyLanes v = view();
+  std::uint64_t* state = state_.data();
+  double* buffer = buffer_.data();
+  const SkybodyStart start{q_.data(), u_.data(), rotor_speed_.data(), params_.data(), 0};
+  const SkybodyEvaluation evaluation{observation_.data(), reward_.data(), end_.data()};
+  if (k.reset != nullptr) k.reset(self, &v, state, buffer);
+  for (int i = 0; i < steps; ++i) {
+    if (k.process != nullptr) k.process(self, &v, state, buffer, action_.data(), command_.data());
+    if (k.control != nullptr) k.control(self, &v, state, buffer, input_.data(), output_.data());
+    if (k.sense != nullptr) k.sense(self, &v, state, buffer, output_.data());
+    if (k.randomize != nullptr) k.randomize(self, &v, state, buffer, &start);
+    if (k.evaluate != nullptr) k.evaluate(self, &v, state, buffer, &evaluation);
+    if (k.goal != nullptr) k.goal(self, &v, state, buffer, goal_.data());
+    for (std::uint32_t l = 0; l < lanes_; ++l) {
+      bodies_[2 * lanes_ + l] += 0.01 * static_cast<double>(i);
+      ++physics_step_[l];
+    }
+  }
+}
+
+std::vector<std::uint64_t> Group::lane(std::uint32_t l) const {
+  std::vector<std::uint64_t> words;
+  const auto add = [&](const auto& block) {
+    for (std::size_t i = l; i < block.size(); i += lanes_) {
+      std::uint64_t word;
+      std::memcpy(&word, &block[i], sizeof word);
+      words.push_back(word);
+    }
+  };
+  add(state_);
+  add(buffer_);
+  add(end_);
+  for (const auto* block : {&q_, &u_, &rotor_speed_, &params_, &command_, &output_, &observation_,
+                            &reward_, &goal_}) {
+    add(*block);
+  }
+  return words;
+}
+
+}  // namespace skybody::test

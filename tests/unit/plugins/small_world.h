@@ -1,0 +1,81 @@
+// A world of one quadrotor as a plugin sees it, with made-up values for eight environments.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plugins/host/instance.h"
+
+namespace skybody::test {
+
+/// The folders of tests/plugins.
+std::filesystem::path good_plugins();
+std::filesystem::path bad_plugins();
+std::filesystem::path twin_plugins();
+/// A new empty folder, removed at the end.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// What a plugin declares in configure(), as one line each.
+struct Declared {
+  std::vector<std::string> lines;
+  int buffer_words = 0;
+  SkybodyDeclare table();
+};
+
+/// The setup of one quadrotor (robot `quad`, body `base`, four rotors, one parameter) and the
+/// default values of a plugin's parameters.
+class SmallWorld {
+ public:
+  explicit SmallWorld(const PluginEntry& entry);
+  SkybodySetup& setup() { return setup_; }
+  /// Creates an instance. @throws as create_instance
+  std::shared_ptr<const void> create();
+  Declared declared;
+
+ private:
+  const PluginEntry& entry_;
+  std::vector<SkybodyValue> values_;
+  std::vector<std::vector<const char*>> texts_;
+  SkybodyRobotInfo robot_{};
+  SkybodyBodyInfo body_{};
+  std::vector<SkybodyRotorInfo> rotors_;
+  SkybodyEnvParamInfo param_{"robots.quad.controllers.c.gain", 1.0, 0.0, 2.0};
+  SkybodySetup setup_{};
+};
+
+/// Values in lanes for `lanes` environments; those of eight are those of the eight environments
+/// one by one.
+class Group {
+ public:
+  /// @param first  the first environment, 0 for eight lanes
+  Group(std::uint32_t lanes, std::uint32_t first, std::uint32_t active, int state_words,
+        int buffer_words);
+  /// Every step function that `kernels` has, `steps` times after a reset.
+  void run(const SkybodyKernels& kernels, const void* self, int steps);
+  /// Bits of everything that was written, of one lane.
+  std::vector<std::uint64_t> lane(std::uint32_t l) const;
+
+ private:
+  std::vector<double> fill(int words, double scale, int salt) const;
+  SkybodyLanes view();
+
+  std::uint32_t lanes_, first_, active_;
+  std::vector<std::uint64_t> key_, episode_, step_, physics_step_, state_, end_;
+  std::vector<double> bodies_, q_, u_, rotor_speed_, params_, sensors_, action_, command_, buffer_,
+      input_, output_, observation_, reward_, goal_;
+};
+
+}  // namespace skybody::test

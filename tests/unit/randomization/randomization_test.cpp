@@ -1,0 +1,205 @@
+// Randomizers: physical values, no drift, schedules, starts, bad configuration.
+#include <cmath>
+
+#include "core/base/inertia.h"
+#include "tests/unit/plugin_harness.h"
+
+namespace skybody::testing {
+namespace {
+
+using Call = Instance::Call;
+using ::testing::HasSubstr;
+using Numbers = std::vector<double>;
+using Texts = std::vector<std::string>;
+
+class Randomization : public ::testing::Test {
+ protected:
+  Randomization() { world.add_quad("quad", 1.0, 2.0, 3.0); }
+  void reset(const Instance& r, Group& g) {
+    ++g.episode[0];
+    r.call(Call::kRandomize, g);
+  }
+  double& param(Group& g, int k) { return g.params[static_cast<std::size_t>(k)]; }
+  PluginWorld world;
+};
+
+TEST_F(Randomization, GivesTheBitsOfDouble) {
+  world.add_payload("bob");
+  expect_same_bits("inertia", world,
+                   {{"mass", Numbers{0.9, 1.1}}, {"tau_up", Numbers{0.5, 2.0}}, {"every", 3}});
+  expect_same_bits("start", world,
+                   {{"position_min", Numbers{-5, -5, 0.3}},
+                    {"position_max", Numbers{5, 5, 3}},
+                    {"tilt_max", 1.0},
+                    {"velocity_max", 2.0},
+                    {"rate_max", 3.0},
+                    {"yaw_min", -1.0},
+                    {"yaw_max", 2.0},
+                    {"rotor_speed", "hover"}});
+  expect_same_bits("uniform", world,
+                   {{"paths", Texts{"robot.rotors[*].constant0"}}, {"scale", Numbers{0.9, 1.1}}});
+}
+
+TEST_F(Randomization, InertiaStaysPhysicalAndNeverDrifts) {
+  const Instance r("inertia", world,
+                   {{"mass", Numbers{0.9, 1.1}},
+                    {"inertia", Numbers{0.8, 1.25}},
+                    {"thrust_constant", Numbers{0.95, 1.05}}});
+  Group g = r.group(1);
+  const SkybodyBodyInfo& body = world.bodies[0];
+  const int m = body.first_param, kf = world.rotors[2].first_param;
+  const int resets = 10000;
+  double mass = 0, thrust = 0;
+  for (int n = 0; n < resets; ++n) {
+    reset(r, g);
+    const double scale = param(g, m) / body.mass;
+    ASSERT_GE(scale, 0.9);
+    ASSERT_LE(scale, 1.1);
+    const double j = param(g, m + 4) / body.inertia[0] / scale;
+    ASSERT_GE(j, 0.8 - 1e-12);
+    ASSERT_LE(j, 1.25 + 1e-12);
+    ASSERT_TRUE(
+        is_physical_inertia(SymMat3<double>{param(g, m + 4), param(g, m + 5), param(g, m + 6),
+                                            param(g, m + 7), param(g, m + 8), param(g, m + 9)}));
+    mass += scale;
+    thrust += param(g, kf) / 1.9533e-6;
+  }
+  EXPECT_NEAR(mass / resets, 1.0, 5.0 * 0.2 / std::sqrt(12.0 * resets));
+  EXPECT_NEAR(thrust / resets, 1.0, 5.0 * 0.1 / std::sqrt(12.0 * resets));
+}
+
+TEST_F(Randomization, ARangeOfOneReturnsToTheNominalBits) {
+  // After any history, a randomizer of the same parameters with scale 1 +- 0 gives the nominal
+  // back.
+  const Instance wide("uniform", world,
+                      {{"paths", Texts{"robot.links.base.mass"}}, {"scale", Numbers{0.5, 2.0}}});
+  const Instance one("uniform", world,
+                     {{"paths", Texts{"robot.links.base.mass"}}, {"scale", Numbers{1.0, 1.0}}});
+  Group g = wide.group(1), h = one.group(1);
+  for (int n = 0; n < 10000; ++n) reset(wide, g);
+  h.params = g.params;
+  reset(one, h);
+  EXPECT_EQ(h.params[static_cast<std::size_t>(world.bodies[0].first_param)], 1.54);
+}
+
+TEST_F(Randomization, DrawsAtEveryNthResetTheFirstIncluded) {
+  const Instance r("inertia", world, {{"mass", Numbers{0.5, 1.5}}, {"every", 3}});
+  Group g = r.group(1);
+  const int m = world.bodies[0].first_param;
+  double last = param(g, m);
+  for (int n = 0; n < 10; ++n) {
+    reset(r, g);
+    EXPECT_EQ(param(g, m) != last, n % 3 == 0) << n;
+    last = param(g, m);
+  }
+  const std::vector<std::uint64_t> waited = g.state;
+  r.call(Call::kRequest, g);
+  EXPECT_NE(param(g, m), last);
+  EXPECT_EQ(g.state, waited);
+}
+
+TEST_F(Randomization, OnlyNamedBodiesAndDeclaredParametersAreWritten) {
+  const int bob = world.add_payload("bob");
+  const Instance r(
+      "inertia", world,
+      {{"mass", Numbers{0.5, 1.5}}, {"links", Texts{"bob"}}, {"couple_inertia", false}});
+  EXPECT_EQ(r.declared.writes,
+            std::vector<int>{world.bodies[static_cast<std::size_t>(bob)].first_param});
+  Group g = r.group(1);
+  const Group before = g;
+  reset(r, g);
+  for (std::size_t k = 0; k < g.params.size(); ++k) {
+    EXPECT_EQ(g.params[k] != before.params[k], static_cast<int>(k) == r.declared.writes[0]) << k;
+  }
+}
+
+TEST_F(Randomization, UniformSharesADrawOrNot) {
+  for (const bool shared : {false, true}) {
+    const Instance r("uniform", world,
+                     {{"paths", Texts{"robot.rotors[*].constant6"}},
+                      {"range", Numbers{0.01, 0.02}},
+                      {"shared", shared}});
+    Group g = r.group(1);
+    reset(r, g);
+    const double a = param(g, world.rotors[0].first_param + 6),
+                 b = param(g, world.rotors[1].first_param + 6);
+    EXPECT_EQ(a == b, shared);
+    EXPECT_GE(a, 0.01);
+    EXPECT_LE(a, 0.02);
+  }
+}
+
+TEST_F(Randomization, StartsLieInTheirRanges) {
+  const Instance r("start", world,
+                   {{"position_min", Numbers{-5, -4, 0.0}},
+                    {"position_max", Numbers{5, 4, 3}},
+                    {"min_height", 0.3},
+                    {"tilt_max", 0.4},
+                    {"velocity_max", 2.0},
+                    {"rate_max", 3.0},
+                    {"yaw_min", -0.72},
+                    {"yaw_max", 0.72},
+                    {"rotor_speed", "hover"}});
+  Group g = r.group(1);
+  for (int n = 0; n < 1000; ++n) {
+    reset(r, g);
+    const double* q = g.q.data();
+    const double* u = g.u.data();
+    ASSERT_LE(std::abs(q[0]), 5.0);
+    ASSERT_LE(std::abs(q[1]), 4.0);
+    ASSERT_GE(q[2], 0.3);
+    ASSERT_LE(q[2], 3.0);
+    ASSERT_NEAR(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6], 1.0, 1e-14);
+    ASSERT_GE(1.0 - 2.0 * (q[4] * q[4] + q[5] * q[5]), std::cos(0.4) - 1e-12);
+    ASSERT_LE(std::hypot(u[0], u[1], u[2]), 2.0 + 1e-12);
+    ASSERT_LE(std::hypot(u[3], u[4], u[5]), 3.0 + 1e-12);
+    ASSERT_NEAR(4.0 * 1.9533e-6 * g.rotor_speed[0] * g.rotor_speed[3], 1.54 * 9.81, 1e-11);
+  }
+}
+
+TEST_F(Randomization, StartKeepsWhatIsNotAskedFor) {
+  const Instance keep("start", world, {});
+  Group g = keep.group(1);
+  g.rotor_speed.assign(4, 77.0);
+  reset(keep, g);
+  EXPECT_EQ(Numbers(g.q.begin(), g.q.begin() + 7), (Numbers{1, 2, 3, 1, 0, 0, 0}));
+  EXPECT_EQ(g.rotor_speed, Numbers(4, 77.0));
+  const Instance near("start", world,
+                      {{"relative", true},
+                       {"position_min", Numbers{0, 0, 0.5}},
+                       {"position_max", Numbers{0, 0, 0.5}}});
+  reset(near, g);
+  EXPECT_EQ(Numbers(g.q.begin(), g.q.begin() + 3), (Numbers{1, 2, 3.5}));
+}
+
+TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
+  EXPECT_THAT(refusal("inertia", world, {}), HasSubstr("every range is [1, 1]"));
+  EXPECT_THAT(refusal("inertia", world, {{"mass", Numbers{1.1, 0.9}}}),
+              HasSubstr("runs backwards: write [low, high]"));
+  EXPECT_THAT(refusal("inertia", world, {{"mass", Numbers{0.9, 1.1}}, {"links", Texts{"bob"}}}),
+              HasSubstr("has no link `bob`"));
+  EXPECT_THAT(refusal("inertia", world, {{"robot", "q"}, {"mass", Numbers{0.9, 1.1}}}),
+              HasSubstr("no robot `q`"));
+  EXPECT_THAT(refusal("start", world, {{"yaw_min", 1.0}}),
+              HasSubstr("`yaw_min` 1.000000 is above `yaw_max`"));
+  EXPECT_THAT(refusal("start", world, {{"position_min", Numbers{0, 0, 0}}}),
+              HasSubstr("give both [x, y, z], or neither"));
+  EXPECT_THAT(refusal("uniform", world, {{"paths", Texts{"robot.links.base.mass"}}}),
+              HasSubstr("neither `scale` nor `range`"));
+  EXPECT_THAT(refusal("uniform", world,
+                      {{"paths", Texts{"robot.links.base.mass"}},
+                       {"scale", Numbers{1, 2}},
+                       {"range", Numbers{1, 2}}}),
+              HasSubstr("leave one out"));
+  EXPECT_THAT(
+      refusal("uniform", world, {{"paths", Texts{"robot.nothing"}}, {"scale", Numbers{1, 2}}}),
+      HasSubstr("robot.nothing"));
+  EXPECT_THAT(refusal("uniform", world,
+                      {{"paths", Texts{"robot.links.base.mass"}}, {"range", Numbers{-1, 2}}}),
+              HasSubstr("narrow the range"));
+  world.robots[0].fixed_base = 1;
+  EXPECT_THAT(refusal("start", world, {}), HasSubstr("no robot has a floating base"));
+}
+
+}  // namespace
+}  // namespace skybody::testing
