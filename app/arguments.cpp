@@ -88,19 +88,10 @@ CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& w
   const auto check = [noun, words](const std::string& text) -> std::string {
     if (std::find(words.begin(), words.end(), text) != words.end()) return "";
     const std::string near = closest(text, words);
-    return "`" + text + "` is not a " + noun +
+    return "there is no " + noun + " `" + text + "`" +
            (near.empty() ? "" : "; did you mean `" + near + "`?") + "; allowed: " + join(words);
   };
   return {check, "", noun};
-}
-
-CLI::Validator assignment() {
-  const auto check = [](const std::string& text) -> std::string {
-    const std::size_t equals = text.find('=');
-    if (equals != std::string::npos && equals > 0) return "";
-    return "`" + text + "` is not PATH=VALUE, such as stepping.dt=0.002";
-  };
-  return {check, "", "assignment"};
 }
 
 std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error) {

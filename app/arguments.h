@@ -15,9 +15,6 @@ CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 /// Accepts one of `words`. @param noun  what it is, such as "policy"
 CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words);
 
-/// Accepts PATH=VALUE.
-CLI::Validator assignment();
-
 /// One line about a command line that cannot be used, with the remedy.
 std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error);
 

@@ -2,8 +2,6 @@
 
 #include <cstdio>
 
-#include "app/arguments.h"
-
 namespace skybody {
 
 void add_plugin_path(CLI::App& command, LoadOptions& options) {
@@ -27,8 +25,7 @@ void add_scenario_options(CLI::App& command, LoadOptions& options) {
       ->expected(1)
       ->allow_extra_args(false)
       ->delimiter('\0')
-      ->take_all()
-      ->check(assignment());
+      ->take_all();
   add_plugin_path(command, options);
 }
 

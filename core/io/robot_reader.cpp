@@ -7,6 +7,7 @@
 #include "core/io/file.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/rotors_reader.h"
+#include "core/io/shipped_files.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
 #include "core/io/urdf_reader.h"
@@ -54,7 +55,10 @@ std::optional<RobotModel> RobotReader::read_model(const MapReader& reader) {
     return std::nullopt;
   }
   const SourceMark mark = reader.mark("model");
-  const std::string file = resolve_path(written, mark);
+  std::string file = resolve_path(written, mark);
+  if (!is_file(file)) {
+    if (const auto shipped = find_shipped_model(written)) file = shipped->string();
+  }
   const std::string rotors_key =
       reader.node("rotors") == nullptr ? "" : resolve_path(rotors, reader.mark("rotors"));
   const std::string key = file + '\n' + rotors_key + (fixed_base ? "\nfixed" : "\nfree");

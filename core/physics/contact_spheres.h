@@ -11,8 +11,7 @@ namespace skybody {
 /// sphere itself; meshes give nothing. Stiffness k per robot: resting upright on the n spheres that
 /// lie lowest with joints at zero, each sinks in by x0 = ContactSettings::penetration,
 ///   k = m |g| / (n x0^1.5),
-/// but no more than lets dt follow the oscillation of the sphere's own body (see
-/// contact_spheres.cpp).
+/// but no more than lets dt follow the oscillation of the sphere's own body (contact_spheres.cpp).
 std::vector<ContactSphere> make_contact_spheres(const World& world);
 
 }  // namespace skybody

@@ -1,6 +1,6 @@
 // Accelerations of a world's bodies under given forces: what an integrator asks for. Several
-// dynamics stand behind this one interface, on one state (design decision 7). C++17, no Simbody
-// types.
+// dynamics stand behind this one interface, on one state (design decision 7). C++17, without
+// Simbody's types.
 #pragma once
 
 #include <memory>

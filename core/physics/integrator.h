@@ -21,8 +21,7 @@ class Integrator {
 /// with their speed in mid-step.
 std::unique_ptr<Integrator> make_semi_implicit_euler(const World& world);
 
-/// The classical Runge-Kutta method, order 4; rotors follow their closed form at t, t + dt/2, t +
-/// dt.
+/// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
 std::unique_ptr<Integrator> make_rk4(const World& world);
 
 /// The one that the scenario asks for.

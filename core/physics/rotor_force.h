@@ -8,9 +8,8 @@
 //   thrust            F = k_f w^2 n
 //   reaction          M = -s k_m w^2 n
 //   rotor drag        F = -c_d w v'
-//   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; the side of the advancing
-//   blade,
-//                                         and so the sign, goes with the direction of turning)
+//   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; which side the advancing
+//                                         blade is on, so the sign, goes with the direction)
 //   gyroscopic        M = -omega x (s J w n)
 //   spin-up           M = -s J (dw/dt) n
 // The last two vanish for rotor inertia J = 0.

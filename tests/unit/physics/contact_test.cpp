@@ -27,13 +27,13 @@ TEST(ContactSpheres, SitAtTheExtremitiesOfShapes) {
 TEST(Ground, VehiclesRestStillWithinTheStaticPenetration) {
   for (const VehicleData& data : {qdrone2(), crazyflie(), hummingbird(), firefly()}) {
     Scenario scenario = make_scenario(make_vehicle(data));
-    scenario.robots[0].pose.position = {0, 0, 0.5 * data.box.z + 0.02};
+    scenario.robots[0].pose.position = {0, 0, clearance(data) + 0.02};
     scenario.robots[0].pose.rotation = from_rpy(0.02, -0.03, 0.5);
     Bench bench(std::move(scenario));
-    ASSERT_TRUE(bench.run_seconds(8.0));
+    ASSERT_TRUE(bench.run_seconds(20.0));  // a Firefly rocks for long on its narrow foot
     const double height = bench.state.q[2];
     // 1 mm by definition of the stiffness; Hertz' law splits it evenly over four corners.
-    EXPECT_NEAR(0.5 * data.box.z - height, 0.001, 1e-5) << data.mass << " kg";
+    EXPECT_NEAR(clearance(data) - height, 0.001, 1e-5) << data.mass << " kg";
     for (int i = 0; i < 1000; ++i) {
       ASSERT_TRUE(bench.run(1));
       ASSERT_LT(norm(bench.state.bodies[0].velocity), 1e-6) << data.mass << " kg";

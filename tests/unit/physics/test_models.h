@@ -57,7 +57,7 @@ inline RobotModel make_free_body(double mass, SymMat3<double> inertia,
   return model;
 }
 
-/// What a vehicle's size comes down to.
+/// What a vehicle comes down to. Shapes as in scenarios/models.
 struct VehicleData {
   double mass;  ///< [kg]
   SymMat3<double> inertia;
@@ -67,6 +67,7 @@ struct VehicleData {
   double tau_up, tau_down;  ///< [s]
   Vec3<double> box;         ///< collision box [m]
   int rotors = 4;
+  double foot = 0.0;  ///< radius of spheres under the box's corners [m], 0: none
 };
 
 inline VehicleData qdrone2() {
@@ -78,7 +79,9 @@ inline VehicleData qdrone2() {
           2246,
           0.0125,
           0.025,
-          {0.30, 0.26, 0.10}};
+          {0.30, 0.35, 0.05},
+          4,
+          0.01};
 }
 inline VehicleData crazyflie() {
   return {0.027,
@@ -89,7 +92,7 @@ inline VehicleData crazyflie() {
           2618,
           0.0125,
           0.025,
-          {0.09, 0.09, 0.03}};
+          {0.045, 0.045, 0.03}};
 }
 inline VehicleData hummingbird() {
   return {0.716,
@@ -100,7 +103,7 @@ inline VehicleData hummingbird() {
           838,
           0.0125,
           0.025,
-          {0.36, 0.36, 0.11}};
+          {0.1, 0.1, 0.12}};
 }
 inline VehicleData firefly() {
   return {1.56,
@@ -111,14 +114,23 @@ inline VehicleData firefly() {
           838,
           0.0125,
           0.025,
-          {0.45, 0.45, 0.12},
+          {0.1, 0.1, 0.16},
           6};
 }
+
+/// Height of the base's origin above what it stands on [m].
+inline double clearance(const VehicleData& d) { return 0.5 * d.box.z + 3.0 * d.foot; }
 
 /// A multirotor with alternating rotors in the plane of its centre of mass and a box to land on.
 inline RobotModel make_vehicle(const VehicleData& d) {
   RobotModel model = make_free_body(d.mass, d.inertia);
   model.bodies[0].collisions.push_back(make_box(d.box.x, d.box.y, d.box.z));
+  for (int i = 0; i < 4 && d.foot > 0.0; ++i) {
+    Shape foot = make_sphere(d.foot);
+    foot.pose.position = {(i & 1 ? 0.34 : -0.34) * d.box.x, (i & 2 ? 0.36 : -0.36) * d.box.y,
+                          -0.5 * d.box.z - 2.0 * d.foot};
+    model.bodies[0].collisions.push_back(foot);
+  }
   for (int i = 0; i < d.rotors; ++i) {
     const SinCos<double> at = sincos((i + 0.5) * kTwoPi / d.rotors);
     Rotor rotor;
@@ -149,8 +161,7 @@ inline Scenario make_scenario(RobotModel model,
   return scenario;
 }
 
-/// A world with its stepper and state. `prepare` may set sites and drives before the layout is
-/// done.
+/// A world with its stepper and state. `prepare` may set sites and drives.
 struct Bench {
   explicit Bench(Scenario scenario, const std::function<void(World&)>& prepare = {})
       : world(std::move(scenario)) {

@@ -1,0 +1,132 @@
+// check, hash, plugins, schema and new, as people call them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/io/config_tree.h"
+#include "tests/integration/process.h"
+
+namespace skybody::test {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+using testing::StartsWith;
+
+const char* const kHover = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml";
+
+TEST(Check, SaysOkAboutEveryShippedScenario) {
+  for (const auto& entry : std::filesystem::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() != ".yaml") continue;
+    const Outcome outcome = run_skybody({"check", entry.path().string()});
+    EXPECT_EQ(outcome.exit_code, 0) << entry.path();
+    EXPECT_THAT(outcome.out, StartsWith("ok: "));
+    EXPECT_EQ(outcome.err, "");
+  }
+}
+
+TEST(Check, FindsAShippedScenarioByItsName) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody({"check", "hover"}, {.folder = folder.path()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST(Check, ListsRandomizableParameters) {
+  const Outcome outcome = run_skybody({"check", kHover, "--parameters"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("nominal"), HasSubstr(".mass"),
+                                 HasSubstr("rotors[0].thrust_constant")));
+}
+
+TEST(Check, WarningsAloneAreNoError) {
+  const std::filesystem::path urdf = SKYBODY_SOURCE_DIR "/../shared/data/urdf/racer.urdf";
+  if (!std::filesystem::exists(urdf)) GTEST_SKIP() << "shared/data/urdf is not here";
+  const Outcome outcome =
+      run_skybody({"check", kHover, "--set", "robots.quad.model=" + urdf.string()});
+  EXPECT_EQ(outcome.err.find("error"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.exit_code, 0);
+}
+
+TEST(Hash, IsTheSameLineInTwoProcesses) {
+  const std::vector<std::string> arguments = {"hash",    kHover, "--envs",  "1",   "--threads", "1",
+                                              "--batch", "1",    "--steps", "500", "--seed",    "7"};
+  const Outcome first = run_skybody(arguments), second = run_skybody(arguments);
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.out, MatchesRegex("[0-9a-f]{16}\n"));
+  EXPECT_EQ(first.out, second.out);
+}
+
+TEST(Hash, DependsOnSeedStepsAndScenario) {
+  const std::string base = run_skybody({"hash", kHover, "--steps", "50", "--seed", "7"}).out;
+  EXPECT_NE(base, run_skybody({"hash", kHover, "--steps", "50", "--seed", "8"}).out);
+  EXPECT_NE(base, run_skybody({"hash", kHover, "--steps", "51", "--seed", "7"}).out);
+  EXPECT_NE(base, run_skybody({"hash", kHover, "--steps", "50", "--seed", "7", "--set",
+                               "gravity=[0, 0, -9.8]"})
+                      .out);
+}
+
+TEST(Hash, DoesNotDependOnTheOrderOfOneEnvironment) {
+  EXPECT_EQ(run_skybody({"hash", kHover, "--steps", "50", "--order", "fixed"}).out,
+            run_skybody({"hash", kHover, "--steps", "50", "--order", "arrival"}).out);
+}
+
+TEST(Hash, GoesOnThroughEndedEpisodes) {
+  const Outcome outcome = run_skybody({"hash", kHover, "--steps", "50", "--set", "stepping.horizon=7"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, MatchesRegex("[0-9a-f]{16}\n"));
+}
+
+TEST(Plugins, ListsWhatIsShipped) {
+  const Outcome outcome = run_skybody({"plugins"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* line : {"ctbr +controller", "imu +sensor", "inertia +randomizer", "hover +task"}) {
+    EXPECT_THAT(outcome.out, ContainsRegex(line));
+  }
+  EXPECT_THAT(run_skybody({"plugins", "--verbose"}).out, HasSubstr("parameter"));
+}
+
+TEST(Plugins, ListsWhatCannotBeUsedWithTheReason) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "broken.so") << "not a library";
+  const Outcome outcome = run_skybody({"plugins", "--plugin-path", folder.path().string()});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("cannot be used:"), HasSubstr("broken.so: ")));
+}
+
+TEST(Plugins, PrintsAParameterTableInMarkdown) {
+  const Outcome outcome = run_skybody({"plugins", "--markdown", "sensor/imu"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("| Parameter | Type | Unit |"));
+  const Outcome wrong = run_skybody({"plugins", "--markdown", "sensor/imv"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(wrong.err,
+            "error: --markdown: there is no plugin `sensor/imv`; did you mean `sensor/imu`?\n");
+}
+
+TEST(Schema, IsJsonThatNamesThePlugins) {
+  const Outcome outcome = run_skybody({"schema"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  Diagnostics diagnostics;
+  const auto schema = parse_yaml(outcome.out, "schema", diagnostics);  // JSON is YAML
+  ASSERT_TRUE(schema.has_value()) << diagnostics.to_string();
+  EXPECT_NE(schema->find("$schema"), nullptr);
+  EXPECT_NE(schema->find("properties"), nullptr);
+  EXPECT_THAT(outcome.out, HasSubstr("\"ctbr\""));
+}
+
+TEST(New, WritesAProjectOnce) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> arguments = {"new", "controller", "my_law", "--dir",
+                                              folder.path().string()};
+  const Outcome outcome = run_skybody(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "my_law" / "README.md"));
+  EXPECT_EQ(run_skybody(arguments).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace skybody::test

@@ -1,0 +1,146 @@
+#include "tests/integration/process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+namespace skybody::test {
+namespace {
+
+/// A file in memory that takes a program's output.
+class Capture {
+ public:
+  Capture() : descriptor_(memfd_create("capture", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) throw std::runtime_error("memfd_create failed");
+  }
+  ~Capture() { close(descriptor_); }
+  Capture(const Capture&) = delete;
+  Capture& operator=(const Capture&) = delete;
+
+  int descriptor() const { return descriptor_; }
+
+  std::string text() const {
+    std::string text;
+    std::array<char, 4096> buffer;
+    lseek(descriptor_, 0, SEEK_SET);
+    for (ssize_t n; (n = read(descriptor_, buffer.data(), buffer.size())) > 0;) {
+      text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    return text;
+  }
+
+ private:
+  int descriptor_;
+};
+
+std::vector<char*> pointers(const std::vector<std::string>& texts) {
+  std::vector<char*> list;
+  for (const std::string& text : texts) list.push_back(const_cast<char*>(text.c_str()));
+  list.push_back(nullptr);
+  return list;
+}
+
+/// The present environment, where `more` does not replace it.
+std::vector<std::string> merged_environment(const std::vector<std::string>& more) {
+  std::vector<std::string> merged = more;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string name(*entry, std::strcspn(*entry, "=") + 1);
+    const auto replaces = [&](const std::string& m) { return m.compare(0, name.size(), name) == 0; };
+    if (std::none_of(more.begin(), more.end(), replaces)) merged.emplace_back(*entry);
+  }
+  return merged;
+}
+
+pid_t start(const std::string& program, const std::vector<std::string>& arguments,
+            const ProcessOptions& options, const Capture& out, const Capture& err) {
+  std::vector<std::string> words = {program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  const std::vector<std::string> environment = merged_environment(options.environment);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, options.folder.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err.descriptor(), STDERR_FILENO);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, program.c_str(), &actions, nullptr,
+                                 pointers(words).data(), pointers(environment).data());
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw std::runtime_error("cannot start " + program + ": " + std::strerror(error));
+  return child;
+}
+
+/// Waits for its end, and interrupts it once when asked to.
+int wait_for(pid_t child, const ProcessOptions& options) {
+  int status = 0;
+  bool interrupted = !options.interrupt_when;
+  while (!interrupted) {
+    if (waitpid(child, &status, WNOHANG) == child) return status;
+    if (options.interrupt_when()) {
+      kill(child, SIGINT);
+      interrupted = true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  waitpid(child, &status, 0);
+  return status;
+}
+
+}  // namespace
+
+Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
+                    const ProcessOptions& options) {
+  const Capture out, err;
+  const int status = wait_for(start(program, arguments, options, out, err), options);
+  Outcome outcome;
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
+  outcome.out = out.text();
+  outcome.err = err.text();
+  return outcome;
+}
+
+Outcome run_skybody(const std::vector<std::string>& arguments, const ProcessOptions& options) {
+  return run_program(SKYBODY_PROGRAM, arguments, options);
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "skybody_XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::vector<std::string> TemporaryFolder::names() const {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(path_)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace skybody::test

@@ -1,0 +1,202 @@
+// skybody run: table, log, picture, and that nothing is lost or half-written.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tests/integration/flight_file.h"
+#include "tests/integration/process.h"
+
+namespace skybody::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::ContainsRegex;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const char* const kHover = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml";
+
+std::string python() {
+  const char* chosen = std::getenv("SKYBODY_PYTHON");
+  if (chosen != nullptr) return chosen;
+  const std::string own = SKYBODY_SOURCE_DIR "/.venv/bin/python3";
+  return fs::exists(own) ? own : "python3";
+}
+
+bool python_can_draw() {
+  try {
+    return run_program(python(), {"-c", "import h5py, matplotlib, numpy"}).exit_code == 0;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+std::string read_text(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Arguments of a short flight of hover without a picture.
+std::vector<std::string> short_flight(const fs::path& out, std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments = {"run", kHover,  "--steps",      "100",
+                                        "--out", out.string(), "--no-picture"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(Run, EndsWithATableAndTheLog) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody(short_flight(folder.path()));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, ContainsRegex("episode +steps +time"));
+  EXPECT_THAT(outcome.out, ContainsRegex("\n +1 +100 +0\\.[0-9]+ .*stopped +quad\\."));
+  EXPECT_THAT(outcome.out, ContainsRegex("\n +all +100 "));
+  EXPECT_THAT(outcome.out, HasSubstr("log      " + (folder.path() / "flight.h5").string() + "\n"));
+  EXPECT_THAT(folder.names(), ElementsAre("flight.h5"));
+}
+
+TEST(Run, LogsEveryStepAndWhereItCameFrom) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_skybody(short_flight(folder.path(), {"--seed", "7"})).exit_code, 0);
+  const FlightFile log(folder.path() / "flight.h5");
+  EXPECT_THAT(log.shape("/episodes/0001/bodies"), ElementsAre(101, 1, 13));
+  EXPECT_THAT(log.shape("/episodes/0001/rotor_speed"), ElementsAre(101, 4));
+  EXPECT_THAT(log.shape("/episodes/0001/goal"), ElementsAre(101, 1, 4));
+  const std::vector<double> time = log.values("/episodes/0001/time");
+  EXPECT_EQ(time.front(), 0.0);
+  EXPECT_NEAR(time.back(), 100 * log.number_attribute("/", "dt"), 1e-12);
+  EXPECT_THAT(log.events("/episodes/0001"), ElementsAre("reset", "stopped"));
+  EXPECT_EQ(log.text_attribute("/", "seed"), "7");
+  EXPECT_EQ(log.text_attribute("/", "policy"), "hold");
+  EXPECT_THAT(log.text_attribute("/", "scenario_text"), HasSubstr("robots:"));
+  EXPECT_EQ(log.text_attribute("/", "scenario_hash").size(), 16u);
+  EXPECT_FALSE(log.text_attribute("/versions", "simbody").empty());
+  EXPECT_EQ(log.texts("/params/paths").size(), log.values("/episodes/0001/params").size());
+}
+
+TEST(Run, HoldHoversWithinAMillimetre) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody({"run", kHover, "--steps", "8000", "--out",
+                                       folder.path().string(), "--no-picture"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const FlightFile log(folder.path() / "flight.h5");
+  const std::vector<double> bodies = log.values("/episodes/0001/bodies");
+  const std::vector<double> goals = log.values("/episodes/0001/goal");
+  const double* end = bodies.data() + bodies.size() - 13;
+  const double* goal = goals.data() + goals.size() - 4;
+  EXPECT_LT(std::hypot(end[0] - goal[0], end[1] - goal[1], end[2] - goal[2]), 1e-3);
+}
+
+TEST(Run, FliesTheSameFlightTwice) {
+  const TemporaryFolder first, second;
+  const std::vector<std::string> random = {"--policy", "random", "--episodes", "2", "--seed", "3"};
+  ASSERT_EQ(run_skybody(short_flight(first.path(), random)).exit_code, 0);
+  ASSERT_EQ(run_skybody(short_flight(second.path(), random)).exit_code, 0);
+  const FlightFile a(first.path() / "flight.h5"), b(second.path() / "flight.h5");
+  EXPECT_THAT(a.names("/episodes"), ElementsAre("0001", "0002"));
+  EXPECT_EQ(a.values("/episodes/0002/bodies"), b.values("/episodes/0002/bodies"));
+  EXPECT_NE(a.values("/episodes/0001/action"), a.values("/episodes/0002/action"));
+}
+
+TEST(Run, TakesOverrides) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody(short_flight(
+      folder.path(), {"--set", "stepping.dt=0.002", "--set", "stepping.horizon=40"}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const FlightFile log(folder.path() / "flight.h5");
+  EXPECT_EQ(log.number_attribute("/", "dt"), 0.002);
+  EXPECT_THAT(log.events("/episodes/0001"), ElementsAre("reset", "truncated"));
+  EXPECT_THAT(log.shape("/episodes/0001/time"), ElementsAre(41));
+}
+
+TEST(Run, NeverReusesADefaultFolder) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> arguments = {"run", kHover, "--steps", "3", "--no-picture"};
+  ASSERT_EQ(run_skybody(arguments, {.folder = folder.path()}).exit_code, 0);
+  ASSERT_EQ(run_skybody(arguments, {.folder = folder.path()}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder.path() / "flights/hover-0/flight.h5"));
+  EXPECT_TRUE(fs::exists(folder.path() / "flights/hover-0-2/flight.h5"));
+}
+
+TEST(Run, ReplacesWhatLiesInAnExplicitFolder) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "flight.h5") << "old";
+  std::ofstream(folder.path() / "flight-0001.png") << "old";
+  std::ofstream(folder.path() / "notes.txt") << "mine";
+  ASSERT_EQ(run_skybody(short_flight(folder.path())).exit_code, 0);
+  EXPECT_THAT(folder.names(), ElementsAre("flight.h5", "notes.txt"));
+  EXPECT_TRUE(FlightFile(folder.path() / "flight.h5").has("/episodes/0001"));
+}
+
+TEST(Run, LeavesNothingWhereItCannotWrite) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "mine";
+  const fs::path out = folder.path() / "file";
+  const Outcome outcome = run_skybody(short_flight(out));
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("error: cannot write into the folder " + out.string()));
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u);
+  EXPECT_EQ(read_text(out), "mine");
+}
+
+TEST(Run, LeavesNothingWhenTheScenarioIsWrong) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_skybody(short_flight(folder.path() / "out", {"--set", "stepping.dt=soon"}));
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(Run, KeepsWhatWasFlownWhenItIsInterrupted) {
+  const TemporaryFolder folder;
+  const fs::path partial = folder.path() / ".flight.h5.partial";
+  std::error_code ignored;
+  const auto has_flown = [&] { return fs::file_size(partial, ignored) > 100000 && !ignored; };
+  const Outcome outcome =
+      run_skybody({"run", kHover, "--steps", "1000000000", "--set", "stepping.horizon=0", "--out",
+                   folder.path().string()},
+                  {.interrupt_when = has_flown});
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("interrupted"));
+  EXPECT_THAT(outcome.err, HasSubstr("interrupted in episode 1 of 1"));
+  EXPECT_THAT(folder.names(), ElementsAre("flight.h5"));
+  const FlightFile log(folder.path() / "flight.h5");
+  EXPECT_THAT(log.events("/episodes/0001"), ElementsAre("reset", "interrupted"));
+  EXPECT_GT(log.shape("/episodes/0001/time").at(0), 100u);
+}
+
+TEST(Run, DrawsAPicture) {
+  if (!python_can_draw()) GTEST_SKIP() << "no Python with matplotlib and h5py";
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody({"run", kHover, "--steps", "50", "--episodes", "2", "--out",
+                                       folder.path().string()},
+                                      {.environment = {"SKYBODY_PYTHON=" + python()}});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(folder.names(), ElementsAre("flight-0001.png", "flight-0002.png", "flight.h5"));
+  EXPECT_EQ(read_text(folder.path() / "flight-0001.png").substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_THAT(lines_of(outcome.out),
+              Contains("picture  " + (folder.path() / "flight-0002.png").string()));
+}
+
+TEST(Run, SucceedsWithoutAPictureWhereThereIsNoPython) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_skybody({"run", kHover, "--steps", "5", "--out", folder.path().string()},
+                  {.environment = {"SKYBODY_PYTHON=/nowhere/python3"}});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err,
+            "warning: no picture: cannot start /nowhere/python3: No such file or directory; name a "
+            "Python with matplotlib and h5py in SKYBODY_PYTHON\n");
+  EXPECT_THAT(folder.names(), ElementsAre("flight.h5"));
+}
+
+}  // namespace
+}  // namespace skybody::test
