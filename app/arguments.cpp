@@ -48,9 +48,11 @@ std::string describe_extra(const CLI::App& command, const std::string& argument)
   return "unknown option `" + name + "`" + (near.empty() ? "" : "; did you mean `" + near + "`?");
 }
 
-/// What nothing took: an option before what may be its value. CLI11 hands them up to the program.
-std::string first_extra(const CLI::App& app) {
-  const std::vector<std::string> extras = app.remaining(true);
+/// What nothing took: an option before what may be its value, else the first of the rest. CLI11
+/// keeps them in its message only, "... not expected: LAST ... FIRST".
+std::string first_extra(const CLI::ParseError& error) {
+  const std::string text = error.what();
+  const std::vector<std::string> extras = split_words(text.substr(text.find(": ") + 1));
   for (const std::string& extra : extras) {
     if (extra.size() > 1 && extra[0] == '-') return extra;
   }
@@ -96,7 +98,8 @@ CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& w
 
 std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost(app);
-  const std::string extra = error.get_name() == "ExtrasError" ? first_extra(app) : "";
+  const bool is_extras = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+  const std::string extra = is_extras ? first_extra(error) : "";
   const std::string text = extra.empty() ? describe_other(error) : describe_extra(command, extra);
   return text + "; see `" + path_of(command) + " --help`";
 }

@@ -22,12 +22,17 @@ struct CheckOptions {
   bool parameters = false;
 };
 
+std::string count(std::size_t n, const char* one, const char* several) {
+  return std::to_string(n) + " " + (n == 1 ? one : several);
+}
+
 std::string describe(const Environment& environment) {
   const Scenario& scenario = environment.scenario();
   const World& world = environment.world();
-  return "ok: " + scenario.name + ": " + std::to_string(scenario.robots.size()) + " robot(s), " +
-         std::to_string(world.bodies.size()) + " bodies, " + std::to_string(world.rotors.size()) +
-         " rotors, " + std::to_string(environment.observation_size()) + " observations, " +
+  return "ok: " + scenario.name + ": " + count(scenario.robots.size(), "robot", "robots") + ", " +
+         count(world.bodies.size(), "body", "bodies") + ", " +
+         count(world.rotors.size(), "rotor", "rotors") + ", " +
+         std::to_string(environment.observation_size()) + " observations, " +
          std::to_string(environment.action_size()) + " actions, scenario hash " +
          to_hex(scenario.hash);
 }

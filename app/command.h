@@ -1,9 +1,8 @@
-// The sub-commands. Each add_*_command declares one to CLI11 and, when it is given, leaves what is to
-// be done in `chosen`; main runs that once the whole command line has been found good.
+// The sub-commands. Each add_*_command declares one to CLI11 and, when it is given, leaves what is
+// to be done in `chosen`; main runs that once the whole command line has been found good.
 #pragma once
 
 #include <CLI/CLI.hpp>
-
 #include <functional>
 
 namespace skybody {
@@ -11,9 +10,9 @@ namespace skybody {
 /// Exit statuses of the program.
 enum ExitStatus : int {
   kExitDone = 0,
-  kExitError = 2,        ///< the user's input: command line, files, plugins, places to write to
-  kExitBug = 3,          ///< ours
-  kExitSignal = 128     ///< plus the signal: 130 after Ctrl-C
+  kExitError = 2,    ///< the user's input: command line, files, plugins, places to write to
+  kExitBug = 3,      ///< ours
+  kExitSignal = 128  ///< plus the signal: 130 after Ctrl-C
 };
 
 /// Does the command's work. @returns the exit status

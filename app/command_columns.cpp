@@ -25,9 +25,10 @@ std::vector<LogColumn> fixed_columns(int signal) {
     case SKYBODY_POSITION:
       return {{"x", "m"}, {"y", "m"}, {"z", "m"}, {"yaw", "rad"}};
     case SKYBODY_TRAJECTORY:
-      return {{"x", "m"},      {"y", "m"},      {"z", "m"},      {"v_x", "m/s"},  {"v_y", "m/s"},
-              {"v_z", "m/s"},  {"a_x", "m/s^2"}, {"a_y", "m/s^2"}, {"a_z", "m/s^2"},
-              {"j_x", "m/s^3"}, {"j_y", "m/s^3"}, {"j_z", "m/s^3"}, {"yaw", "rad"}};
+      return {{"x", "m"},       {"y", "m"},       {"z", "m"},       {"v_x", "m/s"},
+              {"v_y", "m/s"},   {"v_z", "m/s"},   {"a_x", "m/s^2"}, {"a_y", "m/s^2"},
+              {"a_z", "m/s^2"}, {"j_x", "m/s^3"}, {"j_y", "m/s^3"}, {"j_z", "m/s^3"},
+              {"yaw", "rad"}};
     default:
       return {};
   }
@@ -56,7 +57,8 @@ std::vector<LogColumn> command_columns(const Environment& environment,
   std::vector<LogColumn> columns;
   for (std::size_t k = 0; k < count; ++k) {
     LogColumn column = one.empty() ? LogColumn{signal_name(signal), ""} : one[k % one.size()];
-    if (one.size() < count) column.name += "[" + std::to_string(one.empty() ? k : k / one.size()) + "]";
+    if (one.size() < count)
+      column.name += "[" + std::to_string(one.empty() ? k : k / one.size()) + "]";
     columns.push_back({robot.name + "." + column.name, column.unit});
   }
   return columns;

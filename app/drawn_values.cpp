@@ -40,12 +40,13 @@ std::string drawn_values(const Environment& environment,
     const auto [least, greatest] = range_of(episodes, k);
     if (least == params[k].nominal && greatest == params[k].nominal) continue;
     if (++count > kMostRows) continue;
-    table.add({params[k].path, params[k].unit, short_number(params[k].nominal),
-               short_number(least), short_number(greatest)});
+    table.add({params[k].path, params[k].unit, short_number(params[k].nominal), short_number(least),
+               short_number(greatest)});
   }
   if (count == 0) return "";
   std::string text = table.to_string();
-  if (count > kMostRows) text += "and " + std::to_string(count - kMostRows) + " more, see the log\n";
+  if (count > kMostRows)
+    text += "and " + std::to_string(count - kMostRows) + " more, see the log\n";
   return text;
 }
 

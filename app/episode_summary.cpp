@@ -19,8 +19,7 @@ double angle_between(double a, double b) {
 
 }  // namespace
 
-ErrorWindow::ErrorWindow(const Environment& environment)
-    : goals_(environment.task().goals.size()) {
+ErrorWindow::ErrorWindow(const Environment& environment) : goals_(environment.task().goals.size()) {
   const Stepping& stepping = environment.scenario().stepping;
   const double steps = std::round(1.0 / (stepping.dt * stepping.action_repeat));
   length_ = static_cast<std::size_t>(std::max(1.0, steps));

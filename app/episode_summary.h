@@ -43,8 +43,8 @@ class ErrorWindow {
   };
 
   std::size_t goals_;
-  std::size_t length_;            ///< steps
-  std::size_t count_ = 0;         ///< steps added
+  std::size_t length_;           ///< steps
+  std::size_t count_ = 0;        ///< steps added
   std::vector<Sample> samples_;  ///< ring: step-major
 };
 

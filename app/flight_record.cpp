@@ -86,9 +86,11 @@ void describe_signals(const Environment& environment, FlightLogHeader& header) {
     }
   }
   for (const PluginInstance& sensor : environment.sensors()) {
-    for (const Channel& channel : sensor.channels) append(header.sensors, sensor.name + ".", channel);
+    for (const Channel& channel : sensor.channels)
+      append(header.sensors, sensor.name + ".", channel);
   }
-  for (const Channel& channel : environment.task().channels) append(header.observation, "", channel);
+  for (const Channel& channel : environment.task().channels)
+    append(header.observation, "", channel);
   for (const Goal& goal : environment.task().goals) {
     header.goals.push_back(body_name(environment, goal.body));
   }
@@ -108,7 +110,8 @@ std::vector<std::pair<std::string, std::string>> versions() {
 std::vector<double> values_of(const Snapshot& snapshot, Block block) {
   std::vector<double> values(static_cast<std::size_t>(block.size));
   if (!values.empty()) {
-    std::memcpy(values.data(), snapshot.words.data() + block.offset, values.size() * sizeof(double));
+    std::memcpy(values.data(), snapshot.words.data() + block.offset,
+                values.size() * sizeof(double));
   }
   return values;
 }

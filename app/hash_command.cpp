@@ -15,10 +15,14 @@ namespace {
 constexpr std::uint64_t kMost = 1000000000000;
 
 constexpr const char* kFooter =
-    "Each environment takes a reset and then exactly K steps; where an episode has ended, the next\n"
-    "step is a reset. Its hash is a chain over all state words, observation, reward and status after\n"
-    "each of them. The actions of step k of environment e are uniform in [-1, 1], drawn from Philox\n"
-    "with key (seed, e), step k, stream `hash.action`. The chains are combined in the order of the\n"
+    "Each environment takes a reset and then exactly K steps; where an episode has ended, the "
+    "next\n"
+    "step is a reset. Its hash is a chain over all state words, observation, reward and status "
+    "after\n"
+    "each of them. The actions of step k of environment e are uniform in [-1, 1], drawn from "
+    "Philox\n"
+    "with key (seed, e), step k, stream `hash.action`. The chains are combined in the order of "
+    "the\n"
     "environments.\n"
     "Example:\n"
     "  skybody hash scenarios/hover.yaml --envs 1 --threads 1 --batch 1 --steps 20000 --seed 7";

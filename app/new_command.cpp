@@ -10,7 +10,8 @@ namespace skybody {
 namespace {
 
 constexpr const char* kFooter =
-    "Writes the folder DIR/NAME: a small plugin that works, its build file, a test, a scenario that\n"
+    "Writes the folder DIR/NAME: a small plugin that works, its build file, a test, a scenario "
+    "that\n"
     "flies it and a README with the commands.\n"
     "Example:\n"
     "  skybody new controller my_law && cat my_law/README.md";

@@ -49,8 +49,9 @@ std::string range_of(const ParameterSpec& spec) {
 }
 
 Words words_of(const ParameterSpec& spec) {
-  return {spec.name,      type_of(spec),  spec.unit,
-          default_of(spec), range_of(spec), spec.randomizable ? "yes" : "", spec.doc};
+  return {spec.name,        type_of(spec),  spec.unit,
+          default_of(spec), range_of(spec), spec.randomizable ? "yes" : "",
+          spec.doc};
 }
 
 /// A bar would end the cell.

@@ -103,8 +103,9 @@ Pictures draw_pictures(const fs::path& log) {
   const std::vector<std::string> command = command_line(log);
   const Outcome outcome = run(command);
   if (outcome.spawn_error != 0) {
-    return {{}, "cannot start " + command[0] + ": " + std::strerror(outcome.spawn_error) +
-                    "; name a Python with matplotlib and h5py in SKYBODY_PYTHON"};
+    return {{},
+            "cannot start " + command[0] + ": " + std::strerror(outcome.spawn_error) +
+                "; name a Python with matplotlib and h5py in SKYBODY_PYTHON"};
   }
   std::string last;
   Pictures pictures{picture_paths(outcome.output, last), ""};

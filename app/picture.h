@@ -13,8 +13,8 @@ struct Pictures {
   std::string failure;  ///< why there are none or not all; empty: all is well
 };
 
-/// Draws `log` into its folder. The interpreter is $SKYBODY_PYTHON, else the one chosen when Skybody
-/// was configured, else python3 on PATH; it is started directly, never through a shell.
+/// Draws `log` into its folder. The interpreter is $SKYBODY_PYTHON, else the one chosen when
+/// Skybody was configured, else python3 on PATH; it is started directly, never through a shell.
 Pictures draw_pictures(const std::filesystem::path& log);
 
 /// The command that draws `log`, for people.

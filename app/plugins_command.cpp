@@ -60,12 +60,14 @@ void print_failures(const PluginRegistry& registry) {
 
 void print_places(const PluginRegistry& registry) {
   std::vector<std::string> places;
-  for (const std::filesystem::path& place : registry.search_path()) places.push_back(place.string());
+  for (const std::filesystem::path& place : registry.search_path())
+    places.push_back(place.string());
   std::printf("\nsearched: %s\n", join(places).c_str());
 }
 
 /// KIND/NAME -> the entry. @throws Error with what there is
-const PluginEntry& require_plugin(const PluginRegistry& registry, const std::string& kind_and_name) {
+const PluginEntry& require_plugin(const PluginRegistry& registry,
+                                  const std::string& kind_and_name) {
   std::vector<std::string> known;
   for (const PluginEntry& entry : registry.entries()) {
     if (!entry.failure.empty()) continue;

@@ -22,10 +22,13 @@ constexpr std::uint64_t kMostEpisodes = 1000000;
 constexpr std::uint64_t kMostSteps = 1000000000000;
 
 constexpr const char* kFooter =
-    "Policies: zero is the middle of every command's range; random is uniform in it, a function of\n"
+    "Policies: zero is the middle of every command's range; random is uniform in it, a function "
+    "of\n"
     "seed, episode and step; hold hovers at the task's goal.\n"
-    "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes. Without\n"
-    "--out, DIR is a new folder flights/SCENARIO-SEED (or -2, -3, ... behind it where that exists);\n"
+    "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes. "
+    "Without\n"
+    "--out, DIR is a new folder flights/SCENARIO-SEED (or -2, -3, ... behind it where that "
+    "exists);\n"
     "with --out, a log and pictures that are there are replaced once the flight is over.\n"
     "Ctrl-C ends the flight after the present step; what was flown is kept, exit status 130.\n"
     "Examples:\n"
@@ -70,12 +73,14 @@ void print_summary(const Environment& environment, const FlightResult& result) {
 
 void draw_and_print(const std::filesystem::path& log) {
   const Pictures pictures = draw_pictures(log);
-  for (const std::filesystem::path& file : pictures.files) std::printf("picture  %s\n", file.c_str());
+  for (const std::filesystem::path& file : pictures.files)
+    std::printf("picture  %s\n", file.c_str());
   std::fflush(stdout);
   if (!pictures.failure.empty()) spdlog::warn("no picture: {}", pictures.failure);
 }
 
 int run(const RunOptions& options) {
+  skip_hdf5_cleanup_at_exit();
   const auto environment = load_and_warn(options.load);
   const auto policy = make_policy(options.policy, *environment, options.seed);
   FlightPlan plan = options.plan;
@@ -86,6 +91,8 @@ int run(const RunOptions& options) {
   std::printf("\nlog      %s\n", folder.log().c_str());
   std::fflush(stdout);
   if (result.signal != 0) {
+    std::printf("draw it  %s\n", picture_command(folder.log()).c_str());
+    std::fflush(stdout);
     spdlog::warn("interrupted in episode {} of {}; what was flown is in the log",
                  result.episodes.size(), plan.episodes);
     return kExitSignal + result.signal;
@@ -97,15 +104,17 @@ int run(const RunOptions& options) {
 }  // namespace
 
 void add_run_command(CLI::App& app, Action& chosen) {
-  CLI::App* command = app.add_subcommand("run", "Fly a scenario; write a log, a picture and a table");
+  CLI::App* command =
+      app.add_subcommand("run", "Fly a scenario; write a log, a picture and a table");
   const auto options = std::make_shared<RunOptions>();
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
   command->add_option("--episodes", options->plan.episodes, "Episodes to fly (1)")
       ->type_name("N")
       ->check(whole_number(1, kMostEpisodes));
-  command->add_option("--steps", options->plan.most_steps,
-                      "Most steps an episode (the horizon; 10 s where there is none)")
+  command
+      ->add_option("--steps", options->plan.most_steps,
+                   "Most steps an episode (the horizon; 10 s where there is none)")
       ->type_name("N")
       ->check(whole_number(1, kMostSteps));
   command->add_option("--seed", options->seed, "Key of all random numbers (0)")

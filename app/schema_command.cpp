@@ -9,7 +9,8 @@ namespace skybody {
 namespace {
 
 constexpr const char* kFooter =
-    "The schema knows all plugins that are found now. VS Code with the YAML extension, in a scenario:\n"
+    "The schema knows all plugins that are found now. VS Code with the YAML extension, in a "
+    "scenario:\n"
     "  # yaml-language-server: $schema=scenario.schema.json\n"
     "Example:\n"
     "  skybody schema > scenario.schema.json";

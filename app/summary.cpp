@@ -1,7 +1,9 @@
 #include "app/summary.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <numbers>
 
@@ -14,9 +16,17 @@ namespace {
 constexpr double kMillimetres = 1e3;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
+/// Three digits behind the point, or the order of magnitude of less than these show.
+std::string small_number(double value) {
+  if (value == 0.0 || !(std::abs(value) < 1e-3)) return fixed(value, 3);
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.0e", value);
+  return text.data();
+}
+
 std::vector<std::string> error_cells(const std::string& goal, const GoalError& error) {
-  return {goal, fixed(kMillimetres * error.mean, 3), fixed(kMillimetres * error.max, 3),
-          fixed(kDegrees * error.yaw, 3)};
+  return {goal, small_number(kMillimetres * error.mean), small_number(kMillimetres * error.max),
+          small_number(kDegrees * error.yaw)};
 }
 
 /// The leading cells in the first of an episode's rows, blanks in the others.
@@ -93,7 +103,8 @@ std::string summary_table(const Environment& environment,
              goals, episode.goals);
   }
   if (!episodes.empty()) add_total(table, goals, episodes);
-  return table.to_string() + (goals.empty() ? "" : "errors: mean and greatest of the last second\n");
+  return table.to_string() +
+         (goals.empty() ? "" : "errors: mean and greatest of the last second\n");
 }
 
 }  // namespace skybody

@@ -24,7 +24,8 @@ bool is_number(const std::string& text) {
 }
 
 /// Whether a column holds numbers: then its heading leans right too.
-std::vector<bool> numeric_columns(const std::vector<std::vector<std::string>>& rows, std::size_t n) {
+std::vector<bool> numeric_columns(const std::vector<std::vector<std::string>>& rows,
+                                  std::size_t n) {
   std::vector<bool> numeric(n, true);
   for (const std::vector<std::string>& row : rows) {
     for (std::size_t k = 0; k < row.size(); ++k) {

@@ -42,7 +42,7 @@ STYLE = {
 }
 GOAL = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.9}
 COMMAND = {"linestyle": (0, (1, 1.5)), "linewidth": 1.0, "alpha": 0.8}
-ENDINGS = ("terminated", "truncated", "fault", "interrupted")
+ENDINGS = ("terminated", "truncated", "fault", "stopped", "interrupted")
 
 
 @dataclass
@@ -201,7 +201,7 @@ def draw_each_rotor(panel, flight: Flight) -> None:
         panel.plot(flight.time, flight.rotor_speed[:, k], color=color, label=label)
         panel.plot(flight.time[1:], flight.rotor_command[1:, k], color=color, **COMMAND)
     panel.plot([], [], color="grey", label="command", **COMMAND)
-    above(panel, min(len(flight.rotors) + 1, 5))
+    above(panel, 3 if max(map(len, flight.rotors)) > 14 else 5)
 
 
 def draw_rotors_by_robot(panel, flight: Flight) -> None:

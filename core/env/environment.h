@@ -95,6 +95,8 @@ class Environment {
   void draw(StateGroup&, GroupWork&, std::uint32_t mask, bool requested) const;
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
   void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
+  const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void show_bodies(const StateGroup&, GroupWork&, int lane) const;

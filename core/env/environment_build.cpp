@@ -329,6 +329,7 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   work->observation.resize(static_cast<std::size_t>(observation_size()) * n);
   work->reward.resize(n);
   work->end.resize(n);
+  work->request.resize(n);
   return work;
 }
 

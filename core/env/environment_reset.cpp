@@ -22,6 +22,7 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask, 
   start(group, mask);
   clear_plugin_states(group, mask);
   draw(group, work, mask, false);
+  silence_rotors(group, mask);
   update(group, work, mask);
   remember_bodies(group, work, mask);
   for (const PluginInstance& c : controllers_) reset_plugin(c, group, work, mask);
@@ -79,12 +80,30 @@ void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group, 
 void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask, bool requested) const {
   if (randomizers_.empty()) return;
   const Layout& l = layout();
-  const SkybodyLanes v = view(group, work, mask);
+  SkybodyLanes v = view(group, work, mask);
+  if (requested) v.physics_step = number_requests(group, work, mask);
   const SkybodyStart where{group.reals(l.q), group.reals(l.u), group.reals(l.rotor_speed),
                            group.reals(l.params), requested ? 1u : 0u};
   for (const PluginInstance& r : randomizers_) {
     r.kernels.randomize(r.self.get(), &v, group.bits(r.state), group.reals(r.buffer), &where);
     for (const int param : r.writes) hold_to_bounds(group, mask, param);
+  }
+}
+
+/// Rotors that no controller drives stand still: a robot moved by a wrench or a drive would be pushed
+/// twice while they run down.
+void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
+  for (const ControllerChain& chain : chains_) {
+    if (chain.count == 0) continue;
+    const PluginInstance& last = controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
+    if (last.output_signal == SKYBODY_ROTOR_SPEED) continue;
+    const RobotLayout& robot = layout().robots[static_cast<std::size_t>(last.robot)];
+    for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
+      double* speed = group.reals(layout().rotor_speed.offset + k);
+      for (int lane = 0; lane < group.lanes(); ++lane) {
+        if (((mask >> lane) & 1u) != 0) speed[lane] = 0.0;
+      }
+    }
   }
 }
 
@@ -96,6 +115,18 @@ void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int para
     double& value = values[lane];
     value = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.nominal;
   }
+}
+
+/// Requested draws have counters of their own, beyond all physics steps, so that they differ from one
+/// another and from the reset's.
+const std::uint64_t* Environment::number_requests(StateGroup& group, GroupWork& work,
+                                                  std::uint32_t mask) const {
+  std::uint64_t* requests = group.bits(kRequests);
+  for (int lane = 0; lane < group.lanes(); ++lane) {
+    if (((mask >> lane) & 1u) != 0) ++requests[lane];
+    work.request[static_cast<std::size_t>(lane)] = (std::uint64_t{1} << 63) | requests[lane];
+  }
+  return work.request.data();
 }
 
 void Environment::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {

@@ -25,6 +25,7 @@ class GroupWork {
   std::vector<double> observation;  ///< in lanes
   std::vector<double> reward;       ///< 1 per lane
   std::vector<std::uint64_t> end;   ///< 1 per lane
+  std::vector<std::uint64_t> request;  ///< counters of requested draws, 1 per lane
   std::uint32_t faulted = 0;        ///< lanes whose present transition is a fault
 };
 

@@ -99,4 +99,6 @@ void FlightLog::close() {
   if (!file->file.reset()) file->writer.fail();
 }
 
+void skip_hdf5_cleanup_at_exit() { H5dont_atexit(); }
+
 }  // namespace skybody

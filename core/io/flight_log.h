@@ -26,8 +26,8 @@ struct FlightLogHeader {
   std::uint64_t scenario_hash = 0;
   std::uint64_t seed = 0;
   std::string policy;
-  double dt = 0.0;        ///< physics step [s]
-  int action_repeat = 1;  ///< K
+  double dt = 0.0;                                            ///< physics step [s]
+  int action_repeat = 1;                                      ///< K
   std::vector<std::pair<std::string, std::string>> versions;  ///< component, version
 
   std::vector<std::string> bodies;  ///< `robot.body`
@@ -39,8 +39,9 @@ struct FlightLogHeader {
 
 /// The state after a reset or a step, with the action and command that led to it.
 struct FlightLogRow {
-  double time = 0.0;               ///< since the reset [s]
-  std::span<const double> bodies;  ///< 13 per body: position, quaternion, velocity, angular velocity
+  double time = 0.0;  ///< since the reset [s]
+  std::span<const double>
+      bodies;  ///< 13 per body: position, quaternion, velocity, angular velocity
   std::span<const double> q, u;
   std::span<const double> rotor_speed, rotor_command;  ///< [rad/s]
   std::span<const double> action, command;
@@ -51,8 +52,8 @@ struct FlightLogRow {
   std::span<const double> goal;  ///< 4 per goal: position (W) [m], yaw [rad]
 };
 
-/// Writes the file while the flight goes on: rows are kept until a chunk is full, then compressed and
-/// written, so that memory does not grow with the flight.
+/// Writes the file while the flight goes on: rows are kept until a chunk is full, then compressed
+/// and written, so that memory does not grow with the flight.
 class FlightLog {
  public:
   /// Creates the file, replacing one that exists.
@@ -76,5 +77,9 @@ class FlightLog {
   struct File;
   std::unique_ptr<File> file_;
 };
+
+/// For programs whose only HDF5 files are flight logs; to be called before the first. HDF5's own
+/// clean-up at exit would try again, and complain, where a log could not be closed on a full disk.
+void skip_hdf5_cleanup_at_exit();
 
 }  // namespace skybody

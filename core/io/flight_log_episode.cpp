@@ -8,8 +8,8 @@ namespace {
 /// Names and units of the 13 values of a body.
 const std::vector<LogColumn>& body_columns() {
   static const std::vector<LogColumn> columns = {
-      {"x", "m"},      {"y", "m"},      {"z", "m"},      {"qw", ""},    {"qx", ""},
-      {"qy", ""},      {"qz", ""},      {"vx", "m/s"},   {"vy", "m/s"}, {"vz", "m/s"},
+      {"x", "m"},      {"y", "m"},      {"z", "m"},     {"qw", ""},    {"qx", ""},
+      {"qy", ""},      {"qz", ""},      {"vx", "m/s"},  {"vy", "m/s"}, {"vz", "m/s"},
       {"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}};
   return columns;
 }

@@ -75,9 +75,9 @@ Hdf5Id vector_space(const Hdf5Writer& writer, std::size_t size) {
 void write_vector(const Hdf5Writer& writer, hid_t parent, const char* name, hid_t type,
                   std::size_t size, const void* values) {
   const Hdf5Id space = vector_space(writer, size);
-  const Hdf5Id set(writer.check(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, H5P_DEFAULT,
-                                           H5P_DEFAULT)),
-                   H5Dclose);
+  const Hdf5Id set(
+      writer.check(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),
+      H5Dclose);
   if (size > 0) writer.check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
 }
 

@@ -51,7 +51,8 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
-/// Creates things inside one file. Every member throws Error with the file's name and HDF5's reason.
+/// Creates things inside one file. Every member throws Error with the file's name and HDF5's
+/// reason.
 class Hdf5Writer {
  public:
   explicit Hdf5Writer(std::filesystem::path path) : path_(std::move(path)) {}
@@ -62,7 +63,8 @@ class Hdf5Writer {
   void write_attribute(hid_t object, const char* name, const std::string& value) const;
   void write_attribute(hid_t object, const char* name, double value) const;
   void write_attribute(hid_t object, const char* name, std::int64_t value) const;
-  void write_attribute(hid_t object, const char* name, const std::vector<std::string>& values) const;
+  void write_attribute(hid_t object, const char* name,
+                       const std::vector<std::string>& values) const;
 
   void write_dataset(hid_t parent, const char* name, const std::vector<double>& values) const;
   void write_dataset(hid_t parent, const char* name, const std::vector<std::string>& values) const;

@@ -37,9 +37,9 @@ void FlightLogSeries::create(hid_t parent, const char* name) {
   writer_->check(H5Pset_chunk(properties, rank, chunk.data()));
   writer_->check(H5Pset_shuffle(properties));
   writer_->check(H5Pset_deflate(properties, kGzipLevel));
-  dataset_ = Hdf5Id(writer_->check(H5Dcreate2(parent, name, type_, space, H5P_DEFAULT, properties,
-                                              H5P_DEFAULT)),
-                    H5Dclose);
+  dataset_ = Hdf5Id(
+      writer_->check(H5Dcreate2(parent, name, type_, space, H5P_DEFAULT, properties, H5P_DEFAULT)),
+      H5Dclose);
 }
 
 void FlightLogSeries::add_bytes(const void* values, std::size_t size) {

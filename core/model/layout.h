@@ -27,7 +27,8 @@ enum HeaderWord : int {
   kPhysicsStep = 4,    ///< physics steps taken in this episode
   kForks = 5,          ///< how many rekeyed copies were made of this environment
   kStatus = 6,         ///< EpisodeStatus bits of the last transition
-  kHeaderSize = 7,
+  kRequests = 7,       ///< draws that were asked for in mid-episode, in all
+  kHeaderSize = 8,
 };
 
 /// Bits of kStatus, and of a transition's flags.

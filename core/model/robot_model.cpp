@@ -9,7 +9,6 @@ int position_size(JointType type) {
     case JointType::kFree:
       return 7;
     case JointType::kPin:
-      return 1;
     case JointType::kSlider:
       return 1;
     case JointType::kUniversal:
@@ -27,7 +26,6 @@ int velocity_size(JointType type) {
     case JointType::kFree:
       return 6;
     case JointType::kPin:
-      return 1;
     case JointType::kSlider:
       return 1;
     case JointType::kUniversal:

@@ -53,7 +53,7 @@ struct Stepping {
 struct ContactSettings {
   bool ground = true;           ///< the plane z = 0 of W carries robots
   double penetration = 0.001;   ///< static penetration under the robot's own weight [m]; fixes stiffness by mass
-  double dissipation = 1.0;     ///< Hunt-Crossley c [s/m]
+  double dissipation = 3.0;     ///< Hunt-Crossley c [s/m]
   double friction = 0.6;        ///< Coulomb coefficient
   double slip_velocity = 0.02;  ///< regularisation of friction [m/s]
 };

@@ -31,8 +31,7 @@ class RandomStart : public Randomizer {
   template <class Real>
   void randomize(const Lanes<Real>& env, State<Real>&, Start<Real>& start) const {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
-      Random<Real> draw = random(env, i);
-      place(draw, robots_[i], start);
+      place(random(env, i), robots_[i], start);
       if (hover_.value() == "hover") spin(env, robots_[i], start);
     }
   }
@@ -102,26 +101,40 @@ class RandomStart : public Randomizer {
     return t;
   }
 
+  /// Uniform numbers of one robot's draw, in this order.
+  enum Draw {
+    kX,
+    kY,
+    kZ,
+    kYaw,
+    kTilt,
+    kAxis,
+    kVelocity,
+    kRate = kVelocity + 3,
+    kDraws = kRate + 3
+  };
+
   template <class Real>
-  SKYBODY_INLINE void place(Random<Real>& draw, const Target& t, Start<Real>& start) const {
-    const Real x = draw.uniform(Real(low_.x), Real(high_.x));
-    const Real y = draw.uniform(Real(low_.y), Real(high_.y));
-    const Real z = draw.uniform(Real(low_.z), Real(high_.z));
+  SKYBODY_INLINE void place(Random<Real> draw, const Target& t, Start<Real>& start) const {
+    Real draws[kDraws];
+    for (Real& d : draws) d = draw.uniform();
+    const Vec3<double> span = high_ - low_;
     const Vec3<double> from =
-        relative_.value() || !moves_ ? t.position : Vec3<double>{0.0, 0.0, 0.0};
-    start.q.set(t.q, Vec3<Real>{x + from.x, y + from.y, max(z + from.z, min_height_.value())});
-    start.q.set(t.q + 3, rotation(draw, t));
-    start.u.set(t.u, random_vector(draw, velocity_max_.value()));
-    start.u.set(t.u + 3, random_vector(draw, rate_max_.value()));
+        low_ + (relative_.value() || !moves_ ? t.position : Vec3<double>{0.0, 0.0, 0.0});
+    start.q.set(t.q, Vec3<Real>{from.x + span.x * draws[kX], from.y + span.y * draws[kY],
+                                max(from.z + span.z * draws[kZ], min_height_.value())});
+    start.q.set(t.q + 3, rotation(draws, t));
+    start.u.set(t.u, random_vector(draws + kVelocity, velocity_max_.value()));
+    start.u.set(t.u + 3, random_vector(draws + kRate, rate_max_.value()));
   }
 
   /// Tilt about a random horizontal axis, then heading; on top of the scenario's own if relative.
   template <class Real>
-  SKYBODY_INLINE Quat<Real> rotation(Random<Real>& draw, const Target& t) const {
-    const Real turn = draw.uniform(Real(yaw_min_.value()), Real(yaw_max_.value()));
-    const Real angle = draw.uniform(Real(0.0), Real(tilt_max_.value()));
-    const SinCos<Real> axis = sincos(kTwoPi * draw.uniform());
-    const Quat<Real> tilt = from_axis_angle(Vec3<Real>{axis.cos, axis.sin, Real(0.0)}, angle);
+  SKYBODY_INLINE Quat<Real> rotation(const Real* draws, const Target& t) const {
+    const Real turn = yaw_min_.value() + (yaw_max_.value() - yaw_min_.value()) * draws[kYaw];
+    const SinCos<Real> axis = sincos(kTwoPi * draws[kAxis]);
+    const Quat<Real> tilt = from_axis_angle(Vec3<Real>{axis.cos, axis.sin, Real(0.0)},
+                                            tilt_max_.value() * draws[kTilt]);
     const Quat<Real> heading = from_axis_angle(Vec3<Real>{Real(0.0), Real(0.0), Real(1.0)}, turn);
     const Quat<Real> own = relative_.value() ? Quat<Real>{Real(t.rotation.w), Real(t.rotation.x),
                                                           Real(t.rotation.y), Real(t.rotation.z)}
@@ -129,11 +142,13 @@ class RandomStart : public Randomizer {
     return normalized(heading * tilt * own);
   }
 
-  /// Any direction, magnitude uniform up to `largest`.
+  /// Any direction, magnitude uniform up to `largest`. Takes three draws; Archimedes: z is uniform.
   template <class Real>
-  static SKYBODY_INLINE Vec3<Real> random_vector(Random<Real>& draw, double largest) {
-    const Vec3<Real> direction = draw.unit_vector();
-    return direction * (largest * draw.uniform());
+  static SKYBODY_INLINE Vec3<Real> random_vector(const Real* draws, double largest) {
+    const Real z = 2.0 * draws[0] - 1.0;
+    const SinCos<Real> angle = sincos(kTwoPi * draws[1]);
+    const Real side = sqrt((1.0 - z) * (1.0 + z));
+    return Vec3<Real>{side * angle.cos, side * angle.sin, z} * (largest * draws[2]);
   }
 
   /// One speed for all rotors that carries the environment's own weight, level.

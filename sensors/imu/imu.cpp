@@ -45,9 +45,10 @@ class Imu : public Sensor {
   /// Draws the biases that the episode starts with.
   template <class Real>
   void reset(const Lanes<Real>& env, State<Real>& state) const {
-    Random<Real> draw = random(env, kStartDraws);
-    state.force_bias = normal(draw) * accelerometer_bias_(env);
-    state.rate_bias = normal(draw) * gyroscope_bias_(env);
+    Real draws[6];
+    fill_normal(random(env, kStartDraws), draws);
+    state.force_bias = vec3(draws, 0) * accelerometer_bias_(env);
+    state.rate_bias = vec3(draws, 3) * gyroscope_bias_(env);
   }
 
   template <class Real>
@@ -64,10 +65,14 @@ class Imu : public Sensor {
   static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1;
   static constexpr int kSize = 6;
 
-  template <class Real>
-  static SKYBODY_INLINE Vec3<Real> normal(Random<Real>& draw) {
-    const Real x = draw.normal(), y = draw.normal(), z = draw.normal();
-    return {x, y, z};
+  /// Standard normals, in a loop: the code of one draw is large.
+  template <class Real, int N>
+  static SKYBODY_INLINE void fill_normal(Random<Real> draw, Real (&draws)[N]) {
+    for (Real& d : draws) d = draw.normal();
+  }
+  template <class Real, int N>
+  static SKYBODY_INLINE Vec3<Real> vec3(const Real (&draws)[N], int first) {
+    return {draws[first], draws[first + 1], draws[first + 2]};
   }
 
   template <class Real>
@@ -87,11 +92,13 @@ class Imu : public Sensor {
     Vec3<Real> force = rotate_inverse(now.rotation * mount, acceleration - gravity);
     Vec3<Real> rate = rotate_inverse(mount, now.angular_velocity);
     if (any(noisy(env))) {
-      Random<Real> draw = random(env, kSampleDraws);
-      const auto first = env.physics_step() == Word<Real>(0);
-      disturb(draw, accelerometer_noise_(env), accelerometer_walk_(env), due, first, force,
-              state.force_bias);
-      disturb(draw, gyroscope_noise_(env), gyroscope_walk_(env), due, first, rate, state.rate_bias);
+      Real draws[12];
+      fill_normal(random(env, kSampleDraws), draws);
+      const auto walks = logical_and(due, env.physics_step() > Word<Real>(0));
+      walk(vec3(draws, 0), accelerometer_walk_(env), walks, state.force_bias);
+      walk(vec3(draws, 3), gyroscope_walk_(env), walks, state.rate_bias);
+      add_noise(vec3(draws, 6), accelerometer_noise_(env), force);
+      add_noise(vec3(draws, 9), gyroscope_noise_(env), rate);
     }
     force += state.force_bias;
     rate += state.rate_bias;
@@ -105,16 +112,17 @@ class Imu : public Sensor {
                       logical_or(gyroscope_noise_(env) > 0.0, gyroscope_walk_(env) > 0.0));
   }
 
-  /// Bias walk since the last sample (none before the first), then white noise. A density of zero
-  /// leaves every bit as it is, whatever the other lanes do.
+  /// A density of zero leaves every bit as it is, whatever the other lanes do.
   template <class Real>
-  SKYBODY_INLINE void disturb(Random<Real>& draw, const Real& density, const Real& walk,
-                              MaskOf<Real> due, MaskOf<Real> first, Vec3<Real>& value,
-                              Vec3<Real>& bias) const {
-    const double root = sqrt(interval_);
-    const auto walks = logical_and(logical_and(walk > 0.0, due), logical_not(first));
-    bias = select(walks, bias + normal(draw) * (walk * root), bias);
-    value = select(density > 0.0, value + normal(draw) * (density / root), value);
+  SKYBODY_INLINE void walk(const Vec3<Real>& draw, const Real& density, MaskOf<Real> walks,
+                           Vec3<Real>& bias) const {
+    const Vec3<Real> moved = bias + draw * (density * sqrt(interval_));
+    bias = select(logical_and(walks, density > 0.0), moved, bias);
+  }
+  template <class Real>
+  SKYBODY_INLINE void add_noise(const Vec3<Real>& draw, const Real& density,
+                                Vec3<Real>& value) const {
+    value = select(density > 0.0, value + draw * (density / sqrt(interval_)), value);
   }
 
   /// The line moves by one place a call; at a reset it is filled with the first sample.

@@ -29,15 +29,15 @@ class Hover : public Task {
   template <class Real>
   void reset(const Lanes<Real>& env, State<Real>& state, Values<Real> buffer) const {
     Random<Real> draw = random(env);
-    const Vec3<Real> drawn{draw.uniform(Real(target_min_.value(0)), Real(target_max_.value(0))),
-                           draw.uniform(Real(target_min_.value(1)), Real(target_max_.value(1))),
-                           draw.uniform(Real(target_min_.value(2)), Real(target_max_.value(2)))};
-    const Real turn = draw.uniform(Real(-target_yaw_.value()), Real(target_yaw_.value()));
-    const bool fixed = target_.count() > 0;
-    state.target =
-        fixed ? Vec3<Real>{Real(target_.value(0)), Real(target_.value(1)), Real(target_.value(2))}
-              : drawn;
-    state.yaw = fixed ? Real(target_.value(3)) : turn;
+    Real drawn[4];
+    for (int k = 0; k < 4; ++k) {
+      const double low = k < 3 ? target_min_.value(k) : -target_yaw_.value();
+      const double high = k < 3 ? target_max_.value(k) : target_yaw_.value();
+      drawn[k] = draw.uniform(Real(low), Real(high));
+      if (target_.count() > 0) drawn[k] = Real(target_.value(k));
+    }
+    state.target = {drawn[0], drawn[1], drawn[2]};
+    state.yaw = drawn[3];
     for (int k = 0; k < history_; ++k) buffer.set(k, Real(-1.0));
   }
 

@@ -1,5 +1,5 @@
-// Every broken input of tests/bad_input/cases.yaml through the real program: the exact messages, the
-// exit code, no crash, and nothing written into the working directory.
+// Every broken input of tests/bad_input/cases.yaml through the real program: the exact messages,
+// the exit code, no crash, and nothing written into the working directory.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -63,7 +63,7 @@ TEST_P(BadInput, GetsItsMessageAndLeavesNothingBehind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, BadInput, testing::ValuesIn(read_cases()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& test) { return test.param.name; });
 
 TEST(BadInputCases, AreAtLeastThirtyFiles) { EXPECT_GE(read_cases().size(), 30u); }
 

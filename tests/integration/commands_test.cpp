@@ -18,6 +18,7 @@ using testing::MatchesRegex;
 using testing::StartsWith;
 
 const char* const kHover = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml";
+const char* const kRotors = SKYBODY_SOURCE_DIR "/scenarios/models/racer/rotors.yaml";
 
 TEST(Check, SaysOkAboutEveryShippedScenario) {
   for (const auto& entry : std::filesystem::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
@@ -46,14 +47,17 @@ TEST(Check, WarningsAloneAreNoError) {
   const std::filesystem::path urdf = SKYBODY_SOURCE_DIR "/../shared/data/urdf/racer.urdf";
   if (!std::filesystem::exists(urdf)) GTEST_SKIP() << "shared/data/urdf is not here";
   const Outcome outcome =
-      run_skybody({"check", kHover, "--set", "robots.quad.model=" + urdf.string()});
+      run_skybody({"check", kHover, "--set", "robots.quad.model=" + urdf.string(), "--set",
+                   std::string("robots.quad.rotors=") + kRotors});
+  EXPECT_THAT(outcome.err, HasSubstr("racer.urdf:5: warning: "));
   EXPECT_EQ(outcome.err.find("error"), std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.exit_code, 0);
 }
 
 TEST(Hash, IsTheSameLineInTwoProcesses) {
-  const std::vector<std::string> arguments = {"hash",    kHover, "--envs",  "1",   "--threads", "1",
-                                              "--batch", "1",    "--steps", "500", "--seed",    "7"};
+  const std::vector<std::string> arguments = {"hash",      kHover, "--envs",  "1",
+                                              "--threads", "1",    "--batch", "1",
+                                              "--steps",   "500",  "--seed",  "7"};
   const Outcome first = run_skybody(arguments), second = run_skybody(arguments);
   EXPECT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, MatchesRegex("[0-9a-f]{16}\n"));
@@ -75,7 +79,8 @@ TEST(Hash, DoesNotDependOnTheOrderOfOneEnvironment) {
 }
 
 TEST(Hash, GoesOnThroughEndedEpisodes) {
-  const Outcome outcome = run_skybody({"hash", kHover, "--steps", "50", "--set", "stepping.horizon=7"});
+  const Outcome outcome =
+      run_skybody({"hash", kHover, "--steps", "50", "--set", "stepping.horizon=7"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, MatchesRegex("[0-9a-f]{16}\n"));
 }
@@ -83,7 +88,8 @@ TEST(Hash, GoesOnThroughEndedEpisodes) {
 TEST(Plugins, ListsWhatIsShipped) {
   const Outcome outcome = run_skybody({"plugins"});
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* line : {"ctbr +controller", "imu +sensor", "inertia +randomizer", "hover +task"}) {
+  for (const char* line :
+       {"ctbr +controller", "imu +sensor", "inertia +randomizer", "hover +task"}) {
     EXPECT_THAT(outcome.out, ContainsRegex(line));
   }
   EXPECT_THAT(run_skybody({"plugins", "--verbose"}).out, HasSubstr("parameter"));

@@ -85,7 +85,8 @@ std::vector<std::string> FlightFile::texts(const std::string& dataset) const {
 
 std::string FlightFile::text_attribute(const std::string& object, const char* name) const {
   const Id attribute{
-      check(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), name), H5Aclose};
+      check(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), name),
+      H5Aclose};
   const Id type{text_type(), H5Tclose};
   std::vector<char*> raw(1);
   check(H5Aread(attribute, type, static_cast<void*>(raw.data())), name);
@@ -94,7 +95,8 @@ std::string FlightFile::text_attribute(const std::string& object, const char* na
 
 double FlightFile::number_attribute(const std::string& object, const char* name) const {
   const Id attribute{
-      check(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), name), H5Aclose};
+      check(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), name),
+      H5Aclose};
   double value = 0.0;
   check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), name);
   return value;

@@ -15,6 +15,9 @@ namespace {
 
 using testing::ElementsAre;
 
+/// As the program does it.
+const bool cleanup_skipped = (skip_hdf5_cleanup_at_exit(), true);
+
 FlightLogHeader small_header() {
   FlightLogHeader header;
   header.scenario_name = "small";

@@ -57,7 +57,9 @@ std::vector<std::string> merged_environment(const std::vector<std::string>& more
   std::vector<std::string> merged = more;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string name(*entry, std::strcspn(*entry, "=") + 1);
-    const auto replaces = [&](const std::string& m) { return m.compare(0, name.size(), name) == 0; };
+    const auto replaces = [&](const std::string& m) {
+      return m.compare(0, name.size(), name) == 0;
+    };
     if (std::none_of(more.begin(), more.end(), replaces)) merged.emplace_back(*entry);
   }
   return merged;
@@ -75,8 +77,8 @@ pid_t start(const std::string& program, const std::vector<std::string>& argument
   posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err.descriptor(), STDERR_FILENO);
   pid_t child = 0;
-  const int error = posix_spawnp(&child, program.c_str(), &actions, nullptr,
-                                 pointers(words).data(), pointers(environment).data());
+  const int error = posix_spawnp(&child, program.c_str(), &actions, nullptr, pointers(words).data(),
+                                 pointers(environment).data());
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw std::runtime_error("cannot start " + program + ": " + std::strerror(error));
   return child;

@@ -16,10 +16,10 @@ struct Outcome {
 };
 
 struct ProcessOptions {
-  std::filesystem::path folder = ".";     ///< working directory
-  std::vector<std::string> environment;  ///< NAME=VALUE, beside the present ones
+  std::filesystem::path folder = ".";         ///< working directory
+  std::vector<std::string> environment = {};  ///< NAME=VALUE, beside the present ones
   /// Asked every few milliseconds while the program runs; true sends SIGINT, once.
-  std::function<bool()> interrupt_when;
+  std::function<bool()> interrupt_when = {};
 };
 
 /// Runs `program` to its end. Throws std::runtime_error if it cannot be started.
