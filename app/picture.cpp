@@ -12,7 +12,7 @@
 #include <sstream>
 #include <utility>
 
-#include "plugins/host/places.h"
+#include "core/base/installation.h"
 
 extern char** environ;
 

@@ -1,51 +1,29 @@
 #include "core/io/shipped_files.h"
 
-#include <dlfcn.h>
+#include "core/base/installation.h"
 
 namespace skybody {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Any address inside libskybody.
-const char kAnchor = 0;
-
-/// The folder that libskybody.so lies in.
-fs::path library_folder() {
-  Dl_info info;
-  if (dladdr(&kAnchor, &info) == 0 || info.dli_fname == nullptr) return {};
+std::optional<fs::path> find(const std::string& name, const std::string& relative) {
+  constexpr const char* kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_";
+  if (name.empty() || name.find_first_not_of(kLetters) != std::string::npos) return std::nullopt;
+  const fs::path file = shipped_data("scenarios", "scenarios") / relative;
   std::error_code ignored;
-  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
-}
-
-bool is_word(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
-}
-
-std::optional<fs::path> existing(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::exists(path, ignored)) return path;
-  return std::nullopt;
+  if (!fs::is_regular_file(file, ignored)) return std::nullopt;
+  return file;
 }
 
 }  // namespace
 
-std::optional<fs::path> find_shipped(const std::string& relative) {
-  if (auto installed = existing(library_folder().parent_path() / "share/skybody" / relative)) {
-    return installed;
-  }
-  for (const char* folder : {"", "plugins", "scripts"}) {  // template and scripts lie deeper here
-    if (auto source = existing(fs::path(SKYBODY_SOURCE_TREE) / folder / relative)) return source;
-  }
-  return std::nullopt;
-}
-
 std::optional<fs::path> find_shipped_scenario(const std::string& name) {
-  return is_word(name) ? find_shipped("scenarios/" + name + ".yaml") : std::nullopt;
+  return find(name, name + ".yaml");
 }
 
 std::optional<fs::path> find_shipped_model(const std::string& name) {
-  return is_word(name) ? find_shipped("scenarios/models/" + name + "/" + name + ".urdf") : std::nullopt;
+  return find(name, "models/" + name + "/" + name + ".urdf");
 }
 
 }  // namespace skybody

@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "plugins/host/kind.h"
+#include "core/base/installation.h"
 #include "plugins/host/places.h"
 
 namespace skybody {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kSteps = 7;
 
-class SameBits : public testing::TestWithParam<std::pair<SkybodyKind, const char*>> {
+class SameBits : public testing::TestWithParam<std::pair<SkybodyKind, std::string>> {
  protected:
   SameBits() : registry_({test::good_plugins()}) {}
   PluginRegistry registry_;
@@ -57,12 +57,12 @@ TEST_P(SameBits, AcrossInstructionSetsLanesAndMasks) {
 
 INSTANTIATE_TEST_SUITE_P(
     Plugins, SameBits,
-    testing::Values(std::pair{SKYBODY_CONTROLLER, "plain_controller"},
-                    std::pair{SKYBODY_CONTROLLER, "lane_controller"},
-                    std::pair{SKYBODY_SENSOR, "delay_sensor"},
-                    std::pair{SKYBODY_RANDOMIZER, "lane_randomizer"},
-                    std::pair{SKYBODY_TASK, "lane_task"}),
-    [](const auto& plugin) { return std::string(plugin.param.second); });
+    testing::Values(std::pair{SKYBODY_CONTROLLER, std::string("plain_controller")},
+                    std::pair{SKYBODY_CONTROLLER, std::string("lane_controller")},
+                    std::pair{SKYBODY_SENSOR, std::string("delay_sensor")},
+                    std::pair{SKYBODY_RANDOMIZER, std::string("lane_randomizer")},
+                    std::pair{SKYBODY_TASK, std::string("lane_task")}),
+    [](const auto& plugin) { return plugin.param.second; });
 
 TEST(SameBits, PlainDoubleAndLaneCodeAgree) {
   const PluginRegistry registry({test::good_plugins()});
