@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""Flies the hover scenario with every shipped vehicle and in every control mode, and prints the errors.
+
+    .venv/bin/python experiments/flight_tables.py [--program build/release/bin/skybody] [--markdown FILE]
+
+Each flight is one episode of 20 s under the hold baseline, seed 1. The error is the distance between
+the vehicle and its goal [mm], mean and maximum over the last second. Exit code 1 if a flight faults or
+ends before its horizon.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+VEHICLES = ("qdrone2", "crazyflie", "hummingbird", "firefly")
+RACER = ROOT.parent / "shared/data/urdf/racer.urdf"
+MODES = {
+    "rotor_speed": "[{plugin: rotor_speed}]",
+    "srt": "[{plugin: srt}]",
+    "ctbt, rotors": "[{plugin: ctbt}]",
+    "ctbt, body": "[{plugin: ctbt, parameters: {apply: body}}]",
+    "ctbr, rotors": "[{plugin: ctbr}]",
+    "ctbr, body": "[{plugin: ctbr, parameters: {apply: body}}]",
+    "ctbr, ideal rates": "[{plugin: ctbr, parameters: {apply: body, pd: false}}]",
+    "wrench": "[{plugin: wrench}]",
+    "velocity": "[{plugin: velocity}]",
+    "velocity, position form": "[{plugin: velocity, parameters: {form: position}}]",
+    "attitude": "[{plugin: attitude}, {plugin: ctbr}]",
+    "position": "[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]",
+}
+
+
+def fly(program: Path, overrides: list[str]) -> tuple[float, float, str]:
+    """One flight: mean and maximum error of the last second [mm], and how it ended."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(program), "run", "hover", "--policy", "hold", "--seed", "1", "--no-picture"]
+        for override in overrides:
+            command += ["--set", override]
+        done = subprocess.run([*command, "--out", folder], capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(command)}\n{done.stderr}")
+        with h5py.File(Path(folder) / "flight.h5") as log:
+            episode = log["episodes/0001"]
+            last = episode["time"][:] > episode["time"][-1] - 1.0
+            goal = episode["goal"][:].reshape(len(last), -1, 4)[last][:, 0, :3]
+            position = episode["bodies"][:].reshape(len(last), -1, 13)[last][:, 0, :3]
+            events = [text.decode() for text in episode["events"]["text"][:]]
+        error = 1e3 * np.linalg.norm(position - goal, axis=1)
+        return float(error.mean()), float(error.max()), events[-1]
+
+
+def table(rows: list[list[str]]) -> str:
+    """Rows as a Markdown table; the first is the head."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = ["| " + " | ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)) + " |" for row in rows]
+    lines.insert(1, "| " + " | ".join("-" * w for w in widths) + " |")
+    return "\n".join(lines)
+
+
+def vehicle_table(program: Path) -> tuple[str, bool]:
+    """Every vehicle through rotor speeds."""
+    rows = [["vehicle", "mean error [mm]", "max error [mm]", "end"]]
+    good = True
+    models = [(name, [f"robots[0].model={name}"]) for name in VEHICLES]
+    if RACER.exists():
+        rotors = ROOT / "scenarios/models/racer/rotors.yaml"
+        models.append(("racer (another's URDF)", [f"robots[0].model={RACER}", f"robots[0].rotors={rotors}"]))
+    for name, overrides in models:
+        mean, most, end = fly(program, [*overrides, f"robots[0].controllers={MODES['rotor_speed']}"])
+        good &= end == "truncated"
+        rows.append([name, f"{mean:.4f}", f"{most:.4f}", end])
+    return table(rows), good
+
+
+def mode_table(program: Path) -> tuple[str, bool]:
+    """Every mode on every vehicle: the mean error."""
+    rows = [["mode", *(f"{name} [mm]" for name in VEHICLES)]]
+    good = True
+    for mode, controllers in MODES.items():
+        row = [mode]
+        for vehicle in VEHICLES:
+            mean, _, end = fly(program, [f"robots[0].model={vehicle}", f"robots[0].controllers={controllers}"])
+            good &= end == "truncated"
+            row.append(f"{mean:.4f}" if end == "truncated" else f"{mean:.4f} ({end})")
+        rows.append(row)
+    return table(rows), good
+
+
+def main() -> int:
+    """Prints both tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
+    parser.add_argument("--markdown", type=Path, help="also write the tables to this file")
+    options = parser.parse_args()
+    vehicles, vehicles_good = vehicle_table(options.program)
+    print(vehicles, "\n")
+    modes, modes_good = mode_table(options.program)
+    print(modes)
+    if options.markdown:
+        options.markdown.write_text(
+            "# Flights under the hold baseline\n\n"
+            "Distance from the goal in the last second of 20 s, seed 1, by `experiments/flight_tables.py`.\n\n"
+            f"{vehicles}\n\nMean error by control mode:\n\n{modes}\n"
+        )
+    return 0 if vehicles_good and modes_good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
