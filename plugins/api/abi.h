@@ -49,14 +49,15 @@ enum SkybodySignal {
   SKYBODY_CTBR = 3,        /* [4] collective thrust N, body rates rad/s (B axes) */
   SKYBODY_WRENCH = 4,      /* [6 per site] force N, moment N m; as an output: drives the sites */
   SKYBODY_VELOCITY = 5,    /* [6] v m/s, w rad/s, B axes; as an output: drives the base */
-  SKYBODY_POSE = 6,        /* [7] position m (W), quaternion w x y z; as an output: drives the base */
-  SKYBODY_ATTITUDE = 7,    /* [5] collective thrust N, quaternion w x y z */
-  SKYBODY_POSITION = 8,    /* [4] position m (W), yaw rad */
-  SKYBODY_TRAJECTORY = 9,  /* [13] position, velocity, acceleration, jerk (W), yaw rad */
+  SKYBODY_POSE = 6,     /* [7] position m (W), quaternion w x y z; as an output: drives the base */
+  SKYBODY_ATTITUDE = 7, /* [5] collective thrust N, quaternion w x y z */
+  SKYBODY_POSITION = 8, /* [4] position m (W), yaw rad */
+  SKYBODY_TRAJECTORY = 9, /* [13] position, velocity, acceleration, jerk (W), yaw rad */
   SKYBODY_SIGNAL_COUNT = 10
 };
 
-/* One declared parameter. A vector has min_count != 1 or max_count != 1; max_count -1: any length. */
+/* One declared parameter. A vector has min_count != 1 or max_count != 1; max_count -1: any length.
+ */
 typedef struct SkybodyParameter {
   const char* name;
   const char* unit; /* "" for a pure number */
@@ -86,14 +87,14 @@ typedef struct SkybodyValue {
 typedef struct SkybodyBodyInfo {
   const char* name;
   int32_t robot;
-  int32_t parent;       /* world body index or -1 */
-  double mass;          /* nominal [kg] */
-  double com[3];        /* [m], body frame */
-  double inertia[6];    /* about com: xx yy zz xy xz yz [kg m^2] */
-  int32_t first_param;  /* 10 EnvParams: mass, com, inertia */
-  int32_t first_q;      /* within the q block */
-  int32_t first_u;      /* within the u block */
-  int32_t joint;        /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
+  int32_t parent;      /* world body index or -1 */
+  double mass;         /* nominal [kg] */
+  double com[3];       /* [m], body frame */
+  double inertia[6];   /* about com: xx yy zz xy xz yz [kg m^2] */
+  int32_t first_param; /* 10 EnvParams: mass, com, inertia */
+  int32_t first_q;     /* within the q block */
+  int32_t first_u;     /* within the u block */
+  int32_t joint;       /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
 } SkybodyBodyInfo;
 
 typedef struct SkybodyLinkInfo {
@@ -112,7 +113,8 @@ typedef struct SkybodyRotorInfo {
   double position[3]; /* body frame [m] */
   double axis[3];     /* body frame, unit */
   double direction;   /* +1 counter-clockwise about the axis, -1 clockwise */
-  double constants[8]; /* thrust, moment, drag, rolling moment, inertia, max_speed, tau_up, tau_down */
+  double
+      constants[8]; /* thrust, moment, drag, rolling moment, inertia, max_speed, tau_up, tau_down */
   int32_t first_param; /* 8 EnvParams in the same order */
 } SkybodyRotorInfo;
 
@@ -124,9 +126,9 @@ typedef struct SkybodyRobotInfo {
   int32_t first_u, u_count;
   int32_t disturbance_param; /* 6 EnvParams: force (W), moment (base axes) */
   int32_t fixed_base;
-  double position[3];     /* of the base at reset [m], W */
-  double rotation[4];     /* W from B, w x y z */
-  int32_t first_action;   /* within the action row; for tasks and randomizers, else 0 */
+  double position[3];   /* of the base at reset [m], W */
+  double rotation[4];   /* W from B, w x y z */
+  int32_t first_action; /* within the action row; for tasks and randomizers, else 0 */
   int32_t action_count;
   int32_t command_signal; /* SkybodySignal of its first controller, -1 before it is known */
   int32_t first_command;  /* within the command block */
@@ -177,15 +179,15 @@ typedef struct SkybodyChannel {
   const char* name;
   const char* unit;
   int32_t count;
-  double low;  /* bounds of the values; -inf, inf where there are none */
+  double low; /* bounds of the values; -inf, inf where there are none */
   double high;
 } SkybodyChannel;
 
 /* Where a wrench acts. */
 typedef struct SkybodySite {
-  int32_t body;      /* world body index */
-  double point[3];   /* body frame [m] */
-  int32_t at_com;    /* 1: at the present centre of mass, point ignored */
+  int32_t body;       /* world body index */
+  double point[3];    /* body frame [m] */
+  int32_t at_com;     /* 1: at the present centre of mass, point ignored */
   int32_t world_axes; /* 1: force and moment in W; 0: in the body's axes */
 } SkybodySite;
 
@@ -212,8 +214,8 @@ typedef struct SkybodyDeclare {
 
 /* What every step function reads. Pointers are per group; strides are `lanes`. */
 typedef struct SkybodyLanes {
-  uint32_t lanes;  /* L: 1 or 8 */
-  uint32_t active; /* bit l: serve lane l */
+  uint32_t lanes;               /* L: 1 or 8 */
+  uint32_t active;              /* bit l: serve lane l */
   const uint64_t* key;          /* 2: seed, stream env */
   const uint64_t* episode;      /* 1 */
   const uint64_t* step;         /* 1: actions taken in this episode, this one not counted */
@@ -222,11 +224,11 @@ typedef struct SkybodyLanes {
   const double* bodies_before;  /* the same at the start of the last physics step, or NULL */
   const double* q;
   const double* u;
-  const double* rotor_speed;    /* 1 per rotor [rad/s] */
-  const double* params;         /* EnvParams */
-  const double* sensors;        /* outputs of all sensors */
-  const double* action;         /* clipped action row of this step */
-  const double* command;        /* commands of all robots */
+  const double* rotor_speed; /* 1 per rotor [rad/s] */
+  const double* params;      /* EnvParams */
+  const double* sensors;     /* outputs of all sensors */
+  const double* action;      /* clipped action row of this step */
+  const double* command;     /* commands of all robots */
 } SkybodyLanes;
 
 /* What a randomizer changes at a reset. */
@@ -241,8 +243,8 @@ typedef struct SkybodyStart {
 /* What a task gives after a step. `end` bits: 1 terminated, 2 truncated. */
 typedef struct SkybodyEvaluation {
   double* observation;
-  double* reward;  /* 1 */
-  uint64_t* end;   /* 1 */
+  double* reward; /* 1 */
+  uint64_t* end;  /* 1 */
 } SkybodyEvaluation;
 
 /* The functions of one instruction set; those of other kinds are NULL, optional ones may be. */

@@ -112,11 +112,11 @@ inline SkybodyPluginLibrary library(const SkybodyPlugin* const* plugins, std::ui
 
 /// Exports one plugin class from a shared library. Once per library, at file scope, outside of
 /// namespaces: SKYBODY_PLUGIN(RateFilter, "rate_filter", "1.0.0", "Filters body rates.");
-#define SKYBODY_PLUGIN(CLASS, NAME, VERSION, DOC)                                                \
-  namespace {                                                                                    \
-  const skybody::plugin_export::Description<CLASS> skybody_description(NAME, VERSION, DOC);       \
-  const SkybodyPlugin* const skybody_plugins[] = {skybody_description.plugin()};                  \
-  }                                                                                              \
-  extern "C" __attribute__((visibility("default"), used))                                        \
-  const SkybodyPluginLibrary skybody_plugin_library = skybody::plugin_export::library(            \
+#define SKYBODY_PLUGIN(CLASS, NAME, VERSION, DOC)                                           \
+  namespace {                                                                               \
+  const skybody::plugin_export::Description<CLASS> skybody_description(NAME, VERSION, DOC); \
+  const SkybodyPlugin* const skybody_plugins[] = {skybody_description.plugin()};            \
+  }                                                                                         \
+  extern "C" __attribute__((visibility("default"), used))                                   \
+  const SkybodyPluginLibrary skybody_plugin_library = skybody::plugin_export::library(      \
       skybody_plugins, 1, skybody_description.failure(), &skybody::fp_probe)

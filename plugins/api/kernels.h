@@ -3,9 +3,9 @@
 // Each step method is compiled for double and for packs as wide as the vectors of x86-64-v2, v3 and
 // v4. `flatten` pulls the author's code into functions of that target; the arithmetic is the same
 // everywhere, so all give the same bits. None of the functions below is always_inline: g++ inlines
-// into a flattened function only what it has seen before, and it does not look through always_inline
-// functions when it orders them, so that the author's code would stay outside, compiled for the
-// baseline. tests/unit/plugins/codegen_test.cpp watches this.
+// into a flattened function only what it has seen before, and it does not look through
+// always_inline functions when it orders them, so that the author's code would stay outside,
+// compiled for the baseline. tests/unit/plugins/codegen_test.cpp watches this.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@
 #include "plugins/api/state.h"
 
 // Unoptimised code is not inlined, and a call from v4 code to baseline code passes packs in other
-// registers than it expects; AddressSanitizer makes flattened code slow to compile; and a file that is
-// compiled for AVX cannot be inlined into v2 code. All kernels are then compiled as the file is, with
-// the same bits.
+// registers than it expects; AddressSanitizer makes flattened code slow to compile; and a file that
+// is compiled for AVX cannot be inlined into v2 code. All kernels are then compiled as the file is,
+// with the same bits.
 #if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__AVX__)
 #define SKYBODY_KERNEL(TARGET) __attribute__((target(TARGET), flatten))
 #else
@@ -27,8 +27,8 @@
 
 namespace skybody::plugin_export {
 
-/// Calls `function(env, state, first, mask)` for the lanes [first, first + lanes of Real) that are to
-/// be served, with the state loaded before and stored after.
+/// Calls `function(env, state, first, mask)` for the lanes [first, first + lanes of Real) that are
+/// to be served, with the state loaded before and stored after.
 template <class T, class Real, class Function>
 inline void serve(const SkybodyLanes& lanes, std::uint32_t first, std::uint64_t* words,
                   Function&& function) {
@@ -81,17 +81,17 @@ struct Steps {
   static void sense(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                     double* out) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_sense(self(p), env, state, env.values(out, first, mask), env.values(buffer, first, mask));
+      call_sense(self(p), env, state, env.values(out, first, mask),
+                 env.values(buffer, first, mask));
     });
   }
   static void randomize(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                         const SkybodyStart* start) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      Start<RealOf<decltype(env)>> where(env.values(start->q, first, mask),
-                                         env.values(start->u, first, mask),
-                                         env.values(start->rotor_speed, first, mask),
-                                         env.values(start->params, first, mask),
-                                         start->requested != 0);
+      Start<RealOf<decltype(env)>> where(
+          env.values(start->q, first, mask), env.values(start->u, first, mask),
+          env.values(start->rotor_speed, first, mask), env.values(start->params, first, mask),
+          start->requested != 0);
       call_randomize(self(p), env, state, where, env.values(buffer, first, mask));
     });
   }
@@ -126,54 +126,54 @@ struct Steps {
 };
 
 // One set of functions per instruction set. A macro, because the target is an attribute.
-#define SKYBODY_KERNEL_SET(NAME, TARGET, WIDTH)                                                     \
-  template <class T>                                                                                \
-  struct NAME {                                                                                     \
-    using S = Steps<T, WIDTH>;                                                                      \
-    SKYBODY_KERNEL(TARGET)                                                                          \
-    static void reset(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b) {          \
-      if constexpr (kHasReset<T, double>) S::reset(p, l, s, b);                                     \
-    }                                                                                               \
-    SKYBODY_KERNEL(TARGET)                                                                          \
-    static void control(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,          \
-                        const double* in, double* out) {                                            \
-      if constexpr (T::kKind == SKYBODY_CONTROLLER) S::control(p, l, s, b, in, out);                \
-    }                                                                                               \
-    SKYBODY_KERNEL(TARGET)                                                                          \
-    static void sense(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,            \
-                      double* out) {                                                                \
-      if constexpr (T::kKind == SKYBODY_SENSOR) S::sense(p, l, s, b, out);                          \
-    }                                                                                               \
-    SKYBODY_KERNEL(TARGET)                                                                          \
-    static void randomize(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,        \
-                          const SkybodyStart* start) {                                              \
-      if constexpr (T::kKind == SKYBODY_RANDOMIZER) S::randomize(p, l, s, b, start);                \
-    }                                                                                               \
-    SKYBODY_KERNEL(TARGET)                                                                          \
-    static void process(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,          \
-                        const double* action, double* command) {                                    \
-      if constexpr (kHasProcess<T, double>) S::process(p, l, s, b, action, command);                \
-    }                                                                                               \
-    SKYBODY_KERNEL(TARGET)                                                                          \
-    static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,         \
-                         const SkybodyEvaluation* out) {                                            \
-      if constexpr (T::kKind == SKYBODY_TASK) S::evaluate(p, l, s, b, out);                         \
-    }                                                                                               \
-    static void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double* b, \
-                     double* out) {                                                                 \
-      if constexpr (kHasGoal<T>) S::goal(p, l, s, b, out);                                          \
-    }                                                                                               \
-    static constexpr SkybodyKernels table() {                                                       \
-      SkybodyKernels k{};                                                                           \
-      if constexpr (kHasReset<T, double>) k.reset = &reset;                                         \
-      if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = &control;                           \
-      if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = &sense;                                   \
-      if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = &randomize;                       \
-      if constexpr (kHasProcess<T, double>) k.process = &process;                                   \
-      if constexpr (T::kKind == SKYBODY_TASK) k.evaluate = &evaluate;                               \
-      if constexpr (kHasGoal<T>) k.goal = &goal;                                                    \
-      return k;                                                                                     \
-    }                                                                                               \
+#define SKYBODY_KERNEL_SET(NAME, TARGET, WIDTH)                                              \
+  template <class T>                                                                         \
+  struct NAME {                                                                              \
+    using S = Steps<T, WIDTH>;                                                               \
+    SKYBODY_KERNEL(TARGET)                                                                   \
+    static void reset(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b) {   \
+      if constexpr (kHasReset<T, double>) S::reset(p, l, s, b);                              \
+    }                                                                                        \
+    SKYBODY_KERNEL(TARGET)                                                                   \
+    static void control(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,   \
+                        const double* in, double* out) {                                     \
+      if constexpr (T::kKind == SKYBODY_CONTROLLER) S::control(p, l, s, b, in, out);         \
+    }                                                                                        \
+    SKYBODY_KERNEL(TARGET)                                                                   \
+    static void sense(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,     \
+                      double* out) {                                                         \
+      if constexpr (T::kKind == SKYBODY_SENSOR) S::sense(p, l, s, b, out);                   \
+    }                                                                                        \
+    SKYBODY_KERNEL(TARGET)                                                                   \
+    static void randomize(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b, \
+                          const SkybodyStart* start) {                                       \
+      if constexpr (T::kKind == SKYBODY_RANDOMIZER) S::randomize(p, l, s, b, start);         \
+    }                                                                                        \
+    SKYBODY_KERNEL(TARGET)                                                                   \
+    static void process(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,   \
+                        const double* action, double* command) {                             \
+      if constexpr (kHasProcess<T, double>) S::process(p, l, s, b, action, command);         \
+    }                                                                                        \
+    SKYBODY_KERNEL(TARGET)                                                                   \
+    static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,  \
+                         const SkybodyEvaluation* out) {                                     \
+      if constexpr (T::kKind == SKYBODY_TASK) S::evaluate(p, l, s, b, out);                  \
+    }                                                                                        \
+    static void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s,           \
+                     const double* b, double* out) {                                         \
+      if constexpr (kHasGoal<T>) S::goal(p, l, s, b, out);                                   \
+    }                                                                                        \
+    static constexpr SkybodyKernels table() {                                                \
+      SkybodyKernels k{};                                                                    \
+      if constexpr (kHasReset<T, double>) k.reset = &reset;                                  \
+      if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = &control;                    \
+      if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = &sense;                            \
+      if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = &randomize;                \
+      if constexpr (kHasProcess<T, double>) k.process = &process;                            \
+      if constexpr (T::kKind == SKYBODY_TASK) k.evaluate = &evaluate;                        \
+      if constexpr (kHasGoal<T>) k.goal = &goal;                                             \
+      return k;                                                                              \
+    }                                                                                        \
   }
 
 SKYBODY_KERNEL_SET(KernelsV2, "arch=x86-64-v2", 2);

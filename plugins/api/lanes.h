@@ -30,14 +30,10 @@ class Lanes {
       : raw_(raw), first_(first), mask_(mask) {}
 
   /// Motion of a world body, at the latest physics state.
-  BodyMotion<Real> body(int index) const {
-    return motion(raw_.bodies, index);
-  }
+  BodyMotion<Real> body(int index) const { return motion(raw_.bodies, index); }
   /// The same at the start of the last physics step; configure() must have asked for it by
   /// Setup::need_bodies_before().
-  BodyMotion<Real> body_before(int index) const {
-    return motion(raw_.bodies_before, index);
-  }
+  BodyMotion<Real> body_before(int index) const { return motion(raw_.bodies_before, index); }
   /// Speed of a world rotor [rad/s], >= 0.
   Real rotor_speed(int index) const { return at(raw_.rotor_speed, index); }
   /// A coordinate (q) or its rate (u) of a joint; see BodyInfo::first_q.

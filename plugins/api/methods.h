@@ -24,42 +24,48 @@ concept CanReset = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& 
   t.reset(e, s, b...);
 };
 template <class T, class Real, class... Buffer>
-concept CanControl =
-    requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s, ConstValues<Real> input,
-             Values<Real> output, Buffer... b) { t.control(e, s, input, output, b...); };
+concept CanControl = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
+                              ConstValues<Real> input, Values<Real> output, Buffer... b) {
+  t.control(e, s, input, output, b...);
+};
 template <class T, class Real, class... Buffer>
 concept CanSense = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
-                            Values<Real> output, Buffer... b) { t.sense(e, s, output, b...); };
+                            Values<Real> output, Buffer... b) {
+  t.sense(e, s, output, b...);
+};
 template <class T, class Real, class... Buffer>
-concept CanRandomize =
-    requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s, Start<Real>& start,
-             Buffer... b) { t.randomize(e, s, start, b...); };
+concept CanRandomize = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
+                                Start<Real>& start, Buffer... b) {
+  t.randomize(e, s, start, b...);
+};
 template <class T, class Real, class... Buffer>
-concept CanProcess =
-    requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s, ConstValues<Real> action,
-             Values<Real> command, Buffer... b) { t.process(e, s, action, command, b...); };
+concept CanProcess = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
+                              ConstValues<Real> action, Values<Real> command, Buffer... b) {
+  t.process(e, s, action, command, b...);
+};
 template <class T, class Real, class... Buffer>
-concept CanEvaluate =
-    requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s, Evaluation<Real>& out,
-             Buffer... b) { t.evaluate(e, s, out, b...); };
+concept CanEvaluate = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
+                               Evaluation<Real>& out, Buffer... b) {
+  t.evaluate(e, s, out, b...);
+};
 
 template <class T, class Real>
 inline constexpr bool kHasReset = CanReset<T, Real> || CanReset<T, Real, Values<Real>>;
 template <class T, class Real>
 inline constexpr bool kHasProcess = CanProcess<T, Real> || CanProcess<T, Real, Values<Real>>;
 template <class T>
-inline constexpr bool kHasGoal =
-    requires(const T& t, const Lanes<double>& e, const StateOf<T, double>& s,
-             Values<double> g) { t.goal(e, s, g); };
+inline constexpr bool kHasGoal = requires(const T& t, const Lanes<double>& e,
+                                          const StateOf<T, double>& s, Values<double> g) {
+  t.goal(e, s, g);
+};
 
 /// Has the class the step method of its kind for this Real?
 template <class T, class Real>
 inline constexpr bool kCanStep =
-    T::kKind == SKYBODY_CONTROLLER ? CanControl<T, Real> || CanControl<T, Real, Values<Real>>
-    : T::kKind == SKYBODY_SENSOR   ? CanSense<T, Real> || CanSense<T, Real, Values<Real>>
-    : T::kKind == SKYBODY_RANDOMIZER
-        ? CanRandomize<T, Real> || CanRandomize<T, Real, Values<Real>>
-        : CanEvaluate<T, Real> || CanEvaluate<T, Real, Values<Real>>;
+    T::kKind == SKYBODY_CONTROLLER   ? CanControl<T, Real> || CanControl<T, Real, Values<Real>>
+    : T::kKind == SKYBODY_SENSOR     ? CanSense<T, Real> || CanSense<T, Real, Values<Real>>
+    : T::kKind == SKYBODY_RANDOMIZER ? CanRandomize<T, Real> || CanRandomize<T, Real, Values<Real>>
+                                     : CanEvaluate<T, Real> || CanEvaluate<T, Real, Values<Real>>;
 
 template <class T, bool = HasStateTemplate<T>>
 inline constexpr bool kVectorizedImpl = kCanStep<T, Pack<4>>;
@@ -77,21 +83,24 @@ constexpr void check_class() {
   static_assert(!std::is_abstract_v<T>,
                 "define `void configure(const skybody::Setup& setup) override`");
   static_assert(std::is_default_constructible_v<T>, "a plugin class needs a default constructor");
-  static_assert(T::kKind != SKYBODY_CONTROLLER || kCanStep<T, double>,
-                "a controller needs `void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> "
-                "input, Values<Real> output) const`, public and const");
+  static_assert(
+      T::kKind != SKYBODY_CONTROLLER || kCanStep<T, double>,
+      "a controller needs `void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> "
+      "input, Values<Real> output) const`, public and const");
   static_assert(T::kKind != SKYBODY_SENSOR || kCanStep<T, double>,
                 "a sensor needs `void sense(const Lanes<Real>&, State<Real>&, Values<Real> output) "
                 "const`, public and const");
-  static_assert(T::kKind != SKYBODY_RANDOMIZER || kCanStep<T, double>,
-                "a randomizer needs `void randomize(const Lanes<Real>&, State<Real>&, Start<Real>&) "
-                "const`, public and const");
+  static_assert(
+      T::kKind != SKYBODY_RANDOMIZER || kCanStep<T, double>,
+      "a randomizer needs `void randomize(const Lanes<Real>&, State<Real>&, Start<Real>&) "
+      "const`, public and const");
   static_assert(T::kKind != SKYBODY_TASK || kCanStep<T, double>,
                 "a task needs `void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) "
                 "const`, public and const");
   if constexpr (kVectorized<T>) {
-    static_assert(!kHasReset<T, double> || kHasReset<T, Pack<4>>,
-                  "reset() is written for double, the step method for any Real: make both templates");
+    static_assert(
+        !kHasReset<T, double> || kHasReset<T, Pack<4>>,
+        "reset() is written for double, the step method for any Real: make both templates");
     static_assert(!kHasProcess<T, double> || kHasProcess<T, Pack<4>>,
                   "process() is written for double, evaluate() for any Real: make both templates");
   }

@@ -2,12 +2,12 @@
 //
 // A plugin is one class. Its parameters are members (parameter.h); configure() looks names up and
 // declares what it takes and gives; the step methods are const and work on State, which the host
-// owns. `template <class Real> struct State` holds only Real, Word<Real>, Vec3<Real>, Quat<Real> and
-// arrays of them. A step method that is a template on Real runs for several environments side by
-// side; one written for plain double runs lane after lane, with the same result. Every step method
-// may take the instance's buffer (Setup::buffer) as a last argument, `Values<Real> buffer`. Helper
-// functions on Real must be templates in the plugin's own file or in headers: everything is inlined
-// into functions of one instruction set.
+// owns. `template <class Real> struct State` holds only Real, Word<Real>, Vec3<Real>, Quat<Real>
+// and arrays of them. A step method that is a template on Real runs for several environments side
+// by side; one written for plain double runs lane after lane, with the same result. Every step
+// method may take the instance's buffer (Setup::buffer) as a last argument, `Values<Real> buffer`.
+// Helper functions on Real must be templates in the plugin's own file or in headers: everything is
+// inlined into functions of one instruction set.
 #pragma once
 
 #include <string>

@@ -52,7 +52,7 @@ class Setup {
   Setup(const SkybodySetup& raw, const SkybodyDeclare& declare) : raw_(raw), declare_(declare) {}
 
   std::string instance() const { return raw_.instance; }
-  double dt() const { return raw_.dt; }                    ///< physics step [s]
+  double dt() const { return raw_.dt; }                     ///< physics step [s]
   int action_repeat() const { return raw_.action_repeat; }  ///< physics steps an action
   int horizon() const { return raw_.horizon; }              ///< steps an episode, 0: unlimited
   const double* gravity() const { return raw_.gravity; }    ///< 3 values, W [m/s^2]
@@ -87,7 +87,8 @@ class Setup {
   /// Controllers with output kWrench: where value 6 i.. acts; in order.
   void site(const SkybodySite& site) const { declare_.site(declare_.host, &site); }
   /// Sensors and tasks: a part of the output or observation, in order.
-  void channel(const std::string& name, const std::string& unit, int count, double low, double high) const;
+  void channel(const std::string& name, const std::string& unit, int count, double low,
+               double high) const;
   /// Sensors: sense() is called after every `physics_steps` physics steps. Default 1.
   void period(int physics_steps) const { declare_.period(declare_.host, physics_steps); }
   /// `words` doubles of state beside State, for sizes known only now; zero at a reset.

@@ -36,11 +36,12 @@ inline const LinkInfo& Setup::link(int robot, const std::string& name) const {
     if (name == l.name) return l;
     known += (known.empty() ? "" : ", ") + std::string(l.name);
   }
-  throw std::runtime_error("robot `" + std::string(raw_.robots[robot].name) + "` has no link `" + name +
-                           "`: there are " + known);
+  throw std::runtime_error("robot `" + std::string(raw_.robots[robot].name) + "` has no link `" +
+                           name + "`: there are " + known);
 }
 
-inline int Setup::sensor(const std::string& instance, const std::string& channel, int* count) const {
+inline int Setup::sensor(const std::string& instance, const std::string& channel,
+                         int* count) const {
   std::string known;
   for (int i = 0; i < raw_.sensor_count; ++i) {
     const SkybodySensorInfo& s = raw_.sensors[i];
@@ -82,7 +83,8 @@ inline std::vector<int> Setup::find_params(const std::string& path) const {
     const std::string candidate = raw_.params[i].path;
     bool match = plugin_detail::matches(path, candidate);
     for (int r = 0; every_robot && !match && r < raw_.robot_count; ++r) {
-      match = plugin_detail::matches("robots." + std::string(raw_.robots[r].name) + "." + rest, candidate);
+      match = plugin_detail::matches("robots." + std::string(raw_.robots[r].name) + "." + rest,
+                                     candidate);
     }
     if (match) found.push_back(i);
   }

@@ -28,7 +28,9 @@ struct RealTraits<plugin_export::ThreeBytes> {
 namespace plugin_export {
 
 template <class T>
-concept HasStateTemplate = requires { typename T::template State<double>; };
+concept HasStateTemplate = requires {
+  typename T::template State<double>;
+};
 
 template <class T, class Real, bool = HasStateTemplate<T>>
 struct StateOfImpl {
@@ -46,17 +48,20 @@ using StateOf = typename StateOfImpl<T, Real>::type;
 
 template <class T>
 inline constexpr std::uint32_t kStateWords =
-    std::is_empty_v<StateOf<T, double>> ? 0u
-                                        : static_cast<std::uint32_t>(sizeof(StateOf<T, double>) / 8);
+    std::is_empty_v<StateOf<T, double>>
+        ? 0u
+        : static_cast<std::uint32_t>(sizeof(StateOf<T, double>) / 8);
 
 /// Compile-time checks of a State: only 64-bit words, the same number for every Real.
 template <class T>
 constexpr void check_state() {
   using Scalar = StateOf<T, double>;
-  static_assert(std::is_trivially_copyable_v<Scalar>,
-                "State must hold plain values: Real, Word<Real>, Vec3<Real>, Quat<Real>, arrays of them");
-  static_assert(std::is_empty_v<Scalar> || (sizeof(Scalar) % 8 == 0 && alignof(Scalar) == 8),
-                "State must consist of 64-bit words: use Real or Word<Real>, not int, bool or float");
+  static_assert(
+      std::is_trivially_copyable_v<Scalar>,
+      "State must hold plain values: Real, Word<Real>, Vec3<Real>, Quat<Real>, arrays of them");
+  static_assert(
+      std::is_empty_v<Scalar> || (sizeof(Scalar) % 8 == 0 && alignof(Scalar) == 8),
+      "State must consist of 64-bit words: use Real or Word<Real>, not int, bool or float");
   if constexpr (HasStateTemplate<T> && !std::is_empty_v<Scalar>) {
     static_assert(sizeof(StateOf<T, ThreeBytes>) == 3 * kStateWords<T>,
                   "every member of State must be Real or Word<Real> (or a Vec3, Quat or array of "

@@ -21,9 +21,7 @@ class ConstValues {
     return load_lanes<Real>(data_ + static_cast<std::size_t>(k) * stride_);
   }
   /// Values k, k+1, k+2 as a vector.
-  Vec3<Real> vec3(int k) const {
-    return {(*this)[k], (*this)[k + 1], (*this)[k + 2]};
-  }
+  Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
   /// Values k..k+3 as a quaternion w x y z.
   Quat<Real> quat(int k) const {
     return {(*this)[k], (*this)[k + 1], (*this)[k + 2], (*this)[k + 3]};
@@ -45,9 +43,7 @@ class Values {
   Real operator[](int k) const {
     return load_lanes<Real>(data_ + static_cast<std::size_t>(k) * stride_);
   }
-  Vec3<Real> vec3(int k) const {
-    return {(*this)[k], (*this)[k + 1], (*this)[k + 2]};
-  }
+  Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
   Quat<Real> quat(int k) const {
     return {(*this)[k], (*this)[k + 1], (*this)[k + 2], (*this)[k + 3]};
   }

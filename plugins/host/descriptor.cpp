@@ -54,10 +54,10 @@ std::string texts_problem(const SkybodyParameter& p) {
   for (std::uint32_t i = 0; i < p.default_count && p.required == 0; ++i) {
     const char* value = p.default_texts[i];
     if (value == nullptr) return "its default is missing";
-    const bool allowed =
-        p.choice_count == 0 ||
-        std::any_of(p.choices, p.choices + p.choice_count,
-                    [value](const char* c) { return std::string_view(c) == value; });
+    const bool allowed = p.choice_count == 0 ||
+                         std::any_of(p.choices, p.choices + p.choice_count, [value](const char* c) {
+                           return std::string_view(c) == value;
+                         });
     if (!allowed) return "its default " + quoted(value) + " is none of its choices";
   }
   return {};

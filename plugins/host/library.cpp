@@ -88,7 +88,8 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file)
   }
 
   {
-    const FpEnvironment loading;  // start-up code of -Ofast libraries changes the mode; this undoes it
+    const FpEnvironment
+        loading;  // start-up code of -Ofast libraries changes the mode; this undoes it
     boost::system::error_code failed;
     handle_->library.load(file_.string(), failed,
                           boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
@@ -132,8 +133,8 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file)
     refuse(LoadFailure::kBadDescription, file_, "describes no plugin");
   }
   for (std::uint32_t i = 0; i < found.plugin_count; ++i) {
-    const std::string problem = found.plugins[i] == nullptr ? "describes no plugin"
-                                                            : descriptor_problem(*found.plugins[i]);
+    const std::string problem =
+        found.plugins[i] == nullptr ? "describes no plugin" : descriptor_problem(*found.plugins[i]);
     if (!problem.empty()) refuse(LoadFailure::kBadDescription, file_, problem);
     plugins_.push_back(found.plugins[i]);
   }

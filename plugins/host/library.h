@@ -14,9 +14,9 @@ namespace skybody {
 class PluginLibrary {
  public:
   /// Loads `file` and checks it: symbol, magic, API version, structure sizes, floating-point probe,
-  /// descriptors, in this order and nothing else before. The calling thread's floating-point mode is
-  /// what it was afterwards, whatever the library's start-up code does. A file that is no plugin is
-  /// recognised without running its code.
+  /// descriptors, in this order and nothing else before. The calling thread's floating-point mode
+  /// is what it was afterwards, whatever the library's start-up code does. A file that is no plugin
+  /// is recognised without running its code.
   /// @throws PluginLoadError
   explicit PluginLibrary(const std::filesystem::path& file);
   ~PluginLibrary();

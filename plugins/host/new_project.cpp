@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "plugins/host/kind.h"
 #include "core/base/installation.h"
+#include "plugins/host/kind.h"
 #include "plugins/host/places.h"
 
 namespace skybody {
@@ -24,21 +24,24 @@ constexpr std::size_t kLongestName = 64;
 /// Text for the README: in a template beside the files, which end in .in.
 constexpr const char* kAboutFile = "about.md";
 
-/// Names that CMake or C++ keep for themselves.
+/// Names of CMake targets, and those whose class would bear the name of one in <skybody/plugin.h>.
 bool is_reserved(std::string_view name) {
   for (const std::string_view word :
-       {"all", "auto", "bool", "char", "class", "clean", "const", "default", "delete", "do", "double",
-        "else", "enum", "false", "float", "for", "help", "if", "install", "int", "long", "namespace",
-        "new", "package", "plugin", "skybody", "struct", "switch", "test", "this", "true", "void",
-        "while"}) {
+       {"all",           "clean",     "edit_cache", "help",         "install",    "package",
+        "rebuild_cache", "test",      "skybody",    "plugin",       "controller", "sensor",
+        "randomizer",    "task",      "block",      "const_values", "error",      "evaluation",
+        "hash_chain",    "idle",      "isa",        "lanes",        "mask",       "mat3",
+        "pack",          "parameter", "quat",       "random",       "random_key", "setup",
+        "signal",        "sin_cos",   "start",      "state",        "sym_mat3",   "values",
+        "vec3",          "view",      "word",       "word_pack"}) {
     if (name == word) return true;
   }
   return false;
 }
 
 void check_name(const std::string& name) {
-  const bool letters = name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") ==
-                       std::string::npos;
+  const bool letters =
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
   const bool words = letters && !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&
                      name.back() != '_' && name.find("__") == std::string::npos;
   if (!words || name.size() > kLongestName) {
@@ -48,7 +51,7 @@ void check_name(const std::string& name) {
                 "wind_gust");
   }
   if (is_reserved(name)) {
-    throw Error("`" + name + "` is a word of C++ or CMake; choose another, such as my_" + name);
+    throw Error("`" + name + "` is a word of Skybody or CMake; choose another, such as my_" + name);
   }
   std::error_code ignored;
   if (fs::exists(shipped_plugin_folder() / (name + ".so"), ignored)) {
@@ -72,7 +75,8 @@ std::string class_name(const std::string& name) {
 }
 
 std::string replaced(std::string text, std::string_view what, const std::string& by) {
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+  for (std::size_t at = text.find(what); at != std::string::npos;
+       at = text.find(what, at + by.size())) {
     text.replace(at, what.size(), by);
   }
   return text;
@@ -102,8 +106,9 @@ class TemporaryFolder {
       throw Error("cannot write into " + beside.string() + ": " + std::strerror(errno));
     }
     path_ = pattern;
-    fs::permissions(path_, fs::perms::group_read | fs::perms::group_exec | fs::perms::others_read |
-                               fs::perms::others_exec,
+    fs::permissions(path_,
+                    fs::perms::group_read | fs::perms::group_exec | fs::perms::others_read |
+                        fs::perms::others_exec,
                     fs::perm_options::add);
   }
   ~TemporaryFolder() {

@@ -16,7 +16,8 @@ std::vector<std::filesystem::path> shared_libraries(const std::filesystem::path&
   for (std::filesystem::directory_iterator it(folder, failed), end; !failed && it != end;
        it.increment(failed)) {
     std::error_code ignored;
-    if (it->path().extension() == ".so" && it->is_regular_file(ignored)) files.push_back(it->path());
+    if (it->path().extension() == ".so" && it->is_regular_file(ignored))
+      files.push_back(it->path());
   }
   std::sort(files.begin(), files.end());
   return files;

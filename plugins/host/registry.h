@@ -17,7 +17,7 @@ namespace skybody {
 /// A plugin that was found, or a file that should have been one.
 struct PluginEntry {
   SkybodyKind kind = SKYBODY_KIND_COUNT;  ///< SKYBODY_KIND_COUNT: not known, the file is unusable
-  std::string name;                       ///< the plugin's; of an unusable file, its name without .so
+  std::string name;  ///< the plugin's; of an unusable file, its name without .so
   std::string version;
   std::string doc;  ///< one line
   std::filesystem::path file;

@@ -17,7 +17,7 @@
 namespace {
 
 std::atomic<bool> counting{false};
-std::atomic<int> ours{0}, all{0};
+std::atomic<int> ours_counted{0}, all_counted{0};
 
 bool is_ours(void* caller) {
   Dl_info info;
@@ -30,8 +30,8 @@ bool is_ours(void* caller) {
 [[gnu::noinline]] void note(void* caller) {
   if (!counting.load()) return;
   counting.store(false);  // dladdr must not count itself
-  ++all;
-  if (is_ours(caller)) ++ours;
+  ++all_counted;
+  if (is_ours(caller)) ++ours_counted;
   counting.store(true);
 }
 
@@ -64,15 +64,15 @@ TEST_P(NoAllocation, OfOursHappensWhileStepping) {
   simulation.reset();
   hold.act(simulation, action);
   for (int i = 0; i < 10; ++i) simulation.step(action);  // caches fill
-  ours = all = 0;
+  ours_counted = all_counted = 0;
   for (int i = 0; i < 50; ++i) {
     hold.act(simulation, action);  // a baseline may allocate
     counting = true;
     simulation.step(action);
     counting = false;
   }
-  EXPECT_EQ(ours.load(), 0) << "of " << all.load() << " in all";
-  EXPECT_GT(all.load(), 0) << "nothing was counted: is operator new still replaced?";
+  EXPECT_EQ(ours_counted.load(), 0) << "of " << all_counted.load() << " in all";
+  EXPECT_GT(all_counted.load(), 0) << "nothing was counted: is operator new still replaced?";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,

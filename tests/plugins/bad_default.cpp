@@ -11,7 +11,8 @@ class BadDefault : public Controller {
   void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 
  private:
-  RealParameter tau_{this, {.name = "tau", .unit = "s", .value = 0.5, .min = 1.0, .max = 2.0, .doc = "time"}};
+  RealParameter tau_{
+      this, {.name = "tau", .unit = "s", .value = 0.5, .min = 1.0, .max = 2.0, .doc = "time"}};
 };
 
 }  // namespace

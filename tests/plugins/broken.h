@@ -1,4 +1,5 @@
-// A sound plugin library with one thing changed: what the libraries that must be refused are made of.
+// A sound plugin library with one thing changed: what the libraries that must be refused are made
+// of.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -18,17 +19,17 @@ class Idle : public skybody::Controller {
 }  // namespace
 
 /// Exports plugin NAME after the statement CHANGE, which may alter `plugin` and `library`.
-#define SKYBODY_BROKEN_PLUGIN(NAME, CHANGE)                                                        \
-  namespace {                                                                                      \
-  const skybody::plugin_export::Description<Idle> description(NAME, "1.0.0", "Does nothing.");      \
-  SkybodyPlugin plugin = *description.plugin();                                                    \
-  const SkybodyPlugin* const plugins[] = {&plugin};                                                \
-  SkybodyPluginLibrary changed() {                                                                 \
-    SkybodyPluginLibrary library =                                                                 \
-        skybody::plugin_export::library(plugins, 1, nullptr, &skybody::fp_probe);                  \
-    CHANGE;                                                                                        \
-    return library;                                                                                \
-  }                                                                                                \
-  }                                                                                                \
-  extern "C" __attribute__((visibility("default"),                                                 \
-                            used)) const SkybodyPluginLibrary skybody_plugin_library = changed()
+#define SKYBODY_BROKEN_PLUGIN(NAME, CHANGE)                                                    \
+  namespace {                                                                                  \
+  const skybody::plugin_export::Description<Idle> description(NAME, "1.0.0", "Does nothing."); \
+  SkybodyPlugin plugin = *description.plugin();                                                \
+  const SkybodyPlugin* const plugins[] = {&plugin};                                            \
+  SkybodyPluginLibrary changed() {                                                             \
+    SkybodyPluginLibrary library =                                                             \
+        skybody::plugin_export::library(plugins, 1, nullptr, &skybody::fp_probe);              \
+    CHANGE;                                                                                    \
+    return library;                                                                            \
+  }                                                                                            \
+  }                                                                                            \
+  extern "C" __attribute__((visibility("default"), used))                                      \
+  const SkybodyPluginLibrary skybody_plugin_library = changed()

@@ -1,4 +1,5 @@
-// A stateful sensor with a buffer, noise, and a helper that must be inlined: height, `delay` calls late.
+// A stateful sensor with a buffer, noise, and a helper that must be inlined: height, `delay` calls
+// late.
 #include <skybody/plugin.h>
 
 namespace {
@@ -59,9 +60,10 @@ class DelaySensor : public Sensor {
            curve(state.history[2], env.body(0).angular_velocity);
   }
 
-  IntegerParameter delay_{this, {.name = "delay", .value = 3, .min = 0, .max = 100, .doc = "calls"}};
-  RealParameter noise_{this,
-                       {.name = "noise", .unit = "m", .value = 0.01, .min = 0.0, .doc = "deviation"}};
+  IntegerParameter delay_{this,
+                          {.name = "delay", .value = 3, .min = 0, .max = 100, .doc = "calls"}};
+  RealParameter noise_{
+      this, {.name = "noise", .unit = "m", .value = 0.01, .min = 0.0, .doc = "deviation"}};
   int delay_steps_ = 0;
 };
 

@@ -25,7 +25,8 @@ class LaneRandomizer : public Randomizer {
   }
 
  private:
-  RealsParameter spread_{this, {.name = "spread", .values = {0.5, 1.5}, .count = 2, .doc = "range"}};
+  RealsParameter spread_{this,
+                         {.name = "spread", .values = {0.5, 1.5}, .count = 2, .doc = "range"}};
 };
 
 }  // namespace

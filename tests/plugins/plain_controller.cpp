@@ -41,13 +41,20 @@ class PlainController : public Controller {
 
  private:
   RealParameter tau_{this,
-                     {.name = "tau", .unit = "s", .value = 0.02, .min = 1e-6, .max = 10.0,
+                     {.name = "tau",
+                      .unit = "s",
+                      .value = 0.02,
+                      .min = 1e-6,
+                      .max = 10.0,
                       .doc = "time constant"}};
-  RealParameter gain_{this,
-                      {.name = "gain", .value = 1.0, .min = 0.0, .max = 2.0, .doc = "gain",
-                       .randomizable = true}};
+  RealParameter gain_{
+      this,
+      {.name = "gain", .value = 1.0, .min = 0.0, .max = 2.0, .doc = "gain", .randomizable = true}};
   RealParameter limit_{this,
-                       {.name = "limit", .unit = "rad/s", .value = 900.0, .min = 0.0,
+                       {.name = "limit",
+                        .unit = "rad/s",
+                        .value = 900.0,
+                        .min = 0.0,
                         .doc = "upper limit of the fourth output"}};
   double share_ = 0.0;
 };

@@ -40,14 +40,16 @@ TEST_F(Instance, DeclaresWhatItTakesAndGives) {
               ElementsAre("input 0 x 4 0.000000..1000.000000", "output 0 x 4"));
   test::SmallWorld sensor(entry(SKYBODY_SENSOR, "delay_sensor"));
   sensor.create();
-  EXPECT_THAT(sensor.declared.lines, ElementsAre("period 2", "channel height x 1", "channel curve x 1"));
+  EXPECT_THAT(sensor.declared.lines,
+              ElementsAre("period 2", "channel height x 1", "channel curve x 1"));
   EXPECT_EQ(sensor.declared.buffer_words, 4);
   test::SmallWorld randomizer(entry(SKYBODY_RANDOMIZER, "lane_randomizer"));
   randomizer.create();
   EXPECT_THAT(randomizer.declared.lines, ElementsAre("writes 0"));
   test::SmallWorld task(entry(SKYBODY_TASK, "lane_task"));
   task.create();
-  EXPECT_THAT(task.declared.lines, ElementsAre("channel error x 3", "channel action x 1", "goal 0 0"));
+  EXPECT_THAT(task.declared.lines,
+              ElementsAre("channel error x 3", "channel action x 1", "goal 0 0"));
 }
 
 TEST_F(Instance, RefusesInItsOwnWords) {

@@ -66,9 +66,8 @@ TEST(PluginLibrary, RefusesATruncatedFile) {
   const test::Folder folder;
   const path whole = test::good_plugins() / "lane_controller.so", part = folder.path() / "part.so";
   std::filesystem::copy_file(whole, part);
-  for (const std::uintmax_t size :
-       {std::uintmax_t{0}, std::uintmax_t{40}, std::uintmax_t{1000},
-        std::filesystem::file_size(whole) / 4}) {
+  for (const std::uintmax_t size : {std::uintmax_t{0}, std::uintmax_t{40}, std::uintmax_t{1000},
+                                    std::filesystem::file_size(whole) / 4}) {
     std::filesystem::resize_file(part, size);
     try {
       const PluginLibrary library(part);
@@ -102,8 +101,9 @@ TEST(PluginLibrary, RefusesOtherFloatingPointFlags) {
   } catch (const PluginLoadError& e) {
     const std::string text = e.what();
     EXPECT_EQ(static_cast<int>(e.reason()), static_cast<int>(LoadFailure::kFloatingPoint));
-    EXPECT_NE(text.find("fast_math.so: was compiled with other floating-point flags (its probe gives "),
-              std::string::npos)
+    EXPECT_NE(
+        text.find("fast_math.so: was compiled with other floating-point flags (its probe gives "),
+        std::string::npos)
         << text;
     EXPECT_NE(text.find(" instead of " + to_hex(kFpProbeExpected) +
                         "): link Skybody::plugin_api, and do not use -ffast-math, -Ofast or "

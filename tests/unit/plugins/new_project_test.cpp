@@ -17,7 +17,8 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string message(SkybodyKind kind, const std::string& name, const std::filesystem::path& folder) {
+std::string message(SkybodyKind kind, const std::string& name,
+                    const std::filesystem::path& folder) {
   try {
     write_new_plugin_project(kind, name, folder);
   } catch (const Error& e) {
@@ -29,7 +30,8 @@ std::string message(SkybodyKind kind, const std::string& name, const std::filesy
 std::set<std::string> files_of(const std::filesystem::path& folder) {
   std::set<std::string> files;
   for (const auto& item : std::filesystem::recursive_directory_iterator(folder)) {
-    if (item.is_regular_file()) files.insert(std::filesystem::relative(item.path(), folder).string());
+    if (item.is_regular_file())
+      files.insert(std::filesystem::relative(item.path(), folder).string());
   }
   return files;
 }
@@ -60,15 +62,15 @@ TEST(NewProject, WritesACompleteFolderForEachKind) {
 
 TEST(NewProject, RefusesBadNames) {
   const test::Folder folder;
-  for (const char* name : {"", "Wind", "2wind", "wind-gust", "wind gust", "_wind", "wind_", "wi__nd",
-                           "../wind", "wind/gust"}) {
+  for (const char* name : {"", "Wind", "2wind", "wind-gust", "wind gust", "_wind", "wind_",
+                           "wi__nd", "../wind", "wind/gust"}) {
     EXPECT_EQ(message(SKYBODY_RANDOMIZER, name, folder.path()),
               "`" + std::string(name) +
                   "` cannot name a plugin; allowed: at most 64 lower-case letters, digits and "
                   "single underscores, a letter first, such as wind_gust");
   }
-  EXPECT_EQ(message(SKYBODY_TASK, "class", folder.path()),
-            "`class` is a word of C++ or CMake; choose another, such as my_class");
+  EXPECT_EQ(message(SKYBODY_TASK, "random", folder.path()),
+            "`random` is a word of Skybody or CMake; choose another, such as my_random");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
@@ -84,7 +86,8 @@ TEST(NewProject, OverwritesNothing) {
 }
 
 TEST(NewProject, NeedsAFolderToWriteTo) {
-  EXPECT_EQ(message(SKYBODY_SENSOR, "gust", "/no/such/folder"), "there is no folder /no/such/folder");
+  EXPECT_EQ(message(SKYBODY_SENSOR, "gust", "/no/such/folder"),
+            "there is no folder /no/such/folder");
 }
 
 }  // namespace

@@ -73,9 +73,8 @@ TEST(PluginRegistry, TwoFilesWithOnePluginMakeBothUnusable) {
 
 TEST(PluginRegistry, OneFileFoundTwiceIsFine) {
   const test::Folder folder;
-  std::filesystem::create_symlink(
-      std::filesystem::canonical(test::good_plugins() / "lane_task.so"),
-      folder.path() / "another_name.so");
+  std::filesystem::create_symlink(std::filesystem::canonical(test::good_plugins() / "lane_task.so"),
+                                  folder.path() / "another_name.so");
   const PluginRegistry registry({test::good_plugins(), test::good_plugins() / "..", folder.path(),
                                  test::good_plugins() / ".." / "good"});
   EXPECT_EQ(registry.find(SKYBODY_TASK, "lane_task")->failure, "");

@@ -55,10 +55,10 @@ SmallWorld::SmallWorld(const PluginEntry& entry) : entry_(entry), texts_(entry.p
     const ParameterSpec& p = entry.parameters[i];
     for (const std::string& text : p.default_texts) texts_[i].push_back(text.c_str());
     const bool is_text = p.type == ParameterType::kText;
-    values_.push_back({p.default_numbers.data(), texts_[i].data(),
-                       static_cast<std::uint32_t>(is_text ? p.default_texts.size()
-                                                          : p.default_numbers.size()),
-                       p.randomizable ? 0 : -1});
+    values_.push_back(
+        {p.default_numbers.data(), texts_[i].data(),
+         static_cast<std::uint32_t>(is_text ? p.default_texts.size() : p.default_numbers.size()),
+         p.randomizable ? 0 : -1});
   }
   robot_.name = "quad";
   robot_.body_count = 1;
@@ -106,8 +106,15 @@ std::vector<double> Group::fill(int words, double scale, int salt) const {
 
 Group::Group(std::uint32_t lanes, std::uint32_t first, std::uint32_t active, int state_words,
              int buffer_words)
-    : lanes_(lanes), first_(first), active_(active), key_(2 * lanes, 5), episode_(lanes),
-      step_(lanes, 3), physics_step_(lanes, 17), state_(state_words * lanes, 0), end_(lanes, 0) {
+    : lanes_(lanes),
+      first_(first),
+      active_(active),
+      key_(2 * lanes, 5),
+      episode_(lanes),
+      step_(lanes, 3),
+      physics_step_(lanes, 17),
+      state_(state_words * lanes, 0),
+      end_(lanes, 0) {
   for (std::uint32_t l = 0; l < lanes; ++l) {
     key_[lanes + l] = first + l;
     episode_[l] = 1 + (first + l) % 3;
@@ -180,8 +187,8 @@ std::vector<std::uint64_t> Group::lane(std::uint32_t l) const {
   add(state_);
   add(buffer_);
   add(end_);
-  for (const auto* block : {&q_, &u_, &rotor_speed_, &params_, &command_, &output_, &observation_,
-                            &reward_, &goal_}) {
+  for (const auto* block :
+       {&q_, &u_, &rotor_speed_, &params_, &command_, &output_, &observation_, &reward_, &goal_}) {
     add(*block);
   }
   return words;
