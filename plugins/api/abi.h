@@ -10,8 +10,8 @@
  * Step functions (`SkybodyKernels`) are called concurrently on one instance from several threads.
  * They do not allocate, lock, log, throw or keep anything: all that changes lies in `state`.
  */
-#ifndef SKYBODY_PLUGINS_API_ABI_H_
-#define SKYBODY_PLUGINS_API_ABI_H_
+#ifndef SKYBODY_PLUGINS_API_ABI_H
+#define SKYBODY_PLUGINS_API_ABI_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -304,4 +304,4 @@ typedef struct SkybodyPluginLibrary {
 }
 #endif
 
-#endif /* SKYBODY_PLUGINS_API_ABI_H_ */
+#endif /* SKYBODY_PLUGINS_API_ABI_H */

@@ -103,6 +103,18 @@ std::string kernels_problem(const SkybodyPlugin& plugin) {
   return {};
 }
 
+/// @param names  of the parameters before this one; takes this one's
+std::string declaration_problem(const SkybodyParameter& p, std::set<std::string_view>& names) {
+  if (!is_snake_case(p.name)) {
+    return "has a badly named parameter " + quoted(p.name == nullptr ? "" : p.name) +
+           ": lower-case letters, digits and underscores, a letter first";
+  }
+  const std::string declares = "declares parameter " + quoted(p.name);
+  if (!names.insert(p.name).second) return declares + " twice";
+  const std::string problem = parameter_problem(p);
+  return problem.empty() ? problem : declares + ": " + problem;
+}
+
 }  // namespace
 
 std::string descriptor_problem(const SkybodyPlugin& plugin) {
@@ -126,16 +138,8 @@ std::string descriptor_problem(const SkybodyPlugin& plugin) {
   }
   std::set<std::string_view> names;
   for (std::uint32_t i = 0; i < plugin.parameter_count; ++i) {
-    const SkybodyParameter& p = plugin.parameters[i];
-    if (!is_snake_case(p.name)) {
-      return who + "has a badly named parameter " + quoted(p.name == nullptr ? "" : p.name) +
-             ": lower-case letters, digits and underscores, a letter first";
-    }
-    if (!names.insert(p.name).second) {
-      return who + "declares parameter " + quoted(p.name) + " twice";
-    }
-    const std::string problem = parameter_problem(p);
-    if (!problem.empty()) return who + "declares parameter " + quoted(p.name) + ": " + problem;
+    const std::string problem = declaration_problem(plugin.parameters[i], names);
+    if (!problem.empty()) return who + problem;
   }
   return {};
 }

@@ -131,7 +131,7 @@ fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
                                   const fs::path& target_dir) {
   check_name(name);
   const fs::path place = target_dir.empty() ? fs::path(".") : target_dir;
-  const fs::path folder = place / name;
+  fs::path folder = place / name;
   std::error_code ignored;
   if (fs::exists(fs::symlink_status(folder, ignored))) {
     throw Error(folder.string() + " exists; nothing was written. Remove it or choose another name");
