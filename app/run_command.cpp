@@ -34,7 +34,7 @@ constexpr const char* kFooter =
     "Examples:\n"
     "  skybody run scenarios/hover.yaml\n"
     "  skybody run scenarios/payload.yaml --episodes 3 --seed 7 --out /tmp/payload\n"
-    "  skybody run hover --policy random --set task.horizon=500 --no-picture";
+    "  skybody run hover --policy random --set stepping.horizon=500 --no-picture";
 
 struct RunOptions {
   LoadOptions load;

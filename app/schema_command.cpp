@@ -1,8 +1,9 @@
-// skybody schema: the JSON schema of scenario files, for editors.
+// skybody schema: the JSON schema of scenario files, for editors, and their keys as tables.
 #include <cstdio>
 
 #include "app/command.h"
 #include "app/scenario_options.h"
+#include "core/io/scenario_fields.h"
 #include "core/io/schema.h"
 
 namespace skybody {
@@ -13,13 +14,19 @@ constexpr const char* kFooter =
     "scenario:\n"
     "  # yaml-language-server: $schema=scenario.schema.json\n"
     "Example:\n"
-    "  skybody schema > scenario.schema.json";
+    "  skybody schema > scenario.schema.json\n"
+    "  skybody schema --markdown               the tables of docs/scenarios.md";
 
 int print_schema(const LoadOptions& options) {
   const auto catalog = make_catalog(find_plugins(options));
   const std::string schema = scenario_schema(*catalog);
   std::fputs(schema.c_str(), stdout);
   if (schema.empty() || schema.back() != '\n') std::fputc('\n', stdout);
+  return kExitDone;
+}
+
+int print_tables() {
+  std::fputs(scenario_reference().c_str(), stdout);
   return kExitDone;
 }
 
@@ -30,7 +37,11 @@ void add_schema_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<LoadOptions>();
   command->footer(kFooter);
   add_plugin_path(*command, *options);
-  command->callback([options, &chosen] { chosen = [options] { return print_schema(*options); }; });
+  const auto markdown = std::make_shared<bool>(false);
+  command->add_flag("--markdown", *markdown, "Print the keys as Markdown tables instead");
+  command->callback([options, markdown, &chosen] {
+    chosen = [options, markdown] { return *markdown ? print_tables() : print_schema(*options); };
+  });
 }
 
 }  // namespace skybody

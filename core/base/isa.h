@@ -17,9 +17,15 @@ inline const char* name(Isa isa) { return isa == Isa::v4 ? "v4" : isa == Isa::v3
 /// Whether this processor (and its operating system) runs the level.
 inline bool machine_has(Isa isa) {
   __builtin_cpu_init();
-  if (isa == Isa::v4) return __builtin_cpu_supports("x86-64-v4") != 0;
-  if (isa == Isa::v3) return __builtin_cpu_supports("x86-64-v3") != 0;
-  return __builtin_cpu_supports("x86-64-v2") != 0;
+  // Feature by feature: clang-tidy's front end does not know the names of the levels.
+  const bool v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
+  if (isa == Isa::v2) return v2;
+  const bool v3 = v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                  __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  if (isa == Isa::v3) return v3;
+  return v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl");
 }
 
 /// The highest level that the machine has, or the one that the environment variable SKYBODY_ISA

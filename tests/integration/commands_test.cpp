@@ -113,6 +113,14 @@ TEST(Plugins, PrintsAParameterTableInMarkdown) {
             "error: --markdown: there is no plugin `sensor/imv`; did you mean `sensor/imu`?\n");
 }
 
+TEST(Schema, MarkdownIsWhatTheDocumentationShows) {
+  std::ifstream file(SKYBODY_SOURCE_DIR "/docs/scenarios.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const Outcome outcome = run_skybody({"schema", "--markdown"});
+  EXPECT_NE(page.find(outcome.out), std::string::npos)
+      << "docs/scenarios.md is behind: scripts/update_docs.sh writes it anew";
+}
+
 TEST(Schema, IsJsonThatNamesThePlugins) {
   const Outcome outcome = run_skybody({"schema"});
   EXPECT_EQ(outcome.exit_code, 0);

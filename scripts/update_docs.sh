@@ -1,0 +1,5 @@
+#!/usr/bin/env bash
+# Writes docs/scenarios.md anew from its head and the declared keys.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+{ cat docs/scenarios.head.md; build/release/bin/skybody schema --markdown; } >docs/scenarios.md
