@@ -19,7 +19,7 @@ const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
   }
   if (!found->failure.empty()) {
     diagnostics.error(use.mark,
-                      "the " + what + " (" + found->file + ") cannot be used: " + found->failure);
+                      "the " + what + " cannot be used: " + found->failure);
     return nullptr;
   }
   return found;

@@ -18,6 +18,9 @@
 namespace skybody {
 namespace {
 
+constexpr const char* kNoSymbol =
+    "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
+    "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once";
 constexpr const char* kRebuild = ": rebuild it against this Skybody";
 
 [[noreturn]] void refuse(LoadFailure reason, const std::filesystem::path& file,
@@ -25,18 +28,42 @@ constexpr const char* kRebuild = ": rebuild it against this Skybody";
   throw PluginLoadError(reason, file, message);
 }
 
-/// Whether the file is a complete ELF file that nowhere holds the name of the symbol that a plugin
-/// exports. Such a file is no plugin; it need not be loaded to find out.
-bool lacks_symbol_name(const std::filesystem::path& file) {
+std::string read_bytes(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// How long an ELF file has to be, by its own header and segments; 0 if it is no 64-bit ELF file.
+/// The dynamic linker does not look: touching a page beyond the end kills the process.
+std::size_t elf_size(const std::string& bytes) {
   Elf64_Ehdr header;
-  if (bytes.size() < sizeof header) return false;
+  if (bytes.size() < SELFMAG || std::memcmp(bytes.data(), ELFMAG, SELFMAG) != 0) return 0;
+  if (bytes.size() < sizeof header) return sizeof header;
   std::memcpy(&header, bytes.data(), sizeof header);
-  const bool complete =
-      std::memcmp(header.e_ident, ELFMAG, SELFMAG) == 0 &&
-      bytes.size() >= header.e_shoff + std::size_t{header.e_shnum} * header.e_shentsize;
-  return complete && bytes.find(SKYBODY_LIBRARY_SYMBOL) == std::string::npos;
+  std::size_t size = header.e_shoff + std::size_t{header.e_shnum} * header.e_shentsize;
+  size = std::max(size, header.e_phoff + header.e_phnum * sizeof(Elf64_Phdr));
+  if (header.e_phentsize != sizeof(Elf64_Phdr) || bytes.size() < size) return size;
+  for (std::size_t i = 0; i < header.e_phnum; ++i) {
+    Elf64_Phdr segment;
+    std::memcpy(&segment, bytes.data() + header.e_phoff + i * sizeof segment, sizeof segment);
+    size = std::max<std::size_t>(size, segment.p_offset + segment.p_filesz);
+  }
+  return size;
+}
+
+/// Refuses what can be refused without running any of it: a file that is cut short, and a shared
+/// library that nowhere holds the name of the symbol that a plugin exports.
+void check_file(const std::filesystem::path& file) {
+  const std::string bytes = read_bytes(file);
+  const std::size_t size = elf_size(bytes);
+  if (size > bytes.size()) {
+    refuse(LoadFailure::kNotLoadable, file,
+           "is cut short: it has " + std::to_string(bytes.size()) + " bytes of at least " +
+               std::to_string(size) + "; build or copy it again");
+  }
+  if (size > 0 && bytes.find(SKYBODY_LIBRARY_SYMBOL) == std::string::npos) {
+    refuse(LoadFailure::kNoPlugin, file, kNoSymbol);
+  }
 }
 
 /// The dynamic linker's own words, without the file name that it begins with.
@@ -81,11 +108,7 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file)
   std::error_code not_found;
   file_ = std::filesystem::canonical(file, not_found);
   if (not_found) refuse(LoadFailure::kNotLoadable, file, "there is no such file");
-  if (lacks_symbol_name(file_)) {
-    refuse(LoadFailure::kNoPlugin, file_,
-           "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
-           "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once");
-  }
+  check_file(file_);
 
   {
     const FpEnvironment
@@ -101,9 +124,7 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file)
 
   const FpEnvironment checking;
   if (!handle_->library.has(SKYBODY_LIBRARY_SYMBOL)) {
-    refuse(LoadFailure::kNoPlugin, file_,
-           "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
-           "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once");
+    refuse(LoadFailure::kNoPlugin, file_, kNoSymbol);
   }
   const auto& found = handle_->library.get<const SkybodyPluginLibrary>(SKYBODY_LIBRARY_SYMBOL);
   if (found.magic != SKYBODY_ABI_MAGIC) {
