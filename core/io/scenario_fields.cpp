@@ -22,7 +22,7 @@ const MapSpec& stepping_fields() {
           real_field("dt", "s", 0.001, 1e-6, 0.1, "physics step"),
           integer_field("action_repeat", 1, 1, 100000, "K, physics steps an action"),
           integer_field("horizon", 0, 0, 2e9, "actions until an episode is truncated; 0: never"),
-          choice_field("dynamics", {"auto", "simbody", "tree"},
+          choice_field("dynamics", {"auto", "simbody"},
                        "what computes accelerations; auto picks the fastest that can"),
           choice_field("integrator", {"semi_implicit_euler", "rk4"}, "what advances the state"),
       }};

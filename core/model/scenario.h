@@ -37,7 +37,7 @@ struct PluginUse {
   std::vector<ParameterValue> parameters;
 };
 
-enum class DynamicsChoice { kAuto, kSimbody, kTree };
+enum class DynamicsChoice { kAuto, kSimbody };
 enum class IntegratorChoice { kSemiImplicitEuler, kRk4 };
 
 /// The time grid and how it is advanced.
