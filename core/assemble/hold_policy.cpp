@@ -1,7 +1,6 @@
 #include "core/assemble/hold_policy.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/assemble/pseudo_inverse.h"
 #include "core/base/error.h"
@@ -33,15 +32,6 @@ SymMat3<double> inertia_at(const double* p) {
   return {p[kInertia], p[kInertia + 1], p[kInertia + 2], p[kInertia + 3], p[kInertia + 4], p[kInertia + 5]};
 }
 
-/// What the loops want, before it is put in the mode's words.
-struct Wish {
-  V position, acceleration;  // W; acceleration without gravity
-  double thrust = 0.0;       // collective, along the body's z [N]
-  Quat<double> attitude{1.0, 0.0, 0.0, 0.0};
-  V rates, torque;           // B
-  double yaw = 0.0;
-};
-
 /// Attitude whose z axis lies along `up` and whose heading is `yaw`.
 Quat<double> attitude_along(const V& up, double yaw) {
   const V z = up / norm(up);
@@ -59,7 +49,34 @@ V rates_towards(const Quat<double>& wanted, const Quat<double>& now) {
   return {kAttitudeGain * sign * e.x, kAttitudeGain * sign * e.y, kYawGain * sign * e.z};
 }
 
+/// Torque that turns the rates: through the inertia, gyroscopic part included.
+V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia) {
+  return inertia * (kRateGain * (wanted - rates)) + cross(rates, inertia * rates);
+}
+
 }  // namespace
+
+/// What the loops want, before it is put in the mode's words.
+struct HoldPolicy::Wish {
+  V position;                // of the goal, W [m]
+  double yaw = 0.0;          // of the goal [rad]
+  V force;                   // on the whole robot, W [N]
+  double thrust = 0.0;       // collective, along the body's z [N]
+  Quat<double> attitude{1.0, 0.0, 0.0, 0.0};
+  V rates;                   // B [rad/s]
+  V torque;                  // B [N m]
+};
+
+/// One robot's present state and true constants.
+struct HoldPolicy::View {
+  const std::vector<BodyState>& bodies;
+  const std::vector<double>& params;
+  const std::vector<double>& goals;
+  const BodyState& base;
+  double mass;         // of the whole robot [kg]
+  double base_mass;    // [kg]
+  SymMat3<double> inertia;  // of the base [kg m^2]
+};
 
 HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environment) {
   const World& world = environment.world();
@@ -86,7 +103,7 @@ HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environmen
     robot.cable = hanging_length(world, robot.base, robot.goal_body);
     robot.allocation = allocation_of(world, r);
     const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT;
-    if (robot.signal == SKYBODY_TRAJECTORY + 1 || robot.signal < 0) {
+    if (robot.signal < 0 || robot.signal > SKYBODY_TRAJECTORY) {
       throw Error(std::string("the hold baseline cannot speak ") + signal_name(robot.signal));
     }
     if (needs_rotors && robot.allocation.empty()) {
@@ -101,8 +118,16 @@ HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environmen
 void HoldPolicy::act(const Simulation& simulation, std::span<float> action) const {
   const std::vector<double> params = simulation.params();
   const std::vector<double> goals = simulation.goals();
+  const std::vector<BodyState>& bodies = simulation.bodies();
+  const std::vector<int>& first = environment_.layout().body_params;
   for (const Robot& robot : robots_) {
-    const std::vector<double> wanted = command(robot, simulation, params, goals);
+    const double* base = params.data() + first[static_cast<std::size_t>(robot.base)];
+    View view{bodies, params,      goals,           bodies[static_cast<std::size_t>(robot.base)],
+              0.0,    base[kMass], inertia_at(base)};
+    for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
+      view.mass += params[static_cast<std::size_t>(first[static_cast<std::size_t>(b)] + kMass)];
+    }
+    const std::vector<double> wanted = command(robot, view, wish(robot, view));
     for (std::size_t k = 0; k < robot.low.size(); ++k) {
       const double range = robot.high[k] - robot.low[k];
       const double a = range > 0.0 ? 2.0 * (wanted[k] - robot.low[k]) / range - 1.0 : 0.0;
@@ -112,125 +137,121 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) cons
   }
 }
 
-std::vector<double> HoldPolicy::command(const Robot& robot, const Simulation& simulation,
-                                        const std::vector<double>& params,
-                                        const std::vector<double>& goals) const {
+/// Goal -> force -> attitude -> rates -> torque.
+HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
   const World& world = environment_.world();
-  const Layout& layout = environment_.layout();
-  const auto& bodies = simulation.bodies();
-  const BodyState& base = bodies[static_cast<std::size_t>(robot.base)];
   const RobotUse& use = world.scenario.robots[static_cast<std::size_t>(robot.index)];
-  const double* base_params = params.data() + layout.body_params[static_cast<std::size_t>(robot.base)];
-  const double gravity = norm(world.scenario.gravity);
-
-  double mass = 0.0;
-  for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
-    mass += params[static_cast<std::size_t>(layout.body_params[static_cast<std::size_t>(b)] + kMass)];
-  }
-
   Wish wish;
   wish.position = use.pose.position;
   wish.yaw = yaw(use.pose.rotation);
   if (robot.goal >= 0) {
-    const double* g = goals.data() + 4 * robot.goal;
+    const double* g = view.goals.data() + 4 * robot.goal;
     wish.position = {g[0], g[1], g[2]};
     wish.yaw = g[3];
   }
-
-  const BodyState& target = bodies[static_cast<std::size_t>(robot.goal_body)];
-  if (robot.hangs) {
-    // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
-    const double w2 = gravity / robot.cable, p = kSwingPole;
-    const V offset = base.position - target.position, slip = base.velocity - target.velocity;
-    const V error = target.position - wish.position;
-    V a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
-          (4.0 * p * p * p * target.velocity + p * p * p * p * error) / w2;
-    // The bob pulls the base sideways: part of the thrust's lateral share carries it.
-    const double carried = (mass - base_params[kMass]) / mass;
-    a = (1.0 - carried) * a + (carried * w2) * offset;
-    a.z = -kPositionBandwidth * kPositionBandwidth * error.z - 2.0 * kPositionBandwidth * base.velocity.z;
-    wish.acceleration = a;
-  } else {
-    const V error = limited(wish.position - base.position, kMaxError);
-    wish.acceleration = (kPositionBandwidth * kPositionBandwidth) * error -
-                        (2.0 * kPositionBandwidth) * base.velocity;
-  }
-  V lateral = limited({wish.acceleration.x, wish.acceleration.y, 0.0}, kMaxLateral);
-  wish.acceleration = {lateral.x, lateral.y, std::clamp(wish.acceleration.z, -kMaxVertical, kMaxVertical)};
-
   // Thrust carries weight, the wanted acceleration, and what disturbs.
   const double* disturbance =
-      params.data() + layout.disturbance_params[static_cast<std::size_t>(robot.index)];
-  const V force = mass * (wish.acceleration - world.scenario.gravity) -
-                  V{disturbance[0], disturbance[1], disturbance[2]};
-  wish.attitude = attitude_along(force, wish.yaw);
-  wish.thrust = std::max(0.0, dot(force, body_z(base.rotation)));
-  wish.rates = rates_towards(wish.attitude, base.rotation);
-  const SymMat3<double> inertia = inertia_at(base_params);
-  const V& w = base.angular_velocity;
-  wish.torque = inertia * (kRateGain * (wish.rates - w)) + cross(w, inertia * w) -
+      view.params.data() +
+      environment_.layout().disturbance_params[static_cast<std::size_t>(robot.index)];
+  wish.force = view.mass * (acceleration(robot, view, wish) - world.scenario.gravity) -
+               V{disturbance[0], disturbance[1], disturbance[2]};
+  wish.attitude = attitude_along(wish.force, wish.yaw);
+  wish.thrust = std::max(0.0, dot(wish.force, body_z(view.base.rotation)));
+  wish.rates = rates_towards(wish.attitude, view.base.rotation);
+  wish.torque = torque_for(wish.rates, view.base.angular_velocity, view.inertia) -
                 V{disturbance[3], disturbance[4], disturbance[5]};
+  return wish;
+}
 
-  const auto rotor_thrusts = [&] {
-    std::vector<double> thrusts(robot.allocation.size() / 4);
-    for (std::size_t i = 0; i < thrusts.size(); ++i) {
-      const double* row = robot.allocation.data() + 4 * i;
-      thrusts[i] = std::max(0.0, row[0] * wish.thrust + row[1] * wish.torque.x + row[2] * wish.torque.y +
-                                     row[3] * wish.torque.z);
-    }
-    return thrusts;
-  };
+/// Wanted acceleration of the base, W, without gravity [m/s^2], within what every vehicle can do.
+Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view, const Wish& wish) const {
+  constexpr double kOmega = kPositionBandwidth;
+  const BodyState& base = view.base;
+  V a;
+  if (robot.hangs) {
+    // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
+    const BodyState& bob = view.bodies[static_cast<std::size_t>(robot.goal_body)];
+    const double w2 = norm(environment_.scenario().gravity) / robot.cable, p = kSwingPole;
+    const V offset = base.position - bob.position, slip = base.velocity - bob.velocity;
+    const V error = bob.position - wish.position;
+    a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
+        (4.0 * p * p * p * bob.velocity + p * p * p * p * error) / w2;
+    // The bob pulls the base sideways: part of the thrust's lateral share carries it.
+    const double carried = (view.mass - view.base_mass) / view.mass;
+    a = (1.0 - carried) * a + (carried * w2) * offset;
+    a.z = -kOmega * kOmega * error.z - 2.0 * kOmega * base.velocity.z;
+  } else {
+    const V error = limited(wish.position - base.position, kMaxError);
+    a = (kOmega * kOmega) * error - (2.0 * kOmega) * base.velocity;
+  }
+  const V lateral = limited({a.x, a.y, 0.0}, kMaxLateral);
+  return {lateral.x, lateral.y, std::clamp(a.z, -kMaxVertical, kMaxVertical)};
+}
+
+/// The wish in the words of the robot's first controller.
+std::vector<double> HoldPolicy::command(const Robot& robot, const View& view, const Wish& wish) const {
+  const V& p = wish.position;
   switch (robot.signal) {
     case SKYBODY_CTBR:
       return {wish.thrust, wish.rates.x, wish.rates.y, wish.rates.z};
     case SKYBODY_CTBT:
       return {wish.thrust, wish.torque.x, wish.torque.y, wish.torque.z};
     case SKYBODY_SRT:
-      return rotor_thrusts();
+      return rotor_thrusts(robot, wish);
     case SKYBODY_ROTOR_SPEED: {
-      std::vector<double> speeds = rotor_thrusts();
+      std::vector<double> speeds = rotor_thrusts(robot, wish);
+      const Layout& layout = environment_.layout();
       const int first = layout.robots[static_cast<std::size_t>(robot.index)].first_rotor;
       for (std::size_t i = 0; i < speeds.size(); ++i) {
-        const int p = layout.rotor_params[static_cast<std::size_t>(first) + i] + kThrustConstant;
-        speeds[i] = std::sqrt(speeds[i] / params[static_cast<std::size_t>(p)]);
+        const int k = layout.rotor_params[static_cast<std::size_t>(first) + i] + kThrustConstant;
+        speeds[i] = sqrt(speeds[i] / view.params[static_cast<std::size_t>(k)]);
       }
       return speeds;
     }
-    case SKYBODY_WRENCH: {
-      // The whole robot hangs on the first site; the others stay idle.
-      std::vector<double> values(robot.low.size(), 0.0);
-      const V moment = rotate(base.rotation, inertia * (kRateGain * (rates_towards(attitude_along(
-                                                 {0.0, 0.0, 1.0}, wish.yaw), base.rotation) - w)) +
-                                                 cross(w, inertia * w));
-      const double put[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
-      std::copy(put, put + 6, values.begin());
-      return values;
-    }
+    case SKYBODY_WRENCH:
+      return wrench(robot, view, wish);
     case SKYBODY_VELOCITY: {
-      const V v = rotate_inverse(base.rotation, kPositionBandwidth *
-                                                    limited(wish.position - base.position, kMaxError));
-      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), base.rotation);
+      const V v = rotate_inverse(view.base.rotation,
+                                 kPositionBandwidth * limited(p - view.base.position, kMaxError));
+      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation);
       return {v.x, v.y, v.z, r.x, r.y, r.z};
     }
     case SKYBODY_POSE: {
       const Quat<double> q = attitude_along({0.0, 0.0, 1.0}, wish.yaw);
-      return {wish.position.x, wish.position.y, wish.position.z, q.w, q.x, q.y, q.z};
+      return {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
     }
     case SKYBODY_ATTITUDE: {
       const Quat<double>& q = wish.attitude;
       return {wish.thrust, q.w, q.x, q.y, q.z};
     }
     case SKYBODY_POSITION:
-      return {wish.position.x, wish.position.y, wish.position.z, wish.yaw};
+      return {p.x, p.y, p.z, wish.yaw};
     default: {  // SKYBODY_TRAJECTORY: a point that rests
-      std::vector<double> values(13, 0.0);
-      values[0] = wish.position.x;
-      values[1] = wish.position.y;
-      values[2] = wish.position.z;
-      values[12] = wish.yaw;
-      return values;
+      return {p.x, p.y, p.z, 0, 0, 0, 0, 0, 0, 0, 0, 0, wish.yaw};
     }
   }
+}
+
+/// Single thrusts [N] that give the wished collective thrust and torque, none pulling.
+std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const Wish& wish) const {
+  std::vector<double> thrusts(robot.allocation.size() / 4);
+  for (std::size_t i = 0; i < thrusts.size(); ++i) {
+    const double* row = robot.allocation.data() + 4 * i;
+    thrusts[i] = std::max(0.0, row[0] * wish.thrust + row[1] * wish.torque.x +
+                                   row[2] * wish.torque.y + row[3] * wish.torque.z);
+  }
+  return thrusts;
+}
+
+/// The whole robot hangs, level, on the first site; the others stay idle.
+std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view, const Wish& wish) const {
+  const Quat<double>& q = view.base.rotation;
+  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q);
+  const V moment = rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia));
+  std::vector<double> values(robot.low.size(), 0.0);
+  const double first[6] = {wish.force.x, wish.force.y, wish.force.z, moment.x, moment.y, moment.z};
+  std::copy(first, first + 6, values.begin());
+  return values;
 }
 
 }  // namespace skybody

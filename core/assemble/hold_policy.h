@@ -41,9 +41,13 @@ class HoldPolicy {
     std::vector<double> low, high;
     std::vector<double> allocation;  ///< rotors x 4: thrusts from (T, tau), row by row
   };
-  std::vector<double> command(const Robot& robot, const Simulation& simulation,
-                              const std::vector<double>& params,
-                              const std::vector<double>& goals) const;
+  struct Wish;
+  struct View;
+  Wish wish(const Robot& robot, const View& view) const;
+  Vec3<double> acceleration(const Robot& robot, const View& view, const Wish& wish) const;
+  std::vector<double> command(const Robot& robot, const View& view, const Wish& wish) const;
+  std::vector<double> rotor_thrusts(const Robot& robot, const Wish& wish) const;
+  std::vector<double> wrench(const Robot& robot, const View& view, const Wish& wish) const;
 
   const Environment& environment_;
   std::vector<Robot> robots_;
