@@ -116,12 +116,6 @@ std::vector<double> values_of(const Snapshot& snapshot, Block block) {
   return values;
 }
 
-std::uint64_t status_of(const Simulation& simulation) {
-  return (simulation.terminated() ? kTerminated : kRunning) |
-         (simulation.truncated() ? kTruncated : kRunning) |
-         (simulation.fault() ? kFault : kRunning);
-}
-
 }  // namespace
 
 std::string body_name(const Environment& environment, int body) {
@@ -175,7 +169,7 @@ void record(const Simulation& simulation, FlightLog& log) {
   row.command = command;
   row.observation = simulation.observation();
   row.reward = simulation.reward();
-  row.status = status_of(simulation);
+  row.status = simulation.status();
   row.sensors = sensors;
   row.goal = goal;
   log.add(row);

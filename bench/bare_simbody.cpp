@@ -14,8 +14,10 @@ using SimTK::Vec3;
 /// Rotor speeds of the hand-written loops.
 struct Rotors {
   double speed[4] = {kHover.start, kHover.start, kHover.start, kHover.start};
-  double half_up = std::exp(-0.5 * kHover.dt / kHover.tau_up), full_up = std::exp(-kHover.dt / kHover.tau_up);
-  double half_down = std::exp(-0.5 * kHover.dt / kHover.tau_down), full_down = std::exp(-kHover.dt / kHover.tau_down);
+  double half_up = std::exp(-0.5 * kHover.dt / kHover.tau_up),
+         full_up = std::exp(-kHover.dt / kHover.tau_up);
+  double half_down = std::exp(-0.5 * kHover.dt / kHover.tau_down),
+         full_down = std::exp(-kHover.dt / kHover.tau_down);
 
   /// Thrust and torque in body axes with the rotors in mid-step; then moves them to its end.
   SimTK::SpatialVec step() {

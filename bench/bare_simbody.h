@@ -26,7 +26,8 @@ class BareLoop {
 };
 
 /// Without the operator: Force::Gravity and Force::DiscreteForces, realize(Acceleration), the usual
-/// way. With it: forces handed to calcAccelerationIgnoringConstraints, the quickest way known to us.
+/// way. With it: forces handed to calcAccelerationIgnoringConstraints, the quickest way known to
+/// us.
 std::unique_ptr<BareLoop> make_bare_loop(bool with_operator);
 
 }  // namespace skybody::bench

@@ -1,7 +1,7 @@
-// What the engine costs on top of Simbody, in one run, taking turns: two hand-written loops over the
-// same hover world, our physics alone (Stepper), and the whole environment step of scenarios/hover.yaml
-// (action, plugins, physics, observation, reward, ends) on `dynamics: simbody`. Exit code 1 if the
-// first three end in different places.
+// What the engine costs on top of Simbody, in one run, taking turns: two hand-written loops over
+// the same hover world, our physics alone (Stepper), and the whole environment step of
+// scenarios/hover.yaml (action, plugins, physics, observation, reward, ends) on `dynamics:
+// simbody`. Exit code 1 if the first three end in different places.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,7 +23,8 @@ constexpr int kSteps = 20000, kTrials = 15;
 Scenario make_hover() {
   Body base;
   base.name = "base";
-  base.mass = {kHover.mass, {0, 0, 0}, {kHover.inertia[0], kHover.inertia[1], kHover.inertia[2], 0, 0, 0}};
+  base.mass = {
+      kHover.mass, {0, 0, 0}, {kHover.inertia[0], kHover.inertia[1], kHover.inertia[2], 0, 0, 0}};
   Shape box;
   box.type = ShapeType::kBox;
   box.size = {0.3, 0.3, 0.1};
@@ -75,7 +76,8 @@ class Whole {
         work_(environment_->make_work(1)),
         observation_(static_cast<std::size_t>(environment_->observation_size())),
         // 1391 rad/s of 2300
-        action_(static_cast<std::size_t>(environment_->action_size()), 2.0f * 1391.0f / 2300.0f - 1.0f) {
+        action_(static_cast<std::size_t>(environment_->action_size()),
+                2.0f * 1391.0f / 2300.0f - 1.0f) {
     environment_->initialize(group_, 0, 1, 0);
     environment_->reset(group_, *work_, 1u, rows());
   }
@@ -123,8 +125,8 @@ int run() {
   const char* names[4] = {"bare Simbody, forces", "bare Simbody, operator", "our physics",
                           "whole environment step"};
   for (int i = 0; i < 4; ++i) {
-    std::printf("  %-24s %7.0f ns a step = %.2f of the first, %.2f of the second\n", names[i], best[i],
-                best[i] / best[0], best[i] / best[1]);
+    std::printf("  %-24s %7.0f ns a step = %.2f of the first, %.2f of the second\n", names[i],
+                best[i], best[i] / best[0], best[i] / best[1]);
   }
   const bool agree =
       std::fabs(height[0] - height[2]) < 1e-6 && std::fabs(height[1] - height[2]) < 1e-6;

@@ -10,16 +10,16 @@
 namespace skybody {
 namespace {
 
-// Bandwidths [rad/s]: each loop about four times slower than the one inside it, down from the rotors'
-// own 40 to 80 rad/s.
+// Bandwidths [rad/s]: each loop about four times slower than the one inside it, down from the
+// rotors' own 40 to 80 rad/s.
 constexpr double kPositionBandwidth = 2.0;
 constexpr double kSwingPole = 1.8;
 constexpr double kAttitudeGain = 8.0;
 constexpr double kYawGain = 2.0;
 constexpr double kRateGain = 25.0;
-constexpr double kMaxError = 1.5;       // [m] limits the speed of long flights to 1.5 m/s
-constexpr double kMaxLateral = 5.0;     // [m/s^2], 27 degrees
-constexpr double kMaxVertical = 2.0;    // [m/s^2], below what a thrust-to-weight of 1.27 allows
+constexpr double kMaxError = 1.5;     // [m] limits the speed of long flights to 1.5 m/s
+constexpr double kMaxLateral = 5.0;   // [m/s^2], 27 degrees
+constexpr double kMaxVertical = 2.0;  // [m/s^2], below what a thrust-to-weight of 1.27 allows
 
 using V = Vec3<double>;
 
@@ -29,7 +29,8 @@ V limited(const V& v, double most) {
 }
 
 SymMat3<double> inertia_at(const double* p) {
-  return {p[kInertia], p[kInertia + 1], p[kInertia + 2], p[kInertia + 3], p[kInertia + 4], p[kInertia + 5]};
+  return {p[kInertia],     p[kInertia + 1], p[kInertia + 2],
+          p[kInertia + 3], p[kInertia + 4], p[kInertia + 5]};
 }
 
 /// Attitude whose z axis lies along `up` and whose heading is `yaw`.
@@ -58,13 +59,13 @@ V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia) {
 
 /// What the loops want, before it is put in the mode's words.
 struct HoldPolicy::Wish {
-  V position;                // of the goal, W [m]
-  double yaw = 0.0;          // of the goal [rad]
-  V force;                   // on the whole robot, W [N]
-  double thrust = 0.0;       // collective, along the body's z [N]
+  V position;           // of the goal, W [m]
+  double yaw = 0.0;     // of the goal [rad]
+  V force;              // on the whole robot, W [N]
+  double thrust = 0.0;  // collective, along the body's z [N]
   Quat<double> attitude{1.0, 0.0, 0.0, 0.0};
-  V rates;                   // B [rad/s]
-  V torque;                  // B [N m]
+  V rates;   // B [rad/s]
+  V torque;  // B [N m]
 };
 
 /// One robot's present state and true constants.
@@ -73,8 +74,8 @@ struct HoldPolicy::View {
   const std::vector<double>& params;
   const std::vector<double>& goals;
   const BodyState& base;
-  double mass;         // of the whole robot [kg]
-  double base_mass;    // [kg]
+  double mass;              // of the whole robot [kg]
+  double base_mass;         // [kg]
   SymMat3<double> inertia;  // of the base [kg m^2]
 };
 
@@ -103,13 +104,16 @@ HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environmen
     robot.cable = hanging_length(world, robot.base, robot.goal_body);
     robot.allocation = allocation_of(world, r);
     const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT;
-    if (robot.signal < 0 || robot.signal > SKYBODY_TRAJECTORY) {
-      throw Error(std::string("the hold baseline cannot speak ") + signal_name(robot.signal));
+    if (robot.hangs && robot.cable <= 0.0) {
+      throw Error("the hold baseline cannot carry `" +
+                  world.bodies[static_cast<std::size_t>(robot.goal_body)].model->name +
+                  "`: it does not hang below the base; use --policy zero or random");
     }
     if (needs_rotors && robot.allocation.empty()) {
-      throw Error("the hold baseline cannot fly robot `" +
-                  world.scenario.robots[static_cast<std::size_t>(r)].name +
-                  "`: its rotors do not give thrust and all three torques; use --policy zero or random");
+      throw Error(
+          "the hold baseline cannot fly robot `" +
+          world.scenario.robots[static_cast<std::size_t>(r)].name +
+          "`: its rotors do not give thrust and all three torques; use --policy zero or random");
     }
     robots_.push_back(std::move(robot));
   }
@@ -164,7 +168,8 @@ HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
 }
 
 /// Wanted acceleration of the base, W, without gravity [m/s^2], within what every vehicle can do.
-Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view, const Wish& wish) const {
+Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
+                                      const Wish& wish) const {
   constexpr double kOmega = kPositionBandwidth;
   const BodyState& base = view.base;
   V a;
@@ -189,7 +194,8 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view, cons
 }
 
 /// The wish in the words of the robot's first controller.
-std::vector<double> HoldPolicy::command(const Robot& robot, const View& view, const Wish& wish) const {
+std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
+                                        const Wish& wish) const {
   const V& p = wish.position;
   switch (robot.signal) {
     case SKYBODY_CTBR:
@@ -244,7 +250,8 @@ std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const Wish& wi
 }
 
 /// The whole robot hangs, level, on the first site; the others stay idle.
-std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view, const Wish& wish) const {
+std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view,
+                                       const Wish& wish) const {
   const Quat<double>& q = view.base.rotation;
   const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q);
   const V moment = rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia));

@@ -14,11 +14,11 @@ namespace skybody {
 /// the same environment.
 ///
 /// Position error -> desired acceleration (PD, critically damped) -> thrust direction -> body rates
-/// (proportional on the attitude error) -> collective thrust and body rates (ctbr), which are turned
-/// into the command that the mode takes: ctbt by a rate loop through the inertia, single thrusts and
-/// rotor speeds by the pseudo-inverse of the rotors' geometry, a wrench by rotation to W, velocity
-/// and pose directly. A goal about a body that hangs from the base is reached by placing the four
-/// poles of a pendulum on an accelerated pivot.
+/// (proportional on the attitude error) -> collective thrust and body rates (ctbr), which are
+/// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
+/// thrusts and rotor speeds by the pseudo-inverse of the rotors' geometry, a wrench by rotation to
+/// W, velocity and pose directly. A goal about a body that hangs from the base is reached by
+/// placing the four poles of a pendulum on an accelerated pivot.
 class HoldPolicy {
  public:
   /// @throws Error naming the robot if its command is none of the above
@@ -30,13 +30,13 @@ class HoldPolicy {
  private:
   struct Robot {
     int index = 0;
-    int base = 0;         ///< world body index
+    int base = 0;  ///< world body index
     int body_count = 0;
-    int goal = -1;        ///< index of its goal, -1: its pose at reset
-    int goal_body = 0;    ///< world body index
-    bool hangs = false;   ///< the goal's body is not the base
-    double cable = 0.0;   ///< from the base's origin down to the goal body's origin, joints at 0 [m]
-    int signal = 0;       ///< SkybodySignal
+    int goal = -1;       ///< index of its goal, -1: its pose at reset
+    int goal_body = 0;   ///< world body index
+    bool hangs = false;  ///< the goal's body is not the base
+    double cable = 0.0;  ///< from the base's origin down to the goal body's origin, joints at 0 [m]
+    int signal = 0;      ///< SkybodySignal
     int action = 0;
     std::vector<double> low, high;
     std::vector<double> allocation;  ///< rotors x 4: thrusts from (T, tau), row by row

@@ -8,6 +8,7 @@
 #include "core/io/scenario_reader.h"
 #include "core/io/shipped_files.h"
 #include "core/model/marked_error.h"
+#include "core/physics/stepper.h"
 #include "plugins/host/instance.h"
 #include "plugins/host/registry.h"
 
@@ -27,7 +28,7 @@ class RegistryCatalog : public PluginCatalog {
     if (entry == nullptr) return nullptr;
     auto [place, fresh] = declarations_.try_emplace({static_cast<int>(kind), name});
     if (fresh) {
-      place->second = {kind,           entry->name,    entry->doc, entry->file.string(),
+      place->second = {kind,           entry->name,      entry->doc, entry->file.string(),
                        entry->failure, entry->parameters};
     }
     return &place->second;
@@ -96,7 +97,8 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
   return std::make_unique<RegistryCatalog>(std::move(registry));
 }
 
-std::shared_ptr<const Environment> load_environment(const LoadOptions& options, Diagnostics& diagnostics) {
+std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
+                                                    Diagnostics& diagnostics) {
   const FpEnvironment guard;
   const auto registry = find_plugins(options);
   const auto catalog = make_catalog(registry);
@@ -106,7 +108,10 @@ std::shared_ptr<const Environment> load_environment(const LoadOptions& options, 
   const SourceMark whole{scenario->file, 0, 0};
   try {
     RegistryFactory factory(*registry);
-    return std::make_shared<const Environment>(std::make_unique<World>(std::move(*scenario)), factory);
+    auto environment =
+        std::make_shared<const Environment>(std::make_unique<World>(std::move(*scenario)), factory);
+    make_simbody_stepper(environment->world());  // a world that cannot be built is said here
+    return environment;
   } catch (const MarkedError& e) {
     diagnostics.error(e.mark(), e.what());
   } catch (const Error& e) {

@@ -29,7 +29,8 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
 
 /// Reads the scenario, configures its plugins and builds the world.
 /// @returns null if `diagnostics` has errors afterwards; warnings alone do not prevent loading
-std::shared_ptr<const Environment> load_environment(const LoadOptions& options, Diagnostics& diagnostics);
+std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
+                                                    Diagnostics& diagnostics);
 
 /// The same for callers who want an exception.
 /// @throws InputError with all messages

@@ -79,9 +79,10 @@ double hanging_length(const World& world, int base, int body) {
   Vec3<double> position{0.0, 0.0, 0.0};
   for (int b = body; b != base && b >= 0; b = world.bodies[static_cast<std::size_t>(b)].parent) {
     const Joint& joint = world.bodies[static_cast<std::size_t>(b)].model->joint;
-    const Quat<double> turn = joint.frame_in_parent.rotation * conjugate(joint.frame_in_body.rotation);
-    position = joint.frame_in_parent.position +
-               rotate(turn, position - joint.frame_in_body.position);
+    const Quat<double> turn =
+        joint.frame_in_parent.rotation * conjugate(joint.frame_in_body.rotation);
+    position =
+        joint.frame_in_parent.position + rotate(turn, position - joint.frame_in_body.position);
   }
   return position.z < 0.0 ? -position.z : 0.0;
 }

@@ -12,7 +12,8 @@ namespace skybody {
 /// Empty if the rotors do not sit on the base or cannot give all four.
 std::vector<double> allocation_of(const World& world, int robot);
 
-/// How far the origin of `body` lies below that of `base` with all joints at 0 [m]; 0 if it does not.
+/// How far the origin of `body` lies below that of `base` with all joints at 0 [m]; 0 if it does
+/// not.
 double hanging_length(const World& world, int base, int body);
 
 }  // namespace skybody

@@ -1,5 +1,6 @@
 #include "core/assemble/simulation.h"
 
+#include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
@@ -69,6 +70,7 @@ std::span<const float> Simulation::observation() const { return data_->observati
 float Simulation::reward() const { return data_->reward; }
 bool Simulation::terminated() const { return (data_->status & kTerminated) != 0; }
 bool Simulation::truncated() const { return (data_->status & kTruncated) != 0; }
+std::uint64_t Simulation::status() const { return data_->status; }
 bool Simulation::fault() const { return (data_->status & kFault) != 0; }
 int Simulation::action_size() const { return environment_->action_size(); }
 int Simulation::observation_size() const { return environment_->observation_size(); }
@@ -153,8 +155,10 @@ void Simulation::set_param(const std::string& path, double value) {
   if (index < 0) throw Error("nothing randomizable is called `" + path + "`");
   const EnvParam& info = environment_->layout().param_info[static_cast<std::size_t>(index)];
   if (!(value >= info.min && value <= info.max)) {
-    throw Error(path + " = " + std::to_string(value) + " is outside [" + std::to_string(info.min) + ", " +
-                std::to_string(info.max) + "] " + info.unit);
+    std::ostringstream message;
+    message << path << " = " << value << " is outside [" << info.min << ", " << info.max << "] "
+            << info.unit;
+    throw Error(message.str());
   }
   data_->group.reals(environment_->layout().params.offset + index)[0] = value;
 }

@@ -16,10 +16,10 @@ namespace skybody {
 
 /// How a Simulation is made.
 struct SimulationOptions {
-  std::string scenario;                            ///< YAML file, or the name of a shipped scenario
-  std::vector<std::string> overrides = {};         ///< "PATH=VALUE", as for --set
-  std::uint64_t seed = 0;                          ///< key of all random numbers
-  std::uint64_t env_id = 0;                        ///< second half of the key: equal ids, equal draws
+  std::string scenario;                     ///< YAML file, or the name of a shipped scenario
+  std::vector<std::string> overrides = {};  ///< "PATH=VALUE", as for --set
+  std::uint64_t seed = 0;                   ///< key of all random numbers
+  std::uint64_t env_id = 0;                 ///< second half of the key: equal ids, equal draws
   std::vector<std::filesystem::path> plugin_path = {};  ///< searched before the default places
 };
 
@@ -39,7 +39,8 @@ class Simulation {
   /// @throws InputError with every message, each with file:line:column
   explicit Simulation(const SimulationOptions& options);
   /// Shares an already loaded environment.
-  Simulation(std::shared_ptr<const Environment> environment, std::uint64_t seed, std::uint64_t env_id);
+  Simulation(std::shared_ptr<const Environment> environment, std::uint64_t seed,
+             std::uint64_t env_id);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -49,8 +50,8 @@ class Simulation {
   /// Begins episode 1 under another seed; drawn values return to nominal first.
   void reset(std::uint64_t seed);
 
-  /// One transition: K physics steps with `action`, values in [-1, 1] (clipped). A non-finite action
-  /// or state ends the episode as a fault.
+  /// One transition: K physics steps with `action`, values in [-1, 1] (clipped). A non-finite
+  /// action or state ends the episode as a fault.
   /// @throws Error if the size is not action_size(), or if no reset() came before
   void step(std::span<const float> action);
 
@@ -59,6 +60,7 @@ class Simulation {
   bool terminated() const;  ///< the task ended the episode
   bool truncated() const;   ///< horizon, or a fault
   bool fault() const;
+  std::uint64_t status() const;  ///< EpisodeStatus bits, with the reason of a fault
   bool done() const { return terminated() || truncated(); }
 
   int action_size() const;

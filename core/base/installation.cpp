@@ -23,7 +23,8 @@ fs::path shipped_data(const std::string& name, const std::string& source_folder)
   std::error_code ignored;
   // lib/ or lib/ARCHITECTURE/ of a prefix; bin/ of one where the library is linked statically.
   for (const char* up : {"..", "../.."}) {
-    const fs::path installed = (library_folder() / up / "share" / "skybody" / name).lexically_normal();
+    const fs::path installed =
+        (library_folder() / up / "share" / "skybody" / name).lexically_normal();
     if (fs::is_directory(installed, ignored)) return installed;
   }
   const fs::path source = fs::path(SKYBODY_SOURCE_TREE) / source_folder;

@@ -4,8 +4,8 @@
 // tests/unit/base/math_test.cpp.
 #pragma once
 
-#include "core/base/math_atan.h"   // IWYU pragma: export
-#include "core/base/math_basic.h"  // IWYU pragma: export
+#include "core/base/math_atan.h"    // IWYU pragma: export
+#include "core/base/math_basic.h"   // IWYU pragma: export
 #include "core/base/math_double.h"  // IWYU pragma: export
-#include "core/base/math_exp.h"    // IWYU pragma: export
-#include "core/base/math_trig.h"   // IWYU pragma: export
+#include "core/base/math_exp.h"     // IWYU pragma: export
+#include "core/base/math_trig.h"    // IWYU pragma: export

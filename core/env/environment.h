@@ -10,6 +10,7 @@
 #include "core/base/hash.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
+#include "core/physics/lane_state.h"
 #include "core/physics/world.h"
 
 namespace skybody {
@@ -34,7 +35,7 @@ struct ControllerChain {
 };
 
 /// One scenario, ready to step. Const methods are safe to call from several threads on different
-/// groups and works.
+/// groups and works; they set the floating-point mode on entry and restore it.
 class Environment {
  public:
   /// Configures the plugins and lays WorldState out.
@@ -51,7 +52,7 @@ class Environment {
   const std::vector<PluginInstance>& randomizers() const { return randomizers_; }
   const PluginInstance& task() const { return task_; }
   int action_size() const { return layout().action.size; }
-  int observation_size() const { return task_.channel_count(); }
+  int observation_size() const { return observation_size_; }
 
   StateGroup make_state(int lanes) const { return {layout().words, lanes}; }
   /// Scratch for one group: steppers and buffers. Results never depend on which groups it served.
@@ -64,7 +65,8 @@ class Environment {
   /// Begins the next episode of the lanes in `mask`; writes their first observation, reward 0.
   void reset(StateGroup& group, GroupWork& work, std::uint32_t mask, const Rows& rows) const;
 
-  /// One transition of the lanes in `mask`: exactly K physics steps, unless a fault ends the episode.
+  /// One transition of the lanes in `mask`: exactly K physics steps, unless a fault ends the
+  /// episode.
   /// @param actions  row of lane l at actions + l * action_stride, each in [-1, 1] (clipped)
   void step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
             int action_stride, const Rows& rows) const;
@@ -91,6 +93,8 @@ class Environment {
   void sense(StateGroup&, GroupWork&, std::uint32_t mask, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
   void evaluate(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
+  void place_at_start(StateGroup&, int lane) const;
   void start(StateGroup&, std::uint32_t mask) const;
   void draw(StateGroup&, GroupWork&, std::uint32_t mask, bool requested) const;
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
@@ -108,7 +112,8 @@ class Environment {
   PluginInstance task_;
   bool needs_bodies_before_ = false;
   int scratch_size_ = 0;  ///< of the widest signal between two controllers
-  std::vector<double> initial_;  ///< default values of the q, u, rotor_speed and params blocks
+  int observation_size_ = 0;
+  LaneState initial_;  ///< what every reset starts from; nominal parameters
 };
 
 }  // namespace skybody

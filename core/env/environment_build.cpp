@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/env/check_declarations.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 #include "core/env/setup_tables.h"
@@ -52,7 +53,6 @@ struct Environment::Builder {
     configure_kind(SKYBODY_RANDOMIZER, tables);
     check_writers();
     configure_kind(SKYBODY_TASK, tables);
-    check_task();
     lay_out();
     remember_start();
   }
@@ -65,8 +65,12 @@ struct Environment::Builder {
     for (int r = 0; r < static_cast<int>(s.robots.size()); ++r) {
       const RobotUse& robot = s.robots[static_cast<std::size_t>(r)];
       for (const PluginUse& use : robot.controllers) {
-        uses.push_back({&use, SKYBODY_CONTROLLER, r,
-                        "robots." + robot.name + ".controllers." + use.instance, {}, {}});
+        uses.push_back({&use,
+                        SKYBODY_CONTROLLER,
+                        r,
+                        "robots." + robot.name + ".controllers." + use.instance,
+                        {},
+                        {}});
       }
     }
     for (const PluginUse& use : s.randomization) {
@@ -87,8 +91,8 @@ struct Environment::Builder {
       auto& texts = bound.texts.emplace_back();
       for (const std::string& t : p.texts) texts.push_back(t.c_str());
       value.texts = texts.data();
-      value.count =
-          static_cast<std::uint32_t>(p.type == ParameterType::kText ? texts.size() : p.numbers.size());
+      value.count = static_cast<std::uint32_t>(p.type == ParameterType::kText ? texts.size()
+                                                                              : p.numbers.size());
       const auto found = randomizable.find(p.name);
       if (found != randomizable.end() && !p.numbers.empty()) {
         value.env_param = add_env_params(bound.path + "." + p.name, p.numbers, found->second);
@@ -140,6 +144,7 @@ struct Environment::Builder {
       made.self = std::move(result.self);
       made.kernels = result.kernels;
       made.state_words = static_cast<int>(result.plugin->state_words);
+      check_declarations(world, made);
     } catch (const Error& e) {
       throw MarkedError(bound.use->mark, e.what());
     }
@@ -156,7 +161,8 @@ struct Environment::Builder {
     throw MarkedError({world.scenario.file, 0, 0}, message);
   }
 
-  /// Chains the controllers of each robot and gives commands, actions, sites and drives their places.
+  /// Chains the controllers of each robot and gives commands, actions, sites and drives their
+  /// places.
   void connect_controllers(SetupTables& tables) {
     int next = 0;
     world.drives.assign(world.scenario.robots.size(), DriveKind::kNone);
@@ -178,20 +184,26 @@ struct Environment::Builder {
   void check_link(const ControllerChain& chain, int i) {
     const int index = chain.first + i;
     const PluginInstance& c = env.controllers_[static_cast<std::size_t>(index)];
-    if (c.input_count() == 0) refuse(index, "controller `" + c.name + "` declares no input");
+    if (!c.sites.empty() && (i + 1 < chain.count || c.output_signal != SKYBODY_WRENCH)) {
+      refuse(index, "controller `" + c.name +
+                        "` declares wrench sites, but is not the last one or gives " +
+                        signal_name(c.output_signal) + ": only the last one's wrench acts");
+    }
     if (i + 1 == chain.count) {
       if (!actuates(c.output_signal)) {
-        refuse(index, "the last controller, `" + c.name + "`, gives " + signal_name(c.output_signal) +
+        refuse(index, "the last controller, `" + c.name + "`, gives " +
+                          signal_name(c.output_signal) +
                           "; it must give rotor_speed, wrench, velocity or pose: add a controller "
-                          "behind it that takes " + signal_name(c.output_signal));
+                          "behind it that takes " +
+                          signal_name(c.output_signal));
       }
       check_actuator(index, c);
       return;
     }
     const PluginInstance& after = env.controllers_[static_cast<std::size_t>(index + 1)];
     if (after.input_signal != c.output_signal || after.input_count() != c.output_count) {
-      refuse(index + 1, "controller `" + after.name + "` takes " + signal_name(after.input_signal) + "[" +
-                            std::to_string(after.input_count()) + "], but `" + c.name +
+      refuse(index + 1, "controller `" + after.name + "` takes " + signal_name(after.input_signal) +
+                            "[" + std::to_string(after.input_count()) + "], but `" + c.name +
                             "` before it gives " + signal_name(c.output_signal) + "[" +
                             std::to_string(c.output_count) + "]");
     }
@@ -200,9 +212,9 @@ struct Environment::Builder {
   void check_actuator(int index, const PluginInstance& c) {
     const int rotors = world.layout.robots[static_cast<std::size_t>(c.robot)].rotor_count;
     const int expected = c.output_signal == SKYBODY_ROTOR_SPEED ? rotors
-                         : c.output_signal == SKYBODY_WRENCH    ? 6 * static_cast<int>(c.sites.size())
-                         : c.output_signal == SKYBODY_VELOCITY  ? 6
-                                                                : 7;
+                         : c.output_signal == SKYBODY_WRENCH ? 6 * static_cast<int>(c.sites.size())
+                         : c.output_signal == SKYBODY_VELOCITY ? 6
+                                                               : 7;
     if (c.output_count != expected) {
       refuse(index, "controller `" + c.name + "` gives " + signal_name(c.output_signal) + "[" +
                         std::to_string(c.output_count) + "], this robot takes [" +
@@ -244,8 +256,8 @@ struct Environment::Builder {
         const auto [it, fresh] = writers.emplace(param, &env.randomizers_[i]);
         if (!fresh && it->second != &env.randomizers_[i]) {
           throw MarkedError(world.scenario.randomization[i].mark,
-                            "randomizers `" + it->second->name + "` and `" + env.randomizers_[i].name +
-                                "` both draw " +
+                            "randomizers `" + it->second->name + "` and `" +
+                                env.randomizers_[i].name + "` both draw " +
                                 world.layout.param_info[static_cast<std::size_t>(param)].path +
                                 ": leave it to one of them");
         }
@@ -253,17 +265,12 @@ struct Environment::Builder {
     }
   }
 
-  void check_task() const {
-    if (env.task_.channel_count() == 0) {
-      throw MarkedError(world.scenario.task.mark,
-                        "task `" + env.task_.name + "` declares no observation");
-    }
-  }
-
   void lay_out() {
     Layout& l = world.layout;
-    l.bodies_before.size = env.needs_bodies_before_ ? 13 * static_cast<int>(world.bodies.size()) : 0;
-    l.last_observation.size = env.observation_size();
+    l.bodies_before.size =
+        env.needs_bodies_before_ ? 13 * static_cast<int>(world.bodies.size()) : 0;
+    env.observation_size_ = env.task_.channel_count();
+    l.last_observation.size = env.observation_size_;
     int words = 0;
     for_each_plugin([&](PluginInstance& p) { words += p.state_words + p.buffer_words; });
     l.plugin_state.size = words;
@@ -288,15 +295,9 @@ struct Environment::Builder {
 
   /// The values that every reset starts from.
   void remember_start() {
-    LaneState start;
-    write_default_state(world, start);
-    start.params.resize(world.layout.param_info.size());
-    for (std::size_t i = 0; i < start.params.size(); ++i) {
-      start.params[i] = world.layout.param_info[i].nominal;
-    }
-    for (const auto* values : {&start.q, &start.u, &start.rotor_speed, &start.params}) {
-      env.initial_.insert(env.initial_.end(), values->begin(), values->end());
-    }
+    write_default_state(world, env.initial_);
+    env.initial_.params.clear();
+    for (const EnvParam& p : world.layout.param_info) env.initial_.params.push_back(p.nominal);
   }
 };
 
@@ -314,7 +315,9 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   work->lanes.resize(n);
   for (GroupWork::Lane& lane : work->lanes) {
     LaneState& s = lane.state;
-    const auto sized = [](Block b) { return std::vector<double>(static_cast<std::size_t>(b.size)); };
+    const auto sized = [](Block b) {
+      return std::vector<double>(static_cast<std::size_t>(b.size));
+    };
     s.q = sized(l.q);
     s.u = sized(l.u);
     s.rotor_speed = sized(l.rotor_speed);

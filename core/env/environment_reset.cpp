@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/fp_environment.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 
@@ -12,20 +13,34 @@ void Environment::initialize(StateGroup& group, int lane, std::uint64_t seed,
   for (int k = 0; k < group.words(); ++k) group.bits(k)[lane] = 0;
   group.bits(kSeed)[lane] = seed;
   group.bits(kStreamEnv)[lane] = stream_env;
-  const Layout& l = layout();
-  const std::size_t start = static_cast<std::size_t>(l.q.size + l.u.size + l.rotor_speed.size);
-  group.scatter(lane, l.params, initial_.data() + start);
+  place_at_start(group, lane);
+  group.scatter(lane, layout().params, initial_.params.data());
 }
 
-void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask, const Rows& rows) const {
-  work.faulted = 0;
+/// The scenario's poses, velocities, rotors and held commands.
+void Environment::place_at_start(StateGroup& group, int lane) const {
+  const Layout& l = layout();
+  group.scatter(lane, l.q, initial_.q.data());
+  group.scatter(lane, l.u, initial_.u.data());
+  group.scatter(lane, l.rotor_speed, initial_.rotor_speed.data());
+  group.scatter(lane, l.rotor_command, initial_.rotor_command.data());
+  group.scatter(lane, l.drive, initial_.drive.data());
+}
+
+void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                        const Rows& rows) const {
+  check(group, work, mask);
+  const FpEnvironment guard;
+  work.bad_action = work.bad_state = 0;
   start(group, mask);
   clear_plugin_states(group, mask);
+  update(group, work, mask);  // randomizers may look at the bodies
   draw(group, work, mask, false);
-  silence_rotors(group, mask);
   update(group, work, mask);
   remember_bodies(group, work, mask);
   for (const PluginInstance& c : controllers_) reset_plugin(c, group, work, mask);
+  silence_rotors(group, mask);  // now that controllers have seen at which speed they began
+  update(group, work, mask);
   reset_plugin(task_, group, work, mask);
   for (const PluginInstance& s : sensors_) reset_plugin(s, group, work, mask);
   sense(group, work, mask, true);
@@ -33,7 +48,8 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask, 
   conclude(group, work, mask, true, rows);
 }
 
-/// Counters, the scenario's poses, and no commands. Drawn parameters stay until a randomizer is due.
+/// Counters, the scenario's poses, and no commands. Drawn parameters stay until a randomizer is
+/// due.
 void Environment::start(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   for (int lane = 0; lane < group.lanes(); ++lane) {
@@ -42,13 +58,8 @@ void Environment::start(StateGroup& group, std::uint32_t mask) const {
     group.bits(kStep)[lane] = 0;
     group.bits(kPhysicsStep)[lane] = 0;
     group.bits(kStatus)[lane] = kRunning;
-    const double* from = initial_.data();
-    for (const Block& block : {l.q, l.u, l.rotor_speed}) {
-      group.scatter(lane, block, from);
-      from += block.size;
-    }
-    for (const Block& block : {l.rotor_command, l.wrench, l.drive, l.action, l.command, l.sensors,
-                               l.last_observation}) {
+    place_at_start(group, lane);
+    for (const Block& block : {l.wrench, l.action, l.command, l.sensors, l.last_observation}) {
       double* values = group.reals(block);
       for (int k = 0; k < block.size; ++k) values[k * group.lanes() + lane] = 0.0;
     }
@@ -77,7 +88,8 @@ void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group, 
 }
 
 /// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
-void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask, bool requested) const {
+void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                       bool requested) const {
   if (randomizers_.empty()) return;
   const Layout& l = layout();
   SkybodyLanes v = view(group, work, mask);
@@ -90,12 +102,13 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask, b
   }
 }
 
-/// Rotors that no controller drives stand still: a robot moved by a wrench or a drive would be pushed
-/// twice while they run down.
+/// Rotors that no controller drives stand still: a robot moved by a wrench or a drive would be
+/// pushed twice while they run down.
 void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
   for (const ControllerChain& chain : chains_) {
     if (chain.count == 0) continue;
-    const PluginInstance& last = controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
+    const PluginInstance& last =
+        controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
     if (last.output_signal == SKYBODY_ROTOR_SPEED) continue;
     const RobotLayout& robot = layout().robots[static_cast<std::size_t>(last.robot)];
     for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
@@ -117,8 +130,8 @@ void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int para
   }
 }
 
-/// Requested draws have counters of their own, beyond all physics steps, so that they differ from one
-/// another and from the reset's.
+/// Requested draws have counters of their own, beyond all physics steps, so that they differ from
+/// one another and from the reset's.
 const std::uint64_t* Environment::number_requests(StateGroup& group, GroupWork& work,
                                                   std::uint32_t mask) const {
   std::uint64_t* requests = group.bits(kRequests);
@@ -130,6 +143,9 @@ const std::uint64_t* Environment::number_requests(StateGroup& group, GroupWork& 
 }
 
 void Environment::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  check(group, work, mask);
+  const FpEnvironment guard;
+  update(group, work, mask);
   // Motion goes on: a randomizer that also places robots must not move them now.
   const Layout& l = layout();
   std::vector<double> motion;

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/error.h"
+#include "core/base/fp_environment.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 
@@ -16,15 +18,44 @@ void each(std::uint32_t mask, F&& f) {
   }
 }
 
-bool same_bits(const std::vector<double>& mine, const double* theirs) {
-  return std::memcmp(mine.data(), theirs, mine.size() * sizeof(double)) == 0;
+/// Whether a lane's copy has the bits of the group's block.
+bool same_bits(const std::vector<double>& mine, const StateGroup& group, int lane, Block block) {
+  const double* theirs = group.reals(block);
+  const int lanes = group.lanes();
+  if (lanes == 1) return std::memcmp(mine.data(), theirs, mine.size() * sizeof(double)) == 0;
+  for (int k = 0; k < block.size; ++k) {
+    if (std::memcmp(&mine[static_cast<std::size_t>(k)], theirs + k * lanes + lane,
+                    sizeof(double)) != 0) {
+      return false;
+    }
+  }
+  return true;
 }
+
+/// Reason bits of a lane's fault, 0 if there is none.
+std::uint64_t fault_reason(const GroupWork& work, int lane, bool finite_outcome) {
+  std::uint64_t reason = finite_outcome ? std::uint64_t{0} : std::uint64_t{kBadOutcome};
+  if (((work.bad_action >> lane) & 1u) != 0) reason |= kBadAction;
+  if (((work.bad_state >> lane) & 1u) != 0) reason |= kBadState;
+  return reason;
+}
+
+/// Every NaN is one: which sign and payload it has may depend on the order of operands.
+std::uint64_t canonical(std::uint64_t word) {
+  constexpr std::uint64_t kInfinityBits = 0x7ff0000000000000u;
+  return (word & ~(std::uint64_t{1} << 63)) > kInfinityBits ? kInfinityBits + 1 : word;
+}
+
+/// Finite as the float that the learner gets.
+bool is_finite_float(double value) { return std::isfinite(static_cast<float>(value)); }
 
 }  // namespace
 
 void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
                        int action_stride, const Rows& rows) const {
-  work.faulted = 0;
+  check(group, work, mask);
+  const FpEnvironment guard;
+  work.bad_action = work.bad_state = 0;
   update(group, work, mask);
   act(group, work, mask, actions, action_stride);
   std::uint32_t flying = mask;
@@ -36,6 +67,12 @@ void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, c
   each(mask, [&](int lane) { ++group.bits(kStep)[lane]; });
   evaluate(group, work, mask);
   conclude(group, work, mask, false, rows);
+}
+
+void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
+  SKYBODY_DEMAND(static_cast<int>(work.lanes.size()) == group.lanes(),
+                 "a work of another group size");
+  SKYBODY_DEMAND(group.lanes() >= 32 || (mask >> group.lanes()) == 0, "a mask beyond the group");
 }
 
 SkybodyLanes Environment::view(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
@@ -63,9 +100,10 @@ void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask)
   const Layout& l = layout();
   each(mask, [&](int lane) {
     GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
-    if (group.lanes() == 1 && w.current && same_bits(w.state.q, group.reals(l.q)) &&
-        same_bits(w.state.u, group.reals(l.u)) && same_bits(w.state.params, group.reals(l.params)) &&
-        same_bits(w.state.rotor_speed, group.reals(l.rotor_speed))) {
+    if (w.current && same_bits(w.state.q, group, lane, l.q) &&
+        same_bits(w.state.u, group, lane, l.u) &&
+        same_bits(w.state.params, group, lane, l.params) &&
+        same_bits(w.state.rotor_speed, group, lane, l.rotor_speed)) {
       return;
     }
     if (!w.stepper) w.stepper = make_simbody_stepper(*world_);
@@ -105,7 +143,7 @@ void Environment::act(StateGroup& group, GroupWork& work, std::uint32_t mask, co
     bool finite = true;
     for (int k = 0; k < l.action.size; ++k) finite = finite && std::isfinite(row[k]);
     if (!finite) {
-      work.faulted |= 1u << lane;
+      work.bad_action |= 1u << lane;
       return;
     }
     for (int k = 0; k < l.action.size; ++k) {
@@ -143,7 +181,8 @@ void Environment::control(StateGroup& group, GroupWork& work, std::uint32_t mask
     for (int i = 0; i < chain.count; ++i) {
       const PluginInstance& c = controllers_[static_cast<std::size_t>(chain.first + i)];
       double* output = work.signal[i & 1].data();
-      c.kernels.control(c.self.get(), &v, group.bits(c.state), group.reals(c.buffer), input, output);
+      c.kernels.control(c.self.get(), &v, group.bits(c.state), group.reals(c.buffer), input,
+                        output);
       input = output;
       if (i + 1 == chain.count) actuate(group, mask, c, chain, output);
     }
@@ -193,11 +232,12 @@ void Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t& mas
     show_bodies(group, work, lane);
     ++group.bits(kPhysicsStep)[lane];
   });
-  work.faulted |= fallen;
+  work.bad_state |= fallen;
   mask &= ~fallen;
 }
 
-/// Sensors that are due after this physics step, each lane by its own count; all of them at a reset.
+/// Sensors that are due after this physics step, each lane by its own count; all of them at a
+/// reset.
 void Environment::sense(StateGroup& group, GroupWork& work, std::uint32_t mask, bool all) const {
   if (sensors_.empty() || mask == 0) return;
   const int lanes = group.lanes();
@@ -235,13 +275,16 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
   double* last = group.reals(layout().last_observation);
   each(mask, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
-    bool finite = std::isfinite(work.reward[l]);
-    for (int k = 0; k < size; ++k) finite = finite && std::isfinite(work.observation[static_cast<std::size_t>(k * lanes + lane)]);
+    bool finite = is_finite_float(work.reward[l]);
+    for (int k = 0; k < size; ++k) {
+      finite =
+          finite && is_finite_float(work.observation[static_cast<std::size_t>(k * lanes + lane)]);
+    }
     std::uint64_t status = is_reset ? kRunning : work.end[l] & (kTerminated | kTruncated);
     double reward = is_reset ? 0.0 : work.reward[l];
     if (!is_reset && horizon > 0 && group.bits(kStep)[lane] >= horizon) status |= kTruncated;
-    if (!finite || ((work.faulted >> lane) & 1u) != 0) {
-      status = kTruncated | kFault;
+    if (const std::uint64_t reason = fault_reason(work, lane, finite); reason != 0) {
+      status = kTruncated | kFault | reason;
       reward = 0.0;
     }
     if (finite) {
@@ -257,7 +300,9 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
   });
 }
 
-void Environment::goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const {
+void Environment::goal(StateGroup& group, GroupWork& work, int lane,
+                       std::vector<double>& out) const {
+  const FpEnvironment guard;
   out.assign(task_.goals.size() * 4, 0.0);
   if (task_.kernels.goal == nullptr || out.empty()) return;
   const auto lanes = static_cast<std::size_t>(group.lanes());
@@ -270,9 +315,13 @@ void Environment::goal(StateGroup& group, GroupWork& work, int lane, std::vector
   }
 }
 
-void Environment::hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const {
+void Environment::hash(const StateGroup& group, int lane, const Rows& rows,
+                       HashChain& chain) const {
   const auto lanes = static_cast<std::size_t>(group.lanes());
-  chain.update(group.bits(0) + lane, static_cast<std::size_t>(layout().words), lanes);
+  const std::uint64_t* words = group.bits(0) + lane;
+  for (int k = 0; k < layout().words; ++k) {
+    chain.update(canonical(words[static_cast<std::size_t>(k) * lanes]));
+  }
   const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * rows.observation_stride;
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));
   chain.update(static_cast<double>(rows.reward[lane]));

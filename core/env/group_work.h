@@ -20,13 +20,14 @@ class GroupWork {
   };
 
   std::vector<Lane> lanes;
-  std::vector<double> bodies;       ///< 13 per body, in lanes: what plugins see
-  std::vector<double> signal[2];    ///< between controllers, in lanes
-  std::vector<double> observation;  ///< in lanes
-  std::vector<double> reward;       ///< 1 per lane
-  std::vector<std::uint64_t> end;   ///< 1 per lane
+  std::vector<double> bodies;          ///< 13 per body, in lanes: what plugins see
+  std::vector<double> signal[2];       ///< between controllers, in lanes
+  std::vector<double> observation;     ///< in lanes
+  std::vector<double> reward;          ///< 1 per lane
+  std::vector<std::uint64_t> end;      ///< 1 per lane
   std::vector<std::uint64_t> request;  ///< counters of requested draws, 1 per lane
-  std::uint32_t faulted = 0;        ///< lanes whose present transition is a fault
+  std::uint32_t bad_action = 0;        ///< lanes of the present transition with such a fault
+  std::uint32_t bad_state = 0;         ///< likewise
 };
 
 }  // namespace skybody

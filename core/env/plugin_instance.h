@@ -15,7 +15,7 @@ struct Channel {
   std::string name;
   std::string unit;
   int count = 0;
-  double low = 0.0;   ///< bounds of the values, may be infinite
+  double low = 0.0;  ///< bounds of the values, may be infinite
   double high = 0.0;
 };
 

@@ -20,23 +20,26 @@ struct Block {
 
 /// Positions of the header's words (std::uint64_t each).
 enum HeaderWord : int {
-  kSeed = 0,           ///< first half of the random key
-  kStreamEnv = 1,      ///< second half: the env id, or a fork's own key
-  kEpisode = 2,        ///< number of resets so far
-  kStep = 3,           ///< actions taken in this episode
-  kPhysicsStep = 4,    ///< physics steps taken in this episode
-  kForks = 5,          ///< how many rekeyed copies were made of this environment
-  kStatus = 6,         ///< EpisodeStatus bits of the last transition
-  kRequests = 7,       ///< draws that were asked for in mid-episode, in all
+  kSeed = 0,         ///< first half of the random key
+  kStreamEnv = 1,    ///< second half: the env id, or a fork's own key
+  kEpisode = 2,      ///< number of resets so far
+  kStep = 3,         ///< actions taken in this episode
+  kPhysicsStep = 4,  ///< physics steps taken in this episode
+  kForks = 5,        ///< how many rekeyed copies were made of this environment
+  kStatus = 6,       ///< EpisodeStatus bits of the last transition
+  kRequests = 7,     ///< draws that were asked for in mid-episode, in all
   kHeaderSize = 8,
 };
 
 /// Bits of kStatus, and of a transition's flags.
 enum EpisodeStatus : std::uint64_t {
   kRunning = 0,
-  kTerminated = 1,  ///< the task ended the episode
-  kTruncated = 2,   ///< horizon, or a fault
-  kFault = 4,       ///< a non-finite action or state, or an integrator that gave up
+  kTerminated = 1,   ///< the task ended the episode
+  kTruncated = 2,    ///< horizon, or a fault
+  kFault = 4,        ///< with one of the reasons below; always truncated as well
+  kBadAction = 8,    ///< the action was not finite; the last one was kept
+  kBadState = 16,    ///< physics gave up or left the finite numbers (unphysical drawn values, too)
+  kBadOutcome = 32,  ///< observation or reward is not finite as a float
 };
 
 /// Where one robot's values lie inside the q, u, rotor and body blocks.
@@ -51,10 +54,10 @@ struct RobotLayout {
 
 /// A randomizable value: one word per environment in the parameter block.
 struct EnvParam {
-  std::string path;      ///< canonical, such as robots.quad.rotors[2].thrust_constant
+  std::string path;  ///< canonical, such as robots.quad.rotors[2].thrust_constant
   std::string unit;
   double nominal = 0.0;
-  double min = 0.0;      ///< inclusive bounds of what may be drawn
+  double min = 0.0;  ///< inclusive bounds of what may be drawn
   double max = 0.0;
 };
 
@@ -62,11 +65,22 @@ struct EnvParam {
 /// mass, com x y z, inertia xx yy zz xy xz yz) and of one rotor's constants.
 enum BodyParam : int { kMass = 0, kCom = 1, kInertia = 4, kBodyParamCount = 10 };
 enum RotorParam : int {
-  kThrustConstant = 0, kMomentConstant, kDragConstant, kRollingMomentConstant,
-  kRotorInertia, kMaxSpeed, kTauUp, kTauDown, kRotorParamCount
+  kThrustConstant = 0,
+  kMomentConstant,
+  kDragConstant,
+  kRollingMomentConstant,
+  kRotorInertia,
+  kMaxSpeed,
+  kTauUp,
+  kTauDown,
+  kRotorParamCount
 };
 /// Per robot: disturbance force (3, W axes) and moment (3, base axes).
-enum DisturbanceParam : int { kDisturbanceForce = 0, kDisturbanceMoment = 3, kDisturbanceParamCount = 6 };
+enum DisturbanceParam : int {
+  kDisturbanceForce = 0,
+  kDisturbanceMoment = 3,
+  kDisturbanceParamCount = 6
+};
 
 /// The order of WorldState. Blocks follow one another in the order of the members.
 struct Layout {
@@ -76,19 +90,20 @@ struct Layout {
   Block rotor_command;  ///< the reference held during the physics step [rad/s]
   Block wrench;         ///< 6 per wrench site (force, moment), held during the physics step
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
-  Block bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if nobody asks
-  Block params;         ///< EnvParams: every randomizable value
-  Block action;         ///< last action, clipped to [-1, 1]
-  Block command;        ///< input of the first controller of each robot, in order
-  Block sensors;        ///< outputs of all sensors
-  Block plugin_state;   ///< words of all plugin instances
+  Block
+      bodies_before;   ///< 13 per body at the start of the last physics step; size 0 if nobody asks
+  Block params;        ///< EnvParams: every randomizable value
+  Block action;        ///< last action, clipped to [-1, 1]
+  Block command;       ///< input of the first controller of each robot, in order
+  Block sensors;       ///< outputs of all sensors
+  Block plugin_state;  ///< words of all plugin instances
   Block last_observation;  ///< float values of the last finite observation, as doubles
-  int words = 0;        ///< total
+  int words = 0;           ///< total
 
   std::vector<RobotLayout> robots;
-  std::vector<EnvParam> param_info;  ///< one per word of `params`
-  std::vector<int> body_params;      ///< per body: first of its kBodyParamCount words
-  std::vector<int> rotor_params;     ///< per rotor: first of its kRotorParamCount words
+  std::vector<EnvParam> param_info;     ///< one per word of `params`
+  std::vector<int> body_params;         ///< per body: first of its kBodyParamCount words
+  std::vector<int> rotor_params;        ///< per rotor: first of its kRotorParamCount words
   std::vector<int> disturbance_params;  ///< per robot: first of its kDisturbanceParamCount words
 
   /// Index of the parameter at `path`, or -1.

@@ -11,7 +11,8 @@ namespace skybody {
 
 class MarkedError : public Error {
  public:
-  MarkedError(SourceMark where, const std::string& message) : Error(message), mark_(std::move(where)) {}
+  MarkedError(SourceMark where, const std::string& message)
+      : Error(message), mark_(std::move(where)) {}
   const SourceMark& mark() const { return mark_; }
 
  private:

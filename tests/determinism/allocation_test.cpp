@@ -1,6 +1,6 @@
 // No allocation of ours in the step path: operator new is replaced, and every call that comes from
-// libskybody or a plugin while stepping is counted. Simbody's own allocations (13 a step in the air)
-// come from its libraries and are not.
+// libskybody or a plugin while stepping is counted. Simbody's own allocations (13 a step in the
+// air) come from its libraries and are not.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,8 @@ bool is_ours(void* caller) {
   if (dladdr(caller, &info) == 0 || info.dli_fname == nullptr) return false;
   const char* name = std::strrchr(info.dli_fname, '/');
   name = name == nullptr ? info.dli_fname : name + 1;
-  return std::strncmp(name, "libskybody", 10) == 0 || std::strstr(info.dli_fname, "skybody/plugins/") != nullptr;
+  return std::strncmp(name, "libskybody", 10) == 0 ||
+         std::strstr(info.dli_fname, "skybody/plugins/") != nullptr;
 }
 
 [[gnu::noinline]] void note(void* caller) {

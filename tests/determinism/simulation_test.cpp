@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -32,7 +33,9 @@ void fly(Simulation& simulation, int steps, std::uint64_t salt = 0) {
 
 class EveryScenario : public testing::TestWithParam<const char*> {
  protected:
-  Simulation make(std::uint64_t seed = 5) { return Simulation({.scenario = scenario(GetParam()), .seed = seed}); }
+  Simulation make(std::uint64_t seed = 5) {
+    return Simulation({.scenario = scenario(GetParam()), .seed = seed});
+  }
 };
 
 TEST_P(EveryScenario, RepeatsBitForBitAndSeedsDiffer) {
@@ -106,6 +109,20 @@ TEST(Simulation, RefusesAnActionOfAnotherSizeAndAStepBeforeAReset) {
   EXPECT_THROW(hover.step(four), Error);
   hover.reset();
   EXPECT_THROW(hover.step(five), Error);
+}
+
+TEST(Simulation, AWrenchOnTheBodyStartsInBalanceWithTheRotorsOfTheStart) {
+  Simulation hover(
+      {.scenario = scenario("hover.yaml"),
+       .overrides = {"robots[0].controllers=[{plugin: ctbt, parameters: {apply: body}}]"}});
+  hover.reset();
+  for (const double speed : hover.rotor_speeds()) EXPECT_EQ(speed, 0.0);  // idle: the wrench acts
+  const std::vector<float> level = {0.0f, 0.0f, 0.0f, 0.0f};
+  const double before = hover.bodies()[0].velocity.z;
+  hover.step(level);
+  // The lag begins at hover thrust, and one millisecond towards another thrust changes little: well
+  // below the 9.81 mm/s that a fall would give.
+  EXPECT_LT(std::abs(hover.bodies()[0].velocity.z - before), 0.002);
 }
 
 TEST(Simulation, RandomizingInMidFlightChangesParametersAndNotTheMotion) {

@@ -24,8 +24,13 @@ class Direct : public Controller {
     Real calls, last_height;
     Word<Real> last_physics_step;
   };
-  RealParameter scale{this, {.name = "scale", .value = 1.0, .min = 0.5, .max = 2.0, .doc = "factor",
-                             .randomizable = true}};
+  RealParameter scale{this,
+                      {.name = "scale",
+                       .value = 1.0,
+                       .min = 0.5,
+                       .max = 2.0,
+                       .doc = "factor",
+                       .randomizable = true}};
 
   void configure(const Setup& setup) override {
     const int n = setup.rotors_of(setup.robot()).size();
@@ -36,7 +41,8 @@ class Direct : public Controller {
     count_ = n;
   }
   template <class Real>
-  void control(const Lanes<Real>& env, State<Real>& s, ConstValues<Real> in, Values<Real> out) const {
+  void control(const Lanes<Real>& env, State<Real>& s, ConstValues<Real> in,
+               Values<Real> out) const {
     s.calls += Real(1.0);
     s.last_height = env.body(body_).position.z;
     s.last_physics_step = env.physics_step();
@@ -58,12 +64,41 @@ class PlainDirect : public Controller {
     setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {4000, 4000, 4000, 4000});
     setup.output(Signal::kRotorSpeed, 4);
   }
-  void control(const Lanes<double>& env, State& s, ConstValues<double> in, Values<double> out) const {
+  void control(const Lanes<double>& env, State& s, ConstValues<double> in,
+               Values<double> out) const {
     s.calls += 1.0;
     s.last_height = env.body(0).position.z;
     s.last_physics_step = env.physics_step();
     for (int i = 0; i < 4; ++i) out.set(i, in[i]);
   }
+};
+
+/// Draws the controller's scale from where it finds the robot: stale bodies would show.
+class Look : public Randomizer {
+ public:
+  void configure(const Setup& setup) override {
+    param_ = setup.find_params("controllers.direct.scale")[0];
+    setup.writes(param_);
+  }
+  template <class Real>
+  void randomize(const Lanes<Real>& env, State<Real>&, Start<Real>& start) const {
+    start.params.set(param_, env.body(0).position.z);
+  }
+
+ private:
+  int param_ = 0;
+};
+
+/// Declares a wrench at a body that is not there.
+class LostSite : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kWrench, std::vector<double>(6, -1.0), std::vector<double>(6, 1.0));
+    setup.output(Signal::kWrench, 6);
+    setup.site({7, {0, 0, 0}, 1, 1});
+  }
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
 /// Gives a signal that no actuator takes.
@@ -133,7 +168,7 @@ class Kick : public Randomizer {
 struct Options {
   int action_repeat = 1, horizon = 0;
   std::string controller = "direct";
-  bool kick = false, kick_twice = false;
+  bool kick = false, kick_twice = false, look = false;
 };
 
 std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& options = {}) {
@@ -142,6 +177,8 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& opti
   factory.add<Dangling>("dangling");
   factory.add<Watch>("watch");
   factory.add<Kick>("kick");
+  factory.add<Look>("look");
+  factory.add<LostSite>("lost_site");
   Scenario s;
   s.name = "test";
   s.stepping.action_repeat = options.action_repeat;
@@ -155,6 +192,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& opti
   s.robots.push_back(robot);
   if (options.kick) s.randomization.push_back(factory.use("kick", "kick"));
   if (options.kick_twice) s.randomization.push_back(factory.use("kick", "again"));
+  if (options.look) s.randomization.push_back(factory.use("look", "look"));
   s.task = factory.use("watch", "task");
   return std::make_unique<Environment>(std::make_unique<World>(std::move(s)), factory);
 }
@@ -176,7 +214,7 @@ TEST(TransitionContract, ControlSeesTheLatestStateInEachOfTheKSteps) {
   flight.reset();
   flight.step({-1, -1, -1, -1});
   const PluginInstance& c = env->controllers()[0];
-  EXPECT_EQ(flight.group.reals(c.state)[0], 10.0);  // once a physics step
+  EXPECT_EQ(flight.group.reals(c.state)[0], 10.0);   // once a physics step
   EXPECT_EQ(flight.group.bits(c.state + 2)[0], 9u);  // its last call: after 9 completed steps
   // Semi-implicit Euler in free fall: z_n = z_0 - g dt^2 n (n + 1) / 2. The tenth call saw n = 9.
   EXPECT_NEAR(flight.group.reals(c.state + 1)[0], 1.0 - 9.81e-6 * 45.0, 1e-12);
@@ -217,7 +255,7 @@ TEST(Fault, ANonFiniteActionKeepsTheLastOneAndTruncates) {
   flight.reset();
   flight.step({0.5f, 0.5f, 0.5f, 0.5f});
   flight.step({0.1f, std::numeric_limits<float>::quiet_NaN(), 0.1f, 0.1f});
-  EXPECT_EQ(flight.status[0], kTruncated | kFault);
+  EXPECT_EQ(flight.status[0], kTruncated | kFault | kBadAction);
   EXPECT_EQ(flight.reward[0], 0.0f);
   EXPECT_EQ(flight.group.reals(env->layout().action)[1], 0.5);
   for (const float o : flight.observation) EXPECT_TRUE(std::isfinite(o));
@@ -236,7 +274,7 @@ TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) 
   flight.group.reals(env->layout().u)[3] = std::numeric_limits<double>::infinity();
   flight.step(actions);
   alone.step(actions);
-  EXPECT_EQ(flight.status[3], kTruncated | kFault);
+  EXPECT_EQ(flight.status[3], kTruncated | kFault | kBadState);
   EXPECT_EQ(flight.reward[3], 0.0f);
   EXPECT_EQ(flight.observation[3 * 4], height);
   for (int lane = 0; lane < 8; ++lane) {
@@ -249,10 +287,36 @@ TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) 
   EXPECT_EQ(flight.status[3], kRunning);  // a reset mends it
 }
 
+TEST(Fault, AnObservationThatOverflowsAFloatIsOne) {
+  InProcessFactory factory;
+  const auto env = make(factory);
+  Flight flight(*env, 1);
+  flight.reset();
+  flight.group.reals(env->layout().q)[2] = 1e200;  // finite as a double
+  flight.step({0, 0, 0, 0});
+  EXPECT_EQ(flight.status[0], kTruncated | kFault | kBadOutcome);
+  EXPECT_EQ(flight.observation[0], 1.0f);  // the last finite one
+  EXPECT_EQ(flight.reward[0], 0.0f);
+}
+
+TEST(Randomization, SeesTheBodiesOfThisResetWhateverTheWorkServedBefore) {
+  InProcessFactory factory;
+  const auto env = make(factory, {.look = true});
+  Flight used(*env, 1), fresh(*env, 1);
+  used.reset();
+  for (int i = 0; i < 100; ++i) used.step({1, 1, 1, 1});  // climbs
+  const auto saved = used.group.save(0);
+  used.reset();
+  fresh.group.restore(0, saved);
+  fresh.reset();
+  EXPECT_EQ(used.group.save(0), fresh.group.save(0));
+}
+
 TEST(Lanes, EightSideBySideHaveTheBitsOfEightOneByOne) {
   for (const char* controller : {"direct", "plain"}) {
     InProcessFactory factory;
-    const auto env = make(factory, {.action_repeat = 3, .controller = controller,
+    const auto env = make(factory, {.action_repeat = 3,
+                                    .controller = controller,
                                     .kick = std::string(controller) == "direct"});
     Flight group(*env, 8);
     group.reset();
@@ -265,7 +329,8 @@ TEST(Lanes, EightSideBySideHaveTheBitsOfEightOneByOne) {
     for (int step = 0; step < 20; ++step) {
       std::vector<float> actions(32);
       for (int k = 0; k < 32; ++k) {
-        actions[static_cast<std::size_t>(k)] = 0.05f * static_cast<float>((k * 7 + step) % 9) - 0.2f;
+        actions[static_cast<std::size_t>(k)] =
+            0.05f * static_cast<float>((k * 7 + step) % 9) - 0.2f;
       }
       group.step(actions);
       for (int l = 0; l < 8; ++l) {
@@ -351,9 +416,20 @@ TEST(Configuration, ASignalThatNoActuatorTakesIsRefusedAtItsLine) {
     FAIL();
   } catch (const MarkedError& e) {
     EXPECT_EQ(e.mark().file, "test.yaml");
-    EXPECT_STREQ(e.what(),
-                 "the last controller, `dangling`, gives srt; it must give rotor_speed, wrench, velocity "
-                 "or pose: add a controller behind it that takes srt");
+    EXPECT_STREQ(
+        e.what(),
+        "the last controller, `dangling`, gives srt; it must give rotor_speed, wrench, velocity "
+        "or pose: add a controller behind it that takes srt");
+  }
+}
+
+TEST(Configuration, ASiteOnABodyThatIsNotThereIsRefused) {
+  InProcessFactory factory;
+  try {
+    make(factory, {.controller = "lost_site"});
+    FAIL();
+  } catch (const MarkedError& e) {
+    EXPECT_STREQ(e.what(), "plugin `lost_site` names body 7 of 1; this is a mistake in the plugin");
   }
 }
 
@@ -364,7 +440,8 @@ TEST(Configuration, TwoRandomizersOfOneParameterAreRefused) {
     FAIL();
   } catch (const MarkedError& e) {
     EXPECT_STREQ(e.what(),
-                 "randomizers `kick` and `again` both draw robots.quad.controllers.direct.scale: leave it to "
+                 "randomizers `kick` and `again` both draw robots.quad.controllers.direct.scale: "
+                 "leave it to "
                  "one of them");
   }
 }

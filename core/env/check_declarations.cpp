@@ -1,0 +1,67 @@
+#include "core/env/check_declarations.h"
+
+#include <cmath>
+#include <string>
+
+#include "core/base/error.h"
+
+namespace skybody {
+namespace {
+
+[[noreturn]] void refuse(const PluginInstance& plugin, const std::string& what) {
+  throw Error("plugin `" + plugin.plugin + "` " + what + "; this is a mistake in the plugin");
+}
+
+bool is_signal(int signal) { return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT; }
+
+void check_controller(const PluginInstance& p) {
+  if (!is_signal(p.input_signal) || p.low.empty()) refuse(p, "declares no input that there is");
+  if (!is_signal(p.output_signal) || p.output_count < 1) {
+    refuse(p, "declares no output that there is");
+  }
+  for (std::size_t k = 0; k < p.low.size(); ++k) {
+    if (!std::isfinite(p.low[k]) || !std::isfinite(p.high[k]) || p.low[k] > p.high[k]) {
+      refuse(p, "declares an input range that is not finite or upside down, component " +
+                    std::to_string(k));
+    }
+  }
+}
+
+}  // namespace
+
+void check_declarations(const World& world, const PluginInstance& p) {
+  const auto bodies = static_cast<int>(world.bodies.size());
+  const auto robots = static_cast<int>(world.scenario.robots.size());
+  const auto params = static_cast<int>(world.layout.param_info.size());
+  if (p.kind == SKYBODY_CONTROLLER) check_controller(p);
+  if (p.buffer_words < 0)
+    refuse(p, "asks for a buffer of " + std::to_string(p.buffer_words) + " words");
+  for (const WrenchSite& site : p.sites) {
+    if (site.body < 0 || site.body >= bodies) {
+      refuse(p, "names body " + std::to_string(site.body) + " of " + std::to_string(bodies));
+    }
+  }
+  for (const Goal& goal : p.goals) {
+    if (goal.robot < 0 || goal.robot >= robots || goal.body < 0 || goal.body >= bodies) {
+      refuse(p, "declares a goal about robot " + std::to_string(goal.robot) + ", body " +
+                    std::to_string(goal.body) + ", which there is not");
+    }
+  }
+  for (const int param : p.writes) {
+    if (param < 0 || param >= params) {
+      refuse(p, "writes parameter " + std::to_string(param) + " of " + std::to_string(params));
+    }
+  }
+  for (const Channel& c : p.channels) {
+    if (c.count < 1 || !(c.low <= c.high)) {
+      refuse(p, "declares channel `" + c.name + "` with " + std::to_string(c.count) +
+                    " values or bounds upside down");
+    }
+  }
+  const bool gives = p.kind == SKYBODY_SENSOR || p.kind == SKYBODY_TASK;
+  if (gives && p.channels.empty()) {
+    refuse(p, p.kind == SKYBODY_TASK ? "declares no observation" : "declares no output");
+  }
+}
+
+}  // namespace skybody
