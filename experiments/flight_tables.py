@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Flies the hover scenario with every shipped vehicle and in every control mode, and prints the errors.
+"""Flies the hover scenario with every shipped vehicle and in every control mode.
 
-    .venv/bin/python experiments/flight_tables.py [--program build/release/bin/skybody] [--markdown FILE]
+    .venv/bin/python experiments/flight_tables.py [--program PROGRAM] [--markdown FILE]
 
-Each flight is one episode of 20 s under the hold baseline, seed 1. The error is the distance between
-the vehicle and its goal [mm], mean and maximum over the last second. Exit code 1 if a flight faults or
-ends before its horizon.
+Each flight is one episode of 20 s under the hold baseline, seed 1. The error is the distance
+between the vehicle and its goal [mm], mean and maximum over the last second. Exit code 1 if a
+flight faults or ends before its horizon.
 """
 
 from __future__ import annotations
@@ -44,7 +44,9 @@ def fly(program: Path, overrides: list[str]) -> tuple[float, float, str]:
         command = [str(program), "run", "hover", "--policy", "hold", "--seed", "1", "--no-picture"]
         for override in overrides:
             command += ["--set", override]
-        done = subprocess.run([*command, "--out", folder], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [*command, "--out", folder], capture_output=True, text=True, check=False
+        )
         if done.returncode != 0:
             sys.exit(f"{' '.join(command)}\n{done.stderr}")
         with h5py.File(Path(folder) / "flight.h5") as log:
@@ -60,7 +62,10 @@ def fly(program: Path, overrides: list[str]) -> tuple[float, float, str]:
 def table(rows: list[list[str]]) -> str:
     """Rows as a Markdown table; the first is the head."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = ["| " + " | ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)) + " |" for row in rows]
+    lines = [
+        "| " + " | ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)) + " |"
+        for row in rows
+    ]
     lines.insert(1, "| " + " | ".join("-" * w for w in widths) + " |")
     return "\n".join(lines)
 
@@ -72,9 +77,13 @@ def vehicle_table(program: Path) -> tuple[str, bool]:
     models = [(name, [f"robots[0].model={name}"]) for name in VEHICLES]
     if RACER.exists():
         rotors = ROOT / "scenarios/models/racer/rotors.yaml"
-        models.append(("racer (another's URDF)", [f"robots[0].model={RACER}", f"robots[0].rotors={rotors}"]))
+        models.append(
+            ("racer (another's URDF)", [f"robots[0].model={RACER}", f"robots[0].rotors={rotors}"])
+        )
     for name, overrides in models:
-        mean, most, end = fly(program, [*overrides, f"robots[0].controllers={MODES['rotor_speed']}"])
+        mean, most, end = fly(
+            program, [*overrides, f"robots[0].controllers={MODES['rotor_speed']}"]
+        )
         good &= end == "truncated"
         rows.append([name, f"{mean:.4f}", f"{most:.4f}", end])
     return table(rows), good
@@ -87,7 +96,9 @@ def mode_table(program: Path) -> tuple[str, bool]:
     for mode, controllers in MODES.items():
         row = [mode]
         for vehicle in VEHICLES:
-            mean, _, end = fly(program, [f"robots[0].model={vehicle}", f"robots[0].controllers={controllers}"])
+            mean, _, end = fly(
+                program, [f"robots[0].model={vehicle}", f"robots[0].controllers={controllers}"]
+            )
             good &= end == "truncated"
             row.append(f"{mean:.4f}" if end == "truncated" else f"{mean:.4f} ({end})")
         rows.append(row)
@@ -96,7 +107,9 @@ def mode_table(program: Path) -> tuple[str, bool]:
 
 def main() -> int:
     """Prints both tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
     parser.add_argument("--markdown", type=Path, help="also write the tables to this file")
     options = parser.parse_args()
@@ -107,7 +120,8 @@ def main() -> int:
     if options.markdown:
         options.markdown.write_text(
             "# Flights under the hold baseline\n\n"
-            "Distance from the goal in the last second of 20 s, seed 1, by `experiments/flight_tables.py`.\n\n"
+            "Distance from the goal in the last second of 20 s, seed 1; by\n"
+            "`experiments/flight_tables.py --markdown docs/flights.md`.\n\n"
             f"{vehicles}\n\nMean error by control mode:\n\n{modes}\n"
         )
     return 0 if vehicles_good and modes_good else 1

@@ -2,4 +2,4 @@
 # Writes docs/scenarios.md anew from its head and the declared keys.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-{ cat docs/scenarios.head.md; build/release/bin/skybody schema --markdown; } >docs/scenarios.md
+{ cat scripts/scenarios_head.md; build/release/bin/skybody schema --markdown; } >docs/scenarios.md
