@@ -29,7 +29,8 @@ struct RotorEffect {
 inline RotorEffect effect_of(const RotorInfo& rotor, const BodyInfo& base) {
   const Vec3<double> axis = vec3(rotor.axis);
   const Vec3<double> arm = vec3(rotor.position) - vec3(base.com);
-  const double reaction = -rotor.direction * rotor.constants[kMoment] / rotor.constants[kThrust];
+  const double reaction = -rotor.direction * rotor.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] /
+                          rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
   return {axis.z, cross(arm, axis) + axis * reaction};
 }
 
@@ -82,7 +83,7 @@ class Allocation {
       const double* p = &inverse[static_cast<std::size_t>(4 * i)];
       const bool lifts = p[0] * rotors.size() > 1e-6;
       rotors_.push_back({p[0], p[1], p[2], p[3], lifts ? 1.0 / p[0] : 0.0, full_thrust(rotors[i]),
-                         1.0 / rotors[i].constants[kThrust], lifts});
+                         1.0 / rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT], lifts});
     }
   }
 

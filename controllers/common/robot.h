@@ -4,30 +4,10 @@
 
 #include <skybody/plugin.h>
 
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
 namespace skybody::control {
-
-/// Order of RotorInfo::constants and of a rotor's EnvParams.
-enum RotorConstant : int {
-  kThrust = 0,
-  kMoment,
-  kDrag,
-  kRollingMoment,
-  kRotorInertia,
-  kMaxSpeed,
-  kTauUp,
-  kTauDown
-};
-
-/// A number as users write it.
-inline std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof(buffer), "%g", value);
-  return buffer;
-}
 
 inline Vec3<double> vec3(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -72,7 +52,8 @@ inline double gravity_of(const Setup& setup) { return norm(vec3(setup.gravity())
 
 /// A rotor's thrust at its maximum speed [N].
 inline double full_thrust(const RotorInfo& rotor) {
-  return rotor.constants[kThrust] * rotor.constants[kMaxSpeed] * rotor.constants[kMaxSpeed];
+  const double speed = rotor.constants[SKYBODY_ROTOR_MAX_SPEED];
+  return rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed * speed;
 }
 
 /// The robot's rotors; each must be able to push. @throws std::runtime_error
@@ -84,10 +65,11 @@ inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::
   }
   for (const RotorInfo& rotor : rotors) {
     if (!(full_thrust(rotor) > 0.0)) {
-      throw std::runtime_error(
-          "rotor `" + std::string(rotor.name) + "` has no thrust (thrust_constant " +
-          text(rotor.constants[kThrust]) + ", max_speed " + text(rotor.constants[kMaxSpeed]) +
-          "): both must be above 0 in the robot's rotors file");
+      throw std::runtime_error("rotor `" + std::string(rotor.name) +
+                               "` has no thrust (thrust_constant " +
+                               to_text(rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]) +
+                               ", max_speed " + to_text(rotor.constants[SKYBODY_ROTOR_MAX_SPEED]) +
+                               "): both must be above 0 in the robot's rotors file");
     }
   }
   return rotors;
@@ -97,8 +79,8 @@ inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::
 inline void require_order(const std::string& low_name, double low, const std::string& high_name,
                           double high) {
   if (low < high) return;
-  throw std::runtime_error("`" + low_name + "` " + text(low) + " is not below `" + high_name +
-                           "` " + text(high) + ": lower the first or raise the second");
+  throw std::runtime_error("`" + low_name + "` " + to_text(low) + " is not below `" + high_name +
+                           "` " + to_text(high) + ": lower the first or raise the second");
 }
 
 }  // namespace skybody::control

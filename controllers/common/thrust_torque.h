@@ -60,7 +60,7 @@ class ThrustTorque {
     Vec3<Real> torque{Real(0.0), Real(0.0), Real(0.0)};
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       const Real speed = env.rotor_speed(first_rotor_ + static_cast<int>(i));
-      const Real push = env.param(constants_[i] + kThrust) * (speed * speed);
+      const Real push = env.param(constants_[i] + SKYBODY_ROTOR_THRUST_CONSTANT) * (speed * speed);
       thrust += effects_[i].thrust * push;
       torque += lift<Real>(effects_[i].torque) * push;
     }
@@ -78,9 +78,11 @@ class ThrustTorque {
       return;
     }
     const Vec3<Real> limited = clamp_symmetric(torque, limits_.torque);
-    const Real up = choice_.lag ? lane_keep(env, choice_.time_up, keep_up_, kTauUp) : Real(0.0);
-    const Real down =
-        choice_.lag ? lane_keep(env, choice_.time_down, keep_down_, kTauDown) : Real(0.0);
+    const Real up =
+        choice_.lag ? lane_keep(env, choice_.time_up, keep_up_, SKYBODY_ROTOR_TAU_UP) : Real(0.0);
+    const Real down = choice_.lag
+                          ? lane_keep(env, choice_.time_down, keep_down_, SKYBODY_ROTOR_TAU_DOWN)
+                          : Real(0.0);
     state.thrust = approach(state.thrust, t, up, down);
     state.torque = {approach(state.torque.x, limited.x, up, down),
                     approach(state.torque.y, limited.y, up, down),
@@ -116,8 +118,8 @@ class ThrustTorque {
 
   static double tighter(const std::string& name, double given, double possible) {
     if (given > possible * (1.0 + 1e-9)) {
-      throw std::runtime_error("`" + name + "` " + text(given) +
-                               " is more than the rotors can do, " + text(possible) +
+      throw std::runtime_error("`" + name + "` " + to_text(given) +
+                               " is more than the rotors can do, " + to_text(possible) +
                                ": lower it, or leave it out for that limit");
     }
     return given > 0.0 ? given : possible;

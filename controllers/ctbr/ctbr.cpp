@@ -32,7 +32,7 @@ class Ctbr : public Controller {
     base_ = control::base_of(setup, robot);
     const BodyInfo& base = setup.bodies()[base_];
     inertia_ = control::inertia_of(base);
-    first_inertia_ = base.first_param + 4;
+    first_inertia_ = base.first_param + SKYBODY_BODY_INERTIA;
     const double time = derivative_time_.value();
     derivative_share_ = time > 0.0 ? -expm1(-dt_ / time) : 1.0;
     const Vec3<double> rate = max_rate_.vec3();

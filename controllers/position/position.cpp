@@ -13,8 +13,8 @@ class Position : public Controller {
     gravity_ = control::gravity_of(setup);
     if (max_down_.value() > 0.9 * gravity_) {
       throw std::runtime_error(
-          "`max_acceleration_down` " + control::text(max_down_.value()) +
-          " would leave no thrust to steer with: at most 0.9 g = " + control::text(0.9 * gravity_));
+          "`max_acceleration_down` " + to_text(max_down_.value()) +
+          " would leave no thrust to steer with: at most 0.9 g = " + to_text(0.9 * gravity_));
     }
     low_ = position_min_.vec3();
     high_ = position_max_.vec3();

@@ -12,7 +12,7 @@ class RotorSpeed : public Controller {
     const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "rotor_speed");
     std::vector<double> low, high;
     for (const RotorInfo& rotor : rotors) {
-      limit_.push_back(rotor.constants[control::kMaxSpeed]);
+      limit_.push_back(rotor.constants[SKYBODY_ROTOR_MAX_SPEED]);
       low.push_back(min_speed_.value());
       high.push_back(max_speed_.value() > 0.0 ? max_speed_.value() : limit_.back());
       control::require_order("min_speed", low.back(), "max_speed", high.back());

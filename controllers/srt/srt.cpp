@@ -12,7 +12,8 @@ class Srt : public Controller {
     const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "srt");
     std::vector<double> low, high;
     for (const RotorInfo& rotor : rotors) {
-      rotors_.push_back({control::full_thrust(rotor), 1.0 / rotor.constants[control::kThrust]});
+      rotors_.push_back(
+          {control::full_thrust(rotor), 1.0 / rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]});
       low.push_back(min_thrust_.value());
       high.push_back(max_thrust_.value() > 0.0 ? max_thrust_.value() : rotors_.back().full);
       control::require_order("min_thrust", low.back(), "max_thrust", high.back());

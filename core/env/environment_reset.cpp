@@ -113,8 +113,9 @@ void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
     const RobotLayout& robot = layout().robots[static_cast<std::size_t>(last.robot)];
     for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
       double* speed = group.reals(layout().rotor_speed.offset + k);
+      double* command = group.reals(layout().rotor_command.offset + k);
       for (int lane = 0; lane < group.lanes(); ++lane) {
-        if (((mask >> lane) & 1u) != 0) speed[lane] = 0.0;
+        if (((mask >> lane) & 1u) != 0) speed[lane] = command[lane] = 0.0;
       }
     }
   }

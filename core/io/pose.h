@@ -16,6 +16,14 @@ inline Pose inverse(const Pose& ab) {
   return {-rotate(rotation, ab.position), rotation};
 }
 
+/// Whether the frames coincide to the last bit.
+inline bool is_identity(const Pose& pose) {
+  const Vec3<double>& p = pose.position;
+  const Quat<double>& r = pose.rotation;
+  return p.x == 0.0 && p.y == 0.0 && p.z == 0.0 && r.w == 1.0 && r.x == 0.0 && r.y == 0.0 &&
+         r.z == 0.0;
+}
+
 /// The point with coordinates `point` in B, seen from A.
 inline Vec3<double> transform(const Pose& ab, const Vec3<double>& point) {
   return ab.position + rotate(ab.rotation, point);

@@ -10,7 +10,8 @@ namespace skybody {
 /// The shipped scenario called `name` (hover -> scenarios/hover.yaml), or nothing.
 std::optional<std::filesystem::path> find_shipped_scenario(const std::string& name);
 
-/// The shipped model called `name` (crazyflie -> scenarios/models/crazyflie/crazyflie.urdf), or nothing.
+/// The shipped model called `name` (crazyflie -> scenarios/models/crazyflie/crazyflie.urdf), or
+/// nothing.
 std::optional<std::filesystem::path> find_shipped_model(const std::string& name);
 
 }  // namespace skybody

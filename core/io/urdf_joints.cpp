@@ -51,7 +51,7 @@ class BodyMaker {
   void run(bool fixed_base) {
     for (std::size_t g = 0; g < groups_.groups.size(); ++g) {
       const UrdfGroup& group = groups_.groups[g];
-      if (group.joint < 0 || joint_of(group).type == UrdfJointType::kFixed) {
+      if (is_base(group, fixed_base)) {
         add_base(static_cast<int>(g), fixed_base);
       } else if (group.is_massless()) {
         check_massless(group);
@@ -76,6 +76,14 @@ class BodyMaker {
     diagnostics_.error(document_.mark(line), message);
   }
 
+  /// The root of a robot, or what stands on the link `world`; there `fixed_base` holds what floats.
+  bool is_base(const UrdfGroup& group, bool fixed_base) const {
+    if (group.joint < 0) return true;
+    const UrdfJointType type = joint_of(group).type;
+    return type == UrdfJointType::kFixed ||
+           (type == UrdfJointType::kFloating && group.parent < 0 && fixed_base);
+  }
+
   /// The joint frame (at zero) in the frame of the group that carries it.
   Pose joint_frame(const UrdfJoint& joint) const {
     return compose(groups_.link_pose[static_cast<std::size_t>(joint.parent)], joint.origin);
@@ -93,7 +101,7 @@ class BodyMaker {
     model_.bodies.push_back(std::move(body));
   }
 
-  /// The free root, or what the link `world` carries by a fixed joint.
+  /// The root, or what is welded to the link `world`.
   void add_base(int g, bool fixed_base) {
     const UrdfGroup& source = group(g);
     Joint joint;
@@ -158,6 +166,7 @@ class BodyMaker {
     } else {
       set_chain(chain, joint);
     }
+    if (joint.type == JointType::kFree && joint.parent < 0) set_free_base(last, joint);
     push_body(g, std::move(joint));
   }
 
@@ -177,6 +186,17 @@ class BodyMaker {
     joint.limit.enabled = source.limited;
     joint.limit.lower = source.lower;
     joint.limit.upper = source.upper;
+  }
+
+  /// The coordinates of a free base are its pose in W, which the scenario gives.
+  void set_free_base(const UrdfJoint& source, Joint& joint) {
+    if (!is_identity(source.origin)) {
+      diagnostics_.warning(document_.mark(source.line),
+                           "the <origin> of the floating joint `" + source.name +
+                               "` is ignored: the robot's `pose` places its base");
+    }
+    joint.frame_in_parent = Pose{};
+    joint.frame_in_body = Pose{};
   }
 
   void set_chain(const std::vector<int>& chain, Joint& joint) {

@@ -29,6 +29,7 @@ class Merger {
     const UrdfLink& root = document_.links[static_cast<std::size_t>(document_.root)];
     if (root.name == "world") {
       check_world(root);
+      check_free_base(root);
       for (int joint : root.child_joints) open_group(joint, -1);
     } else {
       open_group(-1, -1);
@@ -52,6 +53,19 @@ class Merger {
     }
     if (!world.collisions.empty() || !world.visuals.empty()) {
       diagnostics_.warning(mark, "the shapes of the link `world` are ignored; use `obstacles`");
+    }
+  }
+
+  /// A robot has one base, and what floats against the world is one.
+  void check_free_base(const UrdfLink& world) {
+    if (world.child_joints.size() < 2) return;
+    for (int index : world.child_joints) {
+      const UrdfJoint& floating = joint(index);
+      if (floating.type != UrdfJointType::kFloating) continue;
+      diagnostics_.error(document_.mark(floating.line),
+                         "the joint `" + floating.name + "` lets `" + link(floating.child).name +
+                             "` float, but it is not the only joint on the link `world`; make "
+                             "what else hangs on `world` a robot or an obstacle of its own");
     }
   }
 

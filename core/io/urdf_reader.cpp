@@ -28,12 +28,7 @@ std::optional<RobotModel> parse_urdf(const std::string& text, const std::string&
     diagnostics.error({file, 0, 0}, "the robot has no link besides `world`");
   }
   if (diagnostics.error_count() > errors_before) return std::nullopt;
-  // Fixed: nothing floats.
-  model.fixed_base = true;
-  for (const Body& body : model.bodies) {
-    const bool floats = body.joint.type == JointType::kFree && body.joint.parent < 0;
-    if (floats) model.fixed_base = false;
-  }
+  model.fixed_base = model.bodies[0].joint.type != JointType::kFree;
   derive_limit_springs(model);
   return model;
 }

@@ -9,8 +9,9 @@
 //
 // The base. The root link moves freely, or is welded to the world with `fixed_base`. A root link
 // called `world` stands for the world itself: what a fixed joint attaches to it is a fixed base, a
-// floating joint gives a free one, any other joint moves against the world. The link `world` has no
-// body and no mass.
+// floating joint gives a free one (which must be the only child of `world`; its <origin> is
+// ignored, the scenario's pose places the base; `fixed_base` welds it), any other joint moves
+// against the world. The link `world` has no body and no mass.
 #pragma once
 
 #include <optional>

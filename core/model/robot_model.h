@@ -21,9 +21,10 @@ struct Pose {
 
 /// Mass properties of one body, in the body's own frame B.
 struct MassProperties {
-  double mass = 0.0;                               ///< [kg], > 0 (0 only for a link that merges)
-  Vec3<double> com{0.0, 0.0, 0.0};                 ///< centre of mass in B [m]
-  SymMat3<double> inertia{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  ///< about the centre of mass, B axes [kg m^2]
+  double mass = 0.0;                ///< [kg], > 0 (0 only for a link that merges)
+  Vec3<double> com{0.0, 0.0, 0.0};  ///< centre of mass in B [m]
+  SymMat3<double> inertia{0.0, 0.0, 0.0,
+                          0.0, 0.0, 0.0};  ///< about the centre of mass, B axes [kg m^2]
 };
 
 /// How a body moves relative to its parent. F is the joint's frame on the parent, M the one on the
@@ -56,9 +57,9 @@ struct JointLimit {
 struct Joint {
   std::string name;
   JointType type = JointType::kFree;
-  int parent = -1;  ///< body index in the same robot; -1: the world
-  Pose frame_in_parent;  ///< X_PF: joint frame F in the parent body's frame
-  Pose frame_in_body;    ///< X_BM: joint frame M in this body's frame
+  int parent = -1;         ///< body index in the same robot; -1: the world
+  Pose frame_in_parent;    ///< X_PF: joint frame F in the parent body's frame; free base: identity
+  Pose frame_in_body;      ///< X_BM: joint frame M in this body's frame; free base: identity
   double damping = 0.0;    ///< viscous, every coordinate [N m s/rad] or [N s/m], >= 0
   double stiffness = 0.0;  ///< spring to `rest` on pin and slider [N m/rad] or [N/m], >= 0
   double rest = 0.0;       ///< where the spring is relaxed [rad] or [m]
@@ -70,19 +71,19 @@ enum class ShapeType { kBox, kCylinder, kSphere, kMesh };
 /// A collision or visual shape, placed in the frame of its body.
 struct Shape {
   ShapeType type = ShapeType::kSphere;
-  Pose pose;                             ///< shape frame in the body's frame
-  Vec3<double> size{0.0, 0.0, 0.0};      ///< box: edge lengths [m]; mesh: scale factors
-  double radius = 0.0;                   ///< cylinder, sphere [m]
-  double length = 0.0;                   ///< cylinder, along z of the shape [m]
-  std::string mesh;                      ///< mesh: file as written in the URDF
+  Pose pose;                                       ///< shape frame in the body's frame
+  Vec3<double> size{0.0, 0.0, 0.0};                ///< box: edge lengths [m]; mesh: scale factors
+  double radius = 0.0;                             ///< cylinder, sphere [m]
+  double length = 0.0;                             ///< cylinder, along z of the shape [m]
+  std::string mesh;                                ///< mesh: file as written in the URDF
   std::array<double, 4> rgba{0.5, 0.5, 0.5, 1.0};  ///< visual colour, each in [0, 1]
 };
 
 /// A link as the URDF names it. Links on fixed joints share the body that they merged into.
 struct Link {
   std::string name;
-  int body = 0;         ///< index into RobotModel::bodies
-  Pose pose;            ///< link frame in the body's frame
+  int body = 0;                     ///< index into RobotModel::bodies
+  Pose pose;                        ///< link frame in the body's frame
   Vec3<double> com{0.0, 0.0, 0.0};  ///< the link's own centre of mass in the body's frame [m]
 };
 
@@ -98,18 +99,18 @@ struct Body {
 /// One rotor with its nominal constants (RotorS, Furrer et al. 2016, "Rotor dynamics").
 struct Rotor {
   std::string name;
-  int body = 0;                         ///< index into RobotModel::bodies
-  Vec3<double> position{0.0, 0.0, 0.0}; ///< hub in the body's frame [m]
-  Vec3<double> axis{0.0, 0.0, 1.0};     ///< thrust direction in the body's frame, unit
-  int direction = 1;                    ///< +1: turns counter-clockwise about `axis`; -1: clockwise
-  double thrust_constant = 0.0;         ///< k_f [N s^2/rad^2], thrust = k_f w^2
-  double moment_constant = 0.0;         ///< k_m [N m s^2/rad^2], reaction = -direction k_m w^2
-  double drag_constant = 0.0;           ///< rotor drag [N s^2/(m rad)], F = -c w v_perp
-  double rolling_moment_constant = 0.0; ///< [N m s^2/(m rad)], M = -direction c w v_perp (RotorS)
-  double inertia = 0.0;                 ///< about the axis [kg m^2]; 0 leaves gyroscopic terms out
-  double max_speed = 0.0;               ///< [rad/s], > 0
-  double tau_up = 0.0;                  ///< time constant while speeding up [s], 0: immediate
-  double tau_down = 0.0;                ///< time constant while slowing down [s], 0: immediate
+  int body = 0;                          ///< index into RobotModel::bodies
+  Vec3<double> position{0.0, 0.0, 0.0};  ///< hub in the body's frame [m]
+  Vec3<double> axis{0.0, 0.0, 1.0};      ///< thrust direction in the body's frame, unit
+  int direction = 1;             ///< +1: turns counter-clockwise about `axis`; -1: clockwise
+  double thrust_constant = 0.0;  ///< k_f [N s^2/rad^2], thrust = k_f w^2
+  double moment_constant = 0.0;  ///< k_m [N m s^2/rad^2], reaction = -direction k_m w^2
+  double drag_constant = 0.0;    ///< rotor drag [N s^2/(m rad)], F = -c w v_perp
+  double rolling_moment_constant = 0.0;  ///< [N m s^2/(m rad)], M = -direction c w v_perp (RotorS)
+  double inertia = 0.0;                  ///< about the axis [kg m^2]; 0 leaves gyroscopic terms out
+  double max_speed = 0.0;                ///< [rad/s], > 0
+  double tau_up = 0.0;                   ///< time constant while speeding up [s], 0: immediate
+  double tau_down = 0.0;                 ///< time constant while slowing down [s], 0: immediate
 };
 
 /// A robot: bodies in an order in which parents come before children.
@@ -117,7 +118,7 @@ struct RobotModel {
   std::string name;
   std::string urdf_file;    ///< where it was read from, for messages and logs
   std::string rotors_file;  ///< empty if the robot has no rotors
-  bool fixed_base = false;  ///< the URDF's root link is welded to the world
+  bool fixed_base = false;  ///< the base, body 0, is not free: its joint is no kFree
   std::vector<Body> bodies;
   std::vector<Link> links;
   std::vector<Rotor> rotors;

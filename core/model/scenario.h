@@ -23,16 +23,17 @@ enum class ParameterType { kReal, kInteger, kBoolean, kText };
 struct ParameterValue {
   std::string name;
   ParameterType type = ParameterType::kReal;
-  std::vector<double> numbers;      ///< reals, integers and booleans (0, 1); one or more
-  std::vector<std::string> texts;   ///< texts; one or more
+  std::vector<double> numbers;     ///< reals, integers and booleans (0, 1); one or more
+  std::vector<std::string> texts;  ///< texts; one or more
   SourceMark mark;
 };
 
 /// A plugin as a scenario names it, with validated parameters (defaults filled in).
 struct PluginUse {
-  std::string plugin;    ///< the plugin's own name
-  std::string instance;  ///< its name in paths such as controllers.rate_pd.kp; unique per kind and robot
-  SourceMark mark;       ///< of the `plugin:` value
+  std::string plugin;  ///< the plugin's own name
+  std::string
+      instance;     ///< its name in paths such as controllers.rate_pd.kp; unique per kind and robot
+  SourceMark mark;  ///< of the `plugin:` value
   SourceMark parameters_mark;
   std::vector<ParameterValue> parameters;
 };
@@ -42,17 +43,18 @@ enum class IntegratorChoice { kSemiImplicitEuler, kRk4 };
 
 /// The time grid and how it is advanced.
 struct Stepping {
-  double dt = 0.001;       ///< physics step [s]
-  int action_repeat = 1;   ///< K, physics steps an action
-  int horizon = 0;         ///< steps (actions) until truncation; 0: none
+  double dt = 0.001;      ///< physics step [s]
+  int action_repeat = 1;  ///< K, physics steps an action
+  int horizon = 0;        ///< steps (actions) until truncation; 0: none
   DynamicsChoice dynamics = DynamicsChoice::kAuto;
   IntegratorChoice integrator = IntegratorChoice::kSemiImplicitEuler;
 };
 
-/// Contact law. Zero for a value marked "by mass" lets the engine derive it from the robot's mass.
+/// Contact law. Stiffness is not given: it follows from `penetration` and the robots' masses.
 struct ContactSettings {
-  bool ground = true;           ///< the plane z = 0 of W carries robots
-  double penetration = 0.001;   ///< static penetration under the robot's own weight [m]; fixes stiffness by mass
+  bool ground = true;  ///< the plane z = 0 of W carries robots
+  double penetration =
+      0.001;  ///< static penetration under the robot's own weight [m]; fixes stiffness by mass
   double dissipation = 3.0;     ///< Hunt-Crossley c [s/m]
   double friction = 0.6;        ///< Coulomb coefficient
   double slip_velocity = 0.02;  ///< regularisation of friction [m/s]
@@ -68,19 +70,21 @@ struct Obstacle {
 struct RobotUse {
   std::string name;
   RobotModel model;
-  Pose pose;                          ///< of the base at reset [W]
-  double rotor_speed = 0.0;           ///< of every rotor at reset [rad/s]; negative: hover speed
-  Vec3<double> disturbance_force{0.0, 0.0, 0.0};   ///< F_W on the base's centre of mass [N], W axes (paper eq. 1)
-  Vec3<double> disturbance_moment{0.0, 0.0, 0.0};  ///< M_B on the base [N m], base axes (paper eq. 1)
-  std::vector<PluginUse> controllers;  ///< in the order in which they are evaluated
+  Pose pose;                 ///< of the base at reset [W]
+  double rotor_speed = 0.0;  ///< of every rotor at reset [rad/s]; negative: hover speed
+  Vec3<double> disturbance_force{
+      0.0, 0.0, 0.0};  ///< F_W on the base's centre of mass [N], W axes (paper eq. 1)
+  Vec3<double> disturbance_moment{0.0, 0.0,
+                                  0.0};  ///< M_B on the base [N m], base axes (paper eq. 1)
+  std::vector<PluginUse> controllers;    ///< in the order in which they are evaluated
 };
 
 /// Everything that an environment is made from.
 struct Scenario {
   std::string name;
   std::string file;
-  std::string text;             ///< the fully merged scenario as YAML, for logs; its hash identifies runs
-  std::uint64_t hash = 0;       ///< over text, model files and plugin parameters
+  std::string text;  ///< the fully merged scenario as YAML, for logs; its hash identifies runs
+  std::uint64_t hash = 0;  ///< over text, model files and plugin parameters
   Stepping stepping;
   Vec3<double> gravity{0.0, 0.0, -9.81};  ///< [m/s^2], W axes
   ContactSettings contact;

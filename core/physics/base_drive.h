@@ -4,7 +4,6 @@
 
 #include "core/base/math.h"
 #include "core/physics/kinematics.h"
-#include "core/physics/pose_math.h"
 
 namespace skybody {
 
@@ -17,11 +16,6 @@ enum DriveValue : int {
   kDriveRotation = 9,
   kDriveSize = 13
 };
-
-/// The coordinates X_FM of a base joint on the world that put the base's frame B at `base` [W].
-inline Pose joint_pose_of_base(const Joint& joint, const Pose& base) {
-  return compose(compose(inverse(joint.frame_in_parent), base), joint.frame_in_body);
-}
 
 /// The rotation vector of a unit quaternion: axis times angle [rad], the short way round.
 template <class Real>
@@ -37,17 +31,13 @@ SKYBODY_INLINE Vec3<Real> rotation_vector(const Quat<Real>& q) {
 /// Velocity drive: u of a free base from the velocity and angular velocity asked for, base axes.
 /// @param base  the base's present motion
 template <class Real>
-SKYBODY_INLINE void drive_velocity(const TreeBody& body, const BodyMotion<Real>& base,
-                                   const Real* drive, Real* u) {
-  const Vec3<Real> w_b = load_vec3(drive + kDriveAngularVelocity);
-  const Vec3<Real> arm = to_real<Real>(body.frame_in_body.position);
-  const Vec3<Real> v_w = base.axes * (load_vec3(drive + kDriveVelocity) + cross(w_b, arm));
-  store(rotate_inverse(to_real<Real>(body.frame_in_parent.rotation), v_w), u);
-  store(rotate_inverse(to_real<Real>(body.frame_in_body.rotation), w_b), u + 3);
+SKYBODY_INLINE void drive_velocity(const BodyMotion<Real>& base, const Real* drive, Real* u) {
+  store(base.axes * load_vec3(drive + kDriveVelocity), u);
+  store(load_vec3(drive + kDriveAngularVelocity), u + 3);
 }
 
 /// Pose drive: the constant u that brings a free base from q to `target` within `dt` seconds.
-/// @param target  coordinates X_FM: position (3), unit quaternion (4)
+/// @param target  pose in W: position (3), unit quaternion (4)
 template <class Real>
 SKYBODY_INLINE void drive_to_pose(const Real* q, const Real* target, double dt, Real* u) {
   store((load_vec3(target) - load_vec3(q)) / Real(dt), u);

@@ -82,7 +82,7 @@ int count_lowest(const World& world, const std::vector<ContactSphere>& spheres, 
 void set_stiffness(const World& world, std::vector<ContactSphere>& spheres) {
   const std::vector<BodyMotion<double>> bodies = upright_bodies(world);
   const Scenario& scenario = world.scenario;
-  const double g = norm(scenario.gravity) > 0.0 ? norm(scenario.gravity) : 9.81;
+  const double g = contact_gravity(scenario);
   const double depth = scenario.contact.penetration;
   for (std::size_t robot = 0; robot < scenario.robots.size(); ++robot) {
     const int carriers = std::max(1, count_lowest(world, spheres, static_cast<int>(robot), bodies));
@@ -100,6 +100,11 @@ void set_stiffness(const World& world, std::vector<ContactSphere>& spheres) {
 }
 
 }  // namespace
+
+double contact_gravity(const Scenario& scenario) {
+  const double g = norm(scenario.gravity);
+  return g > 0.0 ? g : 9.81;
+}
 
 std::vector<ContactSphere> make_contact_spheres(const World& world) {
   std::vector<ContactSphere> spheres;

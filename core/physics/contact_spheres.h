@@ -14,4 +14,7 @@ namespace skybody {
 /// but no more than lets dt follow the oscillation of the sphere's own body (contact_spheres.cpp).
 std::vector<ContactSphere> make_contact_spheres(const World& world);
 
+/// |g| for contact stiffness [m/s^2]: the scenario's, or 9.81 where it has no gravity.
+double contact_gravity(const Scenario& scenario);
+
 }  // namespace skybody

@@ -16,9 +16,8 @@ void write_positions(const World& world, LaneState& state) {
     if (type == JointType::kBall) q[0] = 1.0;
     if (type != JointType::kFree) continue;
     const Pose pose = body.parent < 0 ? world.scenario.robots[body.robot].pose : Pose{};
-    const Pose joint = body.parent < 0 ? joint_pose_of_base(body.model->joint, pose) : pose;
-    store(joint.position, q);
-    store(joint.rotation, q + 3);
+    store(pose.position, q);
+    store(pose.rotation, q + 3);
   }
 }
 

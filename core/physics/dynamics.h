@@ -17,7 +17,7 @@ class Dynamics {
   virtual ~Dynamics() = default;
 
   /// Takes the mass properties over from the parameter block; cheap if they are as before.
-  /// @throws Error naming the body if they are not physical
+  /// @throws Error (naming the body where one is to blame) if nothing can be built from them
   virtual void set_params(const double* params) = 0;
 
   /// Generalised accelerations [per u]. Contact of bodies with one another and with obstacles,
@@ -25,6 +25,7 @@ class Dynamics {
   /// @param q             quaternions need not be of norm 1
   /// @param body_forces   one per body
   /// @param joint_forces  one per u
+  /// @throws std::runtime_error if the dynamics gives up
   virtual void accelerations(const double* q, const double* u,
                              const SpatialForce<double>* body_forces, const double* joint_forces,
                              double* udot) = 0;

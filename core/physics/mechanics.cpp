@@ -1,5 +1,6 @@
 #include "core/physics/mechanics.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/base/error.h"
@@ -10,7 +11,7 @@ namespace {
 
 /// NaN-proof "the same bits".
 bool same_words(const double* a, const double* b, std::size_t count) {
-  return std::memcmp(a, b, count * sizeof(double)) == 0;
+  return count == 0 || std::memcmp(a, b, count * sizeof(double)) == 0;
 }
 
 }  // namespace
@@ -24,6 +25,8 @@ Mechanics::Mechanics(const World& world, std::unique_ptr<Dynamics> dynamics)
       lag_(world.rotors.size()),
       mean_rotors_(world.rotors.size()),
       motion_(world.bodies.size()),
+      motion_q_(world.layout.q.size),
+      motion_u_(world.layout.u.size),
       body_forces_(world.bodies.size()),
       joint_forces_(world.layout.u.size, 0.0) {
   for (auto& rotors : rotors_) rotors.resize(world.rotors.size());
@@ -72,20 +75,28 @@ void Mechanics::run_rotors(const LaneState& state) {
   }
 }
 
-void Mechanics::start_drives(const LaneState& state, const double* q, double* u) {
+void Mechanics::update_motion(const double* q, const double* u) {
+  if (has_motion_ && same_words(q, motion_q_.data(), motion_q_.size()) &&
+      same_words(u, motion_u_.data(), motion_u_.size())) {
+    return;
+  }
   forward_kinematics(tree_, q, u, motion_.data());
+  std::copy_n(q, motion_q_.size(), motion_q_.begin());
+  std::copy_n(u, motion_u_.size(), motion_u_.begin());
+  has_motion_ = true;
+}
+
+void Mechanics::start_drives(const LaneState& state, const double* q, double* u) {
+  update_motion(q, u);
   for (Drive& drive : drives_) {
     const TreeBody& base = tree_[drive.body];
     const double* values = state.drive.data() + drive.value;
     if (drive.kind == DriveKind::kVelocity) {
-      drive_velocity(base, motion_[drive.body], values, u + base.u);
+      drive_velocity(motion_[drive.body], values, u + base.u);
       continue;
     }
-    const Pose target = joint_pose_of_base(
-        world_.bodies[drive.body].model->joint,
-        {load_vec3(values + kDrivePosition), normalized(load_quat(values + kDriveRotation))});
-    store(target.position, drive.target);
-    store(target.rotation, drive.target + 3);
+    store(load_vec3(values + kDrivePosition), drive.target);
+    store(normalized(load_quat(values + kDriveRotation)), drive.target + 3);
     drive_to_pose(q + base.q, drive.target, world_.scenario.stepping.dt, u + base.u);
   }
 }
@@ -100,7 +111,7 @@ void Mechanics::mean_accelerations(const double* q, const double* u, double* udo
 
 void Mechanics::accelerations(const double* q, const double* u, const RotorMotion<double>* rotors,
                               double* udot) {
-  forward_kinematics(tree_, q, u, motion_.data());
+  update_motion(q, u);
   ForceInputs<double> in;
   in.q = q;
   in.u = u;
@@ -128,7 +139,7 @@ void Mechanics::end_step(double* q, double* rotor_speed) const {
 }
 
 void Mechanics::bodies(const double* q, const double* u, BodyState* out) {
-  forward_kinematics(tree_, q, u, motion_.data());
+  update_motion(q, u);
   for (std::size_t i = 0; i < motion_.size(); ++i) out[i] = to_body_state(motion_[i]);
 }
 

@@ -50,6 +50,8 @@ class Mechanics {
 
   void update_lag(const double* params);
   void run_rotors(const LaneState& state);
+  /// Makes `motion_` belong to q and u: the end of one step is the start of the next.
+  void update_motion(const double* q, const double* u);
   void start_drives(const LaneState& state, const double* q, double* u);
   void accelerations(const double* q, const double* u, const RotorMotion<double>* rotors,
                      double* udot);
@@ -67,6 +69,8 @@ class Mechanics {
   std::vector<RotorMotion<double>> rotors_[kStageTimeCount];  ///< per instant of the step
   std::vector<RotorMotion<double>> mean_rotors_;
   std::vector<BodyMotion<double>> motion_;
+  std::vector<double> motion_q_, motion_u_;  ///< what `motion_` was computed from
+  bool has_motion_ = false;
   std::vector<SpatialForce<double>> body_forces_;
   std::vector<double> joint_forces_;
 };

@@ -11,11 +11,6 @@ inline Pose compose(const Pose& ab, const Pose& bc) {
   return {ab.position + rotate(ab.rotation, bc.position), ab.rotation * bc.rotation};
 }
 
-/// X_BA from X_AB.
-inline Pose inverse(const Pose& ab) {
-  return {-rotate_inverse(ab.rotation, ab.position), conjugate(ab.rotation)};
-}
-
 /// Whether the frames coincide to the last bit.
 inline bool is_identity(const Pose& pose) {
   const Vec3<double>& p = pose.position;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/physics/contact_spheres.h"
+
 namespace skybody {
 namespace {
 
@@ -24,7 +26,7 @@ SimTK::ContactMaterial make_material(const World& world) {
   }
   const ContactSettings& contact = world.scenario.contact;
   const double depth = contact.penetration;
-  const double stiffness = mass * 9.81 * std::sqrt(8.0) * 0.75 /
+  const double stiffness = mass * contact_gravity(world.scenario) * std::sqrt(8.0) * 0.75 /
                            (std::sqrt(kReferenceRadius) * depth * std::sqrt(depth));
   return {stiffness, contact.dissipation, contact.friction, contact.friction, 0.0};
 }
@@ -75,8 +77,10 @@ double layer_thickness(const Shape& shape, double stiffness, double mass, double
 
 }  // namespace
 
-bool has_body_contact(const World& world) {
-  return !world.scenario.obstacles.empty() || world.scenario.robots.size() > 1;
+std::shared_ptr<const SimbodyContact> make_simbody_contact(const World& world) {
+  // Bodies of different robots, or bodies and obstacles.
+  if (world.scenario.obstacles.empty() && world.scenario.robots.size() < 2) return nullptr;
+  return std::make_shared<const SimbodyContact>(world);
 }
 
 SimbodyContact::SimbodyContact(const World& world)

@@ -11,10 +11,10 @@
 
 namespace skybody {
 
-/// Whether bodies of different robots, or bodies and obstacles, can touch in this world.
-bool has_body_contact(const World& world);
-
-/// The contact surfaces of a world, made once; systems are built from them again and again.
+/// The contact surfaces of a world, made once; systems are built from them again and again, by
+/// several threads at a time: nothing here changes after construction, and Simbody's
+/// ContactGeometry (unlike its PolygonalMesh) has no reference count; every system gets a deep
+/// copy.
 ///
 /// Spheres are exact (Hertz); boxes and cylinders are triangle meshes (elastic foundation). Meshes
 /// of files are ignored. Bodies of one robot do not collide among themselves. Simbody's trackers

@@ -12,8 +12,10 @@
 // Compiled as C++17 and as the Simbody library was (NDEBUG): see cmake/SkybodySimbody.cmake.
 #include <Simbody.h>
 
+#include <cstdio>
 #include <cstring>
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "core/base/error.h"
@@ -38,7 +40,9 @@ SimTK::MassProperties make_mass(const std::string& name, const double* params) {
   const double* i = params + kInertia;
   SymMat3<double> inertia{i[0], i[1], i[2], i[3], i[4], i[5]};
   if (!(mass > 0.0) || !is_finite(mass) || !is_finite(com)) {
-    throw Error("body '" + name + "' has mass " + std::to_string(mass) +
+    char value[32];
+    std::snprintf(value, sizeof(value), "%g", mass);
+    throw Error("body '" + name + "' has mass " + value +
                 " kg; it must be positive, and the centre of mass finite");
   }
   if (!is_physical_inertia(inertia)) {
@@ -251,7 +255,6 @@ class SimbodySystem {
 class SimbodyDynamics final : public Dynamics {
  public:
   explicit SimbodyDynamics(const World& world) : world_(world), tree_(make_tree(world)) {
-    if (has_body_contact(world)) contact_ = std::make_unique<SimbodyContact>(world);
     // What cannot be built is said here rather than in the first step.
     std::vector<double> nominal;
     for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
@@ -268,7 +271,12 @@ class SimbodyDynamics final : public Dynamics {
       return;
     }
     system_.reset();
-    system_ = std::make_unique<SimbodySystem>(world_, tree_, contact_.get(), params);
+    try {
+      system_ =
+          std::make_unique<SimbodySystem>(world_, tree_, world_.simbody_contact.get(), params);
+    } catch (const SimTK::Exception::Base& error) {
+      throw Error(std::string("Simbody cannot build the world: ") + error.what());
+    }
     built_from_.assign(masses, masses + count);
   }
 
@@ -277,8 +285,11 @@ class SimbodyDynamics final : public Dynamics {
     if (system_ == nullptr) return;
     try {
       system_->accelerations(q, u, body_forces, joint_forces, udot);
-    } catch (...) {
+    } catch (const SimTK::Exception::Base& error) {
       system_.reset();  // left half-way: the next step starts from a new one
+      throw std::runtime_error(error.what());
+    } catch (...) {
+      system_.reset();
       throw;
     }
   }
@@ -290,7 +301,6 @@ class SimbodyDynamics final : public Dynamics {
  private:
   const World& world_;
   std::vector<TreeBody> tree_;
-  std::unique_ptr<SimbodyContact> contact_;
   std::vector<double> built_from_;  ///< parameters of all bodies
   std::unique_ptr<SimbodySystem> system_;
 };

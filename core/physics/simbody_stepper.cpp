@@ -1,5 +1,5 @@
 #include <cstring>
-#include <exception>
+#include <stdexcept>
 #include <vector>
 
 #include "core/base/math.h"
@@ -52,8 +52,9 @@ class MechanicsStepper final : public Stepper {
     if (!from.empty()) std::memcpy(to.data(), from.data(), from.size() * sizeof(double));
   }
 
-  /// Simbody throws where it gives up (a singular matrix, a NaN in a rotation): a failed step, not
-  /// the end of the program.
+  /// Dynamics throw where they give up (a singular matrix, a NaN in a rotation, masses that no body
+  /// has): a failed step, not the end of the program. Bugs (std::logic_error) and lack of memory
+  /// are no such thing and pass.
   bool try_step(const LaneState& state) {
     try {
       copy(state.q, q_);
@@ -62,7 +63,7 @@ class MechanicsStepper final : public Stepper {
       integrator_->advance(mechanics_, q_.data(), u_.data());
       mechanics_.end_step(q_.data(), rotor_speed_.data());
       return true;
-    } catch (const std::exception&) {
+    } catch (const std::runtime_error&) {
       return false;
     }
   }
@@ -74,8 +75,12 @@ class MechanicsStepper final : public Stepper {
 
 }  // namespace
 
+std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynamics> dynamics) {
+  return std::make_unique<MechanicsStepper>(world, std::move(dynamics));
+}
+
 std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {
-  return std::make_unique<MechanicsStepper>(world, make_simbody_dynamics(world));
+  return make_stepper(world, make_simbody_dynamics(world));
 }
 
 }  // namespace skybody

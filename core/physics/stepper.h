@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/physics/dynamics.h"
 #include "core/physics/lane_state.h"
 #include "core/physics/world.h"
 
@@ -20,14 +21,17 @@ class Stepper {
 
   /// Advances q, u, rotor speeds and bodies by exactly dt, the rotor command, wrenches and drives
   /// held.
-  /// @returns false if the step gave a non-finite value or the integrator gave up; then the state
-  ///          is as it was before the call
+  /// @returns false if the step gave a non-finite value or the dynamics gave up (a
+  ///          std::runtime_error); then the state is as it was before the call
   virtual bool advance(LaneState& state) = 0;
 
   /// Generalised accelerations at the present state and t = 0 of the step, one per u.
-  /// @throws Error if the parameters are not physical; std::exception if the dynamics gives up
+  /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
   virtual void accelerations(const LaneState& state, double* udot) = 0;
 };
+
+/// A stepper over any dynamics of this world with the scenario's integrator.
+std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynamics> dynamics);
 
 /// A stepper over Simbody with the scenario's integrator.
 /// @throws Error if the world cannot be built (message names the body and the reason).

@@ -3,6 +3,7 @@
 // all.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/model/layout.h"
@@ -45,6 +46,9 @@ struct WrenchSite {
 /// How a robot's base is driven kinematically by a controller, if at all.
 enum class DriveKind { kNone, kVelocity, kPose };
 
+/// Surfaces for Simbody's contact (simbody_contact.h).
+class SimbodyContact;
+
 /// Immutable description of one world. Bodies point into `scenario`, which it owns; not copyable.
 class World {
  public:
@@ -59,8 +63,12 @@ class World {
   std::vector<WorldBody> bodies;
   std::vector<WorldRotor> rotors;
   std::vector<ContactSphere> spheres;
+  std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: nothing but the ground to touch
   std::vector<WrenchSite> sites;  ///< set by core/env from the controllers' declarations
   std::vector<DriveKind> drives;  ///< one per robot, likewise
 };
+
+/// The surfaces of a world whose bodies are numbered, or null. For World's constructor.
+std::shared_ptr<const SimbodyContact> make_simbody_contact(const World& world);
 
 }  // namespace skybody

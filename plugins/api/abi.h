@@ -2,6 +2,7 @@
  *
  * A plugin is a shared library that exports one object, `skybody_plugin_library`. The host checks
  * magic, ABI version, structure sizes and the floating-point probe before it calls anything else.
+ * A structure that is added here is also added to <plugins/api/structures.h>.
  * Authors do not write against this file but against <skybody/plugin.h>, which fills it in.
  *
  * Values lie in lanes: scalar k of lane l of a group of L lanes is at p[k * L + l]. A step function
@@ -56,6 +57,27 @@ enum SkybodySignal {
   SKYBODY_SIGNAL_COUNT = 10
 };
 
+/* Places in a body's EnvParams, from SkybodyBodyInfo::first_param on. */
+enum SkybodyBodyConstant {
+  SKYBODY_BODY_MASS = 0,    /* kg */
+  SKYBODY_BODY_COM = 1,     /* 3: x y z, body frame [m] */
+  SKYBODY_BODY_INERTIA = 4, /* 6: about com, xx yy zz xy xz yz [kg m^2] */
+  SKYBODY_BODY_CONSTANT_COUNT = 10
+};
+
+/* Places in SkybodyRotorInfo::constants, and in a rotor's EnvParams from first_param on. */
+enum SkybodyRotorConstant {
+  SKYBODY_ROTOR_THRUST_CONSTANT = 0,
+  SKYBODY_ROTOR_MOMENT_CONSTANT = 1,
+  SKYBODY_ROTOR_DRAG = 2,
+  SKYBODY_ROTOR_ROLLING_MOMENT = 3,
+  SKYBODY_ROTOR_INERTIA = 4,
+  SKYBODY_ROTOR_MAX_SPEED = 5,
+  SKYBODY_ROTOR_TAU_UP = 6,
+  SKYBODY_ROTOR_TAU_DOWN = 7,
+  SKYBODY_ROTOR_CONSTANT_COUNT = 8
+};
+
 /* One declared parameter. A vector has min_count != 1 or max_count != 1; max_count -1: any length.
  */
 typedef struct SkybodyParameter {
@@ -91,7 +113,7 @@ typedef struct SkybodyBodyInfo {
   double mass;         /* nominal [kg] */
   double com[3];       /* [m], body frame */
   double inertia[6];   /* about com: xx yy zz xy xz yz [kg m^2] */
-  int32_t first_param; /* 10 EnvParams: mass, com, inertia */
+  int32_t first_param; /* EnvParams, at the places of SkybodyBodyConstant */
   int32_t first_q;     /* within the q block */
   int32_t first_u;     /* within the u block */
   int32_t joint;       /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
@@ -113,9 +135,8 @@ typedef struct SkybodyRotorInfo {
   double position[3]; /* body frame [m] */
   double axis[3];     /* body frame, unit */
   double direction;   /* +1 counter-clockwise about the axis, -1 clockwise */
-  double
-      constants[8]; /* thrust, moment, drag, rolling moment, inertia, max_speed, tau_up, tau_down */
-  int32_t first_param; /* 8 EnvParams in the same order */
+  double constants[SKYBODY_ROTOR_CONSTANT_COUNT]; /* at the places of SkybodyRotorConstant */
+  int32_t first_param;                            /* as many EnvParams, in the same order */
 } SkybodyRotorInfo;
 
 typedef struct SkybodyRobotInfo {
@@ -150,7 +171,8 @@ typedef struct SkybodyEnvParamInfo {
   double max;
 } SkybodyEnvParamInfo;
 
-/* The world as configure() sees it. Pointers stay valid as long as the instance. */
+/* The world as configure() sees it. It and all that it points to are valid during create() only: an
+ * instance copies what it needs later. */
 typedef struct SkybodySetup {
   const char* instance; /* unique in the world: names this instance's random numbers */
   double dt;            /* physics step [s] */
@@ -218,7 +240,8 @@ typedef struct SkybodyLanes {
   uint32_t active;              /* bit l: serve lane l */
   const uint64_t* key;          /* 2: seed, stream env */
   const uint64_t* episode;      /* 1 */
-  const uint64_t* step;         /* 1: actions taken in this episode, this one not counted */
+  const uint64_t* step;         /* 1: actions taken in this episode. The present one is not counted
+                                   in process, control and sense; in evaluate and goal it is */
   const uint64_t* physics_step; /* 1: physics steps completed in this episode */
   const double* bodies;         /* 13 per body: p (W), q (w x y z), v (W), w (B) */
   const double* bodies_before;  /* the same at the start of the last physics step, or NULL */
@@ -294,6 +317,7 @@ typedef struct SkybodyPluginLibrary {
   uint32_t declare_size;
   uint32_t lanes_size;
   uint32_t parameter_size;
+  uint64_t structures; /* hash of the sizes of all structures of this file, see structures.h */
   uint64_t (*fp_probe)(void);
   const SkybodyPlugin* const* plugins;
   uint32_t plugin_count;

@@ -14,6 +14,7 @@
 #include "plugins/api/methods.h"
 #include "plugins/api/plugin.h"
 #include "plugins/api/state.h"
+#include "plugins/api/structures.h"
 
 namespace skybody::plugin_export {
 
@@ -101,6 +102,7 @@ inline SkybodyPluginLibrary library(const SkybodyPlugin* const* plugins, std::ui
   l.declare_size = sizeof(SkybodyDeclare);
   l.lanes_size = sizeof(SkybodyLanes);
   l.parameter_size = sizeof(SkybodyParameter);
+  l.structures = structures_hash();
   l.fp_probe = probe;
   l.plugins = plugins;
   l.plugin_count = count;

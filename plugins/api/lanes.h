@@ -52,7 +52,8 @@ class Lanes {
   Word<Real> stream_env() const { return word(raw_.key, 1); }
   /// Resets of this environment so far; 1 in its first episode.
   Word<Real> episode() const { return word(raw_.episode, 0); }
-  /// Actions taken in this episode before the present one.
+  /// Actions taken in this episode. In process(), control() and sense() the present one is not
+  /// counted; in evaluate() and goal() it is: 1 after the first action. 0 at a reset, everywhere.
   Word<Real> step() const { return word(raw_.step, 0); }
   /// Physics steps completed in this episode.
   Word<Real> physics_step() const { return word(raw_.physics_step, 0); }

@@ -67,11 +67,20 @@ inline constexpr bool kCanStep =
     : T::kKind == SKYBODY_RANDOMIZER ? CanRandomize<T, Real> || CanRandomize<T, Real, Values<Real>>
                                      : CanEvaluate<T, Real> || CanEvaluate<T, Real, Values<Real>>;
 
+/// The same for the packs of every instruction set (kernels.h).
+template <class T, int... Widths>
+inline constexpr bool kCanStepPacks = (kCanStep<T, Pack<Widths>> && ...);
+template <class T, int... Widths>
+inline constexpr bool kHasResetPacks = (kHasReset<T, Pack<Widths>> && ...);
+template <class T, int... Widths>
+inline constexpr bool kHasProcessPacks = (kHasProcess<T, Pack<Widths>> && ...);
+
 template <class T, bool = HasStateTemplate<T>>
-inline constexpr bool kVectorizedImpl = kCanStep<T, Pack<4>>;
+inline constexpr bool kVectorizedImpl = kCanStepPacks<T, 2, 4, 8>;
 template <class T>
 inline constexpr bool kVectorizedImpl<T, false> = false;
-/// Serves several lanes at a time. Otherwise lane after lane.
+/// Serves several lanes at a time, in packs of every width that the kernels use. Otherwise lane
+/// after lane.
 template <class T>
 inline constexpr bool kVectorized = kVectorizedImpl<T>;
 
@@ -99,9 +108,9 @@ constexpr void check_class() {
                 "const`, public and const");
   if constexpr (kVectorized<T>) {
     static_assert(
-        !kHasReset<T, double> || kHasReset<T, Pack<4>>,
+        !kHasReset<T, double> || kHasResetPacks<T, 2, 4, 8>,
         "reset() is written for double, the step method for any Real: make both templates");
-    static_assert(!kHasProcess<T, double> || kHasProcess<T, Pack<4>>,
+    static_assert(!kHasProcess<T, double> || kHasProcessPacks<T, 2, 4, 8>,
                   "process() is written for double, evaluate() for any Real: make both templates");
   }
 }

@@ -42,8 +42,15 @@ class Plugin {
   void set_stream(std::uint64_t stream) { stream_ = stream; }
 
  protected:
-  /// Random numbers that depend on (seed, stream env, episode, this instance, physics step) only.
-  /// Two uses within one physics step need different `substream`s.
+  /// Random numbers that depend on (seed, stream env, episode, this instance, physics step,
+  /// `substream`) only: two calls of one instance with the same of all these give the same numbers.
+  /// The physics step is the number of those completed. So one number serves several methods, which
+  /// need different substreams if their draws are to be independent:
+  ///   - at a reset, 0: randomize(), reset(), sense(), evaluate(), then process() and the first
+  ///     control() of the first step;
+  ///   - from then on: sense() after a physics step and control() before the next; at the end of a
+  ///     step also evaluate(), and process() of the next step.
+  /// Draws that are asked for in mid-episode (Start::requested) have a count of their own.
   template <class Real>
   Random<Real> random(const Lanes<Real>& env, std::uint64_t substream = 0) const {
     return Random<Real>(env.seed(), env.stream_env(), env.episode(), env.physics_step(),

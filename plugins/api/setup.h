@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plugins/api/abi.h"
+#include "plugins/api/text.h"  // IWYU pragma: export
 
 namespace skybody {
 
@@ -30,7 +31,8 @@ enum class Signal {
   kTrajectory = SKYBODY_TRAJECTORY,
 };
 
-/// A contiguous array that belongs to the host.
+/// A contiguous array that belongs to the host. Valid during configure(): copy what is needed
+/// later.
 template <class T>
 class View {
  public:
@@ -45,7 +47,8 @@ class View {
   int size_;
 };
 
-/// Passed to configure(). Valid during that call. A plugin refuses a scenario by throwing any
+/// Passed to configure(). Valid during that call, and so is all that it refers to: names, views,
+/// infos. A plugin refuses a scenario by throwing any
 /// std::exception: its text becomes the error at the scenario's line.
 class Setup {
  public:

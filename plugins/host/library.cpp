@@ -13,14 +13,14 @@
 
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
+#include "plugins/api/structures.h"
 #include "plugins/host/descriptor.h"
 
 namespace skybody {
 namespace {
 
-constexpr const char* kNoSymbol =
-    "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
-    "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once";
+constexpr const char* kNoSymbol = "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
+                                  "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once";
 constexpr const char* kRebuild = ": rebuild it against this Skybody";
 
 [[noreturn]] void refuse(LoadFailure reason, const std::filesystem::path& file,
@@ -94,6 +94,10 @@ void check_sizes(const std::filesystem::path& file, const SkybodyPluginLibrary& 
     refuse(LoadFailure::kWrongSize, file,
            "its " + std::string(s.structure) + " has " + std::to_string(s.theirs) +
                " bytes, this Skybody's has " + std::to_string(s.ours) + kRebuild);
+  }
+  if (found.structures != plugin_export::structures_hash()) {
+    refuse(LoadFailure::kWrongSize, file,
+           std::string("its plugin structures differ from this Skybody's") + kRebuild);
   }
 }
 

@@ -1,8 +1,8 @@
 // Scales masses, inertias and rotor constants around their nominal values.
-#include <skybody/plugin.h>
-
 #include <algorithm>
 #include <vector>
+
+#include "randomization/common/schedule.h"
 
 namespace skybody {
 namespace {
@@ -10,9 +10,7 @@ namespace {
 class Inertia : public Randomizer {
  public:
   template <class Real>
-  struct State {
-    Word<Real> waited;  ///< resets since the last draw, 0: draw at the next one
-  };
+  using State = randomization::Schedule<Real>;
 
   void configure(const Setup& setup) override {
     const RealsParameter* rotor[kRotorConstants] = {
@@ -34,7 +32,7 @@ class Inertia : public Randomizer {
 
   template <class Real>
   void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const {
-    const auto due = logical_or(MaskOf<Real>(start.requested), state.waited == Word<Real>(0));
+    const auto due = randomization::is_due(state, start.requested);
     Random<Real> draw = random(env, start.requested ? 1 : 0);
     for (const Target& body : bodies_) scale_body(draw, body, due, start);
     for (const Target& rotor : rotors_) {
@@ -44,16 +42,13 @@ class Inertia : public Randomizer {
         put(start, rotor.first + k, due, scale * rotor.nominal[static_cast<std::size_t>(k)]);
       }
     }
-    if (!start.requested) {
-      const Word<Real> next = state.waited + Word<Real>(1);
-      const Word<Real> every(static_cast<std::uint64_t>(every_.value()));
-      state.waited = select(next == every, Word<Real>(0), next);
-    }
+    randomization::count_reset(state, start.requested, every_.value());
   }
 
  private:
-  static constexpr int kRotorConstants = 8;
-  static constexpr int kBodyConstants = 10;  // mass, com, inertia
+  static constexpr int kRotorConstants = SKYBODY_ROTOR_CONSTANT_COUNT;
+  static constexpr int kBodyConstants = SKYBODY_BODY_CONSTANT_COUNT;
+  /// In the order of SkybodyRotorConstant.
   static constexpr const char* kRotorNames[kRotorConstants] = {
       "thrust_constant", "moment_constant", "drag",   "rolling_moment",
       "rotor_inertia",   "max_speed",       "tau_up", "tau_down"};
@@ -69,8 +64,8 @@ class Inertia : public Randomizer {
 
   static Range range_of(const RealsParameter& p, const std::string& name) {
     if (p.value(0) > p.value(1)) {
-      throw std::runtime_error("`" + name + "` [" + std::to_string(p.value(0)) + ", " +
-                               std::to_string(p.value(1)) + "] runs backwards: write [low, high]");
+      throw std::runtime_error("`" + name + "` [" + to_text(p.value(0)) + ", " +
+                               to_text(p.value(1)) + "] runs backwards: write [low, high]");
     }
     return {p.value(0), p.value(1)};
   }
@@ -97,8 +92,9 @@ class Inertia : public Randomizer {
                               : std::find(named.begin(), named.end(), i) != named.end();
       if (!wanted) continue;
       bodies_.push_back(target(setup, body.first_param, kBodyConstants));
-      if (!mass_range_.idle()) setup.writes(body.first_param);
-      for (int k = 4; writes_inertia && k < kBodyConstants; ++k) setup.writes(body.first_param + k);
+      if (!mass_range_.idle()) setup.writes(body.first_param + SKYBODY_BODY_MASS);
+      for (int k = SKYBODY_BODY_INERTIA; writes_inertia && k < kBodyConstants; ++k)
+        setup.writes(body.first_param + k);
     }
   }
 
@@ -133,10 +129,11 @@ class Inertia : public Randomizer {
     const Real mass = draw.uniform(Real(mass_range_.low), Real(mass_range_.high));
     const Real own = draw.uniform(Real(inertia_range_.low), Real(inertia_range_.high));
     const bool coupled = couple_.value();
-    if (!mass_range_.idle()) put(start, body.first, due, mass * body.nominal[0]);
+    if (!mass_range_.idle())
+      put(start, body.first + SKYBODY_BODY_MASS, due, mass * body.nominal[SKYBODY_BODY_MASS]);
     if (!coupled && inertia_range_.idle()) return;
     const Real inertia = coupled ? mass * own : own;
-    for (int k = 4; k < kBodyConstants; ++k) {
+    for (int k = SKYBODY_BODY_INERTIA; k < kBodyConstants; ++k) {
       put(start, body.first + k, due, inertia * body.nominal[static_cast<std::size_t>(k)]);
     }
   }
@@ -153,11 +150,7 @@ class Inertia : public Randomizer {
 
   TextParameter robot_{this, {.name = "robot", .doc = "whose constants; empty: every robot's"}};
   TextsParameter links_{this, {.name = "links", .doc = "which bodies; none: all of the robot"}};
-  IntegerParameter every_{this,
-                          {.name = "every",
-                           .value = 1,
-                           .min = 1,
-                           .doc = "draw at every n-th reset, the first included"}};
+  IntegerParameter every_{this, randomization::every_spec()};
   RealsParameter mass_{this, scale("mass", "range of the scale of each body's mass")};
   RealsParameter inertia_{this, scale("inertia", "range of the scale of each body's inertia")};
   BooleanParameter couple_{this,

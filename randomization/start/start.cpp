@@ -53,8 +53,8 @@ class RandomStart : public Randomizer {
   static void require_order(const std::string& low_name, double low, const std::string& high_name,
                             double high) {
     if (low <= high) return;
-    throw std::runtime_error("`" + low_name + "` " + std::to_string(low) + " is above `" +
-                             high_name + "` " + std::to_string(high) + ": swap them");
+    throw std::runtime_error("`" + low_name + "` " + to_text(low) + " is above `" + high_name +
+                             "` " + to_text(high) + ": swap them");
   }
 
   void check_ranges() {
@@ -85,7 +85,7 @@ class RandomStart : public Randomizer {
              {},
              {}};
     for (int b = 0; b < info.body_count; ++b) {
-      t.masses.push_back(setup.bodies()[info.first_body + b].first_param);
+      t.masses.push_back(setup.bodies()[info.first_body + b].first_param + SKYBODY_BODY_MASS);
     }
     double lift = 0.0;
     for (int i = info.first_rotor; i < info.first_rotor + info.rotor_count; ++i) {
@@ -156,11 +156,12 @@ class RandomStart : public Randomizer {
   SKYBODY_INLINE void spin(const Lanes<Real>& env, const Target& t, Start<Real>& start) const {
     Real mass(0.0), lift(0.0);
     for (const int param : t.masses) mass += env.param(param);
-    for (const Rotor& r : t.rotors) lift += env.param(r.constants) * r.lift;
+    for (const Rotor& r : t.rotors)
+      lift += env.param(r.constants + SKYBODY_ROTOR_THRUST_CONSTANT) * r.lift;
     const Real speed = sqrt(mass * gravity_ / lift);
     for (const Rotor& r : t.rotors) {
       const Real own = select(Real(r.lift) > 0.0, speed, Real(0.0));
-      start.rotor_speed.set(r.index, min(own, env.param(r.constants + 5)));
+      start.rotor_speed.set(r.index, min(own, env.param(r.constants + SKYBODY_ROTOR_MAX_SPEED)));
     }
   }
 

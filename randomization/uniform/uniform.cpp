@@ -1,8 +1,8 @@
 // Draws any randomizable values, named by path.
-#include <skybody/plugin.h>
-
 #include <algorithm>
 #include <vector>
+
+#include "randomization/common/schedule.h"
 
 namespace skybody {
 namespace {
@@ -10,9 +10,7 @@ namespace {
 class Uniform : public Randomizer {
  public:
   template <class Real>
-  struct State {
-    Word<Real> waited;  ///< resets since the last draw, 0: draw at the next one
-  };
+  using State = randomization::Schedule<Real>;
 
   void configure(const Setup& setup) override {
     if (paths_.values().empty()) {
@@ -35,8 +33,8 @@ class Uniform : public Randomizer {
     low_ = given.value(0);
     high_ = given.value(1);
     if (low_ > high_) {
-      throw std::runtime_error("`" + name + "` [" + std::to_string(low_) + ", " +
-                               std::to_string(high_) + "] runs backwards: write [low, high]");
+      throw std::runtime_error("`" + name + "` [" + to_text(low_) + ", " + to_text(high_) +
+                               "] runs backwards: write [low, high]");
     }
     for (const std::string& path : paths_.values()) {
       for (const int param : setup.find_params(path)) add(setup, param, path, scales);
@@ -45,18 +43,14 @@ class Uniform : public Randomizer {
 
   template <class Real>
   void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const {
-    const auto due = logical_or(MaskOf<Real>(start.requested), state.waited == Word<Real>(0));
+    const auto due = randomization::is_due(state, start.requested);
     Random<Real> draw = random(env, start.requested ? 1 : 0);
     Real value = draw.uniform(Real(low_), Real(high_));
     for (const Target& t : targets_) {
       start.params.set(t.param, select(due, value * t.factor, start.params[t.param]));
       if (!shared_.value()) value = draw.uniform(Real(low_), Real(high_));
     }
-    if (!start.requested) {
-      const Word<Real> next = state.waited + Word<Real>(1);
-      const Word<Real> every(static_cast<std::uint64_t>(every_.value()));
-      state.waited = select(next == every, Word<Real>(0), next);
-    }
+    randomization::count_reset(state, start.requested, every_.value());
   }
 
  private:
@@ -77,10 +71,10 @@ class Uniform : public Randomizer {
     const double least = std::min(low_ * factor, high_ * factor);
     const double most = std::max(low_ * factor, high_ * factor);
     if (least < info.min || most > info.max) {
-      throw std::runtime_error("drawing " + std::string(info.path) + " from [" +
-                               std::to_string(least) + ", " + std::to_string(most) +
-                               "] leaves what it may be, [" + std::to_string(info.min) + ", " +
-                               std::to_string(info.max) + "]: narrow the range");
+      throw std::runtime_error("drawing " + std::string(info.path) + " from [" + to_text(least) +
+                               ", " + to_text(most) + "] leaves what it may be, [" +
+                               to_text(info.min) + ", " + to_text(info.max) +
+                               "]: narrow the range");
     }
     targets_.push_back({param, factor});
     setup.writes(param);
@@ -95,11 +89,7 @@ class Uniform : public Randomizer {
       this, {.name = "range", .count = -1, .doc = "[low, high] in the value's own unit"}};
   BooleanParameter shared_{this,
                            {.name = "shared", .doc = "one draw for all of them, not one for each"}};
-  IntegerParameter every_{this,
-                          {.name = "every",
-                           .value = 1,
-                           .min = 1,
-                           .doc = "draw at every n-th reset, the first included"}};
+  IntegerParameter every_{this, randomization::every_spec()};
 
   std::vector<Target> targets_;
   double low_ = 0.0, high_ = 0.0;

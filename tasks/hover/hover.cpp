@@ -96,8 +96,8 @@ class Hover : public Task {
     for (int k = 0; k < 3; ++k) {
       if (target_min_.value(k) <= target_max_.value(k)) continue;
       throw std::runtime_error("`target_min[" + std::to_string(k) + "]` " +
-                               std::to_string(target_min_.value(k)) + " is above `target_max` " +
-                               std::to_string(target_max_.value(k)) + ": swap them");
+                               to_text(target_min_.value(k)) + " is above `target_max` " +
+                               to_text(target_max_.value(k)) + ": swap them");
     }
   }
 

@@ -123,6 +123,8 @@ TEST(Simulation, AWrenchOnTheBodyStartsInBalanceWithTheRotorsOfTheStart) {
   // The lag begins at hover thrust, and one millisecond towards another thrust changes little: well
   // below the 9.81 mm/s that a fall would give.
   EXPECT_LT(std::abs(hover.bodies()[0].velocity.z - before), 0.002);
+  for (int i = 0; i < 50; ++i) hover.step(level);
+  for (const double speed : hover.rotor_speeds()) EXPECT_EQ(speed, 0.0);
 }
 
 TEST(Simulation, RandomizingInMidFlightChangesParametersAndNotTheMotion) {

@@ -23,13 +23,14 @@ class Flight {
     }
     for (std::size_t i = 0; rotors && i < 4; ++i) {
       const SkybodyRotorInfo& r = world.rotors[i];
-      const double tau = output[i] > speed[i] ? r.constants[6] : r.constants[7];
+      const double tau = output[i] > speed[i] ? r.constants[SKYBODY_ROTOR_TAU_UP]
+                                              : r.constants[SKYBODY_ROTOR_TAU_DOWN];
       speed[i] = output[i] + (speed[i] - output[i]) * std::exp(-world.dt / tau);
-      const double f = r.constants[0] * speed[i] * speed[i];
+      const double f = r.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed[i] * speed[i];
       force.z += f;
       torque +=
           cross(Vec3<double>{r.position[0], r.position[1], r.position[2]}, Vec3<double>{0, 0, f});
-      torque.z -= r.direction * r.constants[1] * speed[i] * speed[i];
+      torque.z -= r.direction * r.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] * speed[i] * speed[i];
     }
     const double* j = world.bodies[0].inertia;
     const Vec3<double> momentum{j[0] * w.x, j[1] * w.y, j[2] * w.z};

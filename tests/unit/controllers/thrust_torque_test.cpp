@@ -18,12 +18,13 @@ Wrench4 effect(const PluginWorld& world, const std::vector<double>& speed) {
   Wrench4 sum{0, 0, 0, 0};
   for (std::size_t i = 0; i < speed.size(); ++i) {
     const SkybodyRotorInfo& r = world.rotors[i];
-    const double f = r.constants[0] * speed[i] * speed[i];
+    const double f = r.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed[i] * speed[i];
     sum.thrust += f * r.axis[2];
     const double arm[3] = {r.position[0] - world.bodies[0].com[0],
                            r.position[1] - world.bodies[0].com[1],
                            r.position[2] - world.bodies[0].com[2]};
-    const double reaction = -r.direction * r.constants[1] / r.constants[0];
+    const double reaction = -r.direction * r.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] /
+                            r.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
     sum.x += f * (arm[1] * r.axis[2] - arm[2] * r.axis[1] + reaction * r.axis[0]);
     sum.y += f * (arm[2] * r.axis[0] - arm[0] * r.axis[2] + reaction * r.axis[1]);
     sum.z += f * (arm[0] * r.axis[1] - arm[1] * r.axis[0] + reaction * r.axis[2]);
@@ -126,7 +127,7 @@ TEST_F(ThrustTorqueTest, RotorsStayWithinTheirLimits) {
 }
 
 TEST_F(ThrustTorqueTest, UnreachableTorqueIsRefused) {
-  for (auto& r : world.rotors) r.constants[1] = 0.0;
+  for (auto& r : world.rotors) r.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] = 0.0;
   EXPECT_THAT(refusal("ctbt", world, {}), HasSubstr("cannot give yaw torque independently"));
   PluginWorld line;
   line.add_robot("line", 0, 0, 1);
@@ -165,8 +166,8 @@ TEST_F(ThrustTorqueTest, BodyLagIsTheRotorsMeanUnlessGivenAndStartsWhereTheyAre)
   const Instance instance("ctbt", world, {{"apply", "body"}});
   Group g = instance.group(1);
   for (int i = 0; i < 4; ++i) {
-    g.params[static_cast<std::size_t>(world.rotors[static_cast<std::size_t>(i)].first_param + 7)] =
-        0.04;
+    g.params[static_cast<std::size_t>(world.rotors[static_cast<std::size_t>(i)].first_param +
+                                      SKYBODY_ROTOR_TAU_DOWN)] = 0.04;
     g.rotor_speed[static_cast<std::size_t>(i)] = 1400.0;
   }
   instance.call(Call::kReset, g);

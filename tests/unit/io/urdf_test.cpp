@@ -301,6 +301,55 @@ TEST(UrdfBase, FloatingJointOnTheWorldGivesAFreeBase) {
   EXPECT_EQ(model.bodies[0].joint.parent, -1);
 }
 
+TEST(UrdfBase, OriginOfAFloatingJointOnTheWorldIsIgnoredWithAWarning) {
+  Diagnostics diagnostics;
+  const auto model = parse_urdf(
+      "<robot name=\"r\">\n" + link("world", "") + link("base", inertial(1, 0.1)) +
+          joint("j", "floating", "world", "base", "<origin xyz=\"0 0 1\"/>") + "</robot>\n",
+      "r.urdf", {}, diagnostics);
+  ASSERT_TRUE(model.has_value());
+  EXPECT_TRUE(is_identity(model->bodies[0].joint.frame_in_parent));
+  EXPECT_TRUE(is_identity(model->bodies[0].joint.frame_in_body));
+  EXPECT_EQ(diagnostics.to_string(),
+            "r.urdf:4: warning: the <origin> of the floating joint `j` is ignored: the robot's "
+            "`pose` places its base\n");
+}
+
+TEST(UrdfBase, FixedBaseWeldsWhatFloatsOnTheWorld) {
+  const RobotModel model =
+      parse(link("world", "") + link("base", "") + link("arm", inertial(1, 0.1)) +
+                joint("j", "floating", "world", "base", "<origin xyz=\"0 0 1\"/>") +
+                joint("k", "continuous", "base", "arm", axis("0 1 0")),
+            {true});
+  EXPECT_TRUE(model.fixed_base);
+  EXPECT_EQ(model.bodies[0].joint.type, JointType::kWeld);
+  expect_near(model.bodies[0].joint.frame_in_parent.position, {0, 0, 1});
+}
+
+TEST(UrdfBase, BodyZeroAloneDecidesWhetherTheBaseIsFixed) {
+  const RobotModel loose_ball =
+      parse(link("world", "") + link("base", inertial(1, 0.1)) + link("ball", inertial(1, 0.1)) +
+            joint("j", "fixed", "world", "base") + joint("k", "floating", "base", "ball"));
+  EXPECT_TRUE(loose_ball.fixed_base);
+  const RobotModel two_on_the_world = parse(
+      link("world", "") + link("a", inertial(1, 0.1)) + link("b", inertial(1, 0.1)) +
+      joint("j", "fixed", "world", "a") + joint("k", "continuous", "world", "b", axis("0 1 0")));
+  EXPECT_TRUE(two_on_the_world.fixed_base);
+  EXPECT_EQ(two_on_the_world.bodies[1].joint.parent, -1);
+}
+
+TEST(UrdfBase, WhatFloatsOnTheWorldIsItsOnlyChild) {
+  const std::string links =
+      link("world", "") + link("a", inertial(1, 0.1)) + link("b", inertial(1, 0.1));
+  const std::string message = "float, but it is not the only joint on the link `world`";
+  EXPECT_THAT(
+      errors_of(links + joint("j", "fixed", "world", "a") + joint("k", "floating", "world", "b")),
+      HasSubstr("the joint `k` lets `b` " + message));
+  EXPECT_THAT(
+      errors_of(links + joint("j", "floating", "world", "a") + joint("k", "fixed", "world", "b")),
+      HasSubstr("the joint `j` lets `a` " + message));
+}
+
 TEST(UrdfBase, PinOnTheWorldHasTheWorldAsParent) {
   const RobotModel model = parse(link("world", "") + link("arm", inertial(1, 0.1)) +
                                  joint("j", "continuous", "world", "arm", axis("0 1 0")));

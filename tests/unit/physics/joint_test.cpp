@@ -153,13 +153,12 @@ TEST(Slider, LimitPushesBackAndNeverPulls) {
   EXPECT_GT(bench.state.u[0], -1.0) << "and lost energy";
 }
 
-/// A free base with a chain of every joint type, all frames turned and offset.
+/// A free base with a chain of every joint type, all other frames turned and offset.
 RobotModel make_chain() {
   RobotModel model = make_free_body(1.2, {0.02, 0.03, 0.04, 0.001, -0.002, 0.003}, {0.01, 0.02, 0});
-  model.bodies[0].joint.frame_in_body = {{0.02, -0.05, 0.03}, from_rpy(0.2, -0.4, 0.7)};
-  const JointType types[] = {JointType::kPin, JointType::kUniversal, JointType::kBall,
-                             JointType::kSlider, JointType::kWeld};
-  const char* names[] = {"pin", "universal", "ball", "slider", "weld"};
+  const JointType types[] = {JointType::kPin,    JointType::kUniversal, JointType::kBall,
+                             JointType::kSlider, JointType::kWeld,      JointType::kFree};
+  const char* names[] = {"pin", "universal", "ball", "slider", "weld", "free"};
   int parent = 0;
   for (const JointType type : types) {
     Body body = make_body(names[parent], type, parent, 0.3, {0.03, -0.02, -0.1},
@@ -194,7 +193,7 @@ TEST(Kinematics, AgreesWithSimbodyForEveryJointAndTurnedFrames) {
     simbody->body_states(bench.state.q.data(), bench.state.u.data(), theirs.data());
     for (std::size_t i = 0; i < theirs.size(); ++i) {
       const BodyState &a = bench.state.bodies[i], &b = theirs[i];
-      // Six bodies of some ten roundings each, values of order 10.
+      // Seven bodies of some ten roundings each, values of order 10.
       EXPECT_LT(norm(a.position - b.position), 1e-13);
       EXPECT_LT(norm(a.velocity - b.velocity), 1e-13);
       EXPECT_LT(norm(a.angular_velocity - b.angular_velocity), 1e-13);

@@ -3,9 +3,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <new>
+#include <stdexcept>
 
 #include "core/base/error.h"
 #include "core/physics/base_drive.h"
+#include "core/physics/dynamics.h"
 #include "tests/unit/physics/test_models.h"
 
 namespace skybody::test {
@@ -122,27 +125,17 @@ TEST(VelocityDrive, TurnsTheBase) {
 }
 
 TEST(PoseDrive, ReachesThePoseExactlyAtTheEndOfTheStep) {
-  for (const bool off_centre : {false, true}) {
-    Scenario scenario = driven_payload();
-    if (off_centre) {
-      scenario.robots[0].model.bodies[0].joint.frame_in_body = {{0.1, 0, 0},
-                                                                from_rpy(0.0, 0.0, 1.0)};
-    }
-    Bench bench(std::move(scenario), [](World& w) { w.drives = {DriveKind::kPose}; });
-    const Quat<double> target = from_rpy(0.1, -0.2, 0.3);
-    store(Vec3<double>{0.01, 0.02, 5.03}, bench.state.drive.data() + kDrivePosition);
-    store(target, bench.state.drive.data() + kDriveRotation);
-    ASSERT_TRUE(bench.run(1));
-    const BodyState& base = bench.state.bodies[0];
-    // Exact but for the change of frames.
-    EXPECT_LT(norm(base.position - Vec3<double>{0.01, 0.02, 5.03}), 1e-15 + off_centre * 1e-14);
-    EXPECT_NEAR(std::fabs((conjugate(target) * base.rotation).w), 1.0, 1e-14);
-    if (!off_centre) {
-      EXPECT_NEAR(base.velocity.x, 10.0, 1e-12);
-    }
-    ASSERT_TRUE(bench.run(1));
-    EXPECT_LT(norm(bench.state.bodies[0].velocity), 1e-10) << "arrived";
-  }
+  Bench bench(driven_payload(), [](World& w) { w.drives = {DriveKind::kPose}; });
+  const Quat<double> target = from_rpy(0.1, -0.2, 0.3);
+  store(Vec3<double>{0.01, 0.02, 5.03}, bench.state.drive.data() + kDrivePosition);
+  store(target, bench.state.drive.data() + kDriveRotation);
+  ASSERT_TRUE(bench.run(1));
+  const BodyState& base = bench.state.bodies[0];
+  EXPECT_EQ(norm(base.position - Vec3<double>{0.01, 0.02, 5.03}), 0.0);
+  EXPECT_NEAR(std::fabs((conjugate(target) * base.rotation).w), 1.0, 1e-14);
+  EXPECT_NEAR(base.velocity.x, 10.0, 1e-12);
+  ASSERT_TRUE(bench.run(1));
+  EXPECT_LT(norm(bench.state.bodies[0].velocity), 1e-10) << "arrived";
 }
 
 TEST(Drive, OfAFixedBaseIsAnError) {
@@ -220,6 +213,51 @@ TEST(Stepper, NonFiniteStepReturnsFalseAndLeavesTheState) {
     bench.state = good;
     EXPECT_TRUE(bench.run(10)) << "the stepper goes on with good states";
   }
+}
+
+/// Throws `Failure` from every evaluation.
+template <class Failure>
+class FailingDynamics final : public Dynamics {
+ public:
+  void set_params(const double*) override {}
+  void accelerations(const double*, const double*, const SpatialForce<double>*, const double*,
+                     double*) override {
+    throw Failure();
+  }
+  void body_states(const double*, const double*, BodyState*) override {}
+};
+
+struct GivesUp : std::runtime_error {
+  GivesUp() : std::runtime_error("singular") {}
+};
+struct Bug : std::logic_error {
+  Bug() : std::logic_error("demanded") {}
+};
+
+template <class Failure>
+bool advance_with_failure(Bench& bench) {
+  return make_stepper(bench.world, std::make_unique<FailingDynamics<Failure>>())
+      ->advance(bench.state);
+}
+
+TEST(Stepper, OnlyDynamicsThatGiveUpAreAFailedStep) {
+  Bench bench(payload_flight());
+  EXPECT_FALSE(advance_with_failure<GivesUp>(bench));
+  EXPECT_THROW(advance_with_failure<Bug>(bench), std::logic_error);
+  EXPECT_THROW(advance_with_failure<std::bad_alloc>(bench), std::bad_alloc);
+}
+
+TEST(World, FreeBaseHasThePlainFramesThatItsCoordinatesMean) {
+  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
+  model.bodies[0].joint.frame_in_parent.position = {0, 0, 1};
+  EXPECT_THROW(World(make_scenario(model)), std::logic_error);
+  model.bodies[0].joint.frame_in_parent = Pose{};
+  model.bodies[0].joint.frame_in_body.rotation = from_rpy(0.0, 0.0, 1.0);
+  EXPECT_THROW(World(make_scenario(model)), std::logic_error);
+  model.bodies[0].joint.frame_in_body = Pose{};
+  EXPECT_NO_THROW(World(make_scenario(model)));
+  model.bodies.push_back(model.bodies[0]);
+  EXPECT_THROW(World(make_scenario(model)), std::logic_error) << "two bases";
 }
 
 TEST(Stepper, ImpossibleInertiaIsAnErrorThatNamesTheBody) {

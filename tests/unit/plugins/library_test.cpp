@@ -56,6 +56,9 @@ TEST(PluginLibrary, RefusesAnotherLayout) {
   expect_refused(test::bad_plugins() / "wrong_size.so", LoadFailure::kWrongSize,
                  "its SkybodyLanes has " + theirs + " bytes, this Skybody's has " + ours +
                      ": rebuild it against this Skybody");
+  expect_refused(
+      test::bad_plugins() / "wrong_structures.so", LoadFailure::kWrongSize,
+      "its plugin structures differ from this Skybody's: rebuild it against this Skybody");
 }
 
 TEST(PluginLibrary, RecognisesWhatIsNoPluginWithoutRunningIt) {

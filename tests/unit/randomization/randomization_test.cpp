@@ -121,8 +121,8 @@ TEST_F(Randomization, UniformSharesADrawOrNot) {
                       {"shared", shared}});
     Group g = r.group(1);
     reset(r, g);
-    const double a = param(g, world.rotors[0].first_param + 6),
-                 b = param(g, world.rotors[1].first_param + 6);
+    const double a = param(g, world.rotors[0].first_param + SKYBODY_ROTOR_TAU_UP),
+                 b = param(g, world.rotors[1].first_param + SKYBODY_ROTOR_TAU_UP);
     EXPECT_EQ(a == b, shared);
     EXPECT_GE(a, 0.01);
     EXPECT_LE(a, 0.02);
@@ -181,7 +181,7 @@ TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
   EXPECT_THAT(refusal("inertia", world, {{"robot", "q"}, {"mass", Numbers{0.9, 1.1}}}),
               HasSubstr("no robot `q`"));
   EXPECT_THAT(refusal("start", world, {{"yaw_min", 1.0}}),
-              HasSubstr("`yaw_min` 1.000000 is above `yaw_max`"));
+              HasSubstr("`yaw_min` 1 is above `yaw_max` 0: swap them"));
   EXPECT_THAT(refusal("start", world, {{"position_min", Numbers{0, 0, 0}}}),
               HasSubstr("give both [x, y, z], or neither"));
   EXPECT_THAT(refusal("uniform", world, {{"paths", Texts{"robot.links.base.mass"}}}),

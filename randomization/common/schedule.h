@@ -1,0 +1,37 @@
+// When a randomizer draws: at the first reset, then at every n-th, and whenever the caller asks.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <cstdint>
+
+namespace skybody::randomization {
+
+/// A randomizer's state, which survives resets.
+template <class Real>
+struct Schedule {
+  Word<Real> waited;  ///< resets since the last draw, 0: draw at the next one
+};
+
+/// The parameter that all randomizers with a schedule declare.
+inline IntegerSpec every_spec() {
+  return {
+      .name = "every", .value = 1, .min = 1, .doc = "draw at every n-th reset, the first included"};
+}
+
+/// Where values are to be drawn now.
+template <class Real>
+SKYBODY_INLINE MaskOf<Real> is_due(const Schedule<Real>& schedule, bool requested) {
+  return logical_or(MaskOf<Real>(requested), schedule.waited == Word<Real>(0));
+}
+
+/// Counts a reset. A draw that was asked for in mid-episode is none.
+template <class Real>
+SKYBODY_INLINE void count_reset(Schedule<Real>& schedule, bool requested, std::int64_t every) {
+  if (requested) return;
+  const Word<Real> next = schedule.waited + Word<Real>(1);
+  const Word<Real> whole(static_cast<std::uint64_t>(every));
+  schedule.waited = select(next == whole, Word<Real>(0), next);
+}
+
+}  // namespace skybody::randomization

@@ -1,0 +1,76 @@
+// What the headers for authors decide while they compile.
+#include <gtest/gtest.h>
+#include <skybody/plugin.h>
+
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+
+#include "core/model/layout.h"
+
+namespace skybody {
+namespace {
+
+class InPacks : public Controller {
+ public:
+  void configure(const Setup&) override {}
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+};
+
+/// For one width of packs only, which is not what every machine has.
+class InFours : public Controller {
+ public:
+  void configure(const Setup&) override {}
+  template <class Real>
+  requires(std::is_same_v<Real, double> ||
+           std::is_same_v<Real, Pack<4>>) void control(const Lanes<Real>&, State<Real>&,
+                                                       ConstValues<Real>, Values<Real>) const {}
+};
+
+TEST(PluginApi, LaneCodeServesPacksOfEveryWidth) {
+  EXPECT_TRUE(plugin_export::kVectorized<InPacks>);
+  EXPECT_FALSE(plugin_export::kVectorized<InFours>);
+}
+
+TEST(PluginApi, ConstantsLieWhereTheEngineKeepsThem) {
+  EXPECT_EQ(int{SKYBODY_BODY_MASS}, int{kMass});
+  EXPECT_EQ(int{SKYBODY_BODY_COM}, int{kCom});
+  EXPECT_EQ(int{SKYBODY_BODY_INERTIA}, int{kInertia});
+  EXPECT_EQ(int{SKYBODY_BODY_CONSTANT_COUNT}, int{kBodyParamCount});
+  EXPECT_EQ(int{SKYBODY_ROTOR_THRUST_CONSTANT}, int{kThrustConstant});
+  EXPECT_EQ(int{SKYBODY_ROTOR_MOMENT_CONSTANT}, int{kMomentConstant});
+  EXPECT_EQ(int{SKYBODY_ROTOR_DRAG}, int{kDragConstant});
+  EXPECT_EQ(int{SKYBODY_ROTOR_ROLLING_MOMENT}, int{kRollingMomentConstant});
+  EXPECT_EQ(int{SKYBODY_ROTOR_INERTIA}, int{kRotorInertia});
+  EXPECT_EQ(int{SKYBODY_ROTOR_MAX_SPEED}, int{kMaxSpeed});
+  EXPECT_EQ(int{SKYBODY_ROTOR_TAU_UP}, int{kTauUp});
+  EXPECT_EQ(int{SKYBODY_ROTOR_TAU_DOWN}, int{kTauDown});
+  EXPECT_EQ(int{SKYBODY_ROTOR_CONSTANT_COUNT}, int{kRotorParamCount});
+}
+
+TEST(PluginApi, NumbersInMessagesKeepTheirSize) {
+  EXPECT_EQ(to_text(1.9533e-6), "1.9533e-06");
+  EXPECT_EQ(to_text(4.0), "4");
+}
+
+/// abi.h and the hash of its structures name the same ones, in the same order.
+TEST(PluginApi, HandshakeCoversEveryStructure) {
+  const auto names = [](const std::string& file, const std::string& pattern) {
+    std::ifstream in(std::string(SKYBODY_SOURCE_DIR) + file);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::regex name(pattern);
+    std::string all;
+    for (std::sregex_iterator i(text.begin(), text.end(), name), end; i != end; ++i) {
+      all += (*i)[1].str() + " ";
+    }
+    return all;
+  };
+  const std::string declared = names("/plugins/api/abi.h", "typedef struct (Skybody[A-Za-z]+) \\{");
+  EXPECT_NE(declared, "");
+  EXPECT_EQ(declared, names("/plugins/api/structures.h", "sizeof\\((Skybody[A-Za-z]+)\\)"));
+}
+
+}  // namespace
+}  // namespace skybody
