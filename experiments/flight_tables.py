@@ -85,7 +85,7 @@ def vehicle_table(program: Path) -> tuple[str, bool]:
             program, [*overrides, f"robots[0].controllers={MODES['rotor_speed']}"]
         )
         good &= end == "truncated"
-        rows.append([name, f"{mean:.4f}", f"{most:.4f}", end])
+        rows.append([name, f"{mean:.2g}", f"{most:.2g}", end])
     return table(rows), good
 
 
@@ -100,7 +100,7 @@ def mode_table(program: Path) -> tuple[str, bool]:
                 program, [f"robots[0].model={vehicle}", f"robots[0].controllers={controllers}"]
             )
             good &= end == "truncated"
-            row.append(f"{mean:.4f}" if end == "truncated" else f"{mean:.4f} ({end})")
+            row.append(f"{mean:.2g}" if end == "truncated" else f"{mean:.2g} ({end})")
         rows.append(row)
     return table(rows), good
 
