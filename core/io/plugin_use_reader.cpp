@@ -18,8 +18,7 @@ const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
     return nullptr;
   }
   if (!found->failure.empty()) {
-    diagnostics.error(use.mark,
-                      "the " + what + " cannot be used: " + found->failure);
+    diagnostics.error(use.mark, "the " + what + " cannot be used: " + found->failure);
     return nullptr;
   }
   return found;

@@ -7,8 +7,8 @@
 #include "core/io/file.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/rotors_reader.h"
-#include "core/io/shipped_files.h"
 #include "core/io/scenario_fields.h"
+#include "core/io/shipped_files.h"
 #include "core/io/text.h"
 #include "core/io/urdf_reader.h"
 

@@ -70,7 +70,8 @@ void add_plugins(const fs::path& folder, const std::vector<std::string>& needs) 
 std::vector<std::string> portable(std::vector<std::string> lines, const fs::path& folder) {
   const std::string place = fs::canonical(folder).string() + "/";
   for (std::string& line : lines) {
-    for (std::size_t at; (at = line.find(place)) != std::string::npos;) line.erase(at, place.size());
+    for (std::size_t at; (at = line.find(place)) != std::string::npos;)
+      line.erase(at, place.size());
     line = std::regex_replace(line, std::regex("at least [0-9]+;"), "at least N;");
     line = std::regex_replace(line, std::regex("probe gives [0-9a-f]{16}"), "probe gives N");
   }

@@ -193,11 +193,10 @@ TEST_F(ScenarioTest, TextReadsBackToTheSameScenario) {
 }
 
 TEST_F(ScenarioTest, PluginThatCannotBeLoadedIsReportedWhereItIsUsed) {
-  EXPECT_THAT(
-      messages("robots:\n  - name: q\n    model: models/r.urdf\n"
-               "    controllers: [{plugin: broken}]\ntask: {plugin: hover}\n"),
-      HasSubstr("s.yaml:4:28: error: the controller `broken` cannot be used: "
-                "it is truncated"));
+  EXPECT_THAT(messages("robots:\n  - name: q\n    model: models/r.urdf\n"
+                       "    controllers: [{plugin: broken}]\ntask: {plugin: hover}\n"),
+              HasSubstr("s.yaml:4:28: error: the controller `broken` cannot be used: "
+                        "it is truncated"));
 }
 
 TEST_F(ScenarioTest, RequiredParameterIsMissing) {
