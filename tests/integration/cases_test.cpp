@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -66,14 +65,22 @@ void add_plugins(const fs::path& folder, const std::vector<std::string>& needs) 
   }
 }
 
+/// Puts N for what stands between `before` and the next `after`.
+void replace_word(std::string& line, const std::string& before, const std::string& after) {
+  const std::size_t at = line.find(before);
+  if (at == std::string::npos) return;
+  const std::size_t begin = at + before.size();
+  line.replace(begin, line.find(after, begin) - begin, "N");
+}
+
 /// What a message says, independent of where the test runs and how long a library happens to be.
 std::vector<std::string> portable(std::vector<std::string> lines, const fs::path& folder) {
   const std::string place = fs::canonical(folder).string() + "/";
   for (std::string& line : lines) {
     for (std::size_t at; (at = line.find(place)) != std::string::npos;)
       line.erase(at, place.size());
-    line = std::regex_replace(line, std::regex("at least [0-9]+;"), "at least N;");
-    line = std::regex_replace(line, std::regex("probe gives [0-9a-f]{16}"), "probe gives N");
+    replace_word(line, "at least ", ";");
+    replace_word(line, "probe gives ", " ");
   }
   return lines;
 }
