@@ -20,6 +20,7 @@ void each(std::uint32_t mask, F&& f) {
 
 /// Whether a lane's copy has the bits of the group's block.
 bool same_bits(const std::vector<double>& mine, const StateGroup& group, int lane, Block block) {
+  if (block.size == 0) return true;
   const double* theirs = group.reals(block);
   const int lanes = group.lanes();
   if (lanes == 1) return std::memcmp(mine.data(), theirs, mine.size() * sizeof(double)) == 0;

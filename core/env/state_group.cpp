@@ -14,6 +14,7 @@ StateGroup::StateGroup(int words, int lanes) : words_(words), lanes_(lanes) {
 }
 
 void StateGroup::gather(int lane, Block block, double* out) const {
+  if (block.size == 0) return;
   const double* values = reals(block);
   if (lanes_ == 1) {
     std::memcpy(out, values, static_cast<std::size_t>(block.size) * 8);
@@ -23,6 +24,7 @@ void StateGroup::gather(int lane, Block block, double* out) const {
 }
 
 void StateGroup::scatter(int lane, Block block, const double* in) {
+  if (block.size == 0) return;
   double* values = reals(block);
   if (lanes_ == 1) {
     std::memcpy(values, in, static_cast<std::size_t>(block.size) * 8);

@@ -79,7 +79,7 @@ std::vector<std::string> portable(std::vector<std::string> lines, const fs::path
   for (std::string& line : lines) {
     for (std::size_t at; (at = line.find(place)) != std::string::npos;)
       line.erase(at, place.size());
-    replace_word(line, "at least ", ";");
+    replace_word(line, "bytes of at least ", ";");
     replace_word(line, "probe gives ", " ");
   }
   return lines;
