@@ -88,9 +88,7 @@ class Whole {
   double height() const { return 0.0; }
 
  private:
-  Rows rows() {
-    return {observation_.data(), environment_->observation_size(), &reward_, &status_};
-  }
+  Rows rows() { return {observation_.data(), &reward_, &status_}; }
   std::shared_ptr<const Environment> environment_;
   StateGroup group_;
   std::unique_ptr<GroupWork> work_;

@@ -1,11 +1,12 @@
 #include "core/assemble/simulation.h"
 
-#include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
+#include "core/env/fork_key.h"
 #include "core/env/group_work.h"
+#include "core/env/param_access.h"
 
 namespace skybody {
 
@@ -13,20 +14,21 @@ struct Simulation::Data {
   Data(const Environment& environment, std::uint64_t seed, std::uint64_t env_id)
       : group(environment.make_state(1)),
         work(environment.make_work(1)),
-        observation(static_cast<std::size_t>(environment.observation_size())) {
+        observation(static_cast<std::size_t>(environment.observation_size())),
+        agent_reward(environment.agents().size()),
+        info(static_cast<std::size_t>(environment.info_size())) {
     environment.initialize(group, 0, seed, env_id);
   }
 
-  Rows rows() {
-    return {observation.data(), static_cast<int>(observation.size()), &reward, &status};
-  }
+  Rows rows() { return {observation.data(), &reward, &status, agent_reward.data(), info.data()}; }
 
   StateGroup group;
   std::unique_ptr<GroupWork> work;
-  std::vector<float> observation;
+  std::vector<float> observation, agent_reward, info;
   float reward = 0.0f;
   std::uint64_t status = kRunning;
   HashChain chain;
+  bool keeps_hash = true;
   bool started = false;
 };
 
@@ -46,7 +48,7 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 void Simulation::reset() {
   const FpEnvironment guard;
   environment_->reset(data_->group, *data_->work, 1u, data_->rows());
-  environment_->hash(data_->group, 0, data_->rows(), data_->chain);
+  add_to_hash();
   data_->started = true;
 }
 
@@ -63,10 +65,18 @@ void Simulation::step(std::span<const float> action) {
   }
   const FpEnvironment guard;
   environment_->step(data_->group, *data_->work, 1u, action.data(), action_size(), data_->rows());
-  environment_->hash(data_->group, 0, data_->rows(), data_->chain);
+  add_to_hash();
+}
+
+void Simulation::keep_hash(bool keep) { data_->keeps_hash = keep; }
+
+void Simulation::add_to_hash() {
+  if (data_->keeps_hash) environment_->hash(data_->group, 0, data_->rows(), data_->chain);
 }
 
 std::span<const float> Simulation::observation() const { return data_->observation; }
+std::span<const float> Simulation::agent_rewards() const { return data_->agent_reward; }
+std::span<const float> Simulation::info() const { return data_->info; }
 float Simulation::reward() const { return data_->reward; }
 bool Simulation::terminated() const { return (data_->status & kTerminated) != 0; }
 bool Simulation::truncated() const { return (data_->status & kTruncated) != 0; }
@@ -145,22 +155,11 @@ std::vector<double> Simulation::goals() const {
 }
 
 double Simulation::param(const std::string& path) const {
-  const int index = environment_->layout().find_param(path);
-  if (index < 0) throw Error("nothing randomizable is called `" + path + "`");
-  return data_->group.reals(environment_->layout().params.offset + index)[0];
+  return get_param(*environment_, data_->group, 0, path);
 }
 
 void Simulation::set_param(const std::string& path, double value) {
-  const int index = environment_->layout().find_param(path);
-  if (index < 0) throw Error("nothing randomizable is called `" + path + "`");
-  const EnvParam& info = environment_->layout().param_info[static_cast<std::size_t>(index)];
-  if (!(value >= info.min && value <= info.max)) {
-    std::ostringstream message;
-    message << path << " = " << value << " is outside [" << info.min << ", " << info.max << "] "
-            << info.unit;
-    throw Error(message.str());
-  }
-  data_->group.reals(environment_->layout().params.offset + index)[0] = value;
+  skybody::set_param(*environment_, data_->group, 0, path, value);
 }
 
 void Simulation::randomize() {
@@ -194,18 +193,10 @@ void Simulation::restore(const Snapshot& snapshot) {
 }
 
 Simulation Simulation::fork(bool rekey) {
-  std::uint64_t& forks = data_->group.bits(kForks)[0];
-  if (rekey) ++forks;
+  if (rekey) count_fork(data_->group, 0);
   Simulation copy(environment_, 0, 0);
   copy.restore(save());
-  if (rekey) {
-    // A key of its own: the parent's key and how many such copies it has made decide it.
-    HashChain key;
-    key.update(data_->group.bits(kStreamEnv)[0]);
-    key.update(forks);
-    copy.data_->group.bits(kStreamEnv)[0] = key.value();
-    copy.data_->group.bits(kForks)[0] = 0;
-  }
+  if (rekey) give_fork_key(copy.data_->group, 0);
   return copy;
 }
 

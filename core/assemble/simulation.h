@@ -57,8 +57,10 @@ class Simulation {
 
   std::span<const float> observation() const;  ///< after the last reset or step
   float reward() const;
-  bool terminated() const;  ///< the task ended the episode
-  bool truncated() const;   ///< horizon, or a fault
+  std::span<const float> agent_rewards() const;  ///< one per agent; the team's where it has no own
+  std::span<const float> info() const;           ///< the task's info values, as declared
+  bool terminated() const;                       ///< the task ended the episode
+  bool truncated() const;                        ///< horizon, or a fault
   bool fault() const;
   std::uint64_t status() const;  ///< EpisodeStatus bits, with the reason of a fault
   bool done() const { return terminated() || truncated(); }
@@ -103,9 +105,13 @@ class Simulation {
   /// Hash over all transitions since construction (or the restored snapshot): state words,
   /// observation, reward, flags.
   std::uint64_t hash() const;
+  /// Whether transitions are added to the hash (default: yes). It costs about as much as a light
+  /// transition.
+  void keep_hash(bool keep);
 
  private:
   void touch() const;
+  void add_to_hash();
   std::shared_ptr<const Environment> environment_;
   struct Data;
   std::unique_ptr<Data> data_;

@@ -27,6 +27,17 @@ void check_controller(const PluginInstance& p) {
   }
 }
 
+void check_channel(const PluginInstance& p, const Channel& c, int robots) {
+  if (c.count < 1 || !(c.low <= c.high)) {
+    refuse(p, "declares channel `" + c.name + "` with " + std::to_string(c.count) +
+                  " values or bounds upside down");
+  }
+  if (c.robot < -1 || c.robot >= robots) {
+    refuse(p, "declares channel `" + c.name + "` of robot " + std::to_string(c.robot) + " of " +
+                  std::to_string(robots));
+  }
+}
+
 }  // namespace
 
 void check_declarations(const World& world, const PluginInstance& p) {
@@ -52,12 +63,8 @@ void check_declarations(const World& world, const PluginInstance& p) {
       refuse(p, "writes parameter " + std::to_string(param) + " of " + std::to_string(params));
     }
   }
-  for (const Channel& c : p.channels) {
-    if (c.count < 1 || !(c.low <= c.high)) {
-      refuse(p, "declares channel `" + c.name + "` with " + std::to_string(c.count) +
-                    " values or bounds upside down");
-    }
-  }
+  for (const Channel& c : p.channels) check_channel(p, c, robots);
+  for (const Channel& c : p.infos) check_channel(p, c, robots);
   const bool gives = p.kind == SKYBODY_SENSOR || p.kind == SKYBODY_TASK;
   if (gives && p.channels.empty()) {
     refuse(p, p.kind == SKYBODY_TASK ? "declares no observation" : "declares no output");

@@ -17,12 +17,13 @@ namespace skybody {
 
 class GroupWork;
 
-/// Rows that a transition writes: one per lane, `*_stride` elements apart.
+/// Rows that a transition writes: the row of lane l lies l times its width further on.
 struct Rows {
-  float* observation = nullptr;
-  int observation_stride = 0;
-  float* reward = nullptr;          ///< one per lane
-  std::uint64_t* status = nullptr;  ///< EpisodeStatus bits, one per lane
+  float* observation = nullptr;     ///< observation_size() wide
+  float* reward = nullptr;          ///< 1 wide
+  std::uint64_t* status = nullptr;  ///< EpisodeStatus bits, 1 wide
+  float* agent_reward = nullptr;    ///< agents().size() wide; optional
+  float* info = nullptr;            ///< info_size() wide; optional
 };
 
 /// A robot's controllers and where their signals lie.
@@ -53,6 +54,9 @@ class Environment {
   const PluginInstance& task() const { return task_; }
   int action_size() const { return layout().action.size; }
   int observation_size() const { return observation_size_; }
+  int info_size() const { return info_size_; }
+  /// Robots that take actions, in order; each is an agent of a multi-agent learner.
+  const std::vector<int>& agents() const { return agents_; }
 
   StateGroup make_state(int lanes) const { return {layout().words, lanes}; }
   /// Scratch for one group: steppers and buffers. Results never depend on which groups it served.
@@ -92,6 +96,8 @@ class Environment {
   void advance(StateGroup&, GroupWork&, std::uint32_t& mask) const;
   void sense(StateGroup&, GroupWork&, std::uint32_t mask, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
+  void write_rows(const StateGroup&, const GroupWork&, int lane, double reward,
+                  const Rows& rows) const;
   void evaluate(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
   void place_at_start(StateGroup&, int lane) const;
@@ -113,6 +119,8 @@ class Environment {
   bool needs_bodies_before_ = false;
   int scratch_size_ = 0;  ///< of the widest signal between two controllers
   int observation_size_ = 0;
+  int info_size_ = 0;
+  std::vector<int> agents_;
   LaneState initial_;  ///< what every reset starts from; nominal parameters
 };
 

@@ -175,7 +175,10 @@ struct Environment::Builder {
       chain.action = world.layout.action.size;
       chain.site = static_cast<int>(world.sites.size());
       for (int i = 0; i < chain.count; ++i) check_link(chain, i);
-      if (chain.count > 0) add_chain(r, chain, tables);
+      if (chain.count > 0) {
+        add_chain(r, chain, tables);
+        env.agents_.push_back(r);
+      }
       env.chains_.push_back(chain);
       next += chain.count;
     }
@@ -270,6 +273,7 @@ struct Environment::Builder {
     l.bodies_before.size =
         env.needs_bodies_before_ ? 13 * static_cast<int>(world.bodies.size()) : 0;
     env.observation_size_ = env.task_.channel_count();
+    env.info_size_ = value_count(env.task_.infos);
     l.last_observation.size = env.observation_size_;
     int words = 0;
     for_each_plugin([&](PluginInstance& p) { words += p.state_words + p.buffer_words; });
@@ -331,6 +335,8 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   for (auto& signal : work->signal) signal.resize(static_cast<std::size_t>(scratch_size_) * n);
   work->observation.resize(static_cast<std::size_t>(observation_size()) * n);
   work->reward.resize(n);
+  work->robot_reward.resize(scenario().robots.size() * n);
+  work->info.resize(static_cast<std::size_t>(info_size()) * n);
   work->end.resize(n);
   work->request.resize(n);
   return work;

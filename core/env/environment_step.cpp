@@ -107,7 +107,7 @@ void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask)
         same_bits(w.state.rotor_speed, group, lane, l.rotor_speed)) {
       return;
     }
-    if (!w.stepper) w.stepper = make_simbody_stepper(*world_);
+    if (!w.stepper) w.stepper = make_stepper(*world_);
     group.gather(lane, l.q, w.state.q.data());
     group.gather(lane, l.u, w.state.u.data());
     group.gather(lane, l.rotor_speed, w.state.rotor_speed.data());
@@ -257,12 +257,17 @@ void Environment::sense(StateGroup& group, GroupWork& work, std::uint32_t mask, 
 
 /// Psi_i: what the task says about the final state.
 void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  const auto lanes = static_cast<std::size_t>(group.lanes());
   each(mask, [&](int lane) {
-    work.reward[static_cast<std::size_t>(lane)] = 0.0;
-    work.end[static_cast<std::size_t>(lane)] = 0;
+    const auto l = static_cast<std::size_t>(lane);
+    work.reward[l] = 0.0;
+    work.end[l] = 0;
+    for (std::size_t k = l; k < work.robot_reward.size(); k += lanes) work.robot_reward[k] = 0.0;
+    for (std::size_t k = l; k < work.info.size(); k += lanes) work.info[k] = 0.0;
   });
   const SkybodyLanes v = view(group, work, mask);
-  const SkybodyEvaluation out{work.observation.data(), work.reward.data(), work.end.data()};
+  const SkybodyEvaluation out{work.observation.data(), work.reward.data(), work.end.data(),
+                              work.robot_reward.data(), work.info.data()};
   task_.kernels.evaluate(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
                          &out);
 }
@@ -277,6 +282,10 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
   each(mask, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
     bool finite = is_finite_float(work.reward[l]);
+    for (const int robot : agents_) {
+      finite = finite &&
+               is_finite_float(work.robot_reward[static_cast<std::size_t>(robot * lanes + lane)]);
+    }
     for (int k = 0; k < size; ++k) {
       finite =
           finite && is_finite_float(work.observation[static_cast<std::size_t>(k * lanes + lane)]);
@@ -294,11 +303,35 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
       }
     }
     group.bits(kStatus)[lane] = status;
-    float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * rows.observation_stride;
-    for (int k = 0; k < size; ++k) row[k] = static_cast<float>(last[k * lanes + lane]);
-    rows.reward[lane] = static_cast<float>(reward);
-    rows.status[lane] = status;
+    write_rows(group, work, lane, reward, rows);
   });
+}
+
+/// What the learner gets of one lane, whose status has been decided.
+void Environment::write_rows(const StateGroup& group, const GroupWork& work, int lane,
+                             double reward, const Rows& rows) const {
+  const int lanes = group.lanes();
+  const int size = observation_size();
+  const std::uint64_t status = group.bits(kStatus)[lane];
+  const double* last = group.reals(layout().last_observation);
+  float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * size;
+  for (int k = 0; k < size; ++k) row[k] = static_cast<float>(last[k * lanes + lane]);
+  rows.reward[lane] = static_cast<float>(reward);
+  rows.status[lane] = status;
+  if (rows.agent_reward != nullptr) {
+    const bool own = task_.robot_rewards && group.bits(kStep)[lane] > 0 && (status & kFault) == 0;
+    float* out = rows.agent_reward + static_cast<std::size_t>(lane) * agents_.size();
+    for (const int robot : agents_) {
+      *out++ = static_cast<float>(
+          own ? work.robot_reward[static_cast<std::size_t>(robot * lanes + lane)] : reward);
+    }
+  }
+  if (rows.info != nullptr) {
+    float* out = rows.info + static_cast<std::ptrdiff_t>(lane) * info_size_;
+    for (int k = 0; k < info_size_; ++k) {
+      out[k] = static_cast<float>(work.info[static_cast<std::size_t>(k * lanes + lane)]);
+    }
+  }
 }
 
 void Environment::goal(StateGroup& group, GroupWork& work, int lane,
@@ -323,7 +356,7 @@ void Environment::hash(const StateGroup& group, int lane, const Rows& rows,
   for (int k = 0; k < layout().words; ++k) {
     chain.update(canonical(words[static_cast<std::size_t>(k) * lanes]));
   }
-  const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * rows.observation_stride;
+  const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * observation_size();
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));
   chain.update(static_cast<double>(rows.reward[lane]));
   chain.update(rows.status[lane]);

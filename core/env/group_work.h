@@ -24,6 +24,8 @@ class GroupWork {
   std::vector<double> signal[2];       ///< between controllers, in lanes
   std::vector<double> observation;     ///< in lanes
   std::vector<double> reward;          ///< 1 per lane
+  std::vector<double> robot_reward;    ///< 1 per robot, in lanes
+  std::vector<double> info;            ///< in lanes
   std::vector<std::uint64_t> end;      ///< 1 per lane
   std::vector<std::uint64_t> request;  ///< counters of requested draws, 1 per lane
   std::uint32_t bad_action = 0;        ///< lanes of the present transition with such a fault

@@ -17,7 +17,15 @@ struct Channel {
   int count = 0;
   double low = 0.0;  ///< bounds of the values, may be infinite
   double high = 0.0;
+  int robot = -1;  ///< whose own observation it belongs to, -1: every robot's
 };
+
+/// Number of values of some channels.
+inline int value_count(const std::vector<Channel>& channels) {
+  int sum = 0;
+  for (const Channel& c : channels) sum += c.count;
+  return sum;
+}
 
 /// What a task's goal() is about.
 struct Goal {
@@ -42,9 +50,11 @@ struct PluginInstance {
   std::vector<double> low, high;  ///< of the input: what actions -1 and +1 mean
   std::vector<WrenchSite> sites;
   std::vector<Channel> channels;
+  std::vector<Channel> infos;  ///< tasks: values beside the observation
   std::vector<Goal> goals;
-  std::vector<int> writes;  ///< EnvParams that a randomizer writes
-  int period = 1;           ///< sensors: physics steps between calls
+  bool robot_rewards = false;  ///< tasks: evaluate() gives each robot a reward of its own
+  std::vector<int> writes;     ///< EnvParams that a randomizer writes
+  int period = 1;              ///< sensors: physics steps between calls
   bool needs_bodies_before = false;
 
   // Where things lie, in words of WorldState:
@@ -53,11 +63,7 @@ struct PluginInstance {
   int output = 0;  ///< sensors: first word of the output within the sensor block
 
   int input_count() const { return static_cast<int>(low.size()); }
-  int channel_count() const {
-    int sum = 0;
-    for (const Channel& c : channels) sum += c.count;
-    return sum;
-  }
+  int channel_count() const { return value_count(channels); }
 };
 
 /// Makes instances: the plugin host, or a test's own. Called once per use, in the order

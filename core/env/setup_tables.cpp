@@ -174,7 +174,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
                                        site->world_axes != 0});
   };
   d.channel = [](void* host, const SkybodyChannel* c) {
-    instance_of(host).channels.push_back({c->name, c->unit, c->count, c->low, c->high});
+    instance_of(host).channels.push_back({c->name, c->unit, c->count, c->low, c->high, c->robot});
   };
   d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
   d.buffer = [](void* host, int32_t words) { instance_of(host).buffer_words = words; };
@@ -182,6 +182,10 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
   d.goal = [](void* host, int32_t robot, int32_t body) {
     instance_of(host).goals.push_back({robot, body});
+  };
+  d.robot_rewards = [](void* host) { instance_of(host).robot_rewards = true; };
+  d.info = [](void* host, const SkybodyChannel* c) {
+    instance_of(host).infos.push_back({c->name, c->unit, c->count, c->low, c->high, c->robot});
   };
   return d;
 }

@@ -57,6 +57,8 @@ class ScenarioReader {
     stepping.horizon = reader.integer("horizon");
     const std::string dynamics = reader.text("dynamics");
     if (dynamics == "simbody") stepping.dynamics = DynamicsChoice::kSimbody;
+    if (dynamics == "tree") stepping.dynamics = DynamicsChoice::kTree;
+    stepping.dynamics_mark = reader.mark("dynamics");
     if (reader.text("integrator") == "rk4") stepping.integrator = IntegratorChoice::kRk4;
   }
 

@@ -38,7 +38,7 @@ struct PluginUse {
   std::vector<ParameterValue> parameters;
 };
 
-enum class DynamicsChoice { kAuto, kSimbody };
+enum class DynamicsChoice { kAuto, kSimbody, kTree };
 enum class IntegratorChoice { kSemiImplicitEuler, kRk4 };
 
 /// The time grid and how it is advanced.
@@ -48,6 +48,7 @@ struct Stepping {
   int horizon = 0;        ///< steps (actions) until truncation; 0: none
   DynamicsChoice dynamics = DynamicsChoice::kAuto;
   IntegratorChoice integrator = IntegratorChoice::kSemiImplicitEuler;
+  SourceMark dynamics_mark;  ///< of `dynamics`: not every world can have every choice
 };
 
 /// Contact law. Stiffness is not given: it follows from `penetration` and the robots' masses.

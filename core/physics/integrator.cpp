@@ -6,9 +6,9 @@ namespace skybody {
 namespace {
 
 /// out = x + h rate
-void step_from(const std::vector<double>& x, double h, const std::vector<double>& rate,
+void step_from(const double* x, double h, const std::vector<double>& rate,
                std::vector<double>& out) {
-  for (std::size_t i = 0; i < x.size(); ++i) out[i] = x[i] + h * rate[i];
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = x[i] + h * rate[i];
 }
 
 class SemiImplicitEuler final : public Integrator {
@@ -31,51 +31,41 @@ class SemiImplicitEuler final : public Integrator {
 class RungeKutta4 final : public Integrator {
  public:
   explicit RungeKutta4(const World& world)
-      : dt_(world.scenario.stepping.dt),
-        q0_(world.layout.q.size),
-        q_(q0_.size()),
-        u0_(world.layout.u.size),
-        u_(u0_.size()) {
-    for (auto& rate : qdot_) rate.resize(q0_.size());
-    for (auto& rate : udot_) rate.resize(u0_.size());
+      : dt_(world.scenario.stepping.dt), q_(world.layout.q.size), u_(world.layout.u.size) {
+    for (auto& rate : qdot_) rate.resize(q_.size());
+    for (auto& rate : udot_) rate.resize(u_.size());
   }
 
   void advance(Mechanics& mechanics, double* q, double* u) override {
-    q0_.assign(q, q + q0_.size());
-    u0_.assign(u, u + u0_.size());
-    q_ = q0_;
-    u_ = u0_;
-    rate(mechanics, 0, kStepStart);
-    move(0, 0.5 * dt_);
-    rate(mechanics, 1, kStepMiddle);
-    move(1, 0.5 * dt_);
-    rate(mechanics, 2, kStepMiddle);
-    move(2, dt_);
-    rate(mechanics, 3, kStepEnd);
-    combine(q0_, qdot_, q);
-    combine(u0_, udot_, u);
+    rate(mechanics, q, u, kStepStart, 0);
+    stage(mechanics, q, u, 0.5 * dt_, kStepMiddle, 1);
+    stage(mechanics, q, u, 0.5 * dt_, kStepMiddle, 2);
+    stage(mechanics, q, u, dt_, kStepEnd, 3);
+    combine(qdot_, q_.size(), q);
+    combine(udot_, u_.size(), u);
   }
 
  private:
-  /// Stage i's rates at the present stage point.
-  void rate(Mechanics& mechanics, int i, StageTime time) {
-    mechanics.accelerations(q_.data(), u_.data(), time, udot_[i].data());
-    mechanics.position_rates(q_.data(), u_.data(), qdot_[i].data());
+  /// Rates number i, at (q, u).
+  void rate(Mechanics& mechanics, const double* q, const double* u, StageTime time, int i) {
+    mechanics.accelerations(q, u, time, udot_[i].data());
+    mechanics.position_rates(q, u, qdot_[i].data());
   }
-  /// The next stage point: from the start along stage i's rates.
-  void move(int i, double h) {
-    step_from(q0_, h, qdot_[i], q_);
-    step_from(u0_, h, udot_[i], u_);
+  /// Rates number i, from the start (q, u) along the rates before.
+  void stage(Mechanics& mechanics, const double* q, const double* u, double h, StageTime time,
+             int i) {
+    step_from(q, h, qdot_[i - 1], q_);
+    step_from(u, h, udot_[i - 1], u_);
+    rate(mechanics, q_.data(), u_.data(), time, i);
   }
-  void combine(const std::vector<double>& x0, const std::vector<double> (&k)[4],
-               double* out) const {
-    for (std::size_t i = 0; i < x0.size(); ++i) {
-      out[i] = x0[i] + (dt_ / 6.0) * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i]));
+  void combine(const std::vector<double> (&k)[4], std::size_t size, double* x) const {
+    for (std::size_t i = 0; i < size; ++i) {
+      x[i] += (dt_ / 6.0) * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i]));
     }
   }
 
   double dt_;
-  std::vector<double> q0_, q_, u0_, u_;
+  std::vector<double> q_, u_;  ///< a stage's point
   std::vector<double> qdot_[4], udot_[4];
 };
 

@@ -12,14 +12,13 @@
 // Compiled as C++17 and as the Simbody library was (NDEBUG): see cmake/SkybodySimbody.cmake.
 #include <Simbody.h>
 
-#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/base/inertia.h"
+#include "core/physics/checked_mass.h"
 #include "core/physics/dynamics.h"
 #include "core/physics/kinematics.h"
 #include "core/physics/simbody_contact.h"
@@ -35,30 +34,9 @@ Vec3<double> from_simbody(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 /// Mass properties about the body's origin from one body's parameters.
 /// @throws Error if no rigid body can have them
 SimTK::MassProperties make_mass(const std::string& name, const double* params) {
-  const double mass = params[kMass];
-  const Vec3<double> com = load_vec3(params + kCom);
-  const double* i = params + kInertia;
-  SymMat3<double> inertia{i[0], i[1], i[2], i[3], i[4], i[5]};
-  if (!(mass > 0.0) || !is_finite(mass) || !is_finite(com)) {
-    char value[32];
-    std::snprintf(value, sizeof(value), "%g", mass);
-    throw Error("body '" + name + "' has mass " + value +
-                " kg; it must be positive, and the centre of mass finite");
-  }
-  if (!is_physical_inertia(inertia)) {
-    throw Error("body '" + name +
-                "' has an inertia that no rigid body can have: principal moments " +
-                "must be positive, none above the sum of the other two");
-  }
-  // Rounded values of flat bodies lie a little beyond the bound, where Simbody refuses them.
-  const Vec3<double> moments = eigenvalues(inertia);
-  const double excess = moments.z - (moments.x + moments.y);
-  if (excess > 0.0) {
-    const double more = 1.001 * excess;
-    inertia = inertia + SymMat3<double>{more, more, more, 0.0, 0.0, 0.0};
-  }
-  const SymMat3<double> o = inertia + point_inertia(mass, com);
-  return {mass, to_simbody(com), SimTK::Inertia(o.xx, o.yy, o.zz, o.xy, o.xz, o.yz)};
+  const MassProperties mass = checked_mass(name, params);
+  const SymMat3<double> o = mass.inertia + point_inertia(mass.mass, mass.com);
+  return {mass.mass, to_simbody(mass.com), SimTK::Inertia(o.xx, o.yy, o.zz, o.xy, o.xz, o.yz)};
 }
 
 /// One body's Simbody coordinates.

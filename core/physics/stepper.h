@@ -33,6 +33,12 @@ class Stepper {
 /// A stepper over any dynamics of this world with the scenario's integrator.
 std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynamics> dynamics);
 
+/// A stepper over the dynamics and the integrator that the scenario asks for; `auto` takes tree
+/// where that can do the world (why_not_tree), else Simbody.
+/// @throws MarkedError at `dynamics: tree` if tree cannot do the world (message says why)
+/// @throws Error if the world cannot be built (message names the body and the reason)
+std::unique_ptr<Stepper> make_stepper(const World& world);
+
 /// A stepper over Simbody with the scenario's integrator.
 /// @throws Error if the world cannot be built (message names the body and the reason).
 std::unique_ptr<Stepper> make_simbody_stepper(const World& world);

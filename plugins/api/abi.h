@@ -203,6 +203,7 @@ typedef struct SkybodyChannel {
   int32_t count;
   double low; /* bounds of the values; -inf, inf where there are none */
   double high;
+  int32_t robot; /* whose observation it belongs to where each robot has its own; -1: everyone's */
 } SkybodyChannel;
 
 /* Where a wrench acts. */
@@ -232,6 +233,10 @@ typedef struct SkybodyDeclare {
   void (*writes)(void* host, int32_t env_param);
   /* Tasks: the body of `robot` that the goal is about. */
   void (*goal)(void* host, int32_t robot, int32_t body);
+  /* Tasks: evaluate() will write SkybodyEvaluation::robot_reward. */
+  void (*robot_rewards)(void* host);
+  /* Tasks: values beside the observation, for people and evaluations, in order. */
+  void (*info)(void* host, const SkybodyChannel* channel);
 } SkybodyDeclare;
 
 /* What every step function reads. Pointers are per group; strides are `lanes`. */
@@ -266,8 +271,10 @@ typedef struct SkybodyStart {
 /* What a task gives after a step. `end` bits: 1 terminated, 2 truncated. */
 typedef struct SkybodyEvaluation {
   double* observation;
-  double* reward; /* 1 */
-  uint64_t* end;  /* 1 */
+  double* reward;       /* 1: the environment's, or the team's */
+  uint64_t* end;        /* 1 */
+  double* robot_reward; /* 1 per robot of the world; read if the task declared robot_rewards */
+  double* info;         /* values as declared by info */
 } SkybodyEvaluation;
 
 /* The functions of one instruction set; those of other kinds are NULL, optional ones may be. */

@@ -105,9 +105,10 @@ struct Steps {
   static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                        const SkybodyEvaluation* result) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      Evaluation<RealOf<decltype(env)>> out(env.values(result->observation, first, mask),
-                                            env.values(result->reward, first, mask),
-                                            result->end + first, mask);
+      Evaluation<RealOf<decltype(env)>> out(
+          env.values(result->observation, first, mask), env.values(result->info, first, mask),
+          env.values(result->reward, first, mask), env.values(result->robot_reward, first, mask),
+          result->end + first, mask);
       call_evaluate(self(p), env, state, out, env.values(buffer, first, mask));
     });
   }

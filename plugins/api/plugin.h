@@ -112,13 +112,23 @@ class Randomizer : public Plugin {
 template <class Real>
 class Evaluation {
  public:
-  Evaluation(const Values<Real>& observation_row, const Values<Real>& reward, std::uint64_t* end,
+  Evaluation(const Values<Real>& observation_row, const Values<Real>& info_row,
+             const Values<Real>& reward, const Values<Real>& robot_rewards, std::uint64_t* end,
              const MaskOf<Real>& mask)
-      : observation(observation_row), reward_(reward), end_(end), mask_(mask) {}
+      : observation(observation_row),
+        info(info_row),
+        reward_(reward),
+        robot_rewards_(robot_rewards),
+        end_(end),
+        mask_(mask) {}
 
   Values<Real> observation;  ///< channels as declared, in order
+  Values<Real> info;         ///< Setup::info() values as declared, in order
 
+  /// The environment's reward; of a team, the team's.
   void set_reward(const Real& reward) { reward_.set(0, reward); }
+  /// One robot's own, for tasks that called Setup::robot_rewards().
+  void set_reward(int robot, const Real& reward) { robot_rewards_.set(robot, reward); }
   /// Ends the episode where `ended` holds: a failure or success of the task.
   void terminate(const MaskOf<Real>& ended) { add_end(ended, 1); }
   /// Cuts the episode short where `cut` holds: no statement about the value of the state.
@@ -130,6 +140,7 @@ class Evaluation {
     store_words(end_, select(logical_and(where, mask_), old | Word<Real>(bit), old));
   }
   Values<Real> reward_;
+  Values<Real> robot_rewards_;
   std::uint64_t* end_;
   MaskOf<Real> mask_;
 };

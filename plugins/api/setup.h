@@ -90,8 +90,14 @@ class Setup {
   /// Controllers with output kWrench: where value 6 i.. acts; in order.
   void site(const SkybodySite& site) const { declare_.site(declare_.host, &site); }
   /// Sensors and tasks: a part of the output or observation, in order.
-  void channel(const std::string& name, const std::string& unit, int count, double low,
-               double high) const;
+  /// @param robot  tasks: whose own observation it belongs to, -1: every robot's
+  void channel(const std::string& name, const std::string& unit, int count, double low, double high,
+               int robot = -1) const;
+  /// Tasks: values beside the observation (Evaluation::info), in order: what an evaluation asks
+  /// for.
+  void info(const std::string& name, const std::string& unit, int count) const;
+  /// Tasks: evaluate() gives every robot a reward of its own beside the team's.
+  void robot_rewards() const { declare_.robot_rewards(declare_.host); }
   /// Sensors: sense() is called after every `physics_steps` physics steps. Default 1.
   void period(int physics_steps) const { declare_.period(declare_.host, physics_steps); }
   /// `words` doubles of state beside State, for sizes known only now; zero at a reset.

@@ -1,6 +1,7 @@
 // Definitions for setup.h.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -107,9 +108,15 @@ inline void Setup::output(Signal signal, int count) const {
 }
 
 inline void Setup::channel(const std::string& name, const std::string& unit, int count, double low,
-                           double high) const {
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high};
+                           double high, int robot) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot};
   declare_.channel(declare_.host, &channel);
+}
+
+inline void Setup::info(const std::string& name, const std::string& unit, int count) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, -infinity, infinity, -1};
+  declare_.info(declare_.host, &channel);
 }
 
 }  // namespace skybody

@@ -34,7 +34,8 @@ using Parameters = std::map<std::string, Given>;
 /// What configure() declared.
 struct Declared {
   int input = -1, output = -1, output_count = 0, period = 1, buffer = 0;
-  bool bodies_before = false;
+  bool bodies_before = false, robot_rewards = false;
+  int info = 0;  ///< values
   std::vector<double> low, high;
   std::vector<SkybodySite> sites;
   std::vector<std::string> channels;
@@ -52,7 +53,7 @@ struct Group {
   int lanes = 1;
   std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
   std::vector<double> bodies, before, q, u, rotor_speed, params, action, command;
-  std::vector<double> buffer, input, output, observation, reward;
+  std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
 
   double& at(std::vector<double>& block, int k, int lane = 0) const {
     return block[static_cast<std::size_t>(k * lanes + lane)];
@@ -78,6 +79,7 @@ struct Group {
     f(a.u, b.u), f(a.rotor_speed, b.rotor_speed), f(a.params, b.params), f(a.action, b.action);
     f(a.command, b.command), f(a.buffer, b.buffer), f(a.input, b.input), f(a.output, b.output);
     f(a.observation, b.observation), f(a.reward, b.reward);
+    f(a.robot_reward, b.robot_reward), f(a.info, b.info);
   }
   bool same_bits(const Group& other) const {
     bool same = lanes == other.lanes;
@@ -143,6 +145,8 @@ class Instance {
     g.output.assign(n(std::max(declared.output_count, declared.channel_size())), 0.0);
     g.observation.assign(n(declared.channel_size()), 0.0);
     g.reward.assign(n(1), 0.0);
+    g.robot_reward.assign(n(static_cast<int>(world_.robots.size())), 0.0);
+    g.info.assign(n(declared.info), 0.0);
     g.bodies.assign(n(13 * static_cast<int>(world_.bodies.size())), 0.0);
     g.params.assign(n(static_cast<int>(world_.params.size())), 0.0);
     for (int l = 0; l < lanes; ++l) {
@@ -171,7 +175,8 @@ class Instance {
     const bool requested = what == Call::kRequest;
     const SkybodyStart start{g.q.data(), g.u.data(), g.rotor_speed.data(), g.params.data(),
                              requested ? 1u : 0u};
-    const SkybodyEvaluation out{g.observation.data(), g.reward.data(), g.end.data()};
+    const SkybodyEvaluation out{g.observation.data(), g.reward.data(), g.end.data(),
+                                g.robot_reward.data(), g.info.data()};
     switch (what) {
       case Call::kReset:
         if (k.reset != nullptr) k.reset(self_, &v, state, buffer);
@@ -278,6 +283,8 @@ class Instance {
     d.bodies_before = [](void* h) { self(h).bodies_before = true; };
     d.writes = [](void* h, int32_t p) { self(h).writes.push_back(p); };
     d.goal = [](void* h, int32_t r, int32_t b) { self(h).goals.push_back({r, b}); };
+    d.robot_rewards = [](void* h) { self(h).robot_rewards = true; };
+    d.info = [](void* h, const SkybodyChannel* c) { self(h).info += c->count; };
     return d;
   }
 

@@ -106,7 +106,7 @@ struct Flight {
         all((lanes == 32 ? 0u : (1u << lanes)) - 1u) {
     for (int l = 0; l < lanes; ++l) env.initialize(group, l, seed, static_cast<std::uint64_t>(l));
   }
-  Rows rows() { return {observation.data(), env.observation_size(), reward.data(), status.data()}; }
+  Rows rows() { return {observation.data(), reward.data(), status.data()}; }
   void reset() { env.reset(group, *work, all, rows()); }
   void step(const std::vector<float>& actions) {
     env.step(group, *work, all, actions.data(), env.action_size(), rows());

@@ -108,6 +108,7 @@ randomization: [{plugin: start}]
 task: {plugin: hover, name: fly, parameters: {robot: quad}}
 )");
   EXPECT_EQ(s.stepping.dynamics, DynamicsChoice::kSimbody);
+  EXPECT_EQ(s.stepping.dynamics_mark.line, 3);
   EXPECT_EQ(s.stepping.integrator, IntegratorChoice::kRk4);
   EXPECT_FALSE(s.contact.ground);
   const RobotUse& robot = s.robots.at(0);

@@ -167,7 +167,7 @@ struct Bench {
       : world(std::move(scenario)) {
     if (prepare) prepare(world);
     finish_layout(world);
-    stepper = make_simbody_stepper(world);
+    stepper = make_stepper(world);
     write_default_state(world, state);
   }
 

@@ -47,6 +47,10 @@ SkybodyDeclare Declared::table() {
   d.goal = [](void* h, int32_t robot, int32_t body) {
     note(h, "goal " + std::to_string(robot) + " " + std::to_string(body));
   };
+  d.robot_rewards = [](void* h) { note(h, "robot_rewards"); };
+  d.info = [](void* h, const SkybodyChannel* c) {
+    note(h, "info " + std::string(c->name) + " x " + std::to_string(c->count));
+  };
   return d;
 }
 
@@ -131,6 +135,8 @@ Group::Group(std::uint32_t lanes, std::uint32_t first, std::uint32_t active, int
   output_ = fill(kWidth, 1.0, 10);
   observation_ = fill(kWidth, 1.0, 11);
   reward_ = fill(1, 1.0, 12);
+  robot_reward_ = fill(kWidth, 1.0, 15);
+  info_ = fill(kWidth, 1.0, 16);
   goal_ = fill(4, 1.0, 13);
   buffer_ = fill(buffer_words, 1.0, 14);
 }
@@ -159,7 +165,8 @@ void Group::run(const SkybodyKernels& k, const void* self, int steps) {
   std::uint64_t* state = state_.data();
   double* buffer = buffer_.data();
   const SkybodyStart start{q_.data(), u_.data(), rotor_speed_.data(), params_.data(), 0};
-  const SkybodyEvaluation evaluation{observation_.data(), reward_.data(), end_.data()};
+  const SkybodyEvaluation evaluation{observation_.data(), reward_.data(), end_.data(),
+                                     robot_reward_.data(), info_.data()};
   if (k.reset != nullptr) k.reset(self, &v, state, buffer);
   for (int i = 0; i < steps; ++i) {
     if (k.process != nullptr) k.process(self, &v, state, buffer, action_.data(), command_.data());

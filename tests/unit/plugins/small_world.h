@@ -75,7 +75,7 @@ class Group {
   std::uint32_t lanes_, first_, active_;
   std::vector<std::uint64_t> key_, episode_, step_, physics_step_, state_, end_;
   std::vector<double> bodies_, q_, u_, rotor_speed_, params_, sensors_, action_, command_, buffer_,
-      input_, output_, observation_, reward_, goal_;
+      input_, output_, observation_, reward_, robot_reward_, info_, goal_;
 };
 
 }  // namespace skybody::test

@@ -1,10 +1,14 @@
+#include "core/physics/stepper.h"
+
 #include <cstring>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "core/base/math.h"
+#include "core/model/marked_error.h"
+#include "core/physics/free_body_dynamics.h"
 #include "core/physics/integrator.h"
-#include "core/physics/stepper.h"
 
 namespace skybody {
 namespace {
@@ -77,6 +81,18 @@ class MechanicsStepper final : public Stepper {
 
 std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynamics> dynamics) {
   return std::make_unique<MechanicsStepper>(world, std::move(dynamics));
+}
+
+std::unique_ptr<Stepper> make_stepper(const World& world) {
+  const Stepping& stepping = world.scenario.stepping;
+  if (stepping.dynamics == DynamicsChoice::kSimbody) return make_simbody_stepper(world);
+  const std::string why_not = why_not_tree(world);
+  if (why_not.empty()) return make_stepper(world, make_free_body_dynamics(world));
+  if (stepping.dynamics == DynamicsChoice::kAuto) return make_simbody_stepper(world);
+  throw MarkedError(stepping.dynamics_mark,
+                    "`dynamics` is `tree`, but the world " + why_not +
+                        "; tree can do one robot that is one free body, without obstacles; use "
+                        "`auto` or `simbody`");
 }
 
 std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {

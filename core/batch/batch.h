@@ -1,0 +1,62 @@
+// What a recv() gives: rows of finished transitions, one per environment, in memory that learners
+// see without a copy.
+#pragma once
+
+#include <cstdint>
+#include <new>
+#include <vector>
+
+namespace skybody {
+
+/// Cache-line aligned, so that rows of neighbouring workers do not share lines at the block's ends
+/// and learners may use aligned loads.
+template <class T>
+struct LineAllocator {
+  using value_type = T;
+  LineAllocator() = default;
+  template <class U>
+  LineAllocator(const LineAllocator<U>&) {}
+  T* allocate(std::size_t n) {
+    return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64}));
+  }
+  void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
+  bool operator==(const LineAllocator&) const { return true; }
+};
+template <class T>
+using Column = std::vector<T, LineAllocator<T>>;
+
+/// Widths of the rows.
+struct RowWidths {
+  int observation = 0;
+  int agents = 0;
+  int info = 0;
+};
+
+/// Rows of up to `capacity` transitions. Row i of a column of width w begins at i * w.
+struct Batch {
+  Batch(int row_capacity, const RowWidths& row_widths, bool with_final);
+
+  /// Copies `count` rows of another batch of the same widths, beginning with its row `first`, to
+  /// row `at`; final rows only where an episode ended.
+  void take(const Batch& from, int first, int count, int at);
+  /// Fills all floats with NaN: whoever still reads this memory notices.
+  void spoil();
+
+  RowWidths width;
+  int rows = 0;                       ///< filled ones
+  Column<float> observation;          ///< after the transition; under kSameStep, after the reset
+  Column<float> reward;               ///< 1 wide; of a team, the team's
+  Column<float> agent_reward;         ///< `width.agents` wide
+  Column<float> info;                 ///< the task's info values, `width.info` wide
+  Column<std::uint64_t> status;       ///< EpisodeStatus bits of the transition
+  Column<std::uint8_t> terminated;    ///< 1: the task ended the episode
+  Column<std::uint8_t> truncated;     ///< 1: horizon, task, or a fault
+  Column<std::uint8_t> fault;         ///< 1: bad action or state; not to be bootstrapped
+  Column<std::uint8_t> was_reset;     ///< 1: the transition was a reset: no reward, action ignored
+  Column<std::int32_t> env_id;        ///< which environment, 0 ... N_E - 1
+  Column<std::int32_t> episode_step;  ///< actions taken in the episode that the row is of
+  Column<float> final_observation;    ///< kSameStep: before the reset, where the episode ended
+  Column<float> final_info;           ///< likewise
+};
+
+}  // namespace skybody

@@ -1,0 +1,197 @@
+#include "core/batch/crew.h"
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+
+#include "core/base/fp_environment.h"
+
+namespace skybody {
+namespace {
+
+constexpr int kMostGroups = 64;          // a block
+constexpr double kBlock = 20e-6;         // expected cost of a full block [s]
+constexpr double kSmallestBlock = 2e-6;  // so that a claim is cheap beside it [s]
+constexpr double kCallerAlone = 10e-6;   // waking a thread costs about as much [s]
+constexpr double kUnknownCost = 10e-6;   // of a group that never ran [s]
+constexpr double kSlow = 8.0;            // times the mean: left to the workers
+constexpr int kSpins = 2000;             // pauses, some 50 us
+
+float smooth(float old, float now) { return old == 0.0f ? now : 0.75f * old + 0.25f * now; }
+
+/// Processors that this process may use.
+std::vector<int> allowed_processors() {
+  std::vector<int> out;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof(set), &set) != 0) return out;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
+  }
+  return out;
+}
+
+}  // namespace
+
+Crew::Crew(int threads, int groups, bool pin, GroupRunner& runner)
+    : runner_(runner), queue_(groups), cost_(static_cast<std::size_t>(groups)) {
+  const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+  spin_limit_ = threads <= processors ? kSpins : 1;  // with more threads, spinning steals time
+  for (int k = 1; k < threads; ++k) workers_.emplace_back([this, k] { work(k); });
+  if (pin) {
+    for (int k = 1; k < threads; ++k) pin_worker(k);
+  }
+}
+
+Crew::~Crew() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  workers_wake_.notify_all();
+  for (std::thread& worker : workers_) worker.join();
+}
+
+/// A processor of its own for each worker; the first allowed one is left to the caller. Where that
+/// is refused, the worker runs where it likes.
+void Crew::pin_worker(int index) {
+  const std::vector<int> processors = allowed_processors();
+  if (static_cast<std::size_t>(index) >= processors.size()) return;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(processors[static_cast<std::size_t>(index)], &set);
+  std::thread& worker = workers_[static_cast<std::size_t>(index) - 1];
+  if (pthread_setaffinity_np(worker.native_handle(), sizeof(set), &set) == 0) ++pinned_;
+}
+
+double Crew::expected_cost(int group) const {
+  const float own = cost_[static_cast<std::size_t>(group)].load(std::memory_order_relaxed);
+  return own > 0.0f ? static_cast<double>(own) : kUnknownCost;
+}
+
+void Crew::add(int group) {
+  queue_.push(group);
+  added_cost_ += expected_cost(group);
+}
+
+void Crew::submit() {
+  const double waiting =
+      static_cast<double>(queue_.size()) * static_cast<double>(mean_cost_.load());
+  const double useful = std::min((added_cost_ + waiting) / kCallerAlone, 1e6);
+  wanted_.store(std::min(threads(), 1 + static_cast<int>(useful)), std::memory_order_relaxed);
+  added_cost_ = 0.0;
+  queue_.publish();
+  if (wanted_.load(std::memory_order_relaxed) > 1) summon();
+}
+
+void Crew::summon() {
+  if (sleepers_.load(std::memory_order_seq_cst) == 0) return;
+  const std::lock_guard lock(mutex_);
+  workers_wake_.notify_all();
+}
+
+void Crew::work(int index) {
+  const FpEnvironment guard;
+  int idle = 0;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    if (index < wanted_.load(std::memory_order_relaxed) && run_block(false)) {
+      idle = 0;
+    } else if (++idle < spin_limit_) {
+      pause();
+    } else {
+      sleep(index);
+      idle = 0;
+    }
+  }
+}
+
+void Crew::sleep(int index) {
+  std::unique_lock lock(mutex_);
+  sleepers_.fetch_add(1, std::memory_order_seq_cst);
+  workers_wake_.wait(lock,
+                     [&] { return stop_.load() || (!queue_.empty() && index < wanted_.load()); });
+  sleepers_.fetch_sub(1, std::memory_order_relaxed);
+}
+
+void Crew::wake_caller() {
+  const std::lock_guard lock(mutex_);
+  caller_wakes_.notify_one();
+}
+
+bool Crew::is_slow(int group) const {
+  const double mean = static_cast<double>(mean_cost_.load(std::memory_order_relaxed));
+  return mean > 0.0 && expected_cost(group) > std::max(kSlow * mean, kBlock);
+}
+
+bool Crew::run_block(bool is_caller) {
+  int groups[kMostGroups];
+  bool defer = false;
+  const int count = queue_.take(groups, kMostGroups, [&](const int* first, int available) {
+    defer = is_caller && !workers_.empty() && is_slow(*first) &&
+            std::any_of(first + 1, first + available, [&](int g) { return !is_slow(g); });
+    return defer ? 1 : choose(first, available);
+  });
+  if (count == 0) return false;
+  if (defer) {
+    leave_to_workers(groups[0]);
+    return true;
+  }
+  try {
+    const Clock::time_point start = Clock::now();
+    run_groups(groups, count);
+    note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
+  } catch (...) {
+    fail(std::current_exception());
+  }
+  return true;
+}
+
+/// The caller must not be held up by a slow group while others wait: it goes to the queue's end.
+void Crew::leave_to_workers(int group) {
+  wanted_.store(threads(), std::memory_order_relaxed);
+  queue_.push(group);
+  queue_.publish();
+  summon();
+}
+
+/// How many of the waiting groups to take.
+int Crew::choose(const int* groups, int available) const {
+  const double mean = static_cast<double>(mean_cost_.load(std::memory_order_relaxed));
+  const double waiting = static_cast<double>(queue_.size()) * (mean > 0.0 ? mean : kUnknownCost);
+  const double share = waiting / (2.0 * wanted_.load(std::memory_order_relaxed));
+  const double budget = std::clamp(share, kSmallestBlock, kBlock);
+  double cost = expected_cost(groups[0]);
+  int count = 1;
+  while (count < available && (cost += expected_cost(groups[count])) <= budget) ++count;
+  return count;
+}
+
+void Crew::run_groups(const int* groups, int count) {
+  for (int k = 0; k < count; ++k) runner_.run(groups[k]);
+}
+
+void Crew::note_cost(const int* groups, int count, double seconds) {
+  const auto each = static_cast<float>(seconds / count);
+  for (int k = 0; k < count; ++k) {
+    std::atomic<float>& cost = cost_[static_cast<std::size_t>(groups[k])];
+    cost.store(smooth(cost.load(std::memory_order_relaxed), each), std::memory_order_relaxed);
+  }
+  mean_cost_.store(smooth(mean_cost_.load(std::memory_order_relaxed), each),
+                   std::memory_order_relaxed);
+}
+
+void Crew::fail(std::exception_ptr error) {
+  const std::lock_guard lock(mutex_);
+  if (!failed_) failure_ = error;
+  failed_ = true;
+  caller_wakes_.notify_one();
+}
+
+void Crew::rethrow_failure() {
+  if (!failed_.load(std::memory_order_acquire)) return;
+  const std::lock_guard lock(mutex_);
+  std::rethrow_exception(failure_);
+}
+
+}  // namespace skybody

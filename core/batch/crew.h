@@ -1,0 +1,122 @@
+// The threads of a VecEnv: workers that take groups from a queue, and the caller, who works too.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "core/batch/work_queue.h"
+
+namespace skybody {
+
+/// Runs one group. Called from any thread of the crew, never twice at a time for one group.
+class GroupRunner {
+ public:
+  virtual ~GroupRunner() = default;
+  virtual void run(int group) = 0;
+};
+
+/// N_T threads of which the caller is one. Clocks are read for scheduling only: which thread does
+/// what when, never what comes out.
+///
+/// How much a thread takes at once follows from what steps have cost so far: about 20 us, less
+/// where little is left, and one group at a time where groups are slow. A group that is far slower
+/// than the others is left to the workers, so that the caller is not held up. Work of a few
+/// microseconds stays with the caller. Workers that find nothing spin for a bounded time, then
+/// sleep.
+class Crew {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  Crew(int threads, int groups, bool pin, GroupRunner& runner);
+  /// Workers finish what they have taken; what waits is dropped.
+  ~Crew();
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  /// Adds a group to what submit() hands over. The caller's.
+  void add(int group);
+  /// Lets the threads see what was added.
+  void submit();
+
+  /// The caller works and waits until `done()` holds. @returns false when the time is over
+  /// @throws what a worker met
+  template <class Done>
+  bool wait(Done&& done, Clock::time_point deadline) {
+    for (int idle = 0; !done();) {
+      rethrow_failure();
+      if (run_block(true)) {
+        idle = 0;
+        if (Clock::now() >= deadline && !done()) return false;
+      } else if (++idle < spin_limit_) {
+        pause();
+      } else {
+        if (Clock::now() >= deadline) return false;
+        sleep_until(deadline, done);
+        idle = 0;
+      }
+    }
+    rethrow_failure();
+    return true;
+  }
+
+  /// Tells the caller that something has finished: by the runner, after it has made it visible.
+  void announce() {
+    if (caller_sleeps_.load(std::memory_order_seq_cst)) wake_caller();
+  }
+
+  /// @throws what a worker met first
+  void rethrow_failure();
+
+  int threads() const { return static_cast<int>(workers_.size()) + 1; }
+  int pinned() const { return pinned_; }
+
+ private:
+  static void pause() { __builtin_ia32_pause(); }
+
+  template <class Done>
+  void sleep_until(Clock::time_point deadline, Done&& done) {
+    std::unique_lock lock(mutex_);
+    caller_sleeps_.store(true, std::memory_order_seq_cst);
+    const auto awake = [&] { return done() || failed_.load() || !queue_.empty(); };
+    caller_wakes_.wait_until(lock, deadline, awake);
+    caller_sleeps_.store(false, std::memory_order_relaxed);
+  }
+
+  void work(int index);
+  bool run_block(bool is_caller);
+  bool is_slow(int group) const;
+  void leave_to_workers(int group);
+  int choose(const int* groups, int available) const;
+  void run_groups(const int* groups, int count);
+  void note_cost(const int* groups, int count, double seconds);
+  double expected_cost(int group) const;
+  void summon();
+  void sleep(int index);
+  void wake_caller();
+  void fail(std::exception_ptr error);
+  void pin_worker(int index);
+
+  GroupRunner& runner_;
+  WorkQueue queue_;
+  std::vector<std::atomic<float>> cost_;  ///< of a group's last runs, smoothed [s]; 0: unknown
+  std::atomic<float> mean_cost_{0.0f};    ///< likewise, over all groups
+  double added_cost_ = 0.0;               ///< expected, of what was added and not yet submitted
+  int spin_limit_ = 0;
+
+  std::atomic<int> wanted_{1};  ///< threads that shall work at present, the caller counted
+  std::atomic<int> sleepers_{0};
+  std::atomic<bool> stop_{false}, failed_{false}, caller_sleeps_{false};
+  std::exception_ptr failure_;
+  std::mutex mutex_;
+  std::condition_variable workers_wake_, caller_wakes_;
+  int pinned_ = 0;
+  std::vector<std::thread> workers_;
+};
+
+}  // namespace skybody

@@ -1,0 +1,274 @@
+#include "core/batch/engine.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <string>
+
+#include "core/base/error.h"
+
+namespace skybody {
+namespace {
+
+// A group's state: lanes that wait to be run, and whether some thread will look at them.
+constexpr std::uint64_t kLaneBits = 0xffffffffu;
+constexpr std::uint64_t kOwned = std::uint64_t{1} << 32;
+
+int threads_for(const VecEnvOptions& options) {
+  if (options.threads > 0) return options.threads;
+  const auto processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  return std::min(processors, options.envs);
+}
+
+VecEnvOptions completed(VecEnvOptions options) {
+  if (options.batch == 0) options.batch = options.envs;
+  options.threads = threads_for(options);
+  return options;
+}
+
+}  // namespace
+
+VecEnv::Engine::Engine(std::shared_ptr<const Environment> environment, const VecEnvOptions& given)
+    : options(completed(given)),
+      fleet(std::move(environment), options),
+      in_flight_(static_cast<std::size_t>(options.envs)),
+      finished_(in_flight_.size()),
+      marked_(in_flight_.size()),
+      group_state_(static_cast<std::size_t>(fleet.groups())),
+      buffers_(options.batch, fleet.widths(), options.autoreset == Autoreset::kSameStep,
+               options.debug_buffers),
+      staging_(options.envs, fleet.widths(), options.autoreset == Autoreset::kSameStep),
+      done_(options.envs),
+      process_(getpid()),
+      crew_(options.threads, fleet.groups(), options.pin_threads, *this) {
+  arrived_.reserve(in_flight_.size());
+  chosen_.reserve(in_flight_.size());
+  std::iota(staging_.env_id.begin(), staging_.env_id.end(), 0);
+}
+
+void VecEnv::Engine::check_alive() {
+  if (process_ != getpid()) {
+    throw Error(
+        "this VecEnv belongs to the parent process: its threads did not come along with the fork. "
+        "Make one in the child, or start processes by `spawn`");
+  }
+  crew_.rethrow_failure();
+}
+
+void VecEnv::Engine::check_idle(const char* what) {
+  check_alive();
+  if (in_flight_count == 0) return;
+  throw Error(std::string(what) + " while " + std::to_string(in_flight_count) +
+              " environments are in flight: recv() them first");
+}
+
+void VecEnv::Engine::check_id(std::int32_t env) const {
+  if (env >= 0 && env < fleet.envs()) return;
+  throw Error("there is no environment " + std::to_string(env) + "; allowed: 0 ... " +
+              std::to_string(fleet.envs() - 1));
+}
+
+void VecEnv::Engine::send_reset(std::span<const std::uint8_t> mask) {
+  check_alive();
+  int count = 0;
+  for (int env = 0; env < fleet.envs(); ++env) {
+    if (mask[static_cast<std::size_t>(env)] == 0) continue;
+    ++count;
+    if (in_flight(env)) {
+      throw Error("environment " + std::to_string(env) +
+                  " is to be reset while it is in flight: recv() it first");
+    }
+  }
+  open_round(count);
+  for (int env = 0; env < fleet.envs(); ++env) {
+    if (mask[static_cast<std::size_t>(env)] == 0) continue;
+    fleet.want_reset(env);
+    enqueue(env);
+  }
+  crew_.submit();
+}
+
+void VecEnv::Engine::send_steps(std::span<const float> actions,
+                                std::span<const std::int32_t> env_ids) {
+  check_alive();
+  check_steps(actions, env_ids);
+  const auto width = static_cast<std::size_t>(fleet.environment().action_size());
+  const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
+  open_round(static_cast<int>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const int env = env_ids.empty() ? static_cast<int>(k) : env_ids[k];
+    std::copy_n(actions.data() + k * width, width, fleet.action(env));
+    fleet.want_step(env);
+    enqueue(env);
+  }
+  crew_.submit();
+}
+
+void VecEnv::Engine::check_steps(std::span<const float> actions,
+                                 std::span<const std::int32_t> env_ids) {
+  const auto width = static_cast<std::size_t>(fleet.environment().action_size());
+  const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
+  if (actions.size() != count * width) {
+    throw Error("actions of " + std::to_string(actions.size()) + " values for " +
+                std::to_string(count) + " environments; this scenario takes " +
+                std::to_string(width) + " each");
+  }
+  std::size_t k = 0;
+  try {
+    for (; k < count; ++k) {
+      const std::int32_t env = env_ids.empty() ? static_cast<std::int32_t>(k) : env_ids[k];
+      check_step(env);
+      marked_[static_cast<std::size_t>(env)] = 1;
+    }
+  } catch (...) {
+    unmark(env_ids, k);
+    throw;
+  }
+  unmark(env_ids, count);
+}
+
+/// May this environment be stepped now? `marked_` are those of the same send().
+void VecEnv::Engine::check_step(std::int32_t env) {
+  check_id(env);
+  const std::string name = "environment " + std::to_string(env);
+  if (marked_[static_cast<std::size_t>(env)] != 0) throw Error(name + " is there twice");
+  if (in_flight(env)) throw Error(name + " is still in flight: recv() it before the next send()");
+  if (!fleet.started(env)) throw Error(name + " has not begun an episode: reset it first");
+  if (options.autoreset == Autoreset::kDisabled && fleet.ended(env)) {
+    throw Error("the episode of " + name + " has ended, and autoreset is disabled: reset it first");
+  }
+}
+
+void VecEnv::Engine::unmark(std::span<const std::int32_t> env_ids, std::size_t count) {
+  if (env_ids.empty()) {
+    std::fill(marked_.begin(), marked_.end(), std::uint8_t{0});
+    return;
+  }
+  for (std::size_t k = 0; k < count; ++k) marked_[static_cast<std::size_t>(env_ids[k])] = 0;
+}
+
+/// Decides where the rows of the environments that follow will be written.
+void VecEnv::Engine::open_round(int count) {
+  if (in_flight_count > 0) return;  // some are being written to `target_` right now
+  round_ = count == fleet.envs() && options.batch == fleet.envs();
+  target_ = &staging_;
+  if (!round_) return;
+  target_ = &buffers_.next();
+  std::iota(target_->env_id.begin(), target_->env_id.end(), 0);
+  round_left_.store(count, std::memory_order_relaxed);
+}
+
+void VecEnv::Engine::enqueue(int env) {
+  in_flight_[static_cast<std::size_t>(env)] = 1;
+  ++in_flight_count;
+  const int group = env / Fleet::kLanes;
+  const std::uint64_t lane = std::uint64_t{1} << (env % Fleet::kLanes);
+  const std::uint64_t before = group_state_[static_cast<std::size_t>(group)].fetch_or(
+      lane | kOwned, std::memory_order_acq_rel);
+  if ((before & kOwned) == 0) crew_.add(group);
+}
+
+/// Lanes that are sent while the group runs are run by the same thread right after.
+void VecEnv::Engine::run(int group) {
+  std::atomic<std::uint64_t>& state = group_state_[static_cast<std::size_t>(group)];
+  for (std::uint64_t idle = kOwned;; idle = kOwned) {
+    const auto lanes =
+        static_cast<std::uint32_t>(state.fetch_and(~kLaneBits, std::memory_order_acq_rel));
+    fleet.transition(group, lanes, *target_);
+    if (round_) {
+      round_left_.fetch_sub(std::popcount(lanes), std::memory_order_seq_cst);
+    } else {
+      done_.push(group, lanes);
+    }
+    crew_.announce();
+    if (state.compare_exchange_strong(idle, 0, std::memory_order_acq_rel)) return;
+  }
+}
+
+/// Takes what has finished out of the queue.
+void VecEnv::Engine::drain() {
+  int group = 0;
+  std::uint32_t lanes = 0;
+  while (done_.pop(group, lanes)) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int env = group * Fleet::kLanes + std::countr_zero(lanes);
+      finished_[static_cast<std::size_t>(env)] = 1;
+      if (options.order == Order::kArrival) arrived_.push_back(env);
+    }
+  }
+}
+
+std::shared_ptr<const Batch> VecEnv::Engine::recv(Crew::Clock::time_point deadline) {
+  check_alive();
+  if (in_flight_count == 0) {
+    throw Error("recv() with nothing in flight: send() actions or a reset first");
+  }
+  if (round_) return recv_round(deadline);
+  Batch& out = buffers_.next();
+  const int count = std::min(options.batch, in_flight_count);
+  if (options.order == Order::kFixed) choose_in_turn(count);
+  const auto ready = [&] {
+    drain();
+    return batch_ready(count);
+  };
+  if (!crew_.wait(ready, deadline)) return nullptr;
+  if (options.order == Order::kArrival) choose_oldest(count);
+  gather(out);
+  return finish(out);
+}
+
+std::shared_ptr<const Batch> VecEnv::Engine::recv_round(Crew::Clock::time_point deadline) {
+  const auto ready = [&] { return round_left_.load(std::memory_order_seq_cst) == 0; };
+  if (!crew_.wait(ready, deadline)) return nullptr;
+  round_ = false;
+  in_flight_count = 0;
+  std::fill(in_flight_.begin(), in_flight_.end(), std::uint8_t{0});
+  target_->rows = fleet.envs();
+  return finish(*target_);
+}
+
+/// The next `count` environments in flight, from the cursor on.
+void VecEnv::Engine::choose_in_turn(int count) {
+  chosen_.clear();
+  for (int env = cursor; static_cast<int>(chosen_.size()) < count; env = (env + 1) % fleet.envs()) {
+    if (in_flight(env)) chosen_.push_back(env);
+  }
+}
+
+void VecEnv::Engine::choose_oldest(int count) {
+  chosen_.assign(arrived_.begin(), arrived_.begin() + count);
+  arrived_.erase(arrived_.begin(), arrived_.begin() + count);
+}
+
+bool VecEnv::Engine::batch_ready(int count) {
+  if (options.order == Order::kArrival) return static_cast<int>(arrived_.size()) >= count;
+  return std::all_of(chosen_.begin(), chosen_.end(), [&](std::int32_t env) {
+    return finished_[static_cast<std::size_t>(env)] != 0;
+  });
+}
+
+/// Copies the chosen environments' rows, runs of consecutive ones at a time.
+void VecEnv::Engine::gather(Batch& out) {
+  const auto count = static_cast<int>(chosen_.size());
+  for (int at = 0, run = 0; at < count; at += run) {
+    const int first = chosen_[static_cast<std::size_t>(at)];
+    run = 1;
+    while (at + run < count && chosen_[static_cast<std::size_t>(at + run)] == first + run) ++run;
+    out.take(staging_, first, run, at);
+  }
+  for (const std::int32_t env : chosen_) {
+    in_flight_[static_cast<std::size_t>(env)] = finished_[static_cast<std::size_t>(env)] = 0;
+  }
+  cursor = (chosen_.back() + 1) % fleet.envs();
+  in_flight_count -= count;
+  out.rows = count;
+}
+
+std::shared_ptr<const Batch> VecEnv::Engine::finish(Batch& out) {
+  for (int k = 0; k < out.rows; ++k) faults += out.fault[static_cast<std::size_t>(k)];
+  return buffers_.commit();
+}
+
+}  // namespace skybody

@@ -1,0 +1,168 @@
+#include "core/batch/fleet.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "core/base/error.h"
+#include "core/env/fork_key.h"
+#include "core/env/param_access.h"
+
+namespace skybody {
+namespace {
+
+template <class F>
+void each(std::uint32_t mask, F&& f) {
+  for (; mask != 0; mask &= mask - 1) f(std::countr_zero(mask));
+}
+
+}  // namespace
+
+Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions& options)
+    : environment_(std::move(environment)),
+      envs_(options.envs),
+      action_size_(static_cast<std::size_t>(environment_->action_size())),
+      autoreset_(options.autoreset),
+      keep_hash_(options.keep_hash),
+      first_env_id_(options.first_env_id),
+      actions_(index(envs_) * action_size_),
+      wants_reset_(index(envs_)),
+      started_(index(envs_)),
+      ended_(index(envs_)),
+      chains_(index(envs_)) {
+  const int groups = (envs_ + kLanes - 1) / kLanes;
+  states_.reserve(index(groups));
+  works_.reserve(index(groups));
+  for (int g = 0; g < groups; ++g) {
+    states_.push_back(environment_->make_state(kLanes));
+    works_.push_back(environment_->make_work(kLanes));
+  }
+  initialize(options.seed);
+}
+
+RowWidths Fleet::widths() const {
+  return {environment_->observation_size(), static_cast<int>(environment_->agents().size()),
+          environment_->info_size()};
+}
+
+void Fleet::initialize(std::uint64_t seed) {
+  for (int env = 0; env < envs_; ++env) {
+    environment_->initialize(state(env), lane(env), seed,
+                             first_env_id_ + static_cast<std::uint64_t>(env));
+    started_[index(env)] = ended_[index(env)] = 0;
+  }
+}
+
+void Fleet::transition(int group, std::uint32_t mask, Batch& rows) {
+  std::uint32_t resets = 0;
+  each(mask, [&](int l) {
+    const std::size_t env = index(group * kLanes + l);
+    const bool begins = autoreset_ == Autoreset::kNextStep && ended_[env] != 0;
+    if (wants_reset_[env] != 0 || begins) resets |= 1u << l;
+  });
+  if ((mask & ~resets) != 0) step(group, mask & ~resets, rows);
+  if (resets != 0) reset(group, resets, rows);
+}
+
+/// Where the rows of the group's lanes lie.
+Rows Fleet::rows_of(int first, Batch& rows) const {
+  const std::size_t at = index(first);
+  return {rows.observation.data() + at * index(rows.width.observation), rows.reward.data() + at,
+          rows.status.data() + at, rows.agent_reward.data() + at * index(rows.width.agents),
+          rows.info.data() + at * index(rows.width.info)};
+}
+
+void Fleet::step(int group, std::uint32_t mask, Batch& rows) {
+  const int first = group * kLanes;
+  const Rows out = rows_of(first, rows);
+  environment_->step(states_[index(group)], *works_[index(group)], mask, action(first),
+                     static_cast<int>(action_size_), out);
+  add_to_hash(group, mask, out);
+  describe(group, mask, false, rows);
+  if (autoreset_ == Autoreset::kSameStep) reset_ended(group, mask, rows);
+}
+
+void Fleet::reset(int group, std::uint32_t mask, Batch& rows) {
+  const Rows out = rows_of(group * kLanes, rows);
+  environment_->reset(states_[index(group)], *works_[index(group)], mask, out);
+  add_to_hash(group, mask, out);
+  describe(group, mask, true, rows);
+}
+
+/// kSameStep: keeps the last row of episodes that have ended and begins the next; reward, status
+/// and step count of the row stay those of the end.
+void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows) {
+  const auto observation = index(rows.width.observation), info = index(rows.width.info);
+  std::uint32_t over = 0;
+  each(mask, [&](int l) {
+    const std::size_t env = index(group * kLanes + l);
+    if (ended_[env] == 0) return;
+    over |= 1u << l;
+    std::copy_n(rows.observation.data() + env * observation, observation,
+                rows.final_observation.data() + env * observation);
+    std::copy_n(rows.info.data() + env * info, info, rows.final_info.data() + env * info);
+  });
+  if (over == 0) return;
+  float reward[kLanes];
+  std::uint64_t status[kLanes];
+  Rows out = rows_of(group * kLanes, rows);
+  out.reward = reward;
+  out.status = status;
+  out.agent_reward = nullptr;
+  environment_->reset(states_[index(group)], *works_[index(group)], over, out);
+  add_to_hash(group, over, out);
+  each(over, [&](int l) {
+    const std::size_t env = index(group * kLanes + l);
+    // A reset whose own outcome is bad ends this episode too, in the next transition's row.
+    ended_[env] = status[l] != kRunning;
+  });
+}
+
+void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
+  if (!keep_hash_) return;
+  each(mask, [&](int l) {
+    environment_->hash(states_[index(group)], l, rows, chains_[index(group * kLanes + l)]);
+  });
+}
+
+/// The flags of the rows, from the status that the transition gave.
+void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) {
+  each(mask, [&](int l) {
+    const std::size_t env = index(group * kLanes + l);
+    const std::uint64_t status = rows.status[env];
+    rows.terminated[env] = (status & kTerminated) != 0;
+    rows.truncated[env] = (status & kTruncated) != 0;
+    rows.fault[env] = (status & kFault) != 0;
+    rows.was_reset[env] = is_reset;
+    rows.episode_step[env] = static_cast<std::int32_t>(states_[index(group)].bits(kStep)[l]);
+    started_[env] = 1;
+    ended_[env] = status != kRunning;
+  });
+}
+
+void Fleet::observation(int env, float* out) const {
+  const Block block = environment_->layout().last_observation;
+  const double* values = state(env).reals(block);
+  for (int k = 0; k < block.size; ++k) {
+    out[k] = static_cast<float>(values[k * kLanes + lane(env)]);
+  }
+}
+
+double Fleet::param(int env, const std::string& path) const {
+  return get_param(*environment_, state(env), lane(env), path);
+}
+
+void Fleet::set_param(int env, const std::string& path, double value) {
+  skybody::set_param(*environment_, state(env), lane(env), path, value);
+}
+
+void Fleet::fork(int source, int target, bool rekey) {
+  if (rekey) count_fork(state(source), lane(source));
+  if (source != target) {
+    state(target).restore(lane(target), state(source).save(lane(source)));
+    chains_[index(target)] = chains_[index(source)];
+    refresh_flags(target);
+  }
+  if (rekey) give_fork_key(state(target), lane(target));
+}
+
+}  // namespace skybody

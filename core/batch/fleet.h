@@ -1,0 +1,83 @@
+// The environments of a VecEnv and one transition of a group of them, resets included.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/hash.h"
+#include "core/batch/batch.h"
+#include "core/batch/vec_env.h"
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+
+/// State, action rows and episode flags of N_E environments in lane groups. Groups are independent:
+/// different threads may run transition() on different groups. Everything else belongs to the
+/// caller while no group runs.
+class Fleet {
+ public:
+  Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions& options);
+
+  /// Lanes a group; the last group may have fewer environments.
+  static constexpr int kLanes = 1;  // all dynamics step environments one by one so far
+
+  const Environment& environment() const { return *environment_; }
+  const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
+  int envs() const { return envs_; }
+  int groups() const { return static_cast<int>(states_.size()); }
+  RowWidths widths() const;
+
+  /// What the next transition of an environment is to be.
+  float* action(int env) { return actions_.data() + static_cast<std::size_t>(env) * action_size_; }
+  void want_reset(int env) { wants_reset_[index(env)] = 1; }
+  void want_step(int env) { wants_reset_[index(env)] = 0; }
+
+  bool started(int env) const { return started_[index(env)] != 0; }
+  bool ended(int env) const { return ended_[index(env)] != 0; }
+
+  /// One transition of the lanes in `mask`; their rows are written at row env of `rows`.
+  void transition(int group, std::uint32_t mask, Batch& rows);
+
+  /// Everything back to the beginning, under a seed.
+  void initialize(std::uint64_t seed);
+
+  std::vector<std::uint64_t> save() const;
+  /// @throws Error if it does not fit
+  void restore(std::span<const std::uint64_t> saved);
+  void fork(int source, int target, bool rekey);
+  void observation(int env, float* out) const;
+  double param(int env, const std::string& path) const;
+  void set_param(int env, const std::string& path, double value);
+  std::uint64_t hash(int env) const { return chains_[index(env)].value(); }
+
+ private:
+  static std::size_t index(int env) { return static_cast<std::size_t>(env); }
+  StateGroup& state(int env) { return states_[index(env / kLanes)]; }
+  const StateGroup& state(int env) const { return states_[index(env / kLanes)]; }
+  static int lane(int env) { return env % kLanes; }
+  Rows rows_of(int first, Batch& rows) const;
+  void step(int group, std::uint32_t mask, Batch& rows);
+  void reset(int group, std::uint32_t mask, Batch& rows);
+  void reset_ended(int group, std::uint32_t mask, Batch& rows);
+  void add_to_hash(int group, std::uint32_t mask, const Rows& rows);
+  void refresh_flags(int env);
+  void describe(int group, std::uint32_t mask, bool is_reset, Batch& rows);
+
+  std::shared_ptr<const Environment> environment_;
+  int envs_;
+  std::size_t action_size_;
+  Autoreset autoreset_;
+  bool keep_hash_;
+  std::uint64_t first_env_id_;
+  std::vector<StateGroup> states_;
+  std::vector<std::unique_ptr<GroupWork>> works_;
+  std::vector<float> actions_;
+  std::vector<std::uint8_t> wants_reset_, started_, ended_;
+  std::vector<HashChain> chains_;
+};
+
+}  // namespace skybody

@@ -1,0 +1,86 @@
+// Saving and restoring all environments of a Fleet.
+#include <algorithm>
+#include <cstring>
+
+#include "core/base/error.h"
+#include "core/batch/fleet.h"
+
+namespace skybody {
+namespace {
+
+// A saved fleet: these words, then per environment its WorldState and its hash chain.
+enum SavedWord : int {
+  kMagicWord,
+  kVersionWord,
+  kScenarioWord,
+  kEnvsWord,
+  kWordsWord,
+  kSavedHeader,
+};
+constexpr std::uint64_t kMagic = 0x544545'4c464253ull;  // "SBFLEET"
+constexpr std::uint64_t kVersion = 1;
+constexpr std::size_t kChainWords = sizeof(HashChain) / sizeof(std::uint64_t);
+static_assert(std::is_trivially_copyable_v<HashChain> &&
+              sizeof(HashChain) == kChainWords * sizeof(std::uint64_t));
+
+std::vector<std::uint64_t> header(const Environment& environment, int envs) {
+  return {kMagic, kVersion, environment.scenario().hash, static_cast<std::uint64_t>(envs),
+          static_cast<std::uint64_t>(environment.layout().words)};
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> Fleet::save() const {
+  std::vector<std::uint64_t> out = header(*environment_, envs_);
+  const auto words = static_cast<std::size_t>(environment_->layout().words);
+  out.reserve(out.size() + index(envs_) * (words + kChainWords));
+  for (int env = 0; env < envs_; ++env) {
+    const std::vector<std::uint64_t> lane_words = state(env).save(lane(env));
+    out.insert(out.end(), lane_words.begin(), lane_words.end());
+    std::uint64_t chain[kChainWords];
+    std::memcpy(chain, &chains_[index(env)], sizeof(chain));
+    out.insert(out.end(), chain, chain + kChainWords);
+  }
+  return out;
+}
+
+void Fleet::restore(std::span<const std::uint64_t> saved) {
+  const std::vector<std::uint64_t> expected = header(*environment_, envs_);
+  const auto words = static_cast<std::size_t>(environment_->layout().words);
+  const std::size_t each = words + kChainWords;
+  if (saved.size() < kSavedHeader || saved[kMagicWord] != kMagic) {
+    throw Error("this is not a saved state: give what save() gave");
+  }
+  if (saved[kVersionWord] != kVersion) {
+    throw Error("saved by another version of Skybody (format " +
+                std::to_string(saved[kVersionWord]) + ", this one reads " +
+                std::to_string(kVersion) + ")");
+  }
+  if (saved[kScenarioWord] != expected[kScenarioWord] ||
+      saved[kWordsWord] != expected[kWordsWord]) {
+    throw Error("this state was saved with another scenario than " + environment_->scenario().file +
+                ": restore it where it was saved");
+  }
+  if (saved[kEnvsWord] != expected[kEnvsWord]) {
+    throw Error("this state is of " + std::to_string(saved[kEnvsWord]) +
+                " environments; here are " + std::to_string(envs_));
+  }
+  if (saved.size() != kSavedHeader + index(envs_) * each) {
+    throw Error("this saved state is cut short: " + std::to_string(saved.size()) + " words of " +
+                std::to_string(kSavedHeader + index(envs_) * each));
+  }
+  const std::uint64_t* from = saved.data() + kSavedHeader;
+  for (int env = 0; env < envs_; ++env, from += each) {
+    state(env).restore(lane(env), {from, from + words});
+    std::memcpy(static_cast<void*>(&chains_[index(env)]), from + words, sizeof(HashChain));
+    refresh_flags(env);
+  }
+}
+
+/// What the flags say follows from WorldState.
+void Fleet::refresh_flags(int env) {
+  started_[index(env)] = state(env).bits(kEpisode)[lane(env)] > 0;
+  ended_[index(env)] = state(env).bits(kStatus)[lane(env)] != kRunning;
+}
+
+}  // namespace skybody

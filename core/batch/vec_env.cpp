@@ -1,0 +1,145 @@
+#include "core/batch/vec_env.h"
+
+#include <string>
+
+#include "core/base/error.h"
+#include "core/batch/engine.h"
+
+namespace skybody {
+namespace {
+
+constexpr int kMostEnvs = 1 << 24;
+constexpr int kMostThreads = 1024;
+
+void check_range(const char* what, int value, int low, int high, const char* remedy) {
+  if (value >= low && value <= high) return;
+  throw Error(std::string(what) + " is " + std::to_string(value) +
+              "; allowed: " + std::to_string(low) + " ... " + std::to_string(high) + "; " + remedy);
+}
+
+const VecEnvOptions& checked(const VecEnvOptions& options) {
+  check_range("number of environments", options.envs, 1, kMostEnvs, "take at least one");
+  check_range("batch", options.batch, 0, options.envs,
+              "take at most the number of environments, or 0 for all of them");
+  check_range("threads", options.threads, 0, kMostThreads, "take 0 for one per processor");
+  return options;
+}
+
+}  // namespace
+
+VecEnv::VecEnv(std::shared_ptr<const Environment> environment, const VecEnvOptions& options)
+    : engine_(std::make_unique<Engine>(std::move(environment), checked(options))) {}
+
+VecEnv::~VecEnv() = default;
+
+const Environment& VecEnv::environment() const { return engine_->fleet.environment(); }
+const std::shared_ptr<const Environment>& VecEnv::shared_environment() const {
+  return engine_->fleet.shared_environment();
+}
+int VecEnv::envs() const { return engine_->options.envs; }
+int VecEnv::batch() const { return engine_->options.batch; }
+int VecEnv::threads() const { return engine_->options.threads; }
+int VecEnv::pinned_threads() const { return engine_->crew().pinned(); }
+const VecEnvOptions& VecEnv::options() const { return engine_->options; }
+int VecEnv::in_flight() const { return engine_->in_flight_count; }
+std::uint64_t VecEnv::fresh_buffers() const { return engine_->fresh_buffers(); }
+std::uint64_t VecEnv::faults() const { return engine_->faults; }
+
+void VecEnv::send_reset() {
+  const std::vector<std::uint8_t> all(static_cast<std::size_t>(envs()), 1);
+  engine_->send_reset(all);
+}
+
+void VecEnv::send_reset(std::span<const std::uint8_t> mask) {
+  if (static_cast<int>(mask.size()) != envs()) {
+    throw Error("a reset mask of " + std::to_string(mask.size()) + " values for " +
+                std::to_string(envs()) + " environments");
+  }
+  engine_->send_reset(mask);
+}
+
+void VecEnv::send_reset(std::uint64_t seed) {
+  engine_->check_idle("a reset under another seed");
+  engine_->fleet.initialize(seed);
+  engine_->options.seed = seed;
+  engine_->cursor = 0;
+  send_reset();
+}
+
+void VecEnv::send(std::span<const float> actions, std::span<const std::int32_t> env_ids) {
+  engine_->send_steps(actions, env_ids);
+}
+
+std::shared_ptr<const Batch> VecEnv::recv() {
+  return engine_->recv(Crew::Clock::time_point::max());
+}
+
+std::shared_ptr<const Batch> VecEnv::recv(std::chrono::milliseconds patience) {
+  return engine_->recv(Crew::Clock::now() + patience);
+}
+
+std::vector<std::uint64_t> VecEnv::save() const {
+  engine_->check_idle("save()");
+  std::vector<std::uint64_t> saved = engine_->fleet.save();
+  saved.push_back(static_cast<std::uint64_t>(engine_->cursor));
+  return saved;
+}
+
+void VecEnv::restore(std::span<const std::uint64_t> saved) {
+  engine_->check_idle("restore()");
+  if (saved.empty()) throw Error("this is not a saved state: it is empty");
+  engine_->fleet.restore(saved.first(saved.size() - 1));
+  engine_->cursor = static_cast<int>(saved.back() % static_cast<std::uint64_t>(envs()));
+}
+
+void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey) {
+  engine_->check_alive();
+  const auto check = [&](std::int32_t env) {
+    engine_->check_id(env);
+    if (engine_->in_flight(env)) {
+      throw Error("fork() with environment " + std::to_string(env) + " in flight: recv() it first");
+    }
+  };
+  check(source);
+  for (const std::int32_t target : targets) check(target);
+  for (const std::int32_t target : targets) engine_->fleet.fork(source, target, rekey);
+}
+
+void VecEnv::observations(std::span<float> observation) const {
+  engine_->check_idle("observations()");
+  const auto width = static_cast<std::size_t>(environment().observation_size());
+  SKYBODY_DEMAND(observation.size() == width * static_cast<std::size_t>(envs()),
+                 "observations() into an array of another size");
+  for (int env = 0; env < envs(); ++env) {
+    engine_->fleet.observation(env, observation.data() + static_cast<std::size_t>(env) * width);
+  }
+}
+
+double VecEnv::param(int env, const std::string& path) const {
+  engine_->check_idle("param()");
+  engine_->check_id(env);
+  return engine_->fleet.param(env, path);
+}
+
+void VecEnv::set_param(int env, const std::string& path, double value) {
+  engine_->check_idle("set_param()");
+  engine_->check_id(env);
+  engine_->fleet.set_param(env, path, value);
+}
+
+std::uint64_t VecEnv::hash(int env) const {
+  engine_->check_idle("hash()");
+  engine_->check_id(env);
+  if (!engine_->options.keep_hash) {
+    throw Error("no hash was kept: make the VecEnv with keep_hash");
+  }
+  return engine_->fleet.hash(env);
+}
+
+std::uint64_t VecEnv::hash() const {
+  HashChain all;
+  for (int env = 0; env < envs(); ++env) all.update(hash(env));
+  return all.value();
+}
+
+}  // namespace skybody

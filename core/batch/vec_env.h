@@ -1,0 +1,131 @@
+// Many environments of one scenario, stepped on several threads: the paper's asynchronous pool
+// (its section IV-D), with results that do not depend on threads, batches or order.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/batch/batch.h"
+#include "core/env/environment.h"
+
+namespace skybody {
+
+/// In which order recv() gives finished environments.
+enum class Order {
+  kFixed,    ///< by id, cyclically: the same batches in every run
+  kArrival,  ///< first finished, first served
+};
+
+/// What happens where an episode has ended (Gymnasium's AutoresetMode).
+enum class Autoreset {
+  kNextStep,  ///< the next action is ignored and the environment reset instead
+  kSameStep,  ///< reset at once; the ended episode's last row is in final_observation
+  kDisabled,  ///< the caller resets; stepping an ended environment is an error
+};
+
+/// How a VecEnv is made.
+struct VecEnvOptions {
+  int envs = 1;     ///< N_E
+  int batch = 0;    ///< N_B <= N_E; 0: N_E
+  int threads = 0;  ///< N_T, the caller counted; 0: one per processor, at most one per environment
+  Order order = Order::kFixed;
+  Autoreset autoreset = Autoreset::kNextStep;
+  std::uint64_t seed = 0;          ///< key of all random numbers
+  std::uint64_t first_env_id = 0;  ///< environment i draws with (seed, first_env_id + i)
+  bool pin_threads = false;        ///< workers each on a processor of their own, where allowed
+  bool keep_hash = false;          ///< chain a trajectory hash per environment
+  /// recv() never hands out memory that the caller still refers to: false: takes a fresh buffer
+  /// (counted), true: throws BufferInUse, and fills buffers that it recycles with NaN.
+  bool debug_buffers = false;
+};
+
+/// A buffer was to be recycled that the caller still holds; only with debug_buffers.
+class BufferInUse : public Error {
+ public:
+  using Error::Error;
+};
+
+/// N_E environments, N_T threads, batches of N_B. send() hands actions over and returns; recv()
+/// waits for N_B finished environments, working with the others meanwhile. All methods belong to
+/// one thread at a time. A fault in one environment ends its episode and touches no other.
+///
+/// Any exception that a worker meets comes out of the next recv(); the VecEnv is then broken and
+/// every later call throws the same. After a fork() of the process, calls in the child throw.
+class VecEnv {
+ public:
+  /// @throws Error if an option is out of range
+  VecEnv(std::shared_ptr<const Environment> environment, const VecEnvOptions& options);
+  /// Waits for steps under way; what was not yet begun is dropped.
+  ~VecEnv();
+  VecEnv(const VecEnv&) = delete;
+  VecEnv& operator=(const VecEnv&) = delete;
+
+  const Environment& environment() const;
+  const std::shared_ptr<const Environment>& shared_environment() const;
+  int envs() const;
+  int batch() const;
+  int threads() const;
+  int pinned_threads() const;  ///< workers that have a processor of their own
+  const VecEnvOptions& options() const;
+
+  /// Begins new episodes in all environments, or in those whose byte in `mask` is not 0; recv()
+  /// gives their first observations. @throws Error if one of them is in flight
+  void send_reset();
+  void send_reset(std::span<const std::uint8_t> mask);
+  /// Puts every environment at its beginning under another seed (episode counters start again),
+  /// then resets all.
+  void send_reset(std::uint64_t seed);
+
+  /// Hands over one action row per environment; the rows are copied before it returns.
+  /// @param actions  rows of action_size() values in [-1, 1] (clipped); a row that is not finite
+  ///                 makes its transition a fault
+  /// @param env_ids  which environments, each at most once; empty: all N_E in order
+  /// @throws Error if an id is out of range, twice there, in flight, not yet reset, or (kDisabled)
+  ///         its episode has ended; then nothing was sent
+  void send(std::span<const float> actions, std::span<const std::int32_t> env_ids = {});
+
+  /// N_B finished rows; fewer where fewer are in flight. The buffer's rows keep their values until
+  /// the second next recv(), and as long as the pointer is held.
+  /// @throws Error if nothing is in flight, or what a worker met
+  std::shared_ptr<const Batch> recv();
+  /// The same, giving up after a while: null, nothing lost.
+  std::shared_ptr<const Batch> recv(std::chrono::milliseconds patience);
+
+  int in_flight() const;                ///< environments sent and not yet received
+  std::uint64_t fresh_buffers() const;  ///< buffers made because the caller still held the old one
+  std::uint64_t faults() const;         ///< faulted transitions received so far
+
+  /// Everything of all environments, in order. @throws Error while some are in flight
+  std::vector<std::uint64_t> save() const;
+  /// @throws Error if `saved` is not of this scenario and number of environments, or some are in
+  ///         flight
+  void restore(std::span<const std::uint64_t> saved);
+  /// Makes environments copies of `source`: same motion, drawn values, plugin states, future.
+  /// @param rekey  each copy gets random numbers of its own
+  /// @throws Error if an id is out of range or in flight
+  void fork(int source, std::span<const std::int32_t> targets, bool rekey);
+
+  /// One value of WorldState per environment in `out`: their rows as of now.
+  /// @param observation  N_E x observation_size()
+  void observations(std::span<float> observation) const;
+  /// Value of a randomizable parameter. @throws Error as Simulation::param
+  double param(int env, const std::string& path) const;
+  void set_param(int env, const std::string& path, double value);
+
+  /// Trajectory hash of one environment, and of all, combined in order of ids.
+  /// @throws Error without keep_hash, or while some are in flight
+  std::uint64_t hash(int env) const;
+  std::uint64_t hash() const;
+
+ private:
+  class Engine;
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace skybody

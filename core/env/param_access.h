@@ -1,0 +1,18 @@
+// Reading and writing EnvParams by path.
+#pragma once
+
+#include <string>
+
+#include "core/env/environment.h"
+
+namespace skybody {
+
+/// Value of a randomizable parameter in one lane. @throws Error if there is none at `path`
+double get_param(const Environment& environment, const StateGroup& group, int lane,
+                 const std::string& path);
+
+/// Sets one. @throws Error if unknown or outside its bounds
+void set_param(const Environment& environment, StateGroup& group, int lane, const std::string& path,
+               double value);
+
+}  // namespace skybody

@@ -1,0 +1,331 @@
+// `dynamics: tree` on one free body against Simbody, and which worlds it takes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/base/inertia.h"
+#include "core/base/random.h"
+#include "core/model/marked_error.h"
+#include "core/physics/base_drive.h"
+#include "core/physics/free_body_dynamics.h"
+#include "tests/unit/physics/test_models.h"
+
+namespace skybody::test {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr IntegratorChoice kIntegrators[] = {IntegratorChoice::kSemiImplicitEuler,
+                                             IntegratorChoice::kRk4};
+
+Random<double> random_numbers(std::uint64_t episode) {
+  return {RandomKey{2026, 7}, episode, 0, derive_stream("free_body_test")};
+}
+
+Vec3<double> in_cube(Random<double>& random, double half_edge) {
+  const auto next = [&] { return random.uniform(-half_edge, half_edge); };
+  const double x = next(), y = next(), z = next();
+  return {x, y, z};
+}
+
+/// From 10 g in 2 cm to 50 kg in 1 m; flat, long and compact ones, on turned axes, the centre of
+/// mass anywhere within the body's size.
+MassProperties random_mass(Random<double>& random) {
+  const double size = 0.02 * std::pow(50.0, random.uniform());
+  MassProperties mass;
+  mass.mass = 0.01 * std::pow(5000.0, random.uniform());
+  mass.com = in_cube(random, size);
+  const double scale = mass.mass * size * size;
+  const auto spread = [&] { return scale * random.uniform(0.02, 0.3); };  // integrals of x^2 dm
+  const double x = spread(), y = spread(), z = spread();
+  mass.inertia =
+      rotate_inertia(to_mat3(random.quaternion()), SymMat3<double>{y + z, x + z, x + y, 0, 0, 0});
+  return mass;
+}
+
+std::vector<double> nominal_params(const World& world) {
+  std::vector<double> params;
+  for (const EnvParam& param : world.layout.param_info) params.push_back(param.nominal);
+  return params;
+}
+
+void put_mass(const World& world, const MassProperties& mass, std::vector<double>& params) {
+  double* p = params.data() + world.layout.body_params[0];
+  const SymMat3<double>& i = mass.inertia;
+  const double values[] = {mass.mass, mass.com.x, mass.com.y, mass.com.z, i.xx,
+                           i.yy,      i.zz,       i.xy,       i.xz,       i.yz};
+  std::memcpy(p, values, sizeof(values));
+}
+
+TEST(FreeBody, HasTheAccelerationsThatSimbodyFinds) {
+  const World world(make_scenario(make_free_body(1.0, diagonal(0.01, 0.01, 0.01))));
+  const std::unique_ptr<Dynamics> tree = make_free_body_dynamics(world);
+  const std::unique_ptr<Dynamics> simbody = make_simbody_dynamics(world);
+  std::vector<double> params = nominal_params(world);
+  for (std::uint64_t k = 0; k < 10000; ++k) {
+    Random<double> random = random_numbers(k);
+    const MassProperties mass = random_mass(random);
+    put_mass(world, mass, params);
+    double q[7], u[6], ours[6], theirs[6];
+    store(in_cube(random, 10.0), q);
+    const Quat<double> turn = random.quaternion();
+    const double length = random.uniform(0.5, 2.0);  // as between an integrator's stages
+    store(Quat<double>{turn.w * length, turn.x * length, turn.y * length, turn.z * length}, q + 3);
+    store(in_cube(random, 10.0), u);
+    store(in_cube(random, 20.0), u + 3);
+    const double load = mass.mass * 20.0, size = norm(mass.com) + 0.1;
+    const SpatialForce<double> force{in_cube(random, load * size), in_cube(random, load)};
+    double joint_forces[6];
+    store(in_cube(random, load), joint_forces);
+    store(in_cube(random, load * size), joint_forces + 3);
+
+    for (Dynamics* dynamics : {tree.get(), simbody.get()}) dynamics->set_params(params.data());
+    tree->accelerations(q, u, &force, joint_forces, ours);
+    simbody->accelerations(q, u, &force, joint_forces, theirs);
+
+    // Both do some hundred operations on terms of this size. Simbody solves with the inertia about
+    // the origin, in which the smallest central moment loses `lost` of its digits.
+    const Vec3<double> moments = eigenvalues(mass.inertia);
+    const double offset = norm(mass.com), about_origin = moments.z + mass.mass * offset * offset;
+    const double lost = about_origin / moments.x;
+    const double spin = squared_norm(load_vec3(u + 3));
+    const double forces = norm(force.force) + norm(load_vec3(joint_forces));
+    const double turning = norm(force.moment) + norm(load_vec3(joint_forces + 3)) +
+                           offset * forces + about_origin * spin;
+    const double angular_bound = 100.0 * kEpsilon * lost * turning / moments.x;
+    const double linear_bound =
+        offset * angular_bound + 100.0 * kEpsilon * (forces / mass.mass + offset * spin);
+    EXPECT_LT(norm(load_vec3(ours + 3) - load_vec3(theirs + 3)), angular_bound) << k;
+    EXPECT_LT(norm(load_vec3(ours) - load_vec3(theirs)), linear_bound) << k;
+  }
+}
+
+/// Everything that acts on a single body, the centre of mass beside the origin, turned axes.
+Scenario vehicle(IntegratorChoice integrator, DynamicsChoice dynamics) {
+  RobotModel model = make_vehicle(qdrone2());
+  model.bodies[0].mass.com = {0.01, -0.005, 0.02};
+  model.bodies[0].mass.inertia.xy = 5e-4;
+  model.bodies[0].mass.inertia.yz = -8e-4;
+  for (Rotor& rotor : model.rotors) {
+    rotor.drag_constant = 2e-5;
+    rotor.rolling_moment_constant = 1e-6;
+    rotor.inertia = 5e-6;
+  }
+  Scenario scenario = make_scenario(std::move(model), integrator);
+  scenario.stepping.dynamics = dynamics;
+  scenario.robots[0].disturbance_force = {0.1, -0.2, 0.05};
+  scenario.robots[0].disturbance_moment = {0.001, 0.002, -0.001};
+  return scenario;
+}
+
+/// The largest difference between two motions [m, rad, m/s, rad/s].
+double difference(const BodyState& a, const BodyState& b) {
+  double most = norm(a.position - b.position);
+  most = std::fmax(most, norm(a.velocity - b.velocity));
+  most = std::fmax(most, norm(a.angular_velocity - b.angular_velocity));
+  const Quat<double> turn = conjugate(a.rotation) * b.rotation;
+  return std::fmax(most, 2.0 * norm(Vec3<double>{turn.x, turn.y, turn.z}));
+}
+
+TEST(FreeBody, TumblesLikeSimbodysForASecond) {
+  for (const IntegratorChoice integrator : kIntegrators) {
+    Bench tree(vehicle(integrator, DynamicsChoice::kTree));
+    Bench simbody(vehicle(integrator, DynamicsChoice::kSimbody));
+    for (Bench* bench : {&tree, &simbody}) {
+      bench->state.q[2] = 50.0;
+      bench->state.u = {3.0, -1.0, 0.5, 4.0, -6.0, 2.0};
+      bench->state.rotor_speed.assign(4, 500.0);
+      bench->state.rotor_command = {1500.0, 1200.0, 1450.0, 1400.0};
+      ASSERT_TRUE(bench->run(1000));
+    }
+    EXPECT_GT(norm(tree.state.bodies[0].angular_velocity), 1.0) << "still tumbling";
+    // 1000 steps, in each of which a height of 50 m is rounded to 7e-15 m.
+    EXPECT_LT(difference(tree.state.bodies[0], simbody.state.bodies[0]), 1e-11);
+  }
+}
+
+TEST(FreeBody, TakesOffLandsAndBouncesLikeSimbodys) {
+  for (const IntegratorChoice integrator : kIntegrators) {
+    Bench tree(vehicle(integrator, DynamicsChoice::kTree));
+    Bench simbody(vehicle(integrator, DynamicsChoice::kSimbody));
+    double highest = 0.0, fastest_landing = 0.0, fastest_bounce = 0.0, most = 0.0;
+    for (Bench* bench : {&tree, &simbody}) bench->state.q[2] = clearance(qdrone2());
+    for (int i = 0; i < 2000; ++i) {
+      for (Bench* bench : {&tree, &simbody}) {
+        bench->state.rotor_command.assign(4, i < 600 ? 1550.0 : 900.0);
+        ASSERT_TRUE(bench->run(1));
+      }
+      const double z = tree.state.q[2], rise = tree.state.u[2];
+      highest = std::fmax(highest, z);
+      fastest_landing = std::fmin(fastest_landing, rise);
+      if (fastest_landing < -1.0) fastest_bounce = std::fmax(fastest_bounce, rise);
+      most = std::fmax(most, difference(tree.state.bodies[0], simbody.state.bodies[0]));
+    }
+    EXPECT_GT(highest, 0.3) << "took off";
+    EXPECT_LT(fastest_landing, -1.0) << "came down";
+    EXPECT_GT(fastest_bounce, 0.05) << "bounced";
+    // Within 2000 roundings of 1e-16 each before touch-down; then the ground, whose stiffness is a
+    // frequency of some 100 rad/s, turns differences of place into some hundred times larger ones
+    // of velocity, at every one of a few bounces.
+    EXPECT_LT(most, 1e-9);
+  }
+}
+
+TEST(FreeBody, DrivenBaseIsNotAcceleratedByForces) {
+  for (const DynamicsChoice dynamics : {DynamicsChoice::kTree, DynamicsChoice::kSimbody}) {
+    Bench bench(vehicle(IntegratorChoice::kRk4, dynamics),
+                [](World& w) { w.drives = {DriveKind::kVelocity}; });
+    bench.state.q[2] = 5.0;
+    bench.state.drive[0] = 1.5;
+    bench.state.rotor_command.assign(4, 2000.0);
+    ASSERT_TRUE(bench.run(1000));
+    EXPECT_NEAR(bench.state.q[0], 1.5, 1e-12);
+    EXPECT_EQ(bench.state.q[2], 5.0);
+    EXPECT_EQ(bench.state.u[0], 1.5);
+  }
+}
+
+bool same_bits(const LaneState& a, const LaneState& b) {
+  const auto same = [](const std::vector<double>& x, const std::vector<double>& y) {
+    return std::memcmp(x.data(), y.data(), x.size() * sizeof(double)) == 0;
+  };
+  return same(a.q, b.q) && same(a.u, b.u) && same(a.rotor_speed, b.rotor_speed) &&
+         std::memcmp(a.bodies.data(), b.bodies.data(), a.bodies.size() * sizeof(BodyState)) == 0;
+}
+
+TEST(FreeBody, ResultsDoNotDependOnWhatTheStepperSawBefore) {
+  Bench a(vehicle(IntegratorChoice::kRk4, DynamicsChoice::kTree));
+  Bench b(vehicle(IntegratorChoice::kRk4, DynamicsChoice::kTree));
+  a.state.q[2] = 3.0;
+  a.state.rotor_command = {1500.0, 1200.0, 1450.0, 1400.0};
+  ASSERT_TRUE(a.run(100));
+  const LaneState saved = a.state;
+  ASSERT_TRUE(a.run(100));
+  // b serves another environment in between, with other masses, then masses that no body has, then
+  // a state that is no number.
+  b.param("robots.r.links.base.mass") = 3.0;
+  b.param("robots.r.links.base.com[1]") = 0.1;
+  ASSERT_TRUE(b.run(37));
+  b.param("robots.r.links.base.inertia[0]") = 1.0;
+  EXPECT_FALSE(b.run(1));
+  b.state = saved;
+  b.state.u[0] = kNan;
+  EXPECT_FALSE(b.run(1));
+  b.state = saved;
+  ASSERT_TRUE(b.run(100));
+  EXPECT_TRUE(same_bits(a.state, b.state));
+}
+
+std::string message_of(Dynamics& dynamics, const std::vector<double>& params) {
+  try {
+    dynamics.set_params(params.data());
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FreeBody, RefusesDrawnMassesAsSimbodysDoes) {
+  const World world(make_scenario(make_free_body(1.0, diagonal(0.01, 0.01, 0.01))));
+  const std::unique_ptr<Dynamics> tree = make_free_body_dynamics(world);
+  const std::unique_ptr<Dynamics> simbody = make_simbody_dynamics(world);
+  const auto expect_same_refusal = [&](const char* path, double value) {
+    std::vector<double> params = nominal_params(world);
+    params[world.layout.find_param(std::string("robots.r.links.base.") + path)] = value;
+    const std::string message = message_of(*tree, params);
+    EXPECT_NE(message.find("body 'base'"), std::string::npos) << path << ": " << message;
+    EXPECT_EQ(message, message_of(*simbody, params)) << path;
+    EXPECT_EQ(message, message_of(*tree, params)) << "the second time as well";
+    EXPECT_EQ(message_of(*tree, nominal_params(world)), "") << "and goes on with good ones";
+  };
+  expect_same_refusal("mass", 0.0);
+  expect_same_refusal("mass", kNan);
+  expect_same_refusal("com[2]", kInfinity);
+  expect_same_refusal("inertia[1]", -0.01);
+  expect_same_refusal("inertia[2]", 0.021);
+  expect_same_refusal("inertia[4]", kNan);
+}
+
+TEST(FreeBody, OfImpossibleNominalMassIsRefusedWhenMade) {
+  const World world(make_scenario(make_free_body(1.0, diagonal(0.01, 0.01, 0.03))));
+  EXPECT_THROW(make_free_body_dynamics(world), Error);
+}
+
+Scenario with_obstacle() {
+  Scenario scenario = make_scenario(make_vehicle(qdrone2()));
+  scenario.obstacles.push_back({"wall", make_box(1, 1, 1)});
+  return scenario;
+}
+Scenario two_robots() {
+  Scenario scenario = make_scenario(make_vehicle(qdrone2()));
+  scenario.robots.push_back(scenario.robots[0]);
+  scenario.robots[1].name = "s";
+  return scenario;
+}
+Scenario two_bodies() {
+  RobotModel model = make_vehicle(qdrone2());
+  model.bodies.push_back(
+      make_body("bob", JointType::kPin, 0, 0.2, {0, -0.8, 0}, diagonal(1e-3, 1e-3, 1e-3)));
+  return make_scenario(std::move(model));
+}
+Scenario welded() {
+  RobotModel model = make_vehicle(qdrone2());
+  model.bodies[0].joint.type = JointType::kWeld;
+  return make_scenario(std::move(model));
+}
+
+TEST(Tree, SaysWhyItCannotDoAWorld) {
+  EXPECT_EQ(why_not_tree(World(make_scenario(make_vehicle(qdrone2())))), "");
+  EXPECT_EQ(why_not_tree(World(with_obstacle())), "has obstacles");
+  EXPECT_EQ(why_not_tree(World(two_robots())), "has 2 robots");
+  EXPECT_EQ(why_not_tree(World(two_bodies())), "has the robot `r` of 2 moving bodies");
+  EXPECT_EQ(why_not_tree(World(welded())), "has the robot `r` on a fixed base");
+}
+
+TEST(Tree, WhereAskedForAndImpossibleIsAnErrorAtItsPlaceInTheFile) {
+  for (const auto make : {with_obstacle, two_robots, two_bodies, welded}) {
+    Scenario scenario = make();
+    scenario.stepping.dynamics = DynamicsChoice::kTree;
+    scenario.stepping.dynamics_mark = {"flight.yaml", 3, 12};
+    const World world(std::move(scenario));
+    try {
+      make_stepper(world);
+      FAIL() << "made";
+    } catch (const MarkedError& error) {
+      EXPECT_EQ(error.mark().line, 3);
+      EXPECT_NE(std::string(error.what()).find(why_not_tree(world)), std::string::npos);
+    }
+  }
+}
+
+/// One step of the vehicle, spinning, on `stepper`.
+LaneState step_once(const World& world, std::unique_ptr<Stepper> stepper) {
+  LaneState state;
+  write_default_state(world, state);
+  state.q[2] = 2.0;
+  for (std::size_t i = 3; i < state.u.size(); ++i) state.u[i] = 1.0 + 0.7 * i;
+  EXPECT_TRUE(stepper->advance(state));
+  return state;
+}
+
+TEST(Auto, TakesTreeWhereItCanAndElseSimbody) {
+  const auto make_world = [](Scenario scenario) {
+    auto world = std::make_unique<World>(std::move(scenario));
+    finish_layout(*world);
+    return world;
+  };
+  const auto one = make_world(vehicle(IntegratorChoice::kRk4, DynamicsChoice::kAuto));
+  const LaneState by_auto = step_once(*one, make_stepper(*one));
+  const LaneState by_tree = step_once(*one, make_stepper(*one, make_free_body_dynamics(*one)));
+  const LaneState by_simbody = step_once(*one, make_simbody_stepper(*one));
+  EXPECT_TRUE(same_bits(by_auto, by_tree));
+  EXPECT_FALSE(same_bits(by_tree, by_simbody)) << "rounding tells them apart";
+
+  const auto two = make_world(two_bodies());
+  EXPECT_TRUE(
+      same_bits(step_once(*two, make_stepper(*two)), step_once(*two, make_simbody_stepper(*two))));
+}
+
+}  // namespace
+}  // namespace skybody::test
