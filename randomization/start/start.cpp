@@ -26,12 +26,17 @@ class RandomStart : public Randomizer {
     if (robots_.empty()) {
       throw std::runtime_error("no robot has a floating base: leave `start` out");
     }
+    if (together_.value() && moves_ && !relative_.value() && robots_.size() > 1) {
+      throw std::runtime_error(
+          "`together` without `relative` would put all robots in one place: set `relative: true`, "
+          "so that the draw is added to each robot's own pose");
+    }
   }
 
   template <class Real>
   void randomize(const Lanes<Real>& env, State<Real>&, Start<Real>& start) const {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
-      place(random(env, i), robots_[i], start);
+      place(random(env, together_.value() ? 0 : i), robots_[i], start);
       if (hover_.value() == "hover") spin(env, robots_[i], start);
     }
   }
@@ -171,6 +176,10 @@ class RandomStart : public Randomizer {
       {.name = "relative",
        .value = false,
        .doc = "position, yaw and tilt add to the scenario's pose, else replace it"}};
+  BooleanParameter together_{this,
+                             {.name = "together",
+                              .value = false,
+                              .doc = "every robot gets the same draw, else each its own"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",

@@ -24,6 +24,12 @@ SKYBODY_INLINE MaskOf<Real> failed(const BodyMotion<Real>& body, const Limits& l
   return logical_or(attitude, farthest > limits.bound);
 }
 
+/// Angle between the body's and the world's z axis, 0 .. pi [rad].
+template <class Real>
+SKYBODY_INLINE Real tilt(const Quat<Real>& q) {
+  return acos(max(tilt_cosine(q), Real(-1.0)));  // rounding may leave less than -1
+}
+
 /// The same rotation with w >= 0.
 template <class Real>
 SKYBODY_INLINE Quat<Real> canonical(const Quat<Real>& q) {
@@ -35,6 +41,16 @@ SKYBODY_INLINE Quat<Real> canonical(const Quat<Real>& q) {
 template <class Real>
 SKYBODY_INLINE Real closeness(const Real& x, double weight) {
   return 1.0 / (1.0 + weight * x);
+}
+
+/// Refuses a box of drawn targets, given by x, y, z of two corners, that is upside down.
+inline void require_box(const RealsParameter& target_min, const RealsParameter& target_max) {
+  for (int k = 0; k < 3; ++k) {
+    if (target_min.value(k) <= target_max.value(k)) continue;
+    throw std::runtime_error("`target_min[" + std::to_string(k) + "]` " +
+                             to_text(target_min.value(k)) + " is above `target_max` " +
+                             to_text(target_max.value(k)) + ": swap them");
+  }
 }
 
 /// The robot's actions; a task that observes them needs a controller.

@@ -23,6 +23,7 @@ class Hover : public Task {
       if (only < 0 || r == only) add_robot(setup, r, team);
     }
     set_offsets();
+    if (team) setup.robot_rewards();
     setup.buffer(history_);
   }
 
@@ -47,7 +48,7 @@ class Hover : public Task {
     remember(env, buffer);
     Real reward(0.0);
     MaskOf<Real> failed(false);
-    int at = 0;
+    int at = 0, info = 0;
     for (const Robot& robot : robots_) {
       const BodyMotion<Real> body = env.body(robot.body);
       const Vec3<Real> error = target_of(robot, state) - body.position;
@@ -60,8 +61,15 @@ class Hover : public Task {
       at += 14;
       for (int k = 0; k < 2 * robot.actions; ++k)
         out.observation.set(at++, buffer[robot.history + k]);
-      reward += flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
-                kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
+      out.info.set(info++, norm(error));
+      out.info.set(info++, abs(yaw_error));
+      out.info.set(info++, flight::tilt(body.rotation));
+      out.info.set(info++, norm(body.velocity));
+      const Real own =
+          flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
+          kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
+      out.set_reward(robot.index, own);
+      reward += own;
       failed = logical_or(failed, flight::failed(body, limits_));
     }
     out.set_reward(reward / static_cast<double>(robots_.size()));
@@ -81,6 +89,7 @@ class Hover : public Task {
   static constexpr double kRateReward = 0.01;
 
   struct Robot {
+    int index;
     int body;
     int first_action, actions;
     int history;          ///< within the buffer: this action, then the one before
@@ -93,30 +102,30 @@ class Hover : public Task {
           "`target` has " + std::to_string(target_.count()) +
           " values: write [x, y, z, yaw], or leave it out to draw one an episode");
     }
-    for (int k = 0; k < 3; ++k) {
-      if (target_min_.value(k) <= target_max_.value(k)) continue;
-      throw std::runtime_error("`target_min[" + std::to_string(k) + "]` " +
-                               to_text(target_min_.value(k)) + " is above `target_max` " +
-                               to_text(target_max_.value(k)) + ": swap them");
-    }
+    flight::require_box(target_min_, target_max_);
   }
 
   void add_robot(const Setup& setup, int index, bool team) {
     const RobotInfo& info = setup.robots()[index];
     const int actions = flight::action_count(info, "hover");
     const std::string prefix = team ? std::string(info.name) + "." : "";
-    robots_.push_back({info.first_body,
+    robots_.push_back({index,
+                       info.first_body,
                        info.first_action,
                        actions,
                        history_,
                        {info.position[0], info.position[1], info.position[2]}});
     history_ += 2 * actions;
-    setup.channel(prefix + "position_error", "m", 3, -kInfinity, kInfinity);
-    setup.channel(prefix + "yaw_error", "rad", 1, -kPi, kPi);
-    setup.channel(prefix + "velocity", "m/s", 3, -kInfinity, kInfinity);
-    setup.channel(prefix + "attitude", "", 4, -1.0, 1.0);
-    setup.channel(prefix + "angular_velocity", "rad/s", 3, -kInfinity, kInfinity);
-    setup.channel(prefix + "actions", "", 2 * actions, -1.0, 1.0);
+    setup.channel(prefix + "position_error", "m", 3, -kInfinity, kInfinity, index);
+    setup.channel(prefix + "yaw_error", "rad", 1, -kPi, kPi, index);
+    setup.channel(prefix + "velocity", "m/s", 3, -kInfinity, kInfinity, index);
+    setup.channel(prefix + "attitude", "", 4, -1.0, 1.0, index);
+    setup.channel(prefix + "angular_velocity", "rad/s", 3, -kInfinity, kInfinity, index);
+    setup.channel(prefix + "actions", "", 2 * actions, -1.0, 1.0, index);
+    setup.info(prefix + "position_error", "m", 1);
+    setup.info(prefix + "yaw_error", "rad", 1);
+    setup.info(prefix + "tilt", "rad", 1);
+    setup.info(prefix + "speed", "m/s", 1);
     setup.goal(index, info.first_body);
   }
 

@@ -27,14 +27,17 @@ class Payload : public Task {
     first_action_ = info.first_action;
     actions_ = flight::action_count(info, "payload");
     limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
-    setup.channel("payload_error", "m", 3, -kInfinity, kInfinity);
-    setup.channel("payload_offset", "m", 3, -kInfinity, kInfinity);
-    setup.channel("attitude", "", 4, -1.0, 1.0);
-    setup.channel("velocity", "m/s", 3, -kInfinity, kInfinity);
-    setup.channel("angular_velocity", "rad/s", 3, -kInfinity, kInfinity);
-    setup.channel("payload_velocity", "m/s", 3, -kInfinity, kInfinity);
-    setup.channel("payload_angular_velocity", "rad/s", 3, -kInfinity, kInfinity);
-    setup.channel("action", "", actions_, -1.0, 1.0);
+    setup.channel("payload_error", "m", 3, -kInfinity, kInfinity, robot);
+    setup.channel("payload_offset", "m", 3, -kInfinity, kInfinity, robot);
+    setup.channel("attitude", "", 4, -1.0, 1.0, robot);
+    setup.channel("velocity", "m/s", 3, -kInfinity, kInfinity, robot);
+    setup.channel("angular_velocity", "rad/s", 3, -kInfinity, kInfinity, robot);
+    setup.channel("payload_velocity", "m/s", 3, -kInfinity, kInfinity, robot);
+    setup.channel("payload_angular_velocity", "rad/s", 3, -kInfinity, kInfinity, robot);
+    setup.channel("action", "", actions_, -1.0, 1.0, robot);
+    setup.info("payload_error", "m", 1);
+    setup.info("tilt", "rad", 1);
+    setup.info("speed", "m/s", 1);
     setup.goal(robot, payload_);
   }
 
@@ -68,6 +71,9 @@ class Payload : public Task {
     const auto failed = flight::failed(robot, limits_);
     out.set_reward(select(failed, Real(failure_reward_.value()), reward));
     out.terminate(failed);
+    out.info.set(0, norm(error));
+    out.info.set(1, flight::tilt(robot.rotation));
+    out.info.set(2, norm(robot.velocity));
   }
 
   /// Where the payload's frame belongs, turned as it is now.

@@ -94,7 +94,8 @@ TEST_P(EveryScenario, AForkHasTheSameFutureAndARekeyedOneItsOwn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
-                         testing::Values("hover.yaml", "payload.yaml", "formation.yaml"));
+                         testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
+                                         "formation_2.yaml", "formation_20.yaml"));
 
 TEST(Simulation, RefusesASnapshotOfAnotherScenario) {
   Simulation hover({.scenario = scenario("hover.yaml")});

@@ -94,6 +94,17 @@ TEST(Run, HoldHoversWithinAMillimetre) {
   EXPECT_LT(std::hypot(end[0] - goal[0], end[1] - goal[1], end[2] - goal[2]), 1e-3);
 }
 
+TEST(Run, FliesEveryShippedScenario) {
+  for (const auto& entry : fs::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() != ".yaml") continue;
+    const TemporaryFolder folder;
+    const Outcome outcome = run_skybody({"run", entry.path().string(), "--steps", "30", "--out",
+                                         folder.path().string(), "--no-picture"});
+    EXPECT_EQ(outcome.exit_code, 0) << entry.path() << outcome.err;
+    EXPECT_THAT(outcome.out, ContainsRegex("\nall +30 ")) << entry.path();
+  }
+}
+
 TEST(Run, FliesTheSameFlightTwice) {
   const TemporaryFolder first, second;
   const std::vector<std::string> random = {"--policy", "random", "--episodes", "2", "--seed", "3"};

@@ -35,7 +35,9 @@ using Parameters = std::map<std::string, Given>;
 struct Declared {
   int input = -1, output = -1, output_count = 0, period = 1, buffer = 0;
   bool bodies_before = false, robot_rewards = false;
-  int info = 0;  ///< values
+  int info = 0;                         ///< values
+  std::vector<std::string> info_names;  ///< in order
+  std::vector<int> channel_robots;      ///< of each channel
   std::vector<double> low, high;
   std::vector<SkybodySite> sites;
   std::vector<std::string> channels;
@@ -277,6 +279,7 @@ class Instance {
     d.channel = [](void* h, const SkybodyChannel* c) {
       self(h).channels.push_back(c->name);
       self(h).counts.push_back(c->count);
+      self(h).channel_robots.push_back(c->robot);
     };
     d.period = [](void* h, int32_t n) { self(h).period = n; };
     d.buffer = [](void* h, int32_t n) { self(h).buffer = n; };
@@ -284,7 +287,10 @@ class Instance {
     d.writes = [](void* h, int32_t p) { self(h).writes.push_back(p); };
     d.goal = [](void* h, int32_t r, int32_t b) { self(h).goals.push_back({r, b}); };
     d.robot_rewards = [](void* h) { self(h).robot_rewards = true; };
-    d.info = [](void* h, const SkybodyChannel* c) { self(h).info += c->count; };
+    d.info = [](void* h, const SkybodyChannel* c) {
+      self(h).info += c->count;
+      self(h).info_names.push_back(c->name);
+    };
     return d;
   }
 

@@ -172,6 +172,28 @@ TEST_F(Randomization, StartKeepsWhatIsNotAskedFor) {
   EXPECT_EQ(Numbers(g.q.begin(), g.q.begin() + 3), (Numbers{1, 2, 3.5}));
 }
 
+TEST_F(Randomization, StartMovesATeamAsAWholeOrEveryRobotForItself) {
+  world.add_quad("other", 4, 4, 4);
+  Parameters given = {{"relative", true},
+                      {"position_min", Numbers{-1, -1, -1}},
+                      {"position_max", Numbers{1, 1, 1}},
+                      {"yaw_min", -1.0},
+                      {"yaw_max", 1.0}};
+  const Instance each("start", world, given);
+  given.insert({"together", true});
+  const Instance together("start", world, given);
+  Group a = each.group(1), b = together.group(1);
+  for (int n = 0; n < 20; ++n) {
+    reset(each, a);
+    reset(together, b);
+    EXPECT_NE(a.q[7] - 4.0, a.q[0] - 1.0);
+    const Numbers apart{3, 2, 1, 0, 0, 0, 0};
+    // Adding a draw of up to 1 to poses of up to 4 rounds by up to 4e-16.
+    for (std::size_t k = 0; k < 7; ++k) EXPECT_NEAR(b.q[7 + k] - b.q[k], apart[k], 2e-15) << k;
+    EXPECT_NE(b.q[0], 1.0);
+  }
+}
+
 TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
   EXPECT_THAT(refusal("inertia", world, {}), HasSubstr("every range is [1, 1]"));
   EXPECT_THAT(refusal("inertia", world, {{"mass", Numbers{1.1, 0.9}}}),
@@ -184,6 +206,14 @@ TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
               HasSubstr("`yaw_min` 1 is above `yaw_max` 0: swap them"));
   EXPECT_THAT(refusal("start", world, {{"position_min", Numbers{0, 0, 0}}}),
               HasSubstr("give both [x, y, z], or neither"));
+  PluginWorld team;
+  team.add_quad("a");
+  team.add_quad("b", 1);
+  EXPECT_THAT(refusal("start", team,
+                      {{"together", true},
+                       {"position_min", Numbers{0, 0, 0}},
+                       {"position_max", Numbers{1, 1, 1}}}),
+              HasSubstr("would put all robots in one place: set `relative: true`"));
   EXPECT_THAT(refusal("uniform", world, {{"paths", Texts{"robot.links.base.mass"}}}),
               HasSubstr("neither `scale` nor `range`"));
   EXPECT_THAT(refusal("uniform", world,

@@ -113,6 +113,46 @@ TEST_F(HoverTask, ATeamKeepsItsPlacesAndSharesTheReward) {
   EXPECT_NEAR(g.reward[0], 1.0 / (1.0 + 2.56) + 0.01, 1e-15);  // both are 1 m off
   const Instance one("hover", world, {{"robot", "left"}, {"target", Numbers{0, 0, 1, 0}}});
   EXPECT_EQ(one.declared.channel_size(), 22);
+  EXPECT_FALSE(one.declared.robot_rewards);  // the other robot's would be nothing
+  EXPECT_EQ(one.declared.channel_robots, std::vector<int>(6, 1));
+}
+
+TEST_F(HoverTask, InATeamEveryRobotHasItsOwnObservationAndReward) {
+  world.add_quad("left", 0, 2, 1);
+  const Instance task("hover", world, {{"target", Numbers{0, 0, 1, 0}}});
+  EXPECT_EQ(task.declared.channel_robots, (std::vector<int>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}));
+  EXPECT_TRUE(task.declared.robot_rewards);
+  EXPECT_EQ(task.declared.info_names[4], "left.position_error");
+  Group g = begin(task);
+  g.bodies[1] = -1.0;  // the first robot's place
+  step(task, g, Numbers(8, 0.0));
+  EXPECT_NEAR(g.robot_reward[0], 1.01, 1e-15);
+  EXPECT_NEAR(g.robot_reward[1], 1.0 / (1.0 + 2.56) + 0.01, 1e-15);
+  EXPECT_NEAR(g.reward[0], 0.5 * (g.robot_reward[0] + g.robot_reward[1]), 1e-15);
+}
+
+TEST_F(HoverTask, InformsOfErrorsTiltAndSpeed) {
+  const Instance task("hover", world, {{"target", Numbers{0.3, 0, 1.4, -0.2}}});
+  EXPECT_EQ(task.declared.info_names,
+            (std::vector<std::string>{"position_error", "yaw_error", "tilt", "speed"}));
+  Group g = begin(task);
+  g.bodies[3] = std::cos(0.35);
+  g.bodies[4] = std::sin(0.35);
+  g.bodies[7] = 3.0;
+  g.bodies[9] = -4.0;
+  step(task, g, {0, 0, 0, 0});
+  const Numbers expected{0.5, 0.2, 0.7, 5.0};
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(g.info[k], expected[k], 1e-14) << k;
+}
+
+TEST_F(HoverTask, InformsOfAHalfTurnAsPi) {
+  const Instance task("hover", world);
+  Group g = begin(task);
+  g.bodies[3] = 0.0;
+  g.bodies[4] = std::sqrt(0.5);
+  g.bodies[5] = std::sqrt(0.5);  // upside down; the cosine rounds to less than -1
+  step(task, g, {0, 0, 0, 0});
+  EXPECT_NEAR(g.info[2], 3.141592653589793, 1e-7);
 }
 
 TEST_F(HoverTask, BadConfigurationNamesValueAndRemedy) {
@@ -173,6 +213,19 @@ TEST_F(PayloadTask, RewardsAsThePaperDoesAndPunishesFailure) {
   step(task, g, {0, 0, 0, 0});
   EXPECT_EQ(g.reward[0], -50.0);
   EXPECT_EQ(g.end[0], 1u);
+}
+
+TEST_F(PayloadTask, InformsOfErrorTiltAndSpeed) {
+  const Instance task("payload", world);
+  EXPECT_EQ(task.declared.info_names, (std::vector<std::string>{"payload_error", "tilt", "speed"}));
+  EXPECT_EQ(task.declared.channel_robots, std::vector<int>(8, 0));
+  Group g = at_rest(task);
+  g.bodies[3] = std::cos(0.1);
+  g.bodies[5] = std::sin(0.1);
+  g.bodies[8] = -2.0;
+  step(task, g, {0, 0, 0, 0});
+  const Numbers expected{0.03, 0.2, 2.0};
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(g.info[k], expected[k], 1e-14) << k;
 }
 
 TEST_F(PayloadTask, TheGoalPutsTheCentreOfMassOnTheTarget) {
