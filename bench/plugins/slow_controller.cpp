@@ -1,0 +1,53 @@
+// Passes rotor speeds on; in one chosen environment it takes its time: what a benchmark of batches
+// with a slow environment needs. Not a plugin to fly with: it computes for nothing, or sleeps.
+#include <skybody/plugin.h>
+
+#include <ctime>
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class SlowController : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    rotors_ = setup.rotors_of(setup.robot()).size();
+    const std::vector<double> low(static_cast<std::size_t>(rotors_), 0.0);
+    const std::vector<double> high(static_cast<std::size_t>(rotors_), 1.0);
+    setup.input(Signal::kRotorSpeed, low, high);
+    setup.output(Signal::kRotorSpeed, rotors_);
+  }
+
+  void control(const Lanes<double>& env, State<double>&, ConstValues<double> input,
+               Values<double> output) const {
+    const bool slow = static_cast<double>(env.stream_env()) == env_.value();
+    for (int i = 0; i < rotors_; ++i) output.set(i, input[i] + (slow ? delay() : 0.0));
+  }
+
+ private:
+  /// @returns 0, after a while
+  double delay() const {
+    if (sleep_.value() > 0.0) {
+      const timespec time{0, static_cast<long>(sleep_.value() * 1e9 / rotors_)};
+      nanosleep(&time, nullptr);
+    }
+    double x = 1.0;
+    const auto turns = static_cast<long>(turns_.value() / rotors_);
+    for (long k = 0; k < turns; ++k) x = 1.0 / (1.0 + x);  // a chain: one division after another
+    return x > 2.0 ? x : 0.0;
+  }
+
+  RealParameter env_{this, {.name = "env", .value = 0.0, .doc = "the slow environment's number"}};
+  RealParameter turns_{
+      this, {.name = "turns", .value = 0.0, .min = 0.0, .doc = "divisions a physics step"}};
+  RealParameter sleep_{
+      this,
+      {.name = "sleep", .unit = "s", .value = 0.0, .min = 0.0, .doc = "sleep a physics step"}};
+  int rotors_ = 0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::SlowController, "slow_controller", "1.0.0",
+               "Rotor speeds passed on, slowly in one environment (benchmarks only).");

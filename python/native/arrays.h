@@ -1,0 +1,52 @@
+// Arrays that come in are checked strictly; arrays that go out are views or fresh copies.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <vector>
+
+namespace skybody::python {
+
+namespace nb = nanobind;
+
+template <class T>
+using Array1 = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
+template <class T>
+using Array2 = nb::ndarray<nb::numpy, T, nb::ndim<2>>;
+
+/// The values of an array argument in C order: the array's own memory, or a copy where it is not
+/// contiguous. Holds the array; made and destroyed under the GIL.
+template <class T>
+class Values {
+ public:
+  std::span<const T> span() const { return span_; }
+  std::size_t rows() const { return array_.shape(0); }
+
+ private:
+  template <class U>
+  friend Values<U> read_array(nb::handle, const char*, std::initializer_list<std::int64_t>);
+  nb::ndarray<nb::ro, nb::device::cpu> array_;
+  std::vector<T> copy_;
+  std::span<const T> span_;
+};
+
+/// Reads an array (NumPy's, or anything on the CPU that speaks DLPack or the buffer protocol).
+/// @param shape  wanted; -1: any extent
+/// @throws TypeError if it is no array or not of type T (nothing is converted silently);
+///         ValueError if its shape is another
+template <class T>
+Values<T> read_array(nb::handle object, const char* name,
+                     std::initializer_list<std::int64_t> shape);
+
+/// The same for a mask: bool or uint8, one value per environment.
+std::vector<std::uint8_t> read_mask(nb::handle object, const char* name, std::int64_t size);
+
+/// A fresh array with a copy of `values`.
+template <class T>
+nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape);
+
+}  // namespace skybody::python

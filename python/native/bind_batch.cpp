@@ -1,0 +1,97 @@
+#include "core/base/error.h"
+#include "python/native/arrays.h"
+#include "python/native/batch.h"
+#include "python/native/bindings.h"
+
+namespace skybody::python {
+namespace {
+
+/// A view of a column, `Element` being what NumPy shall see. It holds the Python object, and that
+/// the buffer. Writable although the engine hands out constant memory: the engine does not read
+/// it again, and learners (torch.from_numpy) refuse or warn about read-only arrays.
+template <class Element, class T>
+Element* memory(const Column<T>& column) {
+  static_assert(sizeof(Element) == sizeof(T));
+  return const_cast<Element*>(reinterpret_cast<const Element*>(column.data()));
+}
+
+template <auto column, class Element>
+Array1<Element> values(nb::handle_t<ReceivedBatch> self) {
+  const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
+  return Array1<Element>(memory<Element>(batch.*column), {static_cast<std::size_t>(batch.rows)},
+                         self);
+}
+
+template <auto column, auto width>
+Array2<float> rows(nb::handle_t<ReceivedBatch> self) {
+  const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
+  return Array2<float>(
+      memory<float>(batch.*column),
+      {static_cast<std::size_t>(batch.rows), static_cast<std::size_t>(batch.width.*width)}, self);
+}
+
+/// Rows that are kept under one mode of autoreset only.
+template <auto column, auto width>
+Array2<float> final_rows(nb::handle_t<ReceivedBatch> self) {
+  const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
+  if ((batch.*column).empty() && batch.width.*width > 0) {
+    throw Error(
+        "rows from before a reset are kept with autoreset='same_step' only; with the others, the "
+        "last row of an ended episode is in `observation` and `info`");
+  }
+  return rows<column, width>(self);
+}
+
+using Class = nb::class_<ReceivedBatch>;
+
+void bind_outcome(Class& c) {
+  c.def_prop_ro(
+      "observation", &rows<&Batch::observation, &RowWidths::observation>,
+      "(n, O) float32: after the transition; under same_step autoreset, after the reset.");
+  c.def_prop_ro("reward", &values<&Batch::reward, float>,
+                "(n,) float32: of a team, the team's. 0 where was_reset or fault.");
+  c.def_prop_ro("agent_reward", &rows<&Batch::agent_reward, &RowWidths::agents>,
+                "(n, agents) float32: each agent's own; the team's where the task gives no own.");
+  c.def_prop_ro("info", &rows<&Batch::info, &RowWidths::info>,
+                "(n, I) float32: the task's values, as Environment.info_channels names them.");
+  c.def_prop_ro("final_observation",
+                &final_rows<&Batch::final_observation, &RowWidths::observation>,
+                "(n, O) float32: before the reset, meaningful where terminated or truncated.\n\n"
+                "Raises Error unless autoreset is same_step.");
+  c.def_prop_ro("final_info", &final_rows<&Batch::final_info, &RowWidths::info>,
+                "(n, I) float32: like final_observation.");
+}
+
+void bind_flags(Class& c) {
+  c.def_prop_ro("terminated", &values<&Batch::terminated, bool>,
+                "(n,) bool: the task ended the episode.");
+  c.def_prop_ro("truncated", &values<&Batch::truncated, bool>,
+                "(n,) bool: horizon, task or fault ended the episode.");
+  c.def_prop_ro("fault", &values<&Batch::fault, bool>,
+                "(n,) bool: a non-finite action or state ended the episode; do not bootstrap it.");
+  c.def_prop_ro("was_reset", &values<&Batch::was_reset, bool>,
+                "(n,) bool: the transition was a reset: no reward, the action was ignored.");
+  c.def_prop_ro("status", &values<&Batch::status, std::uint64_t>,
+                "(n,) uint64: bits 1 terminated, 2 truncated, 4 fault; with a fault 8 bad action, "
+                "16 bad state, 32 bad outcome.");
+  c.def_prop_ro("env_id", &values<&Batch::env_id, std::int32_t>,
+                "(n,) int32: which environment each row is of.");
+  c.def_prop_ro("episode_step", &values<&Batch::episode_step, std::int32_t>,
+                "(n,) int32: actions taken in the episode that the row is of.");
+}
+
+}  // namespace
+
+void bind_batch(nb::module_& m) {
+  Class c(m, "Batch",
+          "Finished transitions, one row per environment. Every array is a view of the engine's\n"
+          "memory, no copy: its values stay until the second next recv(), and for as long as the\n"
+          "Batch or a view of it is referred to. Views are writable.");
+  bind_outcome(c);
+  bind_flags(c);
+  c.def("__len__", [](const ReceivedBatch& b) { return b.core->rows; });
+  c.def("__repr__",
+        [](const ReceivedBatch& b) { return nb::str("Batch({} rows)").format(b.core->rows); });
+}
+
+}  // namespace skybody::python

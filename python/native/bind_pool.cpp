@@ -1,0 +1,255 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <cstring>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "python/native/arrays.h"
+#include "python/native/batch.h"
+#include "python/native/bindings.h"
+#include "python/native/pool.h"
+
+namespace skybody::python {
+namespace {
+
+Order to_order(const std::string& text) {
+  if (text == "fixed") return Order::kFixed;
+  if (text == "arrival") return Order::kArrival;
+  throw nb::value_error(("order is '" + text + "'; allowed: 'fixed', 'arrival'").c_str());
+}
+
+Autoreset to_autoreset(const std::string& text) {
+  if (text == "next_step") return Autoreset::kNextStep;
+  if (text == "same_step") return Autoreset::kSameStep;
+  if (text == "disabled") return Autoreset::kDisabled;
+  throw nb::value_error(
+      ("autoreset is '" + text + "'; allowed: 'next_step', 'same_step', 'disabled'").c_str());
+}
+
+void construct(Pool* self, const LoadedEnvironment& environment, int num_envs, int batch_size,
+               int num_threads, const std::string& order, const std::string& autoreset,
+               std::uint64_t seed, std::uint64_t first_env_id, bool pin_threads, bool keep_hash,
+               bool debug) {
+  VecEnvOptions options;
+  options.envs = num_envs;
+  options.batch = batch_size;
+  options.threads = num_threads;
+  options.order = to_order(order);
+  options.autoreset = to_autoreset(autoreset);
+  options.seed = seed;
+  options.first_env_id = first_env_id;
+  options.pin_threads = pin_threads;
+  options.keep_hash = keep_hash;
+  options.debug_buffers = debug;
+  new (self) Pool(environment, options);
+}
+
+void send_reset(Pool& pool, nb::handle mask, std::optional<std::uint64_t> seed) {
+  if (!mask.is_none() && seed) {
+    throw nb::value_error("send_reset() takes a mask or a seed: a seed begins all environments");
+  }
+  if (seed) {
+    pool.call_with_argument([&](VecEnv& engine) { engine.send_reset(*seed); });
+  } else if (mask.is_none()) {
+    pool.call_with_argument([](VecEnv& engine) { engine.send_reset(); });
+  } else {
+    const auto chosen = read_mask(mask, "mask", pool.envs());
+    pool.call_with_argument([&](VecEnv& engine) { engine.send_reset(chosen); });
+  }
+}
+
+void send(Pool& pool, nb::handle actions, nb::handle env_ids) {
+  const std::int64_t width = pool.environment()->action_size();
+  if (env_ids.is_none()) {
+    const auto rows = read_array<float>(actions, "actions", {pool.envs(), width});
+    pool.call_with_argument([&](VecEnv& engine) { engine.send(rows.span()); });
+    return;
+  }
+  const auto ids = read_array<std::int32_t>(env_ids, "env_ids", {-1});
+  const auto rows =
+      read_array<float>(actions, "actions", {static_cast<std::int64_t>(ids.rows()), width});
+  pool.call_with_argument([&](VecEnv& engine) {
+    if (!ids.span().empty()) engine.send(rows.span(), ids.span());  // empty means all to the engine
+  });
+}
+
+nb::bytes save(Pool& pool) {
+  const auto words = pool.call([](VecEnv& engine) { return engine.save(); });
+  return nb::bytes(words.data(), words.size() * sizeof(std::uint64_t));
+}
+
+void restore(Pool& pool, const nb::bytes& saved) {
+  if (saved.size() % sizeof(std::uint64_t) != 0) {
+    throw nb::value_error(("saved state of " + std::to_string(saved.size()) +
+                           " bytes is not what save() gave: it was cut or changed")
+                              .c_str());
+  }
+  std::vector<std::uint64_t> words(saved.size() / sizeof(std::uint64_t));
+  if (!words.empty()) std::memcpy(words.data(), saved.data(), saved.size());
+  pool.call_with_argument([&](VecEnv& engine) { engine.restore(words); });
+}
+
+nb::object observations(Pool& pool) {
+  const auto rows = static_cast<std::size_t>(pool.envs());
+  const auto width = static_cast<std::size_t>(pool.environment()->observation_size());
+  std::vector<float> values(rows * width);
+  pool.call([&](VecEnv& engine) { engine.observations(values); });
+  return copy_of<float>(values, {rows, width});
+}
+
+void fork(Pool& pool, int source, nb::handle targets, bool rekey) {
+  const auto ids = read_array<std::int32_t>(targets, "targets", {-1});
+  pool.call_with_argument([&](VecEnv& engine) { engine.fork(source, ids.span(), rekey); });
+}
+
+std::uint64_t hash(Pool& pool, std::optional<int> env) {
+  if (!env) return pool.call([](VecEnv& engine) { return engine.hash(); });
+  return pool.call_with_argument([&](VecEnv& engine) { return engine.hash(*env); });
+}
+
+nb::object refuse_pickling(const Pool&) {
+  throw nb::type_error(
+      "a Pool cannot be pickled or copied: it has threads. Make one anew in the other process, "
+      "from "
+      "the scenario and the seed; save() gives the state as bytes for restore() there");
+}
+
+using Class = nb::class_<Pool>;
+
+void bind_flow(Class& c) {
+  c.def("send_reset", &send_reset, nb::arg("mask") = nb::none(), nb::arg("seed") = nb::none(),
+        nb::sig("def send_reset(self, mask: numpy.typing.NDArray[numpy.bool | numpy.uint8] | None "
+                "= None, seed: int | None = None) -> None"),
+        "Begins new episodes; recv() gives their first observations.\n\n"
+        "mask: (num_envs,) bool or uint8: which environments; None: all\n"
+        "seed: puts every environment at its beginning under this seed, episode counters too\n\n"
+        "Raises ValueError if one of them is in flight, if the mask has another shape, or if both\n"
+        "are given; TypeError if the mask has another dtype.");
+  c.def("send", &send, nb::arg("actions").none(), nb::arg("env_ids") = nb::none(),
+        nb::sig("def send(self, actions: numpy.typing.NDArray[numpy.float32], env_ids: "
+                "numpy.typing.NDArray[numpy.int32] | None = None) -> None"),
+        "Hands over one action row per environment and returns; the rows are copied before.\n\n"
+        "actions: (n, A) float32 in [-1, 1] (clipped); a row that is not finite faults that\n"
+        "    environment and no other\n"
+        "env_ids: (n,) int32, each at most once; None: all environments in order\n\n"
+        "Raises TypeError on another dtype (nothing is converted silently) and ValueError on\n"
+        "another shape, or if an id is out of range, twice there, in flight, not yet reset, or "
+        "(with\n"
+        "autoreset disabled) its episode has ended; then nothing was sent.");
+  c.def(
+      "recv", [](Pool& pool) { return ReceivedBatch{pool.recv()}; },
+      "Waits for batch_size finished environments, fewer where fewer are in flight. Works with\n"
+      "the other threads meanwhile, without the GIL; KeyboardInterrupt gets through.\n\n"
+      "Raises ValueError if nothing is in flight; BufferError in debug mode if the buffer that\n"
+      "would be reused is still referred to; Error with whatever a worker met.");
+  c.def("close", &Pool::close,
+        "Stops the threads; steps under way are waited for. May be called again; any other call\n"
+        "raises Error from then on. Batches and their views stay valid.");
+  c.def(
+      "__enter__", [](nb::handle_t<Pool> self) { return nb::borrow(self); },
+      nb::sig("def __enter__(self) -> Pool"));
+  c.def(
+      "__exit__", [](Pool& pool, const nb::args&) { pool.close(); },
+      nb::sig("def __exit__(self, *exception: object) -> None"));
+}
+
+void bind_state(Class& c) {
+  c.def(
+      "save", &save,
+      "Everything of all environments as bytes: motion, drawn values, plugin states, random keys.\n"
+      "\nRaises Error while some are in flight.");
+  c.def("restore", &restore, nb::arg("saved"),
+        "Puts back what save() gave.\n\n"
+        "Raises ValueError if it is of another scenario or number of environments, or while some\n"
+        "are in flight.");
+  c.def("fork", &fork, nb::arg("source"), nb::arg("targets").none(), nb::arg("rekey") = false,
+        nb::sig("def fork(self, source: int, targets: numpy.typing.NDArray[numpy.int32], rekey: "
+                "bool = False) -> None"),
+        "Makes environments copies of `source`: same motion, drawn values and future.\n\n"
+        "targets: (n,) int32\nrekey: each copy gets random numbers of its own\n\n"
+        "Raises ValueError if an id is out of range or in flight.");
+  c.def("observations", &observations,
+        nb::sig("def observations(self) -> numpy.typing.NDArray[numpy.float32]"),
+        "(num_envs, O) float32: fresh array with every environment's row as of now.");
+  c.def(
+      "hash", &hash, nb::arg("env") = nb::none(),
+      "64-bit trajectory hash of one environment, or of all in order of their ids.\n\n"
+      "Raises Error without keep_hash or while some are in flight, ValueError if there is no such\n"
+      "environment.");
+  c.def(
+      "param",
+      [](Pool& pool, int env, const std::string& path) {
+        return pool.call_with_argument([&](VecEnv& engine) { return engine.param(env, path); });
+      },
+      nb::arg("env"), nb::arg("path"),
+      "Value of a randomizable parameter in one environment; units in Environment.param_info.\n\n"
+      "Raises ValueError if there is no such environment or parameter.");
+  c.def(
+      "set_param",
+      [](Pool& pool, int env, const std::string& path, double value) {
+        pool.call_with_argument([&](VecEnv& engine) { engine.set_param(env, path, value); });
+      },
+      nb::arg("env"), nb::arg("path"), nb::arg("value"),
+      "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
+}
+
+void bind_facts(Class& c) {
+  c.def_prop_ro("environment", &Pool::environment, nb::rv_policy::reference_internal,
+                "The scenario that it steps.");
+  c.def_prop_ro("num_envs", &Pool::envs, "N_E: number of environments.");
+  c.def_prop_ro("batch_size", &Pool::batch, "N_B: rows of a full batch.");
+  c.def_prop_ro("num_threads", &Pool::threads, "N_T: threads that step, the caller counted.");
+  c.def_prop_ro("pinned_threads", &Pool::pinned_threads,
+                "Threads that have a processor of their own; 0 where pinning is not allowed.");
+  c.def_prop_ro("closed", &Pool::closed, "Whether close() was called.");
+  c.def_prop_ro(
+      "in_flight", [](Pool& p) { return p.call([](VecEnv& e) { return e.in_flight(); }); },
+      "Environments sent and not yet received.");
+  c.def_prop_ro(
+      "fresh_buffers", [](Pool& p) { return p.call([](VecEnv& e) { return e.fresh_buffers(); }); },
+      "Buffers made because Python still held the one to be reused.");
+  c.def_prop_ro(
+      "faults", [](Pool& p) { return p.call([](VecEnv& e) { return e.faults(); }); },
+      "Faulted transitions received so far.");
+  c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
+  c.def("__repr__", [](const Pool& p) {
+    return "Pool(" + p.environment()->scenario().name + ", " + std::to_string(p.envs()) +
+           " environments, " + std::to_string(p.threads()) + " threads" +
+           (p.closed() ? ", closed)" : ")");
+  });
+}
+
+}  // namespace
+
+void bind_pool(nb::module_& m) {
+  Class c(
+      m, "Pool",
+      "Many environments of one scenario, stepped on several threads. What each environment\n"
+      "does depends on scenario, seed, its id and its actions alone: not on threads, batches or\n"
+      "order. One Python thread at a time: a call while another is inside one raises Error.");
+  c.def("__init__", &construct, nb::arg("environment"), nb::arg("num_envs"),
+        nb::arg("batch_size") = 0, nb::arg("num_threads") = 0, nb::arg("order") = "fixed",
+        nb::arg("autoreset") = "next_step", nb::arg("seed") = 0, nb::arg("first_env_id") = 0,
+        nb::arg("pin_threads") = false, nb::arg("keep_hash") = false, nb::arg("debug") = false,
+        "num_envs: N_E >= 1\n"
+        "batch_size: N_B, rows that recv() waits for, 1 ... num_envs; 0: num_envs\n"
+        "num_threads: N_T, the caller counted; 0: one per processor\n"
+        "order: `fixed` (by id, cyclically: the same batches in every run) or `arrival` (first\n"
+        "    finished, first served)\n"
+        "autoreset: `next_step` (the next action is ignored and the environment reset instead),\n"
+        "    `same_step` (reset at once; final_observation has the ended episode's last row) or\n"
+        "    `disabled` (stepping an ended environment raises)\n"
+        "seed, first_env_id: environment i draws with the key (seed, first_env_id + i)\n"
+        "pin_threads: give each thread a processor of its own where the system allows it\n"
+        "keep_hash: chain a trajectory hash per environment\n"
+        "debug: fill reused buffers with NaN, and raise BufferError where one is still held\n\n"
+        "Raises ValueError if one of them is out of range.");
+  bind_flow(c);
+  bind_state(c);
+  bind_facts(c);
+}
+
+}  // namespace skybody::python

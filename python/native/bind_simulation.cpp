@@ -1,0 +1,239 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "python/native/arrays.h"
+#include "python/native/bindings.h"
+#include "python/native/errors.h"
+#include "python/native/simulation.h"
+
+namespace skybody::python {
+namespace {
+
+using S = DirectSimulation;
+using Class = nb::class_<S>;
+
+nb::object row(std::span<const float> values) { return copy_of(values, {values.size()}); }
+
+nb::object row(const std::vector<double>& values) {
+  return copy_of<double>(values, {values.size()});
+}
+
+nb::object vector3(const Vec3<double>& v) {
+  const double values[] = {v.x, v.y, v.z};
+  return copy_of<double>(values, {3});
+}
+
+void construct(S* self, const LoadedEnvironment& environment, std::uint64_t seed,
+               std::uint64_t env_id) {
+  new (self) S(environment, Simulation(environment.shared(), seed, env_id));
+}
+
+void construct_by_name(S* self, const std::string& scenario, std::uint64_t seed,
+                       std::uint64_t env_id) {
+  construct(self, LoadedEnvironment({scenario, {}, {}}), seed, env_id);
+}
+
+void reset(S& s, std::optional<std::uint64_t> seed) {
+  s.call([&](Simulation& sim) { seed ? sim.reset(*seed) : sim.reset(); });
+}
+
+void step(S& s, nb::handle action) {
+  const auto values = read_array<float>(action, "action", {s.environment()->action_size()});
+  s.call([&](Simulation& sim) { sim.step(values.span()); });
+}
+
+S* fork(S& s, bool rekey) {
+  return new S(s.environment(), s.call([&](Simulation& sim) { return sim.fork(rekey); }));
+}
+
+nb::object refuse_pickling(const S&) {
+  throw nb::type_error(
+      "a Simulation cannot be pickled: make one anew in the other process, from the scenario, the "
+      "seed and the env_id, or copy it in this process with fork()");
+}
+
+void bind_body(nb::module_& m) {
+  nb::class_<BodyState>(m, "BodyState", "Position and motion of a body's frame.")
+      .def_prop_ro(
+          "position", [](const BodyState& b) { return vector3(b.position); },
+          nb::sig("def position(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "(3,) float64: origin, world axes (z up) [m].")
+      .def_prop_ro(
+          "rotation",
+          [](const BodyState& b) {
+            const double q[] = {b.rotation.w, b.rotation.x, b.rotation.y, b.rotation.z};
+            return copy_of<double>(q, {4});
+          },
+          nb::sig("def rotation(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "(4,) float64: unit quaternion w x y z, world from body.")
+      .def_prop_ro(
+          "velocity", [](const BodyState& b) { return vector3(b.velocity); },
+          nb::sig("def velocity(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "(3,) float64: of the origin, world axes [m/s].")
+      .def_prop_ro(
+          "angular_velocity", [](const BodyState& b) { return vector3(b.angular_velocity); },
+          nb::sig("def angular_velocity(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "(3,) float64: body axes (x forward, y left, z up) [rad/s].");
+}
+
+void bind_snapshot(nb::module_& m) {
+  nb::class_<Snapshot>(m, "Snapshot", "Everything of one simulation; for restore().")
+      .def_ro("scenario_hash", &Snapshot::scenario_hash, "Which scenario it is of.");
+}
+
+void bind_flow(Class& c) {
+  c.def("reset", &reset, nb::arg("seed") = nb::none(),
+        "Begins the next episode, or with a seed episode 1 under that seed.");
+  c.def(
+      "step", &step, nb::arg("action").none(),
+      nb::sig("def step(self, action: numpy.typing.NDArray[numpy.float32]) -> None"),
+      "One step: action_repeat physics steps.\n\n"
+      "action: (A,) float32 in [-1, 1] (clipped); a non-finite one ends the episode as a fault\n\n"
+      "Raises TypeError on another dtype, ValueError on another shape, Error before reset().");
+  c.def(
+      "randomize", [](S& s) { s.call([](Simulation& sim) { sim.randomize(); }); },
+      "Draws from all randomizers now, in mid-episode; motion goes on.");
+  c.def(
+      "save", [](S& s) { return s.look([](Simulation& sim) { return sim.save(); }); },
+      "Everything: motion, rotors, drawn values, plugin states, counters, random key.");
+  c.def(
+      "restore",
+      [](S& s, const Snapshot& saved) {
+        blame_argument([&] { s.look([&](Simulation& sim) { sim.restore(saved); }); });
+      },
+      nb::arg("snapshot"), "Puts it back. Raises ValueError if it is of another scenario.");
+  c.def("fork", &fork, nb::arg("rekey") = false, nb::rv_policy::take_ownership,
+        "A copy with the same future; with `rekey` its random numbers are its own.");
+  c.def(
+      "hash", [](S& s) { return s.look([](Simulation& sim) { return sim.hash(); }); },
+      "64-bit hash over all transitions so far.");
+}
+
+void bind_outcome(Class& c) {
+  c.def_prop_ro(
+      "observation",
+      [](S& s) { return s.look([](Simulation& sim) { return row(sim.observation()); }); },
+      nb::sig("def observation(self) -> numpy.typing.NDArray[numpy.float32]"),
+      "(O,) float32, a copy: after the last reset or step.");
+  c.def_prop_ro(
+      "reward", [](S& s) { return s.look([](Simulation& sim) { return sim.reward(); }); },
+      "Of the last step; of a team, the team's.");
+  c.def_prop_ro(
+      "agent_rewards",
+      [](S& s) { return s.look([](Simulation& sim) { return row(sim.agent_rewards()); }); },
+      nb::sig("def agent_rewards(self) -> numpy.typing.NDArray[numpy.float32]"),
+      "(agents,) float32: each agent's own; the team's where the task gives no own.");
+  c.def_prop_ro(
+      "info", [](S& s) { return s.look([](Simulation& sim) { return row(sim.info()); }); },
+      nb::sig("def info(self) -> numpy.typing.NDArray[numpy.float32]"),
+      "(I,) float32: the task's values, as Environment.info_channels names them.");
+  c.def_prop_ro(
+      "terminated", [](S& s) { return s.look([](Simulation& sim) { return sim.terminated(); }); },
+      "Whether the task ended the episode.");
+  c.def_prop_ro(
+      "truncated", [](S& s) { return s.look([](Simulation& sim) { return sim.truncated(); }); },
+      "Whether horizon, task or fault ended it.");
+  c.def_prop_ro(
+      "fault", [](S& s) { return s.look([](Simulation& sim) { return sim.fault(); }); },
+      "Whether a non-finite action or state ended it.");
+  c.def_prop_ro(
+      "status", [](S& s) { return s.look([](Simulation& sim) { return sim.status(); }); },
+      "Bits of the last transition, as Batch.status.");
+  c.def_prop_ro(
+      "episode", [](S& s) { return s.look([](Simulation& sim) { return sim.episode(); }); },
+      "1 in the first.");
+  c.def_prop_ro(
+      "steps", [](S& s) { return s.look([](Simulation& sim) { return sim.steps(); }); },
+      "Actions taken in this episode.");
+  c.def_prop_ro(
+      "time", [](S& s) { return s.look([](Simulation& sim) { return sim.time(); }); },
+      "Since the reset [s].");
+}
+
+void bind_motion(Class& c) {
+  c.def(
+      "body",
+      [](S& s, const std::string& link, const std::string& robot) {
+        return s.look([&](Simulation& sim) {
+          return blame_argument([&]() -> BodyState { return sim.body(robot, link); });
+        });
+      },
+      nb::arg("link"), nb::arg("robot") = "",
+      "Motion of the body that a link belongs to; `robot` may be left out where there is one.\n\n"
+      "Raises ValueError naming the robots or links that there are.");
+  c.def_prop_ro(
+      "bodies", [](S& s) { return s.look([](Simulation& sim) { return sim.bodies(); }); },
+      "Motion of all bodies, in the world's numbering.");
+  c.def_prop_ro(
+      "rotor_speeds",
+      [](S& s) { return s.look([](Simulation& sim) { return row(sim.rotor_speeds()); }); },
+      nb::sig("def rotor_speeds(self) -> numpy.typing.NDArray[numpy.float64]"),
+      "(rotors,) float64, a copy [rad/s].");
+  c.def_prop_ro(
+      "rotor_commands",
+      [](S& s) { return s.look([](Simulation& sim) { return row(sim.rotor_commands()); }); },
+      nb::sig("def rotor_commands(self) -> numpy.typing.NDArray[numpy.float64]"),
+      "(rotors,) float64, a copy: references held during the last physics step [rad/s].");
+  c.def_prop_ro(
+      "commands", [](S& s) { return s.look([](Simulation& sim) { return row(sim.commands()); }); },
+      nb::sig("def commands(self) -> numpy.typing.NDArray[numpy.float64]"),
+      "float64, a copy: input of each robot's first controller, in its signal's units.");
+  c.def_prop_ro(
+      "sensors", [](S& s) { return s.look([](Simulation& sim) { return row(sim.sensors()); }); },
+      nb::sig("def sensors(self) -> numpy.typing.NDArray[numpy.float64]"),
+      "float64, a copy: outputs of all sensors, in the scenario's order.");
+  c.def_prop_ro(
+      "goals", [](S& s) { return s.look([](Simulation& sim) { return row(sim.goals()); }); },
+      nb::sig("def goals(self) -> numpy.typing.NDArray[numpy.float64]"),
+      "(4 * goals,) float64, a copy: where the task wants its bodies, position (world) "
+      "[m] and yaw [rad] each.");
+}
+
+void bind_params(Class& c) {
+  c.def(
+      "param",
+      [](S& s, const std::string& path) {
+        return s.look(
+            [&](Simulation& sim) { return blame_argument([&] { return sim.param(path); }); });
+      },
+      nb::arg("path"),
+      "Value of a randomizable parameter; units in Environment.param_info.\n\n"
+      "Raises ValueError if there is none.");
+  c.def(
+      "set_param",
+      [](S& s, const std::string& path, double value) {
+        s.look([&](Simulation& sim) { blame_argument([&] { sim.set_param(path, value); }); });
+      },
+      nb::arg("path"), nb::arg("value"),
+      "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& m) {
+  bind_body(m);
+  bind_snapshot(m);
+  Class c(m, "Simulation",
+          "One environment under direct control. One Python thread at a time; several Simulations "
+          "are\nindependent.");
+  c.def("__init__", &construct, nb::arg("environment"), nb::arg("seed") = 0, nb::arg("env_id") = 0,
+        "seed, env_id: key of all random numbers; equal keys, equal draws.");
+  c.def("__init__", &construct_by_name, nb::arg("scenario"), nb::arg("seed") = 0,
+        nb::arg("env_id") = 0,
+        "scenario: YAML file or name of a shipped one.\n\nRaises InputError (a ValueError).");
+  c.def_prop_ro("environment", &S::environment, nb::rv_policy::reference_internal,
+                "The scenario that it steps.");
+  bind_flow(c);
+  bind_outcome(c);
+  bind_motion(c);
+  bind_params(c);
+  c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
+}
+
+}  // namespace skybody::python

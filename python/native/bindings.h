@@ -1,0 +1,17 @@
+// The nouns of skybody._native: one function a file, called by module.cpp.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace skybody::python {
+
+namespace nb = nanobind;
+
+void bind_errors(nb::module_& m);
+void bind_environment(nb::module_& m);
+void bind_batch(nb::module_& m);
+void bind_pool(nb::module_& m);
+void bind_simulation(nb::module_& m);
+void bind_versions(nb::module_& m);
+
+}  // namespace skybody::python

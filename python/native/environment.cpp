@@ -1,0 +1,41 @@
+#include "python/native/environment.h"
+
+#include <nanobind/nanobind.h>
+
+#include <utility>
+
+#include "plugins/host/registry.h"
+
+namespace skybody::python {
+namespace nb = nanobind;
+
+LoadedEnvironment::LoadedEnvironment(LoadOptions options) : options_(std::move(options)) {
+  const nb::gil_scoped_release release;
+  environment_ = load_environment(options_);
+}
+
+std::map<std::string, std::string> LoadedEnvironment::plugins() const {
+  const auto registry = find_plugins(options_);
+  std::map<std::string, std::string> versions;
+  const auto add = [&](const PluginInstance& instance) {
+    const PluginEntry* entry = registry->find(instance.kind, instance.plugin);
+    if (entry != nullptr) versions[instance.plugin] = entry->version;
+  };
+  for (const auto* list :
+       {&environment_->controllers(), &environment_->sensors(), &environment_->randomizers()}) {
+    for (const PluginInstance& instance : *list) add(instance);
+  }
+  add(environment_->task());
+  return versions;
+}
+
+const EnvParam& LoadedEnvironment::param(const std::string& path) const {
+  const int index = environment_->layout().find_param(path);
+  if (index < 0) {
+    throw nb::value_error(
+        ("nothing randomizable is called `" + path + "`: param_paths lists what there is").c_str());
+  }
+  return environment_->layout().param_info[static_cast<std::size_t>(index)];
+}
+
+}  // namespace skybody::python

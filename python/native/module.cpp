@@ -1,0 +1,15 @@
+#include "python/native/bindings.h"
+
+namespace skybody::python {
+
+NB_MODULE(_native, m) {
+  m.doc() = "Skybody's engine. Use it through the package `skybody`.";
+  bind_errors(m);
+  bind_environment(m);
+  bind_batch(m);
+  bind_pool(m);
+  bind_simulation(m);
+  bind_versions(m);
+}
+
+}  // namespace skybody::python

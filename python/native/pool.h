@@ -1,0 +1,72 @@
+// A VecEnv as Python holds it: one thread at a time, without the GIL, closable.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <sys/types.h>
+
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "core/batch/vec_env.h"
+#include "python/native/environment.h"
+#include "python/native/errors.h"
+#include "python/native/exclusive.h"
+
+namespace skybody::python {
+
+class Pool {
+ public:
+  /// @throws ValueError if an option is out of range
+  Pool(const LoadedEnvironment& environment, const VecEnvOptions& options);
+  ~Pool();
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
+
+  /// Calls work(VecEnv&) alone and without the GIL.
+  /// @throws Error if closed, in use by another thread, or made before a fork()
+  template <class Work>
+  decltype(auto) call(Work&& work) {
+    const Exclusive alone(in_use_, "pool");
+    VecEnv& engine = open();
+    const nb::gil_scoped_release release;
+    return std::forward<Work>(work)(engine);
+  }
+
+  /// The same where whatever the engine refuses is the fault of an argument: ValueError.
+  template <class Work>
+  decltype(auto) call_with_argument(Work&& work) {
+    if (broken_) return call(std::forward<Work>(work));  // throws what the worker met
+    const Exclusive alone(in_use_, "pool");
+    VecEnv& engine = open();
+    const nb::gil_scoped_release release;
+    return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(engine); });
+  }
+
+  /// Waits for a batch; signals (KeyboardInterrupt) get through.
+  /// @throws ValueError if nothing is in flight; whatever a worker met
+  std::shared_ptr<const Batch> recv();
+
+  /// Stops the workers; steps under way are waited for. May be called again.
+  void close();
+  bool closed() const { return engine_ == nullptr; }
+
+  const LoadedEnvironment& environment() const { return environment_; }
+  int envs() const { return envs_; }
+  int batch() const { return batch_; }
+  int threads() const { return threads_; }
+  int pinned_threads() const { return pinned_threads_; }
+
+ private:
+  VecEnv& open() const;
+  void let_go();
+
+  LoadedEnvironment environment_;
+  std::unique_ptr<VecEnv> engine_;
+  std::atomic<bool> in_use_ = false;
+  bool broken_ = false;  ///< a worker met an exception
+  pid_t process_;
+  int envs_ = 0, batch_ = 0, threads_ = 0, pinned_threads_ = 0;
+};
+
+}  // namespace skybody::python

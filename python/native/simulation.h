@@ -1,0 +1,43 @@
+// A Simulation as Python holds it: one thread at a time, without the GIL.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <atomic>
+#include <utility>
+
+#include "core/assemble/simulation.h"
+#include "python/native/environment.h"
+#include "python/native/exclusive.h"
+
+namespace skybody::python {
+
+class DirectSimulation {
+ public:
+  DirectSimulation(const LoadedEnvironment& environment, Simulation simulation)
+      : environment_(environment), simulation_(std::move(simulation)) {}
+
+  const LoadedEnvironment& environment() const { return environment_; }
+
+  /// Calls work(Simulation&) alone and without the GIL.
+  /// @throws Error if in use by another thread
+  template <class Work>
+  decltype(auto) call(Work&& work) {
+    const Exclusive alone(in_use_, "simulation");
+    const nb::gil_scoped_release release;
+    return std::forward<Work>(work)(simulation_);
+  }
+  /// The same with the GIL held, for what takes no time.
+  template <class Work>
+  decltype(auto) look(Work&& work) {
+    const Exclusive alone(in_use_, "simulation");
+    return std::forward<Work>(work)(simulation_);
+  }
+
+ private:
+  LoadedEnvironment environment_;
+  Simulation simulation_;
+  std::atomic<bool> in_use_ = false;
+};
+
+}  // namespace skybody::python

@@ -1,0 +1,174 @@
+"""Skybody: learn to fly, from Python.
+
+`make_vec` gives many environments as a Gymnasium vector environment, `make_pool` the asynchronous
+form (send, recv), `Simulation` one environment under direct control. `skybody.sb3` serves
+Stable-Baselines3, `skybody.multi_agent` PettingZoo, `skybody.env` single Gymnasium environments;
+`gymnasium.make` and `gymnasium.make_vec` know the shipped scenarios as `skybody/Hover-v0` and so
+on. All of them are imported when they are first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+try:
+    from ._native import (
+        ActionChannel,
+        Batch,
+        BodyState,
+        Channel,
+        Environment,
+        Error,
+        InputError,
+        Simulation,
+        Snapshot,
+        versions,
+    )
+except ImportError as error:
+    raise ImportError(
+        f"skybody's native module is not built for this Python ({error}): run `./dev build` in "
+        "Skybody's source tree and use .venv/bin/python, or install the package: `pip install .`"
+    ) from error
+from .pool import Order, Pool, Scenario
+from .registration import register
+
+if TYPE_CHECKING:
+    from gymnasium.vector import AutoresetMode
+
+    from .pool import Autoreset
+    from .vector import SkybodyVectorEnv
+
+__version__ = versions()["skybody"]
+
+__all__ = [
+    "ActionChannel",
+    "Batch",
+    "BodyState",
+    "Channel",
+    "Environment",
+    "Error",
+    "InputError",
+    "Pool",
+    "Simulation",
+    "Snapshot",
+    "__version__",
+    "make_pool",
+    "make_vec",
+    "register",
+    "versions",
+]
+
+# Modules that are imported at their first use, and what installs the packages that they need.
+_MODULES = {
+    "env": "skybody",
+    "vector": "skybody",
+    "multi_agent": "skybody[multi-agent]",
+    "sb3": "skybody[train]",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return _import(name)
+    raise AttributeError(f"module 'skybody' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_MODULES])
+
+
+def _import(name: str) -> Any:
+    try:
+        return importlib.import_module(f".{name}", __name__)
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith(__name__):
+            raise
+        raise ImportError(
+            f"skybody.{name} needs the package {error.name!r}: pip install '{_MODULES[name]}'"
+        ) from error
+
+
+def make_vec(
+    scenario: Scenario,
+    num_envs: int,
+    *,
+    num_threads: int = 0,
+    seed: int = 0,
+    order: Order = "fixed",
+    autoreset: str | AutoresetMode = "next_step",
+    overrides: Iterable[str] = (),
+    plugin_path: Iterable[str | os.PathLike[str]] = (),
+    joint: bool = False,
+    pin_threads: bool = False,
+    keep_hash: bool = False,
+    debug: bool = False,
+) -> SkybodyVectorEnv:
+    """Many environments of one scenario as a `gymnasium.vector.VectorEnv`.
+
+    The arguments are those of `skybody.vector.SkybodyVectorEnv`, whose text says what they mean.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: a number is out of range, or an option's word is unknown.
+        ImportError: Gymnasium is not installed.
+    """
+    vector: SkybodyVectorEnv = _import("vector").SkybodyVectorEnv(
+        scenario,
+        num_envs,
+        num_threads=num_threads,
+        seed=seed,
+        order=order,
+        autoreset=autoreset,
+        overrides=overrides,
+        plugin_path=plugin_path,
+        joint=joint,
+        pin_threads=pin_threads,
+        keep_hash=keep_hash,
+        debug=debug,
+    )
+    return vector
+
+
+def make_pool(
+    scenario: Scenario,
+    num_envs: int,
+    *,
+    batch_size: int = 0,
+    num_threads: int = 0,
+    seed: int = 0,
+    order: Order = "arrival",
+    autoreset: Autoreset = "next_step",
+    overrides: Iterable[str] = (),
+    plugin_path: Iterable[str | os.PathLike[str]] = (),
+    pin_threads: bool = False,
+    keep_hash: bool = False,
+    debug: bool = False,
+) -> Pool:
+    """Many environments of one scenario, asynchronously: send, recv, batches of `batch_size`.
+
+    The arguments are those of `skybody.Pool`, whose text says what they mean.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: a number is out of range, or an option's word is unknown.
+    """
+    return Pool(
+        scenario,
+        num_envs,
+        batch_size=batch_size,
+        num_threads=num_threads,
+        seed=seed,
+        order=order,
+        autoreset=autoreset,
+        overrides=overrides,
+        plugin_path=plugin_path,
+        pin_threads=pin_threads,
+        keep_hash=keep_hash,
+        debug=debug,
+    )
+
+
+register()

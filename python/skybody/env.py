@@ -1,0 +1,163 @@
+"""One environment as a `gymnasium.Env`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from . import _native, spaces
+from .infos import InfoChannels
+from .pool import Scenario, check_seed, load
+
+
+class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+    """One environment of a scenario. For more than a few, `make_vec` is much faster.
+
+    The info dictionary has the task's info values (np.float32 each, or (count,) arrays), and
+    `fault` (bool): the action was not finite, or the physics left the finite numbers; the episode
+    is then truncated, and its value must not be bootstrapped. With several agents it also has
+    `agent_reward` (agents,) float32.
+
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        seed: key of all random numbers until a `reset(seed=...)`; None: as Gymnasium does,
+            a reset without a seed begins with one that the system draws.
+        env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+        render_mode: None; `skybody run` draws pictures.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: another render_mode.
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        *,
+        seed: int | None = None,
+        env_id: int = 0,
+        overrides: Iterable[str] = (),
+        plugin_path: Iterable[str | os.PathLike[str]] = (),
+        render_mode: None = None,
+    ) -> None:
+        if render_mode is not None:
+            raise ValueError(
+                f"render_mode is {render_mode!r}; it must be None: fly with `skybody run` for "
+                "pictures"
+            )
+        self.environment = load(scenario, overrides, plugin_path)
+        self.render_mode = None
+        self.observation_space: Box[np.float32] = spaces.observation_space(self.environment)
+        self.action_space: Box[np.float32] = spaces.action_space(self.environment)
+        self._seed = check_seed(seed)
+        self._channels = InfoChannels(self.environment)
+        self._pool = _native.Pool(
+            self.environment,
+            1,
+            num_threads=1,
+            autoreset="disabled",
+            seed=self._seed or 0,
+            first_env_id=env_id,
+        )
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begins an episode: the first under `seed`, or without one the next.
+
+        Returns:
+            observation (observation_size,) float32, and info.
+
+        Raises:
+            ValueError: any option; there are none.
+        """
+        if options:
+            raise ValueError(f"unknown reset option `{next(iter(options))}`; there are none")
+        value = check_seed(seed)
+        super().reset(seed=value)
+        if value is None and self._seed is None:
+            value = int(self.np_random.integers(2**63))
+        if value is not None:
+            self._seed = value
+        while self._pool.in_flight > 0:  # an interrupted step()
+            self._pool.recv()
+        self._pool.send_reset(None, value)
+        batch = self._pool.recv()
+        return batch.observation[0].copy(), self._info(batch)
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """One transition.
+
+        Args:
+            action: (action_size,) float32 in [-1, 1] (clipped); one that is not finite is a fault.
+
+        Returns:
+            observation (observation_size,) float32, reward, terminated, truncated, info.
+
+        Raises:
+            TypeError: another dtype.
+            ValueError: another shape, not yet reset, or the episode has ended.
+        """
+        row = np.ascontiguousarray(action)
+        if row.shape != self.action_space.shape:
+            raise ValueError(
+                f"the action has shape {row.shape}; it must be {self.action_space.shape}"
+            )
+        self._pool.send(row[np.newaxis], None)
+        batch = self._pool.recv()
+        return (
+            batch.observation[0].copy(),
+            float(batch.reward[0]),
+            bool(batch.terminated[0]),
+            bool(batch.truncated[0]),
+            self._info(batch),
+        )
+
+    def _info(self, batch: _native.Batch) -> dict[str, Any]:
+        info = self._channels.of_row(batch.info[0])
+        info["fault"] = bool(batch.fault[0])
+        if len(self.environment.agents) > 1:
+            info["agent_reward"] = batch.agent_reward[0].copy()
+        return info
+
+    def save(self) -> bytes:
+        """Everything of the environment: motion, drawn values, counters, random key."""
+        return self._pool.save()
+
+    def restore(self, saved: bytes) -> NDArray[np.float32]:
+        """Puts it where it was at `save`. Returns its observation.
+
+        Raises:
+            ValueError: `saved` is of another scenario.
+        """
+        self._pool.restore(saved)
+        row: NDArray[np.float32] = self._pool.observations()[0]
+        return row
+
+    def param(self, path: str) -> float:
+        """Value of a randomizable parameter (`environment.param_paths`)."""
+        return self._pool.param(0, path)
+
+    def set_param(self, path: str, value: float) -> None:
+        """Sets one, in the unit of `environment.param_info(path)`.
+
+        Raises:
+            ValueError: unknown, or outside its bounds.
+        """
+        self._pool.set_param(0, path, value)
+
+    def close(self) -> None:
+        """Gives the memory back. Further calls raise."""
+        self._pool.close()

@@ -1,0 +1,51 @@
+"""The task's info values: from columns of a batch to the dictionaries that learners expect."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._native import Environment
+
+RESERVED = ("env_id", "was_reset", "fault", "agent_reward", "final_obs", "final_info")
+
+
+class InfoChannels:
+    """Where each of a task's info values lies in a row of `Batch.info`.
+
+    Raises:
+        ValueError: a task declares an info value under a name that Skybody uses itself.
+    """
+
+    def __init__(self, environment: Environment) -> None:
+        self._columns: list[tuple[str, str, int | slice]] = []
+        for channel in environment.info_channels:
+            if channel.name in RESERVED:
+                raise ValueError(
+                    f"the task of `{environment.name}` declares an info value `{channel.name}`, "
+                    f"but Skybody itself uses the names {', '.join(RESERVED)}: rename it"
+                )
+            end = channel.first + channel.count
+            where = channel.first if channel.count == 1 else slice(channel.first, end)
+            self._columns.append((channel.name, "_" + channel.name, where))
+
+    def columns(self, rows: NDArray[np.float32]) -> dict[str, NDArray[Any]]:
+        """One array per info value, (n,) or (n, count): views of `rows`, (n, info_size)."""
+        return {name: rows[:, where] for name, _, where in self._columns}
+
+    def masked(self, rows: NDArray[np.float32], mask: NDArray[np.bool_]) -> dict[str, NDArray[Any]]:
+        """The same with Gymnasium's `_name` masks, which say for which rows a value is given."""
+        infos: dict[str, NDArray[Any]] = {}
+        for name, mask_name, where in self._columns:
+            infos[name] = rows[:, where]
+            infos[mask_name] = mask
+        return infos
+
+    def of_row(self, row: NDArray[np.float32]) -> dict[str, Any]:
+        """Values of one row, (info_size,): np.float32 each, or a copy (count,)."""
+        return {
+            name: row[where].copy() if isinstance(where, slice) else row[where]
+            for name, _, where in self._columns
+        }

@@ -1,0 +1,155 @@
+"""Several robots as a PettingZoo `ParallelEnv`: each an agent of its own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import pettingzoo  # type: ignore[import-untyped]
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from . import spaces
+from .agents import commanded_by, observed_by
+from .env import SkybodyEnv
+from .pool import Scenario
+
+Observations = dict[str, NDArray[np.float32]]
+Infos = dict[str, dict[str, Any]]
+
+
+class ParallelEnv(
+    pettingzoo.ParallelEnv[str, NDArray[np.float32], NDArray[np.float32]],  # type: ignore[misc]
+):
+    """One environment with several robots as a PettingZoo `ParallelEnv`.
+
+    Each robot that takes actions is an agent, under its name in the scenario. All agents begin and
+    end together. Each agent's info has the task's info values and `fault`, as `SkybodyEnv` has.
+
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        seed: key of all random numbers until a `reset(seed=...)`; None: a reset without a seed
+            begins with one that the system draws.
+        env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        *,
+        seed: int | None = None,
+        env_id: int = 0,
+        overrides: Iterable[str] = (),
+        plugin_path: Iterable[str | os.PathLike[str]] = (),
+    ) -> None:
+        self._env = SkybodyEnv(
+            scenario, seed=seed, env_id=env_id, overrides=overrides, plugin_path=plugin_path
+        )
+        self.environment = self._env.environment
+        self.metadata: dict[str, Any] = {"name": self.environment.name, "render_modes": []}
+        self.render_mode = None
+        robots, agents = self.environment.robots, self.environment.agents
+        self.possible_agents = [robots[robot] for robot in agents]
+        self.agents: list[str] = []
+        self._row = np.zeros(self.environment.observation_size, np.float32)
+        self._seen = {robots[r]: observed_by(self.environment, r) for r in agents}
+        self._commanded = {robots[r]: commanded_by(self.environment, r) for r in agents}
+        self.observation_spaces = {
+            agent: spaces.select(self._env.observation_space, seen)
+            for agent, seen in self._seen.items()
+        }
+        self.action_spaces = {
+            agent: spaces.select(self._env.action_space, commanded)
+            for agent, commanded in self._commanded.items()
+        }
+
+    def observation_space(self, agent: str) -> Box[np.float32]:
+        """What an agent sees: (width,) float32."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Box[np.float32]:
+        """What an agent decides: (width,) float32 in [-1, 1]."""
+        return self.action_spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observations, Infos]:
+        """Begins an episode of all agents: the first under `seed`, or without one the next.
+
+        Args:
+            options: not used; PettingZoo's own tests pass some.
+        """
+        self._row, info = self._env.reset(seed=seed)
+        info.pop("agent_reward", None)
+        self.agents = list(self.possible_agents)
+        return self._observations(), self._infos(info)
+
+    def step(
+        self, actions: dict[str, NDArray[np.float32]]
+    ) -> tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]:
+        """One transition.
+
+        Args:
+            actions: one (width,) float32 array in [-1, 1] per agent.
+
+        Returns:
+            observations, rewards, terminations, truncations and infos, each by agent.
+
+        Raises:
+            TypeError: another dtype.
+            ValueError: an agent's action is missing or of another shape; not yet reset, or the
+                episode has ended.
+        """
+        self._row, reward, terminated, truncated, info = self._env.step(self._joined(actions))
+        if terminated or truncated:
+            self.agents = []
+        rewards = info.pop("agent_reward", [reward])
+        return (
+            self._observations(),
+            {a: float(r) for a, r in zip(self.possible_agents, rewards, strict=True)},
+            dict.fromkeys(self.possible_agents, terminated),
+            dict.fromkeys(self.possible_agents, truncated),
+            self._infos(info),
+        )
+
+    def _joined(self, actions: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+        row = np.empty(self.environment.action_size, np.float32)
+        for agent, commanded in self._commanded.items():
+            if agent not in actions:
+                raise ValueError(
+                    f"no action for agent `{agent}`; there must be one for each of "
+                    f"{', '.join(self.possible_agents)}"
+                )
+            action = np.asarray(actions[agent])
+            if action.shape != commanded.shape:
+                raise ValueError(
+                    f"the action of agent `{agent}` has shape {action.shape}; it must be "
+                    f"{commanded.shape}"
+                )
+            if action.dtype != np.float32:
+                raise TypeError(
+                    f"the action of agent `{agent}` is {action.dtype}; it must be float32"
+                )
+            row[commanded] = action
+        return row
+
+    def _observations(self) -> dict[str, NDArray[np.float32]]:
+        return {agent: self._row[seen] for agent, seen in self._seen.items()}
+
+    def _infos(self, info: dict[str, Any]) -> Infos:
+        return {agent: dict(info) for agent in self.possible_agents}
+
+    def state(self) -> NDArray[np.float32]:
+        """The whole observation row (observation_size,), for a centralised critic."""
+        return self._row.copy()
+
+    def close(self) -> None:
+        """Gives the memory back. Further calls raise."""
+        self._env.close()

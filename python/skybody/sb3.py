@@ -1,0 +1,216 @@
+"""All environments of a scenario as a Stable-Baselines3 `VecEnv`, stepped in C++."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
+
+from . import _native, spaces
+from .infos import InfoChannels
+from .pool import Scenario, check_seed, env_ids, load
+
+_PER_ENV_METHODS = ("param", "set_param")
+
+
+class SkybodyVecEnv(VecEnv):
+    """`num_envs` environments of one scenario for Stable-Baselines3.
+
+    An ended episode's environment is reset within the same step, as Stable-Baselines3 expects.
+    Its info then has
+
+    * `terminal_observation` (observation_size,) float32: the last one before the reset, a copy;
+    * `TimeLimit.truncated`: True where the value of that observation is to be bootstrapped: for a
+      truncation that is neither a termination nor a fault;
+    * `fault`: the action was not finite, or the physics left the finite numbers;
+    * the task's info values at the end, for `VecMonitor(info_keywords=...)`.
+
+    Infos of other environments are empty; `last_info` has their values, as arrays.
+
+    Observations and rewards are copies: Stable-Baselines3 keeps the last observations, adds
+    bootstrapped values to the rewards in place, and its callbacks keep both.
+
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        num_envs: number of environments.
+        num_threads: threads that step, the caller's counted; 0: one per processor.
+        seed: key of all random numbers until a `seed(...)`; environment i draws from (seed, i).
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+        pin_threads: each worker on a processor of its own, where the system allows it.
+        keep_hash: chain a trajectory hash per environment, for `hash`.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: a number is out of range.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        num_envs: int,
+        *,
+        num_threads: int = 0,
+        seed: int = 0,
+        overrides: Iterable[str] = (),
+        plugin_path: Iterable[str | os.PathLike[str]] = (),
+        pin_threads: bool = False,
+        keep_hash: bool = False,
+    ) -> None:
+        self.environment = load(scenario, overrides, plugin_path)
+        self.pool = _native.Pool(
+            self.environment,
+            num_envs,
+            num_threads=num_threads,
+            order="fixed",
+            autoreset="same_step",
+            seed=check_seed(seed) or 0,
+            pin_threads=pin_threads,
+            keep_hash=keep_hash,
+        )
+        self._channels = InfoChannels(self.environment)
+        self._last_info = np.zeros((num_envs, self.environment.info_size), np.float32)
+        super().__init__(
+            num_envs,
+            spaces.observation_space(self.environment),
+            spaces.action_space(self.environment),
+        )
+
+    def reset(self) -> NDArray[np.float32]:
+        """Begins new episodes; under a new seed after `seed(...)`, else the next ones.
+
+        Returns:
+            observations (num_envs, observation_size) float32. `reset_infos` has the task's info
+            values of each.
+        """
+        while self.pool.in_flight > 0:  # an interrupted step()
+            self.pool.recv()
+        self.pool.send_reset(None, check_seed(self._seeds[0]))
+        self._reset_seeds()
+        self._reset_options()
+        batch = self.pool.recv()
+        self._last_info = batch.info.copy()
+        self.reset_infos = [self._channels.of_row(row) for row in self._last_info]
+        return batch.observation.copy()
+
+    def step_async(self, actions: NDArray[np.float32]) -> None:
+        """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped)."""
+        self.pool.send(np.ascontiguousarray(actions, np.float32), None)
+
+    def step_wait(
+        self,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+        """Observations (num_envs, observation_size), rewards, dones (num_envs,), infos."""
+        batch = self.pool.recv()
+        self._last_info = batch.info.copy()
+        dones = batch.terminated | batch.truncated
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        if dones.any():
+            self._tell_ends(batch, dones, infos)
+        return batch.observation.copy(), batch.reward.copy(), dones, infos
+
+    def _tell_ends(
+        self, batch: _native.Batch, dones: NDArray[np.bool_], infos: list[dict[str, Any]]
+    ) -> None:
+        terminated, fault = batch.terminated, batch.fault
+        final, final_info = batch.final_observation, batch.final_info
+        for i in np.flatnonzero(dones).tolist():
+            infos[i] = {
+                **self._channels.of_row(final_info[i]),
+                "terminal_observation": final[i].copy(),
+                "TimeLimit.truncated": not (terminated[i] or fault[i]),
+                "fault": bool(fault[i]),
+            }
+
+    @property
+    def last_info(self) -> dict[str, NDArray[np.float32]]:
+        """The task's info values after the last step (or reset within it): (num_envs,) each."""
+        return self._channels.columns(self._last_info)
+
+    @property
+    def faults(self) -> int:
+        """Faulted transitions so far, in all environments."""
+        return self.pool.faults
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Seed for the next `reset`: environment i draws from (seed, i). None: a random one.
+
+        Returns:
+            the seed, num_envs times.
+        """
+        first = super().seed(check_seed(seed))[0]
+        self._seeds = [first] * self.num_envs
+        return self._seeds
+
+    def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
+        """There are no reset options. Raises ValueError if any is given."""
+        given = options if isinstance(options, list) else [options or {}]
+        for each in given:
+            if each:
+                raise ValueError(f"unknown reset option `{next(iter(each))}`; there are none")
+
+    def save(self) -> bytes:
+        """Everything of all environments: motion, drawn values, counters, random keys."""
+        return self.pool.save()
+
+    def restore(self, saved: bytes) -> NDArray[np.float32]:
+        """Puts all environments where they were at `save`. Returns their observations.
+
+        Raises:
+            ValueError: `saved` is of another scenario or number of environments.
+        """
+        self.pool.restore(saved)
+        return self.pool.observations()
+
+    def fork(self, source: int, targets: ArrayLike, rekey: bool = False) -> None:
+        """Makes environments copies of `source`; with `rekey` each draws numbers of its own."""
+        self.pool.fork(source, env_ids(targets), rekey)
+
+    def hash(self, env: int | None = None) -> int:
+        """Trajectory hash of one environment, or of all. Needs keep_hash=True."""
+        return self.pool.hash() if env is None else self.pool.hash(env)
+
+    def close(self) -> None:
+        """Gives threads and memory back. Further calls raise."""
+        self.pool.close()
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """An attribute of this object, once per environment: they have none of their own."""
+        value = getattr(self, attr_name) if attr_name != "render_mode" else None
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Raises AttributeError: environments live in C++."""
+        raise AttributeError(
+            f"environments have no attribute `{attr_name}` to set; physical values are set by "
+            'env_method("set_param", PATH, VALUE)'
+        )
+
+    def env_method(
+        self,
+        method_name: str,
+        *method_args: Any,
+        indices: VecEnvIndices = None,
+        **method_kwargs: Any,
+    ) -> list[Any]:
+        """Calls `param(path)` or `set_param(path, value)` of some environments.
+
+        Raises:
+            AttributeError: another method.
+        """
+        if method_name not in _PER_ENV_METHODS:
+            raise AttributeError(
+                f"environments have no method `{method_name}`; there are "
+                f"{', '.join(_PER_ENV_METHODS)}"
+            )
+        method = getattr(self.pool, method_name)
+        return [method(i, *method_args, **method_kwargs) for i in self._get_indices(indices)]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: VecEnvIndices = None) -> list[bool]:
+        """False, once per environment."""
+        return [False for _ in self._get_indices(indices)]

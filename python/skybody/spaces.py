@@ -1,0 +1,53 @@
+"""Gymnasium spaces from the channels that a scenario's task and controllers declare."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from ._native import Environment
+
+
+def observation_bounds(environment: Environment) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Lowest and highest value of each entry of an observation row, (observation_size,) each.
+
+    Units are the channels' own (SI); an entry without a bound has -inf or inf.
+    """
+    low = np.empty(environment.observation_size, np.float32)
+    high = np.empty(environment.observation_size, np.float32)
+    for channel in environment.observation_channels:
+        low[channel.first : channel.first + channel.count] = channel.low
+        high[channel.first : channel.first + channel.count] = channel.high
+    return low, high
+
+
+def observation_space(environment: Environment) -> Box[np.float32]:
+    """Observations of one environment: Box (observation_size,), float32."""
+    return Box(*observation_bounds(environment), dtype=np.float32)
+
+
+def action_space(environment: Environment) -> Box[np.float32]:
+    """Actions of one environment: Box [-1, 1] (action_size,), float32.
+
+    What -1 and 1 mean is in `environment.action_channels[k].low` and `.high`, in SI units.
+    """
+    return Box(-1.0, 1.0, (environment.action_size,), np.float32)
+
+
+def select(space: Box[np.float32], entries: Sequence[int] | NDArray[np.intp]) -> Box[np.float32]:
+    """The space of some entries of a flat one, in the given order."""
+    return Box(space.low[entries], space.high[entries], dtype=np.float32)
+
+
+def batch(space: Box[np.float32], count: int) -> Box[np.float32]:
+    """The space of `count` rows, (count, *space.shape)."""
+    repeats = (count,) + (1,) * len(space.shape)
+    return Box(np.tile(space.low, repeats), np.tile(space.high, repeats), dtype=np.float32)
+
+
+def reshape(space: Box[np.float32], shape: tuple[int, ...]) -> Box[np.float32]:
+    """The same bounds in another shape."""
+    return Box(space.low.reshape(shape), space.high.reshape(shape), dtype=np.float32)

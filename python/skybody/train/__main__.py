@@ -1,0 +1,246 @@
+"""Trains a policy in a scenario; see docs/training.md.
+
+python -m skybody.train SCENARIO --algo ppo|lean-ppo --seed S --total-steps N --out DIR
+python -m skybody.train --resume --out DIR
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import platform
+import sys
+from importlib import metadata
+from pathlib import Path
+
+from skybody._native import Environment, Error, InputError, versions
+from skybody.train import evaluate
+from skybody.train.presets import ALGORITHMS, UsageError, preset, with_settings
+from skybody.train.run_folder import Config
+
+EPILOG = """\
+A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
+run that was never interrupted. Exit codes: 0 done, 2 wrong input, 130 interrupted (resumable)."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    made = argparse.ArgumentParser(
+        prog="python -m skybody.train",
+        description="Trains a policy in a scenario, reproducibly. docs/training.md says more.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = made.add_argument
+    add("scenario", nargs="?", help="name of a shipped scenario, or a YAML file")
+    add(
+        "--algo",
+        choices=ALGORITHMS,
+        help="ppo: Stable-Baselines3's; lean-ppo (default): ours, faster",
+    )
+    add("--seed", type=int, help="of environments, networks and exploration; default: 0")
+    add(
+        "--total-steps",
+        type=number,
+        metavar="N",
+        help="steps over all environments, 2e6 is fine; default: 1e6",
+    )
+    add("--out", type=Path, required=True, metavar="DIR", help="run folder; must be new or empty")
+    add("--resume", action="store_true", help="go on from the newest checkpoint in --out")
+    add("--envs", type=int, metavar="N", help="environments; default: the preset's")
+    add(
+        "--threads", type=int, metavar="T", help="that step them, 0 (default): all; changes no bits"
+    )
+    add(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a hyper-parameter (learning_rate=3e-4, hidden=64,64), of those that docs/training.md "
+        "lists; repeatable",
+    )
+    add(
+        "--override",
+        action="append",
+        metavar="PATH=VALUE",
+        help="of the scenario, as skybody run --set; repeatable",
+    )
+    add(
+        "--plugin-path",
+        action="append",
+        metavar="DIR",
+        help="where to look for plugins first; repeatable",
+    )
+    add(
+        "--checkpoint-every",
+        type=number,
+        metavar="N",
+        help="steps; default: a tenth of --total-steps",
+    )
+    add(
+        "--eval-episodes",
+        type=int,
+        metavar="N",
+        help="per checkpoint, in a process of its own; default: 20, 0: none",
+    )
+    add("--eval-seed", type=int, metavar="S", help=f"of their episodes; default: {evaluate.SEED}")
+    return made
+
+
+def number(text: str) -> int:
+    """A whole number, also as 2e6."""
+    value = float(text)
+    if value != int(value):
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number")
+    return int(value)
+
+
+def given(value: int | None, default: int) -> int:
+    """The option's value, where there is one."""
+    return default if value is None else value
+
+
+def new_config(options: argparse.Namespace) -> Config:
+    """The configuration of a new run, not yet stamped with its scenario."""
+    if options.scenario is None:
+        raise UsageError("which scenario? Give its name or file, or --resume")
+    algorithm = options.algo or "lean-ppo"
+    total = given(options.total_steps, 1_000_000)
+    return Config(
+        scenario=options.scenario,
+        overrides=options.override or [],
+        plugin_path=options.plugin_path or [],
+        algorithm=algorithm,
+        seed=given(options.seed, 0),
+        total_steps=total,
+        checkpoint_every=given(options.checkpoint_every, max(1, total // 10)),
+        threads=given(options.threads, 0),
+        eval_episodes=given(options.eval_episodes, 20),
+        eval_seed=given(options.eval_seed, evaluate.SEED),
+        hyper=preset("*", algorithm),
+    )
+
+
+def resumed_config(options: argparse.Namespace) -> Config:
+    """That of the run folder. What changes no bits, and the number of steps, may differ."""
+    config = Config.read(options.out)
+    fixed = {
+        "scenario": options.scenario,
+        "algorithm": options.algo,
+        "seed": options.seed,
+        "overrides": options.override,
+        "plugin_path": options.plugin_path,
+    }
+    for name, value in fixed.items():
+        if value is not None and value != getattr(config, name):
+            raise UsageError(
+                f"--resume: {options.out} was begun with {name} {getattr(config, name)}, "
+                f"not {value}; leave the option out, or begin a new run in another folder"
+            )
+    if options.set or options.envs is not None:
+        raise UsageError(
+            "--resume: hyper-parameters are those of the run; leave --set and --envs out"
+        )
+    free = ("total_steps", "checkpoint_every", "threads", "eval_episodes", "eval_seed")
+    changes = {name: getattr(options, name) for name in free if getattr(options, name) is not None}
+    return dataclasses.replace(config, **changes)
+
+
+def check(config: Config) -> None:
+    """Raises UsageError for numbers out of range."""
+    least = {
+        "seed": 0,
+        "total_steps": 1,
+        "checkpoint_every": 1,
+        "threads": 0,
+        "eval_episodes": 0,
+        "eval_seed": 0,
+    }
+    for name, low in least.items():
+        if getattr(config, name) < low:
+            option = name.replace("_", "-")
+            raise UsageError(f"--{option} {getattr(config, name)}: at least {low}")
+    if (
+        config.seed >= 2**32
+    ):  # NumPy's global generator, which Stable-Baselines3 uses, takes no more
+        raise UsageError(f"--seed {config.seed}: at most {2**32 - 1}")
+    config.hyper.check()
+
+
+def stamped(config: Config, environment: Environment) -> Config:
+    """With what the scenario is now and which versions run it."""
+    return dataclasses.replace(
+        config,
+        scenario_name=environment.name,
+        scenario_hash=f"{environment.scenario_hash:016x}",
+        scenario_text=environment.scenario_text,
+        versions=all_versions(environment),
+    )
+
+
+def all_versions(environment: Environment) -> dict[str, str]:
+    """Of everything that the result may depend on."""
+    packages = ("torch", "numpy", "stable-baselines3", "gymnasium")
+    return {
+        **{name: str(version) for name, version in versions().items()},
+        **{f"plugin {name}": str(version) for name, version in environment.plugins.items()},
+        "python": platform.python_version(),
+        **{name: metadata.version(name) for name in packages},
+    }
+
+
+def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
+    """The run's configuration, checked and written, and its scenario, loaded."""
+    run: Path = options.out
+    if options.resume:
+        config = resumed_config(options)
+    else:
+        if run.exists() and (not run.is_dir() or any(run.iterdir())):
+            raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
+        config = new_config(options)
+    environment = Environment(config.scenario, config.overrides, config.plugin_path)
+    if options.resume:
+        found = f"{environment.scenario_hash:016x}"
+        if found != config.scenario_hash:
+            raise UsageError(
+                f"--resume: scenario {config.scenario} has changed since this run began "
+                f"(hash {config.scenario_hash} then, {found} now; its text then is in config.json)"
+            )
+    else:
+        hyper = with_settings(preset(environment.name, config.algorithm), options.set)
+        if options.envs is not None:
+            hyper = dataclasses.replace(hyper, envs=options.envs)
+        config = stamped(dataclasses.replace(config, hyper=hyper), environment)
+    check(config)
+    (run / "checkpoints").mkdir(parents=True, exist_ok=True)
+    config.write(run)
+    return config, environment
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains; returns the exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        config, environment = prepare(options)
+        from skybody.train.trainer import Trainer
+
+        trainer = Trainer(options.out, config, environment)
+    except (UsageError, InputError, Error, OSError, ValueError) as error:
+        print(f"train: {error}", file=sys.stderr)
+        return 2
+    try:
+        complete = trainer.train()
+    except KeyboardInterrupt:
+        complete = False
+        print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
+    except FloatingPointError as error:
+        trainer.finish(complete=False)
+        print(f"train: {error}", file=sys.stderr)
+        return 1
+    trainer.finish(complete)
+    print(trainer.summary())
+    return 0 if complete else 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,91 @@
+"""Checkpoints: everything that training goes on from, bit for bit, in one folder.
+
+step_NNNNNNNNNNNN/state.pt           networks, optimizer, statistics, generators, bookkeeping
+                  environments.bin   every word of every environment
+                  policy.h5          the policy for `skybody run --policy` and evaluation
+                  meta.json          stamps, and the SHA-256 of the files above
+                  evaluation.json    added by an evaluation, later
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skybody.train import files
+from skybody.train.policy_file import Policy, write_policy
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """What was read back."""
+
+    path: Path
+    meta: dict[str, Any]
+    state: dict[str, Any]
+    environments: bytes
+
+
+def checkpoint_folders(run: Path) -> list[Path]:
+    """All whole checkpoints of a run, oldest first."""
+    return sorted(path for path in run.glob("checkpoints/step_*") if (path / "meta.json").exists())
+
+
+def write_checkpoint(
+    run: Path, meta: dict[str, Any], state: dict[str, Any], environments: bytes, policy: Policy
+) -> Path:
+    """Writes the checkpoint of meta["steps"] steps: after a kill it is there or not at all."""
+    import torch
+
+    final = run / "checkpoints" / f"step_{meta['steps']:012d}"
+    if final.exists():
+        return final
+    partial = final.with_name(f".partial-{final.name}")
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    buffer = io.BytesIO()
+    torch.save(state, buffer)
+    (partial / "state.pt").write_bytes(buffer.getvalue())
+    (partial / "environments.bin").write_bytes(environments)
+    write_policy(partial / "policy.h5", policy)
+    hashes = {path.name: files.file_hash(path) for path in sorted(partial.iterdir())}
+    (partial / "meta.json").write_text(json.dumps({**meta, "files": hashes}, indent=2) + "\n")
+    files.publish_folder(partial, final)
+    return final
+
+
+def read_meta(folder: Path) -> dict[str, Any]:
+    """The stamps of a checkpoint."""
+    meta: dict[str, Any] = json.loads((folder / "meta.json").read_text())
+    return meta
+
+
+def read_checkpoint(folder: Path) -> Checkpoint:
+    """Reads a checkpoint. Raises ValueError where a file is not what was written."""
+    import torch
+
+    meta = read_meta(folder)
+    for name, expected in meta["files"].items():
+        if files.file_hash(folder / name) != expected:
+            raise ValueError(
+                f"{folder / name} is damaged: its SHA-256 is not that of meta.json; "
+                "remove this checkpoint to go on from the one before"
+            )
+    state = torch.load(folder / "state.pt", weights_only=True)
+    return Checkpoint(folder, meta, state, (folder / "environments.bin").read_bytes())
+
+
+def resolve(path: Path) -> Path:
+    """The checkpoint that `path` means: itself, or the newest of a run folder."""
+    if (path / "meta.json").exists():
+        return path
+    found = checkpoint_folders(path)
+    if not found:
+        raise FileNotFoundError(
+            f"{path} is neither a checkpoint (a folder with meta.json) nor a run with one"
+        )
+    return found[-1]

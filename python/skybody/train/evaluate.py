@@ -1,0 +1,185 @@
+"""Evaluates a checkpoint: deterministic policy, frozen normalization, episodes of a fixed seed.
+
+    python -m skybody.train.evaluate CHECKPOINT [--episodes 100] [--seed 1000] [--json FILE]
+
+Episode i is that of environment i under the seed, whatever the number of episodes. The network is
+evaluated from policy.h5, the file that `skybody run --policy` flies, and without PyTorch.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skybody._native import Environment, Error, InputError, Pool
+from skybody.train import files
+from skybody.train.checkpoint import read_meta, resolve
+from skybody.train.learner import position_error_columns
+from skybody.train.policy_file import Policy, read_policy
+
+SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds draw other episodes
+
+
+def evaluate(
+    environment: Environment, policy: Policy, episodes: int, seed: int, threads: int = 0
+) -> dict[str, Any]:
+    """Flies one episode in each of `episodes` environments; returns what summarize() says."""
+    pool = Pool(
+        environment,
+        episodes,
+        num_threads=threads,
+        order="fixed",
+        autoreset="disabled",
+        seed=seed,
+    )
+    try:
+        return summarize(*_fly(environment, policy, pool))
+    finally:
+        pool.close()
+
+
+def _fly(
+    environment: Environment, policy: Policy, pool: Pool
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]:
+    """Per episode: return, mean position error of the last second [m], length, failure."""
+    n = pool.num_envs
+    second = max(1, round(1.0 / (environment.dt * environment.action_repeat)))
+    errors = np.full((n, second), np.nan)
+    returns, lengths = np.zeros(n), np.zeros(n, np.int64)
+    failed, flying = np.zeros(n, bool), np.ones(n, bool)
+    pool.send_reset()
+    observation = np.array(pool.recv().observation)
+    while flying.any():
+        ids = np.flatnonzero(flying).astype(np.int32)
+        pool.send(np.ascontiguousarray(policy(observation[ids]), dtype=np.float32), ids)
+        batch = pool.recv()
+        ids = batch.env_id
+        observation[ids] = batch.observation
+        returns[ids] += batch.reward
+        errors[ids, lengths[ids] % second] = _position_error(environment, batch)
+        lengths[ids] += 1
+        failed[ids] = batch.terminated | batch.fault
+        flying[ids] = ~(batch.terminated | batch.truncated)
+    known = ~np.isnan(errors)
+    mean_error = np.where(known, errors, 0.0).sum(1) / np.maximum(known.sum(1), 1)
+    return returns, np.where(known.any(1), mean_error, np.nan), lengths, failed
+
+
+def _position_error(environment: Environment, batch: Any) -> NDArray[np.float64]:
+    """Distance from the goal per row [m]; nan where neither info nor observation says it."""
+    for channels, values in (
+        (environment.info_channels, batch.info),
+        (environment.observation_channels, batch.observation),
+    ):
+        columns = position_error_columns(channels)
+        if columns is not None:
+            return np.linalg.norm(values[:, columns].astype(np.float64), axis=1)
+    return np.full(len(batch.reward), np.nan)
+
+
+def summarize(
+    returns: NDArray[np.float64],
+    errors: NDArray[np.float64],
+    lengths: NDArray[np.int64],
+    failed: NDArray[np.bool_],
+) -> dict[str, Any]:
+    """The figures of an evaluation; the CV is the returns' deviation over their mean."""
+    mean, deviation = float(returns.mean()), float(returns.std())
+    known = errors[~np.isnan(errors)]
+    return {
+        "episodes": len(returns),
+        "return_mean": mean,
+        "return_std": deviation,
+        "return_cv": deviation / abs(mean) if mean else math.nan,
+        "position_error_median": float(np.median(known)) if len(known) else None,
+        "position_error_mean": float(known.mean()) if len(known) else None,
+        "position_error_p95": float(np.percentile(known, 95)) if len(known) else None,
+        "length_mean": float(lengths.mean()),
+        "success_share": float(1.0 - failed.mean()),
+        "returns": returns.tolist(),
+        "position_errors": [None if math.isnan(e) else e for e in errors.tolist()],
+        "failed": failed.tolist(),
+    }
+
+
+def evaluate_checkpoint(
+    path: Path,
+    episodes: int,
+    seed: int,
+    scenario: str | None = None,
+    overrides: list[str] | None = None,
+    threads: int = 0,
+) -> dict[str, Any]:
+    """Evaluates a checkpoint, or a run's newest, in the scenario that it was trained in."""
+    folder = resolve(path)
+    meta = read_meta(folder)
+    if overrides is None:
+        overrides = meta["overrides"] if scenario is None else []
+    environment = Environment(scenario or meta["scenario"], overrides, meta["plugin_path"])
+    found = f"{environment.scenario_hash:016x}"
+    if found != meta["scenario_hash"]:
+        print(
+            f"warning: trained on scenario {meta['scenario_hash']}, evaluated in {found}",
+            file=sys.stderr,
+        )
+    stamps = {
+        "checkpoint": folder.name,
+        "steps": meta["steps"],
+        "wall_clock": meta["wall_clock"],
+        "parameter_hash": meta["parameter_hash"],
+        "scenario_hash": found,
+        "seed": seed,
+    }
+    policy = read_policy(folder / "policy.h5")
+    if len(policy.mean) != environment.observation_size:
+        raise ValueError(
+            f"{folder}: the policy takes {len(policy.mean)} observations, "
+            f"{environment.name} gives {environment.observation_size}"
+        )
+    return {**stamps, **evaluate(environment, policy, episodes, seed, threads)}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m skybody.train.evaluate", description=(__doc__ or "").partition("\n")[0]
+    )
+    parser.add_argument("checkpoint", type=Path, help="a checkpoint, or a run folder: its newest")
+    parser.add_argument("--episodes", type=int, default=100, help="default: 100")
+    parser.add_argument("--seed", type=int, default=SEED, help=f"of the episodes; default: {SEED}")
+    parser.add_argument("--scenario", help="another one than the checkpoint's")
+    parser.add_argument(
+        "--override", action="append", metavar="PATH=VALUE", help="of the scenario; repeatable"
+    )
+    parser.add_argument("--threads", type=int, default=0, help="of the environments; 0: all")
+    parser.add_argument("--json", type=Path, help="also write every episode's figures to this file")
+    options = parser.parse_args(arguments)
+    if options.episodes < 1:
+        parser.error(f"--episodes {options.episodes}: at least 1")
+    try:
+        result = evaluate_checkpoint(
+            options.checkpoint,
+            options.episodes,
+            options.seed,
+            options.scenario,
+            options.override,
+            options.threads,
+        )
+    except (InputError, Error, OSError, ValueError) as error:
+        print(f"evaluate: {error}", file=sys.stderr)
+        return 2
+    if options.json:
+        files.write_file(options.json, (json.dumps(result, indent=1) + "\n").encode())
+    print(json.dumps({k: v for k, v in result.items() if not isinstance(v, list)}, indent=2))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,76 @@
+"""Evaluations beside training: a process each, one at a time, while training goes on."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections import deque
+from pathlib import Path
+
+from skybody.train.checkpoint import checkpoint_folders
+
+
+class Evaluations:
+    """A queue of checkpoints to be evaluated by evaluate.py."""
+
+    def __init__(self, run: Path, episodes: int, seed: int) -> None:
+        """Begins with checkpoints of before an interruption that have no evaluation yet."""
+        self._episodes, self._seed = episodes, seed
+        self._waiting: deque[Path] = deque()
+        self._running: subprocess.Popen[str] | None = None
+        self.failures: list[str] = []
+        for folder in checkpoint_folders(run):
+            self.add(folder)
+
+    def add(self, checkpoint: Path) -> None:
+        """Evaluates a checkpoint as soon as those before it are done."""
+        if self._episodes > 0 and not (checkpoint / "evaluation.json").exists():
+            self._waiting.append(checkpoint)
+        self.poll()
+
+    def poll(self) -> bool:
+        """Starts what can start. Returns whether an evaluation has ended since the last call."""
+        ended = self._running is not None and self._running.poll() is not None
+        if ended:
+            self._collect()
+        if self._running is None and self._waiting:
+            self._running = self._start(self._waiting.popleft())
+        return ended
+
+    def wait(self) -> bool:
+        """Waits for the one that runs. Returns whether there was one."""
+        if self._running is None:
+            return False
+        self._running.wait()
+        return self.poll()
+
+    def stop(self) -> None:
+        """Gives up; a resumed run makes up for it."""
+        self._waiting.clear()
+        if self._running is not None:
+            self._running.terminate()
+            self._running.communicate()
+            self._running = None
+
+    def _start(self, checkpoint: Path) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+        command += ["--episodes", str(self._episodes), "--seed", str(self._seed)]
+        command += ["--threads", "1", "--json", str(checkpoint / "evaluation.json")]
+        return subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            # one BLAS thread: the other processors are training's
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            start_new_session=True,  # a Ctrl-C at the terminal is for training to handle
+        )
+
+    def _collect(self) -> None:
+        assert self._running is not None
+        _, errors = self._running.communicate()
+        if self._running.returncode != 0:
+            self.failures.append(f"{' '.join(self._running.args)}\n{errors.strip()}")  # type: ignore[arg-type]
+        self._running = None

@@ -1,0 +1,49 @@
+"""Files that are either there whole or not at all, also after a power cut or kill -9."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+from pathlib import Path
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Replaces `path` atomically."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    with partial.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    partial.replace(path)
+    sync_folder(path.parent)
+
+
+def publish_folder(partial: Path, final: Path) -> None:
+    """Gives a finished folder its name, after all that is in it has reached the disk."""
+    for path in partial.iterdir():
+        with path.open("rb") as file:
+            os.fsync(file.fileno())
+    sync_folder(partial)
+    partial.rename(final)
+    sync_folder(final.parent)
+
+
+def remove_partial_folders(parent: Path) -> None:
+    """Removes what an interrupted publish_folder() left."""
+    for path in parent.glob(".partial-*"):
+        shutil.rmtree(path)
+
+
+def sync_folder(path: Path) -> None:
+    """Makes the names within a folder durable."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file's bytes."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -1,0 +1,400 @@
+"""A lean PPO (Schulman et al. 2017) on the native pool: large batches, little between them.
+
+A rollout is `rollout_steps` steps of all environments, written to tensors that are made once.
+Rows come from the pool without a copy. Observations are normalized by running statistics, rewards
+by the deviation of the discounted return; both stay as they are from a rollout's beginning to the
+end of its update. The value function is evaluated for a whole rollout at once, before the update.
+
+Episodes end in three ways. A terminated one is worth nothing further. A truncated one is worth what
+the value function says of its last observation, before the reset. A fault is worth nothing
+further: what the environment became is not something to learn from.
+
+Policy and value function share no parameters, so that each learns from a rollout on a thread of its
+own: two processors are used, and the bits do not depend on how many there are. (PyTorch's own
+threads meet in every operation, which costs more than it gains at this size: 2 threads took 3 times
+as long as one for a minibatch of 2,048 on a busy machine.)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from skybody._native import Batch, Environment, Pool
+from skybody.train.learner import Report, layers_of, position_error_columns
+from skybody.train.policy_file import Policy
+from skybody.train.presets import Hyperparameters
+
+EPSILON = 1e-8
+
+
+class RunningMoments:
+    """Mean and variance of all rows so far (Chan et al. 1979), in float64."""
+
+    def __init__(self, size: int) -> None:
+        self.mean = torch.zeros(size, dtype=torch.float64)
+        self.var = torch.ones(size, dtype=torch.float64)
+        self.count = torch.zeros((), dtype=torch.float64)
+
+    def update(self, rows: Tensor) -> None:
+        """Adds rows (n, size)."""
+        n = rows.shape[0]
+        centered = rows.double() - self.mean
+        delta = centered.mean(0)
+        var = centered.square_().mean(0) - delta**2
+        total = self.count + n
+        spread = self.count * self.var + n * var + delta**2 * (self.count * n / total)
+        self.mean = self.mean + delta * (n / total)
+        self.var = spread / total
+        self.count = total
+
+    def scale(self) -> Tensor:
+        """1 / deviation."""
+        return 1.0 / torch.sqrt(self.var + EPSILON)
+
+
+@dataclass
+class Rollout:
+    """T steps of N environments; row t, i is what environment i did at step t."""
+
+    observation: Tensor  # (T, N, O), as the environment gave them
+    normalized: Tensor  # (T, N, O), as the networks see them
+    action: Tensor  # (T, N, A), before clipping
+    noise: Tensor  # (T, N, A), standard normal
+    reward: Tensor  # (T, N)
+    ended: Tensor  # (T, N), 1: the episode ended with this step
+    error: Tensor  # (T, N), position error [m]
+
+    @staticmethod
+    def empty(steps: int, envs: int, observation: int, action: int) -> Rollout:
+        return Rollout(
+            torch.zeros(steps, envs, observation),
+            torch.zeros(steps, envs, observation),
+            torch.zeros(steps, envs, action),
+            torch.zeros(steps, envs, action),
+            torch.zeros(steps, envs),
+            torch.zeros(steps, envs),
+            torch.full((steps, envs), math.nan),
+        )
+
+
+class LeanPpo:
+    """The learner `lean-ppo`; learner.Learner says what its methods do."""
+
+    def __init__(
+        self,
+        environment: Environment,
+        hyper: Hyperparameters,
+        seed: int,
+        threads: int,
+        total_steps: int,
+    ) -> None:
+        torch.set_num_threads(hyper.torch_threads)
+        torch.use_deterministic_algorithms(True)
+        self.hyper, self.total_steps, self.steps = hyper, total_steps, 0
+        self.generator = torch.Generator().manual_seed(seed)
+        sizes = (environment.observation_size, environment.action_size)
+        self._make_networks(*sizes)
+        self.moments = RunningMoments(sizes[0])
+        self.return_moments = RunningMoments(1)
+        self.discounted = torch.zeros(hyper.envs)  # return so far, for return_moments
+        self.rollout = Rollout.empty(hyper.rollout_steps, hyper.envs, *sizes)
+        self.episode_return = torch.zeros(hyper.envs)
+        self.error_columns = position_error_columns(environment.info_channels)
+        self.helper = ThreadPoolExecutor(
+            1, initializer=torch.set_num_threads, initargs=(hyper.torch_threads,)
+        )
+        self.pool = Pool(
+            environment,
+            hyper.envs,
+            num_threads=threads,
+            order="fixed",
+            autoreset="same_step",
+            seed=seed,
+        )
+        self.pool.send_reset()
+        self.batch = self.pool.recv()  # kept: its observations are read at the next step
+
+    def _make_networks(self, observations: int, actions: int) -> None:
+        hyper = self.hyper
+        self.actor = perceptron([observations, *hyper.hidden, actions], 0.01, self.generator)
+        self.critic = perceptron([observations, *hyper.hidden, 1], 1.0, self.generator)
+        self.log_std = nn.Parameter(torch.full((actions,), hyper.log_std))
+        groups = {
+            "policy": [*self.actor.parameters(), self.log_std],
+            "value": [*self.critic.parameters()],
+        }
+        self.optimizers = {
+            name: torch.optim.Adam(group, lr=hyper.learning_rate, fused=True)
+            for name, group in groups.items()
+        }
+
+    # --- one iteration --------------------------------------------------------------------------
+
+    def iterate(self) -> Report:
+        report = Report()
+        self.mean, self.scale = self.moments.mean, self.moments.scale()
+        begin = perf_counter()
+        with torch.no_grad():
+            bootstrap = self._collect(report)
+        middle = perf_counter()
+        report.inference_seconds = middle - begin - report.environment_seconds
+        report.losses = self._update(bootstrap)
+        self.moments.update(self.rollout.observation.flatten(0, 1))
+        report.update_seconds = perf_counter() - middle
+        self.steps += self.hyper.envs * self.hyper.rollout_steps
+        return report
+
+    def _collect(self, report: Report) -> list[tuple[int, Tensor, Tensor]]:
+        """Fills the rollout; returns (step, environments, last observations) of truncations."""
+        rollout = self.rollout
+        rollout.noise.normal_(generator=self.generator)
+        deviation = self.log_std.exp()
+        truncations: list[tuple[int, Tensor, Tensor]] = []
+        for t in range(self.hyper.rollout_steps):
+            rollout.observation[t] = torch.from_numpy(self.batch.observation)
+            rollout.normalized[t] = self._normalized(rollout.observation[t])
+            mean = self.actor(rollout.normalized[t])
+            torch.addcmul(mean, rollout.noise[t], deviation, out=rollout.action[t])
+            begin = perf_counter()
+            self.pool.send(rollout.action[t].numpy())
+            self.batch = batch = self.pool.recv()
+            report.environment_seconds += perf_counter() - begin
+            rollout.reward[t] = torch.from_numpy(batch.reward)
+            ended = batch.terminated | batch.truncated
+            rollout.ended[t] = torch.from_numpy(ended)
+            self.episode_return += rollout.reward[t]
+            if self.error_columns is not None:
+                error = batch.info[:, self.error_columns]
+                rollout.error[t] = torch.from_numpy(np.sqrt(np.einsum("ij,ij->i", error, error)))
+            if ended.any():
+                self._end_episodes(batch, ended, report)
+                lost = torch.from_numpy(
+                    np.flatnonzero(batch.truncated & ~batch.terminated & ~batch.fault)
+                )
+                if len(lost):
+                    assert batch.final_observation is not None  # only other modes have none
+                    last = torch.from_numpy(batch.final_observation)[lost]
+                    truncations.append((t, lost, last))
+        report.position_error = float(rollout.error.mean())
+        return truncations
+
+    def _end_episodes(self, batch: Batch, ended: np.ndarray, report: Report) -> None:
+        report.faults += int(batch.fault.sum())
+        report.episode_returns += self.episode_return.numpy()[ended].tolist()
+        self.episode_return[torch.from_numpy(ended)] = 0.0
+
+    def _normalized(self, observation: Tensor) -> Tensor:
+        """As policy.h5 says: in float64, then rounded."""
+        clip = self.hyper.observation_clip
+        return ((observation - self.mean) * self.scale).clamp_(-clip, clip).float()
+
+    # --- advantages -----------------------------------------------------------------------------
+
+    @torch.no_grad()
+    def _advantages(self, truncations: list[tuple[int, Tensor, Tensor]]) -> tuple[Tensor, Tensor]:
+        """Advantages and returns (T, N) by GAE (Schulman et al. 2016)."""
+        hyper, rollout = self.hyper, self.rollout
+        steps, envs = rollout.reward.shape
+        value = torch.empty(steps + 1, envs)
+        value[:-1] = self.critic(rollout.normalized)[..., 0]
+        value[-1] = self._value(torch.from_numpy(self.batch.observation))
+        reward = rollout.reward * self._reward_scale()
+        for t, who, last in truncations:
+            reward[t, who] += hyper.discount * self._value(last)
+        goes_on = (1.0 - rollout.ended) * hyper.discount
+        delta = reward + goes_on * value[1:] - value[:-1]
+        decay = goes_on * hyper.gae_lambda
+        advantage = torch.empty_like(reward)
+        following = torch.zeros(envs)
+        for t in reversed(range(steps)):
+            following = torch.addcmul(delta[t], decay[t], following)
+            advantage[t] = following
+        return advantage, advantage + value[:-1]
+
+    def _value(self, observation: Tensor) -> Tensor:
+        return self.critic(self._normalized(observation))[:, 0]
+
+    def _reward_scale(self) -> Tensor:
+        """1 / deviation of the discounted return; this rollout counts from the next one on."""
+        if not self.hyper.normalize_rewards:
+            return torch.ones(1)
+        rollout = self.rollout
+        returns = torch.empty_like(rollout.reward)
+        for t in range(rollout.reward.shape[0]):
+            self.discounted = self.discounted * self.hyper.discount + rollout.reward[t]
+            returns[t] = self.discounted
+            self.discounted = self.discounted * (1.0 - rollout.ended[t])
+        first = self.return_moments.count == 0
+        if first:  # nothing is known yet: a scale of 1 would make the first update a jump
+            self.return_moments.update(returns.view(-1, 1))
+        scale = self.return_moments.scale().float()
+        if not first:
+            self.return_moments.update(returns.view(-1, 1))
+        return scale
+
+    # --- the update -----------------------------------------------------------------------------
+
+    def _update(self, truncations: list[tuple[int, Tensor, Tensor]]) -> dict[str, float]:
+        advantage, returns = self._advantages(truncations)
+        count, epochs = advantage.numel(), range(self.hyper.epochs)
+        orders = [torch.randperm(count, generator=self.generator) for _ in epochs]
+        rate = self._learning_rate()
+        fit = self.helper.submit(self._fit_value, returns, orders, rate)
+        losses = self._improve_policy(advantage, orders, rate)
+        losses["value_loss"] = fit.result()
+        self._check_finite()
+        error = advantage  # of what the value function said before the update
+        losses["explained_variance"] = float(1 - error.var() / (returns.var() + EPSILON))
+        losses["action_std"] = float(self.log_std.detach().exp().mean())
+        losses["learning_rate"] = rate
+        return losses
+
+    def _learning_rate(self) -> float:
+        done = min(1.0, self.steps / self.total_steps)
+        share = 1.0 - done * (1.0 - self.hyper.final_learning_rate)
+        return self.hyper.learning_rate * share
+
+    def _fit_value(self, returns: Tensor, orders: list[Tensor], rate: float) -> float:
+        """All gradient steps of the value function; returns the mean squared error."""
+        size = self.rollout.observation.shape[2]
+        data = torch.cat([self.rollout.normalized, returns[..., None]], dim=2).flatten(0, 1)
+        losses = []
+        for rows in minibatches(orders, self.hyper.minibatch):
+            part = data[rows]
+            loss = (self.critic(part[:, :size])[:, 0] - part[:, size]).square().mean()
+            self._descend("value", self.hyper.value_weight * loss, rate)
+            losses.append(loss.detach())
+        return float(torch.stack(losses).mean())
+
+    def _improve_policy(
+        self, advantage: Tensor, orders: list[Tensor], rate: float
+    ) -> dict[str, float]:
+        """All gradient steps of the policy; returns means of loss, KL divergence, clipped share."""
+        hyper, rollout = self.hyper, self.rollout
+        with torch.no_grad():  # of the noise, up to the constant that ratios do not see
+            log_probability = -0.5 * rollout.noise.square().sum(2) - self.log_std.sum()
+        rest = torch.stack([log_probability, advantage], dim=2)
+        data = torch.cat([rollout.normalized, rollout.action, rest], dim=2).flatten(0, 1)
+        figures: list[Tensor] = []
+        for order in orders:
+            passed = len(figures)
+            for rows in minibatches([order], hyper.minibatch):
+                loss, figure = self._policy_loss(data[rows])
+                self._descend("policy", loss, rate)
+                figures.append(figure)
+            kl = float(torch.stack(figures[passed:])[:, 1].mean())
+            if hyper.target_kl and kl > 1.5 * hyper.target_kl:
+                break
+        means = torch.stack(figures).mean(0).tolist()
+        return dict(zip(("policy_loss", "kl", "clip_fraction"), means, strict=True))
+
+    def _policy_loss(self, data: Tensor) -> tuple[Tensor, Tensor]:
+        """The clipped surrogate of one minibatch, and (loss, KL divergence, clipped share)."""
+        hyper, sizes = self.hyper, (self.rollout.observation.shape[2], len(self.log_std), 1, 1)
+        observation, action, old_log_probability, advantage = data.split(sizes, dim=1)
+        deviation, mean = torch.std_mean(advantage)
+        advantage = ((advantage - mean) / (deviation + EPSILON))[:, 0]
+        noise = (action - self.actor(observation)) * torch.exp(-self.log_std)
+        log_probability = -0.5 * noise.square().sum(1) - self.log_std.sum()
+        log_ratio = log_probability - old_log_probability[:, 0]
+        ratio = log_ratio.exp()
+        clipped = ratio.clamp(1.0 - hyper.clip_range, 1.0 + hyper.clip_range)
+        loss = -torch.minimum(advantage * ratio, advantage * clipped).mean()
+        with torch.no_grad():
+            kl = (ratio - 1.0 - log_ratio).mean()
+            outside = ((ratio - 1.0).abs() > hyper.clip_range).float().mean()
+            figure = torch.stack([loss, kl, outside])
+        return loss - hyper.entropy_weight * self.log_std.sum(), figure
+
+    def _descend(self, network: str, loss: Tensor, rate: float) -> None:
+        optimizer = self.optimizers[network]
+        group = optimizer.param_groups[0]
+        group["lr"] = rate
+        optimizer.zero_grad()
+        loss.backward()
+        nn.utils.clip_grad_norm_(group["params"], self.hyper.max_grad_norm)
+        optimizer.step()
+
+    def _check_finite(self) -> None:
+        for name, parameter in self.parameters().items():
+            if not bool(parameter.isfinite().all()):
+                raise FloatingPointError(
+                    f"lean-ppo diverged: {name} is not finite after {self.steps} steps; "
+                    "try a smaller learning_rate (--set learning_rate=...)"
+                )
+
+    # --- checkpoints ----------------------------------------------------------------------------
+
+    def parameters(self) -> dict[str, Tensor]:
+        networks = {"actor": self.actor, "critic": self.critic}
+        named = {
+            f"{prefix}.{name}": value.detach()
+            for prefix, network in networks.items()
+            for name, value in network.state_dict().items()
+        }
+        return {**named, "log_std": self.log_std.detach()}
+
+    def policy(self) -> Policy:
+        mean, scale = self.moments.mean.numpy(), self.moments.scale().numpy()
+        return Policy(layers_of(self.actor), mean, scale, self.hyper.observation_clip)
+
+    def state(self) -> dict[str, Any]:
+        return {
+            "steps": self.steps,
+            "parameters": self.parameters(),
+            "optimizers": {name: adam.state_dict() for name, adam in self.optimizers.items()},
+            "moments": vars(self.moments),
+            "return_moments": vars(self.return_moments),
+            "discounted": self.discounted,
+            "episode_return": self.episode_return,
+            "generator": self.generator.get_state(),
+        }
+
+    def environments(self) -> bytes:
+        return self.pool.save()
+
+    def restore(self, state: dict[str, Any], environments: bytes) -> None:
+        self.steps = state["steps"]
+        with torch.no_grad():
+            for name, parameter in self.parameters().items():
+                parameter.copy_(state["parameters"][name])
+        for name, adam in self.optimizers.items():
+            adam.load_state_dict(state["optimizers"][name])
+        vars(self.moments).update(state["moments"])
+        vars(self.return_moments).update(state["return_moments"])
+        self.discounted, self.episode_return = state["discounted"], state["episode_return"]
+        self.generator.set_state(state["generator"])
+        self.pool.restore(environments)
+        self.batch.observation[:] = self.pool.observations()
+
+    def close(self) -> None:
+        self.helper.shutdown()
+        self.pool.close()
+
+
+def perceptron(sizes: list[int], last_gain: float, generator: torch.Generator) -> nn.Sequential:
+    """Linear layers with tanh between, orthogonal weights (the last with `last_gain`), no bias."""
+    modules: list[nn.Module] = []
+    for k, (inputs, outputs) in enumerate(pairwise(sizes)):
+        linear = nn.utils.skip_init(nn.Linear, inputs, outputs)
+        last = k == len(sizes) - 2
+        nn.init.orthogonal_(linear.weight, last_gain if last else math.sqrt(2), generator)
+        nn.init.zeros_(linear.bias)
+        modules += [linear] if last else [linear, nn.Tanh()]
+    return nn.Sequential(*modules)
+
+
+def minibatches(orders: list[Tensor], size: int) -> Iterator[Tensor]:
+    """Rows of each minibatch; a rest of a single row, which has no deviation, is left out."""
+    for order in orders:
+        yield from (rows for rows in torch.split(order, size) if len(rows) > 1)

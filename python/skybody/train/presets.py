@@ -1,0 +1,103 @@
+"""Hyper-parameters, and which of them each scenario is trained with. Edit PRESETS to tune."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+ALGORITHMS = ("ppo", "lean-ppo")
+
+
+class UsageError(ValueError):
+    """A wrong option or input file of the user's; the text is the whole message."""
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """What both learners are told; `steps` are steps of one environment."""
+
+    envs: int = 64  # environments that are stepped side by side
+    rollout_steps: int = 128  # steps of each environment between two updates
+    minibatch: int = 1024  # transitions per gradient step
+    epochs: int = 5  # passes over a rollout
+    learning_rate: float = 1e-3  # of Adam, at the beginning
+    final_learning_rate: float = 0.05  # at the end, as a share of `learning_rate`; linear between
+    discount: float = 0.99  # gamma
+    gae_lambda: float = 0.95  # of generalized advantage estimation
+    clip_range: float = 0.2  # of the ratio of probabilities
+    target_kl: float = 0.0  # stop a rollout's updates beyond 1.5 times this; 0: never
+    entropy_weight: float = 0.0
+    value_weight: float = 0.5
+    max_grad_norm: float = 0.5
+    log_std: float = -1.0  # initial log of the actions' standard deviation
+    hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
+    normalize_rewards: bool = True  # divide by the deviation of the discounted return
+    observation_clip: float = 10.0  # of normalized observations
+    torch_threads: int = 1  # bits of the result belong to this number
+
+    def check(self) -> None:
+        """Raises UsageError for values that no learner can work with."""
+        for name in ("envs", "rollout_steps", "minibatch", "epochs", "torch_threads"):
+            _demand(getattr(self, name) >= 1, name, getattr(self, name), "at least 1")
+        for name in ("learning_rate", "max_grad_norm", "observation_clip", "clip_range"):
+            _demand(getattr(self, name) > 0, name, getattr(self, name), "above 0")
+        for name in ("discount", "gae_lambda", "final_learning_rate"):
+            _demand(0 <= getattr(self, name) <= 1, name, getattr(self, name), "0 to 1")
+        for name in ("target_kl", "entropy_weight", "value_weight"):
+            _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
+        _demand(min(self.hidden, default=1) >= 1, "hidden", self.hidden, "sizes of at least 1")
+        rollout = self.envs * self.rollout_steps
+        allowed = f"2 to envs * rollout_steps = {rollout}"
+        _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
+
+
+# What differs from the defaults above. A scenario that is not named here trains with "*".
+PRESETS: dict[tuple[str, str], dict[str, Any]] = {
+    ("*", "ppo"): {"envs": 64, "rollout_steps": 128, "minibatch": 1024},
+    ("*", "lean-ppo"): {"envs": 256, "rollout_steps": 32, "minibatch": 1024, "log_std": -0.5},
+}
+
+
+def preset(scenario: str, algorithm: str) -> Hyperparameters:
+    """The hyper-parameters for a scenario (its name) and an algorithm of ALGORITHMS."""
+    changes = PRESETS.get((scenario, algorithm), PRESETS["*", algorithm])
+    return dataclasses.replace(Hyperparameters(), **changes)
+
+
+def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparameters:
+    """`base` with texts `key=value` applied. Raises UsageError for what does not fit."""
+    fields = {field.name: getattr(base, field.name) for field in dataclasses.fields(base)}
+    changes: dict[str, Any] = {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals:
+            raise UsageError(f"--set {setting}: write KEY=VALUE")
+        if key not in fields:
+            raise UsageError(f"--set {setting}: no hyper-parameter `{key}`; {', '.join(fields)}")
+        changes[key] = _parse(setting, text, fields[key])
+    return dataclasses.replace(base, **changes)
+
+
+def from_dict(values: dict[str, Any]) -> Hyperparameters:
+    """The inverse of dataclasses.asdict, after a way through JSON."""
+    return Hyperparameters(**{**values, "hidden": tuple(values["hidden"])})
+
+
+def _parse(setting: str, text: str, like: Any) -> Any:
+    try:
+        if isinstance(like, bool):
+            return {"true": True, "false": False}[text.lower()]
+        if isinstance(like, tuple):
+            return tuple(int(size) for size in text.strip("[]()").split(",") if size.strip())
+        return int(text) if isinstance(like, int) else float(text)
+    except (ValueError, KeyError):
+        form = {bool: "true or false", tuple: "sizes as 64,64", int: "an integer"}
+        wanted = form.get(type(like), "a number")
+        raise UsageError(f"--set {setting}: `{text}` is not {wanted}") from None
+
+
+def _demand(good: bool, name: str, value: object, allowed: str) -> None:
+    if not good:
+        raise UsageError(f"hyper-parameter {name} = {value}: allowed is {allowed}")

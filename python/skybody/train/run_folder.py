@@ -1,0 +1,109 @@
+"""The folder of one training run: its configuration and its tables."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skybody.train import files
+from skybody.train.checkpoint import checkpoint_folders
+from skybody.train.presets import Hyperparameters, UsageError, from_dict
+
+EVALUATION_COLUMNS = (
+    "steps",
+    "wall_clock",
+    "episodes",
+    "return_mean",
+    "return_std",
+    "return_cv",
+    "position_error_median",
+    "position_error_mean",
+    "position_error_p95",
+    "length_mean",
+    "success_share",
+    "parameter_hash",
+)
+
+
+@dataclass(frozen=True)
+class Config:
+    """Everything that a run's result depends on, and what it is done with."""
+
+    scenario: str  # as given: a name or a file
+    overrides: list[str]  # of the scenario, PATH=VALUE
+    plugin_path: list[str]
+    algorithm: str
+    seed: int
+    total_steps: int
+    checkpoint_every: int  # environment steps
+    threads: int  # of the environments; 0: all; no bit of the result depends on it
+    eval_episodes: int  # per checkpoint; 0: none
+    eval_seed: int
+    hyper: Hyperparameters
+    scenario_name: str = ""
+    scenario_hash: str = ""  # 16 hex digits
+    scenario_text: str = ""  # resolved YAML
+    versions: dict[str, str] = dataclasses.field(default_factory=dict)
+
+    def write(self, run: Path) -> None:
+        """To config.json."""
+        text = json.dumps(dataclasses.asdict(self), indent=2)
+        files.write_file(run / "config.json", (text + "\n").encode())
+
+    @staticmethod
+    def read(run: Path) -> Config:
+        """From config.json. Raises UsageError where there is none."""
+        path = run / "config.json"
+        if not path.exists():
+            raise UsageError(f"--resume: {path} does not exist, so there is no run to go on with")
+        values: dict[str, Any] = json.loads(path.read_text())
+        return Config(**{**values, "hyper": from_dict(values["hyper"])})
+
+
+class ProgressTable:
+    """progress.csv: a row per rollout, columns by the first row."""
+
+    def __init__(self, run: Path, resumed_at: int) -> None:
+        """Drops rows of rollouts after `resumed_at` steps: they are done anew."""
+        self._path = run / "progress.csv"
+        rows = [row for row in read_table(self._path) if int(row["steps"]) <= resumed_at]
+        self._columns: list[str] = list(rows[0]) if rows else []
+        files.write_file(self._path, _csv(self._columns, rows, header=bool(rows)))
+
+    def append(self, row: dict[str, Any]) -> None:
+        """Adds a row."""
+        header = not self._columns
+        self._columns = self._columns or list(row)
+        with self._path.open("ab") as file:
+            file.write(_csv(self._columns, [row], header))
+
+
+def write_evaluations(run: Path) -> list[dict[str, Any]]:
+    """evaluation.csv from the evaluations beside the checkpoints; returns its rows."""
+    paths = [folder / "evaluation.json" for folder in checkpoint_folders(run)]
+    rows = [json.loads(path.read_text()) for path in paths if path.exists()]
+    if rows:
+        files.write_file(run / "evaluation.csv", _csv(list(EVALUATION_COLUMNS), rows, header=True))
+    return rows
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    """Rows of a CSV file by column; a last row that was cut short is left out."""
+    if not path.exists():
+        return []
+    whole = path.read_text().rpartition("\n")[0]
+    return list(csv.DictReader(io.StringIO(whole)))
+
+
+def _csv(columns: list[str], rows: list[dict[str, Any]], header: bool) -> bytes:
+    buffer = io.StringIO()
+    writer = csv.DictWriter(buffer, columns, extrasaction="ignore", lineterminator="\n")
+    if header:
+        writer.writeheader()
+    writer.writerows(rows)
+    return buffer.getvalue().encode()

@@ -1,0 +1,294 @@
+"""PPO of Stable-Baselines3 on skybody.sb3.SkybodyVecEnv, opened between rollouts for checkpoints.
+
+iterate() does what one turn of OnPolicyAlgorithm.learn() does. At that place a run is its networks,
+optimizer, statistics, generators, environments and the few values that the next rollout reads.
+"""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+from time import perf_counter
+from typing import Any, cast
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.running_mean_std import RunningMeanStd
+from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecMonitor, VecNormalize
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+
+from skybody._native import Environment
+from skybody.sb3 import SkybodyVecEnv
+from skybody.train.learner import POSITION_ERRORS, Report, layers_of
+from skybody.train.policy_file import Policy
+from skybody.train.presets import Hyperparameters
+
+LOSSES = {  # names in the tables, by Stable-Baselines3's
+    "train/policy_gradient_loss": "policy_loss",
+    "train/value_loss": "value_loss",
+    "train/approx_kl": "kl",
+    "train/clip_fraction": "clip_fraction",
+    "train/explained_variance": "explained_variance",
+    "train/std": "action_std",
+    "train/learning_rate": "learning_rate",
+}
+
+
+class Stopwatch(VecEnvWrapper):
+    """Adds up the time that the environments take."""
+
+    def __init__(self, venv: VecEnv) -> None:
+        super().__init__(venv)
+        self.seconds = 0.0
+
+    def reset(self) -> VecEnvObs:
+        return self.venv.reset()
+
+    def step_async(self, actions: np.ndarray) -> None:
+        begin = perf_counter()
+        self.venv.step_async(actions)
+        self.seconds += perf_counter() - begin
+
+    def step_wait(self) -> VecEnvStepReturn:
+        begin = perf_counter()
+        result = self.venv.step_wait()
+        self.seconds += perf_counter() - begin
+        return result
+
+
+class Collector(BaseCallback):
+    """Fills the Report of a rollout, step by step."""
+
+    def __init__(self, vec_env: SkybodyVecEnv) -> None:
+        super().__init__()
+        self.vec_env = vec_env
+        self.report = Report()
+        self._errors: list[float] = []
+
+    def begin(self) -> Report:
+        self.report, self._errors = Report(), []
+        return self.report
+
+    def _on_step(self) -> bool:
+        info = self.vec_env.last_info
+        if (name := next((name for name in POSITION_ERRORS if name in info), None)) is not None:
+            rows = info[name].reshape(self.vec_env.num_envs, -1)
+            self._errors.append(float(np.linalg.norm(rows, axis=1).mean()))
+        for i in np.flatnonzero(self.locals["dones"]):
+            ended = self.locals["infos"][i]
+            self.report.episode_returns.append(float(ended["episode"]["r"]))
+            self.report.faults += ended["fault"]
+        return True
+
+    def _on_rollout_end(self) -> None:
+        if self._errors:
+            self.report.position_error = float(np.mean(self._errors))
+
+
+class Sb3Ppo:
+    """The learner `ppo`; learner.Learner says what its methods do."""
+
+    def __init__(
+        self,
+        environment: Environment,
+        hyper: Hyperparameters,
+        seed: int,
+        threads: int,
+        total_steps: int,
+    ) -> None:
+        torch.set_num_threads(hyper.torch_threads)
+        torch.use_deterministic_algorithms(True)
+        self.total_steps = total_steps
+        self.vec_env = SkybodyVecEnv(environment, hyper.envs, num_threads=threads, seed=seed)
+        self.stopwatch = Stopwatch(self.vec_env)
+        self.monitor = VecMonitor(self.stopwatch)
+        self.normalize = VecNormalize(
+            self.monitor,
+            norm_reward=hyper.normalize_rewards,
+            clip_obs=hyper.observation_clip,
+            gamma=hyper.discount,
+        )
+        self.model = make_model(self.normalize, hyper, seed)
+        self.model.set_logger(Logger(folder=None, output_formats=[]))
+        self.collector = Collector(self.vec_env)
+        _, self.callback = self.model._setup_learn(total_steps, self.collector)
+
+    @property
+    def steps(self) -> int:
+        """Environment steps so far."""
+        return self.model.num_timesteps
+
+    def iterate(self) -> Report:
+        model, report = self.model, self.collector.begin()
+        before, begin = self.stopwatch.seconds, perf_counter()
+        model.collect_rollouts(self.normalize, self.callback, model.rollout_buffer, model.n_steps)
+        middle = perf_counter()
+        model._update_current_progress_remaining(model.num_timesteps, self.total_steps)
+        model.train()
+        report.update_seconds = perf_counter() - middle
+        report.environment_seconds = self.stopwatch.seconds - before
+        report.inference_seconds = middle - begin - report.environment_seconds
+        values = model.logger.name_to_value
+        report.losses = {ours: float(values[theirs]) for theirs, ours in LOSSES.items()}
+        self._check_finite()
+        return report
+
+    def _check_finite(self) -> None:
+        for name, parameter in self.parameters().items():
+            if not bool(parameter.isfinite().all()):
+                raise FloatingPointError(
+                    f"ppo diverged: {name} is not finite after {self.steps} steps; "
+                    "try a smaller learning_rate (--set learning_rate=...)"
+                )
+
+    def parameters(self) -> dict[str, torch.Tensor]:
+        return {name: value.detach() for name, value in self.model.policy.state_dict().items()}
+
+    def policy(self) -> Policy:
+        statistics = cast(RunningMeanStd, self.normalize.obs_rms)
+        policy = self.model.policy
+        hidden = layers_of(policy.mlp_extractor.policy_net)
+        last = layers_of(torch.nn.Sequential(cast(torch.nn.Linear, policy.action_net)))
+        return Policy(
+            hidden + last,
+            statistics.mean.copy(),
+            1.0 / np.sqrt(statistics.var + self.normalize.epsilon),
+            self.normalize.clip_obs,
+        )
+
+    # --- checkpoints ----------------------------------------------------------------------------
+
+    def state(self) -> dict[str, Any]:
+        model = self.model
+        return {
+            "policy": model.policy.state_dict(),
+            "optimizer": model.policy.optimizer.state_dict(),
+            "bookkeeping": {
+                "num_timesteps": model.num_timesteps,
+                "n_updates": model._n_updates,
+                "episode_num": model._episode_num,
+                "ep_info_buffer": [_plain(info) for info in model.ep_info_buffer or ()],
+                "last_obs": _tensor(model._last_obs),
+                "last_original_obs": _tensor(model._last_original_obs),
+                "last_episode_starts": _tensor(model._last_episode_starts),
+            },
+            "monitor": {
+                "episode_returns": _tensor(self.monitor.episode_returns),
+                "episode_lengths": _tensor(self.monitor.episode_lengths),
+            },
+            "normalize": {
+                "returns": _tensor(self.normalize.returns),
+                "old_obs": _tensor(self.normalize.old_obs),
+                "old_reward": _tensor(self.normalize.old_reward),
+                **_moments("obs_rms", self.normalize.obs_rms),
+                **_moments("ret_rms", self.normalize.ret_rms),
+            },
+            "generators": generators(),
+        }
+
+    def environments(self) -> bytes:
+        return self.vec_env.save()
+
+    def restore(self, state: dict[str, Any], environments: bytes) -> None:
+        model, book = self.model, state["bookkeeping"]
+        model.policy.load_state_dict(state["policy"])
+        model.policy.optimizer.load_state_dict(state["optimizer"])
+        model.num_timesteps = book["num_timesteps"]
+        model._n_updates, model._episode_num = book["n_updates"], book["episode_num"]
+        model.ep_info_buffer = deque(book["ep_info_buffer"], maxlen=model._stats_window_size)
+        model._last_obs = book["last_obs"].numpy()
+        model._last_original_obs = book["last_original_obs"].numpy()
+        model._last_episode_starts = book["last_episode_starts"].numpy()
+        model._update_current_progress_remaining(model.num_timesteps, self.total_steps)
+        for name, value in state["monitor"].items():
+            setattr(self.monitor, name, value.numpy())
+        saved = state["normalize"]
+        for name in ("returns", "old_obs", "old_reward"):
+            setattr(self.normalize, name, saved[name].numpy())
+        for name in ("obs_rms", "ret_rms"):
+            moments = getattr(self.normalize, name)
+            moments.mean = saved[f"{name}.mean"].numpy()
+            moments.var = saved[f"{name}.var"].numpy()
+            moments.count = saved[f"{name}.count"]
+        self.vec_env.restore(environments)
+        set_generators(state["generators"])
+
+    def close(self) -> None:
+        self.normalize.close()
+
+
+def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
+    """PPO with our hyper-parameters in its words."""
+    low = hyper.final_learning_rate
+
+    def learning_rate(remaining: float) -> float:
+        return hyper.learning_rate * (low + (1.0 - low) * max(0.0, remaining))
+
+    return PPO(
+        "MlpPolicy",
+        env,
+        learning_rate=learning_rate,
+        n_steps=hyper.rollout_steps,
+        batch_size=hyper.minibatch,
+        n_epochs=hyper.epochs,
+        gamma=hyper.discount,
+        gae_lambda=hyper.gae_lambda,
+        clip_range=hyper.clip_range,
+        ent_coef=hyper.entropy_weight,
+        vf_coef=hyper.value_weight,
+        max_grad_norm=hyper.max_grad_norm,
+        target_kl=hyper.target_kl or None,
+        policy_kwargs={
+            "net_arch": {"pi": list(hyper.hidden), "vf": list(hyper.hidden)},
+            "activation_fn": torch.nn.Tanh,
+            "log_std_init": hyper.log_std,
+        },
+        device="cpu",
+        seed=seed,
+    )
+
+
+def generators() -> dict[str, Any]:
+    """The global generators that Stable-Baselines3 may use."""
+    version, words, gauss = random.getstate()
+    kind, keys, position, has_gauss, cached = np.random.get_state(legacy=True)  # noqa: NPY002
+    return {
+        "python": [version, list(words), gauss],
+        "numpy": [
+            kind,
+            torch.from_numpy(np.asarray(keys).astype(np.int64)),
+            position,
+            has_gauss,
+            cached,
+        ],
+        "torch": torch.get_rng_state(),
+    }
+
+
+def set_generators(state: dict[str, Any]) -> None:
+    """The inverse of generators()."""
+    version, words, gauss = state["python"]
+    random.setstate((version, tuple(words), gauss))
+    kind, keys, position, has_gauss, cached = state["numpy"]
+    words32 = keys.numpy().astype(np.uint32)
+    np.random.set_state((kind, words32, position, has_gauss, cached))  # noqa: NPY002
+    torch.set_rng_state(state["torch"])
+
+
+def _tensor(values: Any) -> torch.Tensor:
+    return torch.from_numpy(np.array(values))
+
+
+def _moments(name: str, moments: Any) -> dict[str, Any]:
+    return {
+        f"{name}.mean": _tensor(moments.mean),
+        f"{name}.var": _tensor(moments.var),
+        f"{name}.count": float(moments.count),
+    }
+
+
+def _plain(info: dict[str, Any]) -> dict[str, float]:
+    return {name: float(value) for name, value in info.items()}

@@ -1,0 +1,315 @@
+"""All environments of a scenario as one `gymnasium.vector.VectorEnv`, stepped in C++."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any, cast, get_args
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native, spaces
+from .agents import JointLayout
+from .infos import InfoChannels
+from .pool import Autoreset, Order, Scenario, check_seed, env_ids, load
+
+_MODES: dict[str, AutoresetMode] = {
+    "next_step": AutoresetMode.NEXT_STEP,
+    "same_step": AutoresetMode.SAME_STEP,
+    "disabled": AutoresetMode.DISABLED,
+}
+
+
+def autoreset_mode(autoreset: str | AutoresetMode) -> AutoresetMode:
+    """Gymnasium's mode for "next_step", "same_step", "disabled", or for a mode or its value.
+
+    Raises:
+        ValueError: none of these.
+    """
+    if isinstance(autoreset, AutoresetMode):
+        return autoreset
+    for name, mode in _MODES.items():
+        if autoreset in (name, mode.value):
+            return mode
+    raise ValueError(f"autoreset is {autoreset!r}; it must be one of {', '.join(_MODES)}")
+
+
+class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+    """`num_envs` environments of one scenario as one vector environment.
+
+    Observations, rewards, ends and infos are views of memory that C++ owns. They keep their values
+    until the second next `step`, and for as long as any of them is held.
+
+    Infos are arrays with Gymnasium's `_name` masks: one per info value of the task, and `fault`
+    (num_envs,) bool: the action was not finite, or the physics left the finite numbers. A fault
+    ends the episode, truncated; its value must not be bootstrapped. Other environments go on.
+    With SAME_STEP, `fault` is the ended episode's (as are the flags beside it), while the other
+    infos are the new episode's. With several agents there is also `agent_reward`
+    (num_envs, agents) float32: the transition's, like the reward.
+
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        num_envs: number of environments.
+        num_threads: threads that step, the caller's counted; 0: one per processor.
+        seed: key of all random numbers until a `reset(seed=...)`; environment i draws from
+            (seed, i).
+        order: as for `make_pool`. A vector environment waits for all of its rows, and they stand
+            in the order of the environments with either.
+        autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+        joint: several robots that are alike: observations are (num_envs, agents, width) and
+            actions (num_envs, agents, width), views of the same memory, with the team's reward.
+        pin_threads: each worker on a processor of its own, where the system allows it.
+        keep_hash: chain a trajectory hash per environment, for `hash`.
+        debug: raise BufferError where memory that is still held would be recycled, and fill what
+            is recycled with NaN.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: a number is out of range, or joint for agents that are not alike.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        num_envs: int,
+        *,
+        num_threads: int = 0,
+        seed: int = 0,
+        order: Order = "fixed",
+        autoreset: str | AutoresetMode = "next_step",
+        overrides: Iterable[str] = (),
+        plugin_path: Iterable[str | os.PathLike[str]] = (),
+        joint: bool = False,
+        pin_threads: bool = False,
+        keep_hash: bool = False,
+        debug: bool = False,
+    ) -> None:
+        if order not in get_args(Order):
+            raise ValueError(f"order is {order!r}; it must be one of {', '.join(get_args(Order))}")
+        self.environment = load(scenario, overrides, plugin_path)
+        self._mode = autoreset_mode(autoreset)
+        names = {mode: name for name, mode in _MODES.items()}
+        self._pool = _native.Pool(
+            self.environment,
+            num_envs,
+            num_threads=num_threads,
+            order="fixed",
+            autoreset=cast(Autoreset, names[self._mode]),
+            seed=check_seed(seed) or 0,
+            pin_threads=pin_threads,
+            keep_hash=keep_hash,
+            debug=debug,
+        )
+        self.num_envs = num_envs
+        self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
+        self._channels = InfoChannels(self.environment)
+        self._joint = JointLayout(self.environment) if joint else None
+        self._team = len(self.environment.agents) > 1
+        self._all = np.ones(num_envs, np.bool_)
+        self._all.setflags(write=False)  # one mask in all infos
+        self._define_spaces()
+
+    def _define_spaces(self) -> None:
+        observation = spaces.observation_space(self.environment)
+        action = spaces.action_space(self.environment)
+        if self._joint is not None:
+            observation = spaces.reshape(observation, self._joint.observation_shape)
+            action = spaces.reshape(action, self._joint.action_shape)
+        self.single_observation_space = observation
+        self.single_action_space = action
+        self.observation_space = spaces.batch(observation, self.num_envs)
+        self.action_space = spaces.batch(action, self.num_envs)
+        self._action_shape = (self.num_envs, *action.shape)
+        self._observation_shape = (self.num_envs, *observation.shape)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begins new episodes.
+
+        Args:
+            seed: starts the episode counters again, under this seed; None: the next episodes.
+            options: {"reset_mask": (num_envs,) bool array} resets only these environments; the
+                rows of the others are their last observations again.
+
+        Returns:
+            observations (num_envs, observation_size) float32, and infos.
+
+        Raises:
+            TypeError: a list of seeds, or a mask that is no bool array.
+            ValueError: a mask of another shape or without a True, a seed and a mask, or an unknown
+                option.
+        """
+        mask = self._reset_mask(options)
+        value = check_seed(seed)
+        if mask is not None and value is not None:
+            raise ValueError("a seed restarts all environments: leave out `reset_mask`")
+        super().reset(seed=value)
+        while self._pool.in_flight > 0:  # an interrupted step()
+            self._pool.recv()
+        self._pool.send_reset(mask, value)
+        batch = self._pool.recv()
+        if mask is None:
+            return self._observations(batch.observation), self._infos(batch)
+        everything = slice(None)
+        return self.observations(), self._some_infos(batch, batch.info, everything, batch.env_id)
+
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """One transition of all environments.
+
+        Args:
+            actions: (num_envs, action_size) float32 in [-1, 1] (clipped). A row that is not finite
+                makes that environment fault. With NEXT_STEP the rows of ended episodes are
+                ignored.
+
+        Returns:
+            observations (num_envs, observation_size) float32, rewards (num_envs,) float32,
+            terminations, truncations (num_envs,) bool, and infos.
+
+        Raises:
+            TypeError: another dtype.
+            ValueError: another shape; an environment that is not yet reset, or (DISABLED) whose
+                episode has ended.
+        """
+        rows = np.ascontiguousarray(actions)
+        if rows.shape != self._action_shape:
+            raise ValueError(f"actions have shape {rows.shape}; it must be {self._action_shape}")
+        pool = self._pool
+        pool.send(rows if self._joint is None else rows.reshape(self.num_envs, -1), None)
+        batch = pool.recv()
+        infos = self._infos(batch)
+        terminated, truncated = batch.terminated, batch.truncated
+        if self._mode is AutoresetMode.SAME_STEP:
+            self._add_final(infos, batch, np.flatnonzero(terminated | truncated))
+        return (
+            self._observations(batch.observation),
+            batch.reward,
+            terminated,
+            truncated,
+            infos,
+        )
+
+    def _infos(self, batch: _native.Batch) -> dict[str, Any]:
+        infos: dict[str, Any] = self._channels.masked(batch.info, self._all)
+        infos["fault"], infos["_fault"] = batch.fault, self._all
+        if self._team:
+            infos["agent_reward"], infos["_agent_reward"] = batch.agent_reward, self._all
+        return infos
+
+    def _add_final(
+        self, infos: dict[str, Any], batch: _native.Batch, ended: NDArray[np.intp]
+    ) -> None:
+        """What SyncVectorEnv adds where episodes have ended: an object array, and a dictionary."""
+        if ended.size == 0:
+            return
+        final = self._observations(batch.final_observation)
+        rows = np.full(self.num_envs, None, dtype=object)
+        for i in ended:
+            rows[i] = final[i].copy()
+        infos["final_obs"] = rows
+        infos["final_info"] = self._some_infos(batch, batch.final_info, ended, ended)
+        infos["_final_obs"] = infos["_final_info"] = infos["final_info"]["_fault"]
+
+    def _some_infos(
+        self,
+        batch: _native.Batch,
+        info: NDArray[np.float32],
+        rows: NDArray[np.intp] | slice,
+        envs: NDArray[Any],
+    ) -> dict[str, Any]:
+        """Infos of some rows, which are of `envs`: zeros elsewhere, and masks that say so."""
+        mask = np.zeros(self.num_envs, np.bool_)
+        mask[envs] = True
+
+        def scattered(values: NDArray[Any]) -> NDArray[Any]:
+            out = np.zeros((self.num_envs, *values.shape[1:]), values.dtype)
+            out[envs] = values[rows]
+            return out
+
+        infos: dict[str, Any] = self._channels.masked(scattered(info), mask)
+        infos["fault"], infos["_fault"] = scattered(batch.fault), mask
+        if self._team:
+            infos["agent_reward"], infos["_agent_reward"] = scattered(batch.agent_reward), mask
+        return infos
+
+    def _observations(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        return rows if self._joint is None else rows.reshape(self._observation_shape)
+
+    def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_] | None:
+        if not options:
+            return None
+        unknown = sorted(set(options) - {"reset_mask"})
+        if unknown:
+            raise ValueError(f"unknown reset option `{unknown[0]}`; there is `reset_mask`")
+        mask = options["reset_mask"]
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            kind = mask.dtype if isinstance(mask, np.ndarray) else type(mask).__name__
+            raise TypeError(f"`reset_mask` is {kind}; it must be a NumPy array of bool")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"`reset_mask` has shape {mask.shape}; it must be ({self.num_envs},)")
+        if not mask.any():
+            raise ValueError("`reset_mask` has no True; leave it out to reset all environments")
+        return mask
+
+    def observations(self) -> NDArray[np.float32]:
+        """Last observation of every environment, in a new array; as after a restore or fork."""
+        return self._observations(self._pool.observations())
+
+    def save(self) -> bytes:
+        """Everything of all environments: motion, drawn values, counters, random keys."""
+        return self._pool.save()
+
+    def restore(self, saved: bytes) -> None:
+        """Puts all environments where they were at `save`; `observations()` gives their rows.
+
+        Raises:
+            ValueError: `saved` is of another scenario or number of environments.
+        """
+        self._pool.restore(saved)
+
+    def fork(self, source: int, targets: ArrayLike, rekey: bool = False) -> None:
+        """Makes environments copies of `source`: same motion, drawn values and future.
+
+        Args:
+            rekey: each copy draws random numbers of its own from here on.
+
+        Raises:
+            ValueError: an id is out of range.
+        """
+        self._pool.fork(source, env_ids(targets), rekey)
+
+    def param(self, env: int, path: str) -> float:
+        """Value of a randomizable parameter (`environment.param_paths`) in one environment."""
+        return self._pool.param(env, path)
+
+    def set_param(self, env: int, path: str, value: float) -> None:
+        """Sets one, in the unit of `environment.param_info(path)`.
+
+        Raises:
+            ValueError: unknown, or outside its bounds.
+        """
+        self._pool.set_param(env, path, value)
+
+    def hash(self, env: int | None = None) -> int:
+        """Trajectory hash of one environment, or of all. Needs keep_hash=True."""
+        return self._pool.hash() if env is None else self._pool.hash(env)
+
+    @property
+    def pool(self) -> _native.Pool:
+        """The C++ pool underneath."""
+        return self._pool
+
+    @property
+    def faults(self) -> int:
+        """Faulted transitions so far, in all environments."""
+        return self._pool.faults
+
+    def close_extras(self, **_: Any) -> None:
+        """Gives threads and memory back; called by `close`."""
+        self._pool.close()

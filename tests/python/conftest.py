@@ -1,0 +1,44 @@
+"""What the tests of the native module share."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from skybody._native import Environment, Pool
+
+Finished = subprocess.CompletedProcess[str]
+
+
+@pytest.fixture(scope="session")
+def hover() -> Environment:
+    """Hover, shared: an environment never changes."""
+    return Environment("hover")
+
+
+@pytest.fixture
+def python() -> Callable[[str], Finished]:
+    """Runs a script in a process of its own; a hang fails the test."""
+
+    def run(script: str) -> Finished:
+        return subprocess.run(
+            [sys.executable, "-c", textwrap.dedent(script)],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+
+    return run
+
+
+def begin(pool: Pool) -> NDArray[np.float32]:
+    """Resets all environments of a pool that waits for all; gives an action row for each."""
+    pool.send_reset()
+    pool.recv()
+    return np.zeros((pool.num_envs, pool.environment.action_size), np.float32)

@@ -1,0 +1,101 @@
+"""A loaded scenario says what it is, and why it cannot be loaded."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import pytest
+import skybody
+from skybody._native import Environment
+
+
+def test_numbers_are_those_of_the_scenario_file(hover: Environment) -> None:
+    assert hover.name == "hover"
+    assert Path(hover.file).name == "hover.yaml"
+    assert hover.dt == 0.001
+    assert hover.action_repeat == 1
+    assert hover.horizon == 20000
+    assert hover.gravity == (0.0, 0.0, -9.81)
+    assert hover.robots == ["quad"]
+    assert hover.agents == [0]
+
+
+def test_observation_channels_fill_the_row_without_gaps(hover: Environment) -> None:
+    first = 0
+    for channel in hover.observation_channels:
+        assert channel.first == first
+        assert channel.low <= channel.high
+        first += channel.count
+    assert first == hover.observation_size
+    assert [c.name for c in hover.observation_channels][:2] == ["position_error", "yaw_error"]
+    assert hover.observation_channels[0].unit == "m"
+
+
+def test_info_channels_fill_the_info_row(hover: Environment) -> None:
+    assert sum(c.count for c in hover.info_channels) == hover.info_size
+
+
+def test_action_channel_has_the_physical_range_of_the_signal(hover: Environment) -> None:
+    (channel,) = hover.action_channels
+    assert (channel.robot, channel.signal, channel.first, channel.count) == (0, "rotor_speed", 0, 4)
+    assert channel.low == [0.0] * 4
+    assert all(high > 0 for high in channel.high)
+
+
+def test_param_info_has_nominal_value_bounds_and_unit(hover: Environment) -> None:
+    path = "robots.quad.links.base_link.mass"
+    assert path in hover.param_paths
+    nominal, low, high, unit = hover.param_info(path)
+    assert low < nominal < high
+    assert unit == "kg"
+    with pytest.raises(ValueError, match=r"`robots\.quad\.colour`"):
+        hover.param_info("robots.quad.colour")
+
+
+def test_plugins_in_use_have_versions(hover: Environment) -> None:
+    assert set(hover.plugins) >= {"rotor_speed", "hover"}
+    assert all(hover.plugins.values())
+
+
+def test_versions_name_the_library_and_simbody() -> None:
+    versions = skybody.versions()
+    assert versions["skybody"] == skybody.__version__
+    assert versions["simbody"]
+
+
+def test_overrides_change_values_and_the_hash(hover: Environment) -> None:
+    other = Environment("hover", ["stepping.horizon=50"])
+    assert other.horizon == 50
+    assert other.scenario_hash != hover.scenario_hash
+    assert other.scenario_text != hover.scenario_text
+
+
+def test_the_same_scenario_has_the_same_hash_from_its_path(hover: Environment) -> None:
+    again = Environment(Path(hover.file))
+    assert again.scenario_hash == hover.scenario_hash
+
+
+def test_every_mistake_of_a_scenario_is_named_with_its_place(tmp_path: Path) -> None:
+    file = tmp_path / "bad.yaml"
+    file.write_text("name: bad\nstepping: {dt: -1, colour: red}\ntask: {plugin: nothing_like_it}\n")
+    with pytest.raises(skybody.InputError) as caught:
+        Environment(file)
+    text = str(caught.value)
+    assert isinstance(caught.value, ValueError)
+    assert f"{file}:2:16: error:" in text  # dt
+    assert f"{file}:2:20: error:" in text  # colour
+    assert f"{file}:3:16: error:" in text  # the plugin
+    assert "nothing_like_it" in text
+
+
+def test_a_scenario_that_is_not_there_is_an_input_error() -> None:
+    with pytest.raises(skybody.InputError, match="no_such_scenario"):
+        Environment("no_such_scenario")
+
+
+def test_an_environment_is_pickled_as_what_it_was_loaded_from() -> None:
+    environment = Environment("hover", ["stepping.horizon=77"])
+    copy = pickle.loads(pickle.dumps(environment))
+    assert copy.horizon == 77
+    assert copy.scenario_hash == environment.scenario_hash

@@ -1,0 +1,493 @@
+"""The vector environment against worlds that are stepped by hand, in each autoreset mode."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+import skybody
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from reference import SEED, STEPS, Rollout, actions, short_hover
+from skybody import make_vec
+from skybody.env import SkybodyEnv
+from skybody.vector import SkybodyVectorEnv
+
+NUM_ENVS = 10
+
+
+def make(autoreset: str = "next_step", **options: Any) -> SkybodyVectorEnv:
+    return make_vec(short_hover(), NUM_ENVS, seed=SEED, autoreset=autoreset, **options)
+
+
+def rollouts() -> list[Rollout]:
+    environment = short_hover()
+    return [Rollout(environment, i) for i in range(NUM_ENVS)]
+
+
+def test_spaces_are_those_of_the_channels():
+    envs = make()
+    assert envs.single_observation_space.shape == (22,)
+    assert envs.single_observation_space.dtype == np.float32
+    assert envs.observation_space.shape == (NUM_ENVS, 22)
+    assert np.all(envs.single_action_space.low == -1.0)
+    assert np.all(envs.single_action_space.high == 1.0)
+    assert envs.action_space.shape == (NUM_ENVS, 4)
+    low, high = envs.single_observation_space.low, envs.single_observation_space.high
+    for channel in envs.environment.observation_channels:
+        part = slice(channel.first, channel.first + channel.count)
+        assert np.all(low[part] == np.float32(channel.low))
+        assert np.all(high[part] == np.float32(channel.high))
+
+
+def test_all_observations_of_a_rollout_lie_in_the_space():
+    envs = make()
+    observations, _ = envs.reset(seed=3)
+    for step in range(STEPS):
+        assert observations in envs.observation_space
+        observations, rewards, terminations, truncations, _ = envs.step(actions(step, NUM_ENVS))
+        assert rewards.dtype == np.float32
+        assert terminations.dtype == truncations.dtype == np.bool_
+
+
+def test_next_step_ignores_the_action_after_an_end_and_resets_instead():
+    envs, worlds = make("next_step"), rollouts()
+    observations, _ = envs.reset()
+    pending: list[np.ndarray | None] = [None] * NUM_ENVS
+    resets = 0
+    for i, world in enumerate(worlds):
+        np.testing.assert_array_equal(observations[i], world.first)
+    for step in range(STEPS):
+        given = actions(step, NUM_ENVS)
+        observations, rewards, terminations, truncations, _ = envs.step(given)
+        for i, world in enumerate(worlds):
+            if pending[i] is not None:
+                np.testing.assert_array_equal(observations[i], pending[i])
+                assert rewards[i] == 0.0
+                assert not terminations[i]
+                assert not truncations[i]
+                pending[i] = None
+                resets += 1
+                continue
+            row = world.step(given[i])
+            np.testing.assert_array_equal(observations[i], row.observation)
+            assert rewards[i] == np.float32(row.reward)
+            assert (terminations[i], truncations[i]) == (row.terminated, row.truncated)
+            pending[i] = row.first_of_next
+    assert resets >= NUM_ENVS
+
+
+def test_same_step_gives_the_reset_row_and_the_last_row_as_final_obs():
+    envs, worlds = make("same_step"), rollouts()
+    envs.reset()
+    ends = 0
+    for step in range(STEPS):
+        given = actions(step, NUM_ENVS)
+        observations, rewards, terminations, truncations, infos = envs.step(given)
+        for i, world in enumerate(worlds):
+            row = world.step(given[i])
+            assert rewards[i] == np.float32(row.reward)
+            assert (terminations[i], truncations[i]) == (row.terminated, row.truncated)
+            if row.first_of_next is None:
+                np.testing.assert_array_equal(observations[i], row.observation)
+                assert "final_obs" not in infos or infos["final_obs"][i] is None
+            else:
+                np.testing.assert_array_equal(observations[i], row.first_of_next)
+                assert infos["_final_obs"][i]
+                np.testing.assert_array_equal(infos["final_obs"][i], row.observation)
+                ends += 1
+    assert ends >= NUM_ENVS
+
+
+def test_final_obs_keeps_its_values_while_later_steps_reuse_the_buffers():
+    envs = make("same_step")
+    envs.reset()
+    kept: list[tuple[np.ndarray, np.ndarray]] = []
+    for step in range(STEPS):
+        infos = envs.step(actions(step, NUM_ENVS))[4]
+        for row in infos.get("final_obs", []):
+            if row is not None:
+                kept.append((row, row.copy()))
+    assert kept
+    for row, as_it_was in kept:
+        assert row.flags.owndata  # who keeps one holds no whole buffer
+        np.testing.assert_array_equal(row, as_it_was)
+
+
+def test_disabled_leaves_ended_environments_to_the_reset_mask():
+    envs, worlds = make("disabled"), rollouts()
+    envs.reset()
+    ends = 0
+    for step in range(STEPS):
+        given = actions(step, NUM_ENVS)
+        observations, _, terminations, truncations, _ = envs.step(given)
+        rows = [world.step(given[i]) for i, world in enumerate(worlds)]
+        for i, row in enumerate(rows):
+            np.testing.assert_array_equal(observations[i], row.observation)
+        ended = terminations | truncations
+        if not ended.any():
+            continue
+        observations, infos = envs.reset(options={"reset_mask": ended})
+        np.testing.assert_array_equal(infos["_fault"], ended)
+        for i, row in enumerate(rows):
+            expected = row.first_of_next if ended[i] else row.observation
+            np.testing.assert_array_equal(observations[i], expected)
+        ends += int(ended.sum())
+    assert ends >= NUM_ENVS
+
+
+def test_disabled_refuses_to_step_an_ended_environment():
+    envs = make("disabled")
+    envs.reset()
+    with pytest.raises(ValueError, match="ended"):
+        for step in range(STEPS):
+            envs.step(actions(step, NUM_ENVS))
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+@pytest.mark.parametrize("scenario", ["hover", "payload", "formation_2"])
+def test_every_mode_gives_what_gymnasiums_own_sync_vector_env_gives(
+    mode: AutoresetMode, scenario: str
+):
+    """Observations, rewards, ends, and infos with their masks, key by key.
+
+    With SAME_STEP, `fault` and `agent_reward` beside `final_info` differ by design: ours are the
+    transition's, as the reward and the flags are.
+    """
+    environment = short_hover() if scenario == "hover" else short(scenario)
+    ours = make_vec(environment, NUM_ENVS, autoreset=mode)
+    theirs = SyncVectorEnv(
+        [lambda i=i: SkybodyEnv(environment, env_id=i) for i in range(NUM_ENVS)],
+        autoreset_mode=mode,
+    )
+    assert ours.metadata["autoreset_mode"] is theirs.metadata["autoreset_mode"]
+    assert ours.observation_space == theirs.observation_space
+    assert ours.action_space == theirs.action_space
+    same = [ours.reset(seed=5), theirs.reset(seed=[5] * NUM_ENVS)]
+    for step in range(STEPS):
+        assert_equal(same[0], same[1])
+        given = actions(step, NUM_ENVS, environment.action_size)
+        if step % 7 == 0:
+            given[step % NUM_ENVS, 0] = np.nan
+        same = [ours.step(given), theirs.step(given)]
+        ended = same[0][2] | same[0][3]
+        if mode is AutoresetMode.DISABLED and ended.any():
+            assert_equal(same[0], same[1])
+            same = [envs.reset(options={"reset_mask": ended.copy()}) for envs in (ours, theirs)]
+        if mode is AutoresetMode.SAME_STEP:
+            for _, _, _, _, infos in same:
+                del infos["fault"]
+                infos.pop("agent_reward", None)
+
+
+def short(scenario: str) -> skybody.Environment:
+    """Episodes of 23 steps of 5 ms."""
+    return skybody.Environment(scenario, ["stepping.action_repeat=5", "stepping.horizon=23"])
+
+
+def assert_equal(ours: Any, theirs: Any) -> None:
+    """Equal values and, in dictionaries, equal keys; rewards may be float32 against float64."""
+    if isinstance(ours, dict):
+        assert ours.keys() == theirs.keys()
+        for key in ours:
+            assert_equal(ours[key], theirs[key])
+    elif isinstance(ours, tuple):
+        for one, other in zip(ours, theirs, strict=True):
+            assert_equal(one, other)
+    elif isinstance(ours, np.ndarray) and ours.dtype == object:
+        assert theirs.dtype == object
+        for one, other in zip(ours, theirs, strict=True):
+            assert_equal(one, other)
+    else:
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_the_horizon_truncates_and_the_task_terminates():
+    calm = make_vec(short_hover("task.parameters.tilt_max=3"), 2, seed=SEED, autoreset="disabled")
+    calm.reset()
+    for step in range(40):
+        _, _, terminations, truncations, _ = calm.step(actions(step, 2))
+        assert not terminations.any()
+        assert truncations.all() == (step == 39)
+    tilting = make_vec(short_hover("stepping.horizon=0"), 2, seed=SEED, autoreset="disabled")
+    tilting.reset()
+    for step in range(STEPS):
+        _, _, terminations, truncations, _ = tilting.step(actions(step, 2))
+        assert not truncations.any()
+        if terminations.any():
+            return
+    pytest.fail("no episode was terminated")
+
+
+def rollout_of(envs: SkybodyVectorEnv, seed: int | None = None, steps: int = 50) -> np.ndarray:
+    rows = [envs.reset(seed=seed)[0].copy()]
+    rows += [envs.step(actions(step, envs.num_envs))[0].copy() for step in range(steps)]
+    return np.stack(rows)
+
+
+def test_a_seed_reproduces_and_another_differs():
+    envs = make()
+    one = rollout_of(envs, seed=1)
+    assert np.array_equal(one, rollout_of(envs, seed=1))
+    assert np.array_equal(one, rollout_of(make(num_threads=1), seed=1))
+    assert not np.array_equal(one, rollout_of(envs, seed=2))
+
+
+def test_a_reset_without_seed_begins_the_next_episodes():
+    envs = make()
+    first, again = rollout_of(envs), rollout_of(envs)
+    assert not np.array_equal(first[0], again[0])
+    np.testing.assert_array_equal(first, rollout_of(envs, seed=SEED))
+    np.testing.assert_array_equal(first, rollout_of(make()))
+
+
+def test_environments_of_one_seed_differ_from_each_other():
+    observations, _ = make().reset(seed=1)
+    assert len(np.unique(observations, axis=0)) == NUM_ENVS
+
+
+def test_order_makes_no_difference_to_a_vector_environment():
+    one = rollout_of(make(order="fixed"))
+    np.testing.assert_array_equal(one, rollout_of(make(order="arrival")))
+    with pytest.raises(ValueError, match="order is 'random'"):
+        make(order="random")
+
+
+def test_a_nan_action_faults_its_environment_and_the_others_go_on():
+    envs, untouched = make(), make()
+    envs.reset()
+    untouched.reset()
+    given = actions(0, NUM_ENVS)
+    bad = given.copy()
+    bad[3, 1] = np.nan
+    expected = untouched.step(given)
+    observations, rewards, terminations, truncations, infos = envs.step(bad)
+    others = np.arange(NUM_ENVS) != 3
+    np.testing.assert_array_equal(observations[others], expected[0][others])
+    np.testing.assert_array_equal(rewards[others], expected[1][others])
+    np.testing.assert_array_equal(infos["fault"], ~others)
+    np.testing.assert_array_equal(truncations, ~others)
+    assert not terminations.any()
+    assert np.isfinite(observations).all()
+    assert np.isfinite(rewards).all()
+    assert envs.faults == 1
+    assert untouched.faults == 0
+
+
+def test_same_step_tells_a_fault_beside_the_flags_and_in_final_info():
+    envs = make("same_step")
+    envs.reset()
+    given = actions(0, NUM_ENVS)
+    given[3] = np.inf
+    _, _, _, truncations, infos = envs.step(given)
+    assert truncations[3]
+    assert infos["fault"][3]
+    assert infos["final_info"]["fault"][3]
+    assert infos["final_info"]["_fault"].sum() == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "message"),
+    [
+        (np.zeros((NUM_ENVS, 4)), TypeError, "float32"),
+        (np.zeros((NUM_ENVS, 3), np.float32), ValueError, "shape"),
+        (np.zeros((NUM_ENVS + 1, 4), np.float32), ValueError, "shape"),
+        (np.zeros(4, np.float32), ValueError, "shape"),
+    ],
+)
+def test_actions_of_another_kind_are_refused(given: Any, error: type[Exception], message: str):
+    envs = make()
+    envs.reset()
+    with pytest.raises(error, match=message):
+        envs.step(given)
+    envs.step(actions(0, NUM_ENVS))  # and nothing was sent
+
+
+@pytest.mark.parametrize(
+    ("keywords", "error", "message"),
+    [
+        ({"seed": [1, 2, 3]}, TypeError, "one integer"),
+        ({"seed": 1.5}, TypeError, "one integer"),
+        ({"seed": -1}, ValueError, "from 0 to"),
+        ({"options": {"mask": 1}}, ValueError, "unknown reset option `mask`"),
+        ({"options": {"reset_mask": [True]}}, TypeError, "NumPy array of bool"),
+        ({"options": {"reset_mask": np.ones(3, bool)}}, ValueError, "shape"),
+        ({"options": {"reset_mask": np.zeros(NUM_ENVS, bool)}}, ValueError, "no True"),
+        ({"seed": 1, "options": {"reset_mask": np.ones(NUM_ENVS, bool)}}, ValueError, "leave out"),
+    ],
+)
+def test_bad_reset_arguments_are_refused(
+    keywords: dict[str, Any], error: type[Exception], message: str
+):
+    envs = make()
+    with pytest.raises(error, match=message):
+        envs.reset(**keywords)
+    envs.reset()
+
+
+def test_a_step_without_reset_is_refused():
+    with pytest.raises(ValueError, match="reset"):
+        make().step(actions(0, NUM_ENVS))
+
+
+def test_a_reset_after_an_interrupted_step_begins_anew():
+    envs, untouched = make(), make()
+    for each in (envs, untouched):
+        each.reset()
+    envs.pool.send(actions(0, NUM_ENVS), None)  # what Ctrl-C in step() leaves behind
+    with pytest.raises(ValueError, match="flight"):
+        envs.step(actions(0, NUM_ENVS))
+    np.testing.assert_array_equal(envs.reset()[0], untouched.reset()[0])
+
+
+def test_pickling_is_refused_with_a_remedy():
+    with pytest.raises(TypeError, match=r"cannot be pickled.*save\(\)"):
+        pickle.dumps(make())
+
+
+def test_a_closed_environment_refuses_to_step():
+    envs = make()
+    envs.reset()
+    envs.close()
+    envs.close()
+    with pytest.raises(skybody.Error, match="closed"):
+        envs.step(actions(0, NUM_ENVS))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"num_envs": 0}, "0"),
+        ({"num_envs": 2, "autoreset": "sometimes"}, "autoreset is 'sometimes'"),
+    ],
+)
+def test_options_out_of_range_are_refused(options: dict[str, Any], message: str):
+    with pytest.raises(ValueError, match=message):
+        make_vec("hover", **options)
+
+
+def test_a_mistake_in_the_scenario_is_an_input_error():
+    with pytest.raises(skybody.InputError):
+        make_vec("no_such_scenario", 1)
+    with pytest.raises(skybody.InputError, match="stepping"):
+        make_vec("hover", 1, overrides=["stepping.dt=-1"])
+    with pytest.raises(ValueError, match="loaded already"):
+        make_vec(short_hover(), 1, overrides=["stepping.dt=0.002"])
+
+
+def future(envs: SkybodyVectorEnv, steps: int = 60) -> np.ndarray:
+    return np.stack([envs.step(actions(step, NUM_ENVS))[0].copy() for step in range(steps)])
+
+
+def test_restore_repeats_the_future_also_in_another_vector_environment():
+    envs = make()
+    envs.reset()
+    future(envs, 17)
+    now = envs.observations()
+    saved = envs.save()
+    after = future(envs)
+    envs.restore(saved)
+    np.testing.assert_array_equal(envs.observations(), now)
+    np.testing.assert_array_equal(future(envs), after)
+    other = make(num_threads=1)
+    other.restore(saved)
+    np.testing.assert_array_equal(future(other), after)
+
+
+def test_restore_refuses_what_save_did_not_give():
+    envs = make()
+    envs.reset()
+    saved = envs.save()
+    with pytest.raises(ValueError, match="environments"):
+        make_vec(short_hover(), NUM_ENVS + 1).restore(saved)
+    with pytest.raises(ValueError):
+        make_vec("payload", NUM_ENVS).restore(saved)
+    with pytest.raises(ValueError):
+        envs.restore(saved[:-3])
+
+
+def test_fork_copies_the_future_and_rekey_gives_each_copy_its_own():
+    def futures(rekey: bool) -> np.ndarray:
+        envs = make("same_step")
+        envs.reset()
+        future(envs, 9)
+        envs.fork(2, [0, 5], rekey=rekey)
+        np.testing.assert_array_equal(envs.observations()[[0, 5]], envs.observations()[[2, 2]])
+        same = np.tile(actions(0, NUM_ENVS)[1], (NUM_ENVS, 1))
+        return np.stack([envs.step(same)[0][[0, 2, 5]] for _ in range(80)])  # beyond a reset
+
+    alike, own = futures(rekey=False), futures(rekey=True)
+    np.testing.assert_array_equal(alike[:, 0], alike[:, 1])
+    np.testing.assert_array_equal(alike[:, 2], alike[:, 1])
+    np.testing.assert_array_equal(own[:, 1], alike[:, 1])  # the source is as it was
+    assert not np.array_equal(own[:, 0], own[:, 1])
+    assert not np.array_equal(own[:, 0], own[:, 2])
+
+
+def test_fork_refuses_ids_that_are_none():
+    envs = make()
+    envs.reset()
+    with pytest.raises(ValueError):
+        envs.fork(0, [NUM_ENVS])
+    with pytest.raises(ValueError):
+        envs.fork(0, [2**40])
+    with pytest.raises(TypeError, match="integers"):
+        envs.fork(0, [0.5])
+
+
+def test_a_parameter_is_set_in_one_environment_alone():
+    envs, untouched = make(), make()
+    path = "robots.quad.links.base_link.mass"
+    envs.reset()
+    untouched.reset()
+    mass = envs.param(3, path)
+    envs.set_param(3, path, 1.2 * mass)
+    assert envs.param(3, path) == 1.2 * mass
+    assert envs.param(2, path) == mass
+    changed = (future(envs, 5) != future(untouched, 5)).any(axis=(0, 2))
+    np.testing.assert_array_equal(changed, np.arange(NUM_ENVS) == 3)
+    with pytest.raises(ValueError, match="no_such"):
+        envs.param(0, "no_such")
+
+
+def test_observations_are_views_that_survive_as_long_as_they_are_held():
+    envs = make()
+    observations, _ = envs.reset()
+    assert not observations.flags.owndata
+    held = [observations]
+    values = [observations.copy()]
+    for step in range(10):
+        held.append(envs.step(actions(step, NUM_ENVS))[0])
+        values.append(held[-1].copy())
+    for view, value in zip(held, values, strict=True):
+        np.testing.assert_array_equal(view, value)
+    assert envs.pool.fresh_buffers > 0
+    del held, view, observations
+    before = envs.pool.fresh_buffers
+    for step in range(10):
+        envs.step(actions(step, NUM_ENVS))
+    assert envs.pool.fresh_buffers <= before + 2  # those of the two held when counting began
+
+
+def test_gymnasium_make_vec_gives_the_native_one():
+    envs = gymnasium.make_vec(
+        "skybody/Hover-v0", num_envs=3, vectorization_mode="vector_entry_point", seed=SEED
+    )
+    assert isinstance(envs.unwrapped, SkybodyVectorEnv)
+    expected, _ = make_vec("hover", 3, seed=SEED).reset()
+    np.testing.assert_array_equal(envs.reset()[0], expected)
+    envs.close()
+
+
+def test_gymnasiums_vector_wrappers_work_on_it():
+    envs = gymnasium.wrappers.vector.RecordEpisodeStatistics(make("next_step"))
+    envs.reset(seed=1)
+    lengths = []
+    for step in range(STEPS):
+        infos = envs.step(actions(step, NUM_ENVS))[4]
+        if "episode" in infos:
+            lengths += infos["episode"]["l"][infos["_episode"]].tolist()
+    assert lengths
+    assert max(lengths) == 40
