@@ -4,7 +4,11 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <numeric>
+#include <string>
+#include <system_error>
 
+#include "core/base/error.h"
 #include "core/base/fp_environment.h"
 
 namespace skybody {
@@ -20,31 +24,49 @@ constexpr int kSpins = 2000;             // pauses, some 50 us
 
 float smooth(float old, float now) { return old == 0.0f ? now : 0.75f * old + 0.25f * now; }
 
-/// Processors that this process may use.
+}  // namespace
+
 std::vector<int> allowed_processors() {
   std::vector<int> out;
   cpu_set_t set;
   CPU_ZERO(&set);
-  if (sched_getaffinity(0, sizeof(set), &set) != 0) return out;
-  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
+  if (sched_getaffinity(0, sizeof(set), &set) == 0) {
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+      if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
+    }
+  }
+  if (out.empty()) {  // more processors than a set holds
+    out.resize(std::max(1u, std::thread::hardware_concurrency()));
+    std::iota(out.begin(), out.end(), 0);
   }
   return out;
 }
 
-}  // namespace
-
 Crew::Crew(int threads, int groups, bool pin, GroupRunner& runner)
     : runner_(runner), queue_(groups), cost_(static_cast<std::size_t>(groups)) {
-  const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+  const auto processors = static_cast<int>(allowed_processors().size());
   spin_limit_ = threads <= processors ? kSpins : 1;  // with more threads, spinning steals time
-  for (int k = 1; k < threads; ++k) workers_.emplace_back([this, k] { work(k); });
+  start_workers(threads - 1);
   if (pin) {
     for (int k = 1; k < threads; ++k) pin_worker(k);
   }
 }
 
-Crew::~Crew() {
+Crew::~Crew() { dismiss_workers(); }
+
+void Crew::start_workers(int count) {
+  workers_.reserve(static_cast<std::size_t>(count));
+  try {
+    for (int k = 1; k <= count; ++k) workers_.emplace_back([this, k] { work(k); });
+  } catch (const std::system_error& error) {
+    const std::size_t started = workers_.size();
+    dismiss_workers();
+    throw Error("the system gave " + std::to_string(started) + " of " + std::to_string(count) +
+                " threads (" + error.what() + "): take fewer threads, or raise its limit");
+  }
+}
+
+void Crew::dismiss_workers() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -76,10 +98,9 @@ void Crew::add(int group) {
 }
 
 void Crew::submit() {
-  const double waiting =
-      static_cast<double>(queue_.size()) * static_cast<double>(mean_cost_.load());
-  const double useful = std::min((added_cost_ + waiting) / kCallerAlone, 1e6);
-  wanted_.store(std::min(threads(), 1 + static_cast<int>(useful)), std::memory_order_relaxed);
+  const double waiting = added_cost_ + static_cast<double>(queue_.size()) * usual_cost();
+  const int useful = 1 + static_cast<int>(std::min(waiting / kCallerAlone, 1e6));
+  wanted_.store(std::min(threads(), useful), std::memory_order_relaxed);
   added_cost_ = 0.0;
   queue_.publish();
   if (wanted_.load(std::memory_order_relaxed) > 1) summon();
@@ -95,7 +116,7 @@ void Crew::work(int index) {
   const FpEnvironment guard;
   int idle = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
-    if (index < wanted_.load(std::memory_order_relaxed) && run_block(false)) {
+    if (index < wanted_.load(std::memory_order_relaxed) && run_block()) {
       idle = 0;
     } else if (++idle < spin_limit_) {
       pause();
@@ -124,30 +145,55 @@ bool Crew::is_slow(int group) const {
   return mean > 0.0 && expected_cost(group) > std::max(kSlow * mean, kBlock);
 }
 
-bool Crew::run_block(bool is_caller) {
+/// A worker's turn. @returns false if nothing waits
+bool Crew::run_block() {
   int groups[kMostGroups];
-  bool defer = false;
   const int count = queue_.take(groups, kMostGroups, [&](const int* first, int available) {
-    defer = is_caller && !workers_.empty() && is_slow(*first) &&
-            std::any_of(first + 1, first + available, [&](int g) { return !is_slow(g); });
-    return defer ? 1 : choose(first, available);
+    return choose(first, available);
   });
   if (count == 0) return false;
+  const bool quick = !is_slow(groups[0]);
+  if (quick) quick_running_.fetch_add(1, std::memory_order_seq_cst);
+  run_taken(groups, count);
+  if (quick && quick_running_.fetch_sub(1, std::memory_order_seq_cst) == 1) announce();
+  return true;
+}
+
+/// The caller's turn: like a worker's, but a slow group must not hold it up while quicker ones wait
+/// (the slow one goes to the queue's end) or run (it is left where it is).
+/// @returns false if there is nothing for the caller to do
+bool Crew::help() {
+  int groups[kMostGroups];
+  bool defer = false, leave = false;
+  const int count = queue_.take(groups, kMostGroups, [&](const int* first, int available) {
+    const bool slow = !workers_.empty() && is_slow(*first);
+    defer = slow && std::any_of(first + 1, first + available, [&](int g) { return !is_slow(g); });
+    leave = slow && !defer && quick_running_.load(std::memory_order_relaxed) > 0;
+    if (leave) return 0;
+    return defer ? 1 : choose(first, available);
+  });
+  if (count == 0) {
+    if (leave) want_all();
+    return false;
+  }
   if (defer) {
     leave_to_workers(groups[0]);
-    return true;
-  }
-  try {
-    const Clock::time_point start = Clock::now();
-    run_groups(groups, count);
-    note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
-  } catch (...) {
-    fail(std::current_exception());
+  } else {
+    run_taken(groups, count);
   }
   return true;
 }
 
-/// The caller must not be held up by a slow group while others wait: it goes to the queue's end.
+void Crew::run_taken(const int* groups, int count) {
+  try {
+    const Clock::time_point start = Clock::now();
+    for (int k = 0; k < count; ++k) runner_.run(groups[k]);
+    note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
+  } catch (...) {
+    fail(std::current_exception());
+  }
+}
+
 void Crew::leave_to_workers(int group) {
   wanted_.store(threads(), std::memory_order_relaxed);
   queue_.push(group);
@@ -155,10 +201,20 @@ void Crew::leave_to_workers(int group) {
   summon();
 }
 
+/// What waits is worth all workers, though submit() may have thought otherwise.
+void Crew::want_all() {
+  if (wanted_.exchange(threads(), std::memory_order_seq_cst) != threads()) summon();
+}
+
+/// What a group costs that is not known by itself [s].
+double Crew::usual_cost() const {
+  const float mean = mean_cost_.load(std::memory_order_relaxed);
+  return mean > 0.0f ? static_cast<double>(mean) : kUnknownCost;
+}
+
 /// How many of the waiting groups to take.
 int Crew::choose(const int* groups, int available) const {
-  const double mean = static_cast<double>(mean_cost_.load(std::memory_order_relaxed));
-  const double waiting = static_cast<double>(queue_.size()) * (mean > 0.0 ? mean : kUnknownCost);
+  const double waiting = static_cast<double>(queue_.size()) * usual_cost();
   const double share = waiting / (2.0 * wanted_.load(std::memory_order_relaxed));
   const double budget = std::clamp(share, kSmallestBlock, kBlock);
   double cost = expected_cost(groups[0]);
@@ -167,17 +223,15 @@ int Crew::choose(const int* groups, int available) const {
   return count;
 }
 
-void Crew::run_groups(const int* groups, int count) {
-  for (int k = 0; k < count; ++k) runner_.run(groups[k]);
-}
-
 void Crew::note_cost(const int* groups, int count, double seconds) {
   const auto each = static_cast<float>(seconds / count);
   for (int k = 0; k < count; ++k) {
     std::atomic<float>& cost = cost_[static_cast<std::size_t>(groups[k])];
     cost.store(smooth(cost.load(std::memory_order_relaxed), each), std::memory_order_relaxed);
   }
-  mean_cost_.store(smooth(mean_cost_.load(std::memory_order_relaxed), each),
+  // A slow group moves the mean by no more than a quarter, or none would be slow beside it.
+  const float mean = mean_cost_.load(std::memory_order_relaxed);
+  mean_cost_.store(smooth(mean, mean > 0.0f ? std::min(each, 2.0f * mean) : each),
                    std::memory_order_relaxed);
 }
 

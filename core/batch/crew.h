@@ -21,18 +21,22 @@ class GroupRunner {
   virtual void run(int group) = 0;
 };
 
+/// Processors that this process may use; never empty.
+std::vector<int> allowed_processors();
+
 /// N_T threads of which the caller is one. Clocks are read for scheduling only: which thread does
 /// what when, never what comes out.
 ///
 /// How much a thread takes at once follows from what steps have cost so far: about 20 us, less
 /// where little is left, and one group at a time where groups are slow. A group that is far slower
-/// than the others is left to the workers, so that the caller is not held up. Work of a few
-/// microseconds stays with the caller. Workers that find nothing spin for a bounded time, then
-/// sleep.
+/// than the others is left to the workers for as long as quicker ones wait or run, so that the
+/// caller is not held up. Work of a few microseconds stays with the caller. Workers that find
+/// nothing spin for a bounded time, then sleep.
 class Crew {
  public:
   using Clock = std::chrono::steady_clock;
 
+  /// @throws Error if the system gives fewer threads
   Crew(int threads, int groups, bool pin, GroupRunner& runner);
   /// Workers finish what they have taken; what waits is dropped.
   ~Crew();
@@ -50,7 +54,7 @@ class Crew {
   bool wait(Done&& done, Clock::time_point deadline) {
     for (int idle = 0; !done();) {
       rethrow_failure();
-      if (run_block(true)) {
+      if (help()) {
         idle = 0;
         if (Clock::now() >= deadline && !done()) return false;
       } else if (++idle < spin_limit_) {
@@ -83,17 +87,24 @@ class Crew {
   void sleep_until(Clock::time_point deadline, Done&& done) {
     std::unique_lock lock(mutex_);
     caller_sleeps_.store(true, std::memory_order_seq_cst);
-    const auto awake = [&] { return done() || failed_.load() || !queue_.empty(); };
+    const auto awake = [&] {
+      return done() || failed_.load() || (quick_running_.load() == 0 && !queue_.empty());
+    };
     caller_wakes_.wait_until(lock, deadline, awake);
     caller_sleeps_.store(false, std::memory_order_relaxed);
   }
 
+  void start_workers(int count);
+  void dismiss_workers();
   void work(int index);
-  bool run_block(bool is_caller);
+  bool help();
+  bool run_block();
+  void run_taken(const int* groups, int count);
   bool is_slow(int group) const;
   void leave_to_workers(int group);
+  void want_all();
+  double usual_cost() const;
   int choose(const int* groups, int available) const;
-  void run_groups(const int* groups, int count);
   void note_cost(const int* groups, int count, double seconds);
   double expected_cost(int group) const;
   void summon();
@@ -111,6 +122,7 @@ class Crew {
 
   std::atomic<int> wanted_{1};  ///< threads that shall work at present, the caller counted
   std::atomic<int> sleepers_{0};
+  std::atomic<int> quick_running_{0};  ///< workers that run groups which are not slow
   std::atomic<bool> stop_{false}, failed_{false}, caller_sleeps_{false};
   std::exception_ptr failure_;
   std::mutex mutex_;

@@ -21,13 +21,12 @@ class DoneQueue {
     ring_[static_cast<std::size_t>(at) & mask_].store(entry, std::memory_order_seq_cst);
   }
 
-  /// Is there an entry to read?
-  bool ready() const { return ring_[head_ & mask_].load(std::memory_order_seq_cst) != 0; }
-
   /// @returns false if there is none
   bool pop(int& group, std::uint32_t& lanes) {
     std::atomic<std::uint64_t>& slot = ring_[head_ & mask_];
-    const std::uint64_t entry = slot.load(std::memory_order_acquire);
+    // In one order with the caller's note that it sleeps: a producer that does not see the note has
+    // stored what is loaded here.
+    const std::uint64_t entry = slot.load(std::memory_order_seq_cst);
     if (entry == 0) return false;  // lanes are never 0
     slot.store(0, std::memory_order_relaxed);
     ++head_;

@@ -18,8 +18,7 @@ constexpr std::uint64_t kOwned = std::uint64_t{1} << 32;
 
 int threads_for(const VecEnvOptions& options) {
   if (options.threads > 0) return options.threads;
-  const auto processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  return std::min(processors, options.envs);
+  return std::min(static_cast<int>(allowed_processors().size()), options.envs);
 }
 
 VecEnvOptions completed(VecEnvOptions options) {
@@ -48,8 +47,10 @@ VecEnv::Engine::Engine(std::shared_ptr<const Environment> environment, const Vec
   std::iota(staging_.env_id.begin(), staging_.env_id.end(), 0);
 }
 
+bool VecEnv::Engine::of_this_process() const { return process_ == getpid(); }
+
 void VecEnv::Engine::check_alive() {
-  if (process_ != getpid()) {
+  if (!of_this_process()) {
     throw Error(
         "this VecEnv belongs to the parent process: its threads did not come along with the fork. "
         "Make one in the child, or start processes by `spawn`");
@@ -132,12 +133,13 @@ void VecEnv::Engine::check_steps(std::span<const float> actions,
 /// May this environment be stepped now? `marked_` are those of the same send().
 void VecEnv::Engine::check_step(std::int32_t env) {
   check_id(env);
-  const std::string name = "environment " + std::to_string(env);
-  if (marked_[static_cast<std::size_t>(env)] != 0) throw Error(name + " is there twice");
-  if (in_flight(env)) throw Error(name + " is still in flight: recv() it before the next send()");
-  if (!fleet.started(env)) throw Error(name + " has not begun an episode: reset it first");
+  const auto name = [env] { return "environment " + std::to_string(env); };  // only where it failed
+  if (marked_[static_cast<std::size_t>(env)] != 0) throw Error(name() + " is there twice");
+  if (in_flight(env)) throw Error(name() + " is still in flight: recv() it before the next send()");
+  if (!fleet.started(env)) throw Error(name() + " has not begun an episode: reset it first");
   if (options.autoreset == Autoreset::kDisabled && fleet.ended(env)) {
-    throw Error("the episode of " + name + " has ended, and autoreset is disabled: reset it first");
+    throw Error("the episode of " + name() +
+                " has ended, and autoreset is disabled: reset it first");
   }
 }
 
@@ -261,7 +263,7 @@ void VecEnv::Engine::gather(Batch& out) {
   for (const std::int32_t env : chosen_) {
     in_flight_[static_cast<std::size_t>(env)] = finished_[static_cast<std::size_t>(env)] = 0;
   }
-  cursor = (chosen_.back() + 1) % fleet.envs();
+  if (options.order == Order::kFixed) cursor = (chosen_.back() + 1) % fleet.envs();
   in_flight_count -= count;
   out.rows = count;
 }

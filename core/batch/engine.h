@@ -27,6 +27,8 @@ class VecEnv::Engine : private GroupRunner {
   void send_steps(std::span<const float> actions, std::span<const std::int32_t> env_ids);
   std::shared_ptr<const Batch> recv(Crew::Clock::time_point deadline);
 
+  /// False in a forked child, where no thread but the caller's exists.
+  bool of_this_process() const;
   /// @throws Error in a forked child, or what a worker met
   void check_alive();
   /// @throws Error while environments are in flight

@@ -56,7 +56,8 @@ void Fleet::transition(int group, std::uint32_t mask, Batch& rows) {
   std::uint32_t resets = 0;
   each(mask, [&](int l) {
     const std::size_t env = index(group * kLanes + l);
-    const bool begins = autoreset_ == Autoreset::kNextStep && ended_[env] != 0;
+    // kSameStep comes here with an ended episode too: restored, or its reset was itself a fault.
+    const bool begins = autoreset_ != Autoreset::kDisabled && ended_[env] != 0;
     if (wants_reset_[env] != 0 || begins) resets |= 1u << l;
   });
   if ((mask & ~resets) != 0) step(group, mask & ~resets, rows);
@@ -112,7 +113,7 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows) {
   add_to_hash(group, over, out);
   each(over, [&](int l) {
     const std::size_t env = index(group * kLanes + l);
-    // A reset whose own outcome is bad ends this episode too, in the next transition's row.
+    // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
     ended_[env] = status[l] != kRunning;
   });
 }

@@ -30,7 +30,11 @@ const VecEnvOptions& checked(const VecEnvOptions& options) {
 VecEnv::VecEnv(std::shared_ptr<const Environment> environment, const VecEnvOptions& options)
     : engine_(std::make_unique<Engine>(std::move(environment), checked(options))) {}
 
-VecEnv::~VecEnv() = default;
+/// In a forked child there are no threads to join, and a lock may be held by one that is not there:
+/// nothing can be taken down, so it is left to the end of the process.
+VecEnv::~VecEnv() {
+  if (!engine_->of_this_process()) static_cast<void>(engine_.release());
+}
 
 const Environment& VecEnv::environment() const { return engine_->fleet.environment(); }
 const std::shared_ptr<const Environment>& VecEnv::shared_environment() const {
@@ -75,6 +79,8 @@ std::shared_ptr<const Batch> VecEnv::recv() {
 }
 
 std::shared_ptr<const Batch> VecEnv::recv(std::chrono::milliseconds patience) {
+  constexpr std::chrono::hours kForEver{24 * 365 * 100};  // later times overflow the clock
+  if (patience >= kForEver) return recv();
   return engine_->recv(Crew::Clock::now() + patience);
 }
 

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter, FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from skybody.train.run_folder import read_table
@@ -34,7 +35,14 @@ def draw_curve(runs: list[Path], out: Path) -> None:
         axes[1, column].set_xlabel(label)
     for axis in axes.flat:
         axis.grid(alpha=0.3)
+    axes[0, 0].set_title("mean of all episodes that ended", fontsize=9)
+    axes[1, 0].set_title("training: mean of all steps; evaluation: last second, median", fontsize=9)
     axes[1, 0].set_yscale("log")
+    for axis in (axes[1, 0].yaxis, axes[1, 1].yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_minor_formatter(NullFormatter())
+        axis.set_major_formatter(FormatStrFormatter("%g"))
+    axes[1, 0].xaxis.set_major_formatter(EngFormatter(sep=""))
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
     canvas.print_png(out)
@@ -64,9 +72,6 @@ def _draw_run(axes: NDArray[np.object_], run: Path, color: str, several: bool) -
                 alpha=0.2,
                 label="one standard deviation of its episodes",
             )
-    axes[1, 0].set_title(
-        "training: mean of all steps; evaluation: median of the last second", fontsize=9
-    )
 
 
 def _line(axis: Axes, table: Columns, x: str, y: str, color: str, label: str | None) -> None:
