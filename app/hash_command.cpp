@@ -1,13 +1,18 @@
 // skybody hash: one line that says whether two machines, builds or runs fly the same trajectory.
 #include <cstdio>
+#include <filesystem>
+#include <span>
 #include <vector>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/scenario_options.h"
-#include "core/assemble/simulation.h"
+#include "app/vec_env_options.h"
+#include "core/assemble/replay_recorder.h"
 #include "core/base/error.h"
+#include "core/base/hash.h"
 #include "core/base/random.h"
+#include "core/io/flight_log.h"
 
 namespace skybody {
 namespace {
@@ -23,55 +28,87 @@ constexpr const char* kFooter =
     "Philox\n"
     "with key (seed, e), step k, stream `hash.action`. The chains are combined in the order of "
     "the\n"
-    "environments.\n"
-    "Example:\n"
-    "  skybody hash scenarios/hover.yaml --envs 1 --threads 1 --batch 1 --steps 20000 --seed 7";
+    "environments. The hash does not depend on --threads, --batch and --order.\n"
+    "Examples:\n"
+    "  skybody hash scenarios/hover.yaml --steps 20000 --seed 7\n"
+    "  skybody hash payload --envs 12 --threads 4 --batch 4 --order arrival\n"
+    "  skybody hash hover --envs 8 --record run.h5 && skybody replay run.h5 --threads 2";
 
 struct HashOptions {
   LoadOptions load;
-  std::uint64_t envs = 1, threads = 1, batch = 1, steps = 1000, seed = 0;
+  VecEnvOptions envs = {.threads = 1};
+  std::uint64_t steps = 1000;
   std::string order = "fixed";
+  std::filesystem::path record;
+  bool states = false;
 };
 
-void require_one(const char* option, std::uint64_t value) {
-  if (value == 1) return;
-  throw Error(std::string(option) + " is " + std::to_string(value) +
-              "; allowed: 1, for the batch engine does not exist yet");
-}
-
-std::uint64_t hash_environment(const std::shared_ptr<const Environment>& environment,
-                               const HashOptions& options, std::uint64_t env) {
-  Simulation simulation(environment, options.seed, env);
-  std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
-  simulation.reset();
-  for (std::uint64_t k = 0; k < options.steps; ++k) {
-    if (simulation.done()) {
-      simulation.reset();
-      continue;
-    }
-    Random<double> random(RandomKey{options.seed, env}, 0, k, derive_stream("hash.action"));
-    for (float& value : action) value = static_cast<float>(random.uniform(-1.0, 1.0));
-    simulation.step(action);
+/// Gives every environment its steps, as its earlier ones come back.
+class Run {
+ public:
+  Run(VecEnv& envs, std::uint64_t steps)
+      : envs_(envs),
+        steps_(steps),
+        taken_(static_cast<std::size_t>(envs.envs())),
+        width_(static_cast<std::size_t>(envs.environment().action_size())),
+        actions_(taken_.size() * width_) {
+    ids_.reserve(taken_.size());
   }
-  return simulation.hash();
-}
+
+  void operator()() {
+    envs_.send_reset();
+    while (envs_.in_flight() > 0) send_next(*envs_.recv());
+  }
+
+ private:
+  void send_next(const Batch& batch) {
+    ids_.clear();
+    for (int k = 0; k < batch.rows; ++k) {
+      const std::int32_t env = batch.env_id[static_cast<std::size_t>(k)];
+      std::uint64_t& taken = taken_[static_cast<std::size_t>(env)];
+      if (taken == steps_) continue;
+      draw(env, taken++, actions_.data() + ids_.size() * width_);
+      ids_.push_back(env);
+    }
+    if (!ids_.empty()) envs_.send(std::span(actions_).first(ids_.size() * width_), ids_);
+  }
+
+  void draw(std::int32_t env, std::uint64_t step, float* action) const {
+    const RandomKey key{envs_.options().seed, static_cast<std::uint64_t>(env)};
+    Random<double> random(key, 0, step, derive_stream("hash.action"));
+    for (std::size_t k = 0; k < width_; ++k) {
+      action[k] = static_cast<float>(random.uniform(-1.0, 1.0));
+    }
+  }
+
+  VecEnv& envs_;
+  std::uint64_t steps_;
+  std::vector<std::uint64_t> taken_;  ///< by each environment
+  std::size_t width_;
+  std::vector<float> actions_;
+  std::vector<std::int32_t> ids_;
+};
 
 int hash(const HashOptions& options) {
-  require_one("--envs", options.envs);
-  require_one("--threads", options.threads);
-  require_one("--batch", options.batch);
-  const auto environment = load_and_warn(options.load);
-  HashChain all;
-  for (std::uint64_t env = 0; env < options.envs; ++env) {
-    all.update(hash_environment(environment, options, env));
+  if (options.states && options.record.empty()) {
+    throw Error("--states is given without --record FILE, where they would be written");
   }
-  std::printf("%s\n", to_hex(all.value()).c_str());
+  const auto environment = load_and_warn(options.load);
+  VecEnvOptions how = options.envs;
+  how.order = options.order == "arrival" ? Order::kArrival : Order::kFixed;
+  how.keep_hash = true;
+  VecEnv envs(environment, how);
+  Run run(envs, options.steps);
+  if (options.record.empty()) {
+    run();
+  } else {
+    skip_hdf5_cleanup_at_exit();
+    const auto recorder = start_recording(envs, options.record, {options.load, options.states});
+    run();
+    stop_recording(envs, *recorder);
+  }
+  std::printf("%s\n", to_hex(envs.hash()).c_str());
   return kExitDone;
-}
-
-void add_count(CLI::App& command, const char* name, std::uint64_t& value, const char* letter,
-               const char* doc) {
-  command.add_option(name, value, doc)->type_name(letter)->check(whole_number(1, kMost));
 }
 
 }  // namespace
@@ -81,16 +118,17 @@ void add_hash_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<HashOptions>();
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
-  add_count(*command, "--envs", options->envs, "N", "Environments (1)");
-  add_count(*command, "--threads", options->threads, "T", "Threads (1)");
-  add_count(*command, "--batch", options->batch, "B", "Environments a batch (1)");
-  add_count(*command, "--steps", options->steps, "K", "Steps of each environment (1000)");
-  command->add_option("--order", options->order, "fixed or arrival (fixed)")
-      ->type_name("ORDER")
-      ->check(one_of("order", {"fixed", "arrival"}));
-  command->add_option("--seed", options->seed, "Key of all random numbers (0)")
+  add_vec_env_options(*command, options->envs, options->order);
+  command->add_option("--steps", options->steps, "Steps of each environment (1000)")
+      ->type_name("K")
+      ->check(whole_number(1, kMost));
+  command->add_option("--seed", options->envs.seed, "Key of all random numbers (0)")
       ->type_name("S")
       ->check(whole_number(0, UINT64_MAX));
+  command->add_option("--record", options->record, "Write a recording for `skybody replay`")
+      ->type_name("FILE");
+  command->add_flag("--states", options->states,
+                    "With all state words, so that a replay which parts can name them");
   command->callback([options, &chosen] { chosen = [options] { return hash(*options); }; });
 }
 

@@ -37,6 +37,8 @@ void declare_commands(CLI::App& app, Action& chosen) {
   add_run_command(app, chosen);
   add_check_command(app, chosen);
   add_hash_command(app, chosen);
+  add_replay_command(app, chosen);
+  add_bench_command(app, chosen);
   add_plugins_command(app, chosen);
   add_schema_command(app, chosen);
   add_new_command(app, chosen);

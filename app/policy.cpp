@@ -1,9 +1,15 @@
 #include "app/policy.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <filesystem>
 
 #include "core/assemble/hold_policy.h"
+#include "core/assemble/network_policy.h"
 #include "core/base/random.h"
+#include "core/io/flight_log.h"
+#include "core/io/text.h"
 
 namespace skybody {
 namespace {
@@ -43,6 +49,25 @@ class Hold : public Policy {
   HoldPolicy policy_;
 };
 
+class Network : public Policy {
+ public:
+  Network(const std::string& path, const Environment& environment) : policy_(path) {
+    const std::string warning = policy_.check_fits(environment);
+    if (!warning.empty()) spdlog::warn(warning);
+  }
+
+  void act(const Simulation& simulation, std::span<float> action) override {
+    policy_.act(simulation.observation(), action);
+  }
+
+ private:
+  NetworkPolicy policy_;
+};
+
+bool is_baseline(const std::string& name) {
+  return std::count(policy_names().begin(), policy_names().end(), name) > 0;
+}
+
 }  // namespace
 
 const std::vector<std::string>& policy_names() {
@@ -50,11 +75,25 @@ const std::vector<std::string>& policy_names() {
   return names;
 }
 
+CLI::Validator policy_argument() {
+  const auto check = [](const std::string& text) -> std::string {
+    std::error_code ignored;
+    if (is_baseline(text) || std::filesystem::exists(text, ignored)) return "";
+    const std::string near = closest(text, policy_names());
+    return "there is no policy or file `" + text + "`" +
+           (near.empty() ? "" : "; did you mean `" + near + "`?") +
+           "; allowed: " + join(policy_names()) + ", a policy.h5, or a folder with checkpoints";
+  };
+  return {check, "", "policy"};
+}
+
 std::unique_ptr<Policy> make_policy(const std::string& name, const Environment& environment,
                                     std::uint64_t seed) {
   if (name == "zero") return std::make_unique<ZeroPolicy>();
   if (name == "random") return std::make_unique<RandomPolicy>(seed);
   if (name == "hold") return std::make_unique<Hold>(environment);
-  SKYBODY_DEMAND(false, "no policy " + name);
+  skip_hdf5_cleanup_at_exit();
+  return std::make_unique<Network>(name, environment);
 }
+
 }  // namespace skybody

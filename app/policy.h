@@ -1,6 +1,7 @@
-// What flies where nothing has been learned: the baselines of `skybody run`.
+// What flies: baselines where nothing has been learned, and trained networks.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -19,11 +20,16 @@ class Policy {
   virtual void act(const Simulation& simulation, std::span<float> action) = 0;
 };
 
-/// zero, random, hold.
+/// The baselines: zero, random, hold.
 const std::vector<std::string>& policy_names();
 
-/// @param name  one of policy_names()   @param seed  of `random`
-/// @throws Error if the policy cannot fly the environment
+/// Accepts a baseline's name, or a file or folder that exists.
+CLI::Validator policy_argument();
+
+/// @param name  one of policy_names(), or where a trained policy lies (see find_policy); a warning
+///              is logged where that was trained on another scenario
+/// @param seed  of `random`
+/// @throws Error if the policy cannot be read or cannot fly the environment
 std::unique_ptr<Policy> make_policy(const std::string& name, const Environment& environment,
                                     std::uint64_t seed);
 

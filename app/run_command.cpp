@@ -24,7 +24,9 @@ constexpr std::uint64_t kMostSteps = 1000000000000;
 constexpr const char* kFooter =
     "Policies: zero is the middle of every command's range; random is uniform in it, a function "
     "of\n"
-    "seed, episode and step; hold hovers at the task's goal.\n"
+    "seed, episode and step; hold hovers at the task's goal. A trained policy is a policy.h5, a "
+    "folder\n"
+    "that has one, or a training run's folder, whose newest checkpoint flies.\n"
     "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes. "
     "Without\n"
     "--out, DIR is a new folder flights/SCENARIO-SEED (or -2, -3, ... behind it where that "
@@ -34,7 +36,8 @@ constexpr const char* kFooter =
     "Examples:\n"
     "  skybody run scenarios/hover.yaml\n"
     "  skybody run scenarios/payload.yaml --episodes 3 --seed 7 --out /tmp/payload\n"
-    "  skybody run hover --policy random --set stepping.horizon=500 --no-picture";
+    "  skybody run hover --policy random --set stepping.horizon=500 --no-picture\n"
+    "  skybody run hover_learn --policy runs/first --episodes 5";
 
 struct RunOptions {
   LoadOptions load;
@@ -120,9 +123,12 @@ void add_run_command(CLI::App& app, Action& chosen) {
   command->add_option("--seed", options->seed, "Key of all random numbers (0)")
       ->type_name("S")
       ->check(whole_number(0, UINT64_MAX));
-  command->add_option("--policy", options->policy, "zero, random or hold (hold)")
-      ->type_name("NAME")
-      ->check(one_of("policy", policy_names()));
+  command
+      ->add_option("--policy", options->policy,
+                   "zero, random, hold, or a trained policy: policy.h5, a checkpoint or a training "
+                   "run (hold)")
+      ->type_name("NAME|PATH")
+      ->check(policy_argument());
   command->add_option("--out", options->out, "Folder of log and pictures")->type_name("DIR");
   command->add_flag("--no-picture", options->no_picture, "Draw no picture");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });

@@ -2,35 +2,13 @@
 
 #include <utility>
 
+#include "core/assemble/simulation_data.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/fork_key.h"
-#include "core/env/group_work.h"
 #include "core/env/param_access.h"
 
 namespace skybody {
-
-struct Simulation::Data {
-  Data(const Environment& environment, std::uint64_t seed, std::uint64_t env_id)
-      : group(environment.make_state(1)),
-        work(environment.make_work(1)),
-        observation(static_cast<std::size_t>(environment.observation_size())),
-        agent_reward(environment.agents().size()),
-        info(static_cast<std::size_t>(environment.info_size())) {
-    environment.initialize(group, 0, seed, env_id);
-  }
-
-  Rows rows() { return {observation.data(), &reward, &status, agent_reward.data(), info.data()}; }
-
-  StateGroup group;
-  std::unique_ptr<GroupWork> work;
-  std::vector<float> observation, agent_reward, info;
-  float reward = 0.0f;
-  std::uint64_t status = kRunning;
-  HashChain chain;
-  bool keeps_hash = true;
-  bool started = false;
-};
 
 Simulation::Simulation(const SimulationOptions& options)
     : Simulation(load_environment({options.scenario, options.overrides, options.plugin_path}),
@@ -58,7 +36,7 @@ void Simulation::reset(std::uint64_t seed) {
 }
 
 void Simulation::step(std::span<const float> action) {
-  if (!data_->started) throw Error("step() before reset(): begin an episode first");
+  demand_started("step");
   if (static_cast<int>(action.size()) != action_size()) {
     throw Error("an action of " + std::to_string(action.size()) + " values; this scenario takes " +
                 std::to_string(action_size()));
@@ -102,22 +80,12 @@ const std::vector<BodyState>& Simulation::bodies() const {
 }
 
 const BodyState& Simulation::body(const std::string& robot, const std::string& link) const {
-  const auto& robots = scenario().robots;
-  std::string known;
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    known += (known.empty() ? "" : ", ") + robots[r].name;
-    if (robots[r].name != robot && !(robot.empty() && robots.size() == 1)) continue;
-    const int index = robots[r].model.find_link(link);
-    if (index < 0) {
-      std::string links;
-      for (const Link& l : robots[r].model.links) links += (links.empty() ? "" : ", ") + l.name;
-      throw Error("robot `" + robots[r].name + "` has no link `" + link + "`: there are " + links);
-    }
-    const int body = environment_->layout().robots[r].first_body +
-                     robots[r].model.links[static_cast<std::size_t>(index)].body;
-    return bodies()[static_cast<std::size_t>(body)];
-  }
-  throw Error("no robot `" + robot + "`: there are " + known);
+  return bodies()[static_cast<std::size_t>(body_index(robot, link))];
+}
+
+const BodyState& Simulation::base(const std::string& robot) const {
+  const auto r = static_cast<std::size_t>(robot_index(robot));
+  return bodies()[static_cast<std::size_t>(environment_->layout().robots[r].first_body)];
 }
 
 namespace {

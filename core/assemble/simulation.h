@@ -10,6 +10,8 @@
 
 #include "core/assemble/load.h"
 #include "core/env/environment.h"
+#include "core/physics/body_accelerations.h"
+#include "core/physics/contact.h"
 #include "core/physics/lane_state.h"
 
 namespace skybody {
@@ -23,6 +25,12 @@ struct SimulationOptions {
   std::vector<std::filesystem::path> plugin_path = {};  ///< searched before the default places
 };
 
+/// How motion changes at one instant.
+struct Accelerations {
+  std::vector<double> udot;              ///< generalised, one per u of the world's layout
+  std::vector<BodyAcceleration> bodies;  ///< of all body frames, in the world's numbering
+};
+
 /// The whole WorldState of one environment. Only for environments of the same scenario.
 struct Snapshot {
   std::uint64_t scenario_hash = 0;
@@ -33,7 +41,9 @@ struct Snapshot {
   bool started = false;  ///< an episode has begun
 };
 
-/// Loads a scenario and steps it. Not thread-safe; several Simulations are independent.
+/// Loads a scenario and steps it: by step(), as a learner does, or under direct control by
+/// command(), advance() and evaluate(). Frames: W world (z up), B body. Not thread-safe; several
+/// Simulations are independent.
 class Simulation {
  public:
   /// @throws InputError with every message, each with file:line:column
@@ -54,6 +64,37 @@ class Simulation {
   /// action or state ends the episode as a fault.
   /// @throws Error if the size is not action_size(), or if no reset() came before
   void step(std::span<const float> action);
+
+  /// Sets the input of a robot's first controller, in its signal's units (docs/control-modes.md).
+  /// It is held until the next command(), step() or reset(); a reset leaves zeros. Controllers hold
+  /// it to what the robot can do.
+  /// @param robot  "" is the only one; likewise below
+  /// @throws Error before reset(), on an unknown robot or one without controllers, on another
+  /// number
+  ///         of values, or if one is not finite
+  void command(const std::string& robot, std::span<const double> values);
+  /// Number of values of that input. @throws Error as command()
+  int command_size(const std::string& robot) const;
+
+  /// Exactly `physics_steps` physics steps under the commands, sensors included; no action, no
+  /// task.
+  /// @returns false if the physics gave up: the world then is in its last finite state, and the
+  ///          episode has ended as a fault; until a reset nothing moves any more
+  /// @throws Error before reset(), or if physics_steps < 0
+  bool advance(std::int64_t physics_steps);
+
+  /// Ends a transition made by command() and advance(), as step() ends its own: counts one step
+  /// towards the horizon and asks the task for observation, reward and end.
+  /// @throws Error before reset()
+  void evaluate();
+
+  /// Puts a robot's floating base somewhere, at the present time; joints, rotors, other robots and
+  /// sensors' last outputs stay, so bodies on joints come along. Nothing keeps it out of other
+  /// bodies or the ground.
+  /// @param base  position and velocity in W [m, m/s], rotation W from B (any norm but 0), angular
+  ///              velocity in B [rad/s]
+  /// @throws Error before reset(), on an unknown robot, a fixed base or a value that is not finite
+  void teleport(const std::string& robot, const BodyState& base);
 
   std::span<const float> observation() const;  ///< after the last reset or step
   float reward() const;
@@ -78,6 +119,8 @@ class Simulation {
   /// Motion of the body that a link belongs to. Robot "" is the only one.
   /// @throws Error naming the robots or links that exist
   const BodyState& body(const std::string& robot, const std::string& link) const;
+  /// Motion of a robot's base. @throws Error naming the robots that exist
+  const BodyState& base(const std::string& robot) const;
   const std::vector<BodyState>& bodies() const;  ///< all, in the world's numbering
   std::vector<double> rotor_speeds() const;      ///< [rad/s], the world's numbering
   std::vector<double> rotor_commands() const;    ///< [rad/s], held during the last physics step
@@ -85,6 +128,14 @@ class Simulation {
   std::vector<double> actions() const;           ///< last action, clipped
   std::vector<double> sensors() const;           ///< outputs of all sensors
   std::vector<double> params() const;            ///< EnvParams; names in environment().layout()
+  /// Accelerations now: with the rotors' present speeds, and rotor commands and wrenches as the
+  /// last physics step held them. Driven bases have none.
+  /// @throws Error if the dynamics gives up
+  Accelerations accelerations() const;
+  /// What touches the ground, obstacles or another robot now. Without obstacles and other robots,
+  /// and on the tree dynamics, the ground only.
+  /// @throws Error if the dynamics gives up
+  std::vector<Contact> contacts() const;
   /// Where the task wants its goals: 4 values each, position (W) [m], yaw [rad].
   std::vector<double> goals() const;
 
@@ -92,6 +143,19 @@ class Simulation {
   double param(const std::string& path) const;
   /// Sets one. @throws Error if unknown or outside its bounds
   void set_param(const std::string& path, double value);
+  /// Mass [kg], centre of mass [m] and inertia about it [kg m^2], in the frame of the body that a
+  /// link belongs to: links on fixed joints are one body. @throws Error as body()
+  MassProperties mass_properties(const std::string& robot, const std::string& link) const;
+  /// Sets them, in mid-episode; controllers go on with the nominal ones.
+  /// @throws Error as body(), or if no rigid body can have them
+  void set_mass_properties(const std::string& robot, const std::string& link,
+                           const MassProperties& mass);
+  /// A constant of one rotor, counted in the order of the rotors file: thrust_constant, max_speed,
+  /// tau_up and so on; units as in that file. @throws Error if there is no such rotor or constant
+  double rotor_parameter(const std::string& robot, int rotor, const std::string& name) const;
+  /// Sets one. @throws Error likewise, or outside its bounds
+  void set_rotor_parameter(const std::string& robot, int rotor, const std::string& name,
+                           double value);
   /// Draws from all randomizers now, in mid-episode; motion goes on.
   void randomize();
 
@@ -103,7 +167,7 @@ class Simulation {
   Simulation fork(bool rekey = false);
 
   /// Hash over all transitions since construction (or the restored snapshot): state words,
-  /// observation, reward, flags.
+  /// observation, reward, flags. Direct control adds its own at evaluate().
   std::uint64_t hash() const;
   /// Whether transitions are added to the hash (default: yes). It costs about as much as a light
   /// transition.
@@ -111,6 +175,10 @@ class Simulation {
 
  private:
   void touch() const;
+  void demand_started(const char* call) const;
+  int robot_index(const std::string& name) const;
+  int body_index(const std::string& robot, const std::string& link) const;
+  std::string rotor_path(const std::string& robot, int rotor, const std::string& name) const;
   void add_to_hash();
   std::shared_ptr<const Environment> environment_;
   struct Data;

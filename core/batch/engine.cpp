@@ -270,6 +270,7 @@ void VecEnv::Engine::gather(Batch& out) {
 
 std::shared_ptr<const Batch> VecEnv::Engine::finish(Batch& out) {
   for (int k = 0; k < out.rows; ++k) faults += out.fault[static_cast<std::size_t>(k)];
+  if (observer) observer->received(out, fleet);
   return buffers_.commit();
 }
 

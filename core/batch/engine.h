@@ -41,6 +41,7 @@ class VecEnv::Engine : private GroupRunner {
   int in_flight_count = 0;
   int cursor = 0;  ///< kFixed: whose turn is next
   std::uint64_t faults = 0;
+  std::shared_ptr<VecEnvObserver> observer;  ///< or null
 
   std::uint64_t fresh_buffers() const { return buffers_.fresh_buffers(); }
   const Crew& crew() const { return crew_; }

@@ -119,7 +119,7 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows) {
 }
 
 void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
-  if (!keep_hash_) return;
+  if (!keep_hash_.load(std::memory_order_relaxed)) return;
   each(mask, [&](int l) {
     environment_->hash(states_[index(group)], l, rows, chains_[index(group * kLanes + l)]);
   });

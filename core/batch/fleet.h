@@ -1,6 +1,7 @@
 // The environments of a VecEnv and one transition of a group of them, resets included.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -53,6 +54,12 @@ class Fleet {
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }
+  /// Whether transitions are added to the hashes from now on.
+  void keep_hash(bool keep) { keep_hash_.store(keep, std::memory_order_relaxed); }
+  /// Resets so far.
+  std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane(env)]; }
+  /// All words of an environment's WorldState, in the order of the layout.
+  std::vector<std::uint64_t> words(int env) const { return state(env).save(lane(env)); }
 
  private:
   static std::size_t index(int env) { return static_cast<std::size_t>(env); }
@@ -71,7 +78,7 @@ class Fleet {
   int envs_;
   std::size_t action_size_;
   Autoreset autoreset_;
-  bool keep_hash_;
+  std::atomic<bool> keep_hash_;
   std::uint64_t first_env_id_;
   std::vector<StateGroup> states_;
   std::vector<std::unique_ptr<GroupWork>> works_;

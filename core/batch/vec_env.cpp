@@ -51,7 +51,7 @@ std::uint64_t VecEnv::faults() const { return engine_->faults; }
 
 void VecEnv::send_reset() {
   const std::vector<std::uint8_t> all(static_cast<std::size_t>(envs()), 1);
-  engine_->send_reset(all);
+  send_reset(all);
 }
 
 void VecEnv::send_reset(std::span<const std::uint8_t> mask) {
@@ -60,6 +60,7 @@ void VecEnv::send_reset(std::span<const std::uint8_t> mask) {
                 std::to_string(envs()) + " environments");
   }
   engine_->send_reset(mask);
+  if (engine_->observer) engine_->observer->reset_sent(mask);
 }
 
 void VecEnv::send_reset(std::uint64_t seed) {
@@ -67,11 +68,13 @@ void VecEnv::send_reset(std::uint64_t seed) {
   engine_->fleet.initialize(seed);
   engine_->options.seed = seed;
   engine_->cursor = 0;
-  send_reset();
+  engine_->send_reset(std::vector<std::uint8_t>(static_cast<std::size_t>(envs()), 1));
+  if (engine_->observer) engine_->observer->reseeded(seed);
 }
 
 void VecEnv::send(std::span<const float> actions, std::span<const std::int32_t> env_ids) {
   engine_->send_steps(actions, env_ids);
+  if (engine_->observer) engine_->observer->actions_sent(actions, env_ids);
 }
 
 std::shared_ptr<const Batch> VecEnv::recv() {
@@ -96,6 +99,7 @@ void VecEnv::restore(std::span<const std::uint64_t> saved) {
   if (saved.empty()) throw Error("this is not a saved state: it is empty");
   engine_->fleet.restore(saved.first(saved.size() - 1));
   engine_->cursor = static_cast<int>(saved.back() % static_cast<std::uint64_t>(envs()));
+  if (engine_->observer) engine_->observer->restored(saved);
 }
 
 void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey) {
@@ -109,6 +113,7 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
   check(source);
   for (const std::int32_t target : targets) check(target);
   for (const std::int32_t target : targets) engine_->fleet.fork(source, target, rekey);
+  if (engine_->observer) engine_->observer->forked(source, targets, rekey);
 }
 
 void VecEnv::observations(std::span<float> observation) const {
@@ -131,12 +136,13 @@ void VecEnv::set_param(int env, const std::string& path, double value) {
   engine_->check_idle("set_param()");
   engine_->check_id(env);
   engine_->fleet.set_param(env, path, value);
+  if (engine_->observer) engine_->observer->param_set(env, path, value);
 }
 
 std::uint64_t VecEnv::hash(int env) const {
   engine_->check_idle("hash()");
   engine_->check_id(env);
-  if (!engine_->options.keep_hash) {
+  if (!engine_->options.keep_hash && !engine_->observer) {
     throw Error("no hash was kept: make the VecEnv with keep_hash");
   }
   return engine_->fleet.hash(env);
@@ -146,6 +152,12 @@ std::uint64_t VecEnv::hash() const {
   HashChain all;
   for (int env = 0; env < envs(); ++env) all.update(hash(env));
   return all.value();
+}
+
+void VecEnv::observe(std::shared_ptr<VecEnvObserver> observer) {
+  if (observer) engine_->check_idle("observe()");
+  engine_->observer = std::move(observer);
+  engine_->fleet.keep_hash(engine_->options.keep_hash || engine_->observer != nullptr);
 }
 
 }  // namespace skybody

@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/batch/batch.h"
+#include "core/batch/observer.h"
 #include "core/env/environment.h"
 
 namespace skybody {
@@ -122,6 +123,10 @@ class VecEnv {
   /// @throws Error without keep_hash, or while some are in flight
   std::uint64_t hash(int env) const;
   std::uint64_t hash() const;
+
+  /// Tells an observer of everything from now on, in the place of the one before; null: nobody.
+  /// Hashes are kept while there is one. @throws Error if one comes while some are in flight
+  void observe(std::shared_ptr<VecEnvObserver> observer);
 
  private:
   class Engine;

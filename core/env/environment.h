@@ -10,6 +10,7 @@
 #include "core/base/hash.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
+#include "core/physics/contact.h"
 #include "core/physics/lane_state.h"
 #include "core/physics/world.h"
 
@@ -75,11 +76,29 @@ class Environment {
   void step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
             int action_stride, const Rows& rows) const;
 
+  /// Physics steps of the lanes in `mask` under the commands in the group, without action and task.
+  /// Lanes whose physics gives up stay in their last finite state, their status a fault.
+  /// @returns the lanes that came through
+  std::uint32_t advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                        std::int64_t physics_steps) const;
+
+  /// Ends a transition made by advance(): counts one step and asks the task.
+  void evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask, const Rows& rows) const;
+
   /// Draws from all randomizers now, whatever their schedule; episode and motion go on.
   void randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
 
   /// Makes the work's bodies and sensors' view current after WorldState was changed from outside.
   void update(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
+
+  /// Generalised accelerations of one lane now, with the rotor commands, wrenches and drives of the
+  /// last physics step.
+  /// @param udot  one per u
+  /// @throws std::runtime_error if the dynamics gives up
+  void accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const;
+
+  /// What the bodies of one lane touch: the ground, and on Simbody obstacles and one another.
+  std::vector<Contact> contacts(StateGroup& group, GroupWork& work, int lane) const;
 
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
   void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
@@ -93,6 +112,7 @@ class Environment {
   void control(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void actuate(StateGroup&, std::uint32_t mask, const PluginInstance& last,
                const ControllerChain& chain, const double* output) const;
+  std::uint32_t fly(StateGroup&, GroupWork&, std::uint32_t mask, std::int64_t steps) const;
   void advance(StateGroup&, GroupWork&, std::uint32_t& mask) const;
   void sense(StateGroup&, GroupWork&, std::uint32_t mask, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;

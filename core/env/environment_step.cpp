@@ -1,4 +1,5 @@
 // One transition, phase by phase (paper eq. 3): act, K times (control, advance, sense), conclude.
+// Under direct control the phases are called one by one.
 #include <cmath>
 #include <cstring>
 
@@ -59,13 +60,44 @@ void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, c
   work.bad_action = work.bad_state = 0;
   update(group, work, mask);
   act(group, work, mask, actions, action_stride);
-  std::uint32_t flying = mask;
-  for (int k = 0; k < scenario().stepping.action_repeat; ++k) {
-    control(group, work, flying);
-    advance(group, work, flying);
-    sense(group, work, flying, false);
-  }
+  fly(group, work, mask, scenario().stepping.action_repeat);
   each(mask, [&](int lane) { ++group.bits(kStep)[lane]; });
+  evaluate(group, work, mask);
+  conclude(group, work, mask, false, rows);
+}
+
+/// Physics steps; returns the lanes that came through.
+std::uint32_t Environment::fly(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                               std::int64_t steps) const {
+  for (std::int64_t k = 0; k < steps && mask != 0; ++k) {
+    control(group, work, mask);
+    advance(group, work, mask);
+    sense(group, work, mask, false);
+  }
+  return mask;
+}
+
+std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                                   std::int64_t physics_steps) const {
+  check(group, work, mask);
+  const FpEnvironment guard;
+  update(group, work, mask);
+  const std::uint32_t through = fly(group, work, mask, physics_steps);
+  each(mask & ~through,
+       [&](int lane) { group.bits(kStatus)[lane] = kTruncated | kFault | kBadState; });
+  return through;
+}
+
+void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                           const Rows& rows) const {
+  check(group, work, mask);
+  const FpEnvironment guard;
+  work.bad_action = work.bad_state = 0;
+  each(mask, [&](int lane) {  // advance() has left its faults in the status
+    if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
+    ++group.bits(kStep)[lane];
+  });
+  update(group, work, mask);
   evaluate(group, work, mask);
   conclude(group, work, mask, false, rows);
 }

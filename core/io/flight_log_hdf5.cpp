@@ -118,11 +118,14 @@ void Hdf5Writer::write_dataset(hid_t parent, const char* name,
                static_cast<const void*>(texts.data()));
 }
 
-void Hdf5Writer::fail() const {
+std::string hdf5_reason() {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &reason);
-  reason = reason.empty() ? "HDF5 gives no reason" : shorten(reason);
-  throw Error("cannot write the flight log " + path_.string() + ": " + reason);
+  return reason.empty() ? "HDF5 gives no reason" : shorten(reason);
+}
+
+void Hdf5Writer::fail() const {
+  throw Error("cannot write the " + what_ + " " + path_.string() + ": " + hdf5_reason());
 }
 
 }  // namespace skybody

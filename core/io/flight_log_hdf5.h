@@ -1,4 +1,4 @@
-// HDF5's C API as far as the flight log needs it: ids that close themselves, failures as Error.
+// HDF5's C API as far as our files need it: ids that close themselves, failures as Error.
 #pragma once
 
 #include <hdf5.h>
@@ -55,7 +55,9 @@ class QuietHdf5 {
 /// reason.
 class Hdf5Writer {
  public:
-  explicit Hdf5Writer(std::filesystem::path path) : path_(std::move(path)) {}
+  /// @param what  the kind of file, for messages
+  explicit Hdf5Writer(std::filesystem::path path, std::string what = "flight log")
+      : path_(std::move(path)), what_(std::move(what)) {}
 
   Hdf5Id create_file() const;
   Hdf5Id create_group(hid_t parent, const std::string& name) const;
@@ -80,7 +82,11 @@ class Hdf5Writer {
 
  private:
   std::filesystem::path path_;
+  std::string what_;
 };
+
+/// What HDF5 said last, in short.
+std::string hdf5_reason();
 
 /// HDF5's type of a UTF-8 text of any length.
 Hdf5Id hdf5_text_type();

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "core/physics/contact.h"
 #include "core/physics/lane_state.h"
 #include "core/physics/spatial_force.h"
 #include "core/physics/world.h"
@@ -29,6 +31,11 @@ class Dynamics {
   virtual void accelerations(const double* q, const double* u,
                              const SpatialForce<double>* body_forces, const double* joint_forces,
                              double* udot) = 0;
+
+  /// Appends the contacts that the dynamics itself computes: of bodies with one another and with
+  /// obstacles, at the mass properties of the last set_params.
+  /// @throws std::runtime_error if the dynamics gives up
+  virtual void add_contacts(const double* /*q*/, const double* /*u*/, std::vector<Contact>&) {}
 
   /// Motion of all bodies as the dynamics itself has it; for tests against our kinematics.
   virtual void body_states(const double* q, const double* u, BodyState* bodies) = 0;

@@ -138,6 +138,11 @@ void Mechanics::end_step(double* q, double* rotor_speed) const {
   for (std::size_t i = 0; i < lag_.size(); ++i) rotor_speed[i] = rotors_[kStepEnd][i].speed;
 }
 
+void Mechanics::add_contacts(const LaneState& state, std::vector<Contact>& out) {
+  dynamics_->set_params(state.params.data());
+  dynamics_->add_contacts(state.q.data(), state.u.data(), out);
+}
+
 void Mechanics::bodies(const double* q, const double* u, BodyState* out) {
   update_motion(q, u);
   for (std::size_t i = 0; i < motion_.size(); ++i) out[i] = to_body_state(motion_[i]);

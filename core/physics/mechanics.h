@@ -36,6 +36,9 @@ class Mechanics {
   /// rotors' speed at the step's end.
   void end_step(double* q, double* rotor_speed) const;
 
+  /// Appends the contacts that the dynamics computes at q and u of `state`.
+  void add_contacts(const LaneState& state, std::vector<Contact>& out);
+
   /// Motion of all bodies.
   void bodies(const double* q, const double* u, BodyState* out);
 

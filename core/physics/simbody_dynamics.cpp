@@ -12,6 +12,7 @@
 // Compiled as C++17 and as the Simbody library was (NDEBUG): see cmake/SkybodySimbody.cmake.
 #include <Simbody.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -86,6 +87,20 @@ class SimbodySystem {
     get_accelerations(udot);
   }
 
+  void add_contacts(const double* q, const double* u, std::vector<Contact>& out) {
+    if (contact_ == nullptr) return;
+    put_coordinates(q, u);
+    system_.realize(state_, SimTK::Stage::Dynamics);
+    const SimTK::ContactSnapshot& active = tracker_->getActiveContacts(state_);
+    for (int n = 0; n < contact_->getNumContactForces(state_); ++n) {
+      const SimTK::ContactId id = contact_->getContactForce(state_, n).getContactId();
+      SimTK::ContactPatch patch;
+      if (!contact_->calcContactPatchDetailsById(state_, id, patch)) continue;
+      const SimTK::Contact& pair = active.getContactById(id);
+      out.push_back(make_contact(patch, body_of(pair.getSurface1()), body_of(pair.getSurface2())));
+    }
+  }
+
   void body_states(const double* q, const double* u, BodyState* bodies) {
     put_coordinates(q, u);
     system_.realize(state_, SimTK::Stage::Velocity);
@@ -101,6 +116,34 @@ class SimbodySystem {
   }
 
  private:
+  /// World body index, or kObstacle: only those are surfaces of Simbody's ground.
+  int body_of(SimTK::ContactSurfaceIndex surface) const {
+    const int body = tracker_->getMobilizedBody(surface).getMobilizedBodyIndex();
+    return body == 0 ? kObstacle : body - 1;
+  }
+
+  /// A mesh touches in many elements: their normals are weighted by the forces that they carry.
+  static Contact make_contact(const SimTK::ContactPatch& patch, int body_1, int body_2) {
+    const double sign = body_2 == kObstacle ? -1.0 : 1.0;  // Simbody tells the force on body 2
+    const SimTK::ContactForce& sum = patch.getContactForce();
+    SimTK::Vec3 normal(0.0);
+    double depth = 0.0;
+    for (int i = 0; i < patch.getNumDetails(); ++i) {
+      const SimTK::ContactDetail& element = patch.getContactDetail(i);
+      const SimTK::Vec3 direction(element.getContactNormal());
+      normal += SimTK::dot(element.getForceOnSurface2(), direction) * direction;
+      depth = std::max(depth, static_cast<double>(element.getDeformation()));
+    }
+    const double length = normal.norm();
+    if (length > 0.0) normal *= sign / length;
+    return {body_2 == kObstacle ? body_1 : body_2,
+            body_2 == kObstacle ? body_2 : body_1,
+            from_simbody(sum.getContactPoint()),
+            from_simbody(normal),
+            depth,
+            from_simbody(sign * sum.getForceOnSurface2()[1])};
+  }
+
   /// Bodies are added in our order; 0 is Simbody's ground.
   const SimTK::MobilizedBody& mobilized(std::size_t body) const {
     return matter_.getMobilizedBody(SimTK::MobilizedBodyIndex(static_cast<int>(body) + 1));
@@ -269,6 +312,16 @@ class SimbodyDynamics final : public Dynamics {
     } catch (...) {
       system_.reset();
       throw;
+    }
+  }
+
+  void add_contacts(const double* q, const double* u, std::vector<Contact>& out) override {
+    if (system_ == nullptr) return;
+    try {
+      system_->add_contacts(q, u, out);
+    } catch (const SimTK::Exception::Base& error) {
+      system_.reset();
+      throw std::runtime_error(error.what());
     }
   }
 

@@ -51,6 +51,10 @@ class MechanicsStepper final : public Stepper {
     mechanics_.accelerations(q_.data(), u_.data(), kStepStart, udot);
   }
 
+  void add_contacts(const LaneState& state, std::vector<Contact>& out) override {
+    mechanics_.add_contacts(state, out);
+  }
+
  private:
   static void copy(const std::vector<double>& from, std::vector<double>& to) {
     if (!from.empty()) std::memcpy(to.data(), from.data(), from.size() * sizeof(double));

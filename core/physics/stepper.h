@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "core/physics/contact.h"
 #include "core/physics/dynamics.h"
 #include "core/physics/lane_state.h"
 #include "core/physics/world.h"
@@ -28,6 +30,10 @@ class Stepper {
   /// Generalised accelerations at the present state and t = 0 of the step, one per u.
   /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
   virtual void accelerations(const LaneState& state, double* udot) = 0;
+
+  /// Appends the contacts of bodies with one another and with obstacles.
+  /// @throws as accelerations
+  virtual void add_contacts(const LaneState& state, std::vector<Contact>& out) = 0;
 };
 
 /// A stepper over any dynamics of this world with the scenario's integrator.

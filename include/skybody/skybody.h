@@ -2,3 +2,4 @@
 #pragma once
 
 #include "core/assemble/simulation.h"
+#include "core/assemble/simulation_pool.h"

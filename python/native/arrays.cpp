@@ -130,6 +130,7 @@ Values<T> read_array(nb::handle object, const char* name,
 }
 
 template Values<float> read_array(nb::handle, const char*, std::initializer_list<std::int64_t>);
+template Values<double> read_array(nb::handle, const char*, std::initializer_list<std::int64_t>);
 template Values<std::int32_t> read_array(nb::handle, const char*,
                                          std::initializer_list<std::int64_t>);
 
@@ -152,5 +153,6 @@ nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t>
 
 template nb::object copy_of(std::span<const float>, std::initializer_list<std::size_t>);
 template nb::object copy_of(std::span<const double>, std::initializer_list<std::size_t>);
+template nb::object copy_of(std::span<const std::uint64_t>, std::initializer_list<std::size_t>);
 
 }  // namespace skybody::python

@@ -233,6 +233,7 @@ void bind_simulation(nb::module_& m) {
   bind_outcome(c);
   bind_motion(c);
   bind_params(c);
+  bind_direct_control(m, c);
   c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
 }
 

@@ -12,6 +12,7 @@ void bind_environment(nb::module_& m);
 void bind_batch(nb::module_& m);
 void bind_pool(nb::module_& m);
 void bind_simulation(nb::module_& m);
+void bind_simulation_pool(nb::module_& m);
 void bind_versions(nb::module_& m);
 
 }  // namespace skybody::python

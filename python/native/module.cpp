@@ -9,6 +9,7 @@ NB_MODULE(_native, m) {
   bind_batch(m);
   bind_pool(m);
   bind_simulation(m);
+  bind_simulation_pool(m);
   bind_versions(m);
 }
 

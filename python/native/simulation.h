@@ -40,4 +40,7 @@ class DirectSimulation {
   std::atomic<bool> in_use_ = false;
 };
 
+/// Adds what direct control needs, and the types that it gives.
+void bind_direct_control(nb::module_& m, nb::class_<DirectSimulation>& c);
+
 }  // namespace skybody::python

@@ -1,8 +1,9 @@
 """Skybody: learn to fly, from Python.
 
 `make_vec` gives many environments as a Gymnasium vector environment, `make_pool` the asynchronous
-form (send, recv), `Simulation` one environment under direct control. `skybody.sb3` serves
-Stable-Baselines3, `skybody.multi_agent` PettingZoo, `skybody.env` single Gymnasium environments;
+form (send, recv), `Simulation` and `SimulationPool` worlds under direct control. `skybody.sb3`
+serves Stable-Baselines3, `skybody.multi_agent` PettingZoo, `skybody.env` single Gymnasium
+environments, `skybody.python_task` tasks written in Python;
 `gymnasium.make` and `gymnasium.make_vec` know the shipped scenarios as `skybody/Hover-v0` and so
 on. All of them are imported when they are first used.
 """
@@ -16,14 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 try:
     from ._native import (
+        Accelerations,
         ActionChannel,
         Batch,
         BodyState,
         Channel,
+        Contact,
         Environment,
         Error,
         InputError,
-        Simulation,
+        MassProperties,
         Snapshot,
         versions,
     )
@@ -34,6 +37,7 @@ except ImportError as error:
     ) from error
 from .pool import Order, Pool, Scenario
 from .registration import register
+from .simulation import CONTROL_MODES, Simulation, SimulationPool, WorldStates
 
 if TYPE_CHECKING:
     from gymnasium.vector import AutoresetMode
@@ -44,16 +48,22 @@ if TYPE_CHECKING:
 __version__ = versions()["skybody"]
 
 __all__ = [
+    "CONTROL_MODES",
+    "Accelerations",
     "ActionChannel",
     "Batch",
     "BodyState",
     "Channel",
+    "Contact",
     "Environment",
     "Error",
     "InputError",
+    "MassProperties",
     "Pool",
     "Simulation",
+    "SimulationPool",
     "Snapshot",
+    "WorldStates",
     "__version__",
     "make_pool",
     "make_vec",
@@ -66,7 +76,9 @@ _MODULES = {
     "env": "skybody",
     "vector": "skybody",
     "multi_agent": "skybody[multi-agent]",
+    "python_task": "skybody",
     "sb3": "skybody[train]",
+    "sb3_adapter": "skybody[train]",
 }
 
 

@@ -65,12 +65,14 @@ class Hover : public Task {
       out.info.set(info++, abs(yaw_error));
       out.info.set(info++, flight::tilt(body.rotation));
       out.info.set(info++, norm(body.velocity));
+      const MaskOf<Real> robot_failed = flight::failed(body, limits_);
       const Real own =
           flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
-          kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
+          kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0) +
+          shaping(norm(error)) + select(robot_failed, Real(failure_reward_.value()), Real(0.0));
       out.set_reward(robot.index, own);
       reward += own;
-      failed = logical_or(failed, flight::failed(body, limits_));
+      failed = logical_or(failed, robot_failed);
     }
     out.set_reward(reward / static_cast<double>(robots_.size()));
     out.terminate(failed);
@@ -87,6 +89,16 @@ class Hover : public Task {
  private:
   static constexpr double kDistanceWeight = 2.56;  // (1.6)^2 [1/m^2]
   static constexpr double kRateReward = 0.01;
+  static constexpr double kApproachRange = 10.0;     // [m], about the largest distance at a start
+  static constexpr double kPrecisionWeight = 100.0;  // (1 / 0.1 m)^2
+
+  /// What the paper's reward lacks for a learner: a slope far from the target, and one close by.
+  template <class Real>
+  SKYBODY_INLINE Real shaping(const Real& distance) const {
+    const Real approach = max(Real(0.0), 1.0 - distance / kApproachRange);
+    return approach_reward_.value() * approach +
+           precision_reward_.value() * flight::closeness(distance * distance, kPrecisionWeight);
+  }
 
   struct Robot {
     int index;
@@ -218,6 +230,24 @@ class Hover : public Task {
                         .value = 7.0,
                         .min = 1e-3,
                         .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+
+  RealParameter approach_reward_{
+      this,
+      {.name = "approach_reward",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "weight of max(0, 1 - |e| / 10 m) in the reward: a slope far from the target"}};
+  RealParameter precision_reward_{
+      this,
+      {.name = "precision_reward",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "weight of 1 / (1 + (|e| / 0.1 m)^2) in the reward: a slope close to the target"}};
+  RealParameter failure_reward_{this,
+                                {.name = "failure_reward",
+                                 .value = 0.0,
+                                 .max = 0.0,
+                                 .doc = "added where an episode terminates"}};
 
   flight::Limits limits_{};
   std::vector<Robot> robots_;

@@ -32,8 +32,8 @@ TEST_P(WrongCommandLine, GetsOneLineWithTheRemedy) {
 const Wrong kWrong[] = {
     {"nothing",
      {},
-     "error: no command is given; there are run, check, hash, plugins, schema, new; see `skybody "
-     "--help`"},
+     "error: no command is given; there are run, check, hash, replay, bench, plugins, schema, new; "
+     "see `skybody --help`"},
     {"unknown_command",
      {"rnu"},
      "error: unknown command `rnu`; did you mean `run`?; see `skybody --help`"},
@@ -61,19 +61,28 @@ const Wrong kWrong[] = {
      "error: --seed is given without its value; see `skybody run --help`"},
     {"unknown_policy",
      {"run", "hover", "--policy", "hodl"},
-     "error: --policy: there is no policy `hodl`; did you mean `hold`?; allowed: zero, random, "
-     "hold; "
-     "see `skybody run --help`"},
+     "error: --policy: there is no policy or file `hodl`; did you mean `hold`?; allowed: zero, "
+     "random, hold, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
     {"missing_file", {"run", "nowhere.yaml"}, "nowhere.yaml: error: the file does not exist"},
-    {"many_environments",
-     {"hash", "hover", "--envs", "4"},
-     "error: --envs is 4; allowed: 1, for the batch engine does not exist yet"},
-    {"many_threads",
-     {"hash", "hover", "--threads", "2"},
-     "error: --threads is 2; allowed: 1, for the batch engine does not exist yet"},
+    {"no_environments",
+     {"hash", "hover", "--envs", "0"},
+     "error: --envs: 0 is out of range; allowed: 1..16777216; see `skybody hash --help`"},
     {"large_batch",
-     {"hash", "hover", "--batch", "8"},
-     "error: --batch is 8; allowed: 1, for the batch engine does not exist yet"},
+     {"hash", "hover", "--envs", "4", "--batch", "8"},
+     "error: batch is 8; allowed: 0 ... 4; take at most the number of environments, or 0 for all "
+     "of them"},
+    {"states_of_no_recording",
+     {"hash", "hover", "--states"},
+     "error: --states is given without --record FILE, where they would be written"},
+    {"no_recording", {"replay"}, "error: FILE is missing; see `skybody replay --help`"},
+    {"missing_recording", {"replay", "nowhere.h5"}, "nowhere.h5: error: the file does not exist"},
+    {"threads_of_a_comparison",
+     {"replay", "a.h5", "--against", "b.h5", "--threads", "2"},
+     "error: --against excludes --threads; see `skybody replay --help`"},
+    {"unknown_actions",
+     {"bench", "hover", "--actions", "hodl"},
+     "error: --actions: there is no actions `hodl`; did you mean `hold`?; allowed: hold, zero, "
+     "random; see `skybody bench --help`"},
     {"unknown_order",
      {"hash", "hover", "--order", "arival"},
      "error: --order: there is no order `arival`; did you mean `arrival`?; allowed: fixed, "
@@ -95,7 +104,8 @@ TEST(CommandLine, SaysItsVersion) {
 }
 
 TEST(CommandLine, HelpsWithEveryCommand) {
-  for (const char* command : {"run", "check", "hash", "plugins", "schema", "new"}) {
+  for (const char* command :
+       {"run", "check", "hash", "replay", "bench", "plugins", "schema", "new"}) {
     const Outcome outcome = run_skybody({command, "--help"});
     EXPECT_EQ(outcome.exit_code, 0) << command;
     EXPECT_NE(outcome.out.find("Example"), std::string::npos) << command;

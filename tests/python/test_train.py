@@ -141,7 +141,7 @@ def test_a_run_killed_at_a_random_moment_ends_with_the_bits_of_one_that_was_not(
 ) -> None:
     whole, killed = whole_run(algorithm), tmp_path / "killed"
     moment = random.Random()
-    wanted, pause = moment.randint(1, ROLLOUTS // 3), moment.uniform(0.0, 0.02)
+    wanted, pause = moment.randint(1, ROLLOUTS // 4), moment.uniform(0.0, 0.02)
     print(f"killed {pause:.4f} s after checkpoint {wanted}")
     command = [sys.executable, "-m", "skybody.train", *arguments(algorithm, killed)]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)

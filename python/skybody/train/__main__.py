@@ -90,7 +90,7 @@ def parser() -> argparse.ArgumentParser:
 def number(text: str) -> int:
     """A whole number, also as 2e6."""
     value = float(text)
-    if value != int(value):
+    if not value.is_integer():
         raise argparse.ArgumentTypeError(f"{text} is not a whole number")
     return int(value)
 
@@ -227,6 +227,9 @@ def main(arguments: list[str] | None = None) -> int:
         trainer = Trainer(options.out, config, environment)
     except (UsageError, InputError, Error, OSError, ValueError) as error:
         print(f"train: {error}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        print(f"train: needs {error.name}: pip install 'skybody[train]'", file=sys.stderr)
         return 2
     try:
         complete = trainer.train()

@@ -25,7 +25,7 @@ Columns = dict[str, NDArray[np.float64]]
 def draw_curve(runs: list[Path], out: Path) -> None:
     """Draws the runs into one PNG; a single run's evaluations get their deviation as a band."""
     figure = Figure(figsize=(10, 6.5), layout="constrained")
-    canvas = FigureCanvasAgg(figure)
+    FigureCanvasAgg(figure)
     axes = figure.subplots(2, 2, sharex="col", sharey="row")
     for number, run in enumerate(runs):
         _draw_run(axes, run, f"C{number}", several=len(runs) > 1)
@@ -45,7 +45,7 @@ def draw_curve(runs: list[Path], out: Path) -> None:
     axes[1, 0].xaxis.set_major_formatter(EngFormatter(sep=""))
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
-    canvas.print_png(out)
+    figure.savefig(out, format="png")
 
 
 def _draw_run(axes: NDArray[np.object_], run: Path, color: str, several: bool) -> None:

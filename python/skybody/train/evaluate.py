@@ -80,7 +80,9 @@ def _position_error(environment: Environment, batch: Any) -> NDArray[np.float64]
     ):
         columns = position_error_columns(channels)
         if columns is not None:
-            return np.linalg.norm(values[:, columns].astype(np.float64), axis=1)
+            rows: NDArray[np.float64] = values[:, columns].astype(np.float64)
+            distance: NDArray[np.float64] = np.sqrt(np.square(rows).sum(axis=1))
+            return distance
     return np.full(len(batch.reward), np.nan)
 
 

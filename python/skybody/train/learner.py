@@ -61,6 +61,16 @@ class Learner(Protocol):
         """Ends the environments."""
 
 
+def check_finite(name: str, learner: Learner) -> None:
+    """Raises FloatingPointError where a parameter is no number any more."""
+    for parameter, value in learner.parameters().items():
+        if not bool(value.isfinite().all()):
+            raise FloatingPointError(
+                f"{name} diverged: {parameter} is not finite after {learner.steps} steps; "
+                "try a smaller learning_rate (--set learning_rate=...)"
+            )
+
+
 def layers_of(network: torch.nn.Sequential) -> list[Layer]:
     """Linear and tanh modules in turn, as layers of a policy file."""
     import torch

@@ -22,7 +22,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 
 from skybody._native import Environment
 from skybody.sb3 import SkybodyVecEnv
-from skybody.train.learner import POSITION_ERRORS, Report, layers_of
+from skybody.train.learner import POSITION_ERRORS, Report, check_finite, layers_of
 from skybody.train.policy_file import Policy
 from skybody.train.presets import Hyperparameters
 
@@ -133,16 +133,8 @@ class Sb3Ppo:
         report.inference_seconds = middle - begin - report.environment_seconds
         values = model.logger.name_to_value
         report.losses = {ours: float(values[theirs]) for theirs, ours in LOSSES.items()}
-        self._check_finite()
+        check_finite("ppo", self)
         return report
-
-    def _check_finite(self) -> None:
-        for name, parameter in self.parameters().items():
-            if not bool(parameter.isfinite().all()):
-                raise FloatingPointError(
-                    f"ppo diverged: {name} is not finite after {self.steps} steps; "
-                    "try a smaller learning_rate (--set learning_rate=...)"
-                )
 
     def parameters(self) -> dict[str, torch.Tensor]:
         return {name: value.detach() for name, value in self.model.policy.state_dict().items()}

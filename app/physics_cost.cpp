@@ -1,0 +1,43 @@
+#include "app/physics_cost.h"
+
+#include <chrono>
+
+#include "core/base/fp_environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kSeconds = 0.3;
+constexpr int kRun = 50;  // steps from the start, so that the world stays near it
+
+}  // namespace
+
+double physics_step_cost(const Environment& environment) {
+  StateGroup group = environment.make_state(1);
+  const std::unique_ptr<GroupWork> work = environment.make_work(1);
+  std::vector<float> observation(static_cast<std::size_t>(environment.observation_size()));
+  float reward = 0.0f;
+  std::uint64_t status = 0;
+  const Rows rows{observation.data(), &reward, &status, nullptr, nullptr};
+  environment.initialize(group, 0, 0, 0);
+  environment.reset(group, *work, 1u, rows);
+  const FpEnvironment guard;
+  GroupWork::Lane& lane = work->lanes[0];
+  const LaneState start = lane.state;
+  std::uint64_t steps = 0;
+  double seconds = 0.0;
+  while (seconds < kSeconds) {
+    lane.state = start;
+    lane.stepper->update_bodies(lane.state);
+    const Clock::time_point begin = Clock::now();
+    for (int k = 0; k < kRun; ++k) lane.stepper->advance(lane.state);
+    seconds += std::chrono::duration<double>(Clock::now() - begin).count();
+    steps += kRun;
+  }
+  return seconds / static_cast<double>(steps);
+}
+
+}  // namespace skybody

@@ -1,0 +1,12 @@
+// What a physics step alone costs, for the share that it has in a measurement.
+#pragma once
+
+#include "core/env/environment.h"
+
+namespace skybody {
+
+/// Mean time of a physics step of one environment on this thread, flying with the commands of the
+/// scenario's start [s]. Takes a few tenths of a second.
+double physics_step_cost(const Environment& environment);
+
+}  // namespace skybody

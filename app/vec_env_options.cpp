@@ -1,0 +1,36 @@
+#include "app/vec_env_options.h"
+
+#include "app/arguments.h"
+
+namespace skybody {
+namespace {
+
+constexpr std::uint64_t kMostEnvs = 1 << 24;
+constexpr std::uint64_t kMostThreads = 1024;
+
+std::string with_default(const std::string& doc, int value) {
+  return doc + " (" + std::to_string(value) + ")";
+}
+
+}  // namespace
+
+void add_vec_env_options(CLI::App& command, VecEnvOptions& options, std::string& order) {
+  command.add_option("--envs", options.envs, with_default("Environments", options.envs))
+      ->type_name("N")
+      ->check(whole_number(1, kMostEnvs));
+  command
+      .add_option("--threads", options.threads,
+                  with_default("Threads; 0: one per processor", options.threads))
+      ->type_name("T")
+      ->check(whole_number(0, kMostThreads));
+  command
+      .add_option("--batch", options.batch,
+                  with_default("Environments a batch; 0: all", options.batch))
+      ->type_name("B")
+      ->check(whole_number(0, kMostEnvs));
+  command.add_option("--order", order, "Of batches: fixed or arrival (" + order + ")")
+      ->type_name("ORDER")
+      ->check(one_of("order", {"fixed", "arrival"}));
+}
+
+}  // namespace skybody

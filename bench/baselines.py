@@ -1,0 +1,264 @@
+"""How many steps a second each way of stepping N worlds takes, as in the paper's Table III.
+
+    .venv/bin/python bench/baselines.py [--quick] [--json FILE]
+
+Hover (one physics step an action), constant zero action, ended episodes reset; N worlds:
+
+* loop: one Python thread, one Simulation after the other;
+* threads: Python threads, one per processor, each with its share of the Simulations;
+* processes: the same with processes (spawn); they answer by pipe with all observations, rewards and
+  ends of their share;
+* pool: SimulationPool, one C++ thread per world, one call for all;
+* vec: make_vec, C++ threads, one per processor.
+
+All of them wait for all worlds in every step, and hand over observations, rewards and ends. Each
+figure is the mean of several trials in one process, with the 95 % interval of Student's t.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import math
+import multiprocessing
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.connection import Connection
+from typing import Any, Protocol
+
+import numpy as np
+import skybody
+from numpy.typing import NDArray
+from skybody._native import Environment
+from skybody._native import Simulation as NativeSimulation
+from skybody.simulation import SimulationPool
+
+COUNTS = (1, 4, 8, 16, 32, 64, 128)
+# 0.975 quantile of Student's t for 1, 2, ... degrees of freedom.
+STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)
+Rows = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
+
+
+class Worlds(Protocol):
+    """N worlds: each call steps all of them once and gives observations, rewards and ends."""
+
+    def step(self) -> Rows: ...
+    def close(self) -> None: ...
+
+
+class Share:
+    """Some Simulations, stepped one after the other by whoever calls."""
+
+    def __init__(self, environment: Environment, first: int, count: int) -> None:
+        self.worlds = [NativeSimulation(environment, 0, first + i) for i in range(count)]
+        for world in self.worlds:
+            world.reset()
+        self.action = np.zeros(environment.action_size, np.float32)
+        self.observations = np.zeros((count, environment.observation_size), np.float32)
+        self.rewards = np.zeros(count, np.float32)
+        self.ends = np.zeros(count, np.bool_)
+
+    def step(self) -> Rows:
+        for i, world in enumerate(self.worlds):
+            world.step(self.action)
+            self.rewards[i] = world.reward
+            self.ends[i] = world.status != 0
+            if self.ends[i]:
+                world.reset()
+            self.observations[i] = world.observation
+        return self.observations, self.rewards, self.ends
+
+    def close(self) -> None:
+        self.worlds.clear()
+
+
+def joined(parts: list[Rows]) -> Rows:
+    observations, rewards, ends = zip(*parts, strict=True)
+    return np.concatenate(observations), np.concatenate(rewards), np.concatenate(ends)
+
+
+def shares(count: int) -> list[tuple[int, int]]:
+    """First world and number of worlds for each thread or process: one per processor at most."""
+    workers = min(count, len(os.sched_getaffinity(0)))
+    edges = [count * k // workers for k in range(workers + 1)]
+    return [(a, b - a) for a, b in itertools.pairwise(edges)]
+
+
+class Loop(Share):
+    def __init__(self, count: int) -> None:
+        super().__init__(Environment("hover"), 0, count)
+
+
+class Threads:
+    def __init__(self, count: int) -> None:
+        environment = Environment("hover")
+        self.shares = [Share(environment, first, size) for first, size in shares(count)]
+        self.threads = ThreadPoolExecutor(len(self.shares))
+
+    def step(self) -> Rows:
+        return joined(list(self.threads.map(Share.step, self.shares)))
+
+    def close(self) -> None:
+        self.threads.shutdown()
+
+
+def serve(pipe: Connection, first: int, count: int) -> None:
+    """A process: steps its share whenever it is told to, until the pipe closes."""
+    share = Share(Environment("hover"), first, count)
+    pipe.send(None)
+    while pipe.recv():
+        pipe.send(share.step())
+
+
+class Processes:
+    def __init__(self, count: int) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.pipes, self.processes = [], []
+        for first, size in shares(count):
+            mine, other = context.Pipe()
+            process = context.Process(target=serve, args=(other, first, size), daemon=True)
+            process.start()
+            other.close()
+            self.pipes.append(mine)
+            self.processes.append(process)
+        for pipe in self.pipes:
+            pipe.recv()
+
+    def step(self) -> Rows:
+        for pipe in self.pipes:
+            pipe.send(True)
+        return joined([pipe.recv() for pipe in self.pipes])
+
+    def close(self) -> None:
+        for pipe in self.pipes:
+            pipe.send(False)
+        for process in self.processes:
+            process.join()
+
+
+class Pool:
+    def __init__(self, count: int) -> None:
+        self.pool = SimulationPool("hover", count, pin_threads=True)
+        self.pool.reset()
+        self.actions = np.zeros((count, self.pool.environment.action_size), np.float32)
+
+    def step(self) -> Rows:
+        self.pool.step(self.actions)
+        rewards, ends = self.pool.rewards, self.pool.status != 0
+        if ends.any():
+            self.pool.reset(ends)
+        return self.pool.observations, rewards, ends
+
+    def close(self) -> None:
+        self.pool.close()
+
+
+class Vec:
+    def __init__(self, count: int) -> None:
+        self.envs = skybody.make_vec("hover", count, autoreset="same_step")
+        self.envs.reset()
+        self.actions = np.zeros((count, self.envs.environment.action_size), np.float32)
+
+    def step(self) -> Rows:
+        observations, rewards, terminated, truncated, _ = self.envs.step(self.actions)
+        return observations, rewards, terminated | truncated
+
+    def close(self) -> None:
+        self.envs.close()
+
+
+WAYS: dict[str, Callable[[int], Worlds]] = {
+    "loop": Loop,
+    "threads": Threads,
+    "processes": Processes,
+    "pool": Pool,
+    "vec": Vec,
+}
+
+
+def rate(worlds: Worlds, count: int, seconds: float) -> float:
+    """Steps of worlds per second, over about that long."""
+    steps, start = 0, time.perf_counter()
+    while True:
+        for _ in range(10):
+            worlds.step()
+        steps += 10 * count
+        taken = time.perf_counter() - start
+        if taken >= seconds:
+            return steps / taken
+
+
+def measure(way: Callable[[int], Worlds], count: int, trials: int, seconds: float) -> list[float]:
+    worlds = way(count)
+    try:
+        rate(worlds, count, 0.2 * seconds)  # the first steps make what is made once
+        return [rate(worlds, count, seconds) for _ in range(trials)]
+    finally:
+        worlds.close()
+
+
+def interval(rates: list[float]) -> float:
+    """Half the width of the 95 % interval of the mean."""
+    spread = statistics.stdev(rates) / math.sqrt(len(rates))
+    return STUDENT[len(rates) - 2] * spread
+
+
+def text(value: float) -> str:
+    return f"{value / 1e3:.1f}"
+
+
+def processor() -> str:
+    with open("/proc/cpuinfo") as file:
+        names = [line.split(":")[1].strip() for line in file if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="fewer, shorter trials: seconds")
+    parser.add_argument("--json", metavar="FILE", help="write all trials there")
+    options = parser.parse_args()
+    counts = (1, 8, 64) if options.quick else COUNTS
+    trials, seconds = (3, 0.1) if options.quick else (5, 1.0)
+
+    cpus = len(os.sched_getaffinity(0))
+    print(
+        f"hover, thousands of steps a second (+- 95 % of {trials} trials of {seconds} s); "
+        f"{cpus} processors, load {os.getloadavg()[0]:.1f}"
+    )
+    print(f"{'N':>5}" + "".join(f"{way:>18}" for way in WAYS))
+    results: list[dict[str, Any]] = []
+    for count in counts:
+        cells = []
+        for name, way in WAYS.items():
+            rates = measure(way, count, trials, seconds)
+            mean, half = statistics.mean(rates), interval(rates)
+            results.append(
+                {"way": name, "worlds": count, "mean": mean, "interval": half, "rates": rates}
+            )
+            cells.append(f"{text(mean)} +- {text(half)}")
+        print(f"{count:>5}" + "".join(f"{cell:>18}" for cell in cells), flush=True)
+    if options.json:
+        facts = {
+            "scenario": "hover",
+            "unit": "steps/s",
+            "trials": trials,
+            "seconds": seconds,
+            "processors": cpus,
+            "processor": processor(),
+            "load": os.getloadavg(),
+            "versions": skybody.versions(),
+            "results": results,
+        }
+        with open(options.json, "w") as file:
+            json.dump(facts, file, indent=1)
+            file.write("\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+#include "core/assemble/network_policy.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/fp_environment.h"
+#include "core/base/hash.h"
+#include "core/base/math.h"
+
+namespace skybody {
+namespace {
+
+/// tanh |x| = (1 - e^(-2|x|)) / (1 + e^(-2|x|)), through expm1 so that small x lose nothing.
+double tanh(double x) {
+  const double t = expm1(-2.0 * abs(x));
+  return copysign(-t / (t + 2.0), x);
+}
+
+double activate(double x, Activation activation) {
+  switch (activation) {
+    case Activation::kTanh:
+      return tanh(x);
+    case Activation::kRelu:
+      return x < 0.0 ? 0.0 : x;
+    case Activation::kNone:
+      break;
+  }
+  return x;
+}
+
+void evaluate(const PolicyLayer& layer, const std::vector<double>& in, std::vector<double>& out) {
+  const double* weight = layer.weight.data();
+  for (int row = 0; row < layer.outputs; ++row, weight += layer.inputs) {
+    double sum = layer.bias[static_cast<std::size_t>(row)];
+    for (int k = 0; k < layer.inputs; ++k) sum += weight[k] * in[static_cast<std::size_t>(k)];
+    out[static_cast<std::size_t>(row)] = activate(sum, layer.activation);
+  }
+}
+
+void check_size(const char* what, int trained, int needed, const std::filesystem::path& file,
+                const Environment& environment) {
+  if (trained == needed) return;
+  throw Error(std::string("the policy ") + file.string() + " has " + what + " of " +
+              std::to_string(trained) + " values; " + environment.scenario().file + " has " +
+              std::to_string(needed) + ": fly it in the scenario that it was trained on");
+}
+
+}  // namespace
+
+NetworkPolicy::NetworkPolicy(const std::filesystem::path& path)
+    : file_(find_policy(path)), policy_(read_policy(file_)) {
+  prepare();
+}
+
+NetworkPolicy::NetworkPolicy(PolicyFile policy) : policy_(std::move(policy)) { prepare(); }
+
+void NetworkPolicy::prepare() {
+  int width = policy_.observation_size;
+  for (const PolicyLayer& layer : policy_.layers) width = std::max(width, layer.outputs);
+  values_.resize(static_cast<std::size_t>(width));
+  next_.resize(values_.size());
+}
+
+std::string NetworkPolicy::check_fits(const Environment& environment) const {
+  check_size("observations", policy_.observation_size, environment.observation_size(), file_,
+             environment);
+  check_size("actions", policy_.action_size, environment.action_size(), file_, environment);
+  const std::string hash = to_hex(environment.scenario().hash);
+  if (policy_.scenario_hash == hash) return "";
+  return "the policy " + file_.string() + " was trained on `" + policy_.scenario + "` with hash " +
+         policy_.scenario_hash + "; this is `" + environment.scenario().name + "` with hash " +
+         hash;
+}
+
+void NetworkPolicy::act(std::span<const float> observation, std::span<float> action) {
+  SKYBODY_DEMAND(static_cast<int>(observation.size()) == policy_.observation_size &&
+                     static_cast<int>(action.size()) == policy_.action_size,
+                 "a policy's rows have the wrong width");
+  const FpEnvironment guard;
+  for (std::size_t k = 0; k < observation.size(); ++k) {
+    values_[k] = static_cast<double>(observation[k]);
+    if (policy_.mean.empty()) continue;
+    const double centred = (values_[k] - policy_.mean[k]) * policy_.scale[k];
+    // The network was trained on floats.
+    values_[k] =
+        static_cast<double>(static_cast<float>(clamp(centred, -policy_.clip, policy_.clip)));
+  }
+  for (const PolicyLayer& layer : policy_.layers) {
+    evaluate(layer, values_, next_);
+    values_.swap(next_);
+  }
+  for (std::size_t k = 0; k < action.size(); ++k) {
+    const double value = policy_.squash == ActionSquash::kTanh ? tanh(values_[k]) : values_[k];
+    action[k] = static_cast<float>(clamp(value, -1.0, 1.0));
+  }
+}
+
+}  // namespace skybody

@@ -1,0 +1,27 @@
+// Runs a recording again and says whether the same came out.
+#pragma once
+
+#include <memory>
+
+#include "core/assemble/load.h"
+#include "core/assemble/replay_report.h"
+#include "core/env/environment.h"
+#include "core/io/replay_file.h"
+
+namespace skybody {
+
+/// How to load what was recorded: its file, or where that is gone the shipped scenario of its name,
+/// with the overrides and the plugin path of the recording.
+LoadOptions replay_load_options(const ReplayHeader& header);
+
+/// @throws Error naming both hashes, and where the texts part, if `environment` is not what was
+///         recorded
+void check_same_scenario(const ReplayReader& replay, const Environment& environment);
+
+/// Does again what was recorded, from the recording's beginning, and compares every transition that
+/// it has. Reads the recording to its end.
+/// @param threads  as VecEnvOptions::threads; the outcome does not depend on it
+ReplayReport play(ReplayReader& replay, const std::shared_ptr<const Environment>& environment,
+                  int threads);
+
+}  // namespace skybody

@@ -1,0 +1,184 @@
+#include "core/assemble/replay_recorder.h"
+
+#include <cstring>
+#include <numeric>
+#include <system_error>
+#include <utility>
+
+#include "core/assemble/value_names.h"
+#include "core/base/error.h"
+#include "core/batch/fleet.h"
+#include "core/version.h"
+
+namespace skybody {
+namespace {
+
+std::string absolute_text(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(path, error);
+  return error ? path.string() : whole.string();
+}
+
+std::string name_of(Autoreset autoreset) {
+  switch (autoreset) {
+    case Autoreset::kSameStep:
+      return "same_step";
+    case Autoreset::kDisabled:
+      return "disabled";
+    case Autoreset::kNextStep:
+      break;
+  }
+  return "next_step";
+}
+
+ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
+  const Environment& environment = envs.environment();
+  const Scenario& scenario = environment.scenario();
+  ReplayHeader header;
+  header.scenario_name = scenario.name;
+  header.scenario_file = absolute_text(scenario.file);
+  header.scenario_text = scenario.text;
+  header.scenario_hash = scenario.hash;
+  header.overrides = options.load.overrides;
+  for (const auto& folder : options.load.plugin_path) {
+    header.plugin_path.push_back(absolute_text(folder));
+  }
+  header.skybody_version = version();
+  header.seed = envs.options().seed;
+  header.first_env_id = envs.options().first_env_id;
+  header.envs = envs.envs();
+  header.autoreset = name_of(envs.options().autoreset);
+  header.action_size = environment.action_size();
+  header.observation_names = observation_names(environment);
+  if (options.states) header.state_names = state_names(environment);
+  return header;
+}
+
+}  // namespace
+
+void read_row(const Batch& rows, int k, const Fleet& fleet, bool same_step, bool states,
+              ReplayRow& out) {
+  const auto at = static_cast<std::size_t>(k);
+  const auto width = static_cast<std::size_t>(rows.width.observation);
+  out.env = rows.env_id[at];
+  out.hash = fleet.hash(out.env);
+  out.episode_step = rows.episode_step[at];
+  out.was_reset = rows.was_reset[at] != 0;
+  out.status = rows.status[at];
+  out.reward = rows.reward[at];
+  const auto first = rows.observation.begin() + static_cast<std::ptrdiff_t>(at * width);
+  out.observation.assign(first, first + static_cast<std::ptrdiff_t>(width));
+  // Under kSameStep the state is already that of the next episode where one has ended.
+  const bool has_moved_on = same_step && out.status != kRunning && !out.was_reset;
+  out.episode = fleet.episode(out.env) - (has_moved_on ? 1 : 0);
+  if (states) out.state = fleet.words(out.env);
+}
+
+ReplayRecorder::ReplayRecorder(const VecEnv& envs, const std::filesystem::path& file,
+                               const RecordOptions& options)
+    : file_(file),
+      same_step_(envs.options().autoreset == Autoreset::kSameStep),
+      states_(options.states),
+      all_ids_(static_cast<std::size_t>(envs.envs())) {
+  std::iota(all_ids_.begin(), all_ids_.end(), 0);
+  const std::vector<std::uint64_t> saved = envs.save();
+  writer_.emplace(file, describe(envs, options));
+  restored(saved);
+  flush();
+}
+
+ReplayRecorder::~ReplayRecorder() = default;
+
+/// Writes where there is something to write to; a failure ends the recording.
+template <class Write>
+void ReplayRecorder::write(Write&& write) {
+  if (!writer_) return;
+  try {
+    write(*writer_);
+  } catch (...) {
+    writer_.reset();
+    throw;
+  }
+}
+
+void ReplayRecorder::add(ReplayEvent event) {
+  write([&](ReplayWriter& writer) { writer.add(event); });
+}
+
+void ReplayRecorder::flush() {
+  write([](ReplayWriter& writer) { writer.flush(); });
+}
+
+void ReplayRecorder::close() {
+  write([](ReplayWriter& writer) { writer.close(); });
+  writer_.reset();
+}
+
+void ReplayRecorder::reset_sent(std::span<const std::uint8_t> mask) {
+  ids_.clear();
+  for (std::size_t env = 0; env < mask.size(); ++env) {
+    if (mask[env] != 0) ids_.push_back(static_cast<std::int32_t>(env));
+  }
+  write([&](ReplayWriter& writer) { writer.add(ReplayEventKind::kReset, ids_, {}); });
+}
+
+void ReplayRecorder::reseeded(std::uint64_t seed) {
+  ReplayEvent event;
+  event.kind = ReplayEventKind::kReseed;
+  event.argument = seed;
+  add(std::move(event));
+}
+
+void ReplayRecorder::actions_sent(std::span<const float> actions,
+                                  std::span<const std::int32_t> env_ids) {
+  const std::span<const std::int32_t> ids = env_ids.empty() ? all_ids_ : env_ids;
+  write([&](ReplayWriter& writer) { writer.add(ReplayEventKind::kSend, ids, actions); });
+}
+
+void ReplayRecorder::restored(std::span<const std::uint64_t> saved) {
+  ReplayEvent event;
+  event.kind = ReplayEventKind::kRestore;
+  event.saved.assign(saved.begin(), saved.end());
+  add(std::move(event));
+}
+
+void ReplayRecorder::forked(int source, std::span<const std::int32_t> targets, bool rekey) {
+  ReplayEvent event;
+  event.kind = ReplayEventKind::kFork;
+  event.env_ids.push_back(source);
+  event.env_ids.insert(event.env_ids.end(), targets.begin(), targets.end());
+  event.argument = rekey ? 1 : 0;
+  add(std::move(event));
+}
+
+void ReplayRecorder::param_set(int env, const std::string& path, double value) {
+  ReplayEvent event;
+  event.kind = ReplayEventKind::kSetParam;
+  event.env_ids.push_back(env);
+  std::memcpy(&event.argument, &value, sizeof(value));
+  event.path = path;
+  add(std::move(event));
+}
+
+void ReplayRecorder::received(const Batch& rows, const Fleet& fleet) {
+  write([&](ReplayWriter& writer) {
+    for (int k = 0; k < rows.rows; ++k) {
+      read_row(rows, k, fleet, same_step_, states_, row_);
+      writer.add(row_);
+    }
+  });
+}
+
+std::shared_ptr<ReplayRecorder> start_recording(VecEnv& envs, const std::filesystem::path& file,
+                                                const RecordOptions& options) {
+  std::shared_ptr<ReplayRecorder> recorder(new ReplayRecorder(envs, file, options));
+  envs.observe(recorder);
+  return recorder;
+}
+
+void stop_recording(VecEnv& envs, ReplayRecorder& recorder) {
+  envs.observe(nullptr);
+  recorder.close();
+}
+
+}  // namespace skybody

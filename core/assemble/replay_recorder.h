@@ -1,0 +1,75 @@
+// Records what happens in a VecEnv, for `skybody replay`.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "core/assemble/load.h"
+#include "core/batch/vec_env.h"
+#include "core/io/replay_file.h"
+
+namespace skybody {
+
+/// How to record.
+struct RecordOptions {
+  /// How the environments were loaded: overrides and plugin path are noted for the replay.
+  LoadOptions load = {};
+  /// Writes all state words of every transition as well, so that a replay which parts can name
+  /// those that differ: 8 bytes a word and transition.
+  bool states = false;
+};
+
+/// A recording under way. Rows are noted when recv() gives them; what is in flight when it ends is
+/// not in it. Where writing fails, the VecEnv's call throws Error and the recording is over.
+class ReplayRecorder : public VecEnvObserver {
+ public:
+  ~ReplayRecorder() override;
+
+  /// Hands everything so far to the file, which is complete and readable then, whatever happens to
+  /// this process; done by itself every few megabytes.
+  void flush();
+  /// Ends the recording; later events are ignored. @throws Error if the file cannot be finished
+  void close();
+  bool recording() const { return writer_.has_value(); }
+  const std::filesystem::path& file() const { return file_; }
+
+  void reset_sent(std::span<const std::uint8_t> mask) override;
+  void reseeded(std::uint64_t seed) override;
+  void actions_sent(std::span<const float> actions, std::span<const std::int32_t> env_ids) override;
+  void restored(std::span<const std::uint64_t> saved) override;
+  void forked(int source, std::span<const std::int32_t> targets, bool rekey) override;
+  void param_set(int env, const std::string& path, double value) override;
+  void received(const Batch& rows, const Fleet& fleet) override;
+
+ private:
+  friend std::shared_ptr<ReplayRecorder> start_recording(VecEnv&, const std::filesystem::path&,
+                                                         const RecordOptions&);
+  ReplayRecorder(const VecEnv& envs, const std::filesystem::path& file,
+                 const RecordOptions& options);
+  template <class Write>
+  void write(Write&& write);
+  void add(ReplayEvent event);
+
+  std::filesystem::path file_;
+  std::optional<ReplayWriter> writer_;
+  bool same_step_, states_;
+  std::vector<std::int32_t> all_ids_, ids_;
+  ReplayRow row_;  ///< kept, so that rows are noted without allocating
+};
+
+/// Records everything that happens in `envs` from now on; replaces a file that is there. End it by
+/// stop_recording() or by close(). @throws Error if the file cannot be written, or while some
+/// environments are in flight
+std::shared_ptr<ReplayRecorder> start_recording(VecEnv& envs, const std::filesystem::path& file,
+                                                const RecordOptions& options = {});
+
+/// Ends a recording and detaches it from its VecEnv. @throws Error if the file cannot be finished
+void stop_recording(VecEnv& envs, ReplayRecorder& recorder);
+
+/// The row of a batch and what the fleet knows beside it.
+/// @param states  whether to take all state words
+void read_row(const Batch& rows, int k, const Fleet& fleet, bool same_step, bool states,
+              ReplayRow& out);
+
+}  // namespace skybody

@@ -1,0 +1,34 @@
+// What a Simulation holds. Included by its own files only.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/assemble/simulation.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+
+struct Simulation::Data {
+  Data(const Environment& environment, std::uint64_t seed, std::uint64_t env_id)
+      : group(environment.make_state(1)),
+        work(environment.make_work(1)),
+        observation(static_cast<std::size_t>(environment.observation_size())),
+        agent_reward(environment.agents().size()),
+        info(static_cast<std::size_t>(environment.info_size())) {
+    environment.initialize(group, 0, seed, env_id);
+  }
+
+  Rows rows() { return {observation.data(), &reward, &status, agent_reward.data(), info.data()}; }
+
+  StateGroup group;
+  std::unique_ptr<GroupWork> work;
+  std::vector<float> observation, agent_reward, info;
+  float reward = 0.0f;
+  std::uint64_t status = kRunning;
+  HashChain chain;
+  bool keeps_hash = true;
+  bool started = false;
+};
+
+}  // namespace skybody

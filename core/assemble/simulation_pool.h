@@ -1,0 +1,89 @@
+// Many worlds under direct control, one thread each: the structure of the paper's
+// AsyncDRLServerPool. For learning at speed there is VecEnv (core/batch), which needs no thread
+// for each environment and hands whole batches over; this pool is for work that its caller writes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/assemble/simulation.h"
+
+namespace skybody {
+
+/// How a SimulationPool is made.
+struct SimulationPoolOptions {
+  int worlds = 1;                  ///< N >= 1; each has a thread
+  std::uint64_t seed = 0;          ///< world i draws with the key (seed, first_env_id + i)
+  std::uint64_t first_env_id = 0;  ///< see seed
+  bool pin_threads = false;        ///< thread i on the i-th allowed processor, cyclically
+};
+
+/// N worlds of one scenario. Every call runs on the threads of the worlds that it names, waits for
+/// all of them, and only then throws what the first of them (by number) threw. What a world does
+/// depends on its key and its own calls alone. Not thread-safe: one caller at a time.
+class SimulationPool {
+ public:
+  /// What a call does in one world, on that world's thread.
+  using Work = std::function<void(Simulation& world, int index)>;
+
+  /// @throws Error if options.worlds is out of range, or if no thread can be made
+  SimulationPool(std::shared_ptr<const Environment> environment,
+                 const SimulationPoolOptions& options);
+  ~SimulationPool();
+  SimulationPool(const SimulationPool&) = delete;
+  SimulationPool& operator=(const SimulationPool&) = delete;
+
+  int size() const { return static_cast<int>(all_.size()); }
+  /// Threads that have been kept on a processor; 0 where the system does not allow it.
+  int pinned_threads() const { return pinned_; }
+  const Environment& environment() const { return *environment_; }
+  /// The numbers of all worlds, 0 .. size() - 1: for the calls below.
+  std::span<const int> all() const { return all_; }
+  /// One world, between calls. @throws Error if there is none of that number, or after close()
+  Simulation& world(int index);
+
+  /// Does `work` in some worlds at the same time.
+  /// @param worlds  numbers, each at most once
+  /// @throws Error if a number is out of range or twice there (then nothing was done), after
+  ///         close(), or with "world 3: " before the message of what its work threw
+  void run(std::span<const int> worlds, const Work& work);
+
+  /// Begins the next episode of some worlds. @throws Error as run()
+  void reset(std::span<const int> worlds);
+  /// Begins episode 1 of some worlds under another seed. @throws Error as run()
+  void reset(std::span<const int> worlds, std::uint64_t seed);
+  /// One transition of each. @param actions  a row of action_size() for each of `worlds`, in [-1,
+  /// 1]
+  /// @throws Error as run(), or on another number of values
+  void step(std::span<const int> worlds, std::span<const float> actions);
+  /// Sets commands in physical units, see Simulation::command().
+  /// @param values  a row for each of `worlds`
+  /// @throws Error as run(), or on another number of values
+  void command(std::span<const int> worlds, const std::string& robot,
+               std::span<const double> values);
+  /// Physics steps of each under its commands. A world whose physics gives up ends its episode as a
+  /// fault (Simulation::fault()), which is no error. @throws Error as run(), or if steps < 0
+  void advance(std::span<const int> worlds, std::int64_t physics_steps);
+  /// Ends a transition made by command() and advance(). @throws Error as run()
+  void evaluate(std::span<const int> worlds);
+
+  /// Ends the threads and destroys the worlds. May be called again.
+  void close();
+  bool closed() const { return workers_.empty(); }
+
+ private:
+  class Worker;
+  void check(std::span<const int> worlds) const;
+  void demand_rows(const char* what, std::size_t given, std::size_t rows, int width) const;
+
+  std::shared_ptr<const Environment> environment_;
+  std::vector<int> all_;
+  int pinned_ = 0;
+  std::vector<std::unique_ptr<Worker>> workers_;
+};
+
+}  // namespace skybody

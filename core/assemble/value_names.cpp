@@ -1,0 +1,108 @@
+#include "core/assemble/value_names.h"
+
+#include "core/base/error.h"
+
+namespace skybody {
+namespace {
+
+std::string indexed(const std::string& name, int k) { return name + "[" + std::to_string(k) + "]"; }
+
+/// `name` for a single value, name[0], name[1], ... for several.
+void append(std::vector<std::string>& names, const std::string& prefix,
+            const std::vector<Channel>& channels) {
+  for (const Channel& channel : channels) {
+    for (int k = 0; k < channel.count; ++k) {
+      names.push_back(prefix + (channel.count == 1 ? channel.name : indexed(channel.name, k)));
+    }
+  }
+}
+
+/// Names the words one after the other, as the layout has them.
+class StateNames {
+ public:
+  explicit StateNames(const Environment& environment)
+      : environment_(environment), layout_(environment.layout()) {}
+
+  std::vector<std::string> all() {
+    names_ = {"seed",         "stream_env", "episode", "step",
+              "physics_step", "forks",      "status",  "requests"};
+    expect(layout_.q);
+    name_coordinates(layout_.q, "q", [](const WorldBody& body) { return body.q; });
+    name_coordinates(layout_.u, "u", [](const WorldBody& body) { return body.u; });
+    name_rotors(layout_.rotor_speed, "rotor_speed ");
+    name_rotors(layout_.rotor_command, "rotor_command ");
+    name_block(layout_.wrench, "wrench");
+    name_block(layout_.drive, "drive");
+    name_block(layout_.bodies_before, "bodies_before");
+    expect(layout_.params);
+    for (const EnvParam& param : layout_.param_info) names_.push_back("params " + param.path);
+    name_block(layout_.action, "action");
+    name_block(layout_.command, "command");
+    name_sensors();
+    name_block(layout_.plugin_state, "plugin_state");
+    expect(layout_.last_observation);
+    append(names_, "last_observation ", environment_.task().channels);
+    SKYBODY_DEMAND(static_cast<int>(names_.size()) == layout_.words, "words without a name");
+    return std::move(names_);
+  }
+
+ private:
+  void expect(Block block) const {
+    SKYBODY_DEMAND(block.size == 0 || block.offset == static_cast<int>(names_.size()),
+                   "names of state words are out of step with the layout");
+  }
+
+  void name_block(Block block, const std::string& name) {
+    expect(block);
+    for (int k = 0; k < block.size; ++k) names_.push_back(indexed(name, k));
+  }
+
+  template <class First>
+  void name_coordinates(Block block, const std::string& name, First&& first) {
+    expect(block);
+    const std::vector<WorldBody>& bodies = environment_.world().bodies;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const int end = b + 1 < bodies.size() ? first(bodies[b + 1]) : block.size;
+      const std::string body = robot_name(bodies[b].robot) + "." + bodies[b].model->name;
+      for (int k = first(bodies[b]); k < end; ++k) {
+        names_.push_back(indexed(name + " " + body, k - first(bodies[b])));
+      }
+    }
+  }
+
+  void name_rotors(Block block, const std::string& prefix) {
+    expect(block);
+    for (const WorldRotor& rotor : environment_.world().rotors) {
+      names_.push_back(prefix + robot_name(rotor.robot) + "." + rotor.model->name);
+    }
+  }
+
+  void name_sensors() {
+    expect(layout_.sensors);
+    for (const PluginInstance& sensor : environment_.sensors()) {
+      append(names_, "sensors " + sensor.name + ".", sensor.channels);
+    }
+  }
+
+  std::string robot_name(int robot) const {
+    return environment_.scenario().robots[static_cast<std::size_t>(robot)].name;
+  }
+
+  const Environment& environment_;
+  const Layout& layout_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+
+std::vector<std::string> state_names(const Environment& environment) {
+  return StateNames(environment).all();
+}
+
+std::vector<std::string> observation_names(const Environment& environment) {
+  std::vector<std::string> names;
+  append(names, "", environment.task().channels);
+  return names;
+}
+
+}  // namespace skybody

@@ -1,0 +1,18 @@
+// What each word of WorldState and each value of an observation is called, for people.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/env/environment.h"
+
+namespace skybody {
+
+/// One per word, in the order of the layout: "step", "q quad.base_link[2]", "params
+/// robots.quad.rotors[0].thrust_constant", "plugin_state[7]".
+std::vector<std::string> state_names(const Environment& environment);
+
+/// One per value: "velocity[2]", "height".
+std::vector<std::string> observation_names(const Environment& environment);
+
+}  // namespace skybody

@@ -1,0 +1,32 @@
+// Processors of this machine, for threads that want one of their own.
+#pragma once
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <thread>
+#include <vector>
+
+namespace skybody {
+
+/// Processors that this process may use; empty where the system does not say.
+inline std::vector<int> allowed_processors() {
+  std::vector<int> out;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof(set), &set) != 0) return out;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
+  }
+  return out;
+}
+
+/// Keeps a thread on one processor. @returns false where the system refuses: it runs where it likes
+inline bool pin_thread(std::thread& thread, int processor) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(processor, &set);
+  return pthread_setaffinity_np(thread.native_handle(), sizeof(set), &set) == 0;
+}
+
+}  // namespace skybody

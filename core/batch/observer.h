@@ -1,0 +1,37 @@
+// Whoever wants to know everything that happens in a VecEnv, such as a recorder.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "core/batch/batch.h"
+
+namespace skybody {
+
+class Fleet;
+
+/// Told of all that determines the environments' future, in order, after it was done, and of every
+/// batch that recv() gives. Called on the thread that calls the VecEnv. What a method throws comes
+/// out of the VecEnv's method, whose work is done by then.
+class VecEnvObserver {
+ public:
+  virtual ~VecEnvObserver() = default;
+
+  /// Resets were sent to the environments whose byte in `mask` is not 0.
+  virtual void reset_sent(std::span<const std::uint8_t> mask) = 0;
+  /// All environments were put at their beginning under another seed, and resets were sent to all.
+  virtual void reseeded(std::uint64_t seed) = 0;
+  /// One action row each was sent to these environments; no ids: all, in order.
+  virtual void actions_sent(std::span<const float> actions,
+                            std::span<const std::int32_t> env_ids) = 0;
+  /// `saved` is what VecEnv::restore() was given.
+  virtual void restored(std::span<const std::uint64_t> saved) = 0;
+  virtual void forked(int source, std::span<const std::int32_t> targets, bool rekey) = 0;
+  virtual void param_set(int env, const std::string& path, double value) = 0;
+  /// recv() is about to give these rows. The state words and hashes of their environments, which
+  /// nobody touches now, are to be had from `fleet`.
+  virtual void received(const Batch& rows, const Fleet& fleet) = 0;
+};
+
+}  // namespace skybody

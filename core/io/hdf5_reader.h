@@ -1,0 +1,71 @@
+// Reads HDF5 files that others may have written: every failure is one message that names the file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/io/flight_log_hdf5.h"
+
+namespace skybody {
+
+/// One file, open for reading. Objects are named by their path within it ("/" is the root). Numbers
+/// are converted to the type that is asked for. Every member throws MarkedError with the file's
+/// name where something is missing or of another kind or shape.
+class Hdf5Reader {
+ public:
+  /// @param what  the kind of file, for messages: "policy"
+  Hdf5Reader(std::filesystem::path path, std::string what);
+
+  const std::filesystem::path& path() const { return path_; }
+  bool has(const std::string& object) const;
+
+  std::string text(const std::string& object, const char* attribute) const;
+  std::vector<std::string> texts(const std::string& dataset) const;
+  std::int64_t integer(const std::string& object, const char* attribute) const;
+  double real(const std::string& object, const char* attribute) const;
+
+  /// Rows and columns; {n, 1} for a vector.
+  struct Shape {
+    std::size_t rows = 0, columns = 1;
+    int rank = 1;
+  };
+  Shape shape(const std::string& dataset) const;
+  /// `count` rows from `first` on, in the type of `out`, which has room for them.
+  void read_rows(const std::string& dataset, std::size_t first, std::size_t count,
+                 double* out) const;
+  void read_rows(const std::string& dataset, std::size_t first, std::size_t count,
+                 float* out) const;
+  void read_rows(const std::string& dataset, std::size_t first, std::size_t count,
+                 std::uint64_t* out) const;
+  void read_rows(const std::string& dataset, std::size_t first, std::size_t count,
+                 std::int32_t* out) const;
+  void read_rows(const std::string& dataset, std::size_t first, std::size_t count,
+                 std::uint8_t* out) const;
+  /// A whole dataset.
+  template <class T>
+  std::vector<T> all(const std::string& dataset) const {
+    const Shape s = shape(dataset);
+    std::vector<T> values(s.rows * s.columns);
+    read_rows(dataset, 0, s.rows, values.data());
+    return values;
+  }
+
+  /// @throws MarkedError with the file's name before the message
+  [[noreturn]] void fail(const std::string& message) const;
+
+ private:
+  Hdf5Id open_attribute(const std::string& object, const char* attribute) const;
+  Hdf5Id open_dataset(const std::string& dataset) const;
+  void read(const std::string& dataset, std::size_t first, std::size_t count, hid_t type,
+            void* out) const;
+  void read_number(const std::string& object, const char* attribute, hid_t type, void* out) const;
+
+  QuietHdf5 quiet_;
+  std::filesystem::path path_;
+  std::string what_;
+  Hdf5Id file_;
+};
+
+}  // namespace skybody

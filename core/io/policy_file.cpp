@@ -1,0 +1,181 @@
+#include "core/io/policy_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "core/base/error.h"
+#include "core/io/hdf5_reader.h"
+
+namespace skybody {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMostValues = 1 << 24;  // of an observation, an action or a layer
+constexpr int kMostLayers = 64;
+
+class PolicyReader {
+ public:
+  explicit PolicyReader(const fs::path& file) : file_(file, "policy") {}
+
+  PolicyFile read() {
+    read_header();
+    if (file_.has("/normalization")) read_normalization();
+    while (file_.has(layer_group())) read_layer();
+    check_layers();
+    return std::move(policy_);
+  }
+
+ private:
+  void read_header() {
+    if (file_.text("/", "format") != "skybody-policy") {
+      file_.fail("not a policy: its format is `" + file_.text("/", "format") +
+                 "`; allowed: `skybody-policy`");
+    }
+    const std::int64_t version = file_.integer("/", "version");
+    if (version != kPolicyFormat) {
+      file_.fail("policy format " + std::to_string(version) + "; this Skybody reads format " +
+                 std::to_string(kPolicyFormat) + ": export the policy anew");
+    }
+    policy_.scenario = file_.text("/", "scenario");
+    policy_.scenario_hash = file_.text("/", "scenario_hash");
+    policy_.algorithm = file_.text("/", "algorithm");
+    policy_.steps = file_.integer("/", "steps");
+    policy_.observation_size = read_size("observation_size");
+    policy_.action_size = read_size("action_size");
+    const std::string squash = file_.text("/", "action_squash");
+    if (squash != "clip" && squash != "tanh") {
+      file_.fail("`action_squash` is `" + squash + "`; allowed: clip, tanh");
+    }
+    policy_.squash = squash == "tanh" ? ActionSquash::kTanh : ActionSquash::kClip;
+  }
+
+  int read_size(const char* name) {
+    const std::int64_t size = file_.integer("/", name);
+    if (size < 1 || size > kMostValues) {
+      file_.fail("`" + std::string(name) + "` is " + std::to_string(size) + "; allowed: 1.." +
+                 std::to_string(kMostValues));
+    }
+    return static_cast<int>(size);
+  }
+
+  std::vector<double> read_vector(const std::string& name, int size) {
+    const Hdf5Reader::Shape shape = file_.shape(name);
+    if (shape.rank != 1 || shape.rows != static_cast<std::size_t>(size)) {
+      file_.fail("`" + name + "` has " + text_of(shape) +
+                 " values; needed: " + std::to_string(size));
+    }
+    return finite(name, file_.all<double>(name));
+  }
+
+  std::vector<double> finite(const std::string& name, std::vector<double> values) {
+    const auto bad =
+        std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+    if (bad != values.end()) {
+      file_.fail("value " + std::to_string(bad - values.begin()) + " of `" + name +
+                 "` is not finite: the network cannot fly; take an earlier checkpoint");
+    }
+    return values;
+  }
+
+  static std::string text_of(const Hdf5Reader::Shape& shape) {
+    return shape.rank == 1 ? std::to_string(shape.rows)
+                           : std::to_string(shape.rows) + " x " + std::to_string(shape.columns);
+  }
+
+  void read_normalization() {
+    policy_.mean = read_vector("/normalization/mean", policy_.observation_size);
+    policy_.scale = read_vector("/normalization/scale", policy_.observation_size);
+    policy_.clip = file_.real("/normalization", "clip");
+    if (!(policy_.clip > 0.0)) {
+      file_.fail("`clip` of `/normalization` is " + std::to_string(policy_.clip) +
+                 "; allowed: > 0");
+    }
+  }
+
+  std::string layer_group() const { return "/layers/" + std::to_string(policy_.layers.size()); }
+
+  void read_layer() {
+    const std::string group = layer_group(), name = group + "/weight";
+    if (policy_.layers.size() == kMostLayers) {
+      file_.fail("more than " + std::to_string(kMostLayers) + " layers");
+    }
+    const Hdf5Reader::Shape shape = file_.shape(name);
+    const int inputs =
+        policy_.layers.empty() ? policy_.observation_size : policy_.layers.back().outputs;
+    if (shape.rank != 2 || shape.rows < 1 || shape.rows > kMostValues ||
+        shape.columns != static_cast<std::size_t>(inputs)) {
+      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: outputs x " +
+                 std::to_string(inputs));
+    }
+    PolicyLayer layer;
+    layer.inputs = inputs;
+    layer.outputs = static_cast<int>(shape.rows);
+    layer.weight = finite(name, file_.all<double>(name));
+    layer.bias = read_vector(group + "/bias", layer.outputs);
+    layer.activation = read_activation(group);
+    policy_.layers.push_back(std::move(layer));
+  }
+
+  Activation read_activation(const std::string& group) {
+    const std::string name = file_.text(group, "activation");
+    if (name == "none") return Activation::kNone;
+    if (name == "tanh") return Activation::kTanh;
+    if (name == "relu") return Activation::kRelu;
+    file_.fail("`activation` of `" + group + "` is `" + name + "`; allowed: none, tanh, relu");
+  }
+
+  void check_layers() {
+    if (policy_.layers.empty()) file_.fail("`/layers/0` is missing in this policy file");
+    const int outputs = policy_.layers.back().outputs;
+    if (outputs == policy_.action_size) return;
+    file_.fail("the last layer gives " + std::to_string(outputs) + " values; `action_size` is " +
+               std::to_string(policy_.action_size));
+  }
+
+  Hdf5Reader file_;
+  PolicyFile policy_;
+};
+
+/// Of step_NNNNNNNNNNNN, else -1.
+std::int64_t checkpoint_step(const fs::path& folder) {
+  constexpr std::size_t kPrefix = 5, kDigits = 12;
+  const std::string name = folder.filename().string();
+  if (name.rfind("step_", 0) != 0 || name.size() != kPrefix + kDigits) return -1;
+  if (name.find_first_not_of("0123456789", kPrefix) != std::string::npos) return -1;
+  return std::stoll(name.substr(kPrefix));
+}
+
+/// The checkpoint with the greatest number that has a policy, or an empty path.
+fs::path newest_checkpoint(const fs::path& folder) {
+  fs::path newest;
+  std::int64_t step = -1;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (checkpoint_step(entry.path()) <= step || !fs::exists(entry.path() / "policy.h5", error)) {
+      continue;
+    }
+    newest = entry.path() / "policy.h5";
+    step = checkpoint_step(entry.path());
+  }
+  return newest;
+}
+
+}  // namespace
+
+PolicyFile read_policy(const fs::path& file) { return PolicyReader(file).read(); }
+
+fs::path find_policy(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return path;
+  if (fs::exists(path / "policy.h5", ignored)) return path / "policy.h5";
+  fs::path newest = newest_checkpoint(path / "checkpoints");
+  if (newest.empty()) newest = newest_checkpoint(path);
+  if (!newest.empty()) return newest;
+  throw Error("the folder " + path.string() +
+              " has neither policy.h5 nor checkpoints/step_NNNNNNNNNNNN/policy.h5; give a "
+              "checkpoint, a training run's folder or a policy file");
+}
+
+}  // namespace skybody

@@ -1,0 +1,52 @@
+// policy.h5: a trained network as Python writes it and C++ flies it. docs/policies.md has the
+// format.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace skybody {
+
+/// What follows a layer's sums.
+enum class Activation { kNone, kTanh, kRelu };
+
+/// y = activation(weight x + bias).
+struct PolicyLayer {
+  int inputs = 0, outputs = 0;
+  std::vector<double> weight;  ///< outputs x inputs, row by row
+  std::vector<double> bias;    ///< outputs
+  Activation activation = Activation::kNone;
+};
+
+/// How the last layer's values become actions in [-1, 1].
+enum class ActionSquash { kClip, kTanh };
+
+/// Everything in a policy.h5, checked: sizes fit together and every number is finite.
+struct PolicyFile {
+  std::string scenario;       ///< its name
+  std::string scenario_hash;  ///< 16 hexadecimal digits
+  std::string algorithm;      ///< that trained it
+  std::int64_t steps = 0;     ///< environment steps trained
+  int observation_size = 0, action_size = 0;
+  ActionSquash squash = ActionSquash::kClip;
+  /// Empty, or one value per observation: x = clip((observation - mean) * scale, -clip, clip).
+  std::vector<double> mean, scale;
+  double clip = 0.0;
+  std::vector<PolicyLayer> layers;  ///< at least one
+};
+
+/// The newest format that read_policy() knows.
+inline constexpr int kPolicyFormat = 1;
+
+/// @throws MarkedError with the file's name: missing, no policy, damaged, another version, sizes
+///         that do not fit together, values that are not finite
+PolicyFile read_policy(const std::filesystem::path& file);
+
+/// The policy file that a path means: a file itself, a checkpoint folder's policy.h5, or that of a
+/// run folder's newest checkpoint (checkpoints/step_NNNNNNNNNNNN).
+/// @throws Error if there is none
+std::filesystem::path find_policy(const std::filesystem::path& path);
+
+}  // namespace skybody

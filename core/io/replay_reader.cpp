@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+
+#include "core/base/hash.h"
+#include "core/io/hdf5_reader.h"
+#include "core/io/replay_file.h"
+
+namespace skybody {
+namespace {
+
+constexpr std::int64_t kMostSize = 1 << 24;
+constexpr std::size_t kWindow = 4096;  // action rows that are read at once
+
+}  // namespace
+
+struct ReplayReader::File {
+  explicit File(const std::filesystem::path& path) : reader(path, "replay") {
+    read_header();
+    read_events();
+    read_transitions();
+    index_transitions();
+  }
+
+  void read_header() {
+    if (reader.text("/", "format") != "skybody-replay") {
+      reader.fail("not a replay: its format is `" + reader.text("/", "format") +
+                  "`; allowed: `skybody-replay`");
+    }
+    const std::int64_t version = reader.integer("/", "version");
+    if (version != kReplayFormat) {
+      reader.fail("replay format " + std::to_string(version) + "; this Skybody reads format " +
+                  std::to_string(kReplayFormat) + ": record it anew");
+    }
+    header.skybody_version = reader.text("/", "skybody_version");
+    header.scenario_name = reader.text("/", "scenario");
+    header.scenario_file = reader.text("/", "scenario_file");
+    header.scenario_text = reader.text("/", "scenario_text");
+    header.scenario_hash = number("scenario_hash", 16);
+    header.seed = number("seed", 10);
+    header.first_env_id = number("first_env_id", 10);
+    header.envs = size("envs");
+    header.autoreset = reader.text("/", "autoreset");
+    if (header.autoreset != "next_step" && header.autoreset != "same_step" &&
+        header.autoreset != "disabled") {
+      reader.fail("`autoreset` is `" + header.autoreset +
+                  "`; allowed: next_step, same_step, disabled");
+    }
+    header.action_size = size("action_size");
+    header.overrides = reader.texts("/overrides");
+    header.plugin_path = reader.texts("/plugin_path");
+    header.observation_names = reader.texts("/observation_names");
+    header.state_names = reader.texts("/state_names");
+  }
+
+  std::uint64_t number(const char* name, int base) {
+    const std::string text = reader.text("/", name);
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      reader.fail("`" + std::string(name) + "` is `" + text + "`; a whole number is needed");
+    }
+    return value;
+  }
+
+  int size(const char* name) {
+    const std::int64_t value = reader.integer("/", name);
+    if (value < 0 || value > kMostSize) {
+      reader.fail("`" + std::string(name) + "` is " + std::to_string(value) + "; allowed: 0.." +
+                  std::to_string(kMostSize));
+    }
+    return static_cast<int>(value);
+  }
+
+  void read_events() {
+    kind = reader.all<std::uint8_t>("/events/kind");
+    count = reader.all<std::uint64_t>("/events/count");
+    argument = reader.all<std::uint64_t>("/events/argument");
+    env_id = reader.all<std::int32_t>("/events/env_id");
+    paths = reader.all<std::uint8_t>("/events/path");
+    check_ids(env_id);
+    if (count.size() != kind.size() || argument.size() != kind.size()) damaged();
+    std::size_t ids = 0;
+    for (std::size_t k = 0; k < kind.size(); ++k) {
+      if (kind[k] > static_cast<std::uint8_t>(ReplayEventKind::kReseed)) damaged();
+      if (is_restore(k)) continue;
+      if (count[k] > env_id.size() - ids) damaged();
+      ids += static_cast<std::size_t>(count[k]);
+    }
+    if (ids != env_id.size()) damaged();
+  }
+
+  void read_transitions() {
+    row_env = reader.all<std::int32_t>("/transitions/env_id");
+    hash = reader.all<std::uint64_t>("/transitions/hash");
+    check_ids(row_env);
+    if (hash.size() != row_env.size()) damaged();
+  }
+
+  /// Which places are whose, and which action row belongs to which transition.
+  void index_transitions() {
+    places.resize(static_cast<std::size_t>(header.envs));
+    for (std::size_t k = 0; k < row_env.size(); ++k) {
+      places[static_cast<std::size_t>(row_env[k])].push_back(k);
+    }
+    sent.resize(places.size());
+    std::size_t at = 0;
+    std::int64_t action_row = 0;
+    for (std::size_t k = 0; k < kind.size(); ++k) {
+      if (is_restore(k)) continue;
+      const bool is_send = kind_of(k) == ReplayEventKind::kSend;
+      const bool is_reset = kind_of(k) == ReplayEventKind::kReset;
+      for (std::uint64_t n = 0; n < count[k]; ++n, ++at) {
+        if (is_send || is_reset) {
+          sent[static_cast<std::size_t>(env_id[at])].push_back(is_send ? action_row++ : -1);
+        }
+      }
+      if (kind_of(k) != ReplayEventKind::kReseed) continue;
+      for (auto& list : sent) list.push_back(-1);
+    }
+    for (std::size_t env = 0; env < places.size(); ++env) {
+      if (places[env].size() > sent[env].size()) damaged();
+    }
+  }
+
+  void check_ids(const std::vector<std::int32_t>& ids) {
+    for (const std::int32_t id : ids) {
+      if (id < 0 || id >= header.envs) damaged();
+    }
+  }
+
+  [[noreturn]] void damaged() const {
+    reader.fail("this replay is damaged: its events and transitions do not fit together");
+  }
+
+  ReplayEventKind kind_of(std::size_t k) const { return static_cast<ReplayEventKind>(kind[k]); }
+  bool is_restore(std::size_t k) const { return kind_of(k) == ReplayEventKind::kRestore; }
+
+  void read_path(std::string& path) {
+    path.clear();
+    for (; next_path < paths.size() && paths[next_path] != 0; ++next_path) {
+      path += static_cast<char>(paths[next_path]);
+    }
+    ++next_path;
+  }
+
+  /// The next rows of actions, out of a window that slides over the file.
+  void read_actions(std::size_t rows, std::vector<float>& out) {
+    const auto width = static_cast<std::size_t>(header.action_size);
+    out.clear();
+    if (width == 0) return;
+    for (; rows > 0; --rows, ++next_action) {
+      if (next_action >= window_end) slide_window();
+      const float* row = window.data() + (next_action - window_begin) * width;
+      out.insert(out.end(), row, row + width);
+    }
+  }
+
+  void slide_window() {
+    const Hdf5Reader::Shape shape = reader.shape("/events/action");
+    const auto width = static_cast<std::size_t>(header.action_size);
+    if (shape.columns != width || next_action >= shape.rows) damaged();
+    window_begin = next_action;
+    window_end = std::min(shape.rows, next_action + kWindow);
+    window.resize((window_end - window_begin) * width);
+    reader.read_rows("/events/action", window_begin, window_end - window_begin, window.data());
+  }
+
+  Hdf5Reader reader;
+  ReplayHeader header;
+  std::vector<std::uint8_t> kind, paths;
+  std::vector<std::int32_t> env_id, row_env;
+  std::vector<std::uint64_t> count, argument, hash;
+  std::vector<std::vector<std::size_t>> places;  ///< per environment
+  std::vector<std::vector<std::int64_t>> sent;   ///< per environment: action row, -1: a reset
+
+  std::size_t next_event = 0, next_id = 0, next_path = 0, next_action = 0, next_saved = 0;
+  std::vector<float> window;
+  std::size_t window_begin = 0, window_end = 0;
+};
+
+ReplayReader::ReplayReader(const std::filesystem::path& file)
+    : file_(std::make_unique<File>(file)) {}
+ReplayReader::~ReplayReader() = default;
+
+const ReplayHeader& ReplayReader::header() const { return file_->header; }
+const std::filesystem::path& ReplayReader::file() const { return file_->reader.path(); }
+
+bool ReplayReader::next(ReplayEvent& event) {
+  File& f = *file_;
+  if (f.next_event == f.kind.size()) return false;
+  const std::size_t k = f.next_event++;
+  const auto count = static_cast<std::size_t>(f.count[k]);
+  event.kind = f.kind_of(k);
+  event.argument = f.argument[k];
+  event.env_ids.clear();
+  if (f.is_restore(k)) {
+    event.saved.resize(count);
+    f.reader.read_rows("/events/saved", f.next_saved, count, event.saved.data());
+    f.next_saved += count;
+    return true;
+  }
+  const auto first = f.env_id.begin() + static_cast<std::ptrdiff_t>(f.next_id);
+  event.env_ids.assign(first, first + static_cast<std::ptrdiff_t>(count));
+  f.next_id += count;
+  if (event.kind == ReplayEventKind::kSend) f.read_actions(count, event.actions);
+  if (event.kind == ReplayEventKind::kSetParam) f.read_path(event.path);
+  const bool needs_one =
+      event.kind == ReplayEventKind::kFork || event.kind == ReplayEventKind::kSetParam;
+  if (needs_one && count == 0) f.damaged();
+  return true;
+}
+
+std::size_t ReplayReader::transitions() const { return file_->row_env.size(); }
+std::size_t ReplayReader::transitions(int env) const {
+  return file_->places[static_cast<std::size_t>(env)].size();
+}
+std::size_t ReplayReader::place(int env, std::size_t k) const {
+  return file_->places[static_cast<std::size_t>(env)][k];
+}
+std::uint64_t ReplayReader::hash(std::size_t place) const { return file_->hash[place]; }
+
+ReplayRow ReplayReader::row(std::size_t place) const {
+  const Hdf5Reader& reader = file_->reader;
+  ReplayRow row;
+  row.env = file_->row_env[place];
+  row.hash = file_->hash[place];
+  std::uint8_t was_reset = 0;
+  reader.read_rows("/transitions/episode", place, 1, &row.episode);
+  reader.read_rows("/transitions/episode_step", place, 1, &row.episode_step);
+  reader.read_rows("/transitions/was_reset", place, 1, &was_reset);
+  reader.read_rows("/transitions/status", place, 1, &row.status);
+  reader.read_rows("/transitions/reward", place, 1, &row.reward);
+  row.was_reset = was_reset != 0;
+  row.observation.resize(header().observation_names.size());
+  row.state.resize(header().state_names.size());
+  const auto read = [&](const char* name, auto& values) {
+    if (values.empty()) return;
+    if (reader.shape(name).columns != values.size()) file_->damaged();
+    reader.read_rows(name, place, 1, values.data());
+  };
+  read("/transitions/observation", row.observation);
+  read("/transitions/state", row.state);
+  return row;
+}
+
+std::vector<float> ReplayReader::action(int env, std::size_t k) const {
+  const std::int64_t at = file_->sent[static_cast<std::size_t>(env)][k];
+  if (at < 0) return {};
+  std::vector<float> row(static_cast<std::size_t>(header().action_size));
+  if (row.empty() || file_->reader.shape("/events/action").columns != row.size()) return {};
+  file_->reader.read_rows("/events/action", static_cast<std::size_t>(at), 1, row.data());
+  return row;
+}
+
+}  // namespace skybody

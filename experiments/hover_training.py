@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+"""Learns to hover with both learners, three seeds each, and measures how well and how long.
+
+    .venv/bin/python experiments/hover_training.py [--out DIR] [--program build/release/bin/skybody]
+
+The runs come one after another, with the shipped hyper-parameters and nothing beside them: wall
+clock is that of the whole command `python -m skybody.train`, from its start to its exit. Then every
+checkpoint flies 100 episodes in a new process. Beside them stands PPO on hover.yaml (K = 1, the
+paper's), a run that training_reproducibility.py shares. At last the lean learner's policy of the
+first seed is flown by `skybody run`, and its actions are compared with those that PyTorch computes.
+
+Finished runs are not repeated; one that was interrupted begins anew, because its time counts. Run
+it on a machine that does nothing else. Exit code 1 where a run misses a limit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import training_reproducibility
+from hover_report import draw, markdown
+from policy_flight import fly_policy
+from skybody import Environment
+from skybody.train.checkpoint import checkpoint_folders
+from training_runs import (
+    ROOT,
+    Run,
+    RunError,
+    command_line,
+    machine,
+    shown,
+    train_all,
+    write_json,
+)
+
+SCENARIO = "hover_learn"
+SEEDS = (1, 2, 3)
+STEPS = {"lean-ppo": 6_000_000, "ppo": 4_000_000}
+MINUTES = {"lean-ppo": 3.0, "ppo": 15.0}  # of wall clock, at most
+MOST_ERROR, LEAST_SUCCESS = 0.05, 0.98  # median [m]; share of episodes without failure
+CHECKPOINTS = 20  # points of a curve
+EPISODES = 100
+
+
+def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Run]:
+    """All runs, the quick learner's first. They evaluate nothing beside training."""
+    return [
+        Run(
+            folder=out / f"{algorithm}-seed-{seed}",
+            scenario=SCENARIO,
+            algorithm=algorithm,
+            seed=seed,
+            total_steps=steps[algorithm],
+            checkpoints=CHECKPOINTS,
+            eval_episodes=0,
+        )
+        for algorithm in steps
+        for seed in seeds
+    ]
+
+
+# --- training, alone ----------------------------------------------------------------------------
+
+
+def measure(run: Run) -> dict[str, float]:
+    """Trains and takes the time [s]; of a run that is finished, the time that it took."""
+    run.check()
+    path = run.folder / "measured.json"
+    if not path.exists():
+        shutil.rmtree(run.folder, ignore_errors=True)
+        load, begin = os.getloadavg()[0], time.perf_counter()
+        run.train()
+        seconds = time.perf_counter() - begin
+        write_json(path, {"wall_clock": seconds, "load_before": load})
+    measured: dict[str, float] = json.loads(path.read_text())
+    return measured
+
+
+def evaluate(run: Run) -> None:
+    """Flies every checkpoint that has not been, each in a new process."""
+    for checkpoint in checkpoint_folders(run.folder):
+        result = checkpoint / "evaluation.json"
+        if result.exists() and json.loads(result.read_text())["episodes"] == EPISODES:
+            continue
+        command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+        command += ["--episodes", str(EPISODES), "--json", str(result)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise RunError(f"{' '.join(command)}\n{done.stderr}")
+
+
+def curve(run: Run) -> dict[str, Any]:
+    """Of the evaluations, and by what returns are divided to be compared."""
+    keep = ("steps", "wall_clock", "return_mean", "position_error_median", "success_share")
+    points = [{name: evaluation[name] for name in keep} for evaluation in run.evaluations()]
+    return {"horizon": Environment(run.scenario, list(run.overrides)).horizon, "curve": points}
+
+
+def record(run: Run, measured: dict[str, float]) -> dict[str, Any]:
+    """A run's row in the table, and its curve."""
+    last = run.evaluations()[-1]
+    errors = np.array([np.nan if e is None else e for e in last["position_errors"]], float)
+    median, minutes = float(np.nanmedian(errors)), measured["wall_clock"] / 60.0
+    return {
+        "learner": run.algorithm,
+        "seed": run.seed,
+        "steps": last["steps"],
+        "wall_clock": measured["wall_clock"],
+        "load_before": measured["load_before"],
+        "episodes": last["episodes"],
+        "median_error": median,
+        "error_90_percent": float(np.nanpercentile(errors, 90)),
+        "failures": int(sum(last["failed"])),
+        "success_share": last["success_share"],
+        "within_limits": bool(
+            median < MOST_ERROR
+            and last["success_share"] >= LEAST_SUCCESS
+            and minutes <= MINUTES[run.algorithm]
+        ),
+        "parameter_hash": last["parameter_hash"],
+        **curve(run),
+    }
+
+
+def train_measured(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """All runs, one after another; prints a line on each."""
+    records = []
+    for run in runs:
+        measured = measure(run)
+        evaluate(run)
+        row = record(run, measured)
+        print(
+            f"{row['learner']}, seed {row['seed']}: {row['wall_clock']:.1f} s, median error "
+            f"{row['median_error']:.4f} m, {row['failures']} failures of {row['episodes']}",
+            flush=True,
+        )
+        records.append(row)
+    return records
+
+
+def hover_curve(out: Path, steps: int) -> dict[str, Any]:
+    """PPO on hover.yaml: the first run of training_reproducibility.py, trained here if need be."""
+    group = training_reproducibility.make_groups("hover", out, steps, 2)[0]
+    run = group.runs[0]
+    train_all([run], 1, training_reproducibility.say)
+    return {
+        "learner": run.algorithm,
+        "seed": run.seed,
+        "overrides": list(run.overrides),
+        **curve(run),
+    }
+
+
+# --- the command line ---------------------------------------------------------------------------
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values, checked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    defaults = ", ".join(f"{name} {steps:,}" for name, steps in STEPS.items())
+    add("--steps", type=float, help=f"of all runs, for a trial; default: {defaults}")
+    add("--seeds", type=int, nargs="+", default=list(SEEDS), help="default: 1 2 3")
+    add("--out", type=Path, default=ROOT / "flights/hover_training", help="folder of the runs")
+    add(
+        "--reproducibility",
+        type=Path,
+        default=ROOT / "flights/training_reproducibility",
+        help="--out of training_reproducibility.py, for the curve of hover.yaml",
+    )
+    add(
+        "--hover-steps",
+        type=float,
+        default=training_reproducibility.STEPS,
+        help="of that run; default: 500,000",
+    )
+    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="flies the policy")
+    add("--report", type=Path, default=ROOT / "docs", help="folder of table, JSON and pictures")
+    options = parser.parse_args(arguments)
+    options.steps = STEPS if options.steps is None else dict.fromkeys(STEPS, int(options.steps))
+    options.hover_steps = int(options.hover_steps)
+    if not options.program.exists():
+        parser.error(f"--program {options.program} does not exist; ./dev build makes it")
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, evaluates, flies, writes; returns the exit code."""
+    options = parse(arguments)
+    runs = make_runs(options.out, options.steps, options.seeds)
+    report: Path = options.report
+    (report / "images").mkdir(parents=True, exist_ok=True)
+    try:
+        records = train_measured(runs)
+        hover = hover_curve(options.reproducibility, options.hover_steps)
+        flight = fly_policy(options.program, runs[0], options.out / "flight")
+    except RunError as error:
+        print(f"hover_training: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted; the same command goes on", file=sys.stderr)
+        return 130
+    shutil.copyfile(options.out / "flight/flight-1.png", report / "images/hover_policy.png")
+    content = {
+        "experiment": "hover training",
+        "command": command_line(
+            "hover_training.py", sys.argv[1:] if arguments is None else arguments
+        ),
+        "machine": machine(),
+        "limits": {
+            "median_error": MOST_ERROR,
+            "success_share": LEAST_SUCCESS,
+            "minutes": MINUTES,
+        },
+        "config": {run.algorithm: run.config() for run in runs},
+        "runs": records,
+        "hover": hover,
+        "flight": flight,
+    }
+    write_json(report / "data/hover_training.json", content)
+    draw(content, report / "images/hover_training.png")
+    text = markdown(content)
+    (report / "hover_training.md").write_text(text)
+    print(f"{text}\nwritten: {shown(report / 'hover_training.md')}")
+    return 0 if all(row["within_limits"] for row in records) and flight["agrees"] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

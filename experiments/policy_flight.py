@@ -1,0 +1,80 @@
+"""Flies a trained policy by `skybody run`; compares its actions with those of PyTorch."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
+from skybody.train.lean_ppo import EPSILON
+from torch import Tensor, nn
+from training_runs import ROOT, Run, RunError
+
+TOLERANCE = 1e-6  # of actions in [-1, 1]: the C++ network computes in double, PyTorch in float
+LEAST_ROWS = 1000
+EPISODES = 3
+
+
+def fly_policy(program: Path, run: Run, out: Path) -> dict[str, Any]:
+    """Flies the newest checkpoint; returns the table that was printed, and the comparison."""
+    command = [str(program), "run", run.scenario, "--policy", str(run.folder)]
+    command += ["--episodes", str(EPISODES), "--seed", "1", "--out", str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    if done.returncode != 0:
+        raise RunError(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
+    observation, flown = recorded(out / "flight.h5")
+    expected = torch_actions(run, observation)
+    difference = float(np.abs(flown - expected).max())
+    return {
+        "learner": run.algorithm,
+        "seed": run.seed,
+        "table": done.stdout.partition("\nlog ")[0].rstrip(),
+        "rows": len(observation),
+        "largest_difference": difference,
+        "tolerance": TOLERANCE,
+        "agrees": difference <= TOLERANCE,
+    }
+
+
+def recorded(log: Path) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Observations (n, O), and the actions (n, A) that they led to, of all episodes."""
+    observations, actions = [], []
+    with h5py.File(log) as file:
+        for episode in file["episodes"].values():
+            observations.append(episode["observation"][:-1])
+            actions.append(episode["action"][1:])  # row k + 1 has the action that row k led to
+    rows = sum(len(part) for part in observations)
+    if rows < LEAST_ROWS:
+        raise RunError(f"{log} has {rows} observations, too few to compare: {LEAST_ROWS} at least")
+    return np.concatenate(observations), np.concatenate(actions).astype(np.float64)
+
+
+def torch_actions(run: Run, observation: NDArray[np.float32]) -> NDArray[np.float64]:
+    """The policy's actions (n, A) from state.pt, as the learner computes them in training."""
+    state = read_checkpoint(checkpoint_folders(run.folder)[-1]).state["learner"]
+    moments, parameters = state["moments"], state["parameters"]
+    clip = run.config()["hyper"]["observation_clip"]
+    with torch.no_grad():
+        rows = torch.from_numpy(observation)
+        scale = 1.0 / torch.sqrt(moments["var"] + EPSILON)
+        normalized = ((rows - moments["mean"]) * scale).clamp(-clip, clip).float()
+        actions: Tensor = actor(parameters)(normalized).clamp(-1.0, 1.0)
+    return actions.numpy().astype(np.float64)
+
+
+def actor(parameters: dict[str, Tensor]) -> nn.Sequential:
+    """LeanPpo's network of linear and tanh layers from its parameters."""
+    prefix = "actor."
+    own = {k.removeprefix(prefix): v for k, v in parameters.items() if k.startswith(prefix)}
+    modules: list[nn.Module] = []
+    for weight in (value for name, value in own.items() if name.endswith("weight")):
+        outputs, inputs = weight.shape
+        modules += [nn.Linear(inputs, outputs), nn.Tanh()]
+    network = nn.Sequential(*modules[:-1])
+    network.load_state_dict(own)
+    return network

@@ -1,0 +1,184 @@
+"""Table and picture of training_reproducibility.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
+from training_runs import machine_line, versions_line
+
+# Table II of the paper (hover, Gazebo): mean and deviation of the final return, its CV [%], mean
+# deviation over checkpoints, identical checkpoints [%].
+PAPER = {
+    "same seed": (18.43, 0.00, 0.00, 0.00, 100),
+    "different seeds": (18.08, 1.27, 7.05, 1.32, 0),
+}
+PROTOCOL = """\
+Final return: mean ± standard deviation (n - 1), over the runs, of the mean return of {episodes}
+episodes. CV: that deviation over that mean. Mean checkpoint sigma: mean, over the {checkpoints}
+checkpoints, of the deviation over the runs. Identical: share of the checkpoints at which all runs
+have the same SHA-256 over all parameters.
+
+Each run is a process of its own, of {steps:,} steps in 8 environments with 250 steps a rollout.
+The runs of one seed step their environments with 1, 2 and 4 threads in turn. Every checkpoint is
+evaluated in a new process: deterministic policy, frozen normalization, {episodes} episodes of seed
+{eval_seed}. A seed is that of networks, exploration and environments (in the paper the
+environments' was held fixed). The first run stands in both groups.
+
+`hover` is the paper's task and its learner's configuration: episodes of 1,000 steps of 1 ms, of at
+most 1.01 each. The paper's final return is a fiftieth of that, so its policy had not learned.
+`hover_learn` (100 Hz policy, 6 s, inertia, drag and motors drawn anew every episode) is learned
+with hyper-parameters with which the return rises.
+
+Versions: {versions}."""
+SHORT_HASH = 16  # digits of a SHA-256 that the tables show; the JSON has all 64
+
+
+def markdown(content: dict[str, Any]) -> str:
+    """The whole report."""
+    scenarios = content["scenarios"]
+    parts = [_head(content), _table(scenarios), _protocol(content)]
+    parts += [_runs(name, figures) for name, figures in scenarios.items()]
+    return "\n\n".join(parts) + "\n"
+
+
+def _head(content: dict[str, Any]) -> str:
+    return f"""\
+# Training reproducibility
+
+Does one seed give the same policy, bit for bit? The experiment of the GzDRL paper's section V-B,
+with PPO of Stable-Baselines3 (`python -m skybody.train --algo ppo`), by
+
+    {content["command"]}
+
+on {machine_line(content["machine"])}.
+
+![Returns over training, one seed and different seeds](images/training_reproducibility.png)"""
+
+
+def _table(scenarios: dict[str, Any]) -> str:
+    rows = [
+        "| scenario | configuration | runs | final return | CV [%] | mean checkpoint sigma "
+        "| identical checkpoints [%] |",
+        "| --- | --- | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for name, (mean, deviation, cv, sigma, identical) in PAPER.items():
+        rows.append(
+            f"| the paper's hover (Gazebo) | {name} | 5 | {mean:.2f} ± {deviation:.2f} | {cv:.2f} "
+            f"| {sigma:.2f} | {identical} |"
+        )
+    for scenario, figures in scenarios.items():
+        for name, group in figures["groups"].items():
+            rows.append(
+                f"| `{scenario}` | {name} | {group['runs']} | {group['final_return_mean']:.2f} ± "
+                f"{group['final_return_std']:.2f} | {group['final_return_cv_percent']:.2f} "
+                f"| {group['checkpoint_return_std_mean']:.2f} "
+                f"| {group['identical_checkpoints_percent']:.0f} |"
+            )
+    return "\n".join(rows)
+
+
+def _protocol(content: dict[str, Any]) -> str:
+    first = next(iter(content["scenarios"].values()))
+    versions = [
+        {"versions": found}
+        for figures in content["scenarios"].values()
+        for found in figures["versions"]
+    ]
+    return PROTOCOL.format(
+        steps=content["steps"],
+        episodes=first["eval_episodes"],
+        eval_seed=first["eval_seed"],
+        checkpoints=len(first["groups"]["same seed"]["steps"]),
+        versions=versions_line(versions),
+    )
+
+
+def _runs(scenario: str, figures: dict[str, Any]) -> str:
+    overrides = "".join(f", `{text}`" for text in figures["overrides"])
+    hyper = ", ".join(f"{name} {value}" for name, value in figures["hyper"].items())
+    lines = [
+        f"## {scenario}",
+        "",
+        f"Scenario hash {figures['scenario_hash']}{overrides}. Hyper-parameters: {hyper}.",
+        "",
+        "| run | seed | threads | final return | median position error [m] | wall clock [s] "
+        "| final parameters (SHA-256) |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | --- |",
+    ]
+    for run in figures["runs"]:
+        last = run["checkpoints"][-1]
+        error = last["position_error_median"]
+        lines.append(
+            f"| {run['folder']} | {run['seed']} | {run['threads']} | {last['return_mean']:.4f} "
+            f"| {'' if error is None else format(error, '.3f')} | {run['wall_clock']:.0f} "
+            f"| `{last['parameter_hash'][:SHORT_HASH]}` |"
+        )
+    same = figures["members"]["same seed"]
+    runs = [run for run in figures["runs"] if run["folder"] in same]
+    lines += ["", f"Parameters of the {len(runs)} runs of one seed, checkpoint by checkpoint:", ""]
+    lines += ["| steps | different values | SHA-256 |", "| ---: | ---: | --- |"]
+    for points in zip(*(run["checkpoints"] for run in runs), strict=True):
+        hashes = sorted({point["parameter_hash"] for point in points})
+        texts = ", ".join(f"`{text[:SHORT_HASH]}`" for text in hashes)
+        lines.append(f"| {points[0]['steps']:,} | {len(hashes)} | {texts} |")
+    apart = figures["groups"]["different seeds"]
+    lines += [
+        "",
+        f"Of the {apart['runs']} runs of different seeds no two have the same parameters at "
+        f"{apart['different_checkpoints_percent']:.0f} % of the checkpoints.",
+    ]
+    return "\n".join(lines)
+
+
+# --- the picture --------------------------------------------------------------------------------
+
+
+def draw(content: dict[str, Any], out: Path) -> None:
+    """The paper's figure: a row per scenario; one seed left, different seeds right."""
+    scenarios = content["scenarios"]
+    figure = Figure(figsize=(10, 0.6 + 3.4 * len(scenarios)), layout="constrained")
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.subplots(len(scenarios), 2, sharex=True, sharey="row", squeeze=False)
+    for row, (scenario, figures) in zip(axes, scenarios.items(), strict=True):
+        for axis, name in zip(row, figures["groups"], strict=True):
+            _draw_group(axis, figures, name)
+            axis.set_title(_title(scenario, figures["groups"][name], name), fontsize=9)
+        row[0].set_ylabel("evaluation return")
+    for axis in axes[-1]:
+        axis.set_xlabel("environment steps")
+        axis.xaxis.set_major_formatter(EngFormatter(sep=""))
+    canvas.print_png(out)
+
+
+def _title(scenario: str, group: dict[str, Any], name: str) -> str:
+    identical = group["identical_checkpoints_percent"]
+    return f"{scenario}, {group['runs']} runs, {name}: {identical:.0f} % of checkpoints identical"
+
+
+def _draw_group(axis: Axes, figures: dict[str, Any], name: str) -> None:
+    group, by_folder = figures["groups"][name], {run["folder"]: run for run in figures["runs"]}
+    runs = [by_folder[folder] for folder in figures["members"][name]]
+    steps, mean, deviation = (
+        np.array(group[key], float) for key in ("steps", "return_mean", "return_std")
+    )
+    axis.fill_between(
+        steps, mean - deviation, mean + deviation, color="0.6", alpha=0.35, linewidth=0,
+        label="mean ± 1 standard deviation",
+    )  # fmt: skip
+    axis.plot(steps, mean, color="0.35", linewidth=1, linestyle="--")
+    for number, run in enumerate(runs):
+        values = [point["return_mean"] for point in run["checkpoints"]]
+        # Curves that coincide are drawn from wide to narrow, so that each can be seen.
+        width = 2.0 * (len(runs) - number) if name == "same seed" else 1.5
+        label = f"process {number + 1}, {run['threads']} threads"
+        if name != "same seed":
+            label = f"seed {run['seed']}"
+        axis.plot(steps, values, color=f"C{number}", linewidth=width, label=label)
+    axis.grid(alpha=0.3)
+    axis.legend(fontsize=7, loc="best")

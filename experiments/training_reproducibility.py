@@ -1,0 +1,299 @@
+#!/usr/bin/env python3
+"""Trains the same policy again and again: does one seed give the same bits? (the GzDRL paper, V-B)
+
+    .venv/bin/python experiments/training_reproducibility.py [--jobs 2] [--out DIR]
+
+PPO of Stable-Baselines3 in processes of their own: one group with one seed and 1, 2 and 4
+environment threads mixed among its processes, one group with different seeds. Every checkpoint is
+evaluated in a new process, on the same episodes, with frozen normalization. Writes a table, its
+figures as JSON and a picture. Runs that are finished are not repeated, and interrupted ones go on.
+Exit code 1 unless all checkpoints of the one seed are the same in every bit, and no two of
+different seeds are.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from reproducibility_report import draw, markdown
+from training_runs import (
+    ROOT,
+    Run,
+    RunError,
+    command_line,
+    machine,
+    shown,
+    train_all,
+    write_json,
+)
+
+SEEDS = (1, 5, 25, 42, 125)  # the paper's; the first one is also that of the same-seed group
+THREADS = (1, 2, 4)  # of the environments, in turn over the processes of the same-seed group
+CHECKPOINTS = 10
+STEPS, QUICK_STEPS = 500_000, 20_000
+EPISODES = 20
+
+ENVS, ROLLOUT_STEPS = 8, 250  # ten checkpoints of 50,000 steps fall on ends of rollouts
+
+# All hyper-parameters are written out: the presets of skybody.train may change, this experiment
+# must not. Where the paper says nothing, it is Stable-Baselines3's default.
+PAPER = {
+    "envs": ENVS,
+    "rollout_steps": ROLLOUT_STEPS,
+    "minibatch": 512,
+    "epochs": 3,
+    "learning_rate": 1e-4,
+    "final_learning_rate": 1,
+    "discount": 0.99,
+    "gae_lambda": 0.95,
+    "clip_range": 0.2,
+    "target_kl": 0,
+    "entropy_weight": 0,
+    "value_weight": 0.5,
+    "max_grad_norm": 0.5,
+    "log_std": -2,
+    "hidden": "256,256",
+    "normalize_rewards": "true",
+    "observation_clip": 10,
+    "torch_threads": 1,
+}
+LEARNS = {
+    "minibatch": 500,
+    "epochs": 10,
+    "learning_rate": 1e-3,
+    "final_learning_rate": 0.05,
+    "log_std": -1,
+    "hidden": "64,64",
+}
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What is trained, and how."""
+
+    overrides: tuple[str, ...]  # of the scenario
+    hyper: dict[str, Any]
+
+    def settings(self) -> tuple[str, ...]:
+        """`hyper` as --set takes it."""
+        return tuple(f"{name}={value}" for name, value in self.hyper.items())
+
+
+SETUPS = {
+    # 1 s at 1 kHz, as the paper, whose policy had not learned
+    "hover": Setup(("stepping.horizon=1000",), PAPER),
+    # where the return rises, with randomization
+    "hover_learn": Setup((), PAPER | LEARNS),
+}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs whose checkpoints are compared."""
+
+    name: str
+    runs: tuple[Run, ...]
+
+
+def make_groups(scenario: str, out: Path, steps: int, processes: int) -> list[Group]:
+    """The same-seed and the different-seeds group; the first run stands in both."""
+
+    def run(seed: int, process: int) -> Run:
+        return Run(
+            folder=out / scenario / f"seed-{seed}-process-{process + 1}",
+            scenario=scenario,
+            algorithm="ppo",
+            seed=seed,
+            total_steps=steps,
+            threads=THREADS[process % len(THREADS)],
+            overrides=SETUPS[scenario].overrides,
+            settings=SETUPS[scenario].settings(),
+            checkpoints=CHECKPOINTS,
+            eval_episodes=EPISODES,
+        )
+
+    same = tuple(run(SEEDS[0], process) for process in range(processes))
+    different = tuple(run(seed, 0) for seed in SEEDS[:processes])
+    return [Group("same seed", same), Group("different seeds", different)]
+
+
+# --- the table's figures ------------------------------------------------------------------------
+
+
+def run_record(run: Run) -> dict[str, Any]:
+    """A run's checkpoints and what they were worth."""
+    keep = ("steps", "parameter_hash", "return_mean", "return_std", "position_error_median")
+    checkpoints = [
+        {name: evaluation[name] for name in (*keep, "success_share")}
+        for evaluation in run.evaluations()
+    ]
+    return {
+        "seed": run.seed,
+        "folder": run.folder.name,
+        "threads": run.threads,
+        "wall_clock": run.evaluations()[-1]["wall_clock"],
+        "checkpoints": checkpoints,
+    }
+
+
+def group_figures(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The columns of the paper's Table II over the runs of one group, and its curves.
+
+    Deviations are those of a sample (n - 1). `different` counts the checkpoints of which no two
+    runs have the same parameters. Raises RunError where the runs do not have the same checkpoints.
+    """
+    steps = [[point["steps"] for point in record["checkpoints"]] for record in records]
+    if any(of_run != steps[0] for of_run in steps):
+        raise RunError(f"the runs have checkpoints at different steps: {steps}")
+    returns = np.array([[c["return_mean"] for c in r["checkpoints"]] for r in records])
+    hashes = [
+        {r["checkpoints"][k]["parameter_hash"] for r in records} for k in range(len(steps[0]))
+    ]
+    deviation = returns.std(axis=0, ddof=1)
+    final = float(returns[:, -1].mean())
+    return {
+        "runs": len(records),
+        "final_return_mean": final,
+        "final_return_std": float(deviation[-1]),
+        "final_return_cv_percent": 100.0 * float(deviation[-1]) / abs(final),
+        "checkpoint_return_std_mean": float(deviation.mean()),
+        "identical_checkpoints_percent": 100.0 * float(np.mean([len(h) == 1 for h in hashes])),
+        "different_checkpoints_percent": 100.0
+        * float(np.mean([len(h) == len(records) for h in hashes])),
+        "steps": steps[0],
+        "return_mean": returns.mean(axis=0).tolist(),
+        "return_std": deviation.tolist(),
+    }
+
+
+def scenario_figures(groups: Sequence[Group]) -> dict[str, Any]:
+    """Everything about one scenario. Raises RunError where runs saw different scenarios."""
+    runs = list(dict.fromkeys(run for group in groups for run in group.runs))
+    configs = [run.config() for run in runs]
+    for one, other in combinations(zip(runs, configs, strict=True), 2):
+        for what in ("scenario_hash", "hyper"):
+            if one[1][what] != other[1][what]:
+                raise RunError(
+                    f"{one[0].folder} and {other[0].folder} were done with different {what}; "
+                    "remove the older one"
+                )
+    records = {run: run_record(run) for run in runs}
+    return {
+        "scenario_hash": configs[0]["scenario_hash"],
+        "overrides": configs[0]["overrides"],
+        "hyper": configs[0]["hyper"],
+        "eval_episodes": configs[0]["eval_episodes"],
+        "eval_seed": configs[0]["eval_seed"],
+        "groups": {g.name: group_figures([records[run] for run in g.runs]) for g in groups},
+        "members": {g.name: [run.folder.name for run in g.runs] for g in groups},
+        "runs": list(records.values()),
+        "versions": [config["versions"] for config in configs],
+    }
+
+
+def reproducible(figures: dict[str, Any]) -> bool:
+    """Whether one seed always gave the same bits, and different ones never."""
+    same, different = (figures["groups"][name] for name in ("same seed", "different seeds"))
+    return bool(
+        same["identical_checkpoints_percent"] == 100.0
+        and different["different_checkpoints_percent"] == 100.0
+    )
+
+
+# --- the command line ---------------------------------------------------------------------------
+
+
+def say(run: Run) -> str:
+    """One line on a finished run."""
+    last = run.evaluations()[-1]
+    return (
+        f"{run.scenario}, seed {run.seed}, {run.threads} threads ({run.folder.name}): "
+        f"{last['wall_clock']:.0f} s, return {last['return_mean']:.4g}, "
+        f"parameters {last['parameter_hash'][:16]}"
+    )
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values, checked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("--steps", type=float, help=f"per run; default: {STEPS:,}")
+    add("--processes", type=int, help=f"runs per group, 2 to {len(SEEDS)}; default: {len(SEEDS)}")
+    add("--scenarios", nargs="+", choices=SETUPS, default=list(SETUPS), help="default: all")
+    add("--jobs", type=int, default=2, help="runs at a time, changes no bits; default: 2")
+    add(
+        "--out",
+        type=Path,
+        default=ROOT / "flights/training_reproducibility",
+        help="folder of the runs; default: flights/training_reproducibility",
+    )
+    add("--report", type=Path, help="folder of table, JSON and picture; default: docs")
+    add(
+        "--quick",
+        action="store_true",
+        help=f"2 processes, {QUICK_STEPS:,} steps, report into --out: a trial",
+    )
+    options = parser.parse_args(arguments)
+    quick = options.quick
+    options.steps = int(options.steps or (QUICK_STEPS if quick else STEPS))
+    options.processes = options.processes or (2 if quick else len(SEEDS))
+    options.report = options.report or (options.out / "report" if quick else ROOT / "docs")
+    if not 2 <= options.processes <= len(SEEDS):
+        parser.error(f"--processes {options.processes}: 2 to {len(SEEDS)}")
+    if options.jobs < 1:
+        parser.error(f"--jobs {options.jobs}: at least 1")
+    rollout = ENVS * ROLLOUT_STEPS
+    if options.steps < rollout * CHECKPOINTS or options.steps % (rollout * CHECKPOINTS):
+        parser.error(
+            f"--steps {options.steps}: a multiple of {rollout * CHECKPOINTS}, so that each of the "
+            f"{CHECKPOINTS} checkpoints falls on the end of a rollout ({rollout} steps)"
+        )
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, compares, writes; returns the exit code."""
+    options = parse(arguments)
+    groups = {
+        name: make_groups(name, options.out, options.steps, options.processes)
+        for name in options.scenarios
+    }
+    every = [run for of_one in groups.values() for group in of_one for run in group.runs]
+    try:
+        train_all(list(dict.fromkeys(every)), options.jobs, say)
+        scenarios = {name: scenario_figures(of_one) for name, of_one in groups.items()}
+    except RunError as error:
+        print(f"training_reproducibility: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted; the same command goes on", file=sys.stderr)
+        return 130
+    given = sys.argv[1:] if arguments is None else arguments
+    content = {
+        "experiment": "training reproducibility",
+        "command": command_line("training_reproducibility.py", given),
+        "machine": machine(),
+        "steps": options.steps,
+        "scenarios": scenarios,
+    }
+    report: Path = options.report
+    write_json(report / "data/training_reproducibility.json", content)
+    (report / "images").mkdir(parents=True, exist_ok=True)
+    draw(content, report / "images/training_reproducibility.png")
+    text = markdown(content)
+    (report / "training_reproducibility.md").write_text(text)
+    print(f"{text}\nwritten: {shown(report / 'training_reproducibility.md')}")
+    return 0 if all(reproducible(figures) for figures in scenarios.values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

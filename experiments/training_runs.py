@@ -1,0 +1,201 @@
+"""Runs of `python -m skybody.train` as processes of their own, begun once and then kept."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import platform
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skybody import Environment
+from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.presets import preset, with_settings
+
+ROOT = Path(__file__).resolve().parent.parent
+INTERRUPTED = 130  # exit code of skybody.train after Ctrl-C
+
+
+class RunError(RuntimeError):
+    """A run that failed, or that is another one than asked for; the text is the whole message."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One training run and its folder."""
+
+    folder: Path
+    scenario: str
+    algorithm: str
+    seed: int
+    total_steps: int
+    threads: int = 0  # of the environments; 0: all
+    overrides: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()  # hyper-parameters, KEY=VALUE
+    checkpoints: int = 10
+    eval_episodes: int = 20  # beside training, per checkpoint; 0: none
+
+    @property
+    def log(self) -> Path:
+        """What the run prints."""
+        return self.folder.with_name(f"{self.folder.name}.log")
+
+    def command(self) -> list[str]:
+        """That begins the run, or goes on with it."""
+        made = [sys.executable, "-m", "skybody.train", "--out", str(self.folder)]
+        if (self.folder / "config.json").exists():
+            return [*made, "--resume"]
+        made += [self.scenario, "--algo", self.algorithm, "--seed", str(self.seed)]
+        made += ["--threads", str(self.threads), "--total-steps", str(self.total_steps)]
+        made += ["--checkpoint-every", str(max(1, self.total_steps // self.checkpoints))]
+        made += ["--eval-episodes", str(self.eval_episodes)]
+        for option, values in (("--override", self.overrides), ("--set", self.settings)):
+            for value in values:
+                made += [option, value]
+        return made
+
+    def check(self) -> None:
+        """Raises RunError where the folder holds another run than this one."""
+        path = self.folder / "config.json"
+        if not path.exists():
+            return
+        config = json.loads(path.read_text())
+        wanted = {
+            "scenario": self.scenario,
+            "algorithm": self.algorithm,
+            "seed": self.seed,
+            "total_steps": self.total_steps,
+            "threads": self.threads,
+            "overrides": list(self.overrides),
+            "eval_episodes": self.eval_episodes,
+        }
+        hyper = dataclasses.asdict(
+            with_settings(preset(self.scenario, self.algorithm), self.settings)
+        )
+        wanted |= {name: json.loads(json.dumps(value)) for name, value in hyper.items()}
+        environment = Environment(self.scenario, list(self.overrides))
+        wanted["scenario_hash"] = f"{environment.scenario_hash:016x}"
+        for name, value in wanted.items():
+            found = (config["hyper"] if name in hyper else config)[name]
+            if found != value:
+                raise RunError(
+                    f"{self.folder} holds a run with {name} {found}, not {value}; "
+                    "remove it, or take another --out"
+                )
+
+    def finished(self) -> bool:
+        """Whether it came to its end and every checkpoint has its evaluation."""
+        found = checkpoint_folders(self.folder)
+        if not found or read_meta(found[-1])["steps"] < self.total_steps:
+            return False
+        evaluated = all((folder / "evaluation.json").exists() for folder in found)
+        return evaluated or self.eval_episodes == 0
+
+    def config(self) -> dict[str, Any]:
+        """What it was done with: options, hyper-parameters, versions."""
+        made: dict[str, Any] = json.loads((self.folder / "config.json").read_text())
+        return made
+
+    def evaluations(self) -> list[dict[str, Any]]:
+        """Of all checkpoints, oldest first."""
+        paths = [folder / "evaluation.json" for folder in checkpoint_folders(self.folder)]
+        return [json.loads(path.read_text()) for path in paths]
+
+    def train(self) -> None:
+        """Begins it, or goes on with it, until its end. Raises RunError, KeyboardInterrupt."""
+        self.check()
+        self.folder.parent.mkdir(parents=True, exist_ok=True)
+        with self.log.open("a") as log:
+            done = subprocess.run(self.command(), stdout=log, stderr=subprocess.STDOUT, check=False)
+        if done.returncode == INTERRUPTED:
+            raise KeyboardInterrupt
+        if done.returncode != 0 or not self.finished():
+            last = "\n".join(self.log.read_text().splitlines()[-10:])
+            raise RunError(f"{self.folder} failed (exit code {done.returncode}); its log:\n{last}")
+
+
+def train_all(runs: Sequence[Run], jobs: int, say: Callable[[Run], str]) -> None:
+    """Trains those that are not finished, `jobs` at a time; prints what `say` says of each.
+
+    After the first failure or Ctrl-C no further run begins; those under way come to an end (after
+    Ctrl-C: the end of their rollout, with a checkpoint).
+    """
+    for run in runs:
+        run.check()
+    waiting = [run for run in runs if not run.finished()]
+    print(f"{len(runs)} runs, {len(runs) - len(waiting)} of them finished before", flush=True)
+    stop, done = threading.Event(), len(runs) - len(waiting)
+
+    def train(run: Run) -> Run | None:
+        if stop.is_set():
+            return None
+        try:
+            run.train()
+        except BaseException:
+            stop.set()
+            raise
+        return run
+
+    with ThreadPoolExecutor(jobs) as pool:
+        futures = [pool.submit(train, run) for run in waiting]
+        try:
+            for future in futures:
+                if (trained := future.result()) is not None:
+                    done += 1
+                    print(f"[{done}/{len(runs)}] {say(trained)}", flush=True)
+        finally:
+            stop.set()
+
+
+def machine() -> dict[str, Any]:
+    """What the figures were measured on."""
+    name = platform.processor() or platform.machine()
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        lines = cpuinfo.read_text().splitlines()
+        names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+        name = names[0] if names else name
+    return {
+        "processor": name,
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
+    }
+
+
+def machine_line(found: dict[str, Any]) -> str:
+    """machine() in words."""
+    return f"{found['processor']}, {found['cores']} cores, {found['system']}"
+
+
+def versions_line(configs: Sequence[dict[str, Any]]) -> str:
+    """Of all runs; a package that came in several versions is listed with all of them."""
+    found: dict[str, set[str]] = {}
+    for config in configs:
+        for name, version in config["versions"].items():
+            if not name.startswith("plugin "):
+                found.setdefault(name, set()).add(version)
+    return "; ".join(f"{name} {' and '.join(sorted(all_of))}" for name, all_of in found.items())
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Writes `content`, a line per value."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(content, indent=1) + "\n")
+
+
+def shown(path: Path) -> str:
+    """`path` for people: below the repository without its name."""
+    absolute = path.resolve()
+    return str(absolute.relative_to(ROOT) if absolute.is_relative_to(ROOT) else path)
+
+
+def command_line(script: str, arguments: Sequence[str]) -> str:
+    """That repeats this experiment."""
+    return " ".join(["python", f"experiments/{script}", *arguments])

@@ -1,0 +1,47 @@
+// Arguments of direct control, which Simulation and SimulationPool take alike.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/assemble/simulation.h"
+
+namespace skybody::python {
+
+namespace nb = nanobind;
+
+/// Which of a base's 13 values teleport() changes: read under the GIL.
+class NewMotion {
+ public:
+  /// None leaves a part as it is. @throws TypeError or ValueError unless float64 of that shape
+  NewMotion(nb::handle position, nb::handle rotation, nb::handle velocity,
+            nb::handle angular_velocity);
+  BodyState applied_to(const BodyState& base) const;
+
+ private:
+  static std::vector<double> read(nb::handle object, const char* name, int size);
+  std::vector<double> position_, rotation_, velocity_, angular_velocity_;
+};
+
+/// A name for every body of a world: "quad.base_link".
+std::vector<std::string> body_names(const Environment& environment);
+
+/// Physics steps in pieces, between which Python may interrupt. Calls `advance(piece)` until all
+/// are done or it returns false.
+template <class Advance>
+bool advance_in_pieces(std::int64_t steps, Advance&& advance) {
+  constexpr std::int64_t kPiece = 2000;  // some milliseconds of flight
+  for (;;) {
+    const std::int64_t piece = std::min(steps, kPiece);
+    if (!advance(piece)) return false;
+    steps -= piece;
+    if (steps <= 0) return true;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  }
+}
+
+}  // namespace skybody::python

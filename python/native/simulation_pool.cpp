@@ -1,0 +1,40 @@
+#include "python/native/simulation_pool.h"
+
+#include <unistd.h>
+
+namespace skybody::python {
+
+WorldPool::WorldPool(const LoadedEnvironment& environment, const SimulationPoolOptions& options)
+    : environment_(environment), process_(getpid()) {
+  const nb::gil_scoped_release release;
+  pool_ = blame_argument(
+      [&] { return std::make_unique<SimulationPool>(environment_.shared(), options); });
+  size_ = pool_->size();
+  pinned_threads_ = pool_->pinned_threads();
+}
+
+/// The threads live in the process that made them: a fork of it has none to wait for.
+WorldPool::~WorldPool() {
+  if (getpid() != process_) static_cast<void>(pool_.release());
+}
+
+SimulationPool& WorldPool::open() const {
+  if (!pool_) throw Error("this pool of simulations is closed: make a new one");
+  if (getpid() != process_) {
+    throw Error("this pool of simulations was made in process " + std::to_string(process_) +
+                ", of which this one is a fork: make a pool of its own in each process");
+  }
+  return *pool_;
+}
+
+void WorldPool::close() {
+  const Exclusive alone(in_use_, "pool of simulations");
+  if (getpid() != process_) {
+    static_cast<void>(pool_.release());
+    return;
+  }
+  const nb::gil_scoped_release release;
+  pool_.reset();
+}
+
+}  // namespace skybody::python

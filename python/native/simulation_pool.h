@@ -1,0 +1,52 @@
+// A SimulationPool as Python holds it: one thread at a time, without the GIL, closable.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <sys/types.h>
+
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "core/assemble/simulation_pool.h"
+#include "python/native/environment.h"
+#include "python/native/errors.h"
+#include "python/native/exclusive.h"
+
+namespace skybody::python {
+
+class WorldPool {
+ public:
+  /// @throws ValueError if an option is out of range
+  WorldPool(const LoadedEnvironment& environment, const SimulationPoolOptions& options);
+  ~WorldPool();
+  WorldPool(const WorldPool&) = delete;
+  WorldPool& operator=(const WorldPool&) = delete;
+
+  /// Calls work(SimulationPool&) alone and without the GIL.
+  /// @throws Error if closed, in use by another thread, or made before a fork()
+  template <class Work>
+  decltype(auto) call(Work&& work) {
+    const Exclusive alone(in_use_, "pool of simulations");
+    SimulationPool& pool = open();
+    const nb::gil_scoped_release release;
+    return std::forward<Work>(work)(pool);
+  }
+
+  void close();
+  bool closed() const { return !pool_; }
+  const LoadedEnvironment& environment() const { return environment_; }
+  int size() const { return size_; }
+  int pinned_threads() const { return pinned_threads_; }
+
+ private:
+  SimulationPool& open() const;
+
+  LoadedEnvironment environment_;
+  pid_t process_;
+  std::unique_ptr<SimulationPool> pool_;
+  int size_ = 0, pinned_threads_ = 0;
+  std::atomic<bool> in_use_ = false;
+};
+
+}  // namespace skybody::python

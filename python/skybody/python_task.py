@@ -1,0 +1,298 @@
+"""Tasks written in Python: observation, reward and end in NumPy, over a pool of simulations.
+
+Worlds are stepped in C++, all at the same time; the task sees all of them at once, as arrays. It is
+the way to try an idea in minutes. A task in C++ (docs/plugins.md) is faster and flies from
+`skybody run` as well.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode, VectorEnv
+from numpy.typing import ArrayLike, NDArray
+
+from . import spaces
+from .pool import Scenario, check_seed
+from .simulation import SimulationPool, WorldStates
+
+_MODES = {
+    "next_step": AutoresetMode.NEXT_STEP,
+    "same_step": AutoresetMode.SAME_STEP,
+    "disabled": AutoresetMode.DISABLED,
+}
+
+
+class PythonTask:
+    """What a learner is to do; derive from it. n is the number of worlds that the arrays are about.
+
+    The scenario's own task is not asked; its randomizers work as ever.
+    """
+
+    control: str | None = None
+    """Control mode of all robots, as for `Simulation`; None: the scenario's own controllers."""
+    physics_steps: int = 10
+    """Physics steps for each action, >= 1."""
+    horizon: int = 1000
+    """Actions after which an episode is truncated, >= 1."""
+    observation_space: Box[np.float32]
+    """Of one world."""
+    action_space: Box[np.float32]
+    """Of one world. Actions are clipped to it."""
+
+    def setup(self, pool: SimulationPool) -> None:
+        """Called once, before anything else: to look constants up."""
+
+    def begin(
+        self, pool: SimulationPool, worlds: NDArray[np.int32], rng: np.random.Generator
+    ) -> None:
+        """Some worlds have just been reset: to teleport them, to draw goals, or to forget."""
+
+    def command(self, actions: NDArray[np.float32], states: WorldStates) -> ArrayLike:
+        """Commands (n, command_size), in the units of the control mode, from actions (n, A)."""
+        raise NotImplementedError
+
+    def observation(self, states: WorldStates) -> ArrayLike:
+        """What the learner sees, (n, O)."""
+        raise NotImplementedError
+
+    def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> ArrayLike:
+        """Rewards (n,) of the states after these actions (n, A)."""
+        raise NotImplementedError
+
+    def terminated(self, states: WorldStates) -> ArrayLike:
+        """Which episodes end here for a reason of the task's own, (n,) bool."""
+        return np.zeros(len(states.times), np.bool_)
+
+    def info(self, states: WorldStates) -> dict[str, NDArray[Any]]:
+        """Values beside the observation, (n, ...) each."""
+        return {}
+
+
+class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+    """A task in Python as a `gymnasium.vector.VectorEnv` over a `SimulationPool`.
+
+    `fault` in the infos (num_envs,) bool marks episodes that end because the physics gave up or
+    because an action, observation or reward was not finite: truncated, reward 0, the last finite
+    observation; their value must not be bootstrapped. Other worlds go on.
+
+    An exception in the task reaches the caller of `step` or `reset`. `reset()` then begins anew and
+    `close` works as ever.
+
+    Args:
+        task: the task; one object for all worlds.
+        scenario: name of a shipped scenario, a YAML file, or (where the task keeps the scenario's
+            controllers) a loaded `Environment`.
+        num_envs: number of worlds, a thread each.
+        seed: key of all random numbers until a `reset(seed=...)`.
+        autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
+        overrides, plugin_path, pin_threads: as for `SimulationPool`.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: a number is out of range, or an unknown mode.
+    """
+
+    def __init__(
+        self,
+        task: PythonTask,
+        scenario: Scenario,
+        num_envs: int,
+        *,
+        seed: int = 0,
+        autoreset: str | AutoresetMode = "next_step",
+        overrides: Iterable[str] = (),
+        plugin_path: Iterable[str | os.PathLike[str]] = (),
+        pin_threads: bool = False,
+    ) -> None:
+        for name in ("physics_steps", "horizon"):
+            if getattr(task, name) < 1:
+                raise ValueError(f"the task's {name} is {getattr(task, name)}; it must be >= 1")
+        self._mode = _MODES.get(str(autoreset)) or AutoresetMode(autoreset)
+        self.task = task
+        self.pool = SimulationPool(
+            scenario,
+            num_envs,
+            task.control,
+            seed=seed,
+            overrides=overrides,
+            plugin_path=plugin_path,
+            pin_threads=pin_threads,
+        )
+        self.num_envs = num_envs
+        self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
+        self.single_observation_space = task.observation_space
+        self.single_action_space = task.action_space
+        self.observation_space = spaces.batch(task.observation_space, num_envs)
+        self.action_space = spaces.batch(task.action_space, num_envs)
+        self._low, self._high = task.action_space.low, task.action_space.high
+        self._steps = np.zeros(num_envs, np.int64)
+        self._ended = np.zeros(num_envs, np.bool_)
+        self._last = np.zeros((num_envs, *task.observation_space.shape), np.float32)
+        self._rng = np.random.default_rng(check_seed(seed))
+        self._ready = False
+        try:
+            task.setup(self.pool)
+        except BaseException:
+            self.pool.close()
+            raise
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begins new episodes; under a seed, the first ones of that seed.
+
+        Args:
+            options: {"reset_mask": (num_envs,) bool array} resets only these worlds.
+
+        Raises:
+            ValueError: a mask of another shape, a mask and a seed, or a mask after an exception.
+        """
+        mask = np.ones(self.num_envs, np.bool_)
+        if options and "reset_mask" in options:
+            mask = np.asarray(options["reset_mask"])
+            if mask.shape != (self.num_envs,) or mask.dtype != np.bool_:
+                raise ValueError(
+                    f"reset_mask is {mask.dtype} {mask.shape}; it must be bool ({self.num_envs},)"
+                )
+            if seed is not None or not self._ready:
+                raise ValueError("reset all worlds: leave out reset_mask")
+        self._ready = False
+        if seed is not None:
+            self._rng = np.random.default_rng(check_seed(seed))
+        self._begin(mask, seed)
+        observation, bad = self._observation(self.pool.states(), mask)
+        if bad.any():
+            raise ValueError(f"the first observation of world {np.argmax(bad)} is not finite")
+        self._last = observation
+        self._ready = True
+        return observation.copy(), self._infos(mask, np.zeros(self.num_envs, np.bool_))
+
+    def step(
+        self, actions: ArrayLike
+    ) -> tuple[
+        NDArray[np.float32],
+        NDArray[np.float64],
+        NDArray[np.bool_],
+        NDArray[np.bool_],
+        dict[str, Any],
+    ]:
+        """One action in every world; worlds whose episode ended before are reset instead.
+
+        Args:
+            actions: (num_envs, A), clipped to the task's action space.
+
+        Raises:
+            ValueError: another shape, or the task's arrays have another shape than they must.
+            gymnasium.error.ResetNeeded: before `reset`, or after an exception.
+        """
+        if not self._ready:
+            raise gymnasium.error.ResetNeeded("call reset() first: nothing is under way")
+        given = np.asarray(actions, np.float32)
+        if given.shape != self.action_space.shape:
+            raise ValueError(f"actions are {given.shape}; they must be {self.action_space.shape}")
+        if self._mode is AutoresetMode.DISABLED and self._ended.any():
+            raise ValueError(
+                f"the episode of world {np.argmax(self._ended)} has ended: reset it by "
+                'reset(options={"reset_mask": ...})'
+            )
+        self._ready = False
+        fresh = self._ended.copy()
+        flying = ~fresh
+        if fresh.any():
+            self._begin(fresh, None)
+        bad = flying & ~np.isfinite(given).all(axis=1)
+        given = np.clip(np.where(bad[:, None], 0, given), self._low, self._high)
+        if flying.any():
+            self._fly(given, flying)
+        outcome = self._outcome(given, flying, bad)
+        self._ready = True
+        return outcome
+
+    def _begin(self, mask: NDArray[np.bool_], seed: int | None) -> None:
+        self.pool.reset(mask, seed)
+        self.task.begin(self.pool, np.flatnonzero(mask).astype(np.int32), self._rng)
+        self._steps[mask] = 0
+        self._ended[mask] = False
+
+    def _fly(self, actions: NDArray[np.float32], flying: NDArray[np.bool_]) -> None:
+        commands = np.asarray(self.task.command(actions, self.pool.states()), np.float64)
+        if len(commands) != self.num_envs:
+            raise ValueError(f"command() gave {commands.shape}; {self.num_envs} rows are needed")
+        self.pool.command(commands[flying], worlds=flying)
+        self.pool.advance(self.task.physics_steps, flying)
+        self._steps[flying] += 1
+
+    def _outcome(
+        self, actions: NDArray[np.float32], flying: NDArray[np.bool_], bad: NDArray[np.bool_]
+    ) -> tuple[Any, ...]:
+        states = self.pool.states()
+        observation, unseen = self._observation(states, np.ones(self.num_envs, np.bool_))
+        reward = self._array("reward", self.task.reward(states, actions), (self.num_envs,))
+        ends = self._array("terminated", self.task.terminated(states), (self.num_envs,))
+        fault = flying & (bad | unseen | ~np.isfinite(reward) | self.pool.faults)
+        reward = np.where(flying & ~fault, reward, 0.0)
+        terminated = ends.astype(np.bool_) & flying & ~fault
+        truncated = fault | (flying & ~terminated & (self._steps >= self.task.horizon))
+        self._last = observation
+        self._ended = terminated | truncated
+        infos = self._infos(np.ones(self.num_envs, np.bool_), fault, states)
+        if self._mode is AutoresetMode.SAME_STEP and self._ended.any():
+            observation = self._begin_at_once(observation, infos)
+        return observation.copy(), reward, terminated, truncated, infos
+
+    def _begin_at_once(
+        self, observation: NDArray[np.float32], infos: dict[str, Any]
+    ) -> NDArray[np.float32]:
+        """SAME_STEP: rows of ended episodes become the next one's first."""
+        ended = self._ended.copy()
+        final = np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(ended):
+            final[i] = observation[i].copy()
+        infos["final_obs"], infos["_final_obs"] = final, ended
+        infos["final_info"] = {"fault": infos["fault"], "_fault": ended}
+        infos["_final_info"] = ended
+        self._begin(ended, None)
+        self._last, _ = self._observation(self.pool.states(), ended)
+        return self._last
+
+    def _observation(
+        self, states: WorldStates, mask: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Observations of the worlds in `mask`, the last ones of the others; which are not finite,
+        where the last finite one stands in."""
+        shape = self._last.shape
+        with np.errstate(over="ignore"):
+            rows = self._array("observation", self.task.observation(states), shape).astype(
+                np.float32
+            )
+        bad = mask & ~np.isfinite(rows).reshape(self.num_envs, -1).all(axis=1)
+        rows[~mask | bad] = self._last[~mask | bad]
+        return rows, bad
+
+    @staticmethod
+    def _array(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[Any]:
+        array = np.asarray(values)
+        if array.shape != shape:
+            raise ValueError(f"{name}() gave an array of shape {array.shape}; it must be {shape}")
+        return array
+
+    def _infos(
+        self,
+        mask: NDArray[np.bool_],
+        fault: NDArray[np.bool_],
+        states: WorldStates | None = None,
+    ) -> dict[str, Any]:
+        infos: dict[str, Any] = {"fault": fault, "_fault": mask.copy()}
+        for name, values in self.task.info(states or self.pool.states()).items():
+            infos[name], infos[f"_{name}"] = values, mask.copy()
+        return infos
+
+    def close_extras(self, **_: Any) -> None:
+        """Ends the threads; called by `close`."""
+        self.pool.close()

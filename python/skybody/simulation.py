@@ -1,0 +1,331 @@
+"""Direct control of one world or of many: commands in physical units, physics steps, states."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._native import Environment
+from .pool import Scenario, check_seed, env_ids, load
+
+CONTROL_MODES: dict[str, str] = {
+    "rotor_speed": "[{plugin: rotor_speed}]",
+    "srt": "[{plugin: srt}]",
+    "ctbt": "[{plugin: ctbt}]",
+    "ctbr": "[{plugin: ctbr}]",
+    "wrench": "[{plugin: wrench}]",
+    "velocity": "[{plugin: velocity}]",
+    "pose": "[{plugin: velocity, parameters: {form: position}}]",
+    "attitude": "[{plugin: attitude}, {plugin: ctbr}]",
+    "position": "[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]",
+}
+"""Controllers behind each word of `control`; what a command is: docs/control-modes.md."""
+
+
+def load_with_control(
+    scenario: Scenario,
+    control: str | None = None,
+    overrides: Iterable[str] = (),
+    plugin_path: Iterable[str | os.PathLike[str]] = (),
+) -> Environment:
+    """Loads a scenario, with other controllers on all of its robots.
+
+    Args:
+        control: one of CONTROL_MODES, or a list of controllers as in a scenario's YAML; None: the
+            scenario's own.
+        overrides: "PATH=VALUE" each, applied after `control`.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: an unknown mode, or changes to an environment that is loaded already.
+    """
+    if control is None:
+        return load(scenario, overrides, plugin_path)
+    chain = CONTROL_MODES.get(control, control)
+    if not chain.lstrip().startswith("["):
+        raise ValueError(
+            f"control is {control!r}; it must be one of {', '.join(CONTROL_MODES)}, or a list as "
+            "in YAML, such as '[{plugin: ctbr, parameters: {apply: body}}]'"
+        )
+    if isinstance(scenario, Environment):
+        raise ValueError(
+            f"`{scenario.name}` is loaded already, control comes too late: give the scenario's name"
+        )
+    robots = load(scenario, (), plugin_path).robots
+    chains = [f"robots.{robot}.controllers={chain}" for robot in robots]
+    return load(scenario, [*chains, *overrides], plugin_path)
+
+
+def _floats(values: ArrayLike | None) -> NDArray[np.float64] | None:
+    return None if values is None else np.asarray(values, np.float64)
+
+
+class Simulation(_native.Simulation):
+    """One world under direct control.
+
+    It is stepped as a learner does, by `step(action)`, or by hand: `command(values)` in the units
+    of the control mode, `advance(n)` physics steps, `evaluate()` where the task is to be asked.
+    Frames: world (z up), body (x forward, y left, z up); SI units. One Python thread at a time.
+
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        control: one of `CONTROL_MODES` ("ctbr", "position", ...) for all robots, or a list of
+            controllers as in YAML; None: the scenario's own.
+        seed, env_id: key of all random numbers; equal keys, equal draws.
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: an unknown mode, or a seed out of range.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        control: str | None = None,
+        *,
+        seed: int = 0,
+        env_id: int = 0,
+        overrides: Iterable[str] = (),
+        plugin_path: Iterable[str | os.PathLike[str]] = (),
+    ) -> None:
+        environment = load_with_control(scenario, control, overrides, plugin_path)
+        super().__init__(environment, check_seed(seed) or 0, env_id)
+
+    def command(self, values: ArrayLike, robot: str = "") -> None:
+        """Sets the input of a robot's first controller; held until the next one.
+
+        Args:
+            values: (command_size,), in the units of the control mode. Controllers hold them to
+                what the robot can do. A reset leaves zeros, a `step` its own.
+            robot: may be left out where there is one.
+
+        Raises:
+            ValueError: another shape, a value that is not finite, no such robot, before `reset`.
+        """
+        super().command(np.asarray(values, np.float64), robot)
+
+    def teleport(
+        self,
+        position: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        robot: str = "",
+    ) -> None:
+        """Puts a robot's floating base somewhere. What is left out stays, and so do joints, rotors,
+        other robots and the sensors' last outputs.
+
+        Args:
+            position: (3,) world [m].
+            rotation: (4,) quaternion w x y z, world from body, any length but 0.
+            velocity: (3,) world [m/s].
+            angular_velocity: (3,) body axes [rad/s].
+            robot: may be left out where there is one.
+
+        Raises:
+            ValueError: another shape, a value that is not finite, a fixed base, before `reset`.
+        """
+        super().teleport(
+            _floats(position),
+            _floats(rotation),
+            _floats(velocity),
+            _floats(angular_velocity),
+            robot,
+        )
+
+    def set_mass_properties(
+        self,
+        link: str,
+        *,
+        mass: float | None = None,
+        com: ArrayLike | None = None,
+        inertia: ArrayLike | None = None,
+        robot: str = "",
+    ) -> None:
+        """Changes the body that a link belongs to; controllers go on with the nominal values.
+
+        Args:
+            mass: [kg].
+            com: (3,) centre of mass in the body's frame [m].
+            inertia: (3, 3) about the centre of mass, body axes [kg m^2].
+
+        Raises:
+            ValueError: no rigid body can have them, or no such link.
+        """
+        super().set_mass_properties(
+            link, mass=mass, com=_floats(com), inertia=_floats(inertia), robot=robot
+        )
+
+    def fork(self, rekey: bool = False) -> Simulation:
+        """A copy with the same future; with `rekey` its random numbers are its own."""
+        copy = type(self)(self.environment)
+        copy.restore(super().fork(rekey).save())
+        return copy
+
+
+class WorldStates(NamedTuple):
+    """States of some worlds, a row each; float64, copies. B: bodies, R: rotors of a world."""
+
+    positions: NDArray[np.float64]
+    """(n, B, 3): origins of the bodies, world axes [m]."""
+    rotations: NDArray[np.float64]
+    """(n, B, 4): unit quaternions w x y z, world from body."""
+    velocities: NDArray[np.float64]
+    """(n, B, 3): of the origins, world axes [m/s]."""
+    angular_velocities: NDArray[np.float64]
+    """(n, B, 3): body axes [rad/s]."""
+    rotor_speeds: NDArray[np.float64]
+    """(n, R) [rad/s]."""
+    times: NDArray[np.float64]
+    """(n,): since each world's reset [s]."""
+
+
+class SimulationPool(_native.SimulationPool):
+    """Worlds of one scenario under direct control, one thread each, batched calls.
+
+    A call runs on the threads of the worlds that it names, without the GIL, and waits for all of
+    them. Where one fails the others finish; the error names the first that failed. Nothing resets
+    itself. What a world does depends on its key and its own calls alone.
+
+    `worlds` is everywhere None for all, a (num_worlds,) bool mask, or numbers, each at most once.
+
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        num_worlds: number of worlds and of threads.
+        control: as for `Simulation`.
+        seed, first_env_id: world i draws with the key (seed, first_env_id + i).
+        pin_threads: keep each thread on one processor where the system allows it.
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        ValueError: an unknown mode, or a number out of range.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        num_worlds: int,
+        control: str | None = None,
+        *,
+        seed: int = 0,
+        first_env_id: int = 0,
+        pin_threads: bool = False,
+        overrides: Iterable[str] = (),
+        plugin_path: Iterable[str | os.PathLike[str]] = (),
+    ) -> None:
+        environment = load_with_control(scenario, control, overrides, plugin_path)
+        super().__init__(environment, num_worlds, check_seed(seed) or 0, first_env_id, pin_threads)
+
+    def _ids(self, worlds: ArrayLike | None) -> NDArray[np.int32] | None:
+        if worlds is None:
+            return None
+        given = np.asarray(worlds)
+        if given.dtype != np.bool_:
+            return env_ids(given)
+        if given.shape != (self.num_worlds,):
+            raise ValueError(
+                f"the mask of worlds has shape {given.shape}; it must be ({self.num_worlds},)"
+            )
+        return np.flatnonzero(given).astype(np.int32)
+
+    def reset(self, worlds: ArrayLike | None = None, seed: int | None = None) -> None:
+        """Begins the next episode of some worlds, or with a seed episode 1 under that seed."""
+        super().reset(self._ids(worlds), check_seed(seed))
+
+    def step(self, actions: ArrayLike, worlds: ArrayLike | None = None) -> None:
+        """One step of each: action_repeat physics steps under an action.
+
+        Args:
+            actions: (n, action_size) in [-1, 1] (clipped); one that is not finite ends that world's
+                episode as a fault.
+        """
+        super().step(np.asarray(actions, np.float32), self._ids(worlds))
+
+    def command(self, values: ArrayLike, robot: str = "", worlds: ArrayLike | None = None) -> None:
+        """Sets the input of a robot's first controller in some worlds; held until the next one.
+
+        Args:
+            values: (n, command_size), or (command_size,) for all of them alike, in the units of the
+                control mode.
+
+        Raises:
+            ValueError: another shape, a value that is not finite, no such robot, before `reset`.
+        """
+        ids = self._ids(worlds)
+        rows = np.asarray(values, np.float64)
+        if rows.ndim == 1:
+            rows = np.tile(rows, (self.num_worlds if ids is None else ids.size, 1))
+        super().command(rows, robot, ids)
+
+    def advance(self, physics_steps: int = 1, worlds: ArrayLike | None = None) -> None:
+        """Physics steps of each under its commands, without action and task.
+
+        A world whose physics gives up ends its episode as a fault: see `faults`.
+        """
+        super().advance(physics_steps, self._ids(worlds))
+
+    def evaluate(self, worlds: ArrayLike | None = None) -> None:
+        """Ends a transition made by command and advance: asks the scenario's task."""
+        super().evaluate(self._ids(worlds))
+
+    def teleport(
+        self,
+        world: int,
+        position: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        robot: str = "",
+    ) -> None:
+        """`Simulation.teleport` in one world."""
+        super().teleport(
+            world,
+            _floats(position),
+            _floats(rotation),
+            _floats(velocity),
+            _floats(angular_velocity),
+            robot,
+        )
+
+    def states(self, worlds: ArrayLike | None = None) -> WorldStates:
+        """Motion of all bodies and rotors of some worlds."""
+        all_worlds = (
+            self.positions,
+            self.rotations,
+            self.velocities,
+            self.angular_velocities,
+            self.rotor_speeds,
+            self.times,
+        )
+        ids = self._ids(worlds)
+        if ids is None:
+            return WorldStates(*all_worlds)
+        return WorldStates(*(values[ids] for values in all_worlds))
+
+    def _has(self, bit: int) -> NDArray[np.bool_]:
+        mask: NDArray[np.bool_] = (self.status & np.uint64(bit)) != 0
+        return mask
+
+    @property
+    def terminated(self) -> NDArray[np.bool_]:
+        """(num_worlds,): the scenario's task ended the episode."""
+        return self._has(1)
+
+    @property
+    def truncated(self) -> NDArray[np.bool_]:
+        """(num_worlds,): horizon, task or fault ended it."""
+        return self._has(2)
+
+    @property
+    def faults(self) -> NDArray[np.bool_]:
+        """(num_worlds,): the physics gave up, or an action was not finite."""
+        return self._has(4)

@@ -1,0 +1,196 @@
+// One trajectory hash for every shipped scenario, whatever the threads, batches and order, and
+// whatever happens in the environment next door.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/assemble/load.h"
+#include "core/assemble/simulation.h"
+#include "core/base/random.h"
+#include "core/batch/vec_env.h"
+
+namespace skybody {
+namespace {
+
+constexpr int kEnvs = 6;
+constexpr std::uint64_t kSeed = 7;
+constexpr int kNobody = -1;
+
+/// Step k of environment e: what `skybody hash` does as well. `faulty` gets a NaN in step 5.
+std::vector<float> action_of(int env, int k, int width, int faulty) {
+  Random<double> random({kSeed, static_cast<std::uint64_t>(env)}, 0, static_cast<std::uint64_t>(k),
+                        derive_stream("hash.action"));
+  std::vector<float> action(static_cast<std::size_t>(width));
+  for (float& value : action) value = static_cast<float>(random.uniform(-1.0, 1.0));
+  if (env == faulty && k == 5) action.back() = std::numeric_limits<float>::quiet_NaN();
+  return action;
+}
+
+/// A reset and `steps` steps, resets where an episode has ended among them.
+std::uint64_t hash_alone(const std::shared_ptr<const Environment>& environment, int env, int steps,
+                         int faulty) {
+  Simulation simulation(environment, kSeed, static_cast<std::uint64_t>(env));
+  simulation.reset();
+  for (int k = 0; k < steps; ++k) {
+    if (simulation.done()) {
+      simulation.reset();
+    } else {
+      simulation.step(action_of(env, k, simulation.action_size(), faulty));
+    }
+  }
+  return simulation.hash();
+}
+
+/// Steps begin ... end - 1 of all environments, each sent again as soon as it is back.
+void fly(VecEnv& envs, int begin, int end, int faulty) {
+  std::array<int, kEnvs> next;
+  next.fill(begin);
+  const auto send = [&](std::vector<std::int32_t> ids) {
+    std::erase_if(ids, [&](std::int32_t e) { return next[static_cast<std::size_t>(e)] == end; });
+    std::vector<float> actions;
+    for (const std::int32_t env : ids) {
+      const std::vector<float> row = action_of(env, next[static_cast<std::size_t>(env)]++,
+                                               envs.environment().action_size(), faulty);
+      actions.insert(actions.end(), row.begin(), row.end());
+    }
+    if (!ids.empty()) envs.send(actions, ids);
+  };
+  send({0, 1, 2, 3, 4, 5});
+  while (envs.in_flight() > 0) {
+    const auto batch = envs.recv();
+    send({batch->env_id.begin(), batch->env_id.begin() + batch->rows});
+  }
+}
+
+void reset(VecEnv& envs) {
+  envs.send_reset();
+  while (envs.in_flight() > 0) envs.recv();
+}
+
+struct Shape {
+  int threads, batch;
+  Order order;
+};
+
+std::vector<Shape> shapes() {
+  std::vector<Shape> all;
+  for (const int threads : {1, 2, 4}) {
+    for (const int batch : {kEnvs, kEnvs / 3, 1}) {
+      for (const Order order : {Order::kFixed, Order::kArrival}) {
+        all.push_back({threads, batch, order});
+      }
+    }
+  }
+  return all;
+}
+
+VecEnv make(const std::shared_ptr<const Environment>& environment, const Shape& shape) {
+  return VecEnv(environment, {.envs = kEnvs,
+                              .batch = shape.batch,
+                              .threads = shape.threads,
+                              .order = shape.order,
+                              .seed = kSeed,
+                              .keep_hash = true});
+}
+
+std::string file_of(const std::string& name) {
+  return SKYBODY_SOURCE_DIR "/scenarios/" + name + ".yaml";
+}
+
+std::vector<std::string> shipped_scenarios() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class EveryShippedScenario : public testing::TestWithParam<std::string> {
+ protected:
+  std::shared_ptr<const Environment> environment_ = load_environment({file_of(GetParam()), {}, {}});
+  /// Worlds of many robots take as much time in all as those of one.
+  int steps_ = std::max(8, 60 / static_cast<int>(environment_->scenario().robots.size()));
+
+  std::array<std::uint64_t, kEnvs> alone(int faulty) const {
+    std::array<std::uint64_t, kEnvs> hashes;
+    for (int e = 0; e < kEnvs; ++e) {
+      hashes[static_cast<std::size_t>(e)] = hash_alone(environment_, e, steps_, faulty);
+    }
+    return hashes;
+  }
+  static void expect(const VecEnv& envs, const std::array<std::uint64_t, kEnvs>& hashes) {
+    HashChain all;
+    for (int e = 0; e < kEnvs; ++e) {
+      ASSERT_EQ(envs.hash(e), hashes[static_cast<std::size_t>(e)])
+          << "environment " << e << ", threads " << envs.threads() << ", batch " << envs.batch()
+          << ", order " << static_cast<int>(envs.options().order);
+      all.update(envs.hash(e));
+    }
+    EXPECT_EQ(envs.hash(), all.value());
+  }
+};
+
+TEST_P(EveryShippedScenario, HasTheHashOfEnvironmentsAloneForAllThreadsBatchesAndOrders) {
+  const auto hashes = alone(kNobody);
+  std::vector<std::uint64_t> saved;
+  for (const Shape& shape : shapes()) {
+    VecEnv envs = make(environment_, shape);
+    reset(envs);
+    fly(envs, 0, steps_ / 2, kNobody);
+    if (!saved.empty()) envs.restore(saved);  // what a VecEnv of another shape has saved
+    saved = envs.save();
+    fly(envs, steps_ / 2, steps_, kNobody);
+    expect(envs, hashes);
+  }
+}
+
+TEST_P(EveryShippedScenario, ANeighbourThatFaultsChangesNoOthersHash) {
+  const auto unharmed = alone(kNobody), harmed = alone(2);
+  for (const Shape& shape : {Shape{2, kEnvs, Order::kFixed}, Shape{4, 2, Order::kArrival}}) {
+    VecEnv envs = make(environment_, shape);
+    reset(envs);
+    fly(envs, 0, steps_, 2);
+    expect(envs, harmed);
+    for (int e = 0; e < kEnvs; ++e) {
+      const auto at = static_cast<std::size_t>(e);
+      EXPECT_EQ(envs.hash(e) == unharmed[at], e != 2) << e;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, EveryShippedScenario, testing::ValuesIn(shipped_scenarios()),
+                         [](const auto& scenario) { return scenario.param; });
+
+#ifdef SKYBODY_PROGRAM
+std::string output_of(const std::string& command) {
+  FILE* pipe = popen(command.c_str(), "r");
+  char line[256] = "";
+  std::string text;
+  while (std::fgets(line, sizeof line, pipe) != nullptr) text += line;
+  pclose(pipe);
+  return text;
+}
+
+TEST(AnotherProcess, HasTheHashOfThisOne) {
+  for (const std::string name : {"hover", "payload"}) {
+    VecEnv envs = make(load_environment({file_of(name), {}, {}}), {2, 2, Order::kArrival});
+    reset(envs);
+    fly(envs, 0, 60, kNobody);
+    HashChain first;
+    first.update(envs.hash(0));
+    EXPECT_EQ(output_of(SKYBODY_PROGRAM " hash --steps 60 --seed 7 " + file_of(name)),
+              to_hex(first.value()) + "\n");
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace skybody

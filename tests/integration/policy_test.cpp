@@ -1,0 +1,269 @@
+// `skybody run --policy PATH` and NetworkPolicy: trained networks as Python writes them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+#include "core/assemble/network_policy.h"
+#include "core/assemble/simulation.h"
+#include "core/base/hash.h"
+#include "core/io/flight_log_hdf5.h"
+#include "core/model/marked_error.h"
+#include "tests/integration/process.h"
+
+namespace skybody::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// A policy file in the making; tests change what they are about.
+struct Draft {
+  std::string format = "skybody-policy", squash = "clip", scenario = "test",
+              scenario_hash = "0123456789abcdef";
+  std::int64_t version = 1, observation_size = 2, action_size = 1;
+  struct Layer {
+    hsize_t rows, columns;
+    std::vector<float> weight, bias;
+    std::string activation;
+  };
+  std::vector<Layer> layers = {{2, 2, {0.5f, -1.0f, 2.0f, 0.25f}, {0.1f, -0.2f}, "tanh"},
+                               {1, 2, {1.5f, -0.75f}, {0.05f}, "none"}};
+  std::vector<double> mean, scale;
+  double clip = 10.0;
+  std::string left_out;  ///< an attribute
+};
+
+void write_matrix(const Hdf5Writer& writer, hid_t parent, const char* name, int rank,
+                  const hsize_t* extent, const std::vector<float>& values) {
+  const Hdf5Id space(writer.check(H5Screate_simple(rank, extent, nullptr)), H5Sclose);
+  const Hdf5Id set(writer.check(H5Dcreate2(parent, name, H5T_IEEE_F32LE, space, H5P_DEFAULT,
+                                           H5P_DEFAULT, H5P_DEFAULT)),
+                   H5Dclose);
+  writer.check(H5Dwrite(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+}
+
+fs::path write_policy(const fs::path& path, const Draft& draft) {
+  const Hdf5Writer writer(path, "policy");
+  const Hdf5Id file = writer.create_file();
+  const auto text = [&](const char* name, const std::string& value) {
+    if (draft.left_out != name) writer.write_attribute(file, name, value);
+  };
+  const auto number = [&](const char* name, std::int64_t value) {
+    if (draft.left_out != name) writer.write_attribute(file, name, value);
+  };
+  text("format", draft.format);
+  number("version", draft.version);
+  text("scenario", draft.scenario);
+  text("scenario_hash", draft.scenario_hash);
+  number("seed", 1);
+  text("algorithm", "ppo");
+  number("steps", 1000);
+  text("skybody_version", "0");
+  number("observation_size", draft.observation_size);
+  number("action_size", draft.action_size);
+  text("action_squash", draft.squash);
+  if (!draft.mean.empty()) {
+    const Hdf5Id group = writer.create_group(file, "normalization");
+    writer.write_dataset(group, "mean", draft.mean);
+    writer.write_dataset(group, "scale", draft.scale);
+    writer.write_attribute(group, "clip", draft.clip);
+  }
+  const Hdf5Id layers = writer.create_group(file, "layers");
+  for (std::size_t k = 0; k < draft.layers.size(); ++k) {
+    const Draft::Layer& layer = draft.layers[k];
+    const Hdf5Id group = writer.create_group(layers, std::to_string(k));
+    const hsize_t shape[2] = {layer.rows, layer.columns}, bias = layer.bias.size();
+    write_matrix(writer, group, "weight", 2, shape, layer.weight);
+    write_matrix(writer, group, "bias", 1, &bias, layer.bias);
+    writer.write_attribute(group, "activation", layer.activation);
+  }
+  return path;
+}
+
+float act(const fs::path& file, std::vector<float> observation) {
+  NetworkPolicy policy(file);
+  float action = 0.0f;
+  policy.act(observation, {&action, 1});
+  return action;
+}
+
+TEST(NetworkPolicy, GivesWhatIsComputedByHand) {
+  const TemporaryFolder folder;
+  const fs::path file = write_policy(folder.path() / "policy.h5", {});
+  const double h0 = std::tanh(0.5 * 0.3 - 1.0 * -0.4 + static_cast<double>(0.1f));
+  const double h1 = std::tanh(2.0 * 0.3 + 0.25 * -0.4 - static_cast<double>(0.2f));
+  const double y = 1.5 * h0 - 0.75 * h1 + static_cast<double>(0.05f);
+  // Inputs and output are floats: three roundings of 6e-8 each, times weights below 3.
+  EXPECT_NEAR(static_cast<double>(act(file, {0.3f, -0.4f})), y, 3e-7);
+}
+
+TEST(NetworkPolicy, ClipsOrSquashesIntoTheRangeOfActions) {
+  const TemporaryFolder folder;
+  Draft draft;
+  draft.layers = {{1, 2, {3.0f, 0.0f}, {0.0f}, "none"}};
+  const fs::path clipped = write_policy(folder.path() / "clip.h5", draft);
+  EXPECT_EQ(act(clipped, {1.0f, 0.0f}), 1.0f);
+  EXPECT_EQ(act(clipped, {-1.0f, 0.0f}), -1.0f);
+  EXPECT_EQ(act(clipped, {0.125f, 0.0f}), 0.375f);
+  draft.squash = "tanh";
+  const fs::path squashed = write_policy(folder.path() / "tanh.h5", draft);
+  // One rounding to float of a value below 1.
+  EXPECT_NEAR(static_cast<double>(act(squashed, {0.5f, 0.0f})), std::tanh(1.5), 6e-8);
+  EXPECT_EQ(act(squashed, {100.0f, 0.0f}), 1.0f);
+}
+
+TEST(NetworkPolicy, NormalizesAndClipsObservations) {
+  const TemporaryFolder folder;
+  Draft draft;
+  draft.layers = {{1, 2, {0.25f, 0.0f}, {0.0f}, "relu"}};
+  draft.mean = {2.0, 0.0};
+  draft.scale = {0.5, 1.0};
+  draft.clip = 3.0;
+  const fs::path file = write_policy(folder.path() / "policy.h5", draft);
+  EXPECT_EQ(act(file, {4.0f, 0.0f}), 0.25f);
+  EXPECT_EQ(act(file, {100.0f, 0.0f}), 0.75f) << "beyond the clip";
+  EXPECT_EQ(act(file, {0.0f, 0.0f}), 0.0f) << "relu";
+}
+
+TEST(NetworkPolicy, IsFoundInACheckpointAndInARunsNewestCheckpoint) {
+  const TemporaryFolder folder;
+  for (const char* step : {"step_000000000500", "step_000000002000", "step_000000001000"}) {
+    const fs::path checkpoint = folder.path() / "checkpoints" / step;
+    fs::create_directories(checkpoint);
+    write_policy(checkpoint / "policy.h5", {});
+  }
+  fs::create_directories(folder.path() / "checkpoints" / "step_000000009000");  // unfinished
+  const fs::path newest = folder.path() / "checkpoints" / "step_000000002000";
+  EXPECT_EQ(find_policy(folder.path()), newest / "policy.h5");
+  EXPECT_EQ(find_policy(newest), newest / "policy.h5");
+  EXPECT_EQ(find_policy(newest / "policy.h5"), newest / "policy.h5");
+}
+
+struct BadPolicy {
+  const char* name;
+  std::function<void(Draft&)> change;
+  const char* message;  ///< behind the file's name
+};
+void PrintTo(const BadPolicy& bad, std::ostream* out) { *out << bad.name; }
+
+class BadPolicies : public testing::TestWithParam<BadPolicy> {};
+
+TEST_P(BadPolicies, GetOneClearError) {
+  const TemporaryFolder folder;
+  Draft draft;
+  GetParam().change(draft);
+  write_policy(folder.path() / "policy.h5", draft);
+  const Outcome outcome = run_skybody({"run", "hover", "--policy", "policy.h5", "--out", "out"},
+                                      {.folder = folder.path()});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.err, std::string("policy.h5: error: ") + GetParam().message + "\n");
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"policy.h5"});
+}
+
+const BadPolicy kBadPolicies[] = {
+    {"another_format", [](Draft& d) { d.format = "onnx"; },
+     "not a policy: its format is `onnx`; allowed: `skybody-policy`"},
+    {"no_format", [](Draft& d) { d.left_out = "format"; },
+     "the attribute `format` of `/` is missing in this policy file"},
+    {"newer_version", [](Draft& d) { d.version = 2; },
+     "policy format 2; this Skybody reads format 1: export the policy anew"},
+    {"no_observations", [](Draft& d) { d.observation_size = 0; },
+     "`observation_size` is 0; allowed: 1..16777216"},
+    {"no_layers", [](Draft& d) { d.layers.clear(); }, "`/layers/0` is missing in this policy file"},
+    {"wrong_inputs", [](Draft& d) { d.observation_size = 3; },
+     "`/layers/0/weight` has 2 x 2 values; needed: outputs x 3"},
+    {"wrong_bias", [](Draft& d) { d.layers[0].bias.push_back(0.0f); },
+     "`/layers/0/bias` has 3 values; needed: 2"},
+    {"wrong_outputs", [](Draft& d) { d.action_size = 4; },
+     "the last layer gives 1 values; `action_size` is 4"},
+    {"not_finite",
+     [](Draft& d) { d.layers[1].weight[1] = std::numeric_limits<float>::quiet_NaN(); },
+     "value 1 of `/layers/1/weight` is not finite: the network cannot fly; take an earlier "
+     "checkpoint"},
+    {"unknown_activation", [](Draft& d) { d.layers[0].activation = "gelu"; },
+     "`activation` of `/layers/0` is `gelu`; allowed: none, tanh, relu"},
+    {"unknown_squash", [](Draft& d) { d.squash = "sine"; },
+     "`action_squash` is `sine`; allowed: clip, tanh"},
+    {"short_mean", [](Draft& d) { d.mean = d.scale = {1.0}; },
+     "`/normalization/mean` has 1 values; needed: 2"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Files, BadPolicies, testing::ValuesIn(kBadPolicies),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST(RunPolicy, SaysWhatIsWrongWithFilesThatAreNoPolicies) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "text.h5") << "not HDF5";
+  fs::create_directory(folder.path() / "empty");
+  write_policy(folder.path() / "cut.h5", {});
+  fs::resize_file(folder.path() / "cut.h5", fs::file_size(folder.path() / "cut.h5") / 2);
+  const auto run = [&](const char* policy) {
+    const Outcome outcome = run_skybody({"run", "hover", "--policy", policy, "--out", "out"},
+                                        {.folder = folder.path()});
+    EXPECT_EQ(outcome.exit_code, 2) << policy;
+    EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_THAT(run("text.h5"), HasSubstr("text.h5: error: not a policy file, or cut short: "));
+  EXPECT_THAT(run("cut.h5"), HasSubstr("cut.h5: error: not a policy file, or cut short: "));
+  EXPECT_THAT(run("empty"), HasSubstr("error: the folder empty has neither policy.h5 nor"));
+  EXPECT_THAT(run("gone.h5"), HasSubstr("there is no policy or file `gone.h5`"));
+}
+
+/// Fits the hover scenario: all rotors in the middle of their range.
+Draft hover_draft(const Simulation& simulation) {
+  Draft draft;
+  const auto inputs = static_cast<hsize_t>(simulation.observation_size());
+  const auto outputs = static_cast<hsize_t>(simulation.action_size());
+  draft.observation_size = simulation.observation_size();
+  draft.action_size = simulation.action_size();
+  draft.scenario = "hover";
+  draft.scenario_hash = to_hex(simulation.scenario().hash);
+  draft.layers = {{outputs, inputs, std::vector<float>(inputs * outputs, 0.01f),
+                   std::vector<float>(outputs, 0.1f), "tanh"}};
+  return draft;
+}
+
+TEST(RunPolicy, FliesATrainedNetwork) {
+  const TemporaryFolder folder;
+  const Simulation simulation({.scenario = "hover"});
+  write_policy(folder.path() / "policy.h5", hover_draft(simulation));
+  const Outcome outcome = run_skybody(
+      {"run", "hover", "--policy", "policy.h5", "--steps", "20", "--out", "out", "--no-picture"},
+      {.folder = folder.path()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_TRUE(fs::exists(folder.path() / "out" / "flight.h5"));
+}
+
+TEST(RunPolicy, WarnsOfAnotherScenarioAndRefusesOtherSizes) {
+  const TemporaryFolder folder;
+  const Simulation simulation({.scenario = "hover"});
+  Draft draft = hover_draft(simulation);
+  draft.scenario = "other";
+  draft.scenario_hash = "0123456789abcdef";
+  write_policy(folder.path() / "other.h5", draft);
+  write_policy(folder.path() / "small.h5", {});
+  const auto run = [&](const char* policy) {
+    return run_skybody(
+        {"run", "hover", "--policy", policy, "--steps", "5", "--out", "out", "--no-picture"},
+        {.folder = folder.path()});
+  };
+  const Outcome other = run("other.h5");
+  EXPECT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_THAT(other.err, HasSubstr("warning: the policy other.h5 was trained on `other` with hash "
+                                   "0123456789abcdef; this is `hover` with hash " +
+                                   to_hex(simulation.scenario().hash)));
+  const Outcome small = run("small.h5");
+  EXPECT_EQ(small.exit_code, 2);
+  EXPECT_THAT(small.err, HasSubstr("error: the policy small.h5 has observations of 2 values; "));
+}
+
+}  // namespace
+}  // namespace skybody::test

@@ -1,0 +1,130 @@
+// Worlds on threads of their own: the same bits as alone, errors with the world's number, no hang.
+#include "core/assemble/simulation_pool.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "core/assemble/load.h"
+#include "core/base/error.h"
+
+namespace skybody {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kWorlds = 5;
+
+std::shared_ptr<const Environment> hover() {
+  return load_environment({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
+}
+
+template <class Call>
+std::string refusal(Call&& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(SimulationPool, WorldsDoWhatTheyDoAlone) {
+  const auto environment = hover();
+  SimulationPool pool(environment, {.worlds = kWorlds, .seed = 9, .first_env_id = 3});
+  pool.reset(pool.all());
+  std::vector<float> actions(kWorlds * 4);
+  for (std::size_t k = 0; k < actions.size(); ++k) actions[k] = 0.01f * static_cast<float>(k);
+  for (int k = 0; k < 50; ++k) pool.step(pool.all(), actions);
+  const std::vector<int> some = {4, 1};
+  pool.command(some, "quad", std::vector<double>{900, 900, 900, 900, 1200, 1200, 1200, 1200});
+  pool.advance(some, 30);
+  pool.evaluate(some);
+  for (int i = 0; i < kWorlds; ++i) {
+    Simulation alone(environment, 9, 3 + static_cast<std::uint64_t>(i));
+    alone.reset();
+    for (int k = 0; k < 50; ++k)
+      alone.step(std::span(actions).subspan(4 * static_cast<std::size_t>(i), 4));
+    if (i == 4 || i == 1) {
+      alone.command("", std::vector<double>(4, i == 4 ? 900.0 : 1200.0));
+      alone.advance(30);
+      alone.evaluate();
+    }
+    EXPECT_EQ(pool.world(i).hash(), alone.hash()) << i;
+  }
+}
+
+TEST(SimulationPool, EveryWorldHasAThreadOfItsOwnAndTheyRunAtTheSameTime) {
+  SimulationPool pool(hover(), {.worlds = kWorlds, .pin_threads = true});
+  EXPECT_LE(pool.pinned_threads(), kWorlds);
+  std::atomic<int> inside{0};
+  std::vector<std::thread::id> ids(kWorlds);
+  // Nobody leaves before all are inside: this ends only if they run at the same time.
+  pool.run(pool.all(), [&](Simulation&, int i) {
+    ids[static_cast<std::size_t>(i)] = std::this_thread::get_id();
+    ++inside;
+    while (inside < kWorlds) std::this_thread::yield();
+  });
+  EXPECT_EQ(std::set<std::thread::id>(ids.begin(), ids.end()).size(),
+            static_cast<std::size_t>(kWorlds));
+}
+
+TEST(SimulationPool, AnErrorNamesTheFirstWorldAndTheOthersFinish) {
+  SimulationPool pool(hover(), {.worlds = kWorlds});
+  pool.reset(pool.all());
+  std::atomic<int> finished{0};
+  const auto work = [&](Simulation&, int i) {
+    if (i == 3) throw std::runtime_error("lost its way");
+    if (i == 2) throw 42;
+    ++finished;
+  };
+  EXPECT_THAT(refusal([&] { pool.run(pool.all(), work); }), HasSubstr("world 2: "));
+  EXPECT_EQ(finished, kWorlds - 2);
+  const std::vector<int> only = {3};
+  EXPECT_EQ(refusal([&] { pool.run(only, work); }), "world 3: lost its way");
+  pool.advance(pool.all(), 1);  // it goes on
+  EXPECT_EQ(pool.world(3).physics_steps(), 1u);
+}
+
+TEST(SimulationPool, AStepBeforeAResetIsAnErrorOfThatWorldOnly) {
+  SimulationPool pool(hover(), {.worlds = 2});
+  const std::vector<int> first = {0};
+  pool.reset(first);
+  EXPECT_EQ(refusal([&] { pool.advance(pool.all(), 1); }),
+            "world 1: advance() before reset(): begin an episode first");
+  EXPECT_EQ(pool.world(0).physics_steps(), 1u);
+}
+
+TEST(SimulationPool, RefusesMisuseBeforeAnythingIsDone) {
+  EXPECT_THROW(SimulationPool(hover(), {.worlds = 0}), Error);
+  SimulationPool pool(hover(), {.worlds = 3});
+  pool.reset(pool.all());
+  const std::vector<int> twice = {1, 1}, beyond = {0, 3}, negative = {-1};
+  for (const auto* worlds : {&twice, &beyond, &negative}) {
+    EXPECT_THROW(pool.advance(*worlds, 1), Error);
+  }
+  EXPECT_THAT(refusal([&] { pool.step(pool.all(), std::vector<float>(11)); }),
+              HasSubstr("each takes 4"));
+  EXPECT_THAT(refusal([&] { pool.command(pool.all(), "", std::vector<double>(4)); }),
+              HasSubstr("each takes 4"));
+  EXPECT_EQ(pool.world(0).physics_steps(), 0u);
+  pool.advance({}, 5);  // nobody is somebody
+}
+
+TEST(SimulationPool, ClosesOnceOrTwiceAndRefusesAfterwards) {
+  SimulationPool pool(hover(), {.worlds = 2});
+  pool.reset(pool.all());
+  pool.close();
+  pool.close();
+  EXPECT_TRUE(pool.closed());
+  EXPECT_THAT(refusal([&] { pool.reset(pool.all()); }), HasSubstr("closed"));
+  EXPECT_THAT(refusal([&] { pool.world(0); }), HasSubstr("closed"));
+}
+
+}  // namespace
+}  // namespace skybody
