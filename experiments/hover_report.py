@@ -163,6 +163,10 @@ def _dress(axes: NDArray[Any], content: dict[str, Any]) -> None:
     axes[0, 0].set_title("mean over evaluation episodes, each scenario's own reward", fontsize=9)
     axes[1, 0].set_xlabel("environment steps")
     axes[1, 0].xaxis.set_major_formatter(EngFormatter(sep=""))
+    axes[1, 1].set_xscale("log")
+    axes[1, 1].xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes[1, 1].xaxis.set_minor_formatter(NullFormatter())
+    axes[1, 1].xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes[1, 1].set_xlabel("wall-clock time of training [s]")
     for learner, minutes in limits["minutes"].items():
         _mark_time(axes[:, 1], learner, 60.0 * minutes)

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 import training_reproducibility
 from hover_report import draw, markdown
-from policy_flight import fly_policy
+from policy_flight import PICTURE, fly_policy
 from skybody import Environment
 from skybody.train.checkpoint import checkpoint_folders
 from training_runs import (
@@ -212,7 +212,7 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted; the same command goes on", file=sys.stderr)
         return 130
-    shutil.copyfile(options.out / "flight/flight-1.png", report / "images/hover_policy.png")
+    shutil.copyfile(options.out / "flight" / PICTURE, report / "images/hover_policy.png")
     content = {
         "experiment": "hover training",
         "command": command_line(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +20,23 @@ from training_runs import ROOT, Run, RunError
 TOLERANCE = 1e-6  # of actions in [-1, 1]: the C++ network computes in double, PyTorch in float
 LEAST_ROWS = 1000
 EPISODES = 3
+PICTURE = "flight-0001.png"  # of the first episode
 
 
 def fly_policy(program: Path, run: Run, out: Path) -> dict[str, Any]:
     """Flies the newest checkpoint; returns the table that was printed, and the comparison."""
-    command = [str(program), "run", run.scenario, "--policy", str(run.folder)]
-    command += ["--episodes", str(EPISODES), "--seed", "1", "--out", str(out)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
-    if done.returncode != 0:
+    policy = os.path.relpath(run.folder.resolve(), ROOT)  # as the picture's title shows it
+    command = [str(program.resolve()), "run", run.scenario, "--policy", policy]
+    command += ["--episodes", str(EPISODES), "--seed", "1", "--out", str(out.resolve())]
+    done = subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+        env={**os.environ, "SKYBODY_PYTHON": sys.executable},  # that draws the pictures
+    )
+    if done.returncode != 0 or not (out / PICTURE).exists():
         raise RunError(f"{' '.join(command)}\n{done.stdout}{done.stderr}")
     observation, flown = recorded(out / "flight.h5")
     expected = torch_actions(run, observation)

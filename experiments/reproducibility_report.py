@@ -130,8 +130,8 @@ def _runs(scenario: str, figures: dict[str, Any]) -> str:
     apart = figures["groups"]["different seeds"]
     lines += [
         "",
-        f"Of the {apart['runs']} runs of different seeds no two have the same parameters at "
-        f"{apart['different_checkpoints_percent']:.0f} % of the checkpoints.",
+        f"At {apart['different_checkpoints_percent']:.0f} % of the checkpoints the parameters of "
+        f"the {apart['runs']} runs with different seeds all differ from each other.",
     ]
     return "\n".join(lines)
 
@@ -176,7 +176,7 @@ def _draw_group(axis: Axes, figures: dict[str, Any], name: str) -> None:
         values = [point["return_mean"] for point in run["checkpoints"]]
         # Curves that coincide are drawn from wide to narrow, so that each can be seen.
         width = 2.0 * (len(runs) - number) if name == "same seed" else 1.5
-        label = f"process {number + 1}, {run['threads']} threads"
+        label = f"process {number + 1}, environment threads: {run['threads']}"
         if name != "same seed":
             label = f"seed {run['seed']}"
         axis.plot(steps, values, color=f"C{number}", linewidth=width, label=label)

@@ -65,11 +65,11 @@ PAPER = {
     "torch_threads": 1,
 }
 LEARNS = {
-    "minibatch": 500,
+    "minibatch": 250,
     "epochs": 10,
     "learning_rate": 1e-3,
-    "final_learning_rate": 0.05,
-    "log_std": -1,
+    "final_learning_rate": 0.3,
+    "log_std": -0.5,
     "hidden": "64,64",
 }
 
@@ -128,11 +128,13 @@ def make_groups(scenario: str, out: Path, steps: int, processes: int) -> list[Gr
 
 
 def run_record(run: Run) -> dict[str, Any]:
-    """A run's checkpoints and what they were worth."""
+    """A run's checkpoints and what they were worth; without those that an interruption added."""
+    every = run.total_steps // CHECKPOINTS
     keep = ("steps", "parameter_hash", "return_mean", "return_std", "position_error_median")
     checkpoints = [
         {name: evaluation[name] for name in (*keep, "success_share")}
         for evaluation in run.evaluations()
+        if evaluation["steps"] % every == 0
     ]
     return {
         "seed": run.seed,
@@ -214,7 +216,7 @@ def say(run: Run) -> str:
     """One line on a finished run."""
     last = run.evaluations()[-1]
     return (
-        f"{run.scenario}, seed {run.seed}, {run.threads} threads ({run.folder.name}): "
+        f"{run.scenario}, seed {run.seed}, threads {run.threads} ({run.folder.name}): "
         f"{last['wall_clock']:.0f} s, return {last['return_mean']:.4g}, "
         f"parameters {last['parameter_hash'][:16]}"
     )

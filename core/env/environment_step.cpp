@@ -77,31 +77,6 @@ std::uint32_t Environment::fly(StateGroup& group, GroupWork& work, std::uint32_t
   return mask;
 }
 
-std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                                   std::int64_t physics_steps) const {
-  check(group, work, mask);
-  const FpEnvironment guard;
-  update(group, work, mask);
-  const std::uint32_t through = fly(group, work, mask, physics_steps);
-  each(mask & ~through,
-       [&](int lane) { group.bits(kStatus)[lane] = kTruncated | kFault | kBadState; });
-  return through;
-}
-
-void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                           const Rows& rows) const {
-  check(group, work, mask);
-  const FpEnvironment guard;
-  work.bad_action = work.bad_state = 0;
-  each(mask, [&](int lane) {  // advance() has left its faults in the status
-    if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
-    ++group.bits(kStep)[lane];
-  });
-  update(group, work, mask);
-  evaluate(group, work, mask);
-  conclude(group, work, mask, false, rows);
-}
-
 void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
   SKYBODY_DEMAND(static_cast<int>(work.lanes.size()) == group.lanes(),
                  "a work of another group size");

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -24,34 +25,48 @@ using testing::StartsWith;
 // Short episodes, so that resets are among what is compared.
 const std::string kHorizon = "stepping.horizon=7";
 
-std::string hash_of(std::vector<std::string> more) {
-  std::vector<std::string> arguments = {"hash",   "hover", "--steps", "40",
-                                        "--seed", "3",     "--set",   kHorizon};
+std::string hash_of(const std::string& scenario, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = {"hash",   scenario, "--steps", "20",
+                                        "--seed", "3",      "--set",   kHorizon};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const Outcome outcome = run_skybody(arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return outcome.out;
 }
 
-TEST(HashMatrix, DoesNotDependOnThreadsBatchesOrOrder) {
-  const std::string expected = hash_of({"--envs", "6"});
+std::vector<std::string> shipped_scenarios() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class HashMatrix : public testing::TestWithParam<std::string> {};
+
+TEST_P(HashMatrix, DoesNotDependOnThreadsBatchesOrOrder) {
+  const std::string expected = hash_of(GetParam(), {"--envs", "6"});
   for (const char* threads : {"1", "2", "4"}) {
     for (const char* batch : {"6", "2", "1"}) {
       for (const char* order : {"fixed", "arrival"}) {
-        EXPECT_EQ(
-            hash_of({"--envs", "6", "--threads", threads, "--batch", batch, "--order", order}),
-            expected)
+        EXPECT_EQ(hash_of(GetParam(), {"--envs", "6", "--threads", threads, "--batch", batch,
+                                       "--order", order}),
+                  expected)
             << threads << " threads, batch " << batch << ", " << order;
       }
     }
   }
 }
 
-TEST(HashMatrix, OfOneEnvironmentIsThatOfASimulation) {
+INSTANTIATE_TEST_SUITE_P(Shipped, HashMatrix, testing::ValuesIn(shipped_scenarios()),
+                         [](const auto& test) { return test.param; });
+
+TEST(Hash, OfOneEnvironmentIsThatOfASimulation) {
   Simulation simulation({.scenario = "hover", .overrides = {kHorizon}, .seed = 3});
   simulation.reset();
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
-  for (std::uint64_t k = 0; k < 40; ++k) {
+  for (std::uint64_t k = 0; k < 20; ++k) {
     if (simulation.done()) {
       simulation.reset();
       continue;
@@ -62,7 +77,7 @@ TEST(HashMatrix, OfOneEnvironmentIsThatOfASimulation) {
   }
   HashChain all;
   all.update(simulation.hash());
-  EXPECT_EQ(hash_of({}), to_hex(all.value()) + "\n");
+  EXPECT_EQ(hash_of("hover", {}), to_hex(all.value()) + "\n");
 }
 
 /// A VecEnv that is driven in a few ways, with whatever a recording must hold.

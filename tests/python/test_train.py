@@ -223,7 +223,7 @@ def test_lean_ppo_bootstraps_truncations_from_the_last_observation_and_nothing_e
     with learner_of("lean-ppo", environment, hyper=hyper) as learner:
         learner.pool.close()
         learner.pool = ScriptedPool(environment.observation_size)
-        learner.batch.observation[:] = 0.0
+        learner.observation = learner.pool.observation
         # the value of an observation: 2 plus its first entry
         learner.critic = torch.nn.Sequential(torch.nn.Linear(environment.observation_size, 1))
         with torch.no_grad():
@@ -238,6 +238,16 @@ def test_lean_ppo_bootstraps_truncations_from_the_last_observation_and_nothing_e
         _, returns = learner._advantages(truncations)
         # terminated: the reward; truncated: reward + 0.5 * (2 + 1); fault: nothing
         assert returns.tolist() == [[1.0, 2.5, 0.0]]
+
+
+class Recorded:
+    """A pool whose send_reset() is another function."""
+
+    def __init__(self, pool: Any, send_reset: Callable[[Any], Any]) -> None:
+        self._pool, self.send_reset = pool, send_reset
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._pool, name)
 
 
 class Poisoned:
@@ -267,6 +277,18 @@ def test_an_environment_of_64_that_faults_in_every_step_leaves_the_weights_finit
             assert learner.iterate().faults == 16
         for name, value in learner.parameters().items():
             assert bool(value.isfinite().all()), name
+
+
+def test_lean_ppo_spreads_episodes_over_the_horizon(environment: Environment) -> None:
+    hyper = dataclasses.replace(SMALL, envs=8, rollout_steps=10, minibatch=40)
+    with learner_of("lean-ppo", environment, hyper=hyper) as learner:
+        starts = []
+        send_reset = learner.pool.send_reset
+        learner.pool = Recorded(learner.pool, lambda mask: (starts.append(mask), send_reset(mask)))
+        for _ in range(8):
+            learner.iterate()
+        # horizon 40: groups of 2 environments begin at 0 (all do), 10, 20 and 30 steps
+        assert [np.flatnonzero(mask).tolist() for mask in starts] == [[2, 3], [4, 5], [6, 7]]
 
 
 def test_running_moments_are_those_of_all_rows() -> None:

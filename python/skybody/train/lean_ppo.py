@@ -1,24 +1,23 @@
 """A lean PPO (Schulman et al. 2017) on the native pool: large batches, little between them.
 
 A rollout is `rollout_steps` steps of all environments, written to tensors that are made once.
-Rows come from the pool without a copy. Observations are normalized by running statistics, rewards
-by the deviation of the discounted return; both stay as they are from a rollout's beginning to the
-end of its update. The value function is evaluated for a whole rollout at once, before the update.
+Rows come from the pool without a copy. Observations are normalized by running statistics that stay
+as they are from a rollout's beginning to the end of its update; rewards are divided by the
+deviation of the discounted return. Values are computed after the rollout, not step by step.
 
 Episodes end in three ways. A terminated one is worth nothing further. A truncated one is worth what
 the value function says of its last observation, before the reset. A fault is worth nothing
-further: what the environment became is not something to learn from.
+further: what the environment became is not something to learn from. During the first horizon some
+environments begin anew after each rollout, so that later rollouts show all parts of an episode.
 
 Policy and value function share no parameters, so that each learns from a rollout on a thread of its
 own: two processors are used, and the bits do not depend on how many there are. (PyTorch's own
-threads meet in every operation, which costs more than it gains at this size: 2 threads took 3 times
-as long as one for a minibatch of 2,048 on a busy machine.)
+threads meet in every operation, which at this size costs more than it gains.)
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
@@ -133,8 +132,9 @@ class LeanPpo:
         self.pool = Pool(
             environment, hyper.envs, num_threads=threads, autoreset="same_step", seed=seed
         )
+        self.horizon = environment.horizon
         self.pool.send_reset()
-        self.batch = self.pool.recv()  # kept: its observations are read at the next step
+        self.observation = self.pool.recv().observation  # a view, which the next step reads
 
     def _make_networks(self, observations: int, actions: int) -> None:
         hyper = self.hyper
@@ -161,6 +161,7 @@ class LeanPpo:
         self.moments.update(self.rollout.observation.flatten(0, 1))
         report.update_seconds = perf_counter() - middle
         self.steps += self.hyper.envs * self.hyper.rollout_steps
+        self._spread_starts()
         return report
 
     def _collect(self, report: Report) -> list[tuple[int, Tensor, Tensor]]:
@@ -170,14 +171,15 @@ class LeanPpo:
         deviation = self.log_std.exp()
         truncations: list[tuple[int, Tensor, Tensor]] = []
         for t in range(self.hyper.rollout_steps):
-            rollout.observation[t] = torch.from_numpy(self.batch.observation)
+            rollout.observation[t] = torch.from_numpy(self.observation)
             rollout.normalized[t] = self._normalized(rollout.observation[t])
             mean = self.actor(rollout.normalized[t])
             torch.addcmul(mean, rollout.noise[t], deviation, out=rollout.action[t])
             begin = perf_counter()
             self.pool.send(rollout.action[t].numpy())
-            self.batch = batch = self.pool.recv()
+            batch = self.pool.recv()
             report.environment_seconds += perf_counter() - begin
+            self.observation = batch.observation
             rollout.reward[t] = torch.from_numpy(batch.reward)
             ended = batch.terminated | batch.truncated
             rollout.ended[t] = torch.from_numpy(ended)
@@ -187,11 +189,9 @@ class LeanPpo:
                 rollout.error[t] = torch.from_numpy(np.sqrt(np.einsum("ij,ij->i", error, error)))
             if ended.any():
                 self._end_episodes(batch, ended, report)
-                lost = torch.from_numpy(
-                    np.flatnonzero(batch.truncated & ~batch.terminated & ~batch.fault)
-                )
-                if len(lost):
-                    assert batch.final_observation is not None  # only other modes have none
+                cut = batch.truncated & ~batch.terminated & ~batch.fault
+                if batch.final_observation is not None and cut.any():
+                    lost = torch.from_numpy(np.flatnonzero(cut))
                     last = torch.from_numpy(batch.final_observation)[lost]
                     truncations.append((t, lost, last))
         report.position_error = float(rollout.error.mean())
@@ -201,6 +201,18 @@ class LeanPpo:
         report.faults += int(batch.fault.sum())
         report.episode_returns += self.episode_return.numpy()[ended].tolist()
         self.episode_return[torch.from_numpy(ended)] = 0.0
+
+    def _spread_starts(self) -> None:
+        """Begins the k-th of `parts` groups anew after rollout k; its last values are taken."""
+        envs, steps = self.hyper.envs, self.hyper.rollout_steps
+        parts = self.horizon // steps
+        group = np.arange(envs) * parts // envs
+        if (begins := group == self.steps // (envs * steps)).any():
+            self.pool.send_reset(begins)
+            self.pool.recv()
+            self.observation = self.pool.observations()
+            for sums in (self.discounted, self.episode_return):
+                sums[torch.from_numpy(begins)] = 0.0
 
     def _normalized(self, observation: Tensor) -> Tensor:
         """As policy.h5 says: in float64, then rounded."""
@@ -217,7 +229,7 @@ class LeanPpo:
         value = torch.empty(steps + 1, envs)
         for t, rows in enumerate(rollout.normalized):
             value[t] = self.critic(rows)[:, 0]
-        value[-1] = self._value(torch.from_numpy(self.batch.observation))
+        value[-1] = self._value(torch.from_numpy(self.observation))
         reward = rollout.reward * self._reward_scale()
         for t, who, last in truncations:
             reward[t, who] += hyper.discount * self._value(last)
@@ -231,9 +243,8 @@ class LeanPpo:
             advantage[t] = following
         return advantage, advantage + value[:-1]
 
-    def _value(self, observation: Tensor) -> Tensor:
-        values: Tensor = self.critic(self._normalized(observation))
-        return values[:, 0]
+    def _value(self, observation: Tensor) -> Any:
+        return self.critic(self._normalized(observation))[:, 0]
 
     def _reward_scale(self) -> Tensor:
         """1 / deviation of the discounted return, that of this rollout included."""
@@ -254,7 +265,8 @@ class LeanPpo:
         advantage, returns = self._advantages(truncations)
         count, epochs = advantage.numel(), range(self.hyper.epochs)
         orders = [torch.randperm(count, generator=self.generator) for _ in epochs]
-        rate = self._learning_rate()
+        done = min(1.0, self.steps / self.total_steps)
+        rate = self.hyper.learning_rate * (1.0 - done * (1.0 - self.hyper.final_learning_rate))
         fit = self.helper.submit(self._fit_value, returns, orders, rate)
         losses = self._improve_policy(advantage, orders, rate)
         losses["value_loss"] = fit.result()
@@ -265,17 +277,12 @@ class LeanPpo:
         losses["learning_rate"] = rate
         return losses
 
-    def _learning_rate(self) -> float:
-        done = min(1.0, self.steps / self.total_steps)
-        share = 1.0 - done * (1.0 - self.hyper.final_learning_rate)
-        return self.hyper.learning_rate * share
-
     def _fit_value(self, returns: Tensor, orders: list[Tensor], rate: float) -> float:
         """All gradient steps of the value function; returns the mean squared error."""
         size = self.rollout.observation.shape[2]
         data = torch.cat([self.rollout.normalized, returns[..., None]], dim=2).flatten(0, 1)
         losses = []
-        for rows in minibatches(orders, self.hyper.minibatch):
+        for rows in [r for order in orders for r in torch.split(order, self.hyper.minibatch)]:
             part = data[rows]
             loss = (self.critic(part[:, :size])[:, 0] - part[:, size]).square().mean()
             self._descend("value", self.hyper.value_weight * loss, rate)
@@ -294,7 +301,7 @@ class LeanPpo:
         figures: list[Tensor] = []
         for order in orders:
             passed = len(figures)
-            for rows in minibatches([order], hyper.minibatch):
+            for rows in torch.split(order, hyper.minibatch):
                 loss, figure = self._policy_loss(data[rows])
                 self._descend("policy", loss, rate)
                 figures.append(figure)
@@ -308,7 +315,7 @@ class LeanPpo:
         """The clipped surrogate of one minibatch, and (loss, KL divergence, clipped share)."""
         hyper, sizes = self.hyper, [self.rollout.observation.shape[2], len(self.log_std), 1, 1]
         observation, action, old_log_probability, advantage = torch.split(data, sizes, dim=1)
-        deviation, mean = torch.std_mean(advantage)
+        deviation, mean = torch.std_mean(advantage, correction=0)
         advantage = ((advantage - mean) / (deviation + EPSILON))[:, 0]
         noise = (action - self.actor(observation)) * torch.exp(-self.log_std)
         log_probability = -0.5 * noise.square().sum(1) - self.log_std.sum()
@@ -373,7 +380,7 @@ class LeanPpo:
         self.discounted, self.episode_return = state["discounted"], state["episode_return"]
         self.generator.set_state(state["generator"])
         self.pool.restore(environments)
-        self.batch.observation[:] = self.pool.observations()
+        self.observation = self.pool.observations()
 
     def close(self) -> None:
         self.helper.shutdown()
@@ -390,9 +397,3 @@ def perceptron(sizes: list[int], last_gain: float, generator: torch.Generator) -
         nn.init.zeros_(linear.bias)
         modules += [linear] if last else [linear, Tanh()]
     return nn.Sequential(*modules)
-
-
-def minibatches(orders: list[Tensor], size: int) -> Iterator[Tensor]:
-    """Rows of each minibatch; a rest of a single row, which has no deviation, is left out."""
-    for order in orders:
-        yield from (rows for rows in torch.split(order, size) if len(rows) > 1)

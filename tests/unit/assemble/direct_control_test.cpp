@@ -283,6 +283,38 @@ TEST(DirectControl, AnObstacleCarriesTheWeightOfWhatRestsOnIt) {
   EXPECT_NEAR(sum, weight, 0.02 * weight);  // meshes creep a little
 }
 
+TEST(DirectControl, ContactsOfRobotsAreTheForcesThatMoveThem) {
+  Simulation world({.scenario = scenario("formation_2.yaml"), .overrides = {"randomization=[]"}});
+  world.reset();
+  EXPECT_TRUE(world.contacts().empty());
+  const auto& robots = world.scenario().robots;
+  BodyState beside = world.base(robots[0].name);
+  beside.position.x += 0.2;  // less than a vehicle is wide
+  world.teleport(robots[1].name, beside);
+  const std::vector<Contact> contacts = world.contacts();
+  ASSERT_FALSE(contacts.empty());
+  std::vector<Vec3<double>> sum(world.bodies().size(), Vec3<double>{0, 0, 0});
+  for (const Contact& contact : contacts) {
+    ASSERT_GE(contact.other, 0);
+    EXPECT_NEAR(norm(contact.normal), 1.0, 1e-12);
+    EXPECT_GT(contact.depth, 0.0);
+    EXPECT_GT(dot(contact.force, contact.normal), 0.0);
+    sum[static_cast<std::size_t>(contact.body)] += contact.force;
+    sum[static_cast<std::size_t>(contact.other)] -= contact.force;
+  }
+  // Rotors carry the weight, so nothing else moves them.
+  const Accelerations now = world.accelerations();
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const std::string& base = robots[r].model.bodies[0].name;
+    const MassProperties mass = world.mass_properties(robots[r].name, base);
+    const auto i = static_cast<std::size_t>(world.environment().layout().robots[r].first_body);
+    const Vec3<double> of_com = now.bodies[i].linear + cross(now.bodies[i].angular, mass.com);
+    EXPECT_GT(norm(sum[i]), 1.0);
+    // Sums of hundreds of elements' forces of up to 1e3 N: rounding stays below 1e-10 of them.
+    EXPECT_NEAR(norm(of_com * mass.mass - sum[i]), 0.0, 1e-9 * norm(sum[i])) << r;
+  }
+}
+
 TEST(DirectControl, MassAndInertiaAreReadSetAndFelt) {
   Simulation world = hover();
   MassProperties mass = world.mass_properties("quad", "base_link");

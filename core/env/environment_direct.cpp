@@ -1,0 +1,57 @@
+// Direct control: physics steps and the task's judgement one by one, and what moves an environment
+// at this instant.
+#include "core/base/fp_environment.h"
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+
+std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                                   std::int64_t physics_steps) const {
+  check(group, work, mask);
+  const FpEnvironment guard;
+  update(group, work, mask);
+  const std::uint32_t through = fly(group, work, mask, physics_steps);
+  for (int lane = 0; lane < group.lanes(); ++lane) {
+    if ((((mask & ~through) >> lane) & 1u) == 0) continue;
+    group.bits(kStatus)[lane] = kTruncated | kFault | kBadState;
+  }
+  return through;
+}
+
+void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                           const Rows& rows) const {
+  check(group, work, mask);
+  const FpEnvironment guard;
+  work.bad_action = work.bad_state = 0;
+  for (int lane = 0; lane < group.lanes(); ++lane) {
+    if (((mask >> lane) & 1u) == 0) continue;
+    ++group.bits(kStep)[lane];
+    // advance() has left its faults in the status.
+    if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
+  }
+  update(group, work, mask);
+  evaluate(group, work, mask);
+  conclude(group, work, mask, false, rows);
+}
+
+void Environment::accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const {
+  const FpEnvironment guard;
+  update(group, work, 1u << lane);
+  GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
+  group.gather(lane, layout().rotor_command, w.state.rotor_command.data());
+  group.gather(lane, layout().wrench, w.state.wrench.data());
+  group.gather(lane, layout().drive, w.state.drive.data());
+  w.stepper->accelerations(w.state, udot);
+}
+
+std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
+  const FpEnvironment guard;
+  update(group, work, 1u << lane);
+  GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
+  std::vector<Contact> out = ground_contacts(*world_, w.state.bodies);
+  w.stepper->add_contacts(w.state, out);
+  return out;
+}
+
+}  // namespace skybody
