@@ -44,7 +44,7 @@ def fly_policy(program: Path, run: Run, out: Path) -> dict[str, Any]:
     return {
         "learner": run.algorithm,
         "seed": run.seed,
-        "table": done.stdout.partition("\nlog ")[0].rstrip(),
+        "table": done.stdout.partition("\n\n")[0],
         "rows": len(observation),
         "largest_difference": difference,
         "tolerance": TOLERANCE,

@@ -64,11 +64,11 @@ PAPER = {
     "observation_clip": 10,
     "torch_threads": 1,
 }
+# 8 environments give small rollouts: many gradient steps with few passes over them.
 LEARNS = {
-    "minibatch": 250,
-    "epochs": 10,
-    "learning_rate": 1e-3,
-    "final_learning_rate": 0.3,
+    "minibatch": 125,
+    "epochs": 5,
+    "learning_rate": 3e-4,
     "log_std": -0.5,
     "hidden": "64,64",
 }

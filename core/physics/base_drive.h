@@ -31,7 +31,7 @@ SKYBODY_INLINE Vec3<Real> rotation_vector(const Quat<Real>& q) {
 /// Velocity drive: u of a free base from the velocity and angular velocity asked for, base axes.
 /// @param base  the base's present motion
 template <class Real>
-SKYBODY_INLINE void drive_velocity(const BodyMotion<Real>& base, const Real* drive, Real* u) {
+SKYBODY_INLINE void drive_velocity(const BodyKinematics<Real>& base, const Real* drive, Real* u) {
   store(base.axes * load_vec3(drive + kDriveVelocity), u);
   store(load_vec3(drive + kDriveAngularVelocity), u + 3);
 }

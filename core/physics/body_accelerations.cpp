@@ -46,7 +46,7 @@ Acceleration joint_acceleration(JointType type, const double* q, const double* u
 
 std::vector<BodyAcceleration> body_accelerations(const std::vector<TreeBody>& tree, const double* q,
                                                  const double* u, const double* udot) {
-  std::vector<BodyMotion<double>> motion(tree.size());
+  std::vector<BodyKinematics<double>> motion(tree.size());
   forward_kinematics(tree, q, u, motion.data());
   std::vector<Acceleration> all(tree.size());
   std::vector<BodyAcceleration> out(tree.size());
@@ -55,7 +55,7 @@ std::vector<BodyAcceleration> body_accelerations(const std::vector<TreeBody>& tr
     const JointMotion<double> joint = joint_motion(body.type, q + body.q, u + body.u);
     const Acceleration relative =
         joint_acceleration(body.type, q + body.q, u + body.u, udot + body.u);
-    const BodyMotion<double> frame = frame_on_parent(body, motion.data());
+    const BodyKinematics<double> frame = frame_on_parent(body, motion.data());
     Acceleration a;  // of F
     if (body.parent >= 0) {
       const auto parent = static_cast<std::size_t>(body.parent);

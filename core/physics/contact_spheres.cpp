@@ -51,20 +51,20 @@ std::vector<ContactSphere> extremities(const Shape& shape) {
 }
 
 /// Motion of all bodies with joints at zero and every free base at the origin, upright.
-std::vector<BodyMotion<double>> upright_bodies(const World& world) {
+std::vector<BodyKinematics<double>> upright_bodies(const World& world) {
   std::vector<double> q(64 + 7 * world.bodies.size(), 0.0), u(q.size(), 0.0);
   for (const WorldBody& body : world.bodies) {
     if (body.model->joint.type == JointType::kBall) q[body.q] = 1.0;
     if (body.model->joint.type == JointType::kFree) q[body.q + 3] = 1.0;
   }
-  std::vector<BodyMotion<double>> bodies(world.bodies.size());
+  std::vector<BodyKinematics<double>> bodies(world.bodies.size());
   forward_kinematics(make_tree(world), q.data(), u.data(), bodies.data());
   return bodies;
 }
 
 /// Number of spheres of one robot that lie within kLevel of its lowest.
 int count_lowest(const World& world, const std::vector<ContactSphere>& spheres, int robot,
-                 const std::vector<BodyMotion<double>>& bodies) {
+                 const std::vector<BodyKinematics<double>>& bodies) {
   const auto height = [&](const ContactSphere& s) {
     return (bodies[s.body].position + bodies[s.body].axes * s.center).z - s.radius;
   };
@@ -80,7 +80,7 @@ int count_lowest(const World& world, const std::vector<ContactSphere>& spheres, 
 }
 
 void set_stiffness(const World& world, std::vector<ContactSphere>& spheres) {
-  const std::vector<BodyMotion<double>> bodies = upright_bodies(world);
+  const std::vector<BodyKinematics<double>> bodies = upright_bodies(world);
   const Scenario& scenario = world.scenario;
   const double g = contact_gravity(scenario);
   const double depth = scenario.contact.penetration;

@@ -75,7 +75,7 @@ void write_default_state(const World& world, LaneState& state) {
   write_rotors(world, state);
   write_drives(world, state);
 
-  std::vector<BodyMotion<double>> motion(world.bodies.size());
+  std::vector<BodyKinematics<double>> motion(world.bodies.size());
   forward_kinematics(make_tree(world), state.q.data(), state.u.data(), motion.data());
   for (std::size_t i = 0; i < motion.size(); ++i) state.bodies[i] = to_body_state(motion[i]);
 }

@@ -20,7 +20,7 @@ template <class Real>
 struct ForceInputs {
   const Real* q = nullptr;
   const Real* u = nullptr;
-  const BodyMotion<Real>* bodies = nullptr;
+  const BodyKinematics<Real>* bodies = nullptr;
   const RotorMotion<Real>* rotors = nullptr;
   const Real* params = nullptr;
   const Real* wrench = nullptr;
@@ -56,7 +56,7 @@ class ForceModel {
   };
 
   template <class Real>
-  static Vec3<Real> com_arm(const BodyMotion<Real>& body, const Real* body_params) {
+  static Vec3<Real> com_arm(const BodyKinematics<Real>& body, const Real* body_params) {
     return body.axes * load_vec3(body_params + kCom);
   }
 
@@ -74,7 +74,7 @@ class ForceModel {
   template <class Real>
   void add_rotors(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
     for (const RotorGroup& group : rotor_groups_) {
-      const BodyMotion<Real>& body = in.bodies[group.body];
+      const BodyKinematics<Real>& body = in.bodies[group.body];
       const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
       const Vec3<Real> spin = transpose_times(body.axes, body.angular_velocity);
       SpatialForce<Real> sum = SpatialForce<Real>::zero();
@@ -105,7 +105,7 @@ class ForceModel {
   void add_wrenches(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
     for (std::size_t s = 0; s < world_.sites.size(); ++s) {
       const WrenchSite& site = world_.sites[s];
-      const BodyMotion<Real>& body = in.bodies[site.body];
+      const BodyKinematics<Real>& body = in.bodies[site.body];
       Vec3<Real> force = load_vec3(in.wrench + 6 * s);
       Vec3<Real> moment = load_vec3(in.wrench + 6 * s + 3);
       if (!site.world_axes) {
@@ -124,7 +124,7 @@ class ForceModel {
   void add_ground(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
     const ContactSettings& contact = world_.scenario.contact;
     for (const SphereGroup& group : sphere_groups_) {
-      const BodyMotion<Real>& body = in.bodies[group.body];
+      const BodyKinematics<Real>& body = in.bodies[group.body];
       const auto near_ground = body.position.z < group.reach;
       if (none(near_ground)) continue;
       SpatialForce<Real> sum = SpatialForce<Real>::zero();

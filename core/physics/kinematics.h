@@ -14,7 +14,7 @@ namespace skybody {
 
 /// Position and motion of one body frame, all in W axes.
 template <class Real>
-struct BodyMotion {
+struct BodyKinematics {
   Vec3<Real> position;          ///< of the body's origin [m]
   Quat<Real> rotation;          ///< W from B, unit
   Mat3<Real> axes;              ///< the same rotation as a matrix
@@ -141,10 +141,10 @@ std::vector<TreeBody> make_tree(const World& world);
 
 /// The motion of a joint's frame F, which is fixed to the parent (or to W).
 template <class Real>
-SKYBODY_INLINE BodyMotion<Real> frame_on_parent(const TreeBody& body,
-                                                const BodyMotion<Real>* bodies) {
+SKYBODY_INLINE BodyKinematics<Real> frame_on_parent(const TreeBody& body,
+                                                    const BodyKinematics<Real>* bodies) {
   const Real zero(0.0);
-  BodyMotion<Real> frame;
+  BodyKinematics<Real> frame;
   if (body.parent < 0) {
     frame.position = to_real<Real>(body.frame_in_parent.position);
     frame.rotation = to_real<Real>(body.frame_in_parent.rotation);
@@ -165,11 +165,11 @@ SKYBODY_INLINE BodyMotion<Real> frame_on_parent(const TreeBody& body,
 /// Motion of all bodies, in the order of `tree`.
 template <class Real>
 void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q, const Real* u,
-                        BodyMotion<Real>* bodies) {
+                        BodyKinematics<Real>* bodies) {
   for (std::size_t i = 0; i < tree.size(); ++i) {
     const TreeBody& body = tree[i];
     const JointMotion<Real> joint = joint_motion(body.type, q + body.q, u + body.u);
-    BodyMotion<Real>& b = bodies[i];
+    BodyKinematics<Real>& b = bodies[i];
     if (body.parent < 0 && body.plain_parent) {
       b.position = joint.translation;
       b.rotation = joint.rotation;
@@ -177,7 +177,7 @@ void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q, const 
       b.velocity = joint.velocity;
       b.angular_velocity = b.axes * joint.angular_velocity;
     } else {
-      const BodyMotion<Real> frame = frame_on_parent(body, bodies);
+      const BodyKinematics<Real> frame = frame_on_parent(body, bodies);
       const Vec3<Real> travel = frame.axes * joint.translation;
       b.position = frame.position + travel;
       b.rotation = frame.rotation * joint.rotation;
@@ -197,7 +197,7 @@ void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q, const 
 }
 
 /// The same motion as sensors and plugins see it: angular velocity in the body's axes.
-SKYBODY_INLINE BodyState to_body_state(const BodyMotion<double>& b) {
+SKYBODY_INLINE BodyState to_body_state(const BodyKinematics<double>& b) {
   return {b.position, b.rotation, b.velocity, transpose_times(b.axes, b.angular_velocity)};
 }
 

@@ -71,7 +71,7 @@ class Mechanics {
   const LaneState* state_ = nullptr;                          ///< of the step under way
   std::vector<RotorMotion<double>> rotors_[kStageTimeCount];  ///< per instant of the step
   std::vector<RotorMotion<double>> mean_rotors_;
-  std::vector<BodyMotion<double>> motion_;
+  std::vector<BodyKinematics<double>> motion_;
   std::vector<double> motion_q_, motion_u_;  ///< what `motion_` was computed from
   bool has_motion_ = false;
   std::vector<SpatialForce<double>> body_forces_;

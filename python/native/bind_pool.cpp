@@ -1,3 +1,4 @@
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
@@ -145,9 +146,11 @@ void bind_flow(Class& c) {
       "the other threads meanwhile, without the GIL; KeyboardInterrupt gets through.\n\n"
       "Raises ValueError if nothing is in flight; BufferError in debug mode if the buffer that\n"
       "would be reused is still referred to; Error with whatever a worker met.");
-  c.def("close", &Pool::close,
-        "Stops the threads; steps under way are waited for. May be called again; any other call\n"
-        "raises Error from then on. Batches and their views stay valid.");
+  c.def(
+      "close", &Pool::close,
+      "Finishes a recording and stops the threads; steps under way are waited for. May be called\n"
+      "again; any other call raises Error from then on. Batches and their views stay valid.\n\n"
+      "Raises Error if the recording cannot be finished; the pool is closed all the same.");
   c.def(
       "__enter__", [](nb::handle_t<Pool> self) { return nb::borrow(self); },
       nb::sig("def __enter__(self) -> Pool"));
@@ -194,6 +197,22 @@ void bind_state(Class& c) {
       },
       nb::arg("env"), nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
+}
+
+void bind_recording(Class& c) {
+  c.def(
+      "record", &Pool::record, nb::arg("path"), nb::arg("states") = false,
+      nb::sig("def record(self, path: str | os.PathLike[str], states: bool = False) -> None"),
+      "Writes everything that happens from now on to a file, for `skybody replay`: what is sent,\n"
+      "and what comes back with a trajectory hash. Replaces a file that is there. Rows are\n"
+      "written in bursts of about 4 MiB, by stop_recording() and by close().\n\n"
+      "states: all state words as well, so that a replay which parts can name those that differ\n\n"
+      "Raises Error while some are in flight or the pool is recorded already, or if the file\n"
+      "cannot be written. Where writing fails later, send() or recv() raises it and the recording\n"
+      "is over.");
+  c.def("stop_recording", &Pool::stop_recording,
+        "Finishes the file. What is in flight is not in it.\n\n"
+        "Raises Error if nothing was being recorded, or the file cannot be finished.");
 }
 
 void bind_facts(Class& c) {
@@ -249,6 +268,7 @@ void bind_pool(nb::module_& m) {
         "Raises ValueError if one of them is out of range.");
   bind_flow(c);
   bind_state(c);
+  bind_recording(c);
   bind_facts(c);
 }
 

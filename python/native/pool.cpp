@@ -3,6 +3,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <utility>
+
+#include "core/io/flight_log.h"
 
 namespace skybody::python {
 
@@ -19,10 +22,12 @@ Pool::Pool(const LoadedEnvironment& environment, const VecEnvOptions& options)
 
 Pool::~Pool() { let_go(); }
 
+bool Pool::of_this_process() const { return getpid() == process_; }
+
 /// In a forked child the engine is left as it is: its threads stayed in the parent, and waiting for
-/// them would never end.
+/// them would never end. A recording that it keeps stays the parent's to finish.
 void Pool::let_go() {
-  if (getpid() != process_) {
+  if (!of_this_process()) {
     static_cast<void>(engine_.release());
   } else {
     engine_.reset();
@@ -31,7 +36,7 @@ void Pool::let_go() {
 
 VecEnv& Pool::open() const {
   if (!engine_) throw Error("this pool is closed: make a new one");
-  if (getpid() != process_) {
+  if (!of_this_process()) {
     throw Error("this pool was made in process " + std::to_string(process_) +
                 ", of which this one is a fork: make a pool of its own in each process");
   }
@@ -63,9 +68,40 @@ std::shared_ptr<const Batch> Pool::recv() {
   }
 }
 
+/// HDF5's clean-up at exit would crash where a file could not be written for want of space, and in
+/// a forked child it would finish the parent's file. (h5py's packages bring an HDF5 of their own.)
+void Pool::record(const std::filesystem::path& file, bool states) {
+  skip_hdf5_cleanup_at_exit();
+  call([&](VecEnv& engine) {
+    if (recorder_ && recorder_->recording()) {
+      throw Error("this pool is being recorded to " + recorder_->file().string() +
+                  ": stop_recording() first");
+    }
+    recorder_ = start_recording(engine, file, {environment_.options(), states});
+  });
+}
+
+void Pool::stop_recording() {
+  call([&](VecEnv&) {
+    if (!recorder_) throw Error("stop_recording() of a pool that is not being recorded");
+    finish_recording();
+  });
+}
+
+void Pool::finish_recording() {
+  const auto recorder = std::exchange(recorder_, nullptr);
+  if (recorder) skybody::stop_recording(*engine_, *recorder);
+}
+
 void Pool::close() {
   const Exclusive alone(in_use_, "pool");
   const nb::gil_scoped_release release;
+  try {
+    if (of_this_process()) finish_recording();
+  } catch (...) {
+    let_go();
+    throw;
+  }
   let_go();
 }
 

@@ -5,9 +5,11 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <utility>
 
+#include "core/assemble/replay_recorder.h"
 #include "core/batch/vec_env.h"
 #include "python/native/environment.h"
 #include "python/native/errors.h"
@@ -47,7 +49,14 @@ class Pool {
   /// @throws ValueError if nothing is in flight; whatever a worker met
   std::shared_ptr<const Batch> recv();
 
-  /// Stops the workers; steps under way are waited for. May be called again.
+  /// Writes everything that happens from now on to a file, for `skybody replay`.
+  /// @throws Error while recorded already or in flight, or if the file cannot be written
+  void record(const std::filesystem::path& file, bool states);
+  /// @throws Error if nothing was being recorded, or the file cannot be finished
+  void stop_recording();
+
+  /// Finishes a recording and stops the workers; steps under way are waited for. May be called
+  /// again. @throws Error if the recording cannot be finished; closed all the same
   void close();
   bool closed() const { return engine_ == nullptr; }
 
@@ -59,9 +68,12 @@ class Pool {
 
  private:
   VecEnv& open() const;
+  bool of_this_process() const;
+  void finish_recording();
   void let_go();
 
   LoadedEnvironment environment_;
+  std::shared_ptr<ReplayRecorder> recorder_;  ///< the engine's observer
   std::unique_ptr<VecEnv> engine_;
   std::atomic<bool> in_use_ = false;
   bool broken_ = false;  ///< a worker met an exception

@@ -277,6 +277,32 @@ class Pool:
         """Trajectory hash of one environment, or of all. Needs keep_hash=True."""
         return self.native.hash() if env is None else self.native.hash(env)
 
+    def record(self, path: str | os.PathLike[str], states: bool = False) -> None:
+        """Writes everything that happens from now on to an HDF5 file, for `skybody replay`.
+
+        `stop_recording` or `close` finishes it; until then it is complete up to the last burst of
+        about 4 MiB. Trajectory hashes are kept meanwhile, also without keep_hash.
+
+        Args:
+            path: the file; one that is there is replaced.
+            states: all state words of every transition as well (8 bytes each), so that a replay
+                which parts can name those that differ.
+
+        Raises:
+            skybody.Error: some environments are in flight, the pool is recorded already, or the
+                file cannot be written. Where writing fails later (no space), `send` or `recv`
+                raises it, and the recording is over.
+        """
+        self.native.record(os.fspath(path), states)
+
+    def stop_recording(self) -> None:
+        """Finishes the file of `record`; what is in flight is not in it.
+
+        Raises:
+            skybody.Error: nothing was being recorded, or the file cannot be finished.
+        """
+        self.native.stop_recording()
+
     @property
     def num_envs(self) -> int:
         return self.native.num_envs
@@ -306,7 +332,10 @@ class Pool:
         return self.native.faults
 
     def close(self) -> None:
-        """Waits for steps under way and gives threads and memory back. Further calls raise."""
+        """Finishes a recording, waits for steps under way, gives threads and memory back.
+
+        Further calls raise, `close` itself excepted.
+        """
         self.native.close()
 
     def __enter__(self) -> Pool:

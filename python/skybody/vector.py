@@ -300,6 +300,32 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         """Trajectory hash of one environment, or of all. Needs keep_hash=True."""
         return self._pool.hash() if env is None else self._pool.hash(env)
 
+    def record(self, path: str | os.PathLike[str], states: bool = False) -> None:
+        """Writes everything that happens from now on to an HDF5 file, for `skybody replay`.
+
+        `stop_recording` or `close` finishes it; until then it is complete up to the last burst of
+        about 4 MiB. Trajectory hashes are kept meanwhile, also without keep_hash.
+
+        Args:
+            path: the file; one that is there is replaced.
+            states: all state words of every transition as well (8 bytes each), so that a replay
+                which parts can name those that differ.
+
+        Raises:
+            skybody.Error: the environments are recorded already, a `step` was interrupted, or the
+                file cannot be written. Where writing fails later (no space), `step` or `reset`
+                raises it, and the recording is over.
+        """
+        self._pool.record(os.fspath(path), states)
+
+    def stop_recording(self) -> None:
+        """Finishes the file of `record`.
+
+        Raises:
+            skybody.Error: nothing was being recorded, or the file cannot be finished.
+        """
+        self._pool.stop_recording()
+
     @property
     def pool(self) -> _native.Pool:
         """The C++ pool underneath."""
@@ -311,5 +337,5 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         return self._pool.faults
 
     def close_extras(self, **_: Any) -> None:
-        """Gives threads and memory back; called by `close`."""
+        """Finishes a recording, gives threads and memory back; called by `close`."""
         self._pool.close()

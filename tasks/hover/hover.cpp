@@ -69,7 +69,8 @@ class Hover : public Task {
       const Real own =
           flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
           kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0) +
-          shaping(norm(error)) + select(robot_failed, Real(failure_reward_.value()), Real(0.0));
+          shaping(norm(error)) - tilt_cost_.value() * (1.0 - tilt_cosine(body.rotation)) +
+          select(robot_failed, Real(failure_reward_.value()), Real(0.0));
       out.set_reward(robot.index, own);
       reward += own;
       failed = logical_or(failed, robot_failed);
@@ -243,6 +244,12 @@ class Hover : public Task {
        .value = 0.0,
        .min = 0.0,
        .doc = "weight of 1 / (1 + (|e| / 0.1 m)^2) in the reward: a slope close to the target"}};
+  RealParameter tilt_cost_{
+      this,
+      {.name = "tilt_cost",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "weight of 1 - cos(tilt), taken off the reward: what dashing off costs"}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = 0.0,

@@ -55,7 +55,7 @@ TEST(BodyAccelerations, AreTheDerivativeOfForwardKinematicsForEveryJoint) {
       std::vector<double> q_t = q, u_t = u;
       for (std::size_t k = 0; k < q.size(); ++k) q_t[k] += t * qdot[k];
       for (std::size_t k = 0; k < u.size(); ++k) u_t[k] += t * udot[k];
-      std::vector<BodyMotion<double>> motion(tree.size());
+      std::vector<BodyKinematics<double>> motion(tree.size());
       forward_kinematics(tree, q_t.data(), u_t.data(), motion.data());
       return motion;
     };

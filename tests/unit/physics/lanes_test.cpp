@@ -113,7 +113,7 @@ struct Evaluation {
                                rotors.data(), params.data(), wrench.data()};
     ForceModel(world).evaluate(in, forces.data(), joint_forces.data());
   }
-  std::vector<BodyMotion<Real>> bodies;
+  std::vector<BodyKinematics<Real>> bodies;
   std::vector<SpatialForce<Real>> forces;
   std::vector<Real> joint_forces, rates;
   std::vector<RotorMotion<Real>> rotors;

@@ -1,0 +1,304 @@
+"""Flies every shipped scenario in many ways, in processes of their own, and compares hashes.
+
+    .venv/bin/python experiments/determinism_matrix.py [--envs N] [--steps K] [--write]
+
+The ways: 1, 2 and 4 threads; batches of all environments, of a third and of one; order `fixed` and
+`arrival`; by the program (`skybody hash`) and from Python; in one go, and saved in the middle and
+restored, also into a pool of another shape; beside an environment that faults again and again; on
+the machine as it is, and with a process on every processor that does nothing but compute. `hover`
+is flown on the ground as well. One line per scenario, with the trajectory hash; exit status 0: all
+are identical, 1: some differ, 2: a process failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import skybody
+from skybody.registration import SCENARIOS
+
+ROOT = Path(__file__).resolve().parent.parent
+REPORT = ROOT / "docs/determinism_matrix.md"
+SEED = 7
+ENVS = 12
+STEPS = 250  # of one environment with one robot
+LEAST_STEPS = 20
+EPISODES = 4  # at least, so that resets are among what is compared
+# Flights that no shipped scenario has: scenario and overrides by name.
+VARIANTS = {
+    "hover_on_ground": (
+        "hover",
+        (
+            "randomization[0].parameters.position_min=[-5,-5,0.02]",
+            "randomization[0].parameters.position_max=[5,5,0.06]",
+        ),
+    ),
+}
+ALL = (*SCENARIOS, *VARIANTS)
+QUICK_SCENARIOS = ("hover", "payload")
+TIMEOUT = 600.0  # s, of one process on a machine that does much else
+PYTHON_FLIGHTS = (
+    "Python",
+    "Python, restored",
+    "Python, restored into another pool",
+    "Python, beside an environment that faults",
+)
+BURN = "import os\nparent = os.getppid()\nwhile os.getppid() == parent: sum(range(1_000_000))"
+
+
+class FlightError(RuntimeError):
+    """A process that failed; the text is the whole message."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """How a batch of environments is stepped."""
+
+    threads: int
+    batch: int
+    order: str
+
+    def options(self) -> list[str]:
+        """For `skybody hash` and hash_run.py alike."""
+        return [f"--threads={self.threads}", f"--batch={self.batch}", f"--order={self.order}"]
+
+    def __str__(self) -> str:
+        return f"{self.threads} threads, batches of {self.batch}, {self.order}"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What the flights of one scenario gave."""
+
+    scenario: str
+    robots: int
+    steps: int  # of each environment
+    hashes: dict[str, str]  # by the way of flying
+
+    @property
+    def hash(self) -> str:
+        """The most frequent one."""
+        return Counter(self.hashes.values()).most_common(1)[0][0]
+
+    @property
+    def differing(self) -> list[str]:
+        """Ways that gave another one."""
+        return [f"{way}: {value}" for way, value in self.hashes.items() if value != self.hash]
+
+    @property
+    def verdict(self) -> str:
+        return f"{len(self.differing)} differ" if self.differing else "identical"
+
+
+def make_shapes(envs: int, quick: bool) -> list[Shape]:
+    """The first is the simplest."""
+    third = max(1, envs // 3)
+    if quick:
+        return [Shape(1, envs, "fixed"), Shape(4, third, "arrival"), Shape(2, 1, "fixed")]
+    return [
+        Shape(threads, batch, order)
+        for threads in (1, 2, 4)
+        for batch in dict.fromkeys((envs, third, 1))
+        for order in ("fixed", "arrival")
+    ]
+
+
+def steps_of(steps: int, robots: int) -> int:
+    """Fewer where a step takes longer."""
+    return max(LEAST_STEPS, steps // robots)
+
+
+# --- processes ----------------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def load() -> Iterator[None]:
+    """Keeps every processor that this process may use busy; the burners end with their parent."""
+    burners: list[subprocess.Popen[bytes]] = []
+    try:
+        for processor in sorted(os.sched_getaffinity(0)):
+            burner = subprocess.Popen([sys.executable, "-S", "-c", BURN])
+            burners.append(burner)
+            os.sched_setaffinity(burner.pid, {processor})
+        time.sleep(0.1)  # until they compute
+        yield
+    finally:
+        for burner in burners:
+            burner.kill()
+            burner.wait()
+
+
+def output_of(command: list[str]) -> list[str]:
+    """Lines of a process. Raises FlightError if it fails or prints nothing."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT)
+    except subprocess.TimeoutExpired:
+        raise FlightError(f"{' '.join(command)}: no result after {TIMEOUT:g} s") from None
+    except OSError as error:
+        raise FlightError(f"{command[0]}: {error.strerror}; build it, or give --program") from None
+    if done.returncode != 0 or not done.stdout:
+        raise FlightError(f"{' '.join(command)}: exit status {done.returncode}\n{done.stderr}")
+    return done.stdout.split()
+
+
+def fly(program: Path, name: str, envs: int, steps: int, shape: Shape) -> dict[str, str]:
+    """Hashes by the way of flying, of two processes."""
+    scenario, overrides = VARIANTS.get(name, (name, ()))
+    flight = [scenario, f"--envs={envs}", f"--steps={steps}", f"--seed={SEED}", *shape.options()]
+    for override in (*overrides, f"stepping.horizon={max(2, steps // EPISODES)}"):
+        flight += ["--set", override]
+    (by_program,) = output_of([str(program), "hash", *flight])
+    python = [sys.executable, str(ROOT / "experiments/hash_run.py"), *flight]
+    by_python = output_of(python)
+    return {"skybody hash": by_program, **dict(zip(PYTHON_FLIGHTS, by_python, strict=True))}
+
+
+def fly_all(options: argparse.Namespace, name: str, shapes: list[Shape]) -> Result:
+    """All ways of one scenario."""
+    robots = len(skybody.Environment(VARIANTS.get(name, (name,))[0]).robots)
+    steps = steps_of(options.steps, robots)
+    hashes: dict[str, str] = {}
+    for condition, busy in (("", contextlib.nullcontext()), (", under load", load())):
+        with busy:
+            for shape in shapes:
+                flown = fly(options.program, name, options.envs, steps, shape)
+                for way, value in flown.items():
+                    hashes[f"{way}, {shape}{condition}"] = value
+    return Result(name, robots, steps, hashes)
+
+
+# --- report -------------------------------------------------------------------------------------
+
+
+def line(result: Result) -> str:
+    """One line, and one more for each way that differs."""
+    head = (
+        f"{result.scenario:<18} {result.hash}  {len(result.hashes):>4} runs of {result.steps:>3} "
+        f"steps  {result.verdict}"
+    )
+    return "\n".join([head, *(f"  differs: {way}" for way in result.differing)])
+
+
+HEAD = """\
+# The determinism matrix
+
+Every shipped scenario, flown in {runs} ways: the trajectory hash that all of them gave.
+
+    {command}
+
+on {machine}; Skybody {version}. A run is {envs} environments under seed {seed}, each with a
+reset, the number of steps below and the actions of `skybody hash`. The horizon is a quarter of the
+steps, so that every environment is reset at least three times on the way. `hover_on_ground` is
+`hover` begun 2 to 6 cm above the ground, which the vehicle touches. The ways are
+
+- {shapes} shapes: {threads} threads x batches of {batches} x order {orders};
+- by `skybody hash`; from Python; from Python, saved in the middle, disturbed and restored; restored
+  there into a pool of one thread that waits for all; and beside an environment whose actions are
+  not finite every few steps (the others' hashes are compared);
+- each of these on the machine as it was, and with one more process computing on every processor.
+
+The program has a process for each run, Python one for each shape. Hashes chain every word of state,
+observation, reward and status after every step. Across what builds and processors they are the
+same, and where that is not promised, is in `determinism.md`.
+
+| scenario | robots | steps | hash | runs | |
+| --- | --- | --- | --- | --- | --- |
+"""
+
+
+def markdown(results: list[Result], shapes: list[Shape], envs: int, command: str) -> str:
+    """The report."""
+    from training_runs import machine, machine_line  # has what training needs, PyTorch too
+
+    def words(values: Iterator[object]) -> str:
+        return ", ".join(str(value) for value in dict.fromkeys(values))
+
+    head = HEAD.format(
+        runs=len(results[0].hashes),
+        command=command,
+        machine=machine_line(machine()),
+        version=skybody.__version__,
+        envs=envs,
+        seed=SEED,
+        shapes=len(shapes),
+        threads=words(shape.threads for shape in shapes),
+        batches=words(shape.batch for shape in shapes),
+        orders=words(shape.order for shape in shapes),
+    )
+    rows = [
+        f"| `{r.scenario}` | {r.robots} | {r.steps} | `{r.hash}` | {len(r.hashes)} | {r.verdict} |"
+        for r in results
+    ]
+    differing = [f"- `{r.scenario}`, {way}" for r in results for way in r.differing]
+    return "\n".join(
+        [head + "\n".join(rows), *(["", "Differ:", "", *differing] if differing else []), ""]
+    )
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values, checked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add(
+        "--scenarios",
+        nargs="+",
+        metavar="NAME",
+        help="default: all that are shipped, and hover_on_ground",
+    )
+    add("--envs", type=int, default=ENVS, help=f"environments, at least 3; default: {ENVS}")
+    add(
+        "--steps",
+        type=int,
+        default=STEPS,
+        help=f"of each environment, divided by the number of robots; default: {STEPS}",
+    )
+    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="skybody")
+    add("--quick", action="store_true", help="two scenarios, three shapes: a trial")
+    add("--write", action="store_true", help="write docs/determinism_matrix.md")
+    options = parser.parse_args(arguments)
+    options.scenarios = options.scenarios or (QUICK_SCENARIOS if options.quick else ALL)
+    unknown = sorted(set(options.scenarios) - set(ALL))
+    if unknown:
+        parser.error(f"--scenarios {unknown[0]}: there are {', '.join(ALL)}")
+    if options.envs < 3:
+        parser.error(f"--envs {options.envs}: at least 3")
+    if options.steps < LEAST_STEPS:
+        parser.error(f"--steps {options.steps}: at least {LEAST_STEPS}")
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Flies, compares, prints; returns the exit status."""
+    options = parse(arguments)
+    shapes = make_shapes(options.envs, options.quick)
+    results = []
+    try:
+        for scenario in options.scenarios:
+            results.append(fly_all(options, scenario, shapes))
+            print(line(results[-1]), flush=True)
+    except FlightError as error:
+        print(f"determinism_matrix: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    if options.write:
+        given = sys.argv[1:] if arguments is None else arguments
+        command = " ".join([".venv/bin/python experiments/determinism_matrix.py", *given])
+        REPORT.write_text(markdown(results, shapes, options.envs, command))
+        print(f"written: {REPORT.relative_to(ROOT)}")
+    return 1 if any(result.differing for result in results) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
