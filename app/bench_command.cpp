@@ -40,7 +40,7 @@ constexpr const char* kFooter =
 struct BenchOptions {
   LoadOptions load;
   VecEnvOptions envs = {.envs = 64};
-  std::string order = "fixed", actions = "hold";
+  std::string actions = "hold";
   double seconds = 5.0;
   bool json = false;
 };
@@ -88,7 +88,7 @@ void print_table(const BenchOptions& options, const VecEnv& envs, const Counts& 
                  const Figures& figures) {
   std::printf("%s: %d environments, batches of %d (%s), %d threads, actions %s, %s s\n%s (%s)\n\n",
               envs.environment().scenario().name.c_str(), envs.envs(), envs.batch(),
-              options.order.c_str(), envs.threads(), options.actions.c_str(),
+              to_text(options.envs.order).c_str(), envs.threads(), options.actions.c_str(),
               fixed(counts.seconds, 1).c_str(), machine_name().c_str(), processor_name().c_str());
   TextTable table({"", "value"});
   table.add({"env steps/s", count_text(figures.steps)});
@@ -109,7 +109,7 @@ void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& c
       .set("envs", std::to_string(envs.envs()))
       .set("batch", std::to_string(envs.batch()))
       .set("threads", std::to_string(envs.threads()))
-      .set_text("order", options.order)
+      .set_text("order", to_text(options.envs.order))
       .set_text("actions", options.actions)
       .set("action_repeat", std::to_string(scenario.stepping.action_repeat))
       .set("seconds", format_number(counts.seconds))
@@ -133,7 +133,6 @@ void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& c
 int bench(const BenchOptions& options) {
   const auto environment = load_and_warn(options.load);
   VecEnvOptions how = options.envs;
-  how.order = options.order == "arrival" ? Order::kArrival : Order::kFixed;
   VecEnv envs(environment, how);
   BatchActions actions(options.actions, environment, envs.envs());
   const InterruptGuard guard;
@@ -155,7 +154,7 @@ void add_bench_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<BenchOptions>();
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
-  add_vec_env_options(*command, options->envs, options->order);
+  add_vec_env_options(*command, options->envs);
   command->add_option("--seconds", options->seconds, "Time to measure, after a warm-up (5)")
       ->type_name("S")
       ->check(CLI::Range(0.05, 86400.0));

@@ -38,7 +38,6 @@ struct HashOptions {
   LoadOptions load;
   VecEnvOptions envs = {.threads = 1};
   std::uint64_t steps = 1000;
-  std::string order = "fixed";
   std::filesystem::path record;
   bool states = false;
 };
@@ -95,7 +94,6 @@ int hash(const HashOptions& options) {
   }
   const auto environment = load_and_warn(options.load);
   VecEnvOptions how = options.envs;
-  how.order = options.order == "arrival" ? Order::kArrival : Order::kFixed;
   how.keep_hash = true;
   VecEnv envs(environment, how);
   Run run(envs, options.steps);
@@ -118,7 +116,7 @@ void add_hash_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<HashOptions>();
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
-  add_vec_env_options(*command, options->envs, options->order);
+  add_vec_env_options(*command, options->envs);
   command->add_option("--steps", options->steps, "Steps of each environment (1000)")
       ->type_name("K")
       ->check(whole_number(1, kMost));

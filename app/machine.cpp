@@ -2,9 +2,9 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <fstream>
-#include <thread>
+
+#include "core/base/processors.h"
 
 namespace skybody {
 
@@ -24,8 +24,6 @@ std::string processor_name() {
   return "unknown";
 }
 
-int processor_count() {
-  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
+int processor_count() { return static_cast<int>(allowed_processors().size()); }
 
 }  // namespace skybody

@@ -14,8 +14,6 @@
 namespace skybody {
 namespace {
 
-constexpr std::uint64_t kMostThreads = 1024;
-
 constexpr const char* kFooter =
     "FILE was written by `skybody hash --record FILE` or from Python by `envs.record(FILE)`. It "
     "has\n"

@@ -5,16 +5,13 @@
 namespace skybody {
 namespace {
 
-constexpr std::uint64_t kMostEnvs = 1 << 24;
-constexpr std::uint64_t kMostThreads = 1024;
-
 std::string with_default(const std::string& doc, int value) {
   return doc + " (" + std::to_string(value) + ")";
 }
 
 }  // namespace
 
-void add_vec_env_options(CLI::App& command, VecEnvOptions& options, std::string& order) {
+void add_vec_env_options(CLI::App& command, VecEnvOptions& options) {
   command.add_option("--envs", options.envs, with_default("Environments", options.envs))
       ->type_name("N")
       ->check(whole_number(1, kMostEnvs));
@@ -28,9 +25,13 @@ void add_vec_env_options(CLI::App& command, VecEnvOptions& options, std::string&
                   with_default("Environments a batch; 0: all", options.batch))
       ->type_name("B")
       ->check(whole_number(0, kMostEnvs));
-  command.add_option("--order", order, "Of batches: fixed or arrival (" + order + ")")
+  command
+      .add_option_function<std::string>(
+          "--order",
+          [&options](const std::string& name) { options.order = order_from(name).value(); },
+          "Of batches: fixed or arrival (" + to_text(options.order) + ")")
       ->type_name("ORDER")
-      ->check(one_of("order", {"fixed", "arrival"}));
+      ->check(one_of("order", {kOrderNames.begin(), kOrderNames.end()}));
 }
 
 }  // namespace skybody

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <string>
 
 #include "core/batch/vec_env.h"
 
 namespace skybody {
 
 /// Declares --envs, --threads, --batch and --order (`fixed` or `arrival`), with the defaults that
-/// `options` and `order` have.
-void add_vec_env_options(CLI::App& command, VecEnvOptions& options, std::string& order);
+/// `options` has.
+void add_vec_env_options(CLI::App& command, VecEnvOptions& options);
 
 }  // namespace skybody

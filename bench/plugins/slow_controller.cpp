@@ -20,7 +20,7 @@ class SlowController : public Controller {
 
   void control(const Lanes<double>& env, State<double>&, ConstValues<double> input,
                Values<double> output) const {
-    const bool slow = static_cast<double>(env.stream_env()) == env_.value();
+    const bool slow = env_.value() < 0.0 || static_cast<double>(env.stream_env()) == env_.value();
     for (int i = 0; i < rotors_; ++i) output.set(i, input[i] + (slow ? delay() : 0.0));
   }
 
@@ -37,7 +37,8 @@ class SlowController : public Controller {
     return x > 2.0 ? x : 0.0;
   }
 
-  RealParameter env_{this, {.name = "env", .value = 0.0, .doc = "the slow environment's number"}};
+  RealParameter env_{
+      this, {.name = "env", .value = 0.0, .doc = "the slow environment's number; -1: all"}};
   RealParameter turns_{
       this, {.name = "turns", .value = 0.0, .min = 0.0, .doc = "divisions a physics step"}};
   RealParameter sleep_{

@@ -13,16 +13,11 @@
 namespace skybody {
 namespace {
 
-Autoreset autoreset_of(const std::string& name) {
-  if (name == "same_step") return Autoreset::kSameStep;
-  return name == "disabled" ? Autoreset::kDisabled : Autoreset::kNextStep;
-}
-
 VecEnvOptions options_of(const ReplayHeader& header, int threads) {
   VecEnvOptions options;
   options.envs = header.envs;
   options.threads = threads;
-  options.autoreset = autoreset_of(header.autoreset);
+  options.autoreset = autoreset_from(header.autoreset).value();  // the reader has checked it
   options.seed = header.seed;
   options.first_env_id = header.first_env_id;
   options.keep_hash = true;
@@ -51,12 +46,6 @@ class Comparer : public VecEnvObserver {
       note(rows, k, fleet, env, number);
     }
   }
-  void reset_sent(std::span<const std::uint8_t>) override {}
-  void reseeded(std::uint64_t) override {}
-  void actions_sent(std::span<const float>, std::span<const std::int32_t>) override {}
-  void restored(std::span<const std::uint64_t>) override {}
-  void forked(int, std::span<const std::int32_t>, bool) override {}
-  void param_set(int, const std::string&, double) override {}
 
  private:
   void note(const Batch& rows, int k, const Fleet& fleet, int env, std::size_t number) {

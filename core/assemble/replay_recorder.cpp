@@ -19,18 +19,6 @@ std::string absolute_text(const std::filesystem::path& path) {
   return error ? path.string() : whole.string();
 }
 
-std::string name_of(Autoreset autoreset) {
-  switch (autoreset) {
-    case Autoreset::kSameStep:
-      return "same_step";
-    case Autoreset::kDisabled:
-      return "disabled";
-    case Autoreset::kNextStep:
-      break;
-  }
-  return "next_step";
-}
-
 ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
   const Environment& environment = envs.environment();
   const Scenario& scenario = environment.scenario();
@@ -47,7 +35,7 @@ ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
   header.seed = envs.options().seed;
   header.first_env_id = envs.options().first_env_id;
   header.envs = envs.envs();
-  header.autoreset = name_of(envs.options().autoreset);
+  header.autoreset = to_text(envs.options().autoreset);
   header.action_size = environment.action_size();
   header.observation_names = observation_names(environment);
   if (options.states) header.state_names = state_names(environment);

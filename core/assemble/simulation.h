@@ -70,14 +70,12 @@ class Simulation {
   /// it to what the robot can do.
   /// @param robot  "" is the only one; likewise below
   /// @throws Error before reset(), on an unknown robot or one without controllers, on another
-  /// number
-  ///         of values, or if one is not finite
+  ///         number of values, or if one is not finite
   void command(const std::string& robot, std::span<const double> values);
   /// Number of values of that input. @throws Error as command()
   int command_size(const std::string& robot) const;
 
-  /// Exactly `physics_steps` physics steps under the commands, sensors included; no action, no
-  /// task.
+  /// Exactly `physics_steps` physics steps under the commands, sensors included; no task.
   /// @returns false if the physics gave up: the world then is in its last finite state, and the
   ///          episode has ended as a fault; until a reset nothing moves any more
   /// @throws Error before reset(), or if physics_steps < 0

@@ -4,19 +4,26 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <algorithm>
+#include <numeric>
 #include <thread>
 #include <vector>
 
 namespace skybody {
 
-/// Processors that this process may use; empty where the system does not say.
+/// Processors that this process may use; never empty.
 inline std::vector<int> allowed_processors() {
   std::vector<int> out;
   cpu_set_t set;
   CPU_ZERO(&set);
-  if (sched_getaffinity(0, sizeof(set), &set) != 0) return out;
-  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
+  if (sched_getaffinity(0, sizeof(set), &set) == 0) {
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+      if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
+    }
+  }
+  if (out.empty()) {  // more processors than a set holds
+    out.resize(std::max(1u, std::thread::hardware_concurrency()));
+    std::iota(out.begin(), out.end(), 0);
   }
   return out;
 }

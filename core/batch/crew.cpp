@@ -1,15 +1,12 @@
 #include "core/batch/crew.h"
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <algorithm>
-#include <numeric>
 #include <string>
 #include <system_error>
 
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
+#include "core/base/processors.h"
 
 namespace skybody {
 namespace {
@@ -25,22 +22,6 @@ constexpr int kSpins = 2000;             // pauses, some 50 us
 float smooth(float old, float now) { return old == 0.0f ? now : 0.75f * old + 0.25f * now; }
 
 }  // namespace
-
-std::vector<int> allowed_processors() {
-  std::vector<int> out;
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  if (sched_getaffinity(0, sizeof(set), &set) == 0) {
-    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-      if (CPU_ISSET(cpu, &set)) out.push_back(cpu);
-    }
-  }
-  if (out.empty()) {  // more processors than a set holds
-    out.resize(std::max(1u, std::thread::hardware_concurrency()));
-    std::iota(out.begin(), out.end(), 0);
-  }
-  return out;
-}
 
 Crew::Crew(int threads, int groups, bool pin, GroupRunner& runner)
     : runner_(runner), queue_(groups), cost_(static_cast<std::size_t>(groups)) {
@@ -80,11 +61,8 @@ void Crew::dismiss_workers() {
 void Crew::pin_worker(int index) {
   const std::vector<int> processors = allowed_processors();
   if (static_cast<std::size_t>(index) >= processors.size()) return;
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  CPU_SET(processors[static_cast<std::size_t>(index)], &set);
   std::thread& worker = workers_[static_cast<std::size_t>(index) - 1];
-  if (pthread_setaffinity_np(worker.native_handle(), sizeof(set), &set) == 0) ++pinned_;
+  if (pin_thread(worker, processors[static_cast<std::size_t>(index)])) ++pinned_;
 }
 
 double Crew::expected_cost(int group) const {

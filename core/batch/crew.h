@@ -21,9 +21,6 @@ class GroupRunner {
   virtual void run(int group) = 0;
 };
 
-/// Processors that this process may use; never empty.
-std::vector<int> allowed_processors();
-
 /// N_T threads of which the caller is one. Clocks are read for scheduling only: which thread does
 /// what when, never what comes out.
 ///

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/processors.h"
 
 namespace skybody {
 namespace {
@@ -51,7 +52,7 @@ bool VecEnv::Engine::of_this_process() const { return process_ == getpid(); }
 
 void VecEnv::Engine::check_alive() {
   if (!of_this_process()) {
-    throw Error(
+    throw StateError(
         "this VecEnv belongs to the parent process: its threads did not come along with the fork. "
         "Make one in the child, or start processes by `spawn`");
   }
@@ -61,8 +62,8 @@ void VecEnv::Engine::check_alive() {
 void VecEnv::Engine::check_idle(const char* what) {
   check_alive();
   if (in_flight_count == 0) return;
-  throw Error(std::string(what) + " while " + std::to_string(in_flight_count) +
-              " environments are in flight: recv() them first");
+  throw StateError(std::string(what) + " while " + std::to_string(in_flight_count) +
+                   " environments are in flight: recv() them first");
 }
 
 void VecEnv::Engine::check_id(std::int32_t env) const {

@@ -19,16 +19,16 @@ class VecEnvObserver {
   virtual ~VecEnvObserver() = default;
 
   /// Resets were sent to the environments whose byte in `mask` is not 0.
-  virtual void reset_sent(std::span<const std::uint8_t> mask) = 0;
+  virtual void reset_sent(std::span<const std::uint8_t> /*mask*/) {}
   /// All environments were put at their beginning under another seed, and resets were sent to all.
-  virtual void reseeded(std::uint64_t seed) = 0;
+  virtual void reseeded(std::uint64_t /*seed*/) {}
   /// One action row each was sent to these environments; no ids: all, in order.
-  virtual void actions_sent(std::span<const float> actions,
-                            std::span<const std::int32_t> env_ids) = 0;
+  virtual void actions_sent(std::span<const float> /*actions*/,
+                            std::span<const std::int32_t> /*env_ids*/) {}
   /// `saved` is what VecEnv::restore() was given.
-  virtual void restored(std::span<const std::uint64_t> saved) = 0;
-  virtual void forked(int source, std::span<const std::int32_t> targets, bool rekey) = 0;
-  virtual void param_set(int env, const std::string& path, double value) = 0;
+  virtual void restored(std::span<const std::uint64_t> /*saved*/) {}
+  virtual void forked(int /*source*/, std::span<const std::int32_t> /*targets*/, bool /*rekey*/) {}
+  virtual void param_set(int /*env*/, const std::string& /*path*/, double /*value*/) {}
   /// recv() is about to give these rows. The state words and hashes of their environments, which
   /// nobody touches now, are to be had from `fleet`.
   virtual void received(const Batch& rows, const Fleet& fleet) = 0;

@@ -8,9 +8,6 @@
 namespace skybody {
 namespace {
 
-constexpr int kMostEnvs = 1 << 24;
-constexpr int kMostThreads = 1024;
-
 void check_range(const char* what, int value, int low, int high, const char* remedy) {
   if (value >= low && value <= high) return;
   throw Error(std::string(what) + " is " + std::to_string(value) +
@@ -107,7 +104,8 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
   const auto check = [&](std::int32_t env) {
     engine_->check_id(env);
     if (engine_->in_flight(env)) {
-      throw Error("fork() with environment " + std::to_string(env) + " in flight: recv() it first");
+      throw StateError("fork() with environment " + std::to_string(env) +
+                       " in flight: recv() it first");
     }
   };
   check(source);
@@ -143,7 +141,7 @@ std::uint64_t VecEnv::hash(int env) const {
   engine_->check_idle("hash()");
   engine_->check_id(env);
   if (!engine_->options.keep_hash && !engine_->observer) {
-    throw Error("no hash was kept: make the VecEnv with keep_hash");
+    throw StateError("no hash was kept: make the VecEnv with keep_hash");
   }
   return engine_->fleet.hash(env);
 }

@@ -13,41 +13,20 @@
 #include "core/base/error.h"
 #include "core/batch/batch.h"
 #include "core/batch/observer.h"
+#include "core/batch/vec_env_options.h"
 #include "core/env/environment.h"
 
 namespace skybody {
 
-/// In which order recv() gives finished environments.
-enum class Order {
-  kFixed,    ///< by id, cyclically: the same batches in every run
-  kArrival,  ///< first finished, first served
-};
-
-/// What happens where an episode has ended (Gymnasium's AutoresetMode).
-enum class Autoreset {
-  kNextStep,  ///< the next action is ignored and the environment reset instead
-  kSameStep,  ///< reset at once; the ended episode's last row is in final_observation
-  kDisabled,  ///< the caller resets; stepping an ended environment is an error
-};
-
-/// How a VecEnv is made.
-struct VecEnvOptions {
-  int envs = 1;     ///< N_E
-  int batch = 0;    ///< N_B <= N_E; 0: N_E
-  int threads = 0;  ///< N_T, the caller counted; 0: one per processor, at most one per environment
-  Order order = Order::kFixed;
-  Autoreset autoreset = Autoreset::kNextStep;
-  std::uint64_t seed = 0;          ///< key of all random numbers
-  std::uint64_t first_env_id = 0;  ///< environment i draws with (seed, first_env_id + i)
-  bool pin_threads = false;        ///< workers each on a processor of their own, where allowed
-  bool keep_hash = false;          ///< chain a trajectory hash per environment
-  /// recv() never hands out memory that the caller still refers to: false: takes a fresh buffer
-  /// (counted), true: throws BufferInUse, and fills buffers that it recycles with NaN.
-  bool debug_buffers = false;
-};
-
 /// A buffer was to be recycled that the caller still holds; only with debug_buffers.
 class BufferInUse : public Error {
+ public:
+  using Error::Error;
+};
+
+/// The call does not fit what the VecEnv is doing, whatever its arguments: environments are in
+/// flight, no hash is kept, it belongs to the parent process.
+class StateError : public Error {
  public:
   using Error::Error;
 };
@@ -112,7 +91,7 @@ class VecEnv {
   /// @throws Error if an id is out of range or in flight
   void fork(int source, std::span<const std::int32_t> targets, bool rekey);
 
-  /// One value of WorldState per environment in `out`: their rows as of now.
+  /// Last observation of every environment.
   /// @param observation  N_E x observation_size()
   void observations(std::span<float> observation) const;
   /// Value of a randomizable parameter. @throws Error as Simulation::param

@@ -17,15 +17,12 @@ namespace skybody::python {
 namespace {
 
 Order to_order(const std::string& text) {
-  if (text == "fixed") return Order::kFixed;
-  if (text == "arrival") return Order::kArrival;
+  if (const auto order = order_from(text)) return *order;
   throw nb::value_error(("order is '" + text + "'; allowed: 'fixed', 'arrival'").c_str());
 }
 
 Autoreset to_autoreset(const std::string& text) {
-  if (text == "next_step") return Autoreset::kNextStep;
-  if (text == "same_step") return Autoreset::kSameStep;
-  if (text == "disabled") return Autoreset::kDisabled;
+  if (const auto autoreset = autoreset_from(text)) return *autoreset;
   throw nb::value_error(
       ("autoreset is '" + text + "'; allowed: 'next_step', 'same_step', 'disabled'").c_str());
 }
@@ -114,8 +111,8 @@ std::uint64_t hash(Pool& pool, std::optional<int> env) {
 nb::object refuse_pickling(const Pool&) {
   throw nb::type_error(
       "a Pool cannot be pickled or copied: it has threads. Make one anew in the other process, "
-      "from "
-      "the scenario and the seed; save() gives the state as bytes for restore() there");
+      "from the "
+      "scenario and the seed; save() gives the state as bytes for restore() there");
 }
 
 using Class = nb::class_<Pool>;
@@ -262,7 +259,8 @@ void bind_pool(nb::module_& m) {
         "    `same_step` (reset at once; final_observation has the ended episode's last row) or\n"
         "    `disabled` (stepping an ended environment raises)\n"
         "seed, first_env_id: environment i draws with the key (seed, first_env_id + i)\n"
-        "pin_threads: give each thread a processor of its own where the system allows it\n"
+        "pin_threads: give each worker a processor of its own where the system allows it; the\n"
+        "    caller is left where it is\n"
         "keep_hash: chain a trajectory hash per environment\n"
         "debug: fill reused buffers with NaN, and raise BufferError where one is still held\n\n"
         "Raises ValueError if one of them is out of range.");

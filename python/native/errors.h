@@ -19,6 +19,8 @@ decltype(auto) blame_argument(Work&& work) {
     return std::forward<Work>(work)();
   } catch (const BufferInUse&) {
     throw;
+  } catch (const StateError&) {
+    throw;  // the fault of the moment, not of an argument
   } catch (const Error& e) {
     throw nb::value_error(e.what());
   }

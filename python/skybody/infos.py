@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 
 from ._native import Environment
 
-RESERVED = ("env_id", "was_reset", "fault", "agent_reward", "final_obs", "final_info")
+RESERVED = (
+    "env_id",
+    "was_reset",
+    "fault",
+    "agent_reward",
+    "final_obs",
+    "final_info",
+    "terminal_observation",  # Stable-Baselines3's
+)
 
 
 class InfoChannels:

@@ -20,12 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import spaces
 from .pool import Scenario, check_seed
 from .simulation import SimulationPool, WorldStates
-
-_MODES = {
-    "next_step": AutoresetMode.NEXT_STEP,
-    "same_step": AutoresetMode.SAME_STEP,
-    "disabled": AutoresetMode.DISABLED,
-}
+from .vector import autoreset_mode, reset_mask
 
 
 class PythonTask:
@@ -79,7 +74,8 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
 
     `fault` in the infos (num_envs,) bool marks episodes that end because the physics gave up or
     because an action, observation or reward was not finite: truncated, reward 0, the last finite
-    observation; their value must not be bootstrapped. Other worlds go on.
+    observation; their value must not be bootstrapped. Other worlds go on. With SAME_STEP, `fault`
+    is the ended episode's, other infos are the new one's; `final_info` has all of the ended one's.
 
     An exception in the task reaches the caller of `step` or `reset`. `reset()` then begins anew and
     `close` works as ever.
@@ -113,7 +109,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         for name in ("physics_steps", "horizon"):
             if getattr(task, name) < 1:
                 raise ValueError(f"the task's {name} is {getattr(task, name)}; it must be >= 1")
-        self._mode = _MODES.get(str(autoreset)) or AutoresetMode(autoreset)
+        self._mode = autoreset_mode(autoreset)
         self.task = task
         self.pool = SimulationPool(
             scenario,
@@ -151,17 +147,15 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
             options: {"reset_mask": (num_envs,) bool array} resets only these worlds.
 
         Raises:
-            ValueError: a mask of another shape, a mask and a seed, or a mask after an exception.
+            TypeError: a mask that is no bool array.
+            ValueError: a mask of another shape or without a True, with a seed, or after an
+                exception; an unknown option.
         """
-        mask = np.ones(self.num_envs, np.bool_)
-        if options and "reset_mask" in options:
-            mask = np.asarray(options["reset_mask"])
-            if mask.shape != (self.num_envs,) or mask.dtype != np.bool_:
-                raise ValueError(
-                    f"reset_mask is {mask.dtype} {mask.shape}; it must be bool ({self.num_envs},)"
-                )
-            if seed is not None or not self._ready:
-                raise ValueError("reset all worlds: leave out reset_mask")
+        mask = reset_mask(options, self.num_envs)
+        if mask is None:
+            mask = np.ones(self.num_envs, np.bool_)
+        elif seed is not None or not self._ready:
+            raise ValueError("reset all worlds: leave out `reset_mask`")
         self._ready = False
         if seed is not None:
             self._rng = np.random.default_rng(check_seed(seed))
@@ -241,25 +235,30 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         truncated = fault | (flying & ~terminated & (self._steps >= self.task.horizon))
         self._last = observation
         self._ended = terminated | truncated
-        infos = self._infos(np.ones(self.num_envs, np.bool_), fault, states)
+        final: dict[str, Any] = {}
         if self._mode is AutoresetMode.SAME_STEP and self._ended.any():
-            observation = self._begin_at_once(observation, infos)
-        return observation.copy(), reward, terminated, truncated, infos
+            final, states = self._begin_at_once(fault, states)
+        infos = self._infos(np.ones(self.num_envs, np.bool_), fault, states)
+        return self._last.copy(), reward, terminated, truncated, infos | final
 
     def _begin_at_once(
-        self, observation: NDArray[np.float32], infos: dict[str, Any]
-    ) -> NDArray[np.float32]:
-        """SAME_STEP: rows of ended episodes become the next one's first."""
+        self, fault: NDArray[np.bool_], states: WorldStates
+    ) -> tuple[dict[str, Any], WorldStates]:
+        """SAME_STEP: begins anew where episodes ended; their last infos, and the states now."""
         ended = self._ended.copy()
-        final = np.full(self.num_envs, None, dtype=object)
+        rows = np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(ended):
-            final[i] = observation[i].copy()
-        infos["final_obs"], infos["_final_obs"] = final, ended
-        infos["final_info"] = {"fault": infos["fault"], "_fault": ended}
-        infos["_final_info"] = ended
+            rows[i] = self._last[i].copy()
+        final = {
+            "final_obs": rows,
+            "_final_obs": ended,
+            "final_info": self._infos(ended, fault, states),
+            "_final_info": ended,
+        }
         self._begin(ended, None)
-        self._last, _ = self._observation(self.pool.states(), ended)
-        return self._last
+        states = self.pool.states()
+        self._last, _ = self._observation(states, ended)
+        return final, states
 
     def _observation(
         self, states: WorldStates, mask: NDArray[np.bool_]

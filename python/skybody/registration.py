@@ -7,7 +7,6 @@ SCENARIOS = (
     "formation_10",
     "formation_2",
     "formation_20",
-    "formation_5",
     "hover",
     "hover_crazyflie",
     "hover_firefly",

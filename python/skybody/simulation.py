@@ -26,6 +26,8 @@ CONTROL_MODES: dict[str, str] = {
 }
 """Controllers behind each word of `control`; what a command is: docs/control-modes.md."""
 
+_TERMINATED, _TRUNCATED, _FAULT = 1, 2, 4  # bits of `status`
+
 
 def load_with_control(
     scenario: Scenario,
@@ -318,14 +320,14 @@ class SimulationPool(_native.SimulationPool):
     @property
     def terminated(self) -> NDArray[np.bool_]:
         """(num_worlds,): the scenario's task ended the episode."""
-        return self._has(1)
+        return self._has(_TERMINATED)
 
     @property
     def truncated(self) -> NDArray[np.bool_]:
         """(num_worlds,): horizon, task or fault ended it."""
-        return self._has(2)
+        return self._has(_TRUNCATED)
 
     @property
     def faults(self) -> NDArray[np.bool_]:
         """(num_worlds,): the physics gave up, or an action was not finite."""
-        return self._has(4)
+        return self._has(_FAULT)

@@ -36,6 +36,29 @@ def autoreset_mode(autoreset: str | AutoresetMode) -> AutoresetMode:
     raise ValueError(f"autoreset is {autoreset!r}; it must be one of {', '.join(_MODES)}")
 
 
+def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool_] | None:
+    """The mask (num_envs,) that reset options have; None: there are no options.
+
+    Raises:
+        TypeError: a mask that is no bool array.
+        ValueError: another shape, no True, or an unknown option.
+    """
+    if not options:
+        return None
+    unknown = sorted(set(options) - {"reset_mask"})
+    if unknown:
+        raise ValueError(f"unknown reset option `{unknown[0]}`; there is `reset_mask`")
+    mask = options["reset_mask"]
+    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+        kind = mask.dtype if isinstance(mask, np.ndarray) else type(mask).__name__
+        raise TypeError(f"`reset_mask` is {kind}; it must be a NumPy array of bool")
+    if mask.shape != (num_envs,):
+        raise ValueError(f"`reset_mask` has shape {mask.shape}; it must be ({num_envs},)")
+    if not mask.any():
+        raise ValueError("`reset_mask` has no True; leave it out to reset all environments")
+    return mask
+
+
 class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """`num_envs` environments of one scenario as one vector environment.
 
@@ -144,7 +167,7 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
             ValueError: a mask of another shape or without a True, a seed and a mask, or an unknown
                 option.
         """
-        mask = self._reset_mask(options)
+        mask = reset_mask(options, self.num_envs)
         value = check_seed(seed)
         if mask is not None and value is not None:
             raise ValueError("a seed restarts all environments: leave out `reset_mask`")
@@ -240,22 +263,6 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
 
     def _observations(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
         return rows if self._joint is None else rows.reshape(self._observation_shape)
-
-    def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_] | None:
-        if not options:
-            return None
-        unknown = sorted(set(options) - {"reset_mask"})
-        if unknown:
-            raise ValueError(f"unknown reset option `{unknown[0]}`; there is `reset_mask`")
-        mask = options["reset_mask"]
-        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-            kind = mask.dtype if isinstance(mask, np.ndarray) else type(mask).__name__
-            raise TypeError(f"`reset_mask` is {kind}; it must be a NumPy array of bool")
-        if mask.shape != (self.num_envs,):
-            raise ValueError(f"`reset_mask` has shape {mask.shape}; it must be ({self.num_envs},)")
-        if not mask.any():
-            raise ValueError("`reset_mask` has no True; leave it out to reset all environments")
-        return mask
 
     def observations(self) -> NDArray[np.float32]:
         """Last observation of every environment, in a new array; as after a restore or fork."""

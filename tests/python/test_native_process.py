@@ -88,6 +88,27 @@ def test_keyboard_interrupt_gets_out_of_recv() -> None:
     assert (process.returncode, out, err) == (0, "interrupted True\nclosed\n", "")
 
 
+def test_the_gil_is_free_while_recv_steps() -> None:
+    pool = Pool(Environment("hover", ["stepping.action_repeat=100000"]), 2, num_threads=1)
+    actions = begin(pool)
+    counted, stop = [0], threading.Event()
+
+    def count() -> None:
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    pool.send(actions)
+    before = counted[0]
+    pool.recv()  # tenths of a second on this thread alone
+    after = counted[0]
+    stop.set()
+    thread.join(30)
+    assert after > before + 100
+
+
 def test_a_forked_child_gets_an_error_and_exits(python: Callable[[str], Finished]) -> None:
     # By sys.exit() and by os._exit(): the child's copy of the pool must not wait for its threads.
     result = python("""

@@ -119,6 +119,25 @@ def test_same_step_gives_the_last_observation_apart():
     envs.close()
 
 
+def test_same_step_tells_infos_of_the_end_apart_from_those_of_the_next_episode():
+    class Tells(Climb):
+        def info(self, states: WorldStates) -> dict[str, NDArray[np.float64]]:
+            return {"speed": states.velocities[:, 0, 2]}
+
+    envs = climb(Tells(), autoreset="same_step")
+    envs.reset()
+    ended = np.zeros(N, np.bool_)
+    while not ended.any():
+        observation, _, terminated, truncated, info = envs.step(up())
+        ended = terminated | truncated
+    last = info["final_info"]
+    np.testing.assert_array_equal(last["_speed"], ended)
+    for i in np.flatnonzero(ended):
+        assert last["speed"][i] == pytest.approx(info["final_obs"][i][1])  # still climbing
+        assert info["speed"][i] == observation[i, 1] == 0
+    envs.close()
+
+
 def test_disabled_wants_a_reset_by_mask():
     envs = climb(autoreset="disabled")
     envs.reset()
@@ -135,6 +154,8 @@ def test_disabled_wants_a_reset_by_mask():
     envs.step(up())
     with pytest.raises(ValueError, match="reset_mask"):
         envs.reset(options={"reset_mask": np.ones(N + 1, np.bool_)})
+    with pytest.raises(ValueError, match="unknown reset option `mask`"):
+        envs.reset(options={"mask": ended})
     envs.close()
 
 
@@ -238,7 +259,7 @@ def test_arrays_of_another_shape_are_refused_by_name():
     envs.close()
     with pytest.raises(gymnasium.error.ResetNeeded):
         climb().step(up())
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="autoreset is 'never'"):
         climb(autoreset="never")
 
 

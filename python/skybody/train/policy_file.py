@@ -1,7 +1,7 @@
 """policy.h5: a trained policy as plain numbers, read by `skybody run --policy` and by evaluate.py.
 
 Root attributes say what it was trained on; /normalization and /layers/0, 1, ... hold the network.
-docs/training.md has the whole format.
+docs/policies.md has the whole format.
 """
 
 from __future__ import annotations

@@ -57,6 +57,21 @@ class Hyperparameters:
 PRESETS: dict[tuple[str, str], dict[str, Any]] = {
     ("*", "ppo"): {"envs": 64, "rollout_steps": 128, "minibatch": 1024},
     ("*", "lean-ppo"): {"envs": 256, "rollout_steps": 32, "minibatch": 1024, "log_std": -0.5},
+    ("hover_learn", "lean-ppo"): {
+        "envs": 256,
+        "rollout_steps": 32,
+        "minibatch": 1024,
+        "log_std": -1.0,
+    },
+    # Small rollouts, many gradient steps for each transition: what Stable-Baselines3 takes beside
+    # the gradient steps is mostly per step of all environments, however many there are.
+    ("hover_learn", "ppo"): {
+        "envs": 16,
+        "rollout_steps": 128,
+        "minibatch": 128,
+        "learning_rate": 5e-4,
+        "log_std": -1.0,
+    },
 }
 
 

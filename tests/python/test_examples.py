@@ -1,0 +1,31 @@
+"""Programs in examples/ run as their first lines say; the README's steps run as they stand."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+def output(*command: str) -> str:
+    done = subprocess.run(
+        [sys.executable, *command], capture_output=True, text=True, timeout=100, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_quickstart_prints_its_rate():
+    assert re.fullmatch(
+        r"[\d,]+ steps/s, mean reward [\d.]+\n", output(str(ROOT / "examples/quickstart.py"))
+    )
+
+
+def test_the_readmes_first_python_block_runs():
+    section = (ROOT / "README.md").read_text().partition("## Train from Python")[2]
+    block = section.partition("```python\n")[2].partition("```")[0]
+    assert "make_vec" in block
+    output("-c", block)
