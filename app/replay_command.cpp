@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/scenario_options.h"
 #include "core/assemble/replay_player.h"
+#include "core/batch/vec_env_options.h"
 #include "core/io/flight_log.h"
 #include "core/version.h"
 

@@ -35,6 +35,7 @@ class Hyperparameters:
     hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
     normalize_rewards: bool = True  # divide by the deviation of the discounted return
     observation_clip: float = 10.0  # of normalized observations
+    averaging_steps: int = 0  # the policy that is kept is a mean over about so many; 0: the last
     torch_threads: int = 1  # bits of the result belong to this number
 
     def check(self) -> None:
@@ -45,7 +46,7 @@ class Hyperparameters:
             _demand(getattr(self, name) > 0, name, getattr(self, name), "above 0")
         for name in ("discount", "gae_lambda", "final_learning_rate"):
             _demand(0 <= getattr(self, name) <= 1, name, getattr(self, name), "0 to 1")
-        for name in ("target_kl", "entropy_weight", "value_weight"):
+        for name in ("target_kl", "entropy_weight", "value_weight", "averaging_steps"):
             _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
         _demand(min(self.hidden, default=1) >= 1, "hidden", self.hidden, "sizes of at least 1")
         rollout = self.envs * self.rollout_steps
@@ -61,7 +62,9 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
         "envs": 256,
         "rollout_steps": 32,
         "minibatch": 1024,
+        "learning_rate": 7e-4,
         "log_std": -1.0,
+        "averaging_steps": 500_000,
     },
     # Small rollouts, many gradient steps for each transition: what Stable-Baselines3 takes beside
     # the gradient steps is mostly per step of all environments, however many there are.
@@ -71,6 +74,7 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
         "minibatch": 128,
         "learning_rate": 5e-4,
         "log_std": -1.0,
+        "averaging_steps": 300_000,
     },
 }
 

@@ -19,6 +19,7 @@ from tqdm import tqdm  # type: ignore[import-untyped]
 
 from skybody._native import Environment
 from skybody.train import files
+from skybody.train.averaging import PolicyAverage
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, write_checkpoint
 from skybody.train.evaluations import Evaluations
 from skybody.train.hashing import parameter_hash
@@ -48,6 +49,7 @@ class Trainer:
 
         self.run, self.config = run, config
         self.learner = make_learner(config, environment)
+        self.average = PolicyAverage(config.hyper.averaging_steps)
         self.shares = {"environment": 0.0, "inference": 0.0, "update": 0.0}
         self.recent: deque[float] = deque(maxlen=RECENT_EPISODES)
         self.faults, self.earlier_seconds, self.began = 0, 0.0, time.perf_counter()
@@ -67,6 +69,7 @@ class Trainer:
         checkpoint = read_checkpoint(found[-1])
         state = checkpoint.state
         self.learner.restore(state["learner"], checkpoint.environments)
+        self.average.restore(state["average"])
         self.shares.update(state["shares"])
         self.recent.extend(state["recent"])
         self.faults, self.earlier_seconds = state["faults"], checkpoint.meta["wall_clock"]
@@ -80,6 +83,7 @@ class Trainer:
             while learner.steps < config.total_steps and not stop.is_set():
                 before = learner.steps
                 report = learner.iterate()
+                self.average.add(learner.policy(), learner.steps - before)
                 row = self._record(report, learner.steps - before)
                 self._show(bar, row, learner.steps - before)
                 passed = (
@@ -151,7 +155,7 @@ class Trainer:
             "total_steps": config.total_steps,
             "wall_clock": self.wall_clock(),
         }
-        policy = learner.policy()
+        policy = self.average.of(learner.policy())
         policy.attributes.update(
             scenario=config.scenario_name,
             scenario_hash=config.scenario_hash,
@@ -162,6 +166,7 @@ class Trainer:
         )
         state = {
             "learner": learner.state(),
+            "average": self.average.state(),
             "shares": self.shares,
             "recent": list(self.recent),
             "faults": self.faults,
