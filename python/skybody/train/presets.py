@@ -62,7 +62,6 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
         "envs": 256,
         "rollout_steps": 32,
         "minibatch": 1024,
-        "learning_rate": 7e-4,
         "log_std": -1.0,
         "averaging_steps": 500_000,
     },
