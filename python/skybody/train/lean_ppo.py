@@ -168,7 +168,7 @@ class LeanPpo:
         """Fills the rollout; returns (step, environments, last observations) of truncations."""
         rollout = self.rollout
         rollout.noise.normal_(generator=self.generator)
-        deviation = self.log_std.exp()
+        deviation = self.log_std.clamp_(min=self.hyper.min_log_std).exp()
         truncations: list[tuple[int, Tensor, Tensor]] = []
         for t in range(self.hyper.rollout_steps):
             rollout.observation[t] = torch.from_numpy(self.observation)

@@ -32,6 +32,7 @@ class Hyperparameters:
     value_weight: float = 0.5
     max_grad_norm: float = 0.5
     log_std: float = -1.0  # initial log of the actions' standard deviation
+    min_log_std: float = -5.0  # and its least: noise that is too small says little about actions
     hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
     normalize_rewards: bool = True  # divide by the deviation of the discounted return
     observation_clip: float = 10.0  # of normalized observations
