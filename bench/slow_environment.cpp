@@ -29,9 +29,9 @@ struct Case {
 };
 
 std::shared_ptr<const Environment> load(const Case& c) {
-  const std::string slow =
-      "{plugin: slow_controller, parameters: {env: 0, turns: " + std::to_string(c.turns) +
-      ", sleep: " + std::to_string(c.sleep) + "}}";
+  const std::string slow = "{plugin: slow_controller, parameters: {env: " + std::to_string(c.env) +
+                           ", turns: " + std::to_string(c.turns) +
+                           ", sleep: " + std::to_string(c.sleep) + "}}";
   return load_environment(
       {"hover",
        {"stepping.dynamics=simbody",
