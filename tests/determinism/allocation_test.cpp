@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -115,13 +116,18 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
   std::vector<std::int32_t> ids;
   ids.reserve(kEnvs);
   const std::vector<float> actions(kEnvs * static_cast<std::size_t>(environment->action_size()));
+  std::vector<int> received(kEnvs);
   const auto step = [&] {
     const auto batch = envs.recv();
+    for (int k = 0; k < batch->rows; ++k) {
+      ++received[static_cast<std::size_t>(batch->env_id[static_cast<std::size_t>(k)])];
+    }
     ids.assign(batch->env_id.begin(), batch->env_id.begin() + batch->rows);
     envs.send(std::span(actions).first(ids.size() * 4), ids);
   };
   const int cycle = kEnvs / envs.batch();
-  for (int i = 0; i < 6 * cycle; ++i) step();  // caches fill
+  // Caches fill: by arrival an environment whose thread sleeps may be far behind the others.
+  while (*std::min_element(received.begin(), received.end()) < 6) step();
   ours_counted = all_counted = 0;
   counting = true;
   for (int i = 0; i < 4 * cycle; ++i) step();
