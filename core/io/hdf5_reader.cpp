@@ -35,6 +35,18 @@ void Hdf5Reader::fail(const std::string& message) const {
   throw MarkedError({path_.string(), 0, 0}, message);
 }
 
+void Hdf5Reader::check_format(std::int64_t version, const std::string& remedy) const {
+  const std::string wanted = "skybody-" + what_, found = text("/", "format");
+  if (found != wanted) {
+    fail("not a " + what_ + ": its format is `" + found + "`; allowed: `" + wanted + "`");
+  }
+  const std::int64_t number = integer("/", "version");
+  if (number != version) {
+    fail(what_ + " format " + std::to_string(number) + "; this Skybody reads format " +
+         std::to_string(version) + ": " + remedy);
+  }
+}
+
 bool Hdf5Reader::has(const std::string& object) const {
   if (object == "/") return true;
   for (std::size_t at = object.find('/', 1);; at = object.find('/', at + 1)) {

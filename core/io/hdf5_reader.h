@@ -24,6 +24,9 @@ class Hdf5Reader {
   std::string text(const std::string& object, const char* attribute) const;
   std::vector<std::string> texts(const std::string& dataset) const;
   std::int64_t integer(const std::string& object, const char* attribute) const;
+  /// Refuses a file whose attributes `format` and `version` are not `skybody-KIND` and `version`.
+  /// @param remedy  what to do about another version
+  void check_format(std::int64_t version, const std::string& remedy) const;
   double real(const std::string& object, const char* attribute) const;
 
   /// Rows and columns; {n, 1} for a vector.

@@ -29,15 +29,7 @@ class PolicyReader {
 
  private:
   void read_header() {
-    if (file_.text("/", "format") != "skybody-policy") {
-      file_.fail("not a policy: its format is `" + file_.text("/", "format") +
-                 "`; allowed: `skybody-policy`");
-    }
-    const std::int64_t version = file_.integer("/", "version");
-    if (version != kPolicyFormat) {
-      file_.fail("policy format " + std::to_string(version) + "; this Skybody reads format " +
-                 std::to_string(kPolicyFormat) + ": export the policy anew");
-    }
+    file_.check_format(kPolicyFormat, "export the policy anew");
     policy_.scenario = file_.text("/", "scenario");
     policy_.scenario_hash = file_.text("/", "scenario_hash");
     policy_.algorithm = file_.text("/", "algorithm");

@@ -23,15 +23,7 @@ struct ReplayReader::File {
   }
 
   void read_header() {
-    if (reader.text("/", "format") != "skybody-replay") {
-      reader.fail("not a replay: its format is `" + reader.text("/", "format") +
-                  "`; allowed: `skybody-replay`");
-    }
-    const std::int64_t version = reader.integer("/", "version");
-    if (version != kReplayFormat) {
-      reader.fail("replay format " + std::to_string(version) + "; this Skybody reads format " +
-                  std::to_string(kReplayFormat) + ": record it anew");
-    }
+    reader.check_format(kReplayFormat, "record it anew");
     header.skybody_version = reader.text("/", "skybody_version");
     header.scenario_name = reader.text("/", "scenario");
     header.scenario_file = reader.text("/", "scenario_file");

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import _native, spaces
 from .infos import InfoChannels
-from .pool import Scenario, check_seed, load
+from .pool import Scenario, check_seed, load, refuse_interrupted
 
 
 class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
@@ -108,6 +108,7 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
         Raises:
             TypeError: another dtype.
+            Error: the step before was interrupted: reset first.
             ValueError: another shape, not yet reset, or the episode has ended.
         """
         row = np.ascontiguousarray(action)
@@ -115,6 +116,7 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             raise ValueError(
                 f"the action has shape {row.shape}; it must be {self.action_space.shape}"
             )
+        refuse_interrupted(self._pool)
         self._pool.send(row[np.newaxis], None)
         batch = self._pool.recv()
         return (

@@ -49,6 +49,16 @@ def load(
     return Environment(os.fspath(scenario), changes, paths)
 
 
+def refuse_interrupted(pool: _native.Pool) -> None:
+    """Raises Error where a step was interrupted (Ctrl-C) and its transitions are under way."""
+    if pool.in_flight == 0:
+        return
+    raise _native.Error(
+        f"the last step was interrupted and {pool.in_flight} environments are still in flight: "
+        "reset(), which waits for them and begins anew"
+    )
+
+
 def check_seed(seed: Any) -> int | None:
     """A seed as an int from 0 to 2**64 - 1, or None.
 

@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 
 from . import _native, spaces
 from .infos import InfoChannels
-from .pool import Scenario, check_seed, env_ids, load
+from .pool import Scenario, check_seed, env_ids, load, refuse_interrupted
 
 _PER_ENV_METHODS = ("param", "set_param")
 
@@ -99,7 +99,11 @@ class SkybodyVecEnv(VecEnv):
         return batch.observation.copy()
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
-        """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped)."""
+        """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped).
+
+        Raises Error where the step before was interrupted: reset first.
+        """
+        refuse_interrupted(self.pool)
         self.pool.send(np.ascontiguousarray(actions, np.float32), None)
 
     def step_wait(

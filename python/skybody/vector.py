@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native, spaces
 from .agents import JointLayout
 from .infos import InfoChannels
-from .pool import Autoreset, Order, Scenario, check_seed, env_ids, load
+from .pool import Autoreset, Order, Scenario, check_seed, env_ids, load, refuse_interrupted
 
 _MODES: dict[str, AutoresetMode] = {
     "next_step": AutoresetMode.NEXT_STEP,
@@ -197,6 +197,7 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
 
         Raises:
             TypeError: another dtype.
+            Error: the step before was interrupted: reset first.
             ValueError: another shape; an environment that is not yet reset, or (DISABLED) whose
                 episode has ended.
         """
@@ -204,6 +205,7 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         if rows.shape != self._action_shape:
             raise ValueError(f"actions have shape {rows.shape}; it must be {self._action_shape}")
         pool = self._pool
+        refuse_interrupted(pool)
         pool.send(rows if self._joint is None else rows.reshape(self.num_envs, -1), None)
         batch = pool.recv()
         infos = self._infos(batch)

@@ -69,6 +69,29 @@ TEST_F(HoverTask, RewardsAsThePaperDoes) {
   EXPECT_EQ(g.end[0], 0u);
 }
 
+TEST_F(HoverTask, ShapesTheRewardWhereTheScenarioAsksForIt) {
+  const double angle = 0.4;
+  const auto reward = [&](const std::string& name, double value, double x, double tilt) {
+    const Instance task("hover", world, {{"target", Numbers{0, 0, 1, 0}}, {name, Numbers{value}}});
+    Group g = begin(task);
+    g.bodies[0] = x;
+    g.bodies[3] = std::cos(0.5 * tilt);
+    g.bodies[4] = std::sin(0.5 * tilt);
+    step(task, g, {0, 0, 0, 0});
+    return g.reward[0];
+  };
+  const auto added = [&](const std::string& name, double value, double x, double tilt) {
+    return reward(name, value, x, tilt) - reward(name, 0.0, x, tilt);
+  };
+  // Differences of sums near 1: a few of their last bits.
+  EXPECT_NEAR(added("approach_reward", 0.5, 4.0, 0.0), 0.5 * (1.0 - 0.4), 1e-15);
+  EXPECT_EQ(added("approach_reward", 0.5, 12.0, 0.0), 0.0) << "no reward is below 0";
+  EXPECT_NEAR(added("precision_reward", 2.0, 0.1, 0.0), 1.0, 1e-15);
+  EXPECT_NEAR(added("tilt_cost", 3.0, 0.0, angle), -3.0 * (1.0 - std::cos(angle)), 1e-15);
+  EXPECT_EQ(added("failure_reward", -8.0, 0.0, angle), 0.0) << "it still flies";
+  EXPECT_NEAR(added("failure_reward", -8.0, 7.5, 0.0), -8.0, 1e-15);
+}
+
 TEST_F(HoverTask, TerminatesOnTiltYawAndBounds) {
   const Instance task("hover", world);
   const auto ends = [&](int value, double angle, double x) {
