@@ -11,9 +11,10 @@ namespace {
 constexpr int kRimPoints = 8;
 /// Spheres within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
-/// Largest stiffness of a light body's spheres: (frequency x dt)^2 of the body on one sphere. The
-/// body's effective mass at an extremity is some quarter of its mass, and semi-implicit Euler is
-/// stable up to 4 of that effective value.
+/// Of a body's mass, what an impact on one of its extremities feels: the rest gives way by turning.
+constexpr double kEffectiveShare = 0.25;
+/// Largest stiffness of a light body's spheres: (frequency x dt)^2 of the body on one sphere.
+/// Semi-implicit Euler is stable up to 4 of the value with the effective mass.
 constexpr double kLargestSquaredPhase = 0.25;
 
 /// Extremities of one shape, in the body's frame.
@@ -86,8 +87,8 @@ void set_stiffness(const World& world, std::vector<ContactSphere>& spheres) {
   const double depth = scenario.contact.penetration;
   for (std::size_t robot = 0; robot < scenario.robots.size(); ++robot) {
     const int carriers = std::max(1, count_lowest(world, spheres, static_cast<int>(robot), bodies));
-    const double weight = scenario.robots[robot].model.total_mass() * g;
-    const double wanted = weight / (carriers * pow_3_2(depth));
+    const double carried = scenario.robots[robot].model.total_mass() / carriers;
+    const double wanted = carried * g / pow_3_2(depth);
     for (ContactSphere& s : spheres) {
       if (world.bodies[s.body].robot != static_cast<int>(robot)) continue;
       // Around the static penetration the spring is 1.5 k sqrt(x0).
@@ -95,6 +96,7 @@ void set_stiffness(const World& world, std::vector<ContactSphere>& spheres) {
       const double dt = scenario.stepping.dt;
       const double most = kLargestSquaredPhase * mass / (dt * dt) / (1.5 * sqrt(depth));
       s.stiffness = min(wanted, most);
+      s.most_damping = min(carried, kEffectiveShare * mass) / dt;
     }
   }
 }

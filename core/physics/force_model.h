@@ -134,7 +134,7 @@ class ForceModel {
         arm.z -= sphere.radius;
         const Vec3<Real> velocity = body.velocity + cross(body.angular_velocity, arm);
         sum.add_force_at(
-            arm, ground_force(body.position + arm, velocity, Real(sphere.stiffness),
+            arm, ground_force(body.position + arm, velocity, sphere.stiffness, sphere.most_damping,
                               contact.dissipation, contact.friction, contact.slip_velocity));
       }
       // Lanes in the air keep their sums untouched: adding +0 would turn a -0 round.

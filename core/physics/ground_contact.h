@@ -1,7 +1,9 @@
 // A sphere on the plane z = 0 of W.
-//   normal    f = k x^1.5 (1 + 1.5 c dx/dt), never pulling. K. H. Hunt, F. R. E. Crossley,
-//             "Coefficient of restitution interpreted as damping in vibroimpact", 1975
+//   normal    f = k x^1.5 + d dx/dt with d = 1.5 c k x^1.5, never pulling. K. H. Hunt, F. R. E.
+//             Crossley, "Coefficient of restitution interpreted as damping in vibroimpact", 1975.
 //   friction  -mu f v_t / sqrt(|v_t|^2 + v_s^2): Coulomb's, made smooth within v_s around rest
+// What multiplies a velocity in them is at most m/dt with the mass that the sphere carries: beyond
+// it, a time step that begins in a hard impact would turn the velocity round and gain energy.
 // x is the penetration of the lowest point; both forces act at that point.
 #pragma once
 
@@ -11,21 +13,22 @@
 namespace skybody {
 
 /// @param point, velocity  the sphere's lowest point [m] and its velocity [m/s], W
-/// @param stiffness k [N/m^1.5]  @param dissipation c [s/m]  @param friction mu
-/// @param slip_velocity v_s [m/s], > 0
+/// @param stiffness k [N/m^1.5]  @param most_damping m/dt [N s/m]
+/// @param dissipation c [s/m]  @param friction mu  @param slip_velocity v_s [m/s], > 0
 /// @returns the force on the body [N], W axes
 template <class Real>
 SKYBODY_INLINE Vec3<Real> ground_force(const Vec3<Real>& point, const Vec3<Real>& velocity,
-                                       const Real& stiffness, double dissipation, double friction,
-                                       double slip_velocity) {
+                                       double stiffness, double most_damping, double dissipation,
+                                       double friction, double slip_velocity) {
   const Real zero(0.0);
   const Real penetration = select(point.z < zero, -point.z, zero);
-  const Real damping = 1.0 - (1.5 * dissipation) * velocity.z;
   const Real elastic = stiffness * pow_3_2(penetration);
-  const Real normal = elastic * select(damping > zero, damping, zero);
+  const Real damping = min(1.5 * dissipation * elastic, Real(most_damping));
+  const Real pushing = elastic - damping * velocity.z;
+  const Real normal = select(pushing > zero, pushing, zero);
   const Real slip =
       sqrt((velocity.x * velocity.x + velocity.y * velocity.y) + slip_velocity * slip_velocity);
-  const Real drag = friction * normal / slip;
+  const Real drag = min(friction * normal / slip, Real(most_damping));
   return {-(drag * velocity.x), -(drag * velocity.y), normal};
 }
 

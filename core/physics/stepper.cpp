@@ -13,11 +13,14 @@
 namespace skybody {
 namespace {
 
-bool all_finite(const std::vector<double>& values) {
-  // One sum: it is finite only if every term is (finite terms are far too small to overflow it).
+/// A state beyond this [m, rad, m/s, rad/s] is one that has diverged: a thousand kilometres away, or
+/// faster than any rotor.
+constexpr double kLargestState = 1e6;
+
+bool all_bounded(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += abs(v);
-  return is_finite(sum);
+  return sum < kLargestState;  // false for NaN, too
 }
 
 /// Works on copies of q, u and rotor speeds and hands them over when the step has succeeded.
@@ -36,7 +39,7 @@ class MechanicsStepper final : public Stepper {
 
   bool advance(LaneState& state) override {
     if (!try_step(state)) return false;
-    if (!all_finite(q_) || !all_finite(u_) || !all_finite(rotor_speed_)) return false;
+    if (!all_bounded(q_) || !all_bounded(u_) || !all_bounded(rotor_speed_)) return false;
     copy(q_, state.q);
     copy(u_, state.u);
     copy(rotor_speed_, state.rotor_speed);

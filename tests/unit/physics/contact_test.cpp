@@ -96,6 +96,24 @@ TEST(Ground, BouncesLoseEnergy) {
   }
 }
 
+TEST(Ground, TumblingFallsGainNoEnergy) {
+  const VehicleData data = qdrone2();
+  for (int drop = 0; drop < 40; ++drop) {
+    Scenario scenario = make_scenario(make_vehicle(data));
+    scenario.robots[0].pose = {{0, 0, 10.0}, from_rpy(0.16 * drop, 0.4 * drop, 0.0)};
+    Bench bench(std::move(scenario));
+    for (int axis = 0; axis < 3; ++axis) bench.state.u[3 + axis] = 6.0 - (drop * (axis + 3)) % 12;
+    const BodyState start = bench.state.bodies[0];
+    const double spin = norm(start.angular_velocity);
+    const double impact = sqrt(2.0 * 9.81 * 10.0) + spin * 0.5;  // of any point of the vehicle
+    for (int i = 0; i < 3000; ++i) {
+      ASSERT_TRUE(bench.run(1)) << drop;
+      ASSERT_LT(norm(bench.state.bodies[0].velocity), impact) << drop << ' ' << i;
+    }
+    EXPECT_LT(norm(bench.state.bodies[0].velocity), 0.5 * impact) << drop;
+  }
+}
+
 TEST(Ground, CanBeSwitchedOff) {
   Scenario scenario = make_scenario(make_vehicle(crazyflie()));
   scenario.contact.ground = false;

@@ -207,6 +207,9 @@ TEST(Stepper, NonFiniteStepReturnsFalseAndLeavesTheState) {
     bench.state.u[4] = 1e200;  // finite, but not after a step
     EXPECT_FALSE(bench.run(1));
     bench.state = good;
+    bench.state.u[4] = 2e6;  // [m/s]: diverged
+    EXPECT_FALSE(bench.run(1));
+    bench.state = good;
     bench.param("robots.r.links.base.mass") = -1.0;
     EXPECT_FALSE(bench.run(1)) << "masses that cannot be built are a failed step";
     EXPECT_EQ(bench.state.q, good.q);
