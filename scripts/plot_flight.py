@@ -286,7 +286,7 @@ def draw(flight: Flight):
     figure = plt.figure(figsize=(15, 10))
     draw_heading(figure, flight)
     grid = figure.add_gridspec(
-        4, 3, left=0.055, right=0.985, top=0.875, bottom=0.055, hspace=0.18, wspace=0.2
+        4, 3, left=0.065, right=0.985, top=0.875, bottom=0.055, hspace=0.18, wspace=0.2
     )
     first = figure.add_subplot(grid[0, 0])
     panels = [[first, *(figure.add_subplot(grid[k, 0], sharex=first) for k in (1, 2, 3))]]

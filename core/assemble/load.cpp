@@ -7,6 +7,7 @@
 #include "core/base/isa.h"
 #include "core/io/scenario_reader.h"
 #include "core/io/shipped_files.h"
+#include "core/io/text.h"
 #include "core/model/marked_error.h"
 #include "core/physics/stepper.h"
 #include "plugins/host/instance.h"
@@ -83,6 +84,17 @@ std::string scenario_file(const std::string& scenario) {
   return scenario;
 }
 
+/// Whether `scenario` is there; if not, and it looks like a name, the error says which names are.
+bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
+  std::error_code ignored;
+  if (!is_identifier(scenario) || std::filesystem::exists(scenario_file(scenario), ignored)) {
+    return true;
+  }
+  diagnostics.error({scenario, 0, 0}, "neither a file nor a shipped scenario" +
+                                          suggestion(scenario, shipped_scenarios(), "shipped"));
+  return false;
+}
+
 }  // namespace
 
 std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options) {
@@ -100,6 +112,7 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
 std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
                                                     Diagnostics& diagnostics) {
   const FpEnvironment guard;
+  if (!check_name(options.scenario, diagnostics)) return nullptr;
   const auto registry = find_plugins(options);
   const auto catalog = make_catalog(registry);
   std::optional<Scenario> scenario =

@@ -1,5 +1,7 @@
 #include "core/io/shipped_files.h"
 
+#include <algorithm>
+
 #include "core/base/installation.h"
 
 namespace skybody {
@@ -20,6 +22,16 @@ std::optional<fs::path> find(const std::string& name, const std::string& relativ
 
 std::optional<fs::path> find_shipped_scenario(const std::string& name) {
   return find(name, name + ".yaml");
+}
+
+std::vector<std::string> shipped_scenarios() {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(shipped_data("scenarios", "scenarios"), ignored)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 std::optional<fs::path> find_shipped_model(const std::string& name) {

@@ -4,11 +4,15 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace skybody {
 
 /// The shipped scenario called `name` (hover -> scenarios/hover.yaml), or nothing.
 std::optional<std::filesystem::path> find_shipped_scenario(const std::string& name);
+
+/// Names of all shipped scenarios, sorted.
+std::vector<std::string> shipped_scenarios();
 
 /// The shipped model called `name` (crazyflie -> scenarios/models/crazyflie/crazyflie.urdf), or
 /// nothing.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import _native, spaces
 from .infos import InfoChannels
-from .pool import Scenario, check_seed, load, refuse_interrupted
+from .pooled import Scenario, check_seed, drain, load, refuse_interrupted
 
 
 class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
@@ -89,8 +89,7 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             value = int(self.np_random.integers(2**63))
         if value is not None:
             self._seed = value
-        while self._pool.in_flight > 0:  # an interrupted step()
-            self._pool.recv()
+        drain(self._pool)
         self._pool.send_reset(None, value)
         batch = self._pool.recv()
         return batch.observation[0].copy(), self._info(batch)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import spaces
 from .agents import commanded_by, observed_by
 from .env import SkybodyEnv
-from .pool import Scenario
+from .pooled import Scenario
 
 Observations = dict[str, NDArray[np.float32]]
 Infos = dict[str, dict[str, Any]]

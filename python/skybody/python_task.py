@@ -18,7 +18,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
 from . import spaces
-from .pool import Scenario, check_seed
+from .pooled import Scenario, check_seed
 from .simulation import SimulationPool, WorldStates
 from .vector import autoreset_mode, reset_mask
 

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from stable_baselines3.common.vec_env import VecEnv
+from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 
 from . import _native, spaces
 from .infos import InfoChannels
-from .pool import Scenario, check_seed, env_ids, load, refuse_interrupted
+from .pooled import (
+    PooledEnvironments,
+    Scenario,
+    check_seed,
+    drain,
+    load,
+    make_native,
+    refuse_interrupted,
+)
+from .sb3_uniform import UniformVecEnv
 
 _PER_ENV_METHODS = ("param", "set_param")
 
 
-class SkybodyVecEnv(VecEnv):
+class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     """`num_envs` environments of one scenario for Stable-Baselines3.
 
     An ended episode's environment is reset within the same step, as Stable-Baselines3 expects.
@@ -63,13 +71,13 @@ class SkybodyVecEnv(VecEnv):
         keep_hash: bool = False,
     ) -> None:
         self.environment = load(scenario, overrides, plugin_path)
-        self.pool = _native.Pool(
+        self.native = make_native(
             self.environment,
             num_envs,
-            num_threads=num_threads,
+            num_threads,
+            seed,
             order="fixed",
             autoreset="same_step",
-            seed=check_seed(seed) or 0,
             pin_threads=pin_threads,
             keep_hash=keep_hash,
         )
@@ -88,12 +96,11 @@ class SkybodyVecEnv(VecEnv):
             observations (num_envs, observation_size) float32. `reset_infos` has the task's info
             values of each.
         """
-        while self.pool.in_flight > 0:  # an interrupted step()
-            self.pool.recv()
-        self.pool.send_reset(None, check_seed(self._seeds[0]))
+        drain(self.native)
+        self.native.send_reset(None, check_seed(self._seeds[0]))
         self._reset_seeds()
         self._reset_options()
-        batch = self.pool.recv()
+        batch = self.native.recv()
         self._last_info = batch.info.copy()
         self.reset_infos = [self._channels.of_row(row) for row in self._last_info]
         return batch.observation.copy()
@@ -103,14 +110,14 @@ class SkybodyVecEnv(VecEnv):
 
         Raises Error where the step before was interrupted: reset first.
         """
-        refuse_interrupted(self.pool)
-        self.pool.send(np.ascontiguousarray(actions, np.float32), None)
+        refuse_interrupted(self.native)
+        self.native.send(np.ascontiguousarray(actions, np.float32), None)
 
     def step_wait(
         self,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Observations (num_envs, observation_size), rewards, dones (num_envs,), infos."""
-        batch = self.pool.recv()
+        batch = self.native.recv()
         self._last_info = batch.info.copy()
         dones = batch.terminated | batch.truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
@@ -136,21 +143,6 @@ class SkybodyVecEnv(VecEnv):
         """The task's info values after the last step (or reset within it): (num_envs,) each."""
         return self._channels.columns(self._last_info)
 
-    @property
-    def faults(self) -> int:
-        """Faulted transitions so far, in all environments."""
-        return self.pool.faults
-
-    def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed for the next `reset`: environment i draws from (seed, i). None: a random one.
-
-        Returns:
-            the seed, num_envs times.
-        """
-        first = super().seed(check_seed(seed))[0]
-        self._seeds = [first] * self.num_envs
-        return self._seeds
-
     def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
         """There are no reset options. Raises ValueError if any is given."""
         given = options if isinstance(options, list) else [options or {}]
@@ -158,42 +150,9 @@ class SkybodyVecEnv(VecEnv):
             if each:
                 raise ValueError(f"unknown reset option `{next(iter(each))}`; there are none")
 
-    def save(self) -> bytes:
-        """Everything of all environments: motion, drawn values, counters, random keys."""
-        return self.pool.save()
-
-    def restore(self, saved: bytes) -> NDArray[np.float32]:
-        """Puts all environments where they were at `save`. Returns their observations.
-
-        Raises:
-            ValueError: `saved` is of another scenario or number of environments.
-        """
-        self.pool.restore(saved)
-        return self.pool.observations()
-
-    def fork(self, source: int, targets: ArrayLike, rekey: bool = False) -> None:
-        """Makes environments copies of `source`; with `rekey` each draws numbers of its own."""
-        self.pool.fork(source, env_ids(targets), rekey)
-
-    def hash(self, env: int | None = None) -> int:
-        """Trajectory hash of one environment, or of all. Needs keep_hash=True."""
-        return self.pool.hash() if env is None else self.pool.hash(env)
-
     def close(self) -> None:
         """Gives threads and memory back. Further calls raise."""
-        self.pool.close()
-
-    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """An attribute of this object, once per environment: they have none of their own."""
-        value = getattr(self, attr_name) if attr_name != "render_mode" else None
-        return [value for _ in self._get_indices(indices)]
-
-    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Raises AttributeError: environments live in C++."""
-        raise AttributeError(
-            f"environments have no attribute `{attr_name}` to set; physical values are set by "
-            'env_method("set_param", PATH, VALUE)'
-        )
+        self.native.close()
 
     def env_method(
         self,
@@ -212,9 +171,5 @@ class SkybodyVecEnv(VecEnv):
                 f"environments have no method `{method_name}`; there are "
                 f"{', '.join(_PER_ENV_METHODS)}"
             )
-        method = getattr(self.pool, method_name)
+        method = getattr(self.native, method_name)
         return [method(i, *method_args, **method_kwargs) for i in self._get_indices(indices)]
-
-    def env_is_wrapped(self, wrapper_class: Any, indices: VecEnvIndices = None) -> list[bool]:
-        """False, once per environment."""
-        return [False for _ in self._get_indices(indices)]

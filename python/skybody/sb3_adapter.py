@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
+
+from .sb3_uniform import UniformVecEnv
 
 
-class VectorEnvForSb3(VecEnv):
+class VectorEnvForSb3(UniformVecEnv):
     """A `PythonTaskVecEnv` (or another vector environment) for Stable-Baselines3.
 
     `skybody.sb3.SkybodyVecEnv` is the one for tasks in C++. Infos of ended episodes have
@@ -61,35 +60,10 @@ class VectorEnvForSb3(VecEnv):
             }
         return observation, reward.astype(np.float32), dones, infos
 
-    def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed for the next `reset`; None: a random one."""
-        first = super().seed(seed)[0]
-        self._seeds = [first] * self.num_envs
-        return self._seeds
+    def attribute(self, name: str) -> Any:
+        """That of the environment underneath. Raises AttributeError if there is none."""
+        return getattr(self.envs, name)
 
     def close(self) -> None:
         """Closes the environment underneath."""
         self.envs.close()
-
-    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """An attribute of the environment underneath, once per environment."""
-        value = None if attr_name == "render_mode" else getattr(self.envs, attr_name)
-        return [value for _ in self._get_indices(indices)]
-
-    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Raises AttributeError: worlds live in C++."""
-        raise AttributeError(f"environments have no attribute `{attr_name}` to set")
-
-    def env_method(
-        self,
-        method_name: str,
-        *method_args: Any,
-        indices: VecEnvIndices = None,
-        **method_kwargs: Any,
-    ) -> list[Any]:
-        """Raises AttributeError: environments have no methods of their own."""
-        raise AttributeError(f"environments have no method `{method_name}`; use `envs` directly")
-
-    def env_is_wrapped(self, wrapper_class: Any, indices: VecEnvIndices = None) -> list[bool]:
-        """False, once per environment."""
-        return [False for _ in self._get_indices(indices)]

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._native import Environment
-from .pool import Scenario, check_seed, env_ids, load
+from .pooled import Scenario, check_seed, env_ids, load
 
 CONTROL_MODES: dict[str, str] = {
     "rotor_speed": "[{plugin: rotor_speed}]",

@@ -8,12 +8,21 @@ from typing import Any, cast, get_args
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import _native, spaces
 from .agents import JointLayout
 from .infos import InfoChannels
-from .pool import Autoreset, Order, Scenario, check_seed, env_ids, load, refuse_interrupted
+from .pool import Autoreset, Order
+from .pooled import (
+    PooledEnvironments,
+    Scenario,
+    check_seed,
+    drain,
+    load,
+    make_native,
+    refuse_interrupted,
+)
 
 _MODES: dict[str, AutoresetMode] = {
     "next_step": AutoresetMode.NEXT_STEP,
@@ -59,7 +68,9 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
     return mask
 
 
-class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+class SkybodyVectorEnv(
+    PooledEnvironments, VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]
+):
     """`num_envs` environments of one scenario as one vector environment.
 
     Observations, rewards, ends and infos are views of memory that C++ owns. They keep their values
@@ -116,13 +127,13 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         self.environment = load(scenario, overrides, plugin_path)
         self._mode = autoreset_mode(autoreset)
         names = {mode: name for name, mode in _MODES.items()}
-        self._pool = _native.Pool(
+        self.native = make_native(
             self.environment,
             num_envs,
-            num_threads=num_threads,
+            num_threads,
+            seed,
             order="fixed",
             autoreset=cast(Autoreset, names[self._mode]),
-            seed=check_seed(seed) or 0,
             pin_threads=pin_threads,
             keep_hash=keep_hash,
             debug=debug,
@@ -172,10 +183,9 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         if mask is not None and value is not None:
             raise ValueError("a seed restarts all environments: leave out `reset_mask`")
         super().reset(seed=value)
-        while self._pool.in_flight > 0:  # an interrupted step()
-            self._pool.recv()
-        self._pool.send_reset(mask, value)
-        batch = self._pool.recv()
+        drain(self.native)
+        self.native.send_reset(mask, value)
+        batch = self.native.recv()
         if mask is None:
             return self._observations(batch.observation), self._infos(batch)
         everything = slice(None)
@@ -204,7 +214,7 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         rows = np.ascontiguousarray(actions)
         if rows.shape != self._action_shape:
             raise ValueError(f"actions have shape {rows.shape}; it must be {self._action_shape}")
-        pool = self._pool
+        pool = self.native
         refuse_interrupted(pool)
         pool.send(rows if self._joint is None else rows.reshape(self.num_envs, -1), None)
         batch = pool.recv()
@@ -268,83 +278,8 @@ class SkybodyVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
 
     def observations(self) -> NDArray[np.float32]:
         """Last observation of every environment, in a new array; as after a restore or fork."""
-        return self._observations(self._pool.observations())
-
-    def save(self) -> bytes:
-        """Everything of all environments: motion, drawn values, counters, random keys."""
-        return self._pool.save()
-
-    def restore(self, saved: bytes) -> None:
-        """Puts all environments where they were at `save`; `observations()` gives their rows.
-
-        Raises:
-            ValueError: `saved` is of another scenario or number of environments.
-        """
-        self._pool.restore(saved)
-
-    def fork(self, source: int, targets: ArrayLike, rekey: bool = False) -> None:
-        """Makes environments copies of `source`: same motion, drawn values and future.
-
-        Args:
-            rekey: each copy draws random numbers of its own from here on.
-
-        Raises:
-            ValueError: an id is out of range.
-        """
-        self._pool.fork(source, env_ids(targets), rekey)
-
-    def param(self, env: int, path: str) -> float:
-        """Value of a randomizable parameter (`environment.param_paths`) in one environment."""
-        return self._pool.param(env, path)
-
-    def set_param(self, env: int, path: str, value: float) -> None:
-        """Sets one, in the unit of `environment.param_info(path)`.
-
-        Raises:
-            ValueError: unknown, or outside its bounds.
-        """
-        self._pool.set_param(env, path, value)
-
-    def hash(self, env: int | None = None) -> int:
-        """Trajectory hash of one environment, or of all. Needs keep_hash=True."""
-        return self._pool.hash() if env is None else self._pool.hash(env)
-
-    def record(self, path: str | os.PathLike[str], states: bool = False) -> None:
-        """Writes everything that happens from now on to an HDF5 file, for `skybody replay`.
-
-        `stop_recording` or `close` finishes it; until then it is complete up to the last burst of
-        about 4 MiB. Trajectory hashes are kept meanwhile, also without keep_hash.
-
-        Args:
-            path: the file; one that is there is replaced.
-            states: all state words of every transition as well (8 bytes each), so that a replay
-                which parts can name those that differ.
-
-        Raises:
-            skybody.Error: the environments are recorded already, a `step` was interrupted, or the
-                file cannot be written. Where writing fails later (no space), `step` or `reset`
-                raises it, and the recording is over.
-        """
-        self._pool.record(os.fspath(path), states)
-
-    def stop_recording(self) -> None:
-        """Finishes the file of `record`.
-
-        Raises:
-            skybody.Error: nothing was being recorded, or the file cannot be finished.
-        """
-        self._pool.stop_recording()
-
-    @property
-    def pool(self) -> _native.Pool:
-        """The C++ pool underneath."""
-        return self._pool
-
-    @property
-    def faults(self) -> int:
-        """Faulted transitions so far, in all environments."""
-        return self._pool.faults
+        return self._observations(self.native.observations())
 
     def close_extras(self, **_: Any) -> None:
         """Finishes a recording, gives threads and memory back; called by `close`."""
-        self._pool.close()
+        self.native.close()

@@ -69,7 +69,7 @@ class Hover : public Task {
       const Real own =
           flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
           kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0) +
-          shaping(norm(error)) - tilt_cost_.value() * (1.0 - tilt_cosine(body.rotation)) +
+          shaping(norm(error), yaw_error) - tilt_cost_.value() * (1.0 - tilt_cosine(body.rotation)) +
           select(robot_failed, Real(failure_reward_.value()), Real(0.0));
       out.set_reward(robot.index, own);
       reward += own;
@@ -92,13 +92,15 @@ class Hover : public Task {
   static constexpr double kRateReward = 0.01;
   static constexpr double kApproachRange = 10.0;     // [m], about the largest distance at a start
   static constexpr double kPrecisionWeight = 100.0;  // (1 / 0.1 m)^2
+  static constexpr double kHeadingWeight = 4.0;      // (1 / 0.5 rad)^2
 
   /// What the paper's reward lacks for a learner: a slope far from the target, and one close by.
   template <class Real>
-  SKYBODY_INLINE Real shaping(const Real& distance) const {
+  SKYBODY_INLINE Real shaping(const Real& distance, const Real& yaw_error) const {
     const Real approach = max(Real(0.0), 1.0 - distance / kApproachRange);
     return approach_reward_.value() * approach +
-           precision_reward_.value() * flight::closeness(distance * distance, kPrecisionWeight);
+           precision_reward_.value() * flight::closeness(distance * distance, kPrecisionWeight) +
+           heading_reward_.value() * flight::closeness(yaw_error * yaw_error, kHeadingWeight);
   }
 
   struct Robot {
@@ -244,6 +246,12 @@ class Hover : public Task {
        .value = 0.0,
        .min = 0.0,
        .doc = "weight of 1 / (1 + (|e| / 0.1 m)^2) in the reward: a slope close to the target"}};
+  RealParameter heading_reward_{
+      this,
+      {.name = "heading_reward",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a slope far from the target"}};
   RealParameter tilt_cost_{
       this,
       {.name = "tilt_cost",

@@ -64,6 +64,9 @@ const Wrong kWrong[] = {
      "error: --policy: there is no policy or file `hodl`; did you mean `hold`?; allowed: zero, "
      "random, hold, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
     {"missing_file", {"run", "nowhere.yaml"}, "nowhere.yaml: error: the file does not exist"},
+    {"misspelt_scenario",
+     {"check", "hovr"},
+     "hovr: error: neither a file nor a shipped scenario; did you mean `hover`?"},
     {"no_environments",
      {"hash", "hover", "--envs", "0"},
      "error: --envs: 0 is out of range; allowed: 1..16777216; see `skybody hash --help`"},

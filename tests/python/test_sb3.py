@@ -153,7 +153,7 @@ def test_what_is_returned_stays_as_it_was():
         kept += [(array, array.copy()) for array in (observations, rewards, dones, *rows)]
     for array, as_it_was in kept:
         np.testing.assert_array_equal(array, as_it_was)
-    assert envs.pool.fresh_buffers == 0
+    assert envs.native.fresh_buffers == 0
 
 
 @pytest.mark.parametrize("normalise", [False, True])

@@ -7,16 +7,21 @@ python -m skybody.train --resume --out DIR
 from __future__ import annotations
 
 import argparse
+import contextlib
 import dataclasses
 import platform
 import sys
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from skybody._native import Environment, Error, InputError, versions
-from skybody.train import evaluate
+from skybody.train import evaluate, files
 from skybody.train.presets import ALGORITHMS, UsageError, preset, with_settings
 from skybody.train.run_folder import Config
+
+if TYPE_CHECKING:
+    from skybody.train.trainer import Trainer
 
 EPILOG = """\
 A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
@@ -190,7 +195,7 @@ def all_versions(environment: Environment) -> dict[str, str]:
 
 
 def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
-    """The run's configuration, checked and written, and its scenario, loaded."""
+    """The run's configuration, checked, and its scenario, loaded."""
     run: Path = options.out
     if options.resume:
         config = resumed_config(options)
@@ -212,25 +217,45 @@ def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
             hyper = dataclasses.replace(hyper, envs=options.envs)
         config = stamped(dataclasses.replace(config, hyper=hyper), environment)
     check(config)
-    (run / "checkpoints").mkdir(parents=True, exist_ok=True)
-    config.write(run)
     return config, environment
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Trains; returns the exit code."""
     options = parser().parse_args(arguments)
-    try:
-        config, environment = prepare(options)
-        from skybody.train.trainer import Trainer
+    with contextlib.ExitStack() as locks:
+        try:
+            trainer = make_trainer(options, locks)
+        except BlockingIOError:
+            print(
+                f"train: --out {options.out}: another process trains there; wait for it, or stop "
+                "it",
+                file=sys.stderr,
+            )
+            return 2
+        except (UsageError, InputError, Error, OSError, ValueError) as error:
+            print(f"train: {error}", file=sys.stderr)
+            return 2
+        except ModuleNotFoundError as error:
+            print(f"train: needs {error.name}: pip install 'skybody[train]'", file=sys.stderr)
+            return 2
+        return train(trainer)
 
-        trainer = Trainer(options.out, config, environment)
-    except (UsageError, InputError, Error, OSError, ValueError) as error:
-        print(f"train: {error}", file=sys.stderr)
-        return 2
-    except ModuleNotFoundError as error:
-        print(f"train: needs {error.name}: pip install 'skybody[train]'", file=sys.stderr)
-        return 2
+
+def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Trainer:
+    """Writes the configuration to the run folder, which is then this process's."""
+    config, environment = prepare(options)
+    from skybody.train.trainer import Trainer
+
+    run: Path = options.out
+    (run / "checkpoints").mkdir(parents=True, exist_ok=True)
+    locks.enter_context(files.folder_lock(run))
+    config.write(run)
+    return Trainer(run, config, environment)
+
+
+def train(trainer: Trainer) -> int:
+    """To the end, or to an interruption; returns the exit code."""
     try:
         complete = trainer.train()
     except KeyboardInterrupt:

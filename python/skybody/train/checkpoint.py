@@ -64,17 +64,24 @@ def read_meta(folder: Path) -> dict[str, Any]:
     return meta
 
 
+def check_file(folder: Path, meta: dict[str, Any], name: str) -> Path:
+    """The path of a checkpoint's file. Raises ValueError where it is not what was written."""
+    path = folder / name
+    if files.file_hash(path) != meta["files"][name]:
+        raise ValueError(
+            f"{path} is damaged: its SHA-256 is not that of meta.json; "
+            "remove this checkpoint to go on from the one before"
+        )
+    return path
+
+
 def read_checkpoint(folder: Path) -> Checkpoint:
     """Reads a checkpoint. Raises ValueError where a file is not what was written."""
     import torch
 
     meta = read_meta(folder)
-    for name, expected in meta["files"].items():
-        if files.file_hash(folder / name) != expected:
-            raise ValueError(
-                f"{folder / name} is damaged: its SHA-256 is not that of meta.json; "
-                "remove this checkpoint to go on from the one before"
-            )
+    for name in meta["files"]:
+        check_file(folder, meta, name)
     state = torch.load(folder / "state.pt", weights_only=True)
     return Checkpoint(folder, meta, state, (folder / "environments.bin").read_bytes())
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from skybody._native import Environment, Error, InputError, Pool
 from skybody.train import files
-from skybody.train.checkpoint import read_meta, resolve
+from skybody.train.checkpoint import check_file, read_meta, resolve
 from skybody.train.learner import position_error_columns
 from skybody.train.policy_file import Policy, read_policy
 
@@ -99,7 +99,7 @@ def summarize(
         "episodes": len(returns),
         "return_mean": mean,
         "return_std": deviation,
-        "return_cv": deviation / abs(mean) if mean else math.nan,
+        "return_cv": deviation / abs(mean) if mean else None,
         "position_error_median": float(np.median(known)) if len(known) else None,
         "position_error_mean": float(known.mean()) if len(known) else None,
         "position_error_p95": float(np.percentile(known, 95)) if len(known) else None,
@@ -139,7 +139,7 @@ def evaluate_checkpoint(
         "scenario_hash": found,
         "seed": seed,
     }
-    policy = read_policy(folder / "policy.h5")
+    policy = read_policy(check_file(folder, meta, "policy.h5"))
     if len(policy.mean) != environment.observation_size:
         raise ValueError(
             f"{folder}: the policy takes {len(policy.mean)} observations, "

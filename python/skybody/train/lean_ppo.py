@@ -168,7 +168,8 @@ class LeanPpo:
         """Fills the rollout; returns (step, environments, last observations) of truncations."""
         rollout = self.rollout
         rollout.noise.normal_(generator=self.generator)
-        deviation = self.log_std.clamp_(min=self.hyper.min_log_std).exp()
+        limits = self.hyper.noise_limits(self.steps / self.total_steps)
+        deviation = self.log_std.clamp_(**limits).exp()
         truncations: list[tuple[int, Tensor, Tensor]] = []
         for t in range(self.hyper.rollout_steps):
             rollout.observation[t] = torch.from_numpy(self.observation)

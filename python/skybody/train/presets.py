@@ -31,13 +31,19 @@ class Hyperparameters:
     entropy_weight: float = 0.0
     value_weight: float = 0.5
     max_grad_norm: float = 0.5
-    log_std: float = -1.0  # initial log of the actions' standard deviation
-    min_log_std: float = -5.0  # and its least: noise that is too small says little about actions
+    log_std: float = -1.0  # of the actions' standard deviation, at the beginning
+    final_log_std: float = -3.0  # at the end; between, noise is learned below the line of the two
     hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
     normalize_rewards: bool = True  # divide by the deviation of the discounted return
     observation_clip: float = 10.0  # of normalized observations
     averaging_steps: int = 0  # the policy that is kept is a mean over about so many; 0: the last
     torch_threads: int = 1  # bits of the result belong to this number
+
+    def noise_limits(self, done: float) -> dict[str, float]:
+        """Least and largest log of the standard deviation after a share `done` of the steps."""
+        least = min(self.log_std, self.final_log_std)
+        line = self.log_std + min(1.0, done) * (self.final_log_std - self.log_std)
+        return {"min": least, "max": line}
 
     def check(self) -> None:
         """Raises UsageError for values that no learner can work with."""
@@ -64,7 +70,8 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
         "rollout_steps": 32,
         "minibatch": 1024,
         "log_std": -1.0,
-        "averaging_steps": 500_000,
+        "target_kl": 0.005,
+        "averaging_steps": 300_000,
     },
     # Small rollouts, many gradient steps for each transition: what Stable-Baselines3 takes beside
     # the gradient steps is mostly per step of all environments, however many there are.

@@ -61,8 +61,11 @@ class Config:
         path = run / "config.json"
         if not path.exists():
             raise UsageError(f"--resume: {path} does not exist, so there is no run to go on with")
-        values: dict[str, Any] = json.loads(path.read_text())
-        return Config(**{**values, "hyper": from_dict(values["hyper"])})
+        try:
+            values: dict[str, Any] = json.loads(path.read_text())
+            return Config(**{**values, "hyper": from_dict(values["hyper"])})
+        except (ValueError, TypeError, KeyError) as error:
+            raise UsageError(f"{path} is damaged ({error}): the run cannot go on") from error
 
 
 class ProgressTable:

@@ -101,7 +101,7 @@ class Sb3Ppo:
     ) -> None:
         torch.set_num_threads(hyper.torch_threads)
         torch.use_deterministic_algorithms(True)
-        self.total_steps, self.min_log_std = total_steps, hyper.min_log_std
+        self.total_steps, self.hyper = total_steps, hyper
         self.vec_env = SkybodyVecEnv(environment, hyper.envs, num_threads=threads, seed=seed)
         self.stopwatch = Stopwatch(self.vec_env)
         self.monitor = VecMonitor(self.stopwatch)
@@ -125,7 +125,8 @@ class Sb3Ppo:
         model, report = self.model, self.collector.begin()
         before, begin = self.stopwatch.seconds, perf_counter()
         with torch.no_grad():
-            cast(torch.Tensor, model.policy.log_std).clamp_(min=self.min_log_std)
+            limits = self.hyper.noise_limits(self.steps / self.total_steps)
+            cast(torch.Tensor, model.policy.log_std).clamp_(**limits)
         model.collect_rollouts(self.normalize, self.callback, model.rollout_buffer, model.n_steps)
         middle = perf_counter()
         model._update_current_progress_remaining(model.num_timesteps, self.total_steps)

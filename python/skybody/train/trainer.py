@@ -178,7 +178,7 @@ class Trainer:
         rows = write_evaluations(self.run)
         for row in rows[self._evaluated :]:
             for name in ("return_mean", "return_cv", "position_error_median", "success_share"):
-                if row[name] is not None and not math.isnan(row[name]):
+                if row[name] is not None:
                     self.events.add_scalar(f"evaluation/{name}", row[name], row["steps"])
         self._evaluated = len(rows)
 
@@ -215,7 +215,8 @@ class Trainer:
             error = last["position_error_median"]
             lines.append(
                 f"evaluation at {last['steps']} steps, {last['episodes']} episodes: "
-                f"return {last['return_mean']:.4g}, CV {last['return_cv']:.3f}, "
+                f"return {last['return_mean']:.4g}, "
+                + (f"CV {last['return_cv']:.3f}, " if last["return_cv"] is not None else "")
                 + (f"median position error {error:.4f} m, " if error is not None else "")
                 + f"{100 * last['success_share']:.1f} % without failure"
             )

@@ -106,11 +106,11 @@ TEST(Ground, TumblingFallsGainNoEnergy) {
     const BodyState start = bench.state.bodies[0];
     const double spin = norm(start.angular_velocity);
     const double impact = sqrt(2.0 * 9.81 * 10.0) + spin * 0.5;  // of any point of the vehicle
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < 10000; ++i) {
       ASSERT_TRUE(bench.run(1)) << drop;
       ASSERT_LT(norm(bench.state.bodies[0].velocity), impact) << drop << ' ' << i;
     }
-    EXPECT_LT(norm(bench.state.bodies[0].velocity), 0.5 * impact) << drop;
+    EXPECT_LT(norm(bench.state.bodies[0].velocity), 0.1 * impact) << drop;
   }
 }
 

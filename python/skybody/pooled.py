@@ -1,0 +1,209 @@
+"""What every form of a pool of environments can do, whatever its step looks like."""
+
+from __future__ import annotations
+
+import operator
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._native import Environment
+
+Scenario = str | os.PathLike[str] | Environment
+
+
+def load(
+    scenario: Scenario,
+    overrides: Iterable[str] = (),
+    plugin_path: Iterable[str | os.PathLike[str]] = (),
+) -> Environment:
+    """Loads a scenario: a shipped one's name, or a YAML file. One that is loaded already is shared.
+
+    Args:
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        TypeError: one text where a list of them belongs.
+        ValueError: overrides or plugin_path for an environment that is loaded already.
+    """
+    for name, given in (("overrides", overrides), ("plugin_path", plugin_path)):
+        if isinstance(given, str):
+            raise TypeError(f"`{name}` is one text; give a list: [{given!r}]")
+    paths = [os.fspath(folder) for folder in plugin_path]
+    changes = list(overrides)
+    if isinstance(scenario, Environment):
+        if changes or paths:
+            raise ValueError(
+                f"`{scenario.name}` is loaded already, overrides and plugin_path come too late: "
+                "give them to Environment(...), or give the scenario's name here"
+            )
+        return scenario
+    return Environment(os.fspath(scenario), changes, paths)
+
+
+def integer(name: str, value: Any) -> int:
+    """`value` as an int. Raises TypeError, which names the argument, for what is none."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {value!r}; it must be an integer") from None
+
+
+def check_seed(seed: Any) -> int | None:
+    """A seed as an int from 0 to 2**64 - 1, or None.
+
+    Raises:
+        TypeError: it is a list, or no integer.
+        ValueError: it is out of range.
+    """
+    if seed is None:
+        return None
+    try:
+        value = operator.index(seed)
+    except TypeError:
+        raise TypeError(
+            f"seed is a {type(seed).__name__}; give one integer for all environments: environment "
+            "i draws its own numbers from (seed, i)"
+        ) from None
+    if not 0 <= value < 2**64:
+        raise ValueError(f"seed is {value}; it must be from 0 to 2**64 - 1")
+    return value
+
+
+def env_ids(ids: ArrayLike) -> NDArray[np.int32]:
+    """Ids of environments, (n,) int32. Raises TypeError if they are not integers."""
+    given = np.asarray(ids)
+    if given.size == 0:
+        return np.empty(0, np.int32)
+    if not np.issubdtype(given.dtype, np.integer):
+        raise TypeError(f"ids of environments are {given.dtype}; they must be integers")
+    if given.dtype != np.int32:
+        given = np.clip(given, -1, 2**31 - 1)  # no id out of range becomes one within
+    return np.ascontiguousarray(given, np.int32)
+
+
+def refuse_interrupted(pool: _native.Pool) -> None:
+    """Raises Error where a step was interrupted (Ctrl-C) and its transitions are under way."""
+    if pool.in_flight == 0:
+        return
+    raise _native.Error(
+        f"the last step was interrupted and {pool.in_flight} environments are still in flight: "
+        "reset(), which waits for them and begins anew"
+    )
+
+
+def drain(pool: _native.Pool) -> None:
+    """Receives what an interrupted step left in flight."""
+    while pool.in_flight > 0:
+        pool.recv()
+
+
+def make_native(
+    environment: Environment, num_envs: int, num_threads: int, seed: int | None, **options: Any
+) -> _native.Pool:
+    """The C++ pool of an environment. Raises TypeError and ValueError for what it cannot be."""
+    return _native.Pool(
+        environment,
+        integer("num_envs", num_envs),
+        num_threads=integer("num_threads", num_threads),
+        seed=check_seed(seed) or 0,
+        **options,
+    )
+
+
+class PooledEnvironments:
+    """Saving, forking, parameters, hashes and recordings of the environments of one pool.
+
+    `native` is the `_native.Pool` underneath, for what is not wrapped here.
+    """
+
+    native: _native.Pool
+
+    def observations(self) -> NDArray[np.float32]:
+        """Last observation of every environment, in a new array; as after a restore or fork."""
+        return self.native.observations()
+
+    def save(self) -> bytes:
+        """Everything of all environments: motion, drawn values, counters, random keys.
+
+        Raises:
+            skybody.Error: some environments are in flight.
+        """
+        return self.native.save()
+
+    def restore(self, saved: bytes) -> NDArray[np.float32]:
+        """Puts all environments where they were at `save`.
+
+        Returns:
+            their observations, as `observations` gives them.
+
+        Raises:
+            ValueError: `saved` is of another scenario or number of environments, or some
+                environments are in flight.
+        """
+        self.native.restore(saved)
+        return self.observations()
+
+    def fork(self, source: int, targets: ArrayLike, rekey: bool = False) -> None:
+        """Makes environments copies of `source`: same motion, drawn values and future.
+
+        Args:
+            rekey: each copy draws random numbers of its own from here on.
+
+        Raises:
+            ValueError: an id is out of range or in flight.
+        """
+        self.native.fork(source, env_ids(targets), rekey)
+
+    def param(self, env: int, path: str) -> float:
+        """Value of a randomizable parameter (`environment.param_paths`) in one environment."""
+        return self.native.param(env, path)
+
+    def set_param(self, env: int, path: str, value: float) -> None:
+        """Sets one, in the unit of `environment.param_info(path)`.
+
+        Raises:
+            ValueError: unknown, or outside its bounds.
+        """
+        self.native.set_param(env, path, value)
+
+    def hash(self, env: int | None = None) -> int:
+        """Trajectory hash of one environment, or of all. Needs keep_hash=True."""
+        return self.native.hash() if env is None else self.native.hash(env)
+
+    def record(self, path: str | os.PathLike[str], states: bool = False) -> None:
+        """Writes everything that happens from now on to an HDF5 file, for `skybody replay`.
+
+        `stop_recording` or `close` finishes it; until then it is complete up to the last burst of
+        about 4 MiB. Trajectory hashes are kept meanwhile, also without keep_hash.
+
+        Args:
+            path: the file; one that is there is replaced.
+            states: all state words of every transition as well (8 bytes each), so that a replay
+                which parts can name those that differ.
+
+        Raises:
+            skybody.Error: some environments are in flight, they are recorded already, or the file
+                cannot be written. Where writing fails later (no space), the call that steps or
+                resets raises it, and the recording is over.
+        """
+        self.native.record(os.fspath(path), states)
+
+    def stop_recording(self) -> None:
+        """Finishes the file of `record`; what is in flight is not in it.
+
+        Raises:
+            skybody.Error: nothing was being recorded, or the file cannot be finished.
+        """
+        self.native.stop_recording()
+
+    @property
+    def faults(self) -> int:
+        """Faulted transitions received so far, in all environments."""
+        return self.native.faults

@@ -1,0 +1,55 @@
+"""What Stable-Baselines3 asks single environments, where they have no objects of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
+
+from .pooled import check_seed
+
+
+class UniformVecEnv(VecEnv):
+    """A `VecEnv` whose environments live in C++ and are all alike."""
+
+    def attribute(self, name: str) -> Any:
+        """An attribute that all environments share. Raises AttributeError if there is none."""
+        return getattr(self, name)
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Seed for the next `reset`: environment i draws from (seed, i). None: a random one.
+
+        Returns:
+            the seed, num_envs times.
+        """
+        first = super().seed(check_seed(seed))[0]
+        self._seeds = [first] * self.num_envs
+        return self._seeds
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """An attribute, once per environment."""
+        value = None if attr_name == "render_mode" else self.attribute(attr_name)
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Raises AttributeError: environments live in C++."""
+        raise AttributeError(
+            f"environments have no attribute `{attr_name}` to set; physical values are set by "
+            "`set_param`"
+        )
+
+    def env_method(
+        self,
+        method_name: str,
+        *method_args: Any,
+        indices: VecEnvIndices = None,
+        **method_kwargs: Any,
+    ) -> list[Any]:
+        """Raises AttributeError: there is no such method."""
+        raise AttributeError(f"environments have no method `{method_name}`")
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: VecEnvIndices = None) -> list[bool]:
+        """False, once per environment."""
+        return [False for _ in self._get_indices(indices)]

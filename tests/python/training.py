@@ -1,0 +1,67 @@
+"""What the tests of training share: a small run's command line, and the learners."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from skybody._native import Environment
+from skybody.train.__main__ import main
+from skybody.train.lean_ppo import LeanPpo
+from skybody.train.presets import Hyperparameters
+from skybody.train.sb3_ppo import Sb3Ppo
+
+SCENARIO = "hover_learn"
+HORIZON = "stepping.horizon=40"  # so that episodes are truncated within a rollout
+SMALL = Hyperparameters(envs=6, rollout_steps=50, minibatch=100, epochs=2, hidden=(8, 8))
+LEARNERS: dict[str, Callable[..., Any]] = {"ppo": Sb3Ppo, "lean-ppo": LeanPpo}
+ROLLOUTS = 30
+
+both = pytest.mark.parametrize("algorithm", LEARNERS)
+
+
+@contextmanager
+def learner_of(
+    algorithm: str,
+    environment: Environment,
+    seed: int = 1,
+    threads: int = 1,
+    hyper: Hyperparameters = SMALL,
+) -> Iterator[Any]:
+    made = LEARNERS[algorithm](environment, hyper, seed, threads, 10_000)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def arguments(algorithm: str, out: Path) -> list[str]:
+    """A run of ROLLOUTS rollouts with a checkpoint after each second one."""
+    command = [
+        SCENARIO,
+        "--algo",
+        algorithm,
+        "--seed",
+        "3",
+        "--out",
+        str(out),
+        "--override",
+        HORIZON,
+    ]
+    command += ["--total-steps", str(300 * ROLLOUTS), "--checkpoint-every", "600"]
+    command += ["--eval-episodes", "0", "--threads", "1", "--envs", "6"]
+    for setting in ("rollout_steps=50", "minibatch=100", "epochs=2", "hidden=8,8"):
+        command += ["--set", setting]
+    return command
+
+
+def finished_run(out: Path) -> Path:
+    """A short run of lean-ppo with evaluations."""
+    command = arguments("lean-ppo", out)
+    command[command.index("--total-steps") + 1] = "1200"
+    command[command.index("--eval-episodes") + 1] = "3"
+    assert main(command) == 0
+    return out
