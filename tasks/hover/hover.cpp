@@ -91,7 +91,7 @@ class Hover : public Task {
   static constexpr double kDistanceWeight = 2.56;  // (1.6)^2 [1/m^2]
   static constexpr double kRateReward = 0.01;
   static constexpr double kApproachRange = 10.0;     // [m], about the largest distance at a start
-  static constexpr double kPrecisionWeight = 100.0;  // (1 / 0.1 m)^2
+  static constexpr double kPrecisionWeight = 5.0;    // 1 / 0.2 m
   static constexpr double kHeadingWeight = 4.0;      // (1 / 0.5 rad)^2
 
   /// What the paper's reward lacks for a learner: a slope far from the target, and one close by.
@@ -99,7 +99,7 @@ class Hover : public Task {
   SKYBODY_INLINE Real shaping(const Real& distance, const Real& yaw_error) const {
     const Real approach = max(Real(0.0), 1.0 - distance / kApproachRange);
     return approach_reward_.value() * approach +
-           precision_reward_.value() * flight::closeness(distance * distance, kPrecisionWeight) +
+           precision_reward_.value() * flight::closeness(distance, kPrecisionWeight) +
            heading_reward_.value() * flight::closeness(yaw_error * yaw_error, kHeadingWeight);
   }
 
@@ -245,7 +245,7 @@ class Hover : public Task {
       {.name = "precision_reward",
        .value = 0.0,
        .min = 0.0,
-       .doc = "weight of 1 / (1 + (|e| / 0.1 m)^2) in the reward: a slope close to the target"}};
+       .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a slope up to the target"}};
   RealParameter heading_reward_{
       this,
       {.name = "heading_reward",

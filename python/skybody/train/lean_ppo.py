@@ -34,6 +34,7 @@ from skybody.train.policy_file import Policy
 from skybody.train.presets import Hyperparameters
 
 EPSILON = 1e-8
+ADAM_EPSILON = 1e-5  # steps shrink with gradients that vanish, as in most implementations of PPO
 
 
 class TanhBySigmoid(torch.autograd.Function):
@@ -139,12 +140,14 @@ class LeanPpo:
     def _make_networks(self, observations: int, actions: int) -> None:
         hyper = self.hyper
         self.actor = perceptron([observations, *hyper.hidden, actions], 0.01, self.generator)
+        if hyper.bounded_mean:
+            self.actor.append(Tanh())
         self.critic = perceptron([observations, *hyper.hidden, 1], 1.0, self.generator)
         self.log_std = nn.Parameter(torch.full((actions,), hyper.log_std))
         policy, value = [*self.actor.parameters(), self.log_std], [*self.critic.parameters()]
         self.optimizers = {
-            "policy": torch.optim.Adam(policy, fused=True),
-            "value": torch.optim.Adam(value, fused=True),
+            "policy": torch.optim.Adam(policy, eps=ADAM_EPSILON, fused=True),
+            "value": torch.optim.Adam(value, eps=ADAM_EPSILON, fused=True),
         }
 
     # --- one iteration --------------------------------------------------------------------------
@@ -158,7 +161,8 @@ class LeanPpo:
         middle = perf_counter()
         report.inference_seconds = middle - begin - report.environment_seconds
         report.losses = self._update(bootstrap)
-        self.moments.update(self.rollout.observation.flatten(0, 1))
+        if self.hyper.normalizes(self.steps):
+            self.moments.update(self.rollout.observation.flatten(0, 1))
         report.update_seconds = perf_counter() - middle
         self.steps += self.hyper.envs * self.hyper.rollout_steps
         self._spread_starts()
@@ -264,12 +268,14 @@ class LeanPpo:
 
     def _update(self, truncations: list[tuple[int, Tensor, Tensor]]) -> dict[str, float]:
         advantage, returns = self._advantages(truncations)
-        count, epochs = advantage.numel(), range(self.hyper.epochs)
-        orders = [torch.randperm(count, generator=self.generator) for _ in epochs]
+        count, epochs = advantage.numel(), max(self.hyper.epochs, self.hyper.value_epochs)
+        orders = [torch.randperm(count, generator=self.generator) for _ in range(epochs)]
         done = min(1.0, self.steps / self.total_steps)
         rate = self.hyper.learning_rate * (1.0 - done * (1.0 - self.hyper.final_learning_rate))
-        fit = self.helper.submit(self._fit_value, returns, orders, rate)
-        losses = self._improve_policy(advantage, orders, rate)
+        # The value function's rate stays: one that lags behind the policy misleads it.
+        passes, full = orders[: self.hyper.value_epochs], self.hyper.learning_rate
+        fit = self.helper.submit(self._fit_value, returns, passes, full)
+        losses = self._improve_policy(advantage, orders[: self.hyper.epochs], rate)
         losses["value_loss"] = fit.result()
         check_finite("lean-ppo", self)
         error = advantage  # of what the value function said before the update

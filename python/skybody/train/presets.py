@@ -22,6 +22,7 @@ class Hyperparameters:
     rollout_steps: int = 128  # steps of each environment between two updates
     minibatch: int = 1024  # transitions per gradient step
     epochs: int = 5  # passes over a rollout
+    value_epochs: int = 5  # the value function's, where it learns by itself (lean-ppo)
     learning_rate: float = 1e-3  # of Adam, at the beginning
     final_learning_rate: float = 0.05  # at the end, as a share of `learning_rate`; linear between
     discount: float = 0.99  # gamma
@@ -33,9 +34,11 @@ class Hyperparameters:
     max_grad_norm: float = 0.5
     log_std: float = -1.0  # of the actions' standard deviation, at the beginning
     final_log_std: float = -3.0  # at the end; between, noise is learned below the line of the two
+    bounded_mean: bool = False  # actions' mean through a tanh: noise always tells about actions
     hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
     normalize_rewards: bool = True  # divide by the deviation of the discounted return
     observation_clip: float = 10.0  # of normalized observations
+    normalization_steps: int = 0  # after which observations' statistics stay; 0: they never do
     averaging_steps: int = 0  # the policy that is kept is a mean over about so many; 0: the last
     torch_threads: int = 1  # bits of the result belong to this number
 
@@ -45,15 +48,28 @@ class Hyperparameters:
         line = self.log_std + min(1.0, done) * (self.final_log_std - self.log_std)
         return {"min": least, "max": line}
 
+    def normalizes(self, steps: int) -> bool:
+        """Whether observations after `steps` steps still count for their statistics."""
+        return self.normalization_steps == 0 or steps < self.normalization_steps
+
     def check(self) -> None:
         """Raises UsageError for values that no learner can work with."""
-        for name in ("envs", "rollout_steps", "minibatch", "epochs", "torch_threads"):
+        for name in (
+            "envs",
+            "rollout_steps",
+            "minibatch",
+            "epochs",
+            "value_epochs",
+            "torch_threads",
+        ):
             _demand(getattr(self, name) >= 1, name, getattr(self, name), "at least 1")
         for name in ("learning_rate", "max_grad_norm", "observation_clip", "clip_range"):
             _demand(getattr(self, name) > 0, name, getattr(self, name), "above 0")
         for name in ("discount", "gae_lambda", "final_learning_rate"):
             _demand(0 <= getattr(self, name) <= 1, name, getattr(self, name), "0 to 1")
-        for name in ("target_kl", "entropy_weight", "value_weight", "averaging_steps"):
+        for name in ("target_kl", "entropy_weight", "value_weight"):
+            _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
+        for name in ("normalization_steps", "averaging_steps"):
             _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
         _demand(min(self.hidden, default=1) >= 1, "hidden", self.hidden, "sizes of at least 1")
         rollout = self.envs * self.rollout_steps
@@ -64,13 +80,24 @@ class Hyperparameters:
 # What differs from the defaults above. A scenario that is not named here trains with "*".
 PRESETS: dict[tuple[str, str], dict[str, Any]] = {
     ("*", "ppo"): {"envs": 64, "rollout_steps": 128, "minibatch": 1024},
-    ("*", "lean-ppo"): {"envs": 256, "rollout_steps": 32, "minibatch": 1024, "log_std": -0.5},
+    # One pass: a second one fits noise of the first one's advantages, and in the end little else.
+    ("*", "lean-ppo"): {
+        "envs": 256,
+        "rollout_steps": 32,
+        "minibatch": 1024,
+        "epochs": 1,
+        "log_std": -0.5,
+    },
     ("hover_learn", "lean-ppo"): {
         "envs": 256,
         "rollout_steps": 32,
         "minibatch": 1024,
+        "epochs": 1,
+        "discount": 0.98,
         "log_std": -1.0,
-        "target_kl": 0.005,
+        "final_log_std": -2.7,
+        "bounded_mean": True,
+        "normalization_steps": 1_500_000,
         "averaging_steps": 300_000,
     },
     # Small rollouts, many gradient steps for each transition: what Stable-Baselines3 takes beside

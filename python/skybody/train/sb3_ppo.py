@@ -16,7 +16,9 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.running_mean_std import RunningMeanStd
+from stable_baselines3.common.type_aliases import Schedule
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecMonitor, VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
@@ -57,6 +59,16 @@ class Stopwatch(VecEnvWrapper):
         result = self.venv.step_wait()
         self.seconds += perf_counter() - begin
         return result
+
+
+class Moments(RunningMeanStd):
+    """Running mean and variance that can be kept as they are."""
+
+    kept = False
+
+    def update(self, arr: np.ndarray) -> None:
+        if not self.kept:
+            super().update(arr)
 
 
 class Collector(BaseCallback):
@@ -111,6 +123,9 @@ class Sb3Ppo:
             clip_obs=hyper.observation_clip,
             gamma=hyper.discount,
         )
+        statistics = cast(RunningMeanStd, self.normalize.obs_rms)
+        self.moments = Moments(shape=statistics.mean.shape)
+        self.normalize.obs_rms = self.moments  # type: ignore[assignment]  # SB3: dict or not
         self.model = make_model(self.normalize, hyper, seed)
         self.model.set_logger(Logger(folder=None, output_formats=[]))
         self.collector = Collector(self.vec_env)
@@ -124,6 +139,7 @@ class Sb3Ppo:
     def iterate(self) -> Report:
         model, report = self.model, self.collector.begin()
         before, begin = self.stopwatch.seconds, perf_counter()
+        self.moments.kept = not self.hyper.normalizes(self.steps)
         with torch.no_grad():
             limits = self.hyper.noise_limits(self.steps / self.total_steps)
             cast(torch.Tensor, model.policy.log_std).clamp_(**limits)
@@ -143,12 +159,13 @@ class Sb3Ppo:
         return {name: value.detach() for name, value in self.model.policy.state_dict().items()}
 
     def policy(self) -> Policy:
-        statistics = cast(RunningMeanStd, self.normalize.obs_rms)
-        policy = self.model.policy
+        statistics, policy = self.moments, self.model.policy
         hidden = layers_of(policy.mlp_extractor.policy_net)
-        last = layers_of(torch.nn.Sequential(cast(torch.nn.Linear, policy.action_net)))
+        last = policy.action_net
+        if not isinstance(last, torch.nn.Sequential):
+            last = torch.nn.Sequential(last)
         return Policy(
-            hidden + last,
+            hidden + layers_of(last),
             statistics.mean.copy(),
             1.0 / np.sqrt(statistics.var + self.normalize.epsilon),
             self.normalize.clip_obs,
@@ -215,6 +232,14 @@ class Sb3Ppo:
         self.normalize.close()
 
 
+class BoundedMeanPolicy(ActorCriticPolicy):
+    """Its actions' mean lies in [-1, 1]."""
+
+    def _build(self, lr_schedule: Schedule) -> None:
+        super()._build(lr_schedule)
+        self.action_net = torch.nn.Sequential(self.action_net, torch.nn.Tanh())
+
+
 def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
     """PPO with our hyper-parameters in its words."""
     low = hyper.final_learning_rate
@@ -223,7 +248,7 @@ def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
         return hyper.learning_rate * (low + (1.0 - low) * max(0.0, remaining))
 
     return PPO(
-        "MlpPolicy",
+        BoundedMeanPolicy if hyper.bounded_mean else "MlpPolicy",
         env,
         learning_rate=learning_rate,
         n_steps=hyper.rollout_steps,
