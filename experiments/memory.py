@@ -131,7 +131,7 @@ def step_vector(steps: int) -> bool:
         envs.step(chance.actions(ENVS))
         done += ENVS
         memory.report(done)
-    print(f"  {envs.faults:,} faults, {envs.pool.fresh_buffers} fresh buffers")
+    print(f"  {envs.faults:,} faults, {envs.native.fresh_buffers} fresh buffers")
     envs.close()
     return memory.flat()
 

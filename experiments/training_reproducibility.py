@@ -49,6 +49,7 @@ PAPER = {
     "rollout_steps": ROLLOUT_STEPS,
     "minibatch": 512,
     "epochs": 3,
+    "value_epochs": 3,
     "learning_rate": 1e-4,
     "final_learning_rate": 1,
     "discount": 0.99,
@@ -59,9 +60,13 @@ PAPER = {
     "value_weight": 0.5,
     "max_grad_norm": 0.5,
     "log_std": -2,
+    "final_log_std": 0,
+    "bounded_mean": "false",
     "hidden": "256,256",
     "normalize_rewards": "true",
     "observation_clip": 10,
+    "normalization_steps": 0,
+    "averaging_steps": 0,
     "torch_threads": 1,
 }
 # 8 environments give small rollouts: many gradient steps with few passes over them.
@@ -69,6 +74,7 @@ LEARNS = {
     "minibatch": 125,
     "epochs": 5,
     "learning_rate": 3e-4,
+    "discount": 0.98,
     "log_std": -0.5,
     "hidden": "64,64",
 }

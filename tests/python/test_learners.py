@@ -106,8 +106,10 @@ def test_an_environment_of_64_that_faults_in_every_step_leaves_the_weights_finit
 ) -> None:
     hyper = dataclasses.replace(SMALL, envs=64, rollout_steps=16, minibatch=256)
     with learner_of(algorithm, environment, hyper=hyper) as learner:
-        owner = learner if algorithm == "lean-ppo" else learner.vec_env
-        owner.pool = Poisoned(owner.pool)
+        if algorithm == "lean-ppo":
+            learner.pool = Poisoned(learner.pool)
+        else:
+            learner.vec_env.native = Poisoned(learner.vec_env.native)
         for _ in range(3):
             assert learner.iterate().faults == 16
         for name, value in learner.parameters().items():

@@ -298,12 +298,12 @@ def test_observations_are_views_that_survive_as_long_as_they_are_held():
         values.append(held[-1].copy())
     for view, value in zip(held, values, strict=True):
         np.testing.assert_array_equal(view, value)
-    assert envs.pool.fresh_buffers > 0
+    assert envs.native.fresh_buffers > 0
     del held, view, observations
-    before = envs.pool.fresh_buffers
+    before = envs.native.fresh_buffers
     for step in range(10):
         envs.step(actions(step, NUM_ENVS))
-    assert envs.pool.fresh_buffers <= before + 2  # those of the two held when counting began
+    assert envs.native.fresh_buffers <= before + 2  # those of the two held when counting began
 
 
 def test_gymnasium_make_vec_gives_the_native_one():

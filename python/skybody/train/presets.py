@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -33,7 +34,7 @@ class Hyperparameters:
     value_weight: float = 0.5
     max_grad_norm: float = 0.5
     log_std: float = -1.0  # of the actions' standard deviation, at the beginning
-    final_log_std: float = -3.0  # at the end; between, noise is learned below the line of the two
+    final_log_std: float = 0.0  # at the end: learned below the line of the two; 0: learned freely
     bounded_mean: bool = False  # actions' mean through a tanh: noise always tells about actions
     hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
     normalize_rewards: bool = True  # divide by the deviation of the discounted return
@@ -44,6 +45,8 @@ class Hyperparameters:
 
     def noise_limits(self, done: float) -> dict[str, float]:
         """Least and largest log of the standard deviation after a share `done` of the steps."""
+        if self.final_log_std == 0.0:
+            return {"min": -math.inf, "max": math.inf}
         least = min(self.log_std, self.final_log_std)
         line = self.log_std + min(1.0, done) * (self.final_log_std - self.log_std)
         return {"min": least, "max": line}
@@ -100,14 +103,16 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
         "normalization_steps": 1_500_000,
         "averaging_steps": 300_000,
     },
-    # Small rollouts, many gradient steps for each transition: what Stable-Baselines3 takes beside
-    # the gradient steps is mostly per step of all environments, however many there are.
     ("hover_learn", "ppo"): {
-        "envs": 16,
+        "envs": 64,
         "rollout_steps": 128,
-        "minibatch": 128,
-        "learning_rate": 5e-4,
+        "minibatch": 512,
+        "epochs": 2,
+        "discount": 0.98,
         "log_std": -1.0,
+        "final_log_std": -2.7,
+        "bounded_mean": True,
+        "normalization_steps": 1_500_000,
         "averaging_steps": 300_000,
     },
 }
