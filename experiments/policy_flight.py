@@ -12,9 +12,9 @@ import h5py
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
-from skybody.train.lean_ppo import EPSILON
-from torch import Tensor, nn
+from skybody.train.checkpoint import checkpoint_folders
+from skybody.train.policy_file import read_policy
+from torch import nn
 from training_runs import ROOT, Run, RunError
 
 TOLERANCE = 1e-6  # of actions in [-1, 1]: the C++ network computes in double, PyTorch in float
@@ -66,26 +66,13 @@ def recorded(log: Path) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
 
 
 def torch_actions(run: Run, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-    """The policy's actions (n, A) from state.pt, as the learner computes them in training."""
-    state = read_checkpoint(checkpoint_folders(run.folder)[-1]).state["learner"]
-    moments, parameters = state["moments"], state["parameters"]
-    clip = run.config()["hyper"]["observation_clip"]
-    with torch.no_grad():
-        rows = torch.from_numpy(observation)
-        scale = 1.0 / torch.sqrt(moments["var"] + EPSILON)
-        normalized = ((rows - moments["mean"]) * scale).clamp(-clip, clip).float()
-        actions: Tensor = actor(parameters)(normalized).clamp(-1.0, 1.0)
-    return actions.numpy().astype(np.float64)
-
-
-def actor(parameters: dict[str, Tensor]) -> nn.Sequential:
-    """LeanPpo's network of linear and tanh layers from its parameters."""
-    prefix = "actor."
-    own = {k.removeprefix(prefix): v for k, v in parameters.items() if k.startswith(prefix)}
-    modules: list[nn.Module] = []
-    for weight in (value for name, value in own.items() if name.endswith("weight")):
-        outputs, inputs = weight.shape
-        modules += [nn.Linear(inputs, outputs), nn.Tanh()]
-    network = nn.Sequential(*modules[:-1])
-    network.load_state_dict(own)
-    return network
+    """The policy's actions (n, A) as PyTorch computes them in training: in single precision."""
+    policy = read_policy(checkpoint_folders(run.folder)[-1] / "policy.h5")
+    normalized = (torch.from_numpy(observation) - torch.from_numpy(policy.mean)) * torch.from_numpy(
+        policy.scale
+    )
+    x = normalized.clamp(-policy.clip, policy.clip).float()
+    for layer in policy.layers:
+        x = nn.functional.linear(x, torch.from_numpy(layer.weight), torch.from_numpy(layer.bias))
+        x = torch.tanh(x) if layer.activation == "tanh" else x
+    return x.clamp(-1.0, 1.0).numpy().astype(np.float64)

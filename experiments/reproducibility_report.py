@@ -32,7 +32,7 @@ environments' was held fixed). The first run stands in both groups.
 
 `hover` is the paper's task and its learner's configuration: episodes of 1,000 steps of 1 ms, of at
 most 1.01 each. The paper's final return is a fiftieth of that, so its policy had not learned.
-`hover_learn` (100 Hz policy, 10 s, inertia, drag and motors drawn anew every episode) is learned
+`hover_learn` (50 Hz policy, 7 s, inertia, drag and motors drawn anew every episode) is learned
 with hyper-parameters with which the return rises.
 
 Versions: {versions}."""

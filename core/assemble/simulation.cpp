@@ -140,6 +140,8 @@ Snapshot Simulation::save() const {
   s.scenario_hash = scenario().hash;
   s.words = data_->group.save(0);
   s.observation = data_->observation;
+  s.agent_rewards = data_->agent_reward;
+  s.info = data_->info;
   s.reward = data_->reward;
   s.trajectory = data_->chain;
   s.started = data_->started;
@@ -155,6 +157,8 @@ void Simulation::restore(const Snapshot& snapshot) {
   data_->group.restore(0, snapshot.words);
   data_->status = data_->group.bits(kStatus)[0];
   data_->observation = snapshot.observation;
+  data_->agent_reward = snapshot.agent_rewards;
+  data_->info = snapshot.info;
   data_->reward = snapshot.reward;
   data_->chain = snapshot.trajectory;
   data_->started = snapshot.started;

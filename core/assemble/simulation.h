@@ -35,7 +35,9 @@ struct Accelerations {
 struct Snapshot {
   std::uint64_t scenario_hash = 0;
   std::vector<std::uint64_t> words;
-  std::vector<float> observation;  ///< the last transition's row
+  std::vector<float> observation;  ///< the last transition's row, like those that follow
+  std::vector<float> agent_rewards;
+  std::vector<float> info;
   float reward = 0.0f;
   HashChain trajectory;  ///< over all transitions so far
   bool started = false;  ///< an episode has begun

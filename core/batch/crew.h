@@ -73,6 +73,7 @@ class Crew {
 
   /// @throws what a worker met first
   void rethrow_failure();
+  bool failed() const { return failed_.load(std::memory_order_acquire); }
 
   int threads() const { return static_cast<int>(workers_.size()) + 1; }
   int pinned() const { return pinned_; }

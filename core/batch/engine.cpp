@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <exception>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/processors.h"
@@ -57,6 +59,7 @@ void VecEnv::Engine::check_alive() {
         "Make one in the child, or start processes by `spawn`");
   }
   crew_.rethrow_failure();
+  if (!observer_failure_.empty()) throw StateError(std::exchange(observer_failure_, {}));
 }
 
 void VecEnv::Engine::check_idle(const char* what) {
@@ -86,6 +89,20 @@ void VecEnv::Engine::send_reset(std::span<const std::uint8_t> mask) {
   open_round(count);
   for (int env = 0; env < fleet.envs(); ++env) {
     if (mask[static_cast<std::size_t>(env)] == 0) continue;
+    fleet.want_reset(env);
+    enqueue(env);
+  }
+  crew_.submit();
+}
+
+/// All of them, under another seed.
+void VecEnv::Engine::send_reset(std::uint64_t seed) {
+  check_idle("a reset under another seed");
+  open_round(fleet.envs());  // may refuse: before anything is changed
+  fleet.initialize(seed);
+  options.seed = seed;
+  cursor = 0;
+  for (int env = 0; env < fleet.envs(); ++env) {
     fleet.want_reset(env);
     enqueue(env);
   }
@@ -271,8 +288,13 @@ void VecEnv::Engine::gather(Batch& out) {
 
 std::shared_ptr<const Batch> VecEnv::Engine::finish(Batch& out) {
   for (int k = 0; k < out.rows; ++k) faults += out.fault[static_cast<std::size_t>(k)];
-  if (observer) observer->received(out, fleet);
-  return buffers_.commit();
+  auto batch = buffers_.commit();
+  try {
+    if (observer) observer->received(*batch, fleet);
+  } catch (const std::exception& error) {
+    observer_failure_ = error.what();  // for the next call: these rows are the caller's
+  }
+  return batch;
 }
 
 }  // namespace skybody

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/batch/buffer_ring.h"
@@ -24,6 +25,7 @@ class VecEnv::Engine : private GroupRunner {
   Engine(std::shared_ptr<const Environment> environment, const VecEnvOptions& options);
 
   void send_reset(std::span<const std::uint8_t> mask);
+  void send_reset(std::uint64_t seed);
   void send_steps(std::span<const float> actions, std::span<const std::int32_t> env_ids);
   std::shared_ptr<const Batch> recv(Crew::Clock::time_point deadline);
 
@@ -61,6 +63,7 @@ class VecEnv::Engine : private GroupRunner {
   void gather(Batch& out);
   std::shared_ptr<const Batch> finish(Batch& out);
 
+  std::string observer_failure_;  ///< what went wrong and is not yet told
   std::vector<std::uint8_t> in_flight_, finished_, marked_;
   std::vector<std::int32_t> arrived_;  ///< finished and not yet received, oldest first
   std::vector<std::int32_t> chosen_;   ///< ids of the batch that recv() is about

@@ -42,6 +42,7 @@ int VecEnv::batch() const { return engine_->options.batch; }
 int VecEnv::threads() const { return engine_->options.threads; }
 int VecEnv::pinned_threads() const { return engine_->crew().pinned(); }
 const VecEnvOptions& VecEnv::options() const { return engine_->options; }
+bool VecEnv::broken() const { return engine_->crew().failed(); }
 int VecEnv::in_flight() const { return engine_->in_flight_count; }
 std::uint64_t VecEnv::fresh_buffers() const { return engine_->fresh_buffers(); }
 std::uint64_t VecEnv::faults() const { return engine_->faults; }
@@ -61,11 +62,7 @@ void VecEnv::send_reset(std::span<const std::uint8_t> mask) {
 }
 
 void VecEnv::send_reset(std::uint64_t seed) {
-  engine_->check_idle("a reset under another seed");
-  engine_->fleet.initialize(seed);
-  engine_->options.seed = seed;
-  engine_->cursor = 0;
-  engine_->send_reset(std::vector<std::uint8_t>(static_cast<std::size_t>(envs()), 1));
+  engine_->send_reset(seed);
   if (engine_->observer) engine_->observer->reseeded(seed);
 }
 
@@ -104,8 +101,8 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
   const auto check = [&](std::int32_t env) {
     engine_->check_id(env);
     if (engine_->in_flight(env)) {
-      throw StateError("fork() with environment " + std::to_string(env) +
-                       " in flight: recv() it first");
+      throw Error("fork() with environment " + std::to_string(env) +
+                  " in flight: recv() it first");
     }
   };
   check(source);

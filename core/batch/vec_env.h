@@ -77,6 +77,8 @@ class VecEnv {
   /// The same, giving up after a while: null, nothing lost.
   std::shared_ptr<const Batch> recv(std::chrono::milliseconds patience);
 
+  /// Whether a worker has met an exception: every call throws it from then on.
+  bool broken() const;
   int in_flight() const;                ///< environments sent and not yet received
   std::uint64_t fresh_buffers() const;  ///< buffers made because the caller still held the old one
   std::uint64_t faults() const;         ///< faulted transitions received so far

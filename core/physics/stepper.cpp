@@ -13,14 +13,14 @@
 namespace skybody {
 namespace {
 
-/// A state beyond this [m, rad, m/s, rad/s] is one that has diverged: a thousand kilometres away, or
-/// faster than any rotor.
+/// A state beyond this [m, rad, m/s, rad/s] has diverged: it is a thousand kilometres away, or faster
+/// than any rotor.
 constexpr double kLargestState = 1e6;
 
 bool all_bounded(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += abs(v);
-  return sum < kLargestState;  // false for NaN, too
+  bool bounded = true;
+  for (const double v : values) bounded = bounded & (abs(v) < kLargestState);  // false for NaN
+  return bounded;
 }
 
 /// Works on copies of q, u and rotor speeds and hands them over when the step has succeeded.

@@ -23,8 +23,8 @@ class Stepper {
 
   /// Advances q, u, rotor speeds and bodies by exactly dt, the rotor command, wrenches and drives
   /// held.
-  /// @returns false if the step gave a value that is not finite or beyond 1e6, or the dynamics gave up (a
-  ///          std::runtime_error); then the state is as it was before the call
+  /// @returns false if the step gave a value that is not finite or beyond 1e6, or the dynamics gave
+  ///          up (a std::runtime_error); then the state is as it was before the call
   virtual bool advance(LaneState& state) = 0;
 
   /// Generalised accelerations at the present state and t = 0 of the step, one per u.

@@ -163,8 +163,8 @@ void bind_state(Class& c) {
       "\nRaises Error while some are in flight.");
   c.def("restore", &restore, nb::arg("saved"),
         "Puts back what save() gave.\n\n"
-        "Raises ValueError if it is of another scenario or number of environments, or while some\n"
-        "are in flight.");
+        "Raises ValueError if it is of another scenario or number of environments, Error while\n"
+        "some are in flight.");
   c.def("fork", &fork, nb::arg("source"), nb::arg("targets").none(), nb::arg("rekey") = false,
         nb::sig("def fork(self, source: int, targets: numpy.typing.NDArray[numpy.int32], rekey: "
                 "bool = False) -> None"),

@@ -51,17 +51,10 @@ std::shared_ptr<const Batch> Pool::recv() {
     std::shared_ptr<const Batch> batch;
     {
       const nb::gil_scoped_release release;
-      if (!broken_ && engine.in_flight() == 0) {
+      if (!engine.broken() && engine.in_flight() == 0) {
         throw nb::value_error("recv() without a send(): nothing is in flight");
       }
-      try {
-        batch = engine.recv(kPatience);
-      } catch (const BufferInUse&) {
-        throw;
-      } catch (...) {
-        broken_ = true;
-        throw;
-      }
+      batch = engine.recv(kPatience);
     }
     if (batch) return batch;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();

@@ -38,10 +38,10 @@ class Pool {
   /// The same where whatever the engine refuses is the fault of an argument: ValueError.
   template <class Work>
   decltype(auto) call_with_argument(Work&& work) {
-    if (broken_) return call(std::forward<Work>(work));  // throws what the worker met
     const Exclusive alone(in_use_, "pool");
     VecEnv& engine = open();
     const nb::gil_scoped_release release;
+    if (engine.broken()) return std::forward<Work>(work)(engine);  // throws what the worker met
     return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(engine); });
   }
 
@@ -76,7 +76,6 @@ class Pool {
   std::shared_ptr<ReplayRecorder> recorder_;  ///< the engine's observer
   std::unique_ptr<VecEnv> engine_;
   std::atomic<bool> in_use_ = false;
-  bool broken_ = false;  ///< a worker met an exception
   pid_t process_;
   int envs_ = 0, batch_ = 0, threads_ = 0, pinned_threads_ = 0;
 };

@@ -144,8 +144,8 @@ class PooledEnvironments:
             their observations, as `observations` gives them.
 
         Raises:
-            ValueError: `saved` is of another scenario or number of environments, or some
-                environments are in flight.
+            ValueError: `saved` is of another scenario or number of environments.
+            skybody.Error: some environments are in flight.
         """
         self.native.restore(saved)
         return self.observations()
@@ -170,6 +170,7 @@ class PooledEnvironments:
 
         Raises:
             ValueError: unknown, or outside its bounds.
+            skybody.Error: some environments are in flight.
         """
         self.native.set_param(env, path, value)
 

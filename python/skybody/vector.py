@@ -182,6 +182,8 @@ class SkybodyVectorEnv(
         value = check_seed(seed)
         if mask is not None and value is not None:
             raise ValueError("a seed restarts all environments: leave out `reset_mask`")
+        if mask is not None:
+            refuse_interrupted(self.native)  # others' transitions would be lost
         super().reset(seed=value)
         drain(self.native)
         self.native.send_reset(mask, value)

@@ -1,4 +1,4 @@
-// What tasks about flying robots share: limits of the flight, the history of actions, texts.
+// What tasks about flying robots share: limits of the flight, boxes of drawn targets.
 #pragma once
 
 #include <skybody/plugin.h>

@@ -69,7 +69,7 @@ class Hover : public Task {
       const Real own =
           flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
           kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0) +
-          shaping(norm(error), yaw_error) - tilt_cost_.value() * (1.0 - tilt_cosine(body.rotation)) +
+          shaping(norm(error), yaw_error) - tilt_cost(body.rotation) +
           select(robot_failed, Real(failure_reward_.value()), Real(0.0));
       out.set_reward(robot.index, own);
       reward += own;
@@ -91,8 +91,9 @@ class Hover : public Task {
   static constexpr double kDistanceWeight = 2.56;  // (1.6)^2 [1/m^2]
   static constexpr double kRateReward = 0.01;
   static constexpr double kApproachRange = 10.0;     // [m], about the largest distance at a start
-  static constexpr double kPrecisionWeight = 5.0;    // 1 / 0.2 m
-  static constexpr double kHeadingWeight = 4.0;      // (1 / 0.5 rad)^2
+  static constexpr double kPrecisionWeight = 5.0;  // 1 / 0.2 m
+  static constexpr double kHeadingWeight = 4.0;    // (1 / 0.5 rad)^2
+  static constexpr double kLeastCosine = 0.1;      // where the wall of the tilt ends, at 84 degrees
 
   /// What the paper's reward lacks for a learner: a slope far from the target, and one close by.
   template <class Real>
@@ -101,6 +102,12 @@ class Hover : public Task {
     return approach_reward_.value() * approach +
            precision_reward_.value() * flight::closeness(distance, kPrecisionWeight) +
            heading_reward_.value() * flight::closeness(yaw_error * yaw_error, kHeadingWeight);
+  }
+
+  /// A wall before the tilt that ends an episode: its slope is felt where a failure is not yet.
+  template <class Real>
+  SKYBODY_INLINE Real tilt_cost(const Quat<Real>& rotation) const {
+    return tilt_cost_.value() * (1.0 / max(tilt_cosine(rotation), Real(kLeastCosine)) - 1.0);
   }
 
   struct Robot {
@@ -251,13 +258,13 @@ class Hover : public Task {
       {.name = "heading_reward",
        .value = 0.0,
        .min = 0.0,
-       .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a slope far from the target"}};
+       .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a slope wherever one looks"}};
   RealParameter tilt_cost_{
       this,
       {.name = "tilt_cost",
        .value = 0.0,
        .min = 0.0,
-       .doc = "weight of 1 - cos(tilt), taken off the reward: what dashing off costs"}};
+       .doc = "weight of 1 / max(cos tilt, 0.1) - 1, taken off the reward: what dashing off costs"}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = 0.0,

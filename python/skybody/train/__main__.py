@@ -10,6 +10,7 @@ import argparse
 import contextlib
 import dataclasses
 import platform
+import shutil
 import sys
 from importlib import metadata
 from pathlib import Path
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
 
 EPILOG = """\
 A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
-run that was never interrupted. Exit codes: 0 done, 2 wrong input, 130 interrupted (resumable)."""
+run that was never interrupted. Exit codes: 0 done, 1 diverged, 2 wrong input, 130 interrupted
+(resumable)."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -211,12 +213,25 @@ def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
                 f"--resume: scenario {config.scenario} has changed since this run began "
                 f"(hash {config.scenario_hash} then, {found} now; its text then is in config.json)"
             )
+        now = all_versions(environment)
+        changed = [n for n, v in now.items() if config.versions.get(n) != v]
+        if changed:
+            was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)
+            print(f"train: warning: versions differ, and so may bits: {was}", file=sys.stderr)
+        config = dataclasses.replace(config, versions=now)
     else:
+        if options.envs is not None and any(s.startswith("envs=") for s in options.set):
+            raise UsageError("--envs and --set envs=...: give one of them")
         hyper = with_settings(preset(environment.name, config.algorithm), options.set)
         if options.envs is not None:
             hyper = dataclasses.replace(hyper, envs=options.envs)
         config = stamped(dataclasses.replace(config, hyper=hyper), environment)
     check(config)
+    if config.eval_episodes > 0 and environment.horizon == 0:
+        raise UsageError(
+            f"scenario {environment.name} has no horizon, evaluations might never end: "
+            "--override stepping.horizon=N, or --eval-episodes 0"
+        )
     return config, environment
 
 
@@ -248,10 +263,17 @@ def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Tr
     from skybody.train.trainer import Trainer
 
     run: Path = options.out
+    is_new = not run.exists()
     (run / "checkpoints").mkdir(parents=True, exist_ok=True)
     locks.enter_context(files.folder_lock(run))
+    try:
+        trainer = Trainer(run, config, environment)
+    except BaseException:
+        if is_new:
+            shutil.rmtree(run)
+        raise
     config.write(run)
-    return Trainer(run, config, environment)
+    return trainer
 
 
 def train(trainer: Trainer) -> int:

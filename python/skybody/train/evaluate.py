@@ -139,6 +139,8 @@ def evaluate_checkpoint(
         "scenario_hash": found,
         "seed": seed,
     }
+    if environment.horizon == 0:
+        raise ValueError(f"{environment.name} has no horizon: its episodes might never end")
     policy = read_policy(check_file(folder, meta, "policy.h5"))
     if len(policy.mean) != environment.observation_size:
         raise ValueError(

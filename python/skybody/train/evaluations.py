@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 from collections import deque
 from pathlib import Path
+from typing import IO
 
 from skybody.train.checkpoint import checkpoint_folders
 
@@ -19,6 +21,7 @@ class Evaluations:
         self._episodes, self._seed = episodes, seed
         self._waiting: deque[Path] = deque()
         self._running: subprocess.Popen[str] | None = None
+        self._errors: IO[str]  # of the one that runs
         self.failures: list[str] = []
         for folder in checkpoint_folders(run):
             self.add(folder)
@@ -42,7 +45,7 @@ class Evaluations:
         """Waits for the one that runs. Returns whether there was one."""
         if self._running is None:
             return False
-        self._running.wait()
+        self._running.wait()  # what it says goes to a file: no pipe can fill
         return self.poll()
 
     def stop(self) -> None:
@@ -50,10 +53,12 @@ class Evaluations:
         self._waiting.clear()
         if self._running is not None:
             self._running.terminate()
-            self._running.communicate()
+            self._running.wait()
+            self._errors.close()
             self._running = None
 
     def _start(self, checkpoint: Path) -> subprocess.Popen[str]:
+        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115 (closed by _collect)
         command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
         command += ["--episodes", str(self._episodes), "--seed", str(self._seed)]
         command += ["--threads", "1", "--json", str(checkpoint / "evaluation.json")]
@@ -61,7 +66,7 @@ class Evaluations:
             command,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
+            stderr=self._errors,
             text=True,
             # one BLAS thread: the other processors are training's
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
@@ -70,7 +75,9 @@ class Evaluations:
 
     def _collect(self) -> None:
         assert self._running is not None
-        _, errors = self._running.communicate()
+        self._errors.seek(0)
+        errors = self._errors.read().strip()
+        self._errors.close()
         if self._running.returncode != 0:
-            self.failures.append(f"{' '.join(self._running.args)}\n{errors.strip()}")  # type: ignore[arg-type]
+            self.failures.append(f"{' '.join(self._running.args)}\n{errors}")  # type: ignore[arg-type]
         self._running = None

@@ -195,7 +195,7 @@ class LeanPpo:
             if ended.any():
                 self._end_episodes(batch, ended, report)
                 cut = batch.truncated & ~batch.terminated & ~batch.fault
-                if batch.final_observation is not None and cut.any():
+                if cut.any():
                     lost = torch.from_numpy(np.flatnonzero(cut))
                     last = torch.from_numpy(batch.final_observation)[lost]
                     truncations.append((t, lost, last))
@@ -235,7 +235,7 @@ class LeanPpo:
         for t, rows in enumerate(rollout.normalized):
             value[t] = self.critic(rows)[:, 0]
         value[-1] = self._value(torch.from_numpy(self.observation))
-        reward = rollout.reward * self._reward_scale()
+        reward = rollout.reward * self._update_reward_scale()
         for t, who, last in truncations:
             reward[t, who] += hyper.discount * self._value(last)
         goes_on = (1.0 - rollout.ended) * hyper.discount
@@ -251,8 +251,8 @@ class LeanPpo:
     def _value(self, observation: Tensor) -> Any:
         return self.critic(self._normalized(observation))[:, 0]
 
-    def _reward_scale(self) -> Tensor:
-        """1 / deviation of the discounted return, that of this rollout included."""
+    def _update_reward_scale(self) -> Tensor:
+        """Adds this rollout to the discounted return's statistics; 1 / their deviation."""
         if not self.hyper.normalize_rewards:
             return torch.ones(1)
         rollout = self.rollout

@@ -23,7 +23,6 @@ class Report:
     """One rollout and its update."""
 
     episode_returns: list[float] = field(default_factory=list)  # of episodes that ended
-    episode_lengths: list[int] = field(default_factory=list)
     position_error: float = math.nan  # [m], mean over the rollout; nan: the task does not say
     faults: int = 0  # transitions that faulted
     environment_seconds: float = 0.0  # waiting for environments

@@ -76,6 +76,8 @@ def read_policy(path: Path) -> Policy:
         found = (file.attrs.get("format"), int(file.attrs.get("version", 0)))
         if found != (FORMAT, VERSION):
             raise ValueError(f"{path}: format {found}, expected {(FORMAT, VERSION)}")
+        if (squash := file.attrs.get("action_squash")) != "clip":
+            raise ValueError(f"{path}: action_squash {squash}; the learners write `clip` only")
         layers = [
             Layer(group["weight"][()], group["bias"][()], str(group.attrs["activation"]))
             for group in (file[f"layers/{k}"] for k in range(len(file["layers"])))

@@ -57,6 +57,9 @@ class Hyperparameters:
 
     def check(self) -> None:
         """Raises UsageError for values that no learner can work with."""
+        for name, value in vars(self).items():
+            finite = not isinstance(value, float) or math.isfinite(value)
+            _demand(finite, name, value, "a finite number")
         for name in (
             "envs",
             "rollout_steps",
@@ -80,36 +83,21 @@ class Hyperparameters:
         _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
 
 
-# What differs from the defaults above. A scenario that is not named here trains with "*".
+# What differs from the defaults above: first an algorithm's own ("*"), then a scenario's besides.
 PRESETS: dict[tuple[str, str], dict[str, Any]] = {
-    ("*", "ppo"): {"envs": 64, "rollout_steps": 128, "minibatch": 1024},
     # One pass: a second one fits noise of the first one's advantages, and in the end little else.
-    ("*", "lean-ppo"): {
-        "envs": 256,
-        "rollout_steps": 32,
-        "minibatch": 1024,
-        "epochs": 1,
-        "log_std": -0.5,
-    },
+    ("*", "lean-ppo"): {"envs": 256, "rollout_steps": 32, "epochs": 1},
     ("hover_learn", "lean-ppo"): {
-        "envs": 256,
-        "rollout_steps": 32,
-        "minibatch": 1024,
-        "epochs": 1,
         "discount": 0.98,
-        "log_std": -1.0,
         "final_log_std": -2.7,
         "bounded_mean": True,
         "normalization_steps": 1_500_000,
         "averaging_steps": 300_000,
     },
     ("hover_learn", "ppo"): {
-        "envs": 64,
-        "rollout_steps": 128,
         "minibatch": 512,
         "epochs": 2,
         "discount": 0.98,
-        "log_std": -1.0,
         "final_log_std": -2.7,
         "bounded_mean": True,
         "normalization_steps": 1_500_000,
@@ -120,7 +108,8 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
 
 def preset(scenario: str, algorithm: str) -> Hyperparameters:
     """The hyper-parameters for a scenario (its name) and an algorithm of ALGORITHMS."""
-    changes = PRESETS.get((scenario, algorithm), PRESETS["*", algorithm])
+    layers = (PRESETS.get((name, algorithm), {}) for name in ("*", scenario))
+    changes = {key: value for layer in layers for key, value in layer.items()}
     return dataclasses.replace(Hyperparameters(), **changes)
 
 
@@ -139,7 +128,10 @@ def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparame
 
 
 def from_dict(values: dict[str, Any]) -> Hyperparameters:
-    """The inverse of dataclasses.asdict, after a way through JSON."""
+    """The inverse of dataclasses.asdict, after a way through JSON. Raises KeyError for others."""
+    known = {field.name for field in dataclasses.fields(Hyperparameters)}
+    if other := known ^ set(values):
+        raise KeyError(f"hyper-parameters of another version: {', '.join(sorted(other))}")
     return Hyperparameters(**{**values, "hidden": tuple(values["hidden"])})
 
 

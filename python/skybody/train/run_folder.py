@@ -65,7 +65,9 @@ class Config:
             values: dict[str, Any] = json.loads(path.read_text())
             return Config(**{**values, "hyper": from_dict(values["hyper"])})
         except (ValueError, TypeError, KeyError) as error:
-            raise UsageError(f"{path} is damaged ({error}): the run cannot go on") from error
+            raise UsageError(
+                f"{path} is damaged or of another version ({error}): the run cannot go on"
+            ) from error
 
 
 class ProgressTable:

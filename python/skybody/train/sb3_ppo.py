@@ -62,12 +62,12 @@ class Stopwatch(VecEnvWrapper):
 
 
 class Moments(RunningMeanStd):
-    """Running mean and variance that can be kept as they are."""
+    """Running mean and variance that can be left as they are."""
 
-    kept = False
+    frozen = False
 
     def update(self, arr: np.ndarray) -> None:
-        if not self.kept:
+        if not self.frozen:
             super().update(arr)
 
 
@@ -139,7 +139,7 @@ class Sb3Ppo:
     def iterate(self) -> Report:
         model, report = self.model, self.collector.begin()
         before, begin = self.stopwatch.seconds, perf_counter()
-        self.moments.kept = not self.hyper.normalizes(self.steps)
+        self.moments.frozen = not self.hyper.normalizes(self.steps)
         with torch.no_grad():
             limits = self.hyper.noise_limits(self.steps / self.total_steps)
             cast(torch.Tensor, model.policy.log_std).clamp_(**limits)

@@ -88,7 +88,7 @@ TEST_F(HoverTask, ShapesTheRewardWhereTheScenarioAsksForIt) {
   EXPECT_EQ(added("approach_reward", 0.5, 12.0, 0.0), 0.0) << "no reward is below 0";
   EXPECT_NEAR(added("precision_reward", 2.0, 0.2, 0.0), 1.0, 1e-15);
   EXPECT_NEAR(added("heading_reward", 2.0, 9.0, 0.0), 2.0, 1e-15) << "no yaw error";
-  EXPECT_NEAR(added("tilt_cost", 3.0, 0.0, angle), -3.0 * (1.0 - std::cos(angle)), 1e-15);
+  EXPECT_NEAR(added("tilt_cost", 3.0, 0.0, angle), -3.0 * (1.0 / std::cos(angle) - 1.0), 1e-15);
   EXPECT_EQ(added("failure_reward", -8.0, 0.0, angle), 0.0) << "it still flies";
   EXPECT_NEAR(added("failure_reward", -8.0, 7.5, 0.0), -8.0, 1e-15);
 }
