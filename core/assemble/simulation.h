@@ -101,7 +101,7 @@ class Simulation {
   std::span<const float> agent_rewards() const;  ///< one per agent; the team's where it has no own
   std::span<const float> info() const;           ///< the task's info values, as declared
   bool terminated() const;                       ///< the task ended the episode
-  bool truncated() const;                        ///< horizon, or a fault
+  bool truncated() const;                        ///< by horizon, task or fault
   bool fault() const;
   std::uint64_t status() const;  ///< EpisodeStatus bits, with the reason of a fault
   bool done() const { return terminated() || truncated(); }

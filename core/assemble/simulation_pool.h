@@ -22,8 +22,9 @@ struct SimulationPoolOptions {
   bool pin_threads = false;        ///< thread i on the i-th allowed processor, cyclically
 };
 
-/// N worlds of one scenario. Every call runs on the threads of the worlds that it names, waits for
-/// all of them, and only then throws what the first of them (by number) threw. What a world does
+/// N worlds of one scenario. run() and what steps or resets work on the threads of the worlds that
+/// they name, wait for all of them, and only then throw what the first of them (by number) threw;
+/// world() and what only reads or writes states work on the caller's. What a world does
 /// depends on its key and its own calls alone. Not thread-safe: one caller at a time.
 class SimulationPool {
  public:

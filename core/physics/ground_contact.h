@@ -2,8 +2,9 @@
 //   normal    f = k x^1.5 + d dx/dt with d = 1.5 c k x^1.5, never pulling. K. H. Hunt, F. R. E.
 //             Crossley, "Coefficient of restitution interpreted as damping in vibroimpact", 1975.
 //   friction  -mu f v_t / sqrt(|v_t|^2 + v_s^2): Coulomb's, made smooth within v_s around rest
-// What multiplies a velocity in them is at most m/dt with the mass that the sphere carries: beyond
-// it, a time step that begins in a hard impact would turn the velocity round and gain energy.
+// What multiplies a velocity in them is at most m/dt, m being the nominal mass that the sphere
+// carries and at most a quarter of its body's: beyond it, a time step that begins in a hard impact
+// would turn the velocity round and gain energy.
 // x is the penetration of the lowest point; both forces act at that point.
 #pragma once
 
@@ -28,8 +29,8 @@ SKYBODY_INLINE Vec3<Real> ground_force(const Vec3<Real>& point, const Vec3<Real>
   const Real normal = select(pushing > zero, pushing, zero);
   const Real slip =
       sqrt((velocity.x * velocity.x + velocity.y * velocity.y) + slip_velocity * slip_velocity);
-  const Real drag = min(friction * normal / slip, Real(most_damping));
-  return {-(drag * velocity.x), -(drag * velocity.y), normal};
+  const Real rubbing = min(friction * normal / slip, Real(most_damping));
+  return {-(rubbing * velocity.x), -(rubbing * velocity.y), normal};
 }
 
 }  // namespace skybody

@@ -33,7 +33,7 @@ struct ContactSphere {
   Vec3<double> center{0.0, 0.0, 0.0};  ///< in the body's frame [m]
   double radius = 0.0;                 ///< [m]; 0 for the corner of a box
   double stiffness = 0.0;              ///< Hunt-Crossley k [N/m^1.5], from the robot's nominal mass
-  double most_damping = 0.0;           ///< [N s/m]: what a time step can stop, and no more
+  double most_damping = 0.0;           ///< m/dt [N s/m]: what a time step can stop, and no more
 };
 
 /// Where a controller's wrench acts. Six values each: force [N], then moment [N m].

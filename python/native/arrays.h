@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/vec3.h"
+
 namespace skybody::python {
 
 namespace nb = nanobind;
@@ -48,5 +50,11 @@ std::vector<std::uint8_t> read_mask(nb::handle object, const char* name, std::in
 /// A fresh array with a copy of `values`.
 template <class T>
 nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape);
+
+/// The same for a vector: (3,) float64.
+inline nb::object vector3(const Vec3<double>& v) {
+  const double values[] = {v.x, v.y, v.z};
+  return copy_of<double>(values, {3});
+}
 
 }  // namespace skybody::python

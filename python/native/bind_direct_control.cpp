@@ -16,11 +16,6 @@ namespace {
 using S = DirectSimulation;
 using Class = nb::class_<S>;
 
-nb::object vector3(const Vec3<double>& v) {
-  const double values[] = {v.x, v.y, v.z};
-  return copy_of<double>(values, {3});
-}
-
 /// A contact with the names of what touches.
 struct NamedContact {
   Contact contact;

@@ -24,11 +24,6 @@ nb::object row(const std::vector<double>& values) {
   return copy_of<double>(values, {values.size()});
 }
 
-nb::object vector3(const Vec3<double>& v) {
-  const double values[] = {v.x, v.y, v.z};
-  return copy_of<double>(values, {3});
-}
-
 void construct(S* self, const LoadedEnvironment& environment, std::uint64_t seed,
                std::uint64_t env_id) {
   new (self) S(environment, Simulation(environment.shared(), seed, env_id));

@@ -310,9 +310,9 @@ void bind_one_world(Class& c) {
 
 void bind_simulation_pool(nb::module_& m) {
   Class c(m, "SimulationPool",
-          "Worlds under direct control, one thread each. Every call runs on the threads of the\n"
-          "worlds that it names, without the GIL, waits for all of them, and then raises what the\n"
-          "first of them met, with its number. For learning at speed take make_vec or make_pool.\n"
+          "Worlds under direct control, one thread each. What steps or resets worlds runs on\n"
+          "their threads, without the GIL, waits for all of them, and then raises what the first\n"
+          "of them met, with its number. For learning at speed take make_vec or make_pool.\n"
           "One Python thread at a time: a call while another is inside one raises Error.");
   c.def("__init__", &construct, nb::arg("environment"), nb::arg("num_worlds"), nb::arg("seed") = 0,
         nb::arg("first_env_id") = 0, nb::arg("pin_threads") = false,

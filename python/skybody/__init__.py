@@ -35,8 +35,8 @@ except ImportError as error:
         f"skybody's native module is not built for this Python ({error}): run `./dev build` in "
         "Skybody's source tree and use .venv/bin/python, or install the package: `pip install .`"
     ) from error
+from .arguments import Scenario
 from .pool import Order, Pool
-from .pooled import Scenario
 from .registration import register
 from .simulation import CONTROL_MODES, Simulation, SimulationPool, WorldStates
 

@@ -12,17 +12,18 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from . import _native, spaces
+from .arguments import Scenario, check_seed, integer, load
 from .infos import InfoChannels
-from .pooled import Scenario, check_seed, drain, load, refuse_interrupted
+from .pooled import drain, make_native, refuse_interrupted
 
 
 class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
     The info dictionary has the task's info values (np.float32 each, or (count,) arrays), and
-    `fault` (bool): the action was not finite, or the physics left the finite numbers; the episode
-    is then truncated, and its value must not be bootstrapped. With several agents it also has
-    `agent_reward` (agents,) float32.
+    `fault` (bool): action, observation or reward was not finite, or the physics diverged (beyond
+    1e6 in SI units); the episode is then truncated, and its value must not be bootstrapped. With
+    several agents it also has `agent_reward` (agents,) float32.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
@@ -61,13 +62,9 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.action_space: Box[np.float32] = spaces.action_space(self.environment)
         self._seed = check_seed(seed)
         self._channels = InfoChannels(self.environment)
-        self._pool = _native.Pool(
-            self.environment,
-            1,
-            num_threads=1,
-            autoreset="disabled",
-            seed=self._seed or 0,
-            first_env_id=env_id,
+        first = integer("env_id", env_id)
+        self._pool = make_native(
+            self.environment, 1, 1, self._seed, autoreset="disabled", first_env_id=first
         )
 
     def reset(

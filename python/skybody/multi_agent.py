@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from . import spaces
 from .agents import commanded_by, observed_by
+from .arguments import Scenario
 from .env import SkybodyEnv
-from .pooled import Scenario
 
 Observations = dict[str, NDArray[np.float32]]
 Infos = dict[str, dict[str, Any]]

@@ -9,16 +9,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arguments import Scenario, check_seed, env_ids, integer, load
 from .infos import InfoChannels
-from .pooled import (
-    PooledEnvironments,
-    Scenario,
-    check_seed,
-    env_ids,
-    integer,
-    load,
-    make_native,
-)
+from .pooled import PooledEnvironments, make_native
 
 Order = Literal["fixed", "arrival"]
 Autoreset = Literal["next_step", "same_step", "disabled"]
@@ -147,8 +140,9 @@ class Pool(PooledEnvironments):
             * `env_id` (n,) int32: which environment each row is of;
             * `was_reset` (n,) bool: the row begins an episode; its reward is 0 and the action that
               was sent had no effect;
-            * `fault` (n,) bool: the action was not finite, or the physics left the finite numbers.
-              The row is truncated; its value must not be bootstrapped;
+            * `fault` (n,) bool: action, observation or reward was not finite, or the physics
+              diverged (beyond 1e6 in SI units). The row is truncated; its value must not be
+              bootstrapped;
             * `agent_reward` (n, agents) float32;
             * one entry per info value of the task, (n,) or (n, count) float32;
             * with autoreset="same_step" also `final_obs` (n, observation_size) and `final_info`

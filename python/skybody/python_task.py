@@ -18,7 +18,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
 from . import spaces
-from .pooled import Scenario, check_seed
+from .arguments import Scenario, check_seed
 from .simulation import SimulationPool, WorldStates
 from .vector import autoreset_mode, reset_mask
 
@@ -67,6 +67,12 @@ class PythonTask:
     def info(self, states: WorldStates) -> dict[str, NDArray[Any]]:
         """Values beside the observation, (n, ...) each."""
         return {}
+
+
+def _demand_finite(bad: NDArray[np.bool_]) -> None:
+    """An episode cannot begin with what no policy can see. Raises ValueError."""
+    if bad.any():
+        raise ValueError(f"the first observation of world {np.argmax(bad)} is not finite")
 
 
 class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
@@ -161,8 +167,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
             self._rng = np.random.default_rng(check_seed(seed))
         self._begin(mask, seed)
         observation, bad = self._observation(self.pool.states(), mask)
-        if bad.any():
-            raise ValueError(f"the first observation of world {np.argmax(bad)} is not finite")
+        _demand_finite(bad)
         self._last = observation
         self._ready = True
         return observation.copy(), self._infos(mask, np.zeros(self.num_envs, np.bool_))
@@ -182,7 +187,8 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
             actions: (num_envs, A), clipped to the task's action space.
 
         Raises:
-            ValueError: another shape, or the task's arrays have another shape than they must.
+            ValueError: another shape, or the task's arrays have another shape than they must, or
+                an episode's first observation is not finite.
             gymnasium.error.ResetNeeded: before `reset`, or after an exception.
         """
         if not self._ready:
@@ -227,6 +233,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
     ) -> tuple[Any, ...]:
         states = self.pool.states()
         observation, unseen = self._observation(states, np.ones(self.num_envs, np.bool_))
+        _demand_finite(unseen & ~flying)
         reward = self._array("reward", self.task.reward(states, actions), (self.num_envs,))
         ends = self._array("terminated", self.task.terminated(states), (self.num_envs,))
         fault = flying & (bad | unseen | ~np.isfinite(reward) | self.pool.faults)
@@ -257,7 +264,8 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         }
         self._begin(ended, None)
         states = self.pool.states()
-        self._last, _ = self._observation(states, ended)
+        self._last, bad = self._observation(states, ended)
+        _demand_finite(bad)
         return final, states
 
     def _observation(

@@ -11,16 +11,9 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 
 from . import _native, spaces
+from .arguments import Scenario, check_seed, load
 from .infos import InfoChannels
-from .pooled import (
-    PooledEnvironments,
-    Scenario,
-    check_seed,
-    drain,
-    load,
-    make_native,
-    refuse_interrupted,
-)
+from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
 from .sb3_uniform import UniformVecEnv
 
 _PER_ENV_METHODS = ("param", "set_param")
@@ -35,7 +28,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     * `terminal_observation` (observation_size,) float32: the last one before the reset, a copy;
     * `TimeLimit.truncated`: True where the value of that observation is to be bootstrapped: for a
       truncation that is neither a termination nor a fault;
-    * `fault`: the action was not finite, or the physics left the finite numbers;
+    * `fault`: action, observation or reward was not finite, or the physics diverged;
     * the task's info values at the end, for `VecMonitor(info_keywords=...)`.
 
     Infos of other environments are empty; `last_info` has their values, as arrays.
@@ -153,6 +146,13 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     def close(self) -> None:
         """Gives threads and memory back. Further calls raise."""
         self.native.close()
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Raises AttributeError, and says how physical values are set."""
+        raise AttributeError(
+            f"environments have no attribute `{attr_name}` to set; physical values are set by "
+            'env_method("set_param", PATH, VALUE)'
+        )
 
     def env_method(
         self,

@@ -8,11 +8,11 @@ from typing import Any
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 
-from .pooled import check_seed
+from .arguments import check_seed
 
 
 class UniformVecEnv(VecEnv):
-    """A `VecEnv` whose environments live in C++ and are all alike."""
+    """A `VecEnv` whose environments are all alike and have no objects of their own."""
 
     def attribute(self, name: str) -> Any:
         """An attribute that all environments share. Raises AttributeError if there is none."""
@@ -34,11 +34,8 @@ class UniformVecEnv(VecEnv):
         return [value for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Raises AttributeError: environments live in C++."""
-        raise AttributeError(
-            f"environments have no attribute `{attr_name}` to set; physical values are set by "
-            "`set_param`"
-        )
+        """Raises AttributeError."""
+        raise AttributeError(f"environments have no attribute `{attr_name}` to set")
 
     def env_method(
         self,

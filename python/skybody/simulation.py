@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._native import Environment
-from .pooled import Scenario, check_seed, env_ids, load
+from .arguments import Scenario, check_seed, env_ids, load
 
 CONTROL_MODES: dict[str, str] = {
     "rotor_speed": "[{plugin: rotor_speed}]",
@@ -192,8 +192,8 @@ class WorldStates(NamedTuple):
 class SimulationPool(_native.SimulationPool):
     """Worlds of one scenario under direct control, one thread each, batched calls.
 
-    A call runs on the threads of the worlds that it names, without the GIL, and waits for all of
-    them. Where one fails the others finish; the error names the first that failed. Nothing resets
+    What steps or resets worlds runs on their threads, without the GIL, and waits for all of them.
+    Where one fails the others finish; the error names the first that failed. Nothing resets
     itself. What a world does depends on its key and its own calls alone.
 
     `worlds` is everywhere None for all, a (num_worlds,) bool mask, or numbers, each at most once.

@@ -12,17 +12,10 @@ from numpy.typing import NDArray
 
 from . import _native, spaces
 from .agents import JointLayout
+from .arguments import Scenario, check_seed, load
 from .infos import InfoChannels
 from .pool import Autoreset, Order
-from .pooled import (
-    PooledEnvironments,
-    Scenario,
-    check_seed,
-    drain,
-    load,
-    make_native,
-    refuse_interrupted,
-)
+from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
 
 _MODES: dict[str, AutoresetMode] = {
     "next_step": AutoresetMode.NEXT_STEP,
@@ -77,8 +70,9 @@ class SkybodyVectorEnv(
     until the second next `step`, and for as long as any of them is held.
 
     Infos are arrays with Gymnasium's `_name` masks: one per info value of the task, and `fault`
-    (num_envs,) bool: the action was not finite, or the physics left the finite numbers. A fault
-    ends the episode, truncated; its value must not be bootstrapped. Other environments go on.
+    (num_envs,) bool: action, observation or reward was not finite, or the physics diverged (beyond
+    1e6 in SI units). A fault ends the episode, truncated; its value must not be bootstrapped. Other
+    environments go on.
     With SAME_STEP, `fault` is the ended episode's (as are the flags beside it), while the other
     infos are the new episode's. With several agents there is also `agent_reward`
     (num_envs, agents) float32: the transition's, like the reward.

@@ -285,3 +285,26 @@ def test_stable_baselines_gets_terminal_observations_and_trains():
     model = PPO("MlpPolicy", envs, n_steps=32, batch_size=64, seed=1, device="cpu")
     model.learn(256)
     envs.close()
+
+
+class Blind(Climb):
+    """Sees nothing once an episode has ended."""
+
+    blind = False
+
+    def observation(self, states: WorldStates) -> NDArray[np.float64]:
+        return np.where(self.blind, np.nan, super().observation(states))
+
+
+@pytest.mark.parametrize("autoreset", ["next_step", "same_step"])
+def test_an_episode_does_not_begin_with_an_observation_that_is_not_finite(autoreset: str):
+    task = Blind()
+    envs = climb(task, autoreset=autoreset)
+    envs.reset()
+    with pytest.raises(ValueError, match="the first observation of world 0 is not finite"):
+        for _ in range(3):  # where nothing is seen the episode ends, as a fault
+            task.blind = True
+            envs.step(up(0.2))
+    task.blind = False
+    assert np.isfinite(envs.reset()[0]).all()
+    envs.close()

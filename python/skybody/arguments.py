@@ -1,0 +1,87 @@
+"""Arguments that many classes take: scenarios, seeds, ids. Each mistake is one clear error."""
+
+from __future__ import annotations
+
+import operator
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._native import Environment
+
+Scenario = str | os.PathLike[str] | Environment
+
+
+def load(
+    scenario: Scenario,
+    overrides: Iterable[str] = (),
+    plugin_path: Iterable[str | os.PathLike[str]] = (),
+) -> Environment:
+    """Loads a scenario: a shipped one's name, or a YAML file. One that is loaded already is shared.
+
+    Args:
+        overrides: "PATH=VALUE" each, as for `skybody run --set`.
+        plugin_path: folders that are searched for plugins before the default ones.
+
+    Raises:
+        skybody.InputError: every mistake in the scenario, each with file:line:column.
+        TypeError: one text where a list of them belongs.
+        ValueError: overrides or plugin_path for an environment that is loaded already.
+    """
+    for name, given in (("overrides", overrides), ("plugin_path", plugin_path)):
+        if isinstance(given, str):
+            raise TypeError(f"`{name}` is one text; give a list: [{given!r}]")
+    paths = [os.fspath(folder) for folder in plugin_path]
+    changes = list(overrides)
+    if isinstance(scenario, Environment):
+        if changes or paths:
+            raise ValueError(
+                f"`{scenario.name}` is loaded already, overrides and plugin_path come too late: "
+                "give them to Environment(...), or give the scenario's name here"
+            )
+        return scenario
+    return Environment(os.fspath(scenario), changes, paths)
+
+
+def integer(name: str, value: Any) -> int:
+    """`value` as an int. Raises TypeError, which names the argument, for what is none."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {value!r}; it must be an integer") from None
+
+
+def check_seed(seed: Any) -> int | None:
+    """A seed as an int from 0 to 2**64 - 1, or None.
+
+    Raises:
+        TypeError: it is a list, or no integer.
+        ValueError: it is out of range.
+    """
+    if seed is None:
+        return None
+    try:
+        value = operator.index(seed)
+    except TypeError:
+        raise TypeError(
+            f"seed is a {type(seed).__name__}; give one integer for all environments: environment "
+            "i draws its own numbers from (seed, i)"
+        ) from None
+    if not 0 <= value < 2**64:
+        raise ValueError(f"seed is {value}; it must be from 0 to 2**64 - 1")
+    return value
+
+
+def env_ids(ids: ArrayLike) -> NDArray[np.int32]:
+    """Ids of environments, (n,) int32. Raises TypeError if they are not integers."""
+    given = np.asarray(ids)
+    if given.size == 0:
+        return np.empty(0, np.int32)
+    if not np.issubdtype(given.dtype, np.integer):
+        raise TypeError(f"ids of environments are {given.dtype}; they must be integers")
+    if given.dtype != np.int32:
+        given = np.clip(given, -1, 2**31 - 1)  # no id out of range becomes one within
+    return np.ascontiguousarray(given, np.int32)
