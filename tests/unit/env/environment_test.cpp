@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -292,7 +293,12 @@ TEST(Fault, AnObservationThatOverflowsAFloatIsOne) {
   const auto env = make(factory);
   Flight flight(*env, 1);
   flight.reset();
-  flight.group.reals(env->layout().q)[2] = 1e200;  // finite as a double
+  auto words = flight.group.save(0);
+  for (std::uint64_t& word : words) {  // the value that the task drew, which it shows
+    const auto value = static_cast<float>(std::bit_cast<double>(word));
+    if (value == flight.observation[3]) word = std::bit_cast<std::uint64_t>(1e200);
+  }
+  flight.group.restore(0, words);
   flight.step({0, 0, 0, 0});
   EXPECT_EQ(flight.status[0], kTruncated | kFault | kBadOutcome);
   EXPECT_EQ(flight.observation[0], 1.0f);  // the last finite one
