@@ -101,8 +101,7 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
   const auto check = [&](std::int32_t env) {
     engine_->check_id(env);
     if (engine_->in_flight(env)) {
-      throw Error("fork() with environment " + std::to_string(env) +
-                  " in flight: recv() it first");
+      throw Error("fork() with environment " + std::to_string(env) + " in flight: recv() it first");
     }
   };
   check(source);

@@ -27,7 +27,8 @@ std::optional<fs::path> find_shipped_scenario(const std::string& name) {
 std::vector<std::string> shipped_scenarios() {
   std::vector<std::string> names;
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(shipped_data("scenarios", "scenarios"), ignored)) {
+  for (const auto& entry :
+       fs::directory_iterator(shipped_data("scenarios", "scenarios"), ignored)) {
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());

@@ -16,9 +16,9 @@ std::vector<Contact> ground_contacts(const World& world, const std::vector<BodyS
     const Vec3<double> point = body.position + arm;
     if (!(point.z < 0.0)) continue;
     const Vec3<double> velocity = body.velocity + cross(axes * body.angular_velocity, arm);
-    const Vec3<double> force = ground_force(point, velocity, sphere.stiffness, sphere.most_damping,
-                                            settings.dissipation, settings.friction,
-                                            settings.slip_velocity);
+    const Vec3<double> force =
+        ground_force(point, velocity, sphere.stiffness, sphere.most_damping, settings.dissipation,
+                     settings.friction, settings.slip_velocity);
     out.push_back({sphere.body, kGround, point, {0.0, 0.0, 1.0}, -point.z, force});
   }
   return out;

@@ -13,8 +13,8 @@
 namespace skybody {
 namespace {
 
-/// A state beyond this [m, rad, m/s, rad/s] has diverged: it is a thousand kilometres away, or faster
-/// than any rotor.
+/// A state beyond this [m, rad, m/s, rad/s] has diverged: it is a thousand kilometres away, or
+/// faster than any rotor.
 constexpr double kLargestState = 1e6;
 
 bool all_bounded(const std::vector<double>& values) {

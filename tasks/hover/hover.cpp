@@ -90,7 +90,7 @@ class Hover : public Task {
  private:
   static constexpr double kDistanceWeight = 2.56;  // (1.6)^2 [1/m^2]
   static constexpr double kRateReward = 0.01;
-  static constexpr double kApproachRange = 10.0;     // [m], about the largest distance at a start
+  static constexpr double kApproachRange = 10.0;   // [m], about the largest distance at a start
   static constexpr double kPrecisionWeight = 5.0;  // 1 / 0.2 m
   static constexpr double kHeadingWeight = 4.0;    // (1 / 0.5 rad)^2
   static constexpr double kLeastCosine = 0.1;      // where the wall of the tilt ends, at 84 degrees
@@ -253,18 +253,19 @@ class Hover : public Task {
        .value = 0.0,
        .min = 0.0,
        .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a slope up to the target"}};
-  RealParameter heading_reward_{
-      this,
-      {.name = "heading_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a slope wherever one looks"}};
+  RealParameter heading_reward_{this,
+                                {.name = "heading_reward",
+                                 .value = 0.0,
+                                 .min = 0.0,
+                                 .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a "
+                                        "slope far from the heading, too"}};
   RealParameter tilt_cost_{
       this,
       {.name = "tilt_cost",
        .value = 0.0,
        .min = 0.0,
-       .doc = "weight of 1 / max(cos tilt, 0.1) - 1, taken off the reward: what dashing off costs"}};
+       .doc =
+           "weight of 1 / max(cos tilt, 0.1) - 1, taken off the reward: what dashing off costs"}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = 0.0,
