@@ -136,3 +136,19 @@ def test_running_moments_are_those_of_all_rows() -> None:
     # float64 sums of 500 terms: some 500 rounding errors of 1e-16, relative
     torch.testing.assert_close(moments.mean, rows.mean(0), rtol=1e-12, atol=0)
     torch.testing.assert_close(moments.var, rows.var(0, correction=0), rtol=1e-12, atol=0)
+
+
+@both
+def test_observation_statistics_stay_after_normalization_steps(
+    algorithm: str, environment: Environment
+) -> None:
+    rollout = SMALL.envs * SMALL.rollout_steps
+    hyper = dataclasses.replace(SMALL, normalization_steps=rollout)
+    with learner_of(algorithm, environment, hyper=hyper) as learner:
+        means = [learner.policy().mean.copy()]
+        for _ in range(3):
+            learner.iterate()
+            means.append(learner.policy().mean.copy())
+    assert (means[1] != means[0]).any()
+    for mean in means[2:]:
+        np.testing.assert_array_equal(mean, means[1])

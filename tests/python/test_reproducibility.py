@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import json
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from skybody.train.presets import Hyperparameters
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "experiments/training_reproducibility.py"
@@ -92,3 +94,13 @@ def test_a_single_checkpoint_with_another_hash_is_reported(
     assert group["identical_checkpoints_percent"] == 90.0
     groups = {**figures["groups"], "same seed": group}
     assert not reproducible({**figures, "groups": groups})
+
+
+def test_the_experiment_writes_out_every_hyper_parameter(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(str(SCRIPT.parent))
+    import training_reproducibility
+
+    fields = {field.name for field in dataclasses.fields(Hyperparameters)}
+    assert set(training_reproducibility.PAPER) == fields

@@ -180,6 +180,20 @@ def test_a_fork_is_a_simulation_with_the_same_future_and_a_rekeyed_one_with_its_
     assert not np.array_equal(own.observation, simulation.observation)
 
 
+def test_restored_and_forked_simulations_have_every_row_of_the_transition():
+    simulation = Simulation("formation_2", seed=4)
+    simulation.reset()
+    simulation.step(np.zeros(simulation.environment.action_size, np.float32))
+    rows = (simulation.observation, simulation.agent_rewards, simulation.info)
+    assert all(row.any() for row in rows)
+    saved, copy = simulation.save(), simulation.fork()
+    simulation.reset()
+    simulation.restore(saved)
+    for each in (simulation, copy):
+        for was, now in zip(rows, (each.observation, each.agent_rewards, each.info), strict=True):
+            np.testing.assert_array_equal(now, was)
+
+
 def test_two_threads_in_one_simulation_are_refused_and_others_go_on():
     simulation, refused = flying(), []
 

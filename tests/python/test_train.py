@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import random
@@ -24,7 +25,7 @@ from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, read_m
 from skybody.train.lean_ppo import LeanPpo
 from skybody.train.policy_file import read_policy, write_policy
 from skybody.train.run_folder import read_table
-from training import HORIZON, ROLLOUTS, SCENARIO, arguments, both, finished_run, learner_of
+from training import HORIZON, ROLLOUTS, SCENARIO, SMALL, arguments, both, finished_run, learner_of
 
 pytestmark = pytest.mark.timeout(120)
 
@@ -185,10 +186,12 @@ def test_a_run_has_its_tables_its_picture_and_an_evaluation_of_each_checkpoint(r
 
 
 @both
+@pytest.mark.parametrize("bounded_mean", [False, True])
 def test_policy_files_give_the_actions_of_the_network(
-    algorithm: str, environment: Environment, tmp_path: Path
+    algorithm: str, bounded_mean: bool, environment: Environment, tmp_path: Path
 ) -> None:
-    with learner_of(algorithm, environment) as learner:
+    hyper = dataclasses.replace(SMALL, bounded_mean=bounded_mean)
+    with learner_of(algorithm, environment, hyper=hyper) as learner:
         for _ in range(3):
             learner.iterate()
         write_policy(tmp_path / "policy.h5", learner.policy())

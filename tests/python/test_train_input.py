@@ -32,6 +32,13 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--set", "hidden=a"], "`a` is not sizes as 64,64"),
         (["--set", "epochs"], "write KEY=VALUE"),
         (["--set", "discount=1.5"], "hyper-parameter discount = 1.5: allowed is 0 to 1"),
+        (["--set", "log_std=nan"], "hyper-parameter log_std = nan: allowed is a finite number"),
+        (["--set", "envs=4"], "--envs and --set envs=...: give one of them"),
+        (
+            ["--override", "stepping.horizon=0", "--eval-episodes", "1"],
+            "no horizon, evaluations might never end",
+        ),
+        (["--threads", "100000"], "threads"),
         (["--envs", "0"], "hyper-parameter envs = 0: allowed is at least 1"),
         (["--total-steps", "0"], "--total-steps 0: at least 1"),
         (["--seed", str(2**32)], "--seed 4294967296: at most 4294967295"),
@@ -149,3 +156,16 @@ def test_presets_are_consistent() -> None:
         preset(SCENARIO, algorithm).check()
     with pytest.raises(UsageError, match="minibatch"):
         with_settings(preset(SCENARIO, "ppo"), ["minibatch=1"]).check()
+
+
+def test_a_run_that_goes_on_under_other_versions_says_so(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = run / "config.json"
+    whole = path.read_text()
+    try:
+        path.write_text(whole.replace('"numpy": "', '"numpy": "0.'))
+        assert main(["--resume", "--out", str(run)]) == 0
+        assert "versions differ, and so may bits: numpy 0." in capsys.readouterr().err
+    finally:
+        path.write_text(whole)

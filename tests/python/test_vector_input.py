@@ -70,6 +70,9 @@ def test_a_reset_after_an_interrupted_step_begins_anew():
     envs.native.send(actions(0, NUM_ENVS), None)  # what Ctrl-C in step() leaves behind
     with pytest.raises(skybody.Error, match=r"interrupted and .* in flight: reset\(\)"):
         envs.step(actions(0, NUM_ENVS))
+    mask = np.arange(NUM_ENVS) < 2
+    with pytest.raises(skybody.Error, match="interrupted"):  # the others' rows would be lost
+        envs.reset(options={"reset_mask": mask})
     np.testing.assert_array_equal(envs.reset()[0], untouched.reset()[0])
 
 
