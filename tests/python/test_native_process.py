@@ -59,13 +59,13 @@ def test_keyboard_interrupt_gets_out_of_recv() -> None:
         import time
         import numpy as np
         from skybody._native import Environment, Pool
-        pool = Pool(Environment(*{SLOW}), 400, num_threads=1)
+        pool = Pool(Environment(*{SLOW}), 4000, num_threads=1)
         pool.send_reset()
         pool.recv()
         print("waiting", flush=True)
         try:
             while True:
-                pool.send(np.zeros((400, 4), np.float32))
+                pool.send(np.zeros((4000, 4), np.float32))
                 pool.recv()
         except KeyboardInterrupt:
             print("interrupted", pool.in_flight > 0, flush=True)  # not after the wait was over
