@@ -46,6 +46,18 @@ else()
   target_include_directories(skybody_urdf SYSTEM INTERFACE ${urdfdom_INCLUDE_DIRS})
   target_link_libraries(skybody_urdf INTERFACE ${urdfdom_LIBRARIES})
 endif()
+if(NOT urdfdom_VERSION)  # Debian's package leaves it out; its pkg-config file has it
+  find_file(urdfdom_pkgconfig urdfdom.pc PATH_SUFFIXES lib/pkgconfig lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig
+            PATHS /usr NO_CACHE)
+  if(urdfdom_pkgconfig)
+    file(STRINGS "${urdfdom_pkgconfig}" urdfdom_VERSION REGEX "^Version:")
+    string(REGEX REPLACE "^Version: *" "" urdfdom_VERSION "${urdfdom_VERSION}")
+  else()
+    set(urdfdom_VERSION unknown)
+  endif()
+endif()
+set(SKYBODY_LIBRARY_VERSIONS
+  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, Boost ${Boost_VERSION}")  # stamped into files
 
 if(SKYBODY_BUILD_TESTS)
   find_package(GTest REQUIRED CONFIG)

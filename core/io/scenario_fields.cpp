@@ -39,7 +39,9 @@ const MapSpec& contact_fields() {
           real_field(
               "penetration", "m", 0.001, 1e-6, 1.0,
               "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
-          real_field("dissipation", "s/m", 3.0, 0.0, 100.0, "Hunt-Crossley dissipation"),
+          real_field("dissipation", "s/m", 3.0, 0.0, 100.0,
+                     "Hunt-Crossley dissipation; damping and friction are at most m/dt times the "
+                     "velocity"),
           real_field("friction", "", 0.6, 0.0, 10.0, "Coulomb coefficient"),
           real_field("slip_velocity", "m/s", 0.02, 1e-6, 10.0,
                      "below it friction is proportional to the velocity"),

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from skybody._native import Environment, Error, InputError, Pool
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
-from skybody.train.learner import position_error_columns
+from skybody.train.learner import columns_of, goal_distance
 from skybody.train.policy_file import Policy, read_policy
 
 SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds draw other episodes
@@ -74,14 +74,11 @@ def _fly(
 
 def _position_error(environment: Environment, batch: Any) -> NDArray[np.float64]:
     """Distance from the goal per row [m]; nan where neither info nor observation says it."""
-    for channels, values in (
+    for channels, rows in (
         (environment.info_channels, batch.info),
         (environment.observation_channels, batch.observation),
     ):
-        columns = position_error_columns(channels)
-        if columns is not None:
-            rows: NDArray[np.float64] = values[:, columns].astype(np.float64)
-            distance: NDArray[np.float64] = np.sqrt(np.square(rows).sum(axis=1))
+        if (distance := goal_distance(columns_of(channels, rows))) is not None:
             return distance
     return np.full(len(batch.reward), np.nan)
 

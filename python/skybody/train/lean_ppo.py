@@ -29,7 +29,7 @@ import torch
 from torch import Tensor, nn
 
 from skybody._native import Batch, Environment, Pool
-from skybody.train.learner import Report, check_finite, layers_of, position_error_columns
+from skybody.train.learner import Report, check_finite, columns_of, goal_distance, layers_of
 from skybody.train.policy_file import Policy
 from skybody.train.presets import Hyperparameters
 
@@ -126,7 +126,7 @@ class LeanPpo:
         self.discounted = torch.zeros(hyper.envs)  # return so far, for return_moments
         self.rollout = Rollout.empty(hyper.rollout_steps, hyper.envs, *sizes)
         self.episode_return = torch.zeros(hyper.envs)
-        self.error_columns = position_error_columns(environment.info_channels)
+        self.info_channels = environment.info_channels
         self.helper = ThreadPoolExecutor(
             1, initializer=torch.set_num_threads, initargs=(hyper.torch_threads,)
         )
@@ -189,9 +189,9 @@ class LeanPpo:
             ended = batch.terminated | batch.truncated
             rollout.ended[t] = torch.from_numpy(ended)
             self.episode_return += rollout.reward[t]
-            if self.error_columns is not None:
-                error = batch.info[:, self.error_columns]
-                rollout.error[t] = torch.from_numpy(np.sqrt(np.einsum("ij,ij->i", error, error)))
+            distance = goal_distance(columns_of(self.info_channels, batch.info))
+            if distance is not None:
+                rollout.error[t] = torch.from_numpy(distance)
             if ended.any():
                 self._end_episodes(batch, ended, report)
                 cut = batch.truncated & ~batch.terminated & ~batch.fault

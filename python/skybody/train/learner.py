@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from skybody.train.policy_file import Layer, Policy
 
@@ -86,7 +89,18 @@ def layers_of(network: torch.nn.Sequential) -> list[Layer]:
     return layers
 
 
-def position_error_columns(channels: Iterable[Channel]) -> slice | None:
-    """Where a row of info or observations has its distance from the goal; None: nowhere."""
-    places = {c.name: slice(c.first, c.first + c.count) for c in channels}
-    return next((places[name] for name in POSITION_ERRORS if name in places), None)
+def columns_of(
+    channels: Iterable[Channel], rows: NDArray[np.float32]
+) -> dict[str, NDArray[np.float32]]:
+    """The values of each channel, (n, count): views of `rows`, which are info or observations."""
+    return {c.name: rows[:, c.first : c.first + c.count] for c in channels}
+
+
+def goal_distance(values: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float64] | None:
+    """Distance of each row from its goal [m], (n,); None: `values` do not say it."""
+    name = next((name for name in POSITION_ERRORS if name in values), None)
+    if name is None:
+        return None
+    error = values[name].reshape(len(values[name]), -1).astype(np.float64)
+    distance: NDArray[np.float64] = np.sqrt(np.einsum("ij,ij->i", error, error))
+    return distance

@@ -24,7 +24,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 
 from skybody._native import Environment
 from skybody.sb3 import SkybodyVecEnv
-from skybody.train.learner import POSITION_ERRORS, Report, check_finite, layers_of
+from skybody.train.learner import Report, check_finite, goal_distance, layers_of
 from skybody.train.policy_file import Policy
 from skybody.train.presets import Hyperparameters
 
@@ -85,10 +85,8 @@ class Collector(BaseCallback):
         return self.report
 
     def _on_step(self) -> bool:
-        info = self.vec_env.last_info
-        if (name := next((name for name in POSITION_ERRORS if name in info), None)) is not None:
-            rows = info[name].reshape(self.vec_env.num_envs, -1)
-            self._errors.append(float(np.linalg.norm(rows, axis=1).mean()))
+        if (distance := goal_distance(self.vec_env.last_info)) is not None:
+            self._errors.append(float(distance.mean()))
         for i in np.flatnonzero(self.locals["dones"]):
             ended = self.locals["infos"][i]
             self.report.episode_returns.append(float(ended["episode"]["r"]))

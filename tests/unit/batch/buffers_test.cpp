@@ -104,6 +104,22 @@ TEST_P(Buffers, AreFilledWithNanBeforeTheyAreUsedAgainInDebugMode) {
   EXPECT_EQ(GetParam(), 1) << "the buffer never came round";
 }
 
+TEST(Reseeding, RefusedByABufferThatIsHeldChangesNothing) {
+  VecEnv envs(small_env(), {.envs = 2, .threads = 2, .seed = 4, .debug_buffers = true});
+  begin(envs);
+  auto held = step(envs, 1);
+  const auto on = [&] {
+    for (int k = 2; k < 6; ++k) step(envs, k);
+  };
+  EXPECT_THROW(on(), BufferInUse);
+  const auto saved = envs.save();
+  EXPECT_THROW(envs.send_reset(9), BufferInUse);
+  EXPECT_EQ(envs.save(), saved);
+  EXPECT_EQ(envs.options().seed, 4u);
+  held.reset();
+  EXPECT_NO_THROW(on());
+}
+
 INSTANTIATE_TEST_SUITE_P(Batches, Buffers, testing::Values(2, 1));
 
 }  // namespace
