@@ -45,7 +45,7 @@ from training_runs import (
 
 SCENARIO = "hover_learn"
 SEEDS = (1, 2, 3)
-STEPS = {"lean-ppo": 9_000_000, "ppo": 9_000_000}
+STEPS = {"lean-ppo": 9_000_000, "ppo": 15_000_000}
 MINUTES = {"lean-ppo": 3.0, "ppo": 15.0}  # of wall clock, at most
 MOST_ERROR, LEAST_SUCCESS = 0.05, 0.98  # median [m]; share of episodes without failure
 CHECKPOINTS = 20  # points of a curve
