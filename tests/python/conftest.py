@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import textwrap
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 from skybody._native import Environment, Pool
 
 Finished = subprocess.CompletedProcess[str]
+
+# A background job starts with Ctrl-C switched off; tests of it want it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

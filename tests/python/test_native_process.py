@@ -56,9 +56,10 @@ def test_an_exception_with_a_live_pool_ends_the_program(
 
 def test_keyboard_interrupt_gets_out_of_recv() -> None:
     script = f"""
-        import time
+        import signal
         import numpy as np
         from skybody._native import Environment, Pool
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
         pool = Pool(Environment(*{SLOW}), 4000, num_threads=1)
         pool.send_reset()
         pool.recv()
