@@ -41,14 +41,12 @@ class Comparer : public VecEnvObserver {
       if (number >= replay_.transitions(env)) continue;  // was in flight when the recording ended
       ++report_.transitions;
       if (parted_[static_cast<std::size_t>(env)] != 0) continue;
-      if (replay_.hash(replay_.place(env, number)) == fleet.hash(env)) continue;
-      parted_[static_cast<std::size_t>(env)] = 1;
-      note(rows, k, fleet, env, number);
+      compare(rows, k, fleet, env, number);
     }
   }
 
  private:
-  void note(const Batch& rows, int k, const Fleet& fleet, int env, std::size_t number) {
+  void compare(const Batch& rows, int k, const Fleet& fleet, int env, std::size_t number) {
     ReplayParting parting;
     parting.place = replay_.place(env, number);
     parting.transition = number + 1;
@@ -56,6 +54,10 @@ class Comparer : public VecEnvObserver {
     const bool states = !replay_.header().state_names.empty();
     read_row(rows, k, fleet, same_step_, states, parting.second);
     parting.differences = compare_rows(replay_.header(), parting.first, parting.second);
+    const bool same_hash = parting.first.hash == parting.second.hash;
+    if (same_hash && parting.differences.empty()) return;
+    parted_[static_cast<std::size_t>(env)] = 1;
+    if (same_hash) report_.remark = kRowsChanged;
     report_.add(std::move(parting));
   }
 

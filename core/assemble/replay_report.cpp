@@ -199,16 +199,27 @@ void check_comparable(const ReplayReader& first, const ReplayReader& second) {
 ReplayReport compare_replays(const ReplayReader& first, const ReplayReader& second) {
   check_comparable(first, second);
   ReplayReport report;
+  std::vector<std::size_t> next(static_cast<std::size_t>(first.header().envs));
+  std::vector<std::uint8_t> parted(next.size());
+  for (std::size_t at = 0; at < first.transitions(); ++at) {  // rows are read in their order
+    const ReplayRow row = first.row(at);
+    const auto env = static_cast<std::size_t>(row.env);
+    const std::size_t k = next[env]++;
+    if (k >= second.transitions(row.env)) continue;
+    ++report.transitions;
+    if (parted[env] != 0) continue;
+    const ReplayRow other = second.row(second.place(row.env, k));
+    const bool same_rows = compare_rows(first.header(), row, other).empty();
+    if (row.hash == other.hash && same_rows) continue;
+    parted[env] = 1;
+    if (row.hash == other.hash) report.remark = kRowsChanged;
+    report.add(describe(first, second, row.env, k));
+  }
   std::size_t shorter[2] = {0, 0};  // transitions that the first, or the second, lacks
   for (int env = 0; env < first.header().envs; ++env) {
     const std::size_t a = first.transitions(env), b = second.transitions(env);
-    const std::size_t common = std::min(a, b);
-    shorter[0] += b - common;
-    shorter[1] += a - common;
-    std::size_t k = 0;
-    while (k < common && first.hash(first.place(env, k)) == second.hash(second.place(env, k))) ++k;
-    report.transitions += common;
-    if (k < common) report.add(describe(first, second, env, k));
+    shorter[0] += b - std::min(a, b);
+    shorter[1] += a - std::min(a, b);
   }
   for (const int which : {0, 1}) {
     if (shorter[which] == 0) continue;

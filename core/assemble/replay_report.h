@@ -40,6 +40,10 @@ struct ReplayReport {
                    const std::string& second) const;
 };
 
+/// Remark where rows differ under equal hashes: hashes are of the run, rows lie beside them.
+inline constexpr const char* kRowsChanged =
+    "the hashes are the same, but not the rows beside them: they were changed after the run";
+
 /// What differs between two rows; NaN equals NaN, and -0 differs from 0.
 std::vector<ReplayDifference> compare_rows(const ReplayHeader& header, const ReplayRow& first,
                                            const ReplayRow& second);

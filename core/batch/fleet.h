@@ -47,7 +47,9 @@ class Fleet {
   void initialize(std::uint64_t seed);
 
   std::vector<std::uint64_t> save() const;
-  /// @throws Error if it does not fit
+  /// @throws Error if it is not of this scenario, number of environments and version
+  void check_saved(std::span<const std::uint64_t> saved) const;
+  /// @throws Error likewise
   void restore(std::span<const std::uint64_t> saved);
   void fork(int source, int target, bool rekey);
   void observation(int env, float* out) const;

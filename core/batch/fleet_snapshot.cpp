@@ -18,7 +18,7 @@ enum SavedWord : int {
   kSavedHeader,
 };
 constexpr std::uint64_t kMagic = 0x544545'4c464253ull;  // "SBFLEET"
-constexpr std::uint64_t kVersion = 1;
+constexpr std::uint64_t kVersion = 2;                   // 2: with a checksum (VecEnv::save)
 constexpr std::size_t kChainWords = sizeof(HashChain) / sizeof(std::uint64_t);
 static_assert(std::is_trivially_copyable_v<HashChain> &&
               sizeof(HashChain) == kChainWords * sizeof(std::uint64_t));
@@ -44,7 +44,7 @@ std::vector<std::uint64_t> Fleet::save() const {
   return out;
 }
 
-void Fleet::restore(std::span<const std::uint64_t> saved) {
+void Fleet::check_saved(std::span<const std::uint64_t> saved) const {
   const std::vector<std::uint64_t> expected = header(*environment_, envs_);
   const auto words = static_cast<std::size_t>(environment_->layout().words);
   const std::size_t each = words + kChainWords;
@@ -69,6 +69,12 @@ void Fleet::restore(std::span<const std::uint64_t> saved) {
     throw Error("this saved state is cut short: " + std::to_string(saved.size()) + " words of " +
                 std::to_string(kSavedHeader + index(envs_) * each));
   }
+}
+
+void Fleet::restore(std::span<const std::uint64_t> saved) {
+  check_saved(saved);
+  const auto words = static_cast<std::size_t>(environment_->layout().words);
+  const std::size_t each = words + kChainWords;
   const std::uint64_t* from = saved.data() + kSavedHeader;
   for (int env = 0; env < envs_; ++env, from += each) {
     state(env).restore(lane(env), {from, from + words});

@@ -3,9 +3,17 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/hash.h"
 #include "core/batch/engine.h"
 
 namespace skybody {
+namespace {
+
+std::uint64_t checksum(std::span<const std::uint64_t> words) {
+  return hash_bytes(words.data(), words.size_bytes());
+}
+
+}  // namespace
 namespace {
 
 void check_range(const char* what, int value, int low, int high, const char* remedy) {
@@ -85,14 +93,21 @@ std::vector<std::uint64_t> VecEnv::save() const {
   engine_->check_idle("save()");
   std::vector<std::uint64_t> saved = engine_->fleet.save();
   saved.push_back(static_cast<std::uint64_t>(engine_->cursor));
+  saved.push_back(checksum(saved));
   return saved;
 }
 
 void VecEnv::restore(std::span<const std::uint64_t> saved) {
   engine_->check_idle("restore()");
-  if (saved.empty()) throw Error("this is not a saved state: it is empty");
-  engine_->fleet.restore(saved.first(saved.size() - 1));
-  engine_->cursor = static_cast<int>(saved.back() % static_cast<std::uint64_t>(envs()));
+  if (saved.size() < 2) throw Error("this is not a saved state: it is empty");
+  const auto content = saved.first(saved.size() - 1);
+  const auto environments = content.first(content.size() - 1);
+  engine_->fleet.check_saved(environments);
+  if (saved.back() != checksum(content)) {
+    throw Error("this saved state was changed after save() gave it: its checksum is another");
+  }
+  engine_->fleet.restore(environments);
+  engine_->cursor = static_cast<int>(content.back() % static_cast<std::uint64_t>(envs()));
   if (engine_->observer) engine_->observer->restored(saved);
 }
 

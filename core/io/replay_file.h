@@ -110,6 +110,7 @@ class ReplayReader {
   std::vector<float> action(int env, std::size_t k) const;
 
  private:
+  struct Block;
   struct File;
   std::unique_ptr<File> file_;
 };

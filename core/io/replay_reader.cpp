@@ -10,9 +10,20 @@ namespace skybody {
 namespace {
 
 constexpr std::int64_t kMostSize = 1 << 24;
-constexpr std::size_t kWindow = 4096;  // action rows that are read at once
+constexpr std::size_t kWindow = 4096;  // action rows, and rows of results, that are read at once
 
 }  // namespace
+
+/// Consecutive rows of the recording.
+struct ReplayReader::Block {
+  std::size_t first = 0, count = 0;
+  std::vector<std::uint64_t> episode;
+  std::vector<std::int32_t> episode_step;
+  std::vector<std::uint8_t> was_reset;
+  std::vector<std::uint64_t> status;
+  std::vector<float> reward, observation;
+  std::vector<std::uint64_t> state;
+};
 
 struct ReplayReader::File {
   explicit File(const std::filesystem::path& path) : reader(path, "replay") {
@@ -43,6 +54,29 @@ struct ReplayReader::File {
     header.plugin_path = reader.texts("/plugin_path");
     header.observation_names = reader.texts("/observation_names");
     header.state_names = reader.texts("/state_names");
+  }
+
+  /// The block that holds a row; the one read last is kept.
+  const Block& block_of(std::size_t place) {
+    if (place >= block.first && place - block.first < block.count) return block;
+    block.first = place / kWindow * kWindow;
+    block.count = std::min(kWindow, hash.size() - block.first);
+    read_column("/transitions/episode", 1, block.episode);
+    read_column("/transitions/episode_step", 1, block.episode_step);
+    read_column("/transitions/was_reset", 1, block.was_reset);
+    read_column("/transitions/status", 1, block.status);
+    read_column("/transitions/reward", 1, block.reward);
+    read_column("/transitions/observation", header.observation_names.size(), block.observation);
+    read_column("/transitions/state", header.state_names.size(), block.state);
+    return block;
+  }
+
+  template <class T>
+  void read_column(const char* name, std::size_t width, std::vector<T>& values) {
+    values.resize(block.count * width);
+    if (values.empty()) return;
+    if (width > 1 && reader.shape(name).columns != width) damaged();
+    reader.read_rows(name, block.first, block.count, values.data());
   }
 
   std::uint64_t number(const char* name, int base) {
@@ -159,6 +193,7 @@ struct ReplayReader::File {
   }
 
   Hdf5Reader reader;
+  Block block;  ///< of rows, read last
   ReplayHeader header;
   std::vector<std::uint8_t> kind, paths;
   std::vector<std::int32_t> env_id, row_env;
@@ -212,27 +247,24 @@ std::size_t ReplayReader::place(int env, std::size_t k) const {
 }
 std::uint64_t ReplayReader::hash(std::size_t place) const { return file_->hash[place]; }
 
+/// Rows are read in blocks: a replay asks for all of them, about in order.
 ReplayRow ReplayReader::row(std::size_t place) const {
-  const Hdf5Reader& reader = file_->reader;
+  const Block& block = file_->block_of(place);
+  const std::size_t k = place - block.first;
+  const auto values_of = [k](const auto& all, std::size_t width) {
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(k * width);
+    return std::vector(first, first + static_cast<std::ptrdiff_t>(width));
+  };
   ReplayRow row;
   row.env = file_->row_env[place];
   row.hash = file_->hash[place];
-  std::uint8_t was_reset = 0;
-  reader.read_rows("/transitions/episode", place, 1, &row.episode);
-  reader.read_rows("/transitions/episode_step", place, 1, &row.episode_step);
-  reader.read_rows("/transitions/was_reset", place, 1, &was_reset);
-  reader.read_rows("/transitions/status", place, 1, &row.status);
-  reader.read_rows("/transitions/reward", place, 1, &row.reward);
-  row.was_reset = was_reset != 0;
-  row.observation.resize(header().observation_names.size());
-  row.state.resize(header().state_names.size());
-  const auto read = [&](const char* name, auto& values) {
-    if (values.empty()) return;
-    if (reader.shape(name).columns != values.size()) file_->damaged();
-    reader.read_rows(name, place, 1, values.data());
-  };
-  read("/transitions/observation", row.observation);
-  read("/transitions/state", row.state);
+  row.episode = block.episode[k];
+  row.episode_step = block.episode_step[k];
+  row.was_reset = block.was_reset[k] != 0;
+  row.status = block.status[k];
+  row.reward = block.reward[k];
+  row.observation = values_of(block.observation, header().observation_names.size());
+  row.state = values_of(block.state, header().state_names.size());
   return row;
 }
 

@@ -124,6 +124,24 @@ def test_a_changed_byte_of_an_action_is_reported_where_the_runs_part(tmp_path: P
     assert re.search(r"^  state u quad\.base_link\[\d\] +\S+ +\S+$", done.stdout, re.MULTILINE)
 
 
+@pytest.mark.parametrize("name", ["observation", "reward", "episode_step", "status"])
+def test_rows_that_were_changed_beside_their_hashes_are_not_identical(tmp_path: Path, name: str):
+    file, changed = tmp_path / "run.h5", tmp_path / "changed.h5"
+    envs = skybody.make_vec(short_hover(), NUM_ENVS, seed=3)
+    envs.record(file)
+    envs.reset()
+    fly(envs, 0, 30)
+    envs.close()
+    changed.write_bytes(file.read_bytes())
+    with h5py.File(changed, "r+") as recording:
+        values = recording[f"transitions/{name}"]
+        values[7 * NUM_ENVS + 2] += 1  # the eighth transition of environment 2
+    for result in (replay(changed), replay(file, "--against", str(changed))):
+        assert result.returncode == 1, result.stdout + result.stderr
+        assert "the hashes are the same, but not the rows beside them" in result.stdout
+        assert "parted: environment 2, transition 8 " in result.stdout
+
+
 @pytest.mark.parametrize("end", ["stop_recording", "close", "__exit__", "__del__"])
 def test_the_file_is_whole_however_the_recording_ends(tmp_path: Path, end: str):
     file = tmp_path / "run.h5"

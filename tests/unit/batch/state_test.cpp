@@ -53,6 +53,18 @@ TEST(Restore, InMidEpisodeGivesTheSameFutureWhateverTheThreads) {
   }
 }
 
+TEST(Restore, RefusesAStateThatWasChangedAndChangesNothing) {
+  VecEnv envs(small_env(), options_of(2, 2));
+  fly(envs, 0, 5);
+  const auto saved = envs.save();
+  for (const std::size_t word : {saved.size() / 2, saved.size() - 2, saved.size() - 1}) {
+    auto changed = saved;
+    changed[word] ^= 1u << 20;
+    EXPECT_THROW(envs.restore(changed), Error) << "word " << word;
+    EXPECT_EQ(envs.save(), saved);
+  }
+}
+
 TEST(Restore, GoesOnWhereTheOrderWas) {
   const auto environment = small_env();
   VecEnv a(environment, options_of(1, 4)), b(environment, options_of(2, 4));
