@@ -25,15 +25,15 @@ double physics_step_cost(const Environment& environment) {
   environment.initialize(group, 0, 0, 0);
   environment.reset(group, *work, 1u, rows);
   const FpEnvironment guard;
-  GroupWork::Lane& lane = work->lanes[0];
-  const LaneState start = lane.state;
+  const std::vector<std::uint64_t> start = group.save(0);
   std::uint64_t steps = 0;
   double seconds = 0.0;
   while (seconds < kSeconds) {
-    lane.state = start;
-    lane.stepper->update_bodies(lane.state);
+    group.restore(0, start);
+    group.refresh(1u, work->physics);
+    const GroupBlocks blocks = group.blocks();
     const Clock::time_point begin = Clock::now();
-    for (int k = 0; k < kRun; ++k) lane.stepper->advance(lane.state);
+    for (int k = 0; k < kRun; ++k) group.stepper().advance(blocks, 1u, work->physics);
     seconds += std::chrono::duration<double>(Clock::now() - begin).count();
     steps += kRun;
   }

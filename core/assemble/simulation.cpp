@@ -76,7 +76,7 @@ void Simulation::touch() const {
 
 const std::vector<BodyState>& Simulation::bodies() const {
   touch();
-  return data_->work->lanes[0].state.bodies;
+  return data_->bodies = data_->group.body_states(0);
 }
 
 const BodyState& Simulation::body(const std::string& robot, const std::string& link) const {
@@ -118,7 +118,7 @@ std::vector<double> Simulation::params() const {
 std::vector<double> Simulation::goals() const {
   touch();
   std::vector<double> out;
-  environment_->goal(data_->group, *data_->work, 0, out);
+  environment_->goal(data_->group, 0, out);
   return out;
 }
 

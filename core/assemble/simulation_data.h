@@ -23,6 +23,7 @@ struct Simulation::Data {
 
   StateGroup group;
   std::unique_ptr<GroupWork> work;
+  std::vector<BodyState> bodies;  ///< as last asked for
   std::vector<float> observation, agent_reward, info;
   float reward = 0.0f;
   std::uint64_t status = kRunning;

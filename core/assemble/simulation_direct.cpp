@@ -109,13 +109,13 @@ Accelerations Simulation::accelerations() const {
   Accelerations out;
   out.udot.resize(static_cast<std::size_t>(layout.u.size));
   try {
-    environment_->accelerations(data_->group, *data_->work, 0, out.udot.data());
+    environment_->accelerations(data_->group, 0, out.udot.data());
   } catch (const std::runtime_error& error) {
     throw Error(std::string("the dynamics has no accelerations at this state: ") + error.what());
   }
-  const LaneState& state = data_->work->lanes[0].state;
-  out.bodies = body_accelerations(make_tree(environment_->world()), state.q.data(), state.u.data(),
-                                  out.udot.data());
+  const StateGroup& group = data_->group;
+  out.bodies = body_accelerations(make_tree(environment_->world()), group.reals(layout.q),
+                                  group.reals(layout.u), out.udot.data());
   return out;
 }
 

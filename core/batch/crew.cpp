@@ -94,7 +94,7 @@ void Crew::work(int index) {
   const FpEnvironment guard;
   int idle = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
-    if (index < wanted_.load(std::memory_order_relaxed) && run_block()) {
+    if (index < wanted_.load(std::memory_order_relaxed) && run_block(index)) {
       idle = 0;
     } else if (++idle < spin_limit_) {
       pause();
@@ -124,7 +124,7 @@ bool Crew::is_slow(int group) const {
 }
 
 /// A worker's turn. @returns false if nothing waits
-bool Crew::run_block() {
+bool Crew::run_block(int thread) {
   int groups[kMostGroups];
   const int count = queue_.take(groups, kMostGroups, [&](const int* first, int available) {
     return choose(first, available);
@@ -132,7 +132,7 @@ bool Crew::run_block() {
   if (count == 0) return false;
   const bool quick = !is_slow(groups[0]);
   if (quick) quick_running_.fetch_add(1, std::memory_order_seq_cst);
-  run_taken(groups, count);
+  run_taken(groups, count, thread);
   if (quick && quick_running_.fetch_sub(1, std::memory_order_seq_cst) == 1) announce();
   return true;
 }
@@ -157,15 +157,15 @@ bool Crew::help() {
   if (defer) {
     leave_to_workers(groups[0]);
   } else {
-    run_taken(groups, count);
+    run_taken(groups, count, 0);
   }
   return true;
 }
 
-void Crew::run_taken(const int* groups, int count) {
+void Crew::run_taken(const int* groups, int count, int thread) {
   try {
     const Clock::time_point start = Clock::now();
-    for (int k = 0; k < count; ++k) runner_.run(groups[k]);
+    for (int k = 0; k < count; ++k) runner_.run(groups[k], thread);
     note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
   } catch (...) {
     fail(std::current_exception());

@@ -18,7 +18,8 @@ namespace skybody {
 class GroupRunner {
  public:
   virtual ~GroupRunner() = default;
-  virtual void run(int group) = 0;
+  /// @param thread  which of the crew calls: 0 is the caller's
+  virtual void run(int group, int thread) = 0;
 };
 
 /// N_T threads of which the caller is one. Clocks are read for scheduling only: which thread does
@@ -96,8 +97,8 @@ class Crew {
   void dismiss_workers();
   void work(int index);
   bool help();
-  bool run_block();
-  void run_taken(const int* groups, int count);
+  bool run_block(int thread);
+  void run_taken(const int* groups, int count, int thread);
   bool is_slow(int group) const;
   void leave_to_workers(int group);
   void want_all();

@@ -183,20 +183,20 @@ void VecEnv::Engine::open_round(int count) {
 void VecEnv::Engine::enqueue(int env) {
   in_flight_[static_cast<std::size_t>(env)] = 1;
   ++in_flight_count;
-  const int group = env / Fleet::kLanes;
-  const std::uint64_t lane = std::uint64_t{1} << (env % Fleet::kLanes);
+  const int group = fleet.group_of(env);
+  const std::uint64_t lane = std::uint64_t{1} << fleet.lane_of(env);
   const std::uint64_t before = group_state_[static_cast<std::size_t>(group)].fetch_or(
       lane | kOwned, std::memory_order_acq_rel);
   if ((before & kOwned) == 0) crew_.add(group);
 }
 
 /// Lanes that are sent while the group runs are run by the same thread right after.
-void VecEnv::Engine::run(int group) {
+void VecEnv::Engine::run(int group, int thread) {
   std::atomic<std::uint64_t>& state = group_state_[static_cast<std::size_t>(group)];
   for (std::uint64_t idle = kOwned;; idle = kOwned) {
     const auto lanes =
         static_cast<std::uint32_t>(state.fetch_and(~kLaneBits, std::memory_order_acq_rel));
-    fleet.transition(group, lanes, *target_);
+    fleet.transition(group, lanes, *target_, thread);
     if (round_) {
       round_left_.fetch_sub(std::popcount(lanes), std::memory_order_seq_cst);
     } else {
@@ -213,7 +213,7 @@ void VecEnv::Engine::drain() {
   std::uint32_t lanes = 0;
   while (done_.pop(group, lanes)) {
     for (; lanes != 0; lanes &= lanes - 1) {
-      const int env = group * Fleet::kLanes + std::countr_zero(lanes);
+      const int env = fleet.env_of(group, std::countr_zero(lanes));
       finished_[static_cast<std::size_t>(env)] = 1;
       if (options.order == Order::kArrival) arrived_.push_back(env);
     }

@@ -49,7 +49,7 @@ class VecEnv::Engine : private GroupRunner {
   const Crew& crew() const { return crew_; }
 
  private:
-  void run(int group) override;
+  void run(int group, int thread) override;
   void check_steps(std::span<const float> actions, std::span<const std::int32_t> env_ids);
   void check_step(std::int32_t env);
   void unmark(std::span<const std::int32_t> env_ids, std::size_t count);

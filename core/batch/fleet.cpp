@@ -6,9 +6,16 @@
 #include "core/base/error.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
+#include "core/physics/lane_values.h"
 
 namespace skybody {
 namespace {
+
+/// Groups of several lanes where every thread then has at least one.
+int lanes_for(const Environment& environment, const VecEnvOptions& options) {
+  const int preferred = environment.preferred_lanes();
+  return options.envs >= preferred * std::max(options.threads, 1) ? preferred : 1;
+}
 
 template <class F>
 void each(std::uint32_t mask, F&& f) {
@@ -20,6 +27,7 @@ void each(std::uint32_t mask, F&& f) {
 Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions& options)
     : environment_(std::move(environment)),
       envs_(options.envs),
+      lanes_(lanes_for(*environment_, options)),
       action_size_(static_cast<std::size_t>(environment_->action_size())),
       autoreset_(options.autoreset),
       keep_hash_(options.keep_hash),
@@ -29,12 +37,11 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
       started_(index(envs_)),
       ended_(index(envs_)),
       chains_(index(envs_)) {
-  const int groups = (envs_ + kLanes - 1) / kLanes;
+  const int groups = (envs_ + lanes_ - 1) / lanes_;
   states_.reserve(index(groups));
-  works_.reserve(index(groups));
-  for (int g = 0; g < groups; ++g) {
-    states_.push_back(environment_->make_state(kLanes));
-    works_.push_back(environment_->make_work(kLanes));
+  for (int g = 0; g < groups; ++g) states_.push_back(environment_->make_state(lanes_));
+  for (int t = 0; t < std::max(options.threads, 1); ++t) {
+    works_.push_back(environment_->make_work(lanes_));
   }
   initialize(options.seed);
 }
@@ -46,22 +53,23 @@ RowWidths Fleet::widths() const {
 
 void Fleet::initialize(std::uint64_t seed) {
   for (int env = 0; env < envs_; ++env) {
-    environment_->initialize(state(env), lane(env), seed,
+    environment_->initialize(state(env), lane_of(env), seed,
                              first_env_id_ + static_cast<std::uint64_t>(env));
     started_[index(env)] = ended_[index(env)] = 0;
   }
 }
 
-void Fleet::transition(int group, std::uint32_t mask, Batch& rows) {
+void Fleet::transition(int group, std::uint32_t mask, Batch& rows, int thread) {
+  GroupWork& work = *works_[index(thread)];
   std::uint32_t resets = 0;
   each(mask, [&](int l) {
-    const std::size_t env = index(group * kLanes + l);
+    const std::size_t env = index(env_of(group, l));
     // kSameStep comes here with an ended episode too: restored, or its reset was itself a fault.
     const bool begins = autoreset_ != Autoreset::kDisabled && ended_[env] != 0;
     if (wants_reset_[env] != 0 || begins) resets |= 1u << l;
   });
-  if ((mask & ~resets) != 0) step(group, mask & ~resets, rows);
-  if (resets != 0) reset(group, resets, rows);
+  if ((mask & ~resets) != 0) step(group, mask & ~resets, rows, work);
+  if (resets != 0) reset(group, resets, rows, work);
 }
 
 /// Where the rows of the group's lanes lie.
@@ -72,30 +80,30 @@ Rows Fleet::rows_of(int first, Batch& rows) const {
           rows.info.data() + at * index(rows.width.info)};
 }
 
-void Fleet::step(int group, std::uint32_t mask, Batch& rows) {
-  const int first = group * kLanes;
+void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
+  const int first = env_of(group, 0);
   const Rows out = rows_of(first, rows);
-  environment_->step(states_[index(group)], *works_[index(group)], mask, action(first),
+  environment_->step(states_[index(group)], work, mask, action(first),
                      static_cast<int>(action_size_), out);
   add_to_hash(group, mask, out);
   describe(group, mask, false, rows);
-  if (autoreset_ == Autoreset::kSameStep) reset_ended(group, mask, rows);
+  if (autoreset_ == Autoreset::kSameStep) reset_ended(group, mask, rows, work);
 }
 
-void Fleet::reset(int group, std::uint32_t mask, Batch& rows) {
-  const Rows out = rows_of(group * kLanes, rows);
-  environment_->reset(states_[index(group)], *works_[index(group)], mask, out);
+void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
+  const Rows out = rows_of(env_of(group, 0), rows);
+  environment_->reset(states_[index(group)], work, mask, out);
   add_to_hash(group, mask, out);
   describe(group, mask, true, rows);
 }
 
 /// kSameStep: keeps the last row of episodes that have ended and begins the next; reward, status
 /// and step count of the row stay those of the end.
-void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows) {
+void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const auto observation = index(rows.width.observation), info = index(rows.width.info);
   std::uint32_t over = 0;
   each(mask, [&](int l) {
-    const std::size_t env = index(group * kLanes + l);
+    const std::size_t env = index(env_of(group, l));
     if (ended_[env] == 0) return;
     over |= 1u << l;
     std::copy_n(rows.observation.data() + env * observation, observation,
@@ -103,16 +111,16 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows) {
     std::copy_n(rows.info.data() + env * info, info, rows.final_info.data() + env * info);
   });
   if (over == 0) return;
-  float reward[kLanes];
-  std::uint64_t status[kLanes];
-  Rows out = rows_of(group * kLanes, rows);
+  float reward[kGroupLanes];
+  std::uint64_t status[kGroupLanes];
+  Rows out = rows_of(env_of(group, 0), rows);
   out.reward = reward;
   out.status = status;
   out.agent_reward = nullptr;
-  environment_->reset(states_[index(group)], *works_[index(group)], over, out);
+  environment_->reset(states_[index(group)], work, over, out);
   add_to_hash(group, over, out);
   each(over, [&](int l) {
-    const std::size_t env = index(group * kLanes + l);
+    const std::size_t env = index(env_of(group, l));
     // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
     ended_[env] = status[l] != kRunning;
   });
@@ -121,14 +129,14 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows) {
 void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
   if (!keep_hash_.load(std::memory_order_relaxed)) return;
   each(mask, [&](int l) {
-    environment_->hash(states_[index(group)], l, rows, chains_[index(group * kLanes + l)]);
+    environment_->hash(states_[index(group)], l, rows, chains_[index(env_of(group, l))]);
   });
 }
 
 /// The flags of the rows, from the status that the transition gave.
 void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) {
   each(mask, [&](int l) {
-    const std::size_t env = index(group * kLanes + l);
+    const std::size_t env = index(env_of(group, l));
     const std::uint64_t status = rows.status[env];
     rows.terminated[env] = (status & kTerminated) != 0;
     rows.truncated[env] = (status & kTruncated) != 0;
@@ -144,26 +152,26 @@ void Fleet::observation(int env, float* out) const {
   const Block block = environment_->layout().last_observation;
   const double* values = state(env).reals(block);
   for (int k = 0; k < block.size; ++k) {
-    out[k] = static_cast<float>(values[k * kLanes + lane(env)]);
+    out[k] = static_cast<float>(values[k * lanes_ + lane_of(env)]);
   }
 }
 
 double Fleet::param(int env, const std::string& path) const {
-  return get_param(*environment_, state(env), lane(env), path);
+  return get_param(*environment_, state(env), lane_of(env), path);
 }
 
 void Fleet::set_param(int env, const std::string& path, double value) {
-  skybody::set_param(*environment_, state(env), lane(env), path, value);
+  skybody::set_param(*environment_, state(env), lane_of(env), path, value);
 }
 
 void Fleet::fork(int source, int target, bool rekey) {
-  if (rekey) count_fork(state(source), lane(source));
+  if (rekey) count_fork(state(source), lane_of(source));
   if (source != target) {
-    state(target).restore(lane(target), state(source).save(lane(source)));
+    state(target).restore(lane_of(target), state(source).save(lane_of(source)));
     chains_[index(target)] = chains_[index(source)];
     refresh_flags(target);
   }
-  if (rekey) give_fork_key(state(target), lane(target));
+  if (rekey) give_fork_key(state(target), lane_of(target));
 }
 
 }  // namespace skybody

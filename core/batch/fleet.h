@@ -23,13 +23,16 @@ class Fleet {
  public:
   Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions& options);
 
-  /// Lanes a group; the last group may have fewer environments.
-  static constexpr int kLanes = 1;  // all dynamics step environments one by one so far
-
   const Environment& environment() const { return *environment_; }
   const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
   int envs() const { return envs_; }
+  /// Environments of one group lie side by side: lanes() of them, fewer in the last group. One
+  /// each where the physics goes one by one, or where groups would leave threads without work.
   int groups() const { return static_cast<int>(states_.size()); }
+  int lanes() const { return lanes_; }
+  int group_of(int env) const { return env / lanes_; }
+  int lane_of(int env) const { return env % lanes_; }
+  int env_of(int group, int lane) const { return group * lanes_ + lane; }
   RowWidths widths() const;
 
   /// What the next transition of an environment is to be.
@@ -41,7 +44,8 @@ class Fleet {
   bool ended(int env) const { return ended_[index(env)] != 0; }
 
   /// One transition of the lanes in `mask`; their rows are written at row env of `rows`.
-  void transition(int group, std::uint32_t mask, Batch& rows);
+  /// @param thread  whose scratch to use, 0 <= thread < options.threads: never twice at a time
+  void transition(int group, std::uint32_t mask, Batch& rows, int thread);
 
   /// Everything back to the beginning, under a seed.
   void initialize(std::uint64_t seed);
@@ -59,31 +63,31 @@ class Fleet {
   /// Whether transitions are added to the hashes from now on.
   void keep_hash(bool keep) { keep_hash_.store(keep, std::memory_order_relaxed); }
   /// Resets so far.
-  std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane(env)]; }
+  std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane_of(env)]; }
   /// All words of an environment's WorldState, in the order of the layout.
-  std::vector<std::uint64_t> words(int env) const { return state(env).save(lane(env)); }
+  std::vector<std::uint64_t> words(int env) const { return state(env).save(lane_of(env)); }
 
  private:
   static std::size_t index(int env) { return static_cast<std::size_t>(env); }
-  StateGroup& state(int env) { return states_[index(env / kLanes)]; }
-  const StateGroup& state(int env) const { return states_[index(env / kLanes)]; }
-  static int lane(int env) { return env % kLanes; }
+  StateGroup& state(int env) { return states_[index(group_of(env))]; }
+  const StateGroup& state(int env) const { return states_[index(group_of(env))]; }
   Rows rows_of(int first, Batch& rows) const;
-  void step(int group, std::uint32_t mask, Batch& rows);
-  void reset(int group, std::uint32_t mask, Batch& rows);
-  void reset_ended(int group, std::uint32_t mask, Batch& rows);
+  void step(int group, std::uint32_t mask, Batch& rows, GroupWork& work);
+  void reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work);
+  void reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work);
   void add_to_hash(int group, std::uint32_t mask, const Rows& rows);
   void refresh_flags(int env);
   void describe(int group, std::uint32_t mask, bool is_reset, Batch& rows);
 
   std::shared_ptr<const Environment> environment_;
   int envs_;
+  int lanes_;
   std::size_t action_size_;
   Autoreset autoreset_;
   std::atomic<bool> keep_hash_;
   std::uint64_t first_env_id_;
   std::vector<StateGroup> states_;
-  std::vector<std::unique_ptr<GroupWork>> works_;
+  std::vector<std::unique_ptr<GroupWork>> works_;  ///< one per thread
   std::vector<float> actions_;
   std::vector<std::uint8_t> wants_reset_, started_, ended_;
   std::vector<HashChain> chains_;

@@ -35,7 +35,7 @@ std::vector<std::uint64_t> Fleet::save() const {
   const auto words = static_cast<std::size_t>(environment_->layout().words);
   out.reserve(out.size() + index(envs_) * (words + kChainWords));
   for (int env = 0; env < envs_; ++env) {
-    const std::vector<std::uint64_t> lane_words = state(env).save(lane(env));
+    const std::vector<std::uint64_t> lane_words = state(env).save(lane_of(env));
     out.insert(out.end(), lane_words.begin(), lane_words.end());
     std::uint64_t chain[kChainWords];
     std::memcpy(chain, &chains_[index(env)], sizeof(chain));
@@ -77,7 +77,7 @@ void Fleet::restore(std::span<const std::uint64_t> saved) {
   const std::size_t each = words + kChainWords;
   const std::uint64_t* from = saved.data() + kSavedHeader;
   for (int env = 0; env < envs_; ++env, from += each) {
-    state(env).restore(lane(env), {from, from + words});
+    state(env).restore(lane_of(env), {from, from + words});
     std::memcpy(static_cast<void*>(&chains_[index(env)]), from + words, sizeof(HashChain));
     refresh_flags(env);
   }
@@ -85,8 +85,8 @@ void Fleet::restore(std::span<const std::uint64_t> saved) {
 
 /// What the flags say follows from WorldState.
 void Fleet::refresh_flags(int env) {
-  started_[index(env)] = state(env).bits(kEpisode)[lane(env)] > 0;
-  ended_[index(env)] = state(env).bits(kStatus)[lane(env)] != kRunning;
+  started_[index(env)] = state(env).bits(kEpisode)[lane_of(env)] > 0;
+  ended_[index(env)] = state(env).bits(kStatus)[lane_of(env)] != kRunning;
 }
 
 }  // namespace skybody

@@ -59,8 +59,10 @@ class Environment {
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
-  StateGroup make_state(int lanes) const { return {layout().words, lanes}; }
-  /// Scratch for one group: steppers and buffers. Results never depend on which groups it served.
+  /// Lanes in which this scenario is best stepped: 8 where its physics goes in packs, else 1.
+  int preferred_lanes() const { return physics_->preferred_lanes(); }
+  StateGroup make_state(int lanes) const;
+  /// Scratch for groups of that size. Results never depend on which groups it served.
   std::unique_ptr<GroupWork> make_work(int lanes) const;
 
   /// Puts one lane at the beginning: nominal parameters, episode 0, the given random key. A reset
@@ -95,13 +97,13 @@ class Environment {
   /// last physics step.
   /// @param udot  one per u
   /// @throws std::runtime_error if the dynamics gives up
-  void accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const;
+  void accelerations(StateGroup& group, int lane, double* udot) const;
 
   /// What the bodies of one lane touch: the ground, and on Simbody obstacles and one another.
   std::vector<Contact> contacts(StateGroup& group, GroupWork& work, int lane) const;
 
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
-  void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
+  void goal(StateGroup& group, int lane, std::vector<double>& out) const;
 
   /// Adds one transition of a lane to a trajectory hash: state words, observation, reward, status.
   void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;
@@ -109,13 +111,21 @@ class Environment {
  private:
   struct Builder;
   void act(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions, int stride) const;
+  void read_actions(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions,
+                    int stride) const;
   void control(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void actuate(StateGroup&, std::uint32_t mask, const PluginInstance& last,
                const ControllerChain& chain, const double* output) const;
   std::uint32_t fly(StateGroup&, GroupWork&, std::uint32_t mask, std::int64_t steps) const;
   void advance(StateGroup&, GroupWork&, std::uint32_t& mask) const;
-  void sense(StateGroup&, GroupWork&, std::uint32_t mask, bool all) const;
+  void sense(StateGroup&, std::uint32_t mask, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
+  std::uint64_t ended(const StateGroup&, const GroupWork&, int lane) const;
+  bool is_sound(const GroupWork&) const;
+  void conclude_packed(StateGroup&, GroupWork&, bool is_reset, const Rows&) const;
+  bool all_robots_are_agents() const { return agents_.size() == scenario().robots.size(); }
+  void write_agent_rewards(const StateGroup&, const GroupWork&, int lane, double reward,
+                           const Rows&) const;
   void write_rows(const StateGroup&, const GroupWork&, int lane, double reward,
                   const Rows& rows) const;
   void evaluate(StateGroup&, GroupWork&, std::uint32_t mask) const;
@@ -124,15 +134,15 @@ class Environment {
   void start(StateGroup&, std::uint32_t mask) const;
   void draw(StateGroup&, GroupWork&, std::uint32_t mask, bool requested) const;
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
-  void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void reset_plugin(const PluginInstance&, StateGroup&, std::uint32_t mask) const;
   const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
-  void remember_bodies(StateGroup&, GroupWork&, std::uint32_t mask) const;
-  void show_bodies(const StateGroup&, GroupWork&, int lane) const;
-  SkybodyLanes view(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void remember_bodies(StateGroup&, std::uint32_t mask) const;
+  SkybodyLanes view(StateGroup&, std::uint32_t mask) const;
 
   std::unique_ptr<World> world_;
+  std::unique_ptr<const GroupPhysics> physics_;
   std::vector<PluginInstance> controllers_, sensors_, randomizers_;
   std::vector<ControllerChain> chains_;
   PluginInstance task_;

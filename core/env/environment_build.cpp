@@ -308,37 +308,28 @@ struct Environment::Builder {
 Environment::Environment(std::unique_ptr<World> world, PluginFactory& factory)
     : world_(std::move(world)) {
   Builder(*this, factory).build();
+  physics_ = std::make_unique<const GroupPhysics>(*world_);
 }
 
 Environment::~Environment() = default;
 
+StateGroup Environment::make_state(int lanes) const {
+  return {layout(), static_cast<int>(world_->bodies.size()), lanes, physics_->make_stepper(lanes)};
+}
+
 std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   auto work = std::make_unique<GroupWork>();
   const auto n = static_cast<std::size_t>(lanes);
-  const Layout& l = layout();
-  work->lanes.resize(n);
-  for (GroupWork::Lane& lane : work->lanes) {
-    LaneState& s = lane.state;
-    const auto sized = [](Block b) {
-      return std::vector<double>(static_cast<std::size_t>(b.size));
-    };
-    s.q = sized(l.q);
-    s.u = sized(l.u);
-    s.rotor_speed = sized(l.rotor_speed);
-    s.rotor_command = sized(l.rotor_command);
-    s.wrench = sized(l.wrench);
-    s.drive = sized(l.drive);
-    s.params = sized(l.params);
-    s.bodies.resize(world_->bodies.size());
-  }
-  work->bodies.resize(13 * world_->bodies.size() * n);
-  for (auto& signal : work->signal) signal.resize(static_cast<std::size_t>(scratch_size_) * n);
-  work->observation.resize(static_cast<std::size_t>(observation_size()) * n);
-  work->reward.resize(n);
-  work->robot_reward.resize(scenario().robots.size() * n);
-  work->info.resize(static_cast<std::size_t>(info_size()) * n);
-  work->end.resize(n);
-  work->request.resize(n);
+  const auto values = [n](std::size_t count) { return AlignedArray<double>(count * n); };
+  work->lanes = lanes;
+  work->physics = physics_->make_scratch();
+  for (auto& signal : work->signal) signal = values(static_cast<std::size_t>(scratch_size_));
+  work->observation = values(static_cast<std::size_t>(observation_size()));
+  work->reward = values(1);
+  work->robot_reward = values(scenario().robots.size());
+  work->info = values(static_cast<std::size_t>(info_size()));
+  work->end = AlignedArray<std::uint64_t>(n);
+  work->request = AlignedArray<std::uint64_t>(n);
   return work;
 }
 

@@ -35,22 +35,16 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
   conclude(group, work, mask, false, rows);
 }
 
-void Environment::accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const {
+void Environment::accelerations(StateGroup& group, int lane, double* udot) const {
   const FpEnvironment guard;
-  update(group, work, 1u << lane);
-  GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
-  group.gather(lane, layout().rotor_command, w.state.rotor_command.data());
-  group.gather(lane, layout().wrench, w.state.wrench.data());
-  group.gather(lane, layout().drive, w.state.drive.data());
-  w.stepper->accelerations(w.state, udot);
+  group.stepper().accelerations(group.blocks(), lane, udot);
 }
 
 std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
-  GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
-  std::vector<Contact> out = ground_contacts(*world_, w.state.bodies);
-  w.stepper->add_contacts(w.state, out);
+  std::vector<Contact> out = ground_contacts(*world_, group.body_states(lane));
+  group.stepper().add_contacts(group.blocks(), lane, out);
   return out;
 }
 

@@ -37,13 +37,13 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
   update(group, work, mask);  // randomizers may look at the bodies
   draw(group, work, mask, false);
   update(group, work, mask);
-  remember_bodies(group, work, mask);
-  for (const PluginInstance& c : controllers_) reset_plugin(c, group, work, mask);
+  remember_bodies(group, mask);
+  for (const PluginInstance& c : controllers_) reset_plugin(c, group, mask);
   silence_rotors(group, mask);  // now that controllers have seen at which speed they began
   update(group, work, mask);
-  reset_plugin(task_, group, work, mask);
-  for (const PluginInstance& s : sensors_) reset_plugin(s, group, work, mask);
-  sense(group, work, mask, true);
+  reset_plugin(task_, group, mask);
+  for (const PluginInstance& s : sensors_) reset_plugin(s, group, mask);
+  sense(group, mask, true);
   evaluate(group, work, mask);
   conclude(group, work, mask, true, rows);
 }
@@ -80,10 +80,10 @@ void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) con
   clear(task_);
 }
 
-void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group, GroupWork& work,
+void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group,
                                std::uint32_t mask) const {
   if (plugin.kernels.reset == nullptr) return;
-  const SkybodyLanes v = view(group, work, mask);
+  const SkybodyLanes v = view(group, mask);
   plugin.kernels.reset(plugin.self.get(), &v, group.bits(plugin.state), group.reals(plugin.buffer));
 }
 
@@ -92,8 +92,9 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
                        bool requested) const {
   if (randomizers_.empty()) return;
   const Layout& l = layout();
-  SkybodyLanes v = view(group, work, mask);
+  SkybodyLanes v = view(group, mask);
   if (requested) v.physics_step = number_requests(group, work, mask);
+  group.changed(mask);
   const SkybodyStart where{group.reals(l.q), group.reals(l.u), group.reals(l.rotor_speed),
                            group.reals(l.params), requested ? 1u : 0u};
   for (const PluginInstance& r : randomizers_) {
@@ -105,6 +106,7 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
 /// Rotors that no controller drives stand still: a robot moved by a wrench or a drive would be
 /// pushed twice while they run down.
 void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
+  group.changed(mask);
   for (const ControllerChain& chain : chains_) {
     if (chain.count == 0) continue;
     const PluginInstance& last =
@@ -160,16 +162,8 @@ void Environment::randomize(StateGroup& group, GroupWork& work, std::uint32_t ma
     std::copy(from, from + block.size * group.lanes(), group.reals(block));
     from += block.size * group.lanes();
   }
+  group.changed(mask);
   update(group, work, mask);
-}
-
-void Environment::remember_bodies(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
-  if (!needs_bodies_before_) return;
-  for (int lane = 0; lane < group.lanes(); ++lane) {
-    if (((mask >> lane) & 1u) == 0) continue;
-    const auto& bodies = work.lanes[static_cast<std::size_t>(lane)].state.bodies;
-    group.scatter(lane, layout().bodies_before, reinterpret_cast<const double*>(bodies.data()));
-  }
 }
 
 }  // namespace skybody

@@ -6,7 +6,9 @@
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/environment.h"
+#include "core/env/group_rows.h"
 #include "core/env/group_work.h"
+#include "core/physics/lane_values.h"
 
 namespace skybody {
 namespace {
@@ -19,19 +21,13 @@ void each(std::uint32_t mask, F&& f) {
   }
 }
 
-/// Whether a lane's copy has the bits of the group's block.
-bool same_bits(const std::vector<double>& mine, const StateGroup& group, int lane, Block block) {
-  if (block.size == 0) return true;
-  const double* theirs = group.reals(block);
-  const int lanes = group.lanes();
-  if (lanes == 1) return std::memcmp(mine.data(), theirs, mine.size() * sizeof(double)) == 0;
-  for (int k = 0; k < block.size; ++k) {
-    if (std::memcmp(&mine[static_cast<std::size_t>(k)], theirs + k * lanes + lane,
-                    sizeof(double)) != 0) {
-      return false;
-    }
-  }
-  return true;
+std::uint32_t all_lanes(const StateGroup& group) {
+  return static_cast<std::uint32_t>((std::uint64_t{1} << group.lanes()) - 1);
+}
+
+/// Whether all lanes of a group that goes in packs take part.
+bool is_packed(const StateGroup& group, std::uint32_t mask) {
+  return group.lanes() == kGroupLanes && mask == (1u << kGroupLanes) - 1u;
 }
 
 /// Reason bits of a lane's fault, 0 if there is none.
@@ -58,7 +54,7 @@ void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, c
   check(group, work, mask);
   const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
-  update(group, work, mask);
+  group.refresh(mask, work.physics);
   act(group, work, mask, actions, action_stride);
   fly(group, work, mask, scenario().stepping.action_repeat);
   each(mask, [&](int lane) { ++group.bits(kStep)[lane]; });
@@ -72,18 +68,18 @@ std::uint32_t Environment::fly(StateGroup& group, GroupWork& work, std::uint32_t
   for (std::int64_t k = 0; k < steps && mask != 0; ++k) {
     control(group, work, mask);
     advance(group, work, mask);
-    sense(group, work, mask, false);
+    sense(group, mask, false);
   }
   return mask;
 }
 
 void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
-  SKYBODY_DEMAND(static_cast<int>(work.lanes.size()) == group.lanes(),
+  SKYBODY_DEMAND(work.lanes == group.lanes(),
                  "a work of another group size");
   SKYBODY_DEMAND(group.lanes() >= 32 || (mask >> group.lanes()) == 0, "a mask beyond the group");
 }
 
-SkybodyLanes Environment::view(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+SkybodyLanes Environment::view(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   SkybodyLanes v{};
   v.lanes = static_cast<std::uint32_t>(group.lanes());
@@ -92,7 +88,7 @@ SkybodyLanes Environment::view(StateGroup& group, GroupWork& work, std::uint32_t
   v.episode = group.bits(kEpisode);
   v.step = group.bits(kStep);
   v.physics_step = group.bits(kPhysicsStep);
-  v.bodies = work.bodies.data();
+  v.bodies = group.bodies();
   v.bodies_before = l.bodies_before.size > 0 ? group.reals(l.bodies_before) : nullptr;
   v.q = group.reals(l.q);
   v.u = group.reals(l.u);
@@ -105,38 +101,7 @@ SkybodyLanes Environment::view(StateGroup& group, GroupWork& work, std::uint32_t
 }
 
 void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
-  const Layout& l = layout();
-  each(mask, [&](int lane) {
-    GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
-    if (w.current && same_bits(w.state.q, group, lane, l.q) &&
-        same_bits(w.state.u, group, lane, l.u) &&
-        same_bits(w.state.params, group, lane, l.params) &&
-        same_bits(w.state.rotor_speed, group, lane, l.rotor_speed)) {
-      return;
-    }
-    if (!w.stepper) w.stepper = make_stepper(*world_);
-    group.gather(lane, l.q, w.state.q.data());
-    group.gather(lane, l.u, w.state.u.data());
-    group.gather(lane, l.rotor_speed, w.state.rotor_speed.data());
-    group.gather(lane, l.params, w.state.params.data());
-    w.stepper->update_bodies(w.state);
-    w.current = true;
-    show_bodies(group, work, lane);
-  });
-}
-
-void Environment::show_bodies(const StateGroup& group, GroupWork& work, int lane) const {
-  const auto& bodies = work.lanes[static_cast<std::size_t>(lane)].state.bodies;
-  const auto* values = reinterpret_cast<const double*>(bodies.data());
-  const std::size_t count = bodies.size() * 13;
-  const auto lanes = static_cast<std::size_t>(group.lanes());
-  if (lanes == 1) {
-    std::memcpy(work.bodies.data(), values, count * sizeof(double));
-    return;
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    work.bodies[k * lanes + static_cast<std::size_t>(lane)] = values[k];
-  }
+  group.refresh(mask, work.physics);
 }
 
 /// P_i: clip the action and turn it into the command, once. A row that is not finite keeps the last
@@ -144,46 +109,62 @@ void Environment::show_bodies(const StateGroup& group, GroupWork& work, int lane
 void Environment::act(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
                       int action_stride) const {
   const Layout& l = layout();
-  const int lanes = group.lanes();
   double* action = group.reals(l.action);
-  each(mask, [&](int lane) {
-    const float* row = actions + static_cast<std::ptrdiff_t>(lane) * action_stride;
-    bool finite = true;
-    for (int k = 0; k < l.action.size; ++k) finite = finite && std::isfinite(row[k]);
-    if (!finite) {
-      work.bad_action |= 1u << lane;
-      return;
-    }
-    for (int k = 0; k < l.action.size; ++k) {
-      const double a = row[k];
-      action[k * lanes + lane] = a < -1.0 ? -1.0 : (a > 1.0 ? 1.0 : a);
-    }
-  });
+  const bool packed = is_packed(group, mask);
+  if (!packed || !row_kernels().read_clipped(actions, action_stride, l.action.size, action)) {
+    read_actions(group, work, mask, actions, action_stride);
+  }
   double* command = group.reals(l.command);
   if (task_.kernels.process != nullptr) {
-    const SkybodyLanes v = view(group, work, mask);
+    const SkybodyLanes v = view(group, mask);
     task_.kernels.process(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
                           action, command);
     return;
   }
+  const int lanes = group.lanes();
   for (const ControllerChain& chain : chains_) {
     if (chain.count == 0) continue;
     const PluginInstance& first = controllers_[static_cast<std::size_t>(chain.first)];
+    const double *low = first.low.data(), *high = first.high.data();
+    const double* from = action + chain.action * lanes;
+    double* to = command + chain.command * lanes;
+    if (packed) {
+      row_kernels().scale(from, first.input_count(), low, high, to);
+      continue;
+    }
     for (int k = 0; k < first.input_count(); ++k) {
-      const double low = first.low[static_cast<std::size_t>(k)];
-      const double high = first.high[static_cast<std::size_t>(k)];
       each(mask, [&](int lane) {
-        const double a = action[(chain.action + k) * lanes + lane];
-        command[(chain.command + k) * lanes + lane] = low + 0.5 * (a + 1.0) * (high - low);
+        const double a = from[k * lanes + lane];
+        to[k * lanes + lane] = low[k] + 0.5 * (a + 1.0) * (high[k] - low[k]);
       });
     }
   }
 }
 
+/// Lane by lane.
+void Environment::read_actions(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                               const float* actions, int action_stride) const {
+  const int lanes = group.lanes(), size = layout().action.size;
+  double* action = group.reals(layout().action);
+  each(mask, [&](int lane) {
+    const float* row = actions + static_cast<std::ptrdiff_t>(lane) * action_stride;
+    bool finite = true;
+    for (int k = 0; k < size; ++k) finite = finite && std::isfinite(row[k]);
+    if (!finite) {
+      work.bad_action |= 1u << lane;
+      return;
+    }
+    for (int k = 0; k < size; ++k) {
+      const double a = row[k];
+      action[k * lanes + lane] = a < -1.0 ? -1.0 : (a > 1.0 ? 1.0 : a);
+    }
+  });
+}
+
 /// C_i: every robot's controllers in order, from the latest state.
 void Environment::control(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
   const int lanes = group.lanes();
-  const SkybodyLanes v = view(group, work, mask);
+  const SkybodyLanes v = view(group, mask);
   for (const ControllerChain& chain : chains_) {
     const double* input = group.reals(layout().command) + chain.command * lanes;
     for (int i = 0; i < chain.count; ++i) {
@@ -212,6 +193,10 @@ void Environment::actuate(StateGroup& group, std::uint32_t mask, const PluginIns
     const int skip = last.output_signal == SKYBODY_VELOCITY ? 0 : 6;
     target = group.reals(l.drive) + (13 * chain.drive + skip) * lanes;
   }
+  if (mask == all_lanes(group)) {
+    std::memcpy(target, output, static_cast<std::size_t>(last.output_count * lanes) * 8);
+    return;
+  }
   for (int k = 0; k < last.output_count; ++k) {
     each(mask, [&](int lane) { target[k * lanes + lane] = output[k * lanes + lane]; });
   }
@@ -220,33 +205,28 @@ void Environment::actuate(StateGroup& group, std::uint32_t mask, const PluginIns
 /// x_{k-1} -> x_k with the command held. Lanes whose physics gives up leave `mask`, in their last
 /// finite state.
 void Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t& mask) const {
-  const Layout& l = layout();
-  std::uint32_t fallen = 0;
+  remember_bodies(group, mask);
+  const std::uint32_t through = group.stepper().advance(group.blocks(), mask, work.physics);
+  work.bad_state |= mask & ~through;
+  mask = through;
+  each(mask, [&](int lane) { ++group.bits(kPhysicsStep)[lane]; });
+}
+
+/// For plugins that look at where bodies were before the last physics step.
+void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
+  if (!needs_bodies_before_) return;
+  const Block& block = layout().bodies_before;
+  const int lanes = group.lanes();
+  const double* now = group.bodies();
+  double* before = group.reals(block);
   each(mask, [&](int lane) {
-    GroupWork::Lane& w = work.lanes[static_cast<std::size_t>(lane)];
-    group.gather(lane, l.rotor_command, w.state.rotor_command.data());
-    group.gather(lane, l.wrench, w.state.wrench.data());
-    group.gather(lane, l.drive, w.state.drive.data());
-    if (needs_bodies_before_) {
-      group.scatter(lane, l.bodies_before, reinterpret_cast<const double*>(w.state.bodies.data()));
-    }
-    if (!w.stepper->advance(w.state)) {
-      fallen |= 1u << lane;
-      return;
-    }
-    group.scatter(lane, l.q, w.state.q.data());
-    group.scatter(lane, l.u, w.state.u.data());
-    group.scatter(lane, l.rotor_speed, w.state.rotor_speed.data());
-    show_bodies(group, work, lane);
-    ++group.bits(kPhysicsStep)[lane];
+    for (int k = 0; k < block.size; ++k) before[k * lanes + lane] = now[k * lanes + lane];
   });
-  work.bad_state |= fallen;
-  mask &= ~fallen;
 }
 
 /// Sensors that are due after this physics step, each lane by its own count; all of them at a
 /// reset.
-void Environment::sense(StateGroup& group, GroupWork& work, std::uint32_t mask, bool all) const {
+void Environment::sense(StateGroup& group, std::uint32_t mask, bool all) const {
   if (sensors_.empty() || mask == 0) return;
   const int lanes = group.lanes();
   const std::uint64_t* count = group.bits(kPhysicsStep);
@@ -256,7 +236,7 @@ void Environment::sense(StateGroup& group, GroupWork& work, std::uint32_t mask, 
       if (all || count[lane] % static_cast<std::uint64_t>(s.period) == 0) due |= 1u << lane;
     });
     if (due == 0) continue;
-    const SkybodyLanes v = view(group, work, due);
+    const SkybodyLanes v = view(group, due);
     s.kernels.sense(s.self.get(), &v, group.bits(s.state), group.reals(s.buffer),
                     group.reals(layout().sensors) + s.output * lanes);
   }
@@ -264,15 +244,8 @@ void Environment::sense(StateGroup& group, GroupWork& work, std::uint32_t mask, 
 
 /// Psi_i: what the task says about the final state.
 void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
-  const auto lanes = static_cast<std::size_t>(group.lanes());
-  each(mask, [&](int lane) {
-    const auto l = static_cast<std::size_t>(lane);
-    work.reward[l] = 0.0;
-    work.end[l] = 0;
-    for (std::size_t k = l; k < work.robot_reward.size(); k += lanes) work.robot_reward[k] = 0.0;
-    for (std::size_t k = l; k < work.info.size(); k += lanes) work.info[k] = 0.0;
-  });
-  const SkybodyLanes v = view(group, work, mask);
+  work.clear_outcome();
+  const SkybodyLanes v = view(group, mask);
   const SkybodyEvaluation out{work.observation.data(), work.reward.data(), work.end.data(),
                               work.robot_reward.data(), work.info.data()};
   task_.kernels.evaluate(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
@@ -282,9 +255,12 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
 /// Horizon and faults, then the rows. A fault gives the last finite observation and reward 0.
 void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask, bool is_reset,
                            const Rows& rows) const {
+  if (is_packed(group, mask) && is_sound(work)) {
+    conclude_packed(group, work, is_reset, rows);
+    return;
+  }
   const int lanes = group.lanes();
   const int size = observation_size();
-  const auto horizon = static_cast<std::uint64_t>(scenario().stepping.horizon);
   double* last = group.reals(layout().last_observation);
   each(mask, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
@@ -297,9 +273,8 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
       finite =
           finite && is_finite_float(work.observation[static_cast<std::size_t>(k * lanes + lane)]);
     }
-    std::uint64_t status = is_reset ? kRunning : work.end[l] & (kTerminated | kTruncated);
+    std::uint64_t status = is_reset ? kRunning : ended(group, work, lane);
     double reward = is_reset ? 0.0 : work.reward[l];
-    if (!is_reset && horizon > 0 && group.bits(kStep)[lane] >= horizon) status |= kTruncated;
     if (const std::uint64_t reason = fault_reason(work, lane, finite); reason != 0) {
       status = kTruncated | kFault | reason;
       reward = 0.0;
@@ -314,6 +289,46 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
   });
 }
 
+/// Whether task or horizon end the episode.
+std::uint64_t Environment::ended(const StateGroup& group, const GroupWork& work, int lane) const {
+  const auto horizon = static_cast<std::uint64_t>(scenario().stepping.horizon);
+  const std::uint64_t by_task = work.end[static_cast<std::size_t>(lane)] & (kTerminated | kTruncated);
+  const bool over = horizon > 0 && group.bits(kStep)[lane] >= horizon;
+  return over ? by_task | kTruncated : by_task;
+}
+
+/// No lane of a full group has a fault.
+bool Environment::is_sound(const GroupWork& work) const {
+  const RowKernels& rows = row_kernels();
+  return (work.bad_action | work.bad_state) == 0 && rows.are_finite(work.reward.data(), 1) &&
+         rows.are_finite(work.robot_reward.data(), static_cast<int>(scenario().robots.size())) &&
+         rows.are_finite(work.observation.data(), observation_size());
+}
+
+/// A full group without faults.
+void Environment::conclude_packed(StateGroup& group, GroupWork& work, bool is_reset,
+                                  const Rows& rows) const {
+  const RowKernels& kernels = row_kernels();
+  for (int lane = 0; lane < kGroupLanes; ++lane) {
+    const std::uint64_t status = is_reset ? kRunning : ended(group, work, lane);
+    group.bits(kStatus)[lane] = rows.status[lane] = status;
+    const double reward = is_reset ? 0.0 : work.reward[static_cast<std::size_t>(lane)];
+    rows.reward[lane] = static_cast<float>(reward);
+  }
+  kernels.write(work.observation.data(), observation_size(), rows.observation,
+                group.reals(layout().last_observation));
+  if (rows.info != nullptr && info_size_ > 0) {
+    kernels.write(work.info.data(), info_size_, rows.info, nullptr);
+  }
+  if (rows.agent_reward == nullptr) return;
+  if (all_robots_are_agents() && task_.robot_rewards && !is_reset) {
+    kernels.write(work.robot_reward.data(), static_cast<int>(agents_.size()), rows.agent_reward,
+                  nullptr);
+    return;
+  }
+  for (int lane = 0; lane < kGroupLanes; ++lane) write_agent_rewards(group, work, lane, rows.reward[lane], rows);
+}
+
 /// What the learner gets of one lane, whose status has been decided.
 void Environment::write_rows(const StateGroup& group, const GroupWork& work, int lane,
                              double reward, const Rows& rows) const {
@@ -325,14 +340,7 @@ void Environment::write_rows(const StateGroup& group, const GroupWork& work, int
   for (int k = 0; k < size; ++k) row[k] = static_cast<float>(last[k * lanes + lane]);
   rows.reward[lane] = static_cast<float>(reward);
   rows.status[lane] = status;
-  if (rows.agent_reward != nullptr) {
-    const bool own = task_.robot_rewards && group.bits(kStep)[lane] > 0 && (status & kFault) == 0;
-    float* out = rows.agent_reward + static_cast<std::size_t>(lane) * agents_.size();
-    for (const int robot : agents_) {
-      *out++ = static_cast<float>(
-          own ? work.robot_reward[static_cast<std::size_t>(robot * lanes + lane)] : reward);
-    }
-  }
+  if (rows.agent_reward != nullptr) write_agent_rewards(group, work, lane, reward, rows);
   if (rows.info != nullptr) {
     float* out = rows.info + static_cast<std::ptrdiff_t>(lane) * info_size_;
     for (int k = 0; k < info_size_; ++k) {
@@ -341,14 +349,26 @@ void Environment::write_rows(const StateGroup& group, const GroupWork& work, int
   }
 }
 
-void Environment::goal(StateGroup& group, GroupWork& work, int lane,
-                       std::vector<double>& out) const {
+/// Each agent's own reward where the task says it, else the team's.
+void Environment::write_agent_rewards(const StateGroup& group, const GroupWork& work, int lane,
+                                      double reward, const Rows& rows) const {
+  const int lanes = group.lanes();
+  const bool is_fault = (group.bits(kStatus)[lane] & kFault) != 0;
+  const bool own = task_.robot_rewards && group.bits(kStep)[lane] > 0 && !is_fault;
+  float* out = rows.agent_reward + static_cast<std::size_t>(lane) * agents_.size();
+  for (const int robot : agents_) {
+    *out++ = static_cast<float>(
+        own ? work.robot_reward[static_cast<std::size_t>(robot * lanes + lane)] : reward);
+  }
+}
+
+void Environment::goal(StateGroup& group, int lane, std::vector<double>& out) const {
   const FpEnvironment guard;
   out.assign(task_.goals.size() * 4, 0.0);
   if (task_.kernels.goal == nullptr || out.empty()) return;
   const auto lanes = static_cast<std::size_t>(group.lanes());
   std::vector<double> values(out.size() * lanes);
-  const SkybodyLanes v = view(group, work, 1u << lane);
+  const SkybodyLanes v = view(group, 1u << lane);
   task_.kernels.goal(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
                      values.data());
   for (std::size_t k = 0; k < out.size(); ++k) {

@@ -1,35 +1,36 @@
-// Scratch of one lane group while it steps: physics of each lane, derived values, buffers.
+// Scratch of one thread while it steps groups of an environment.
 #pragma once
 
-#include <memory>
-#include <vector>
+#include <cstdint>
 
+#include "core/base/aligned_array.h"
 #include "core/env/environment.h"
-#include "core/physics/stepper.h"
 
 namespace skybody {
 
-/// Made by Environment::make_work. Nothing in it survives as information: all of it follows from
-/// WorldState, so a group may be stepped with any work of its environment.
+/// Made by Environment::make_work for groups of one size. Nothing in it survives a call: any group
+/// may be stepped with any work of its environment.
 class GroupWork {
  public:
-  struct Lane {
-    std::unique_ptr<Stepper> stepper;  ///< made when the lane is first stepped
-    LaneState state;                   ///< contiguous copy of the lane's physical values
-    bool current = false;              ///< state.bodies belong to the values in `state`
-  };
+  /// Before the task speaks: what it leaves out is 0.
+  void clear_outcome() {
+    reward.fill_zero();
+    end.fill_zero();
+    robot_reward.fill_zero();
+    info.fill_zero();
+  }
 
-  std::vector<Lane> lanes;
-  std::vector<double> bodies;          ///< 13 per body, in lanes: what plugins see
-  std::vector<double> signal[2];       ///< between controllers, in lanes
-  std::vector<double> observation;     ///< in lanes
-  std::vector<double> reward;          ///< 1 per lane
-  std::vector<double> robot_reward;    ///< 1 per robot, in lanes
-  std::vector<double> info;            ///< in lanes
-  std::vector<std::uint64_t> end;      ///< 1 per lane
-  std::vector<std::uint64_t> request;  ///< counters of requested draws, 1 per lane
-  std::uint32_t bad_action = 0;        ///< lanes of the present transition with such a fault
-  std::uint32_t bad_state = 0;         ///< likewise
+  int lanes = 1;
+  PhysicsScratch physics;
+  AlignedArray<double> signal[2];       ///< between controllers, in lanes
+  AlignedArray<double> observation;     ///< in lanes
+  AlignedArray<double> reward;          ///< 1 per lane
+  AlignedArray<double> robot_reward;    ///< 1 per robot, in lanes
+  AlignedArray<double> info;            ///< in lanes
+  AlignedArray<std::uint64_t> end;      ///< 1 per lane
+  AlignedArray<std::uint64_t> request;  ///< counters of requested draws, 1 per lane
+  std::uint32_t bad_action = 0;         ///< lanes of the present transition with such a fault
+  std::uint32_t bad_state = 0;          ///< likewise
 };
 
 }  // namespace skybody

@@ -35,6 +35,7 @@ void set_param(const Environment& environment, StateGroup& group, int lane, cons
     throw Error(message.str());
   }
   group.reals(environment.layout().params.offset + index)[lane] = value;
+  group.changed(1u << lane);
 }
 
 }  // namespace skybody

@@ -1,17 +1,18 @@
 #include "core/env/state_group.h"
 
 #include <cstring>
-#include <new>
 
 #include "core/base/error.h"
 
 namespace skybody {
 
-StateGroup::StateGroup(int words, int lanes) : words_(words), lanes_(lanes) {
-  const std::size_t bytes = static_cast<std::size_t>(words) * static_cast<std::size_t>(lanes) * 8;
-  data_.reset(static_cast<std::byte*>(::operator new[](bytes, std::align_val_t{64})));
-  std::memset(data_.get(), 0, bytes);
-}
+StateGroup::StateGroup(const Layout& layout, int bodies, int lanes,
+                       std::unique_ptr<GroupStepper> stepper)
+    : layout_(&layout),
+      lanes_(lanes),
+      words_(static_cast<std::size_t>(layout.words) * static_cast<std::size_t>(lanes)),
+      bodies_(13 * static_cast<std::size_t>(bodies) * static_cast<std::size_t>(lanes)),
+      stepper_(std::move(stepper)) {}
 
 void StateGroup::gather(int lane, Block block, double* out) const {
   if (block.size == 0) return;
@@ -25,6 +26,7 @@ void StateGroup::gather(int lane, Block block, double* out) const {
 
 void StateGroup::scatter(int lane, Block block, const double* in) {
   if (block.size == 0) return;
+  changed(1u << lane);
   double* values = reals(block);
   if (lanes_ == 1) {
     std::memcpy(values, in, static_cast<std::size_t>(block.size) * 8);
@@ -34,18 +36,30 @@ void StateGroup::scatter(int lane, Block block, const double* in) {
 }
 
 std::vector<std::uint64_t> StateGroup::save(int lane) const {
-  std::vector<std::uint64_t> saved(static_cast<std::size_t>(words_));
-  for (int k = 0; k < words_; ++k) {
-    std::memcpy(&saved[static_cast<std::size_t>(k)], at(k) + 8 * lane, 8);
-  }
+  std::vector<std::uint64_t> saved(static_cast<std::size_t>(words()));
+  for (int k = 0; k < words(); ++k) saved[static_cast<std::size_t>(k)] = at(k)[lane];
   return saved;
 }
 
 void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
-  SKYBODY_DEMAND(static_cast<int>(saved.size()) == words_, "a snapshot of another layout");
-  for (int k = 0; k < words_; ++k) {
-    std::memcpy(at(k) + 8 * lane, &saved[static_cast<std::size_t>(k)], 8);
+  SKYBODY_DEMAND(static_cast<int>(saved.size()) == words(), "a snapshot of another layout");
+  for (int k = 0; k < words(); ++k) at(k)[lane] = saved[static_cast<std::size_t>(k)];
+  changed(1u << lane);
+}
+
+GroupBlocks StateGroup::blocks() {
+  const Layout& l = *layout_;
+  return {lanes_,           reals(l.q),     reals(l.u),      reals(l.rotor_speed),
+          reals(l.rotor_command), reals(l.wrench), reals(l.drive), reals(l.params), bodies_.data()};
+}
+
+std::vector<BodyState> StateGroup::body_states(int lane) const {
+  std::vector<BodyState> out(bodies_.size() / 13 / static_cast<std::size_t>(lanes_));
+  auto* values = reinterpret_cast<double*>(out.data());
+  for (std::size_t k = 0; k < 13 * out.size(); ++k) {
+    values[k] = bodies_[k * static_cast<std::size_t>(lanes_) + static_cast<std::size_t>(lane)];
   }
+  return out;
 }
 
 }  // namespace skybody

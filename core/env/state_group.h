@@ -1,11 +1,14 @@
-// WorldState of one lane group: L environments side by side, every value a 64-bit word.
+// WorldState of one lane group: L environments side by side, every value a 64-bit word; and what
+// follows from it.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "core/base/aligned_array.h"
 #include "core/model/layout.h"
+#include "core/physics/group_stepper.h"
 
 namespace skybody {
 
@@ -13,12 +16,13 @@ namespace skybody {
 /// touch it when is the caller's business (one worker at a time).
 class StateGroup {
  public:
-  /// @param words  words of one environment
-  /// @param lanes  L >= 1; all words start as zero
-  StateGroup(int words, int lanes);
+  /// @param bodies   of the world
+  /// @param lanes    L >= 1; all words start as zero
+  /// @param stepper  the physics of this group
+  StateGroup(const Layout& layout, int bodies, int lanes, std::unique_ptr<GroupStepper> stepper);
 
   int lanes() const { return lanes_; }
-  int words() const { return words_; }
+  int words() const { return layout_->words; }
 
   /// First value of a block of doubles; stride L.
   double* reals(Block block) { return reals(block.offset); }
@@ -27,12 +31,10 @@ class StateGroup {
   const double* reals(int word) const { return reinterpret_cast<const double*>(at(word)); }
 
   /// First value of a block of std::uint64_t; stride L.
-  std::uint64_t* bits(int word) { return reinterpret_cast<std::uint64_t*>(at(word)); }
-  const std::uint64_t* bits(int word) const {
-    return reinterpret_cast<const std::uint64_t*>(at(word));
-  }
+  std::uint64_t* bits(int word) { return at(word); }
+  const std::uint64_t* bits(int word) const { return at(word); }
 
-  /// Copies one lane's block of doubles out of, or into, the group.
+  /// Copies one lane's block of doubles out of, or into, the group; the latter is a change.
   void gather(int lane, Block block, double* out) const;
   void scatter(int lane, Block block, const double* in);
 
@@ -40,15 +42,38 @@ class StateGroup {
   std::vector<std::uint64_t> save(int lane) const;
   void restore(int lane, const std::vector<std::uint64_t>& saved);
 
- private:
-  struct Free {
-    void operator()(std::byte* p) const { ::operator delete[](p, std::align_val_t{64}); }
-  };
-  std::byte* at(int word) const {
-    return data_.get() + static_cast<std::size_t>(word) * static_cast<std::size_t>(lanes_) * 8;
+  // --- what follows from the words: no information of its own -----------------------------------
+
+  /// Says that q, u, rotor speeds or parameters of these lanes were written through reals() by
+  /// somebody else than the stepper. Everybody who does so must say it.
+  void changed(std::uint32_t lanes) { current_ &= ~lanes; }
+  /// Makes bodies and stepper current for these lanes.
+  void refresh(std::uint32_t lanes, PhysicsScratch& scratch) {
+    const std::uint32_t stale = lanes & ~current_;
+    if (stale == 0) return;
+    stepper_->refresh(blocks(), stale, scratch);
+    current_ |= stale;
   }
-  int words_, lanes_;
-  std::unique_ptr<std::byte[], Free> data_;
+  GroupStepper& stepper() { return *stepper_; }
+  GroupBlocks blocks();
+  /// 13 per body (BodyState), stride L.
+  double* bodies() { return bodies_.data(); }
+  /// Motion of all bodies of one lane.
+  std::vector<BodyState> body_states(int lane) const;
+
+ private:
+  std::uint64_t* at(int word) {
+    return words_.data() + static_cast<std::size_t>(word) * static_cast<std::size_t>(lanes_);
+  }
+  const std::uint64_t* at(int word) const {
+    return words_.data() + static_cast<std::size_t>(word) * static_cast<std::size_t>(lanes_);
+  }
+  const Layout* layout_;
+  int lanes_;
+  AlignedArray<std::uint64_t> words_;
+  AlignedArray<double> bodies_;
+  std::unique_ptr<GroupStepper> stepper_;
+  std::uint32_t current_ = 0;  ///< lanes whose bodies, and what the stepper has derived, are right
 };
 
 }  // namespace skybody

@@ -20,6 +20,9 @@ ForceModel::ForceModel(const World& world) : world_(world) {
       rotor_groups_.push_back({body, static_cast<int>(i), 0});
     }
     ++rotor_groups_.back().count;
+    const Rotor& rotor = *world.rotors[i].model;
+    rotors_.push_back(
+        {rotor.position, rotor.axis, double(rotor.direction), world.layout.rotor_params[i]});
   }
   for (std::size_t i = 0; i < world.spheres.size(); ++i) {
     const ContactSphere& sphere = world.spheres[i];

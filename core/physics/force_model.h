@@ -16,13 +16,14 @@ namespace skybody {
 
 /// What forces depend on at one instant. Pointers to the values of one environment (or one pack),
 /// in the order of the layout's blocks.
-template <class Real>
+/// @tparam Params  how parameters are read: a pointer, or a view (lane_values.h)
+template <class Real, class Params = const Real*>
 struct ForceInputs {
   const Real* q = nullptr;
   const Real* u = nullptr;
   const BodyKinematics<Real>* bodies = nullptr;
   const RotorMotion<Real>* rotors = nullptr;
-  const Real* params = nullptr;
+  Params params;
   const Real* wrench = nullptr;
 };
 
@@ -34,8 +35,8 @@ class ForceModel {
   /// @param forces        one per body, overwritten
   /// @param joint_forces  one per u; only those of joints with damping, springs or limits are
   ///                      written, the others must be zero
-  template <class Real>
-  void evaluate(const ForceInputs<Real>& in, SpatialForce<Real>* forces, Real* joint_forces) const {
+  template <class Real, class Params>
+  SKYBODY_INLINE void evaluate(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces, Real* joint_forces) const {
     add_gravity(in, forces);
     add_rotors(in, forces);
     add_disturbances(in, forces);
@@ -45,6 +46,12 @@ class ForceModel {
   }
 
  private:
+  /// A rotor on its body.
+  struct RotorPlace {
+    Vec3<double> position, axis;  ///< hub [m] and thrust direction, body axes
+    double direction;
+    int params;  ///< first of its constants
+  };
   /// Consecutive rotors on one body.
   struct RotorGroup {
     int body = 0, first = 0, count = 0;
@@ -55,34 +62,34 @@ class ForceModel {
     double reach = 0.0;
   };
 
-  template <class Real>
-  static Vec3<Real> com_arm(const BodyKinematics<Real>& body, const Real* body_params) {
+  template <class Real, class Params>
+  static SKYBODY_INLINE Vec3<Real> com_arm(const BodyKinematics<Real>& body,
+                                           const Params& body_params) {
     return body.axes * load_vec3(body_params + kCom);
   }
 
   /// Overwrites: the first to be called.
-  template <class Real>
-  void add_gravity(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
     const Vec3<Real> gravity = to_real<Real>(world_.scenario.gravity);
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
-      const Real* params = in.params + world_.layout.body_params[i];
+      const auto params = in.params + world_.layout.body_params[i];
       forces[i].force = gravity * params[kMass];
       forces[i].moment = cross(com_arm(in.bodies[i], params), forces[i].force);
     }
   }
 
-  template <class Real>
-  void add_rotors(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_rotors(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
       const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
       const Vec3<Real> spin = transpose_times(body.axes, body.angular_velocity);
       SpatialForce<Real> sum = SpatialForce<Real>::zero();
       for (int i = group.first; i < group.first + group.count; ++i) {
-        const Rotor& rotor = *world_.rotors[i].model;
-        add_rotor_force(in.params + world_.layout.rotor_params[i], rotor.direction,
-                        to_real<Real>(rotor.position), to_real<Real>(rotor.axis), in.rotors[i],
-                        velocity, spin, sum);
+        const RotorPlace& rotor = rotors_[static_cast<std::size_t>(i)];
+        add_rotor_force(in.params + rotor.params, rotor.direction, to_real<Real>(rotor.position),
+                        to_real<Real>(rotor.axis), in.rotors[i], velocity, spin, sum);
       }
       forces[group.body].force += body.axes * sum.force;
       forces[group.body].moment += body.axes * sum.moment;
@@ -90,19 +97,19 @@ class ForceModel {
   }
 
   /// Paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
-  template <class Real>
-  void add_disturbances(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_disturbances(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
     for (std::size_t r = 0; r < bases_.size(); ++r) {
       const int base = bases_[r];
-      const Real* params = in.params + world_.layout.disturbance_params[r];
+      const auto params = in.params + world_.layout.disturbance_params[r];
       const Vec3<Real> arm = com_arm(in.bodies[base], in.params + world_.layout.body_params[base]);
       forces[base].add_force_at(arm, load_vec3(params + kDisturbanceForce));
       forces[base].moment += in.bodies[base].axes * load_vec3(params + kDisturbanceMoment);
     }
   }
 
-  template <class Real>
-  void add_wrenches(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_wrenches(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
     for (std::size_t s = 0; s < world_.sites.size(); ++s) {
       const WrenchSite& site = world_.sites[s];
       const BodyKinematics<Real>& body = in.bodies[site.body];
@@ -120,8 +127,8 @@ class ForceModel {
     }
   }
 
-  template <class Real>
-  void add_ground(const ForceInputs<Real>& in, SpatialForce<Real>* forces) const {
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_ground(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
     const ContactSettings& contact = world_.scenario.contact;
     for (const SphereGroup& group : sphere_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
@@ -144,8 +151,8 @@ class ForceModel {
     }
   }
 
-  template <class Real>
-  void add_joints(const ForceInputs<Real>& in, Real* joint_forces) const {
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_joints(const ForceInputs<Real, Params>& in, Real* joint_forces) const {
     for (const int i : stiff_joints_) {
       const WorldBody& body = world_.bodies[i];
       joint_force(body.model->joint, in.q + body.q, in.u + body.u, joint_forces + body.u);
@@ -153,6 +160,7 @@ class ForceModel {
   }
 
   const World& world_;
+  std::vector<RotorPlace> rotors_;
   std::vector<RotorGroup> rotor_groups_;
   std::vector<SphereGroup> sphere_groups_;
   std::vector<int> bases_;         ///< per robot: world body index of its base

@@ -17,11 +17,8 @@ class Integrator {
   virtual void advance(Mechanics& mechanics, double* q, double* u) = 0;
 };
 
-/// Semi-implicit (symplectic) Euler, order 1: u += dt udot(q, u), then q += dt N(q) u. Rotors count
-/// with their speed in mid-step.
+/// step_rules.h says what these do.
 std::unique_ptr<Integrator> make_semi_implicit_euler(const World& world);
-
-/// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
 std::unique_ptr<Integrator> make_rk4(const World& world);
 
 /// The one that the scenario asks for.

@@ -3,6 +3,7 @@
 // dynamics. Coordinates of each joint: core/model/robot_model.h, JointType.
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "core/base/math.h"
@@ -40,13 +41,14 @@ SKYBODY_INLINE Quat<Real> to_real(const Quat<double>& q) {
   return {Real(q.w), Real(q.x), Real(q.y), Real(q.z)};
 }
 
-template <class Real>
-SKYBODY_INLINE Vec3<Real> load_vec3(const Real* p) {
-  return {p[0], p[1], p[2]};
+/// @param p  a pointer to reals, or a view that is indexed like one (lane_values.h)
+template <class Values>
+SKYBODY_INLINE auto load_vec3(const Values& p) {
+  return Vec3<std::decay_t<decltype(p[0])>>{p[0], p[1], p[2]};
 }
-template <class Real>
-SKYBODY_INLINE Quat<Real> load_quat(const Real* p) {
-  return {p[0], p[1], p[2], p[3]};
+template <class Values>
+SKYBODY_INLINE auto load_quat(const Values& p) {
+  return Quat<std::decay_t<decltype(p[0])>>{p[0], p[1], p[2], p[3]};
 }
 template <class Real>
 SKYBODY_INLINE void store(const Vec3<Real>& v, Real* p) {
@@ -164,8 +166,8 @@ SKYBODY_INLINE BodyKinematics<Real> frame_on_parent(const TreeBody& body,
 
 /// Motion of all bodies, in the order of `tree`.
 template <class Real>
-void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q, const Real* u,
-                        BodyKinematics<Real>* bodies) {
+SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q,
+                                       const Real* u, BodyKinematics<Real>* bodies) {
   for (std::size_t i = 0; i < tree.size(); ++i) {
     const TreeBody& body = tree[i];
     const JointMotion<Real> joint = joint_motion(body.type, q + body.q, u + body.u);

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "core/base/error.h"
-#include "core/physics/base_drive.h"
+#include "core/physics/step_rules.h"
 
 namespace skybody {
 namespace {
@@ -65,13 +65,12 @@ void Mechanics::update_lag(const double* params) {
 void Mechanics::run_rotors(const LaneState& state) {
   for (std::size_t i = 0; i < lag_.size(); ++i) {
     const double* constants = state.params.data() + world_.layout.rotor_params[i];
-    const double speed = state.rotor_speed[i];
-    const double command = limit_command(state.rotor_command[i], constants[kMaxSpeed]);
+    const RotorRun<double> run =
+        run_rotor(lag_[i], state.rotor_speed[i], state.rotor_command[i], constants[kMaxSpeed]);
     for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
-      rotors_[time][i] = rotor_at(lag_[i], speed, command, time);
+      rotors_[time][i] = run.at[time];
     }
-    mean_rotors_[i] = {rotors_[kStepMiddle][i].speed,
-                       mean_rotor_acceleration(lag_[i], speed, command)};
+    mean_rotors_[i] = run.mean;
   }
 }
 
@@ -90,14 +89,8 @@ void Mechanics::start_drives(const LaneState& state, const double* q, double* u)
   update_motion(q, u);
   for (Drive& drive : drives_) {
     const TreeBody& base = tree_[drive.body];
-    const double* values = state.drive.data() + drive.value;
-    if (drive.kind == DriveKind::kVelocity) {
-      drive_velocity(motion_[drive.body], values, u + base.u);
-      continue;
-    }
-    store(load_vec3(values + kDrivePosition), drive.target);
-    store(normalized(load_quat(values + kDriveRotation)), drive.target + 3);
-    drive_to_pose(q + base.q, drive.target, world_.scenario.stepping.dt, u + base.u);
+    begin_drive(drive.kind, motion_[drive.body], state.drive.data() + drive.value,
+                world_.scenario.stepping.dt, q + base.q, u + base.u, drive.target);
   }
 }
 
@@ -112,13 +105,10 @@ void Mechanics::mean_accelerations(const double* q, const double* u, double* udo
 void Mechanics::accelerations(const double* q, const double* u, const RotorMotion<double>* rotors,
                               double* udot) {
   update_motion(q, u);
-  ForceInputs<double> in;
-  in.q = q;
-  in.u = u;
-  in.bodies = motion_.data();
-  in.rotors = rotors;
-  in.params = state_->params.data();
-  in.wrench = state_->wrench.data();
+  const ForceInputs<double> in{q,      u,
+                               motion_.data(),
+                               rotors, state_->params.data(),
+                               state_->wrench.data()};
   force_model_.evaluate(in, body_forces_.data(), joint_forces_.data());
   dynamics_->accelerations(q, u, body_forces_.data(), joint_forces_.data(), udot);
 }

@@ -23,29 +23,37 @@
 namespace skybody {
 
 /// Adds one rotor's forces to `sum`, which is about the body's origin like any SpatialForce but in
-/// the axes of the body.
+/// the axes of the body. Effects whose constant is zero cost nothing.
 /// @param constants  the rotor's kRotorParamCount values
 /// @param direction  +1 or -1
 /// @param position, axis         hub [m] and thrust direction, body axes
 /// @param velocity, angular_velocity  of the body's origin [m/s] and body [rad/s], body axes
-template <class Real>
-SKYBODY_INLINE void add_rotor_force(const Real* constants, double direction,
+template <class Real, class Constants>
+SKYBODY_INLINE void add_rotor_force(const Constants& constants, double direction,
                                     const Vec3<Real>& position, const Vec3<Real>& axis,
                                     const RotorMotion<Real>& rotor, const Vec3<Real>& velocity,
                                     const Vec3<Real>& angular_velocity, SpatialForce<Real>& sum) {
   const Real w = rotor.speed;
   const Real w_squared = w * w;
-  const Vec3<Real> hub_velocity = velocity + cross(angular_velocity, position);
-  const Vec3<Real> across = hub_velocity - axis * dot(hub_velocity, axis);
-
-  const Vec3<Real> force =
-      axis * (constants[kThrustConstant] * w_squared) - across * (constants[kDragConstant] * w);
-  const Real about_axis =
-      constants[kMomentConstant] * w_squared + constants[kRotorInertia] * rotor.acceleration;
-  const Vec3<Real> momentum = axis * (constants[kRotorInertia] * w);
-  const Vec3<Real> moment = axis * about_axis + across * (constants[kRollingMomentConstant] * w) +
-                            cross(angular_velocity, momentum);
-
+  Vec3<Real> force = axis * (constants[kThrustConstant] * w_squared);
+  Real about_axis = constants[kMomentConstant] * w_squared;
+  const Real drag = constants[kDragConstant], rolling = constants[kRollingMomentConstant];
+  const Real inertia = constants[kRotorInertia];
+  const auto spins_up = inertia != 0.0;
+  if (any(spins_up)) {
+    about_axis = select(spins_up, about_axis + inertia * rotor.acceleration, about_axis);
+  }
+  Vec3<Real> moment = axis * about_axis;
+  const auto drags = drag != 0.0, rolls = rolling != 0.0;
+  if (any(logical_or(drags, rolls))) {
+    const Vec3<Real> hub_velocity = velocity + cross(angular_velocity, position);
+    const Vec3<Real> across = hub_velocity - axis * dot(hub_velocity, axis);
+    force = select(drags, force - across * (drag * w), force);
+    moment = select(rolls, moment + across * (rolling * w), moment);
+  }
+  if (any(spins_up)) {
+    moment = select(spins_up, moment + cross(angular_velocity, axis * (inertia * w)), moment);
+  }
   sum.add_force_at(position, force);
   sum.moment -= moment * Real(direction);
 }

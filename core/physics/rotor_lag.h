@@ -65,6 +65,19 @@ RotorLag<Real> make_rotor_lag(const Real* constants, double dt) {
   return {make_lag_factors(constants[kTauUp], dt), make_lag_factors(constants[kTauDown], dt)};
 }
 
+/// Numbers in a RotorLag<double>, which is as good as an array of them.
+inline constexpr int kLagSize = 2 * (2 * kStageTimeCount + 1);
+static_assert(sizeof(RotorLag<double>) == kLagSize * sizeof(double));
+
+/// The lag whose numbers `values` holds, in the order of the members.
+template <class Real, class Values>
+SKYBODY_INLINE RotorLag<Real> load_lag(const Values& values) {
+  const auto factors = [](const Values& v) {
+    return LagFactors<Real>{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, v[6]};
+  };
+  return {factors(values), factors(values + kLagSize / 2)};
+}
+
 /// What a rotor is asked for, limited to what it can do: [0, max_speed]; NaN stays NaN.
 template <class Real>
 SKYBODY_INLINE Real limit_command(const Real& command, const Real& max_speed) {

@@ -7,15 +7,11 @@
 
 #include "core/base/math.h"
 #include "core/model/marked_error.h"
-#include "core/physics/free_body_dynamics.h"
 #include "core/physics/integrator.h"
+#include "core/physics/tree_dynamics.h"
 
 namespace skybody {
 namespace {
-
-/// A state beyond this [m, rad, m/s, rad/s] has diverged: it is a thousand kilometres away, or
-/// faster than any rotor.
-constexpr double kLargestState = 1e6;
 
 bool all_bounded(const std::vector<double>& values) {
   bool bounded = true;
@@ -90,16 +86,20 @@ std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynami
   return std::make_unique<MechanicsStepper>(world, std::move(dynamics));
 }
 
-std::unique_ptr<Stepper> make_stepper(const World& world) {
+DynamicsChoice chosen_dynamics(const World& world) {
   const Stepping& stepping = world.scenario.stepping;
-  if (stepping.dynamics == DynamicsChoice::kSimbody) return make_simbody_stepper(world);
+  if (stepping.dynamics == DynamicsChoice::kSimbody) return DynamicsChoice::kSimbody;
   const std::string why_not = why_not_tree(world);
-  if (why_not.empty()) return make_stepper(world, make_free_body_dynamics(world));
-  if (stepping.dynamics == DynamicsChoice::kAuto) return make_simbody_stepper(world);
+  if (why_not.empty()) return DynamicsChoice::kTree;
+  if (stepping.dynamics == DynamicsChoice::kAuto) return DynamicsChoice::kSimbody;
   throw MarkedError(stepping.dynamics_mark,
                     "`dynamics` is `tree`, but the world " + why_not +
-                        "; tree can do one robot that is one free body, without obstacles; use "
-                        "`auto` or `simbody`");
+                        "; tree can do one robot without obstacles; use `auto` or `simbody`");
+}
+
+std::unique_ptr<Stepper> make_stepper(const World& world) {
+  if (chosen_dynamics(world) == DynamicsChoice::kSimbody) return make_simbody_stepper(world);
+  return make_stepper(world, make_tree_dynamics(world));
 }
 
 std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {

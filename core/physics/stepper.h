@@ -11,6 +11,10 @@
 
 namespace skybody {
 
+/// A state beyond this [m, rad, m/s, rad/s] has diverged: it is a thousand kilometres away, or
+/// faster than any rotor.
+inline constexpr double kLargestState = 1e6;
+
 /// The physics of one environment on the one-by-one path. Not thread-safe; use one per environment.
 /// Holds only what can be derived from World and LaneState (a cache): results never depend on which
 /// states it saw before.
@@ -39,9 +43,12 @@ class Stepper {
 /// A stepper over any dynamics of this world with the scenario's integrator.
 std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynamics> dynamics);
 
-/// A stepper over the dynamics and the integrator that the scenario asks for; `auto` takes tree
-/// where that can do the world (why_not_tree), else Simbody.
+/// kTree or kSimbody: `auto` takes tree where that can do the world (why_not_tree), else Simbody.
 /// @throws MarkedError at `dynamics: tree` if tree cannot do the world (message says why)
+DynamicsChoice chosen_dynamics(const World& world);
+
+/// A stepper over the dynamics and the integrator that the scenario asks for.
+/// @throws MarkedError as chosen_dynamics
 /// @throws Error if the world cannot be built (message names the body and the reason)
 std::unique_ptr<Stepper> make_stepper(const World& world);
 

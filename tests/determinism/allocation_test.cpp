@@ -18,7 +18,7 @@
 #include "core/assemble/load.h"
 #include "core/assemble/simulation.h"
 #include "core/batch/vec_env.h"
-#include "core/physics/free_body_dynamics.h"
+#include "core/physics/tree_dynamics.h"
 
 namespace {
 

@@ -103,6 +103,7 @@ TEST(TransitionContract, TheHorizonTruncatesAndATaskTerminates) {
   EXPECT_EQ(flight.status[0], kTruncated);
   flight.reset();
   flight.group.reals(env->layout().q)[2] = -2.0;
+  flight.group.changed(1u);
   flight.step({0, 0, 0, 0});
   EXPECT_EQ(flight.status[0], kTerminated);
 }
@@ -131,6 +132,7 @@ TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) 
   alone.step(actions);
   const float height = flight.observation[3 * 4];
   flight.group.reals(env->layout().u)[3] = std::numeric_limits<double>::infinity();
+  flight.group.changed(1u << 3);
   flight.step(actions);
   alone.step(actions);
   EXPECT_EQ(flight.status[3], kTruncated | kFault | kBadState);
@@ -267,6 +269,7 @@ TEST(Randomization, AControllerGainIsOneValuePerEnvironment) {
   flight.reset();
   const int index = env->layout().find_param("robots.quad.controllers.direct.scale");
   flight.group.reals(env->layout().params.offset + index)[2] = 0.5;
+  flight.group.changed(1u << 2);
   flight.step(std::vector<float>(32, 0.0f));
   // 2000 rad/s give 16 N on 1 kg; half the speed gives 4 N.
   EXPECT_NEAR(flight.observation[2 * 4 + 1], 0.001 * (4.0 - 9.81), 1e-6);

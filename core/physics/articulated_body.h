@@ -1,0 +1,215 @@
+// Accelerations of a tree of rigid bodies by the articulated-body algorithm: R. Featherstone, Rigid
+// Body Dynamics Algorithms, 2008, section 7.3, on double and packs.
+//
+// All vectors are in W axes. Spatial quantities of a body are about the origin O of its own frame,
+// as SpatialForce is, with the acceleration `linear` that of the point O itself (not Featherstone's
+// spatial acceleration): then gravity, the state's velocities and Simbody's body forces need no
+// conversion. For one body with mass m, centre of mass c from O and inertia I about O
+//   moment = I alpha + m c x a + w x (I w)
+//   force  = m a - m c x alpha + m w x (w x c)
+#pragma once
+
+#include "core/base/mat3.h"
+#include "core/physics/kinematics.h"
+#include "core/physics/spatial_force.h"
+
+namespace skybody {
+
+/// Acceleration of a body and of its frame's origin, W axes.
+template <class Real>
+struct SpatialAcceleration {
+  Vec3<Real> angular;  ///< [rad/s^2]
+  Vec3<Real> linear;   ///< [m/s^2]
+};
+
+/// Maps accelerations to forces: moment = angular alpha + coupling a, force = coupling^T alpha +
+/// linear a.
+template <class Real>
+struct ArticulatedInertia {
+  SymMat3<Real> angular;
+  Mat3<Real> coupling;
+  SymMat3<Real> linear;
+
+  SKYBODY_INLINE SpatialForce<Real> operator*(const SpatialAcceleration<Real>& a) const {
+    return {angular * a.angular + coupling * a.linear,
+            transpose_times(coupling, a.angular) + linear * a.linear};
+  }
+};
+
+/// Inertia of one rigid body.
+/// @param com      centre of mass from O, W axes [m]
+/// @param inertia  about the centre of mass, W axes [kg m^2]
+template <class Real>
+SKYBODY_INLINE ArticulatedInertia<Real> rigid_inertia(const Real& mass, const Vec3<Real>& com,
+                                                      const SymMat3<Real>& inertia) {
+  const Real zero(0.0);
+  return {inertia + point_inertia(mass, com), skew(com * mass),
+          {mass, mass, mass, zero, zero, zero}};
+}
+
+/// The force that the body's own rotation asks for, besides its accelerations.
+template <class Real>
+SKYBODY_INLINE SpatialForce<Real> velocity_force(const Real& mass, const Vec3<Real>& com,
+                                                 const SymMat3<Real>& angular,
+                                                 const Vec3<Real>& w) {
+  return {cross(w, angular * w), cross(w, cross(w, com)) * mass};
+}
+
+/// About a point that is `arm` before O (O = point + arm), for a body that moves with it.
+template <class Real>
+SKYBODY_INLINE ArticulatedInertia<Real> shifted(const ArticulatedInertia<Real>& i,
+                                                const Vec3<Real>& arm) {
+  const Mat3<Real> r = skew(arm);
+  const Mat3<Real> r_linear = r * to_mat3(i.linear);
+  const Mat3<Real> cr = i.coupling * r;
+  // r G^T = -(G r)^T, since r is skew: with it the sum is symmetric.
+  const Mat3<Real> angular = cr + transpose(cr) + r_linear * r;
+  return {i.angular - upper_triangle(angular), i.coupling + r_linear, i.linear};
+}
+
+template <class Real>
+SKYBODY_INLINE SpatialForce<Real> shifted(const SpatialForce<Real>& f, const Vec3<Real>& arm) {
+  return {f.moment + cross(arm, f.force), f.force};
+}
+
+/// What one body's elimination leaves for the way back to the leaves.
+template <class Real>
+struct TreeBodyWork {
+  ArticulatedInertia<Real> inertia;  ///< of the body and all that hangs on it
+  SpatialForce<Real> bias;           ///< force that it takes where nothing accelerates
+  SpatialAcceleration<Real> drift;   ///< acceleration at O with udot and the parent's zero
+  Vec3<Real> arm;                    ///< from the parent's O to this one
+  SpatialAcceleration<Real> column[6];
+  SpatialForce<Real> reduced[6];  ///< rows of L^-1 (inertia S)^T
+  Real residual[6];               ///< L^-1 (tau - S^T bias)
+  Real inverse_pivot[6];
+  Real lower[6][6];  ///< L, unit lower triangle
+};
+
+template <class Real>
+SKYBODY_INLINE Real power(const SpatialAcceleration<Real>& motion, const SpatialForce<Real>& f) {
+  return dot(motion.angular, f.moment) + dot(motion.linear, f.force);
+}
+
+/// Columns of S, drift and arm of one joint.
+/// @param parent  null where the joint's frame F is fixed to W
+/// @param frame   F's motion; @param joint M's in it; @param body the body's
+template <class Real>
+SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>* parent,
+                               const BodyKinematics<Real>& frame, const JointMotion<Real>& joint,
+                               const BodyKinematics<Real>& body, const Real* u,
+                               TreeBodyWork<Real>& work) {
+  const Real none(0.0);
+  const Vec3<Real> zero{none, none, none};
+  Mat3<Real> m_axes = body.axes;
+  Vec3<Real> lever = zero;  // from M's origin to O
+  if (!tree.plain_body) {
+    m_axes = body.axes * to_mat3(to_real<Real>(tree.frame_in_body.rotation));
+    lever = -(body.axes * to_real<Real>(tree.frame_in_body.position));
+  }
+  const auto turning = [&](const Vec3<Real>& axis) {
+    return SpatialAcceleration<Real>{axis, tree.plain_body ? zero : cross(axis, lever)};
+  };
+  Vec3<Real> spin_drift = zero;
+  switch (tree.type) {
+    case JointType::kWeld:
+      break;
+    case JointType::kFree:
+      for (int k = 0; k < 3; ++k) work.column[k] = {zero, frame.axes.column(k)};
+      for (int k = 0; k < 3; ++k) work.column[3 + k] = turning(m_axes.column(k));
+      break;
+    case JointType::kPin:
+      work.column[0] = turning(m_axes.column(2));
+      break;
+    case JointType::kSlider:
+      work.column[0] = {zero, frame.axes.column(0)};
+      break;
+    case JointType::kUniversal:
+      work.column[0] = turning(frame.axes.column(0));
+      work.column[1] = turning(m_axes.column(1));
+      spin_drift = cross(frame.axes.column(0), m_axes.column(1)) * (u[0] * u[1]);
+      break;
+    case JointType::kBall:
+      for (int k = 0; k < 3; ++k) work.column[k] = turning(m_axes.column(k));
+      break;
+  }
+  work.arm = body.position;
+  work.drift = {spin_drift, zero};
+  if (parent != nullptr) {
+    const Vec3<Real>& w = parent->angular_velocity;
+    work.arm = body.position - parent->position;
+    work.drift.angular += cross(w, body.angular_velocity - w);
+    work.drift.linear = cross(w, cross(w, work.arm - lever)) +
+                        2.0 * cross(w, frame.axes * joint.velocity);
+  }
+  if (!tree.plain_body) {
+    const Vec3<Real>& w = body.angular_velocity;
+    work.drift.linear += cross(work.drift.angular, lever) + cross(w, cross(w, lever));
+  }
+}
+
+/// Takes a joint's N coordinates out of the equations of its body.
+template <int N, class Real>
+SKYBODY_INLINE void eliminate(const Real* joint_force, TreeBodyWork<Real>& work) {
+  for (int k = 0; k < N; ++k) {
+    SpatialForce<Real> row = work.inertia * work.column[k];
+    Real residual = joint_force[k] - power(work.column[k], work.bias);
+    Real pivot = power(work.column[k], row);
+    for (int j = 0; j < k; ++j) {
+      // L D: element (k, j) before it is divided by the pivot.
+      const Real scaled = power(work.column[k], work.reduced[j]);
+      const Real l = scaled * work.inverse_pivot[j];
+      work.lower[k][j] = l;
+      row.moment -= work.reduced[j].moment * l;
+      row.force -= work.reduced[j].force * l;
+      residual -= l * work.residual[j];
+      pivot -= l * scaled;
+    }
+    work.reduced[k] = row;
+    work.residual[k] = residual;
+    work.inverse_pivot[k] = 1.0 / pivot;
+  }
+}
+
+/// inertia and bias as they are felt through the joint.
+template <int N, class Real>
+SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Real>& inertia,
+                           SpatialForce<Real>& bias) {
+  inertia = work.inertia;
+  for (int k = 0; k < N; ++k) {
+    const Vec3<Real>&m = work.reduced[k].moment, &f = work.reduced[k].force;
+    const Vec3<Real> dm = m * work.inverse_pivot[k], df = f * work.inverse_pivot[k];
+    inertia.angular = inertia.angular - SymMat3<Real>{m.x * dm.x, m.y * dm.y, m.z * dm.z,
+                                                      m.x * dm.y, m.x * dm.z, m.y * dm.z};
+    inertia.linear = inertia.linear - SymMat3<Real>{f.x * df.x, f.y * df.y, f.z * df.z,
+                                                    f.x * df.y, f.x * df.z, f.y * df.z};
+    inertia.coupling = inertia.coupling - Mat3<Real>{{m.x * df.x, m.x * df.y, m.x * df.z,
+                                                      m.y * df.x, m.y * df.y, m.y * df.z,
+                                                      m.z * df.x, m.z * df.y, m.z * df.z}};
+  }
+  const SpatialForce<Real> drifting = inertia * work.drift;
+  bias = {work.bias.moment + drifting.moment, work.bias.force + drifting.force};
+  for (int k = 0; k < N; ++k) {
+    const Real rate = work.residual[k] * work.inverse_pivot[k];
+    bias.moment += work.reduced[k].moment * rate;
+    bias.force += work.reduced[k].force * rate;
+  }
+}
+
+/// udot of a joint whose body would accelerate by `a` if they were zero; adds what they do to `a`.
+template <int N, class Real>
+SKYBODY_INLINE void substitute(const TreeBodyWork<Real>& work, SpatialAcceleration<Real>& a,
+                               Real* udot) {
+  for (int k = 0; k < N; ++k) {
+    udot[k] = (work.residual[k] - power(a, work.reduced[k])) * work.inverse_pivot[k];
+  }
+  for (int k = N - 2; k >= 0; --k) {
+    for (int j = k + 1; j < N; ++j) udot[k] -= work.lower[j][k] * udot[j];
+  }
+  for (int k = 0; k < N; ++k) {
+    a.angular += work.column[k].angular * udot[k];
+    a.linear += work.column[k].linear * udot[k];
+  }
+}
+
+}  // namespace skybody

@@ -1,0 +1,106 @@
+// A group in packs: all its lanes at once, on the tree dynamics.
+#include <cstring>
+
+#include "core/base/error.h"
+#include "core/physics/group_stepper.h"
+#include "core/physics/lane_values.h"
+#include "core/physics/pack_world.h"
+
+namespace skybody {
+namespace {
+
+class PackGroupStepper final : public GroupStepper {
+ public:
+  explicit PackGroupStepper(const PackWorld& world)
+      : world_(world),
+        spins_(3 * world.world.bodies.size() * kGroupLanes),
+        derived_(static_cast<std::size_t>(world.derived.size) * kGroupLanes) {}
+
+  void refresh(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch) override {
+    for (int l = 0; l < kGroupLanes; ++l) {
+      if (((lanes >> l) & 1u) != 0) derive_lane(group, l, scratch);
+    }
+    pack_kernels().refresh(call(group, scratch), lanes);
+  }
+
+  std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes,
+                        PhysicsScratch& scratch) override {
+    return pack_kernels().advance(call(group, scratch), lanes & ~broken_);
+  }
+
+  void accelerations(const GroupBlocks& group, int lane, double* udot) override {
+    one_by_one().accelerations(group, lane, udot);
+  }
+
+  void add_contacts(const GroupBlocks& group, int lane, std::vector<Contact>& out) override {
+    one_by_one().add_contacts(group, lane, out);
+  }
+
+ private:
+  PackCall call(const GroupBlocks& group, PhysicsScratch& scratch) {
+    return {&world_, &group, spins_.data(), drawn_ == 0 ? nullptr : derived_.data(),
+            scratch.data()};
+  }
+
+  /// What follows from a lane's parameters, where they are not the nominal ones.
+  void derive_lane(const GroupBlocks& group, int lane, PhysicsScratch& scratch) {
+    const std::uint32_t bit = 1u << lane;
+    broken_ &= ~bit;
+    if (is_nominal(group, lane)) {
+      drawn_ &= ~bit;
+      if ((placed_ & bit) == 0) put(world_.nominal_derived.data(), lane);
+      placed_ |= bit;
+      return;
+    }
+    drawn_ |= bit;
+    placed_ &= ~bit;
+    auto* params = reinterpret_cast<double*>(scratch.data());
+    double* derived = params + world_.physics_params;
+    for (int k = 0; k < world_.physics_params; ++k) params[k] = group.params[k * kGroupLanes + lane];
+    try {
+      derive(world_.world, world_.derived, params, derived);
+    } catch (const std::runtime_error&) {  // no body has such masses: this lane's steps fail
+      broken_ |= bit;
+      return;
+    }
+    put(derived, lane);
+  }
+
+  bool is_nominal(const GroupBlocks& group, int lane) const {
+    for (int k = 0; k < world_.physics_params; ++k) {
+      const double* value = group.params + k * kGroupLanes + lane;
+      if (std::memcmp(value, &world_.nominal_params[static_cast<std::size_t>(k)], sizeof(double)) !=
+          0) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void put(const double* derived, int lane) {
+    for (int k = 0; k < world_.derived.size; ++k) {
+      derived_[static_cast<std::size_t>(k * kGroupLanes + lane)] = derived[k];
+    }
+  }
+
+  GroupStepper& one_by_one() {
+    if (!one_by_one_) one_by_one_ = make_serial_group_stepper(world_.world, kGroupLanes);
+    return *one_by_one_;
+  }
+
+  const PackWorld& world_;
+  AlignedArray<double> spins_;    ///< per body: angular velocity (W), in lanes
+  AlignedArray<double> derived_;  ///< of all lanes
+  std::uint32_t drawn_ = 0;       ///< lanes whose parameters are not the nominal ones
+  std::uint32_t placed_ = 0;      ///< lanes of `derived_` that hold what is nominal
+  std::uint32_t broken_ = 0;      ///< lanes with parameters that no body has
+  std::unique_ptr<GroupStepper> one_by_one_;  ///< for what only direct control asks for
+};
+
+}  // namespace
+
+std::unique_ptr<GroupStepper> make_pack_group_stepper(const PackWorld& world) {
+  return std::make_unique<PackGroupStepper>(world);
+}
+
+}  // namespace skybody

@@ -1,0 +1,41 @@
+#include "core/physics/pack_world.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/base/lanes.h"
+#include "core/physics/lane_values.h"
+#include "core/physics/pack_mechanics.h"
+
+namespace skybody {
+
+DerivedLayout::DerivedLayout(const World& world)
+    : bodies(kLagSize * static_cast<int>(world.rotors.size())),
+      size(bodies + kBodyConstantCount * static_cast<int>(world.bodies.size())) {}
+
+void derive(const World& world, const DerivedLayout& layout, const double* params,
+            double* derived) {
+  for (std::size_t r = 0; r < world.rotors.size(); ++r) {
+    const RotorLag<double> lag =
+        make_rotor_lag(params + world.layout.rotor_params[r], world.scenario.stepping.dt);
+    std::memcpy(derived + layout.lags + kLagSize * static_cast<int>(r), &lag, sizeof(lag));
+  }
+  make_body_constants(world, params, derived + layout.bodies);
+}
+
+PackWorld::PackWorld(const World& w) : world(w), forest(w), forces(w), derived(w) {
+  for (const EnvParam& param : w.layout.param_info) nominal_params.push_back(param.nominal);
+  nominal_derived.resize(static_cast<std::size_t>(derived.size));
+  derive(w, derived, nominal_params.data(), nominal_derived.data());
+  physics_params = w.layout.disturbance_params.back() + kDisturbanceParamCount;
+  int value = 0;
+  for (std::size_t r = 0; r < w.drives.size(); ++r) {
+    if (w.drives[r] == DriveKind::kNone) continue;
+    drives.push_back({w.drives[r], w.layout.robots[r].first_body, value});
+    value += kDriveSize;
+  }
+  const auto one_lane = static_cast<std::size_t>(physics_params + derived.size) * sizeof(double);
+  scratch_bytes = std::max(PackArrays<Pack<kGroupLanes>>::bytes(w), one_lane);
+}
+
+}  // namespace skybody

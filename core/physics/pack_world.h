@@ -1,0 +1,72 @@
+// What stepping a world in packs needs besides the values of a group: made once, shared by all
+// groups of the world.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/physics/force_model.h"
+#include "core/physics/step_rules.h"
+#include "core/physics/tree_accelerations.h"
+
+namespace skybody {
+
+/// A driven base.
+struct PackDrive {
+  DriveKind kind = DriveKind::kNone;
+  int body = 0;
+  int value = 0;  ///< first of its values within the drive block
+};
+
+/// Numbers derived from the parameters of one environment: the rotors' lags (kLagSize each), then
+/// the bodies' constants (kBodyConstantCount each).
+struct DerivedLayout {
+  explicit DerivedLayout(const World& world);
+  int lags = 0;
+  int bodies = 0;
+  int size = 0;
+};
+
+/// @param params   the parameter block of one environment
+/// @param derived  DerivedLayout::size values
+/// @throws Error (naming the body) if no rigid body can have the mass properties
+void derive(const World& world, const DerivedLayout& layout, const double* params,
+            double* derived);
+
+/// Immutable; refers to the world, which must outlive it.
+struct PackWorld {
+  /// @throws Error as derive(), for the nominal values
+  explicit PackWorld(const World& world);
+
+  const World& world;
+  Forest forest;
+  ForceModel forces;
+  std::vector<PackDrive> drives;
+  DerivedLayout derived;
+  int physics_params = 0;               ///< the first so many words of the parameter block
+  std::vector<double> nominal_params;   ///< the whole block
+  std::vector<double> nominal_derived;
+  std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for derive()
+};
+
+/// One call of a kernel on a group.
+struct PackCall {
+  const PackWorld* world;
+  const struct GroupBlocks* group;
+  double* spins;          ///< per body: angular velocity (W), in lanes
+  const double* derived;  ///< DerivedLayout::size values in lanes; null: all lanes are nominal
+  std::byte* scratch;     ///< PackWorld::scratch_bytes
+};
+
+/// The kernels of one instruction set.
+struct PackKernels {
+  /// Bodies and spins of these lanes from q and u.
+  void (*refresh)(const PackCall& call, std::uint32_t lanes);
+  /// One physics step; returns the lanes that came through, the others are as they were.
+  std::uint32_t (*advance)(const PackCall& call, std::uint32_t lanes);
+};
+
+/// Those of the best instruction set at hand (best_isa), chosen once.
+const PackKernels& pack_kernels();
+
+}  // namespace skybody

@@ -1,0 +1,157 @@
+// Generalised accelerations of robots that are trees of rigid bodies, under given forces, on double
+// and packs: by the articulated-body algorithm, or in closed form for a robot of one free body.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/articulated_body.h"
+#include "core/physics/body_constants.h"
+#include "core/physics/free_body.h"
+
+namespace skybody {
+
+/// The trees of a world. Immutable.
+class Forest {
+ public:
+  /// Drives are read from `world.drives`.
+  explicit Forest(const World& world);
+
+  const std::vector<TreeBody>& bodies() const { return bodies_; }
+
+  /// What an evaluation works on: arrays with a place per body of the world.
+  template <class Real>
+  struct Work {
+    TreeBodyWork<Real>* body = nullptr;
+    SpatialAcceleration<Real>* acceleration = nullptr;
+  };
+
+  /// @param motion        of all bodies at q, u
+  /// @param constants     kBodyConstantCount values per body: a pointer, or a view
+  /// @param forces        per body; @param joint_forces  per u
+  /// @param udot          per u, overwritten; zero for driven bases
+  template <class Real, class Constants>
+  SKYBODY_INLINE void accelerations(const Real* q, const Real* u,
+                                    const BodyKinematics<Real>* motion, const Constants& constants,
+                                    const SpatialForce<Real>* forces, const Real* joint_forces,
+                                    const Work<Real>& work, Real* udot) const {
+    for (const Tree& tree : trees_) {
+      const TreeBody& base = bodies_[static_cast<std::size_t>(tree.begin)];
+      if (tree.is_free_body) {
+        free_body_accelerations(motion[tree.begin], u + base.u,
+                                constants + kBodyConstantCount * tree.begin, forces[tree.begin],
+                                joint_forces + base.u, udot + base.u);
+        continue;
+      }
+      open(tree, q, u, motion, constants, forces, work);
+      gather(tree, joint_forces, work);
+      spread(tree, work, udot);
+    }
+  }
+
+ private:
+  /// Consecutive bodies of one robot.
+  struct Tree {
+    int begin = 0, end = 0;
+    bool is_free_body = false;
+    bool is_driven = false;  ///< the base's coordinates are prescribed, with no acceleration
+  };
+
+  /// Calls f with the joint's number of velocities as a constant.
+  template <class F>
+  static SKYBODY_INLINE void with_velocities(JointType type, F&& f) {
+    switch (velocity_size(type)) {
+      case 1:
+        return f(std::integral_constant<int, 1>());
+      case 2:
+        return f(std::integral_constant<int, 2>());
+      case 3:
+        return f(std::integral_constant<int, 3>());
+      case 6:
+        return f(std::integral_constant<int, 6>());
+      default:
+        return;
+    }
+  }
+  static bool is_held(const Tree& tree, int i) { return tree.is_driven && i == tree.begin; }
+
+  /// Every body by itself, with its joint's columns.
+  template <class Real, class Constants>
+  SKYBODY_INLINE void open(const Tree& tree, const Real* q, const Real* u,
+                           const BodyKinematics<Real>* motion, const Constants& constants,
+                           const SpatialForce<Real>* forces, const Work<Real>& work) const {
+    for (int i = tree.begin; i < tree.end; ++i) {
+      const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
+      const BodyKinematics<Real>& b = motion[i];
+      const Constants c = constants + kBodyConstantCount * i;
+      TreeBodyWork<Real>& w = work.body[i];
+      open_joint(body, body.parent < 0 ? nullptr : motion + body.parent,
+                 frame_on_parent(body, motion), joint_motion(body.type, q + body.q, u + body.u), b,
+                 u + body.u, w);
+      const Vec3<Real> com = b.axes * load_vec3(c + kBodyCom);
+      w.inertia = rigid_inertia(Real(c[kBodyMass]), com,
+                                rotate_inertia(b.axes, load_sym_mat3(c + kBodyInertia)));
+      w.bias = velocity_force(Real(c[kBodyMass]), com, w.inertia.angular, b.angular_velocity);
+      w.bias.moment -= forces[i].moment;
+      w.bias.force -= forces[i].force;
+    }
+  }
+
+  /// From the leaves to the base: what each body and all that hangs on it asks of its parent.
+  template <class Real>
+  SKYBODY_INLINE void gather(const Tree& tree, const Real* joint_forces,
+                             const Work<Real>& work) const {
+    for (int i = tree.end; i-- > tree.begin;) {
+      const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
+      TreeBodyWork<Real>& w = work.body[i];
+      ArticulatedInertia<Real> inertia = w.inertia;
+      SpatialForce<Real> bias = w.bias;
+      if (!is_held(tree, i) && velocity_size(body.type) > 0) {
+        with_velocities(body.type, [&](auto n) __attribute__((always_inline)) {
+          eliminate<n()>(joint_forces + body.u, w);
+          if (body.parent >= 0) reduce<n()>(w, inertia, bias);
+        });
+      } else {
+        const SpatialForce<Real> drifting = inertia * w.drift;
+        bias.moment += drifting.moment;
+        bias.force += drifting.force;
+      }
+      if (body.parent < 0) continue;
+      TreeBodyWork<Real>& parent = work.body[body.parent];
+      const ArticulatedInertia<Real> there = shifted(inertia, w.arm);
+      parent.inertia = {parent.inertia.angular + there.angular,
+                        parent.inertia.coupling + there.coupling,
+                        parent.inertia.linear + there.linear};
+      const SpatialForce<Real> carried = shifted(bias, w.arm);
+      parent.bias.moment += carried.moment;
+      parent.bias.force += carried.force;
+    }
+  }
+
+  /// From the base to the leaves: what each body does, its parent's acceleration known.
+  template <class Real>
+  SKYBODY_INLINE void spread(const Tree& tree, const Work<Real>& work, Real* udot) const {
+    for (int i = tree.begin; i < tree.end; ++i) {
+      const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
+      TreeBodyWork<Real>& w = work.body[i];
+      SpatialAcceleration<Real>& a = work.acceleration[i];
+      a = w.drift;
+      if (body.parent >= 0) {
+        const SpatialAcceleration<Real>& parent = work.acceleration[body.parent];
+        a.angular += parent.angular;
+        a.linear += parent.linear + cross(parent.angular, w.arm);
+      }
+      if (is_held(tree, i)) {
+        for (int k = 0; k < velocity_size(body.type); ++k) udot[body.u + k] = Real(0.0);
+        continue;
+      }
+      with_velocities(body.type, [&](auto n) __attribute__((always_inline)) {
+        substitute<n()>(w, a, udot + body.u);
+      });
+    }
+  }
+
+  std::vector<TreeBody> bodies_;
+  std::vector<Tree> trees_;
+};
+
+}  // namespace skybody
