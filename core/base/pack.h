@@ -13,6 +13,9 @@
 
 namespace skybody {
 
+// One value in all lanes is always made of vectors of another element type than the member it goes
+// to: g++ 12 takes a direct assignment apart into one store per lane wherever the file's own
+// instruction set has no such vectors, and does not put it together again in functions that have.
 template <int W>
 struct Pack;
 template <int W>
@@ -27,7 +30,11 @@ struct Mask {
   Mask() = default;
   SKYBODY_INLINE explicit Mask(const Native& native) : v(native) {}
   /// The same truth value in every lane.
-  SKYBODY_INLINE Mask(bool all_lanes) : v(Native{} - static_cast<std::int64_t>(all_lanes)) {}
+  SKYBODY_INLINE Mask(bool all_lanes) {
+    using Words = typename lanes::Native<W>::Words;
+    const Words all = (std::uint64_t{0} - static_cast<std::uint64_t>(all_lanes)) + Words{};
+    v = reinterpret_cast<Native>(all);
+  }
 
   /// Fails to compile, with the remedy in the message: lanes may disagree, so there is no one way.
   template <class Bool = bool, class = std::enable_if_t<std::is_same<Bool, bool>::value>>
@@ -75,8 +82,11 @@ struct WordPack {
   SKYBODY_INLINE explicit WordPack(const Native& native) : v(native) {}
   /// The same word in every lane.
   template <class Integer, class = std::enable_if_t<std::is_integral<Integer>::value>>
-  SKYBODY_INLINE WordPack(Integer all_lanes)
-      : v(Native{} + static_cast<std::uint64_t>(all_lanes)) {}
+  SKYBODY_INLINE WordPack(Integer all_lanes) {
+    using Ints = typename lanes::Native<W>::Ints;
+    const Ints all = static_cast<std::int64_t>(all_lanes) + Ints{};
+    v = reinterpret_cast<Native>(all);
+  }
 
 #define SKYBODY_WORD_OPERATOR(op)                                                    \
   friend SKYBODY_INLINE WordPack operator op(const WordPack& a, const WordPack& b) { \
@@ -116,8 +126,12 @@ struct Pack {
 
   Pack() = default;
   SKYBODY_INLINE explicit Pack(const Native& native) : v(native) {}
-  /// The same value in every lane. Subtracting +0 leaves every double as it is, -0 too.
-  SKYBODY_INLINE Pack(double all_lanes) : v(all_lanes - Native{}) {}
+  /// The same value in every lane.
+  SKYBODY_INLINE Pack(double all_lanes) {
+    using Words = typename lanes::Native<W>::Words;
+    const Words all = lanes::copy_bits<std::uint64_t>(all_lanes) + Words{};
+    v = reinterpret_cast<Native>(all);
+  }
 
 #define SKYBODY_REAL_OPERATOR(op)                                        \
   friend SKYBODY_INLINE Pack operator op(const Pack& a, const Pack& b) { \

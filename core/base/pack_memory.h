@@ -14,8 +14,8 @@ SKYBODY_INLINE MaskOf<Real> mask_from_bits(std::uint32_t bits) {
     return (bits & 1u) != 0;
   } else {
     using Native = lanes::Native<kLanes>;
-    typename Native::Words v = typename Native::Words{} + std::uint64_t{bits};
-    v = typename Native::Words{} - ((v >> Native::kIota) & 1u);
+    const WordPack<kLanes> all(bits);
+    const typename Native::Words v = typename Native::Words{} - ((all.v >> Native::kIota) & 1u);
     return Mask<kLanes>(reinterpret_cast<typename Native::Ints>(v));
   }
 }

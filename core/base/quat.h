@@ -164,4 +164,10 @@ SKYBODY_INLINE Quat<Real> from_rotation(const Mat3<Real>& r) {
   return select(q.w < 0.0, opposite, q);
 }
 
+/// The same quaternion for all lanes.
+template <class Real>
+SKYBODY_INLINE Quat<Real> to_real(const Quat<double>& q) {
+  return {Real(q.w), Real(q.x), Real(q.y), Real(q.z)};
+}
+
 }  // namespace skybody

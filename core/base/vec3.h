@@ -87,4 +87,10 @@ SKYBODY_INLINE MaskOf<Real> is_finite(const Vec3<Real>& a) {
   return logical_and(logical_and(is_finite(a.x), is_finite(a.y)), is_finite(a.z));
 }
 
+/// The same vector for all lanes.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> to_real(const Vec3<double>& v) {
+  return {Real(v.x), Real(v.y), Real(v.z)};
+}
+
 }  // namespace skybody

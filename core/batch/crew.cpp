@@ -165,7 +165,7 @@ bool Crew::help() {
 void Crew::run_taken(const int* groups, int count, int thread) {
   try {
     const Clock::time_point start = Clock::now();
-    for (int k = 0; k < count; ++k) runner_.run(groups[k], thread);
+    runner_.run(groups, count, thread);
     note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
   } catch (...) {
     fail(std::current_exception());

@@ -14,12 +14,12 @@
 
 namespace skybody {
 
-/// Runs one group. Called from any thread of the crew, never twice at a time for one group.
+/// Runs groups. Called from any thread of the crew, never twice at a time for one group.
 class GroupRunner {
  public:
   virtual ~GroupRunner() = default;
   /// @param thread  which of the crew calls: 0 is the caller's
-  virtual void run(int group, int thread) = 0;
+  virtual void run(const int* groups, int count, int thread) = 0;
 };
 
 /// N_T threads of which the caller is one. Clocks are read for scheduling only: which thread does

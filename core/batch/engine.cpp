@@ -102,16 +102,17 @@ void VecEnv::Engine::send_reset(std::uint64_t seed) {
   fleet.initialize(seed);
   options.seed = seed;
   cursor = 0;
-  for (int env = 0; env < fleet.envs(); ++env) {
-    fleet.want_reset(env);
-    enqueue(env);
-  }
-  crew_.submit();
+  for (int env = 0; env < fleet.envs(); ++env) fleet.want_reset(env);
+  enqueue_all();
 }
 
 void VecEnv::Engine::send_steps(std::span<const float> actions,
                                 std::span<const std::int32_t> env_ids) {
   check_alive();
+  if (env_ids.empty() && in_flight_count == 0 && fleet.can_step_all()) {
+    send_all_steps(actions);
+    return;
+  }
   check_steps(actions, env_ids);
   const auto width = static_cast<std::size_t>(fleet.environment().action_size());
   const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
@@ -125,15 +126,27 @@ void VecEnv::Engine::send_steps(std::span<const float> actions,
   crew_.submit();
 }
 
+/// The same at once for all, none of which is in flight or waits for a reset.
+void VecEnv::Engine::send_all_steps(std::span<const float> actions) {
+  check_size(actions, in_flight_.size());
+  open_round(fleet.envs());
+  std::copy(actions.begin(), actions.end(), fleet.action(0));
+  fleet.want_step_all();
+  enqueue_all();
+}
+
+void VecEnv::Engine::check_size(std::span<const float> actions, std::size_t count) const {
+  const auto width = static_cast<std::size_t>(fleet.environment().action_size());
+  if (actions.size() == count * width) return;
+  throw Error("actions of " + std::to_string(actions.size()) + " values for " +
+              std::to_string(count) + " environments; this scenario takes " +
+              std::to_string(width) + " each");
+}
+
 void VecEnv::Engine::check_steps(std::span<const float> actions,
                                  std::span<const std::int32_t> env_ids) {
-  const auto width = static_cast<std::size_t>(fleet.environment().action_size());
   const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
-  if (actions.size() != count * width) {
-    throw Error("actions of " + std::to_string(actions.size()) + " values for " +
-                std::to_string(count) + " environments; this scenario takes " +
-                std::to_string(width) + " each");
-  }
+  check_size(actions, count);
   std::size_t k = 0;
   try {
     for (; k < count; ++k) {
@@ -190,18 +203,44 @@ void VecEnv::Engine::enqueue(int env) {
   if ((before & kOwned) == 0) crew_.add(group);
 }
 
+/// All environments, none of which is in flight.
+void VecEnv::Engine::enqueue_all() {
+  std::fill(in_flight_.begin(), in_flight_.end(), std::uint8_t{1});
+  in_flight_count = fleet.envs();
+  for (int group = 0; group < fleet.groups(); ++group) {
+    // Nobody looks at a group that is not owned: the queue makes it visible.
+    group_state_[static_cast<std::size_t>(group)].store(fleet.all_lanes(group) | kOwned,
+                                                        std::memory_order_relaxed);
+    crew_.add(group);
+  }
+  crew_.submit();
+}
+
+/// In a round all lanes of a group are in flight, so that none can be sent while it runs.
+void VecEnv::Engine::run(const int* groups, int count, int thread) {
+  if (!round_) {
+    for (int k = 0; k < count; ++k) run_lanes(groups[k], thread);
+    return;
+  }
+  int envs = 0;
+  for (int k = 0; k < count; ++k) {
+    const std::uint32_t lanes = fleet.all_lanes(groups[k]);
+    fleet.transition(groups[k], lanes, *target_, thread);
+    group_state_[static_cast<std::size_t>(groups[k])].store(0, std::memory_order_relaxed);
+    envs += std::popcount(lanes);
+  }
+  round_left_.fetch_sub(envs, std::memory_order_seq_cst);
+  crew_.announce();
+}
+
 /// Lanes that are sent while the group runs are run by the same thread right after.
-void VecEnv::Engine::run(int group, int thread) {
+void VecEnv::Engine::run_lanes(int group, int thread) {
   std::atomic<std::uint64_t>& state = group_state_[static_cast<std::size_t>(group)];
   for (std::uint64_t idle = kOwned;; idle = kOwned) {
     const auto lanes =
         static_cast<std::uint32_t>(state.fetch_and(~kLaneBits, std::memory_order_acq_rel));
     fleet.transition(group, lanes, *target_, thread);
-    if (round_) {
-      round_left_.fetch_sub(std::popcount(lanes), std::memory_order_seq_cst);
-    } else {
-      done_.push(group, lanes);
-    }
+    done_.push(group, lanes);
     crew_.announce();
     if (state.compare_exchange_strong(idle, 0, std::memory_order_acq_rel)) return;
   }

@@ -49,12 +49,16 @@ class VecEnv::Engine : private GroupRunner {
   const Crew& crew() const { return crew_; }
 
  private:
-  void run(int group, int thread) override;
+  void run(const int* groups, int count, int thread) override;
+  void run_lanes(int group, int thread);
+  void send_all_steps(std::span<const float> actions);
+  void check_size(std::span<const float> actions, std::size_t count) const;
   void check_steps(std::span<const float> actions, std::span<const std::int32_t> env_ids);
   void check_step(std::int32_t env);
   void unmark(std::span<const std::int32_t> env_ids, std::size_t count);
   void open_round(int count);
   void enqueue(int env);
+  void enqueue_all();
   void drain();
   std::shared_ptr<const Batch> recv_round(Crew::Clock::time_point deadline);
   void choose_in_turn(int count);

@@ -17,6 +17,12 @@ int lanes_for(const Environment& environment, const VecEnvOptions& options) {
   return options.envs >= preferred * std::max(options.threads, 1) ? preferred : 1;
 }
 
+/// Writes only where something changes: neighbouring groups' flags share a cache line.
+void set(std::uint32_t& flags, std::uint32_t lanes, bool value) {
+  const std::uint32_t now = value ? flags | lanes : flags & ~lanes;
+  if (now != flags) flags = now;
+}
+
 template <class F>
 void each(std::uint32_t mask, F&& f) {
   for (; mask != 0; mask &= mask - 1) f(std::countr_zero(mask));
@@ -33,13 +39,13 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
       keep_hash_(options.keep_hash),
       first_env_id_(options.first_env_id),
       actions_(index(envs_) * action_size_),
-      wants_reset_(index(envs_)),
-      started_(index(envs_)),
-      ended_(index(envs_)),
       chains_(index(envs_)) {
   const int groups = (envs_ + lanes_ - 1) / lanes_;
   states_.reserve(index(groups));
   for (int g = 0; g < groups; ++g) states_.push_back(environment_->make_state(lanes_));
+  wants_reset_.resize(index(groups));
+  started_.resize(index(groups));
+  ended_.resize(index(groups));
   for (int t = 0; t < std::max(options.threads, 1); ++t) {
     works_.push_back(environment_->make_work(lanes_));
   }
@@ -55,19 +61,28 @@ void Fleet::initialize(std::uint64_t seed) {
   for (int env = 0; env < envs_; ++env) {
     environment_->initialize(state(env), lane_of(env), seed,
                              first_env_id_ + static_cast<std::uint64_t>(env));
-    started_[index(env)] = ended_[index(env)] = 0;
   }
+  std::fill(started_.begin(), started_.end(), 0u);
+  std::fill(ended_.begin(), ended_.end(), 0u);
+}
+
+void Fleet::want_step_all() { std::fill(wants_reset_.begin(), wants_reset_.end(), 0u); }
+
+bool Fleet::can_step_all() const {
+  std::uint32_t missing = 0;
+  for (int g = 0; g < groups(); ++g) {
+    missing |= all_lanes(g) & ~started_[index(g)];
+    if (autoreset_ == Autoreset::kDisabled) missing |= ended_[index(g)];
+  }
+  return missing == 0;
 }
 
 void Fleet::transition(int group, std::uint32_t mask, Batch& rows, int thread) {
   GroupWork& work = *works_[index(thread)];
-  std::uint32_t resets = 0;
-  each(mask, [&](int l) {
-    const std::size_t env = index(env_of(group, l));
-    // kSameStep comes here with an ended episode too: restored, or its reset was itself a fault.
-    const bool begins = autoreset_ != Autoreset::kDisabled && ended_[env] != 0;
-    if (wants_reset_[env] != 0 || begins) resets |= 1u << l;
-  });
+  // kSameStep comes here with an ended episode too: restored, or its reset was itself a fault.
+  const bool renews = autoreset_ != Autoreset::kDisabled;
+  const std::uint32_t resets =
+      mask & (wants_reset_[index(group)] | (renews ? ended_[index(group)] : 0u));
   if ((mask & ~resets) != 0) step(group, mask & ~resets, rows, work);
   if (resets != 0) reset(group, resets, rows, work);
 }
@@ -101,11 +116,9 @@ void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 /// and step count of the row stay those of the end.
 void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const auto observation = index(rows.width.observation), info = index(rows.width.info);
-  std::uint32_t over = 0;
-  each(mask, [&](int l) {
+  const std::uint32_t over = mask & ended_[index(group)];
+  each(over, [&](int l) {
     const std::size_t env = index(env_of(group, l));
-    if (ended_[env] == 0) return;
-    over |= 1u << l;
     std::copy_n(rows.observation.data() + env * observation, observation,
                 rows.final_observation.data() + env * observation);
     std::copy_n(rows.info.data() + env * info, info, rows.final_info.data() + env * info);
@@ -119,11 +132,8 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& w
   out.agent_reward = nullptr;
   environment_->reset(states_[index(group)], work, over, out);
   add_to_hash(group, over, out);
-  each(over, [&](int l) {
-    const std::size_t env = index(env_of(group, l));
-    // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
-    ended_[env] = status[l] != kRunning;
-  });
+  // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
+  each(over, [&](int l) { set(ended_[index(group)], 1u << l, status[l] != kRunning); });
 }
 
 void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
@@ -135,6 +145,7 @@ void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
 
 /// The flags of the rows, from the status that the transition gave.
 void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) {
+  const std::uint64_t* steps = states_[index(group)].bits(kStep);
   each(mask, [&](int l) {
     const std::size_t env = index(env_of(group, l));
     const std::uint64_t status = rows.status[env];
@@ -142,10 +153,10 @@ void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) 
     rows.truncated[env] = (status & kTruncated) != 0;
     rows.fault[env] = (status & kFault) != 0;
     rows.was_reset[env] = is_reset;
-    rows.episode_step[env] = static_cast<std::int32_t>(states_[index(group)].bits(kStep)[l]);
-    started_[env] = 1;
-    ended_[env] = status != kRunning;
+    rows.episode_step[env] = static_cast<std::int32_t>(steps[l]);
+    set(ended_[index(group)], 1u << l, status != kRunning);
   });
+  set(started_[index(group)], mask, true);
 }
 
 void Fleet::observation(int env, float* out) const {

@@ -1,6 +1,7 @@
 // The environments of a VecEnv and one transition of a group of them, resets included.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -37,11 +38,18 @@ class Fleet {
 
   /// What the next transition of an environment is to be.
   float* action(int env) { return actions_.data() + static_cast<std::size_t>(env) * action_size_; }
-  void want_reset(int env) { wants_reset_[index(env)] = 1; }
-  void want_step(int env) { wants_reset_[index(env)] = 0; }
+  void want_reset(int env) { wants_reset_[index(group_of(env))] |= bit(env); }
+  void want_step(int env) { wants_reset_[index(group_of(env))] &= ~bit(env); }
+  void want_step_all();
 
-  bool started(int env) const { return started_[index(env)] != 0; }
-  bool ended(int env) const { return ended_[index(env)] != 0; }
+  bool started(int env) const { return (started_[index(group_of(env))] & bit(env)) != 0; }
+  bool ended(int env) const { return (ended_[index(group_of(env))] & bit(env)) != 0; }
+  /// Whether a step of all is possible without a reset of one.
+  bool can_step_all() const;
+  /// The lanes of a group that have an environment.
+  std::uint32_t all_lanes(int group) const {
+    return (1u << std::min(lanes_, envs_ - group * lanes_)) - 1u;
+  }
 
   /// One transition of the lanes in `mask`; their rows are written at row env of `rows`.
   /// @param thread  whose scratch to use, 0 <= thread < options.threads: never twice at a time
@@ -68,6 +76,7 @@ class Fleet {
   std::vector<std::uint64_t> words(int env) const { return state(env).save(lane_of(env)); }
 
  private:
+  std::uint32_t bit(int env) const { return 1u << lane_of(env); }
   static std::size_t index(int env) { return static_cast<std::size_t>(env); }
   StateGroup& state(int env) { return states_[index(group_of(env))]; }
   const StateGroup& state(int env) const { return states_[index(group_of(env))]; }
@@ -89,7 +98,7 @@ class Fleet {
   std::vector<StateGroup> states_;
   std::vector<std::unique_ptr<GroupWork>> works_;  ///< one per thread
   std::vector<float> actions_;
-  std::vector<std::uint8_t> wants_reset_, started_, ended_;
+  std::vector<std::uint32_t> wants_reset_, started_, ended_;  ///< lanes of each group
   std::vector<HashChain> chains_;
 };
 

@@ -85,8 +85,11 @@ void Fleet::restore(std::span<const std::uint64_t> saved) {
 
 /// What the flags say follows from WorldState.
 void Fleet::refresh_flags(int env) {
-  started_[index(env)] = state(env).bits(kEpisode)[lane_of(env)] > 0;
-  ended_[index(env)] = state(env).bits(kStatus)[lane_of(env)] != kRunning;
+  const auto put = [&](std::uint32_t& flags, bool value) {
+    flags = value ? flags | bit(env) : flags & ~bit(env);
+  };
+  put(started_[index(group_of(env))], state(env).bits(kEpisode)[lane_of(env)] > 0);
+  put(ended_[index(group_of(env))], state(env).bits(kStatus)[lane_of(env)] != kRunning);
 }
 
 }  // namespace skybody

@@ -21,8 +21,9 @@ ForceModel::ForceModel(const World& world) : world_(world) {
     }
     ++rotor_groups_.back().count;
     const Rotor& rotor = *world.rotors[i].model;
-    rotors_.push_back(
-        {rotor.position, rotor.axis, double(rotor.direction), world.layout.rotor_params[i]});
+    const Vec3<double>& n = rotor.axis;
+    rotors_.push_back({rotor.position, n, static_cast<double>(rotor.direction),
+                       n.x == 0.0 && n.y == 0.0 && n.z == 1.0, world.layout.rotor_params[i]});
   }
   for (std::size_t i = 0; i < world.spheres.size(); ++i) {
     const ContactSphere& sphere = world.spheres[i];

@@ -46,12 +46,6 @@ class ForceModel {
   }
 
  private:
-  /// A rotor on its body.
-  struct RotorPlace {
-    Vec3<double> position, axis;  ///< hub [m] and thrust direction, body axes
-    double direction;
-    int params;  ///< first of its constants
-  };
   /// Consecutive rotors on one body.
   struct RotorGroup {
     int body = 0, first = 0, count = 0;
@@ -66,6 +60,11 @@ class ForceModel {
   static SKYBODY_INLINE Vec3<Real> com_arm(const BodyKinematics<Real>& body,
                                            const Params& body_params) {
     return body.axes * load_vec3(body_params + kCom);
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE MaskOf<Real> is_not_zero(const Vec3<Real>& v) {
+    return logical_or(logical_or(v.x != 0.0, v.y != 0.0), v.z != 0.0);
   }
 
   /// Overwrites: the first to be called.
@@ -88,8 +87,7 @@ class ForceModel {
       SpatialForce<Real> sum = SpatialForce<Real>::zero();
       for (int i = group.first; i < group.first + group.count; ++i) {
         const RotorPlace& rotor = rotors_[static_cast<std::size_t>(i)];
-        add_rotor_force(in.params + rotor.params, rotor.direction, to_real<Real>(rotor.position),
-                        to_real<Real>(rotor.axis), in.rotors[i], velocity, spin, sum);
+        add_rotor_force(in.params + rotor.params, rotor, in.rotors[i], velocity, spin, sum);
       }
       forces[group.body].force += body.axes * sum.force;
       forces[group.body].moment += body.axes * sum.moment;
@@ -102,9 +100,17 @@ class ForceModel {
     for (std::size_t r = 0; r < bases_.size(); ++r) {
       const int base = bases_[r];
       const auto params = in.params + world_.layout.disturbance_params[r];
+      const Vec3<Real> force = load_vec3(params + kDisturbanceForce);
+      const Vec3<Real> moment = load_vec3(params + kDisturbanceMoment);
+      const auto disturbed = logical_or(is_not_zero(force), is_not_zero(moment));
+      if (none(disturbed)) continue;
       const Vec3<Real> arm = com_arm(in.bodies[base], in.params + world_.layout.body_params[base]);
-      forces[base].add_force_at(arm, load_vec3(params + kDisturbanceForce));
-      forces[base].moment += in.bodies[base].axes * load_vec3(params + kDisturbanceMoment);
+      SpatialForce<Real> sum = forces[base];
+      sum.add_force_at(arm, force);
+      sum.moment += in.bodies[base].axes * moment;
+      // Lanes without keep their sums untouched, as if alone: adding +0 would turn a -0 round.
+      forces[base].force = select(disturbed, sum.force, forces[base].force);
+      forces[base].moment = select(disturbed, sum.moment, forces[base].moment);
     }
   }
 

@@ -32,15 +32,6 @@ struct JointMotion {
   Vec3<Real> angular_velocity;  ///< M axes [rad/s]
 };
 
-template <class Real>
-SKYBODY_INLINE Vec3<Real> to_real(const Vec3<double>& v) {
-  return {Real(v.x), Real(v.y), Real(v.z)};
-}
-template <class Real>
-SKYBODY_INLINE Quat<Real> to_real(const Quat<double>& q) {
-  return {Real(q.w), Real(q.x), Real(q.y), Real(q.z)};
-}
-
 /// @param p  a pointer to reals, or a view that is indexed like one (lane_values.h)
 template <class Values>
 SKYBODY_INLINE auto load_vec3(const Values& p) {

@@ -65,12 +65,12 @@ void Mechanics::update_lag(const double* params) {
 void Mechanics::run_rotors(const LaneState& state) {
   for (std::size_t i = 0; i < lag_.size(); ++i) {
     const double* constants = state.params.data() + world_.layout.rotor_params[i];
-    const RotorRun<double> run =
-        run_rotor(lag_[i], state.rotor_speed[i], state.rotor_command[i], constants[kMaxSpeed]);
+    const RotorStep<double> rotor(lag_[i], state.rotor_speed[i], state.rotor_command[i],
+                                  constants[kMaxSpeed]);
     for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
-      rotors_[time][i] = run.at[time];
+      rotors_[time][i] = rotor.at(time);
     }
-    mean_rotors_[i] = run.mean;
+    mean_rotors_[i] = rotor.mean();
   }
 }
 

@@ -20,12 +20,12 @@ class PackGroupStepper final : public GroupStepper {
     for (int l = 0; l < kGroupLanes; ++l) {
       if (((lanes >> l) & 1u) != 0) derive_lane(group, l, scratch);
     }
-    pack_kernels().refresh(call(group, scratch), lanes);
+    world_.kernels.refresh(call(group, scratch), lanes);
   }
 
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes,
                         PhysicsScratch& scratch) override {
-    return pack_kernels().advance(call(group, scratch), lanes & ~broken_);
+    return world_.kernels.advance(call(group, scratch), lanes & ~broken_);
   }
 
   void accelerations(const GroupBlocks& group, int lane, double* udot) override {

@@ -23,16 +23,19 @@ struct Steps {
   static SKYBODY_INLINE void refresh(const PackCall& call, std::uint32_t lanes) {
     for_packs(lanes, [&](int first, std::uint32_t) __attribute__((always_inline)) {
       const SharedValues<Real> none(nullptr);  // the motion does not ask for parameters
-      PackMechanics<Real, SharedValues<Real>>(call, first, none, none).refresh();
+      PackMechanics<Real, SharedValues<Real>, IntegratorChoice::kSemiImplicitEuler>(call, first,
+                                                                                    none, none)
+          .refresh();
     });
   }
 
+  template <IntegratorChoice kIntegrator>
   static SKYBODY_INLINE std::uint32_t advance(const PackCall& call, std::uint32_t lanes) {
     std::uint32_t through = 0;
     const auto run = [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
                          __attribute__((always_inline)) {
       using Values = std::decay_t<decltype(params)>;
-      PackMechanics<Real, Values> mechanics(call, first, params, derived);
+      PackMechanics<Real, Values, kIntegrator> mechanics(call, first, params, derived);
       through |= bits_from_mask(mechanics.advance(mask_from_bits<Real>(bits))) << first;
     };
     if (call.derived == nullptr) {
@@ -52,14 +55,22 @@ struct Steps {
 };
 
 // One set of functions per instruction set. A macro, because the target is an attribute.
-#define SKYBODY_PACK_KERNELS(NAME, TARGET, WIDTH)                               \
-  SKYBODY_KERNEL(TARGET)                                                        \
-  void refresh_##NAME(const PackCall& call, std::uint32_t lanes) {              \
-    Steps<WIDTH>::refresh(call, lanes);                                         \
-  }                                                                             \
-  SKYBODY_KERNEL(TARGET)                                                        \
-  std::uint32_t advance_##NAME(const PackCall& call, std::uint32_t lanes) {     \
-    return Steps<WIDTH>::advance(call, lanes);                                  \
+#define SKYBODY_PACK_KERNELS(NAME, TARGET, WIDTH)                                            \
+  SKYBODY_KERNEL(TARGET)                                                                     \
+  void refresh_##NAME(const PackCall& call, std::uint32_t lanes) {                           \
+    Steps<WIDTH>::refresh(call, lanes);                                                      \
+  }                                                                                          \
+  SKYBODY_KERNEL(TARGET)                                                                     \
+  std::uint32_t euler_##NAME(const PackCall& call, std::uint32_t lanes) {                    \
+    return Steps<WIDTH>::advance<IntegratorChoice::kSemiImplicitEuler>(call, lanes);         \
+  }                                                                                          \
+  SKYBODY_KERNEL(TARGET)                                                                     \
+  std::uint32_t rk4_##NAME(const PackCall& call, std::uint32_t lanes) {                      \
+    return Steps<WIDTH>::advance<IntegratorChoice::kRk4>(call, lanes);                       \
+  }                                                                                          \
+  PackKernels choose_##NAME(IntegratorChoice integrator) {                                   \
+    return {&refresh_##NAME,                                                                 \
+            integrator == IntegratorChoice::kRk4 ? &rk4_##NAME : &euler_##NAME};             \
   }
 SKYBODY_PACK_KERNELS(v2, "arch=x86-64-v2", 2)
 SKYBODY_PACK_KERNELS(v3, "arch=x86-64-v3", 4)
@@ -68,19 +79,16 @@ SKYBODY_PACK_KERNELS(v4, "arch=x86-64-v4", 8)
 
 }  // namespace
 
-const PackKernels& pack_kernels() {
-  static const PackKernels chosen = [] {
-    switch (best_isa()) {
-      case Isa::v4:
-        return PackKernels{&refresh_v4, &advance_v4};
-      case Isa::v3:
-        return PackKernels{&refresh_v3, &advance_v3};
-      case Isa::v2:
-        break;
-    }
-    return PackKernels{&refresh_v2, &advance_v2};
-  }();
-  return chosen;
+PackKernels choose_pack_kernels(IntegratorChoice integrator) {
+  switch (best_isa()) {
+    case Isa::v4:
+      return choose_v4(integrator);
+    case Isa::v3:
+      return choose_v3(integrator);
+    case Isa::v2:
+      break;
+  }
+  return choose_v2(integrator);
 }
 
 }  // namespace skybody

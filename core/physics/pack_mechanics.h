@@ -76,9 +76,10 @@ struct PackArrays {
   }
 };
 
-/// @tparam Real    a pack
-/// @tparam Values  how parameters and what derives from them are read: LaneValues or SharedValues
-template <class Real, class Values>
+/// @tparam Real         a pack
+/// @tparam Values       how parameters and what derives from them are read: LaneValues, SharedValues
+/// @tparam kIntegrator  the scenario's
+template <class Real, class Values, IntegratorChoice kIntegrator>
 class PackMechanics {
  public:
   /// @param first  of the lanes that a pack holds
@@ -97,7 +98,7 @@ class PackMechanics {
     load(group_.q, world_.world.layout.q.size, a_.q);
     load(group_.u, world_.world.layout.u.size, a_.u);
     update_motion(a_.q, a_.u);
-    store_motion(mask_from_bits<Real>(~0u));
+    store_motion(true);
   }
 
   /// One physics step of the lanes in `mask`; returns those that came through.
@@ -105,7 +106,7 @@ class PackMechanics {
     const Layout& layout = world_.world.layout;
     const int nq = layout.q.size, nu = layout.u.size;
     begin_step();
-    if (world_.world.scenario.stepping.integrator == IntegratorChoice::kRk4) {
+    if constexpr (kIntegrator == IntegratorChoice::kRk4) {
       runge_kutta_4(*this, dt(), nq, nu, a_.q, a_.u, a_.stage);
     } else {
       semi_implicit_euler(*this, dt(), nq, nu, a_.q, a_.u, a_.qdot, a_.udot);
@@ -117,13 +118,12 @@ class PackMechanics {
     for (int i = 0; i < layout.rotor_speed.size; ++i) {
       through &= is_bounded(a_.rotors[kStepEnd][i].speed);
     }
-    keep(group_.q, nq, a_.q, through);
-    keep(group_.u, nu, a_.u, through);
-    for (int i = 0; i < layout.rotor_speed.size; ++i) {
-      store_lanes(at(group_.rotor_speed, i), a_.rotors[kStepEnd][i].speed, through);
-    }
     update_motion(a_.q, a_.u);
-    store_motion(through);
+    if (all(through)) {  // the usual case, without reading what is overwritten
+      store_step(true);
+    } else {
+      store_step(through);
+    }
     return through;
   }
 
@@ -153,9 +153,24 @@ class PackMechanics {
   SKYBODY_INLINE void load(const double* block, int count, Real* out) const {
     for (int k = 0; k < count; ++k) out[k] = load_lanes<Real>(at(block, k));
   }
-  SKYBODY_INLINE void keep(double* block, int count, const Real* values,
-                           const MaskOf<Real>& mask) const {
-    for (int k = 0; k < count; ++k) store_lanes(at(block, k), values[k], mask);
+  /// @param mask  lanes to write; or `true`: all
+  static SKYBODY_INLINE void put(double* p, const Real& value, const MaskOf<Real>& mask) {
+    store_lanes(p, value, mask);
+  }
+  static SKYBODY_INLINE void put(double* p, const Real& value, bool) { store_lanes(p, value); }
+  template <class Mask>
+  SKYBODY_INLINE void keep(double* block, int count, const Real* values, const Mask& mask) const {
+    for (int k = 0; k < count; ++k) put(at(block, k), values[k], mask);
+  }
+  template <class Mask>
+  SKYBODY_INLINE void store_step(const Mask& mask) {
+    const Layout& layout = world_.world.layout;
+    keep(group_.q, layout.q.size, a_.q, mask);
+    keep(group_.u, layout.u.size, a_.u, mask);
+    for (int i = 0; i < layout.rotor_speed.size; ++i) {
+      put(at(group_.rotor_speed, i), a_.rotors[kStepEnd][i].speed, mask);
+    }
+    store_motion(mask);
   }
 
   /// Coordinates, commands and motion as the step finds them; how the rotors run through it.
@@ -166,15 +181,18 @@ class PackMechanics {
     load(group_.wrench, layout.wrench.size, a_.wrench);
     for (int i = 0; i < layout.u.size; ++i) a_.joint_forces[i] = Real(0.0);
     for (int i = 0; i < layout.rotor_speed.size; ++i) {
-      const RotorRun<Real> run =
-          run_rotor(load_lag<Real>(derived_ + (world_.derived.lags + kLagSize * i)),
-                    load_lanes<Real>(at(group_.rotor_speed, i)),
-                    load_lanes<Real>(at(group_.rotor_command, i)),
-                    params_[layout.rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed]);
-      for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
-        a_.rotors[time][i] = run.at[time];
+      const RotorStep<Real> rotor(
+          load_lag<Real>(derived_ + (world_.derived.lags + kLagSize * i)),
+          load_lanes<Real>(at(group_.rotor_speed, i)),
+          load_lanes<Real>(at(group_.rotor_command, i)),
+          params_[layout.rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed]);
+      if constexpr (kIntegrator == IntegratorChoice::kSemiImplicitEuler) {
+        a_.mean_rotors[i] = rotor.mean();
+      } else {
+        a_.rotors[kStepStart][i] = rotor.at(kStepStart);
+        a_.rotors[kStepMiddle][i] = rotor.at(kStepMiddle);
       }
-      a_.mean_rotors[i] = run.mean;
+      a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
     }
     load_motion();
     has_motion_ = true;
@@ -229,16 +247,17 @@ class PackMechanics {
     }
   }
 
-  SKYBODY_INLINE void store_motion(const MaskOf<Real>& mask) {
+  template <class Mask>
+  SKYBODY_INLINE void store_motion(const Mask& mask) {
     for (int i = 0; i < body_count(); ++i) {
       const BodyKinematics<Real>& m = a_.motion[i];
       const Vec3<Real> spin = transpose_times(m.axes, m.angular_velocity);
       const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
                                m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
                                spin.x,       spin.y,       spin.z};
-      for (int k = 0; k < 13; ++k) store_lanes(at(group_.bodies, 13 * i + k), values[k], mask);
+      for (int k = 0; k < 13; ++k) put(at(group_.bodies, 13 * i + k), values[k], mask);
       const Real spins[3] = {m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z};
-      for (int k = 0; k < 3; ++k) store_lanes(spins_ + (3 * i + k) * kGroupLanes, spins[k], mask);
+      for (int k = 0; k < 3; ++k) put(spins_ + (3 * i + k) * kGroupLanes, spins[k], mask);
     }
   }
   int body_count() const { return static_cast<int>(world_.world.bodies.size()); }

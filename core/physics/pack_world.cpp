@@ -23,7 +23,12 @@ void derive(const World& world, const DerivedLayout& layout, const double* param
   make_body_constants(world, params, derived + layout.bodies);
 }
 
-PackWorld::PackWorld(const World& w) : world(w), forest(w), forces(w), derived(w) {
+PackWorld::PackWorld(const World& w)
+    : world(w),
+      forest(w),
+      forces(w),
+      derived(w),
+      kernels(choose_pack_kernels(w.scenario.stepping.integrator)) {
   for (const EnvParam& param : w.layout.param_info) nominal_params.push_back(param.nominal);
   nominal_derived.resize(static_cast<std::size_t>(derived.size));
   derive(w, derived, nominal_params.data(), nominal_derived.data());

@@ -33,25 +33,9 @@ struct DerivedLayout {
 void derive(const World& world, const DerivedLayout& layout, const double* params,
             double* derived);
 
-/// Immutable; refers to the world, which must outlive it.
-struct PackWorld {
-  /// @throws Error as derive(), for the nominal values
-  explicit PackWorld(const World& world);
-
-  const World& world;
-  Forest forest;
-  ForceModel forces;
-  std::vector<PackDrive> drives;
-  DerivedLayout derived;
-  int physics_params = 0;               ///< the first so many words of the parameter block
-  std::vector<double> nominal_params;   ///< the whole block
-  std::vector<double> nominal_derived;
-  std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for derive()
-};
-
 /// One call of a kernel on a group.
 struct PackCall {
-  const PackWorld* world;
+  const struct PackWorld* world;
   const struct GroupBlocks* group;
   double* spins;          ///< per body: angular velocity (W), in lanes
   const double* derived;  ///< DerivedLayout::size values in lanes; null: all lanes are nominal
@@ -66,7 +50,24 @@ struct PackKernels {
   std::uint32_t (*advance)(const PackCall& call, std::uint32_t lanes);
 };
 
-/// Those of the best instruction set at hand (best_isa), chosen once.
-const PackKernels& pack_kernels();
+/// Those of the best instruction set at hand (best_isa).
+PackKernels choose_pack_kernels(IntegratorChoice integrator);
+
+/// Immutable; refers to the world, which must outlive it.
+struct PackWorld {
+  /// @throws Error as derive(), for the nominal values
+  explicit PackWorld(const World& world);
+
+  const World& world;
+  Forest forest;
+  ForceModel forces;
+  std::vector<PackDrive> drives;
+  DerivedLayout derived;
+  int physics_params = 0;               ///< the first so many words of the parameter block
+  std::vector<double> nominal_params;   ///< the whole block
+  std::vector<double> nominal_derived;
+  PackKernels kernels;
+  std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for derive()
+};
 
 }  // namespace skybody

@@ -7,27 +7,26 @@
 
 namespace skybody {
 
-/// All rotors of an environment through one step.
-/// @tparam Real  double or a pack
+/// A rotor's command during one step, ready to be asked how the rotor runs.
 template <class Real>
-struct RotorRun {
-  RotorMotion<Real> at[kStageTimeCount];  ///< at the instants of the step
-  RotorMotion<Real> mean;  ///< speed in mid-step, mean acceleration: for one evaluation a step
-};
+struct RotorStep {
+  RotorLag<Real> lag;
+  Real speed;    ///< at the start of the step [rad/s]
+  Real command;  ///< held, and what the rotor can do [rad/s]
 
-/// @param speed      at the start of the step; @param command  as held [rad/s]
-/// @param max_speed  what the rotor can do
-template <class Real>
-SKYBODY_INLINE RotorRun<Real> run_rotor(const RotorLag<Real>& lag, const Real& speed,
-                                        const Real& command, const Real& max_speed) {
-  const Real limited = limit_command(command, max_speed);
-  RotorRun<Real> run;
-  for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
-    run.at[time] = rotor_at(lag, speed, limited, time);
+  /// @param command    as held; @param max_speed  what the rotor can do
+  SKYBODY_INLINE RotorStep(const RotorLag<Real>& l, const Real& start, const Real& held,
+                           const Real& max_speed)
+      : lag(l), speed(start), command(limit_command(held, max_speed)) {}
+
+  SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
+    return rotor_at(lag, speed, command, time);
   }
-  run.mean = {run.at[kStepMiddle].speed, mean_rotor_acceleration(lag, speed, limited)};
-  return run;
-}
+  /// Speed in mid-step, mean acceleration: for one evaluation a step.
+  SKYBODY_INLINE RotorMotion<Real> mean() const {
+    return {at(kStepMiddle).speed, mean_rotor_acceleration(lag, speed, command)};
+  }
+};
 
 /// Sets the rates of a driven base for the step that begins.
 /// @param values  the drive's kDriveSize values
@@ -61,8 +60,8 @@ SKYBODY_INLINE void semi_implicit_euler(Mechanics& mechanics, double dt, int q_c
 /// Where the classical Runge-Kutta method keeps its stages.
 template <class Real>
 struct StageArrays {
-  Real *q, *u;              ///< a stage's point
-  Real *qdot[4], *udot[4];  ///< its rates
+  Real *q = nullptr, *u = nullptr;      ///< a stage's point
+  Real *qdot[4] = {}, *udot[4] = {};  ///< its rates
 };
 
 /// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.

@@ -17,6 +17,9 @@ class Hover : public Task {
   void configure(const Setup& setup) override {
     check_target();
     limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
+    is_shaped_ = approach_reward_.value() != 0.0 || precision_reward_.value() != 0.0 ||
+                 heading_reward_.value() != 0.0 || tilt_cost_.value() != 0.0 ||
+                 failure_reward_.value() != 0.0;
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
     const bool team = only < 0 && setup.robots().size() > 1;
     for (int r = 0; r < setup.robots().size(); ++r) {
@@ -66,11 +69,12 @@ class Hover : public Task {
       out.info.set(info++, flight::tilt(body.rotation));
       out.info.set(info++, norm(body.velocity));
       const MaskOf<Real> robot_failed = flight::failed(body, limits_);
-      const Real own =
-          flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
-          kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0) +
-          shaping(norm(error), yaw_error) - tilt_cost(body.rotation) +
-          select(robot_failed, Real(failure_reward_.value()), Real(0.0));
+      Real own = flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
+                 kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
+      if (is_shaped_) {
+        own = own + shaping(norm(error), yaw_error) - tilt_cost(body.rotation) +
+              select(robot_failed, Real(failure_reward_.value()), Real(0.0));
+      }
       out.set_reward(robot.index, own);
       reward += own;
       failed = logical_or(failed, robot_failed);
@@ -273,6 +277,7 @@ class Hover : public Task {
                                  .doc = "added where an episode terminates"}};
 
   flight::Limits limits_{};
+  bool is_shaped_ = false;  ///< by anything that the paper's reward has not
   std::vector<Robot> robots_;
   int history_ = 0;
 };
