@@ -10,7 +10,7 @@
 #include "core/model/marked_error.h"
 #include "core/physics/base_drive.h"
 #include "core/physics/tree_dynamics.h"
-#include "tests/unit/physics/test_models.h"
+#include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
 namespace {
@@ -21,33 +21,6 @@ constexpr IntegratorChoice kIntegrators[] = {IntegratorChoice::kSemiImplicitEule
 
 Random<double> random_numbers(std::uint64_t episode) {
   return {RandomKey{2026, 7}, episode, 0, derive_stream("free_body_test")};
-}
-
-Vec3<double> in_cube(Random<double>& random, double half_edge) {
-  const auto next = [&] { return random.uniform(-half_edge, half_edge); };
-  const double x = next(), y = next(), z = next();
-  return {x, y, z};
-}
-
-/// From 10 g in 2 cm to 50 kg in 1 m; flat, long and compact ones, on turned axes, the centre of
-/// mass anywhere within the body's size.
-MassProperties random_mass(Random<double>& random) {
-  const double size = 0.02 * std::pow(50.0, random.uniform());
-  MassProperties mass;
-  mass.mass = 0.01 * std::pow(5000.0, random.uniform());
-  mass.com = in_cube(random, size);
-  const double scale = mass.mass * size * size;
-  const auto spread = [&] { return scale * random.uniform(0.02, 0.3); };  // integrals of x^2 dm
-  const double x = spread(), y = spread(), z = spread();
-  mass.inertia =
-      rotate_inertia(to_mat3(random.quaternion()), SymMat3<double>{y + z, x + z, x + y, 0, 0, 0});
-  return mass;
-}
-
-std::vector<double> nominal_params(const World& world) {
-  std::vector<double> params;
-  for (const EnvParam& param : world.layout.param_info) params.push_back(param.nominal);
-  return params;
 }
 
 void put_mass(const World& world, const MassProperties& mass, std::vector<double>& params) {

@@ -1,0 +1,225 @@
+// Groups in packs have the bits of their environments one by one: whatever the tree, the
+// instruction set and the neighbours.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "core/base/isa.h"
+#include "core/physics/group_stepper.h"
+#include "core/physics/lane_values.h"
+#include "core/physics/pack_world.h"
+#include "tests/unit/physics/random_trees.h"
+
+namespace skybody::test {
+namespace {
+
+/// The values of a full group, and a stepper on them.
+struct Group {
+  Group(const World& w, std::unique_ptr<GroupStepper> s, std::size_t scratch_bytes)
+      : world(w),
+        stepper(std::move(s)),
+        q(size(w.layout.q.size)),
+        u(size(w.layout.u.size)),
+        rotor_speed(size(w.layout.rotor_speed.size)),
+        rotor_command(size(w.layout.rotor_speed.size)),
+        wrench(size(w.layout.wrench.size)),
+        drive(size(w.layout.drive.size)),
+        params(size(w.layout.params.size)),
+        bodies(size(13 * static_cast<int>(w.bodies.size()))),
+        scratch(scratch_bytes) {}
+  static std::size_t size(int values) { return static_cast<std::size_t>(values * kGroupLanes); }
+
+  void set(int lane, const LaneState& state) {
+    put(q, lane, state.q);
+    put(u, lane, state.u);
+    put(rotor_speed, lane, state.rotor_speed);
+    put(rotor_command, lane, state.rotor_command);
+    put(wrench, lane, state.wrench);
+    put(drive, lane, state.drive);
+    put(params, lane, state.params);
+  }
+  static void put(AlignedArray<double>& block, int lane, const std::vector<double>& values) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      block[k * kGroupLanes + static_cast<std::size_t>(lane)] = values[k];
+    }
+  }
+  GroupBlocks blocks() {
+    return {kGroupLanes,   q.data(),     u.data(),      rotor_speed.data(), rotor_command.data(),
+            wrench.data(), drive.data(), params.data(), bodies.data()};
+  }
+  void refresh(std::uint32_t lanes) { stepper->refresh(blocks(), lanes, scratch); }
+  std::uint32_t advance(std::uint32_t lanes) { return stepper->advance(blocks(), lanes, scratch); }
+
+  const World& world;
+  std::unique_ptr<GroupStepper> stepper;
+  AlignedArray<double> q, u, rotor_speed, rotor_command, wrench, drive, params, bodies;
+  PhysicsScratch scratch;
+};
+
+void expect_same_bits(const AlignedArray<double>& a, const AlignedArray<double>& b,
+                      const std::string& what) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(std::memcmp(&a[i], &b[i], sizeof(double)), 0)
+        << what << ", value " << i / kGroupLanes << " of lane " << i % kGroupLanes << ": " << a[i]
+        << " in packs, " << b[i] << " alone";
+  }
+}
+
+/// Both ways of stepping one group.
+struct TwoWays {
+  explicit TwoWays(const World& world)
+      : shared(world),
+        packs(world, make_pack_group_stepper(shared), shared.scratch_bytes),
+        alone(world, make_serial_group_stepper(world, kGroupLanes), 0) {}
+
+  void set(int lane, const LaneState& state) {
+    packs.set(lane, state);
+    alone.set(lane, state);
+  }
+  void refresh(std::uint32_t lanes) {
+    packs.refresh(lanes);
+    alone.refresh(lanes);
+  }
+  /// @returns the lanes that came through, which must be the same
+  std::uint32_t advance(std::uint32_t lanes, const std::string& where) {
+    const std::uint32_t through = packs.advance(lanes);
+    EXPECT_EQ(through, alone.advance(lanes)) << where;
+    expect_same_bits(packs.q, alone.q, where + ": q");
+    expect_same_bits(packs.u, alone.u, where + ": u");
+    expect_same_bits(packs.rotor_speed, alone.rotor_speed, where + ": rotor speed");
+    expect_same_bits(packs.bodies, alone.bodies, where + ": bodies");
+    return through;
+  }
+
+  const PackWorld shared;
+  Group packs, alone;
+};
+
+/// With joints that are sprung and limited, and rotors with every effect on two of the bodies.
+RobotModel busy(RobotModel model, Random<double>& random) {
+  for (Body& body : model.bodies) {
+    if (random.uniform() < 0.5) body.collisions.push_back(make_box(0.2, 0.1, 0.15));
+    if (body.joint.parent < 0 || random.uniform() < 0.5) continue;
+    body.joint.damping = 0.01;
+    body.joint.stiffness = 2.0;
+    body.joint.limit = {true, -0.2, 0.2, 50.0, 0.1};
+  }
+  for (int i = 0; i < 4; ++i) {
+    Rotor rotor;
+    rotor.name = "rotor_" + std::to_string(i);
+    rotor.body = random.uniform() < 0.7 ? 0 : static_cast<int>(model.bodies.size()) - 1;
+    rotor.position = in_cube(random, 0.2);
+    rotor.axis = random.uniform() < 0.5 ? Vec3<double>{0, 0, 1}
+                                        : rotate(random.quaternion(), Vec3<double>{0, 0, 1});
+    rotor.direction = i % 2 == 0 ? 1 : -1;
+    rotor.thrust_constant = 2e-6;
+    rotor.moment_constant = 3e-8;
+    rotor.drag_constant = random.uniform() < 0.5 ? 2e-5 : 0.0;
+    rotor.rolling_moment_constant = random.uniform() < 0.5 ? 1e-6 : 0.0;
+    rotor.inertia = random.uniform() < 0.5 ? 5e-6 : 0.0;
+    rotor.max_speed = 2200.0;
+    rotor.tau_up = random.uniform() < 0.2 ? 0.0 : 0.0125;
+    rotor.tau_down = 0.025;
+    model.rotors.push_back(rotor);
+  }
+  return model;
+}
+
+LaneState random_lane(Random<double>& random, const World& world, bool drawn) {
+  LaneState state;
+  write_default_state(world, state);
+  state.params = nominal_params(world);
+  random_state(random, world, state.q, state.u);
+  if (world.bodies[0].model->joint.type == JointType::kFree) {
+    state.q[2] = random.uniform(-0.05, 1.0);  // some touch the ground
+  }
+  for (double& w : state.rotor_speed) w = random.uniform(0.0, 1500.0);
+  for (double& w : state.rotor_command) w = random.uniform(-100.0, 3000.0);
+  for (double& f : state.wrench) f = random.uniform(-1.0, 1.0);
+  if (!drawn) return state;
+  for (double& p : state.params) p *= random.uniform(0.95, 1.05);
+  return state;
+}
+
+class Packs : public testing::TestWithParam<Isa> {
+ protected:
+  void SetUp() override {
+    if (!machine_has(GetParam())) GTEST_SKIP() << "this machine has no " << name(GetParam());
+    if (const char* value = std::getenv("SKYBODY_ISA")) before_ = value;
+    setenv("SKYBODY_ISA", name(GetParam()), 1);
+  }
+  void TearDown() override { setenv("SKYBODY_ISA", before_.c_str(), 1); }
+
+ private:
+  std::string before_;
+};
+
+TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOne) {
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    Random<double> random{RandomKey{2026, 11}, k, 0, derive_stream("packs_test")};
+    const auto integrator =
+        k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+    World world(make_scenario(busy(random_tree(random), random), integrator));
+    if (k % 4 == 0) world.sites = {{0, {0.1, 0, 0}, true, false}, {0, {0, 0, 0.1}, false, true}};
+    finish_layout(world);
+    TwoWays ways(world);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      ways.set(lane, random_lane(random, world, k % 2 == 0 && lane % 3 != 0));
+    }
+    ways.refresh(0xff);
+    std::uint32_t lanes = 0xff;
+    for (int step = 0; step < 20; ++step) {
+      const std::uint32_t some = step % 5 == 4 ? lanes & 0x6b : lanes;  // now and then a part only
+      const std::uint32_t through =
+          ways.advance(some, "tree " + std::to_string(k) + ", step " + std::to_string(step));
+      if (testing::Test::HasFatalFailure()) return;
+      lanes &= ~(some & ~through);
+    }
+  }
+}
+
+TEST_P(Packs, LeaveALaneThatFailsAsItWasAndTheOthersGoOn) {
+  Random<double> random{RandomKey{2026, 12}, 0, 0, derive_stream("packs_test")};
+  World world(make_scenario(make_vehicle(qdrone2())));
+  finish_layout(world);
+  TwoWays ways(world);
+  for (int lane = 0; lane < kGroupLanes; ++lane) ways.set(lane, random_lane(random, world, false));
+  LaneState broken = random_lane(random, world, false);
+  broken.u[0] = kInfinity;
+  ways.set(2, broken);
+  LaneState weightless = random_lane(random, world, false);
+  weightless.params[static_cast<std::size_t>(world.layout.body_params[0]) + kMass] = -1.0;
+  ways.set(5, weightless);
+  ways.refresh(0xff);
+  EXPECT_EQ(ways.advance(0xff, "both"), 0xffu & ~(1u << 2 | 1u << 5));
+  weightless.params = nominal_params(world);  // and comes back
+  ways.set(5, weightless);
+  ways.refresh(1u << 5);
+  EXPECT_EQ(ways.advance(1u << 5, "mended"), 1u << 5);
+}
+
+TEST_P(Packs, HaveTheSameBitsWhetherALaneSharesItsConstantsOrNot) {
+  Random<double> random{RandomKey{2026, 13}, 0, 0, derive_stream("packs_test")};
+  World world(make_scenario(busy(make_vehicle(qdrone2()), random)));
+  finish_layout(world);
+  TwoWays ways(world);
+  const LaneState state = random_lane(random, world, false);
+  for (int lane = 0; lane < kGroupLanes; ++lane) ways.set(lane, state);
+  ways.refresh(0xff);
+  for (int step = 0; step < 5; ++step) ways.advance(0xff, "shared");
+  ways.set(7, random_lane(random, world, true));
+  ways.refresh(1u << 7);
+  for (int step = 0; step < 5; ++step) ways.advance(0xff, "one drawn");
+  ways.set(7, state);
+  ways.refresh(1u << 7);
+  for (int step = 0; step < 5; ++step) ways.advance(0xff, "shared again");
+}
+
+INSTANTIATE_TEST_SUITE_P(Isas, Packs, testing::Values(Isa::v2, Isa::v3, Isa::v4),
+                         [](const auto& isa) { return std::string(name(isa.param)); });
+
+}  // namespace
+}  // namespace skybody::test
