@@ -74,8 +74,7 @@ std::uint32_t Environment::fly(StateGroup& group, GroupWork& work, std::uint32_t
 }
 
 void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
-  SKYBODY_DEMAND(work.lanes == group.lanes(),
-                 "a work of another group size");
+  SKYBODY_DEMAND(work.lanes == group.lanes(), "a work of another group size");
   SKYBODY_DEMAND(group.lanes() >= 32 || (mask >> group.lanes()) == 0, "a mask beyond the group");
 }
 
@@ -292,7 +291,8 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
 /// Whether task or horizon end the episode.
 std::uint64_t Environment::ended(const StateGroup& group, const GroupWork& work, int lane) const {
   const auto horizon = static_cast<std::uint64_t>(scenario().stepping.horizon);
-  const std::uint64_t by_task = work.end[static_cast<std::size_t>(lane)] & (kTerminated | kTruncated);
+  const std::uint64_t by_task =
+      work.end[static_cast<std::size_t>(lane)] & (kTerminated | kTruncated);
   const bool over = horizon > 0 && group.bits(kStep)[lane] >= horizon;
   return over ? by_task | kTruncated : by_task;
 }
@@ -326,7 +326,8 @@ void Environment::conclude_packed(StateGroup& group, GroupWork& work, bool is_re
                   nullptr);
     return;
   }
-  for (int lane = 0; lane < kGroupLanes; ++lane) write_agent_rewards(group, work, lane, rows.reward[lane], rows);
+  for (int lane = 0; lane < kGroupLanes; ++lane)
+    write_agent_rewards(group, work, lane, rows.reward[lane], rows);
 }
 
 /// What the learner gets of one lane, whose status has been decided.

@@ -125,23 +125,24 @@ SKYBODY_INLINE void write(const double* values, int count, float* rows, double* 
 }
 
 // One set of functions per instruction set. A macro, because the target is an attribute.
-#define SKYBODY_ROW_KERNELS(NAME, TARGET)                                                        \
-  SKYBODY_KERNEL(TARGET)                                                                         \
+#define SKYBODY_ROW_KERNELS(NAME, TARGET)                                                         \
+  SKYBODY_KERNEL(TARGET)                                                                          \
   bool read_clipped_##NAME(const float* rows, std::ptrdiff_t stride, int count, double* values) { \
-    return read_clipped(rows, stride, count, values);                                            \
-  }                                                                                              \
-  SKYBODY_KERNEL(TARGET)                                                                         \
-  void scale_##NAME(const double* action, int count, const double* low, const double* high,      \
-                    double* command) {                                                           \
-    scale(action, count, low, high, command);                                                    \
-  }                                                                                              \
-  SKYBODY_KERNEL(TARGET)                                                                         \
-  bool are_finite_##NAME(const double* values, int count) { return are_finite(values, count); }  \
-  SKYBODY_KERNEL(TARGET)                                                                         \
-  void write_##NAME(const double* values, int count, float* rows, double* copy) {                \
-    write(values, count, rows, copy);                                                            \
-  }                                                                                              \
-  constexpr RowKernels k_##NAME{&read_clipped_##NAME, &scale_##NAME, &are_finite_##NAME, &write_##NAME};
+    return read_clipped(rows, stride, count, values);                                             \
+  }                                                                                               \
+  SKYBODY_KERNEL(TARGET)                                                                          \
+  void scale_##NAME(const double* action, int count, const double* low, const double* high,       \
+                    double* command) {                                                            \
+    scale(action, count, low, high, command);                                                     \
+  }                                                                                               \
+  SKYBODY_KERNEL(TARGET)                                                                          \
+  bool are_finite_##NAME(const double* values, int count) { return are_finite(values, count); }   \
+  SKYBODY_KERNEL(TARGET)                                                                          \
+  void write_##NAME(const double* values, int count, float* rows, double* copy) {                 \
+    write(values, count, rows, copy);                                                             \
+  }                                                                                               \
+  constexpr RowKernels k_##NAME{&read_clipped_##NAME, &scale_##NAME, &are_finite_##NAME,          \
+                                &write_##NAME};
 SKYBODY_ROW_KERNELS(v2, "arch=x86-64-v2")
 SKYBODY_ROW_KERNELS(v3, "arch=x86-64-v3")
 SKYBODY_ROW_KERNELS(v4, "arch=x86-64-v4")

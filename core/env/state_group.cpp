@@ -49,8 +49,15 @@ void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
 
 GroupBlocks StateGroup::blocks() {
   const Layout& l = *layout_;
-  return {lanes_,           reals(l.q),     reals(l.u),      reals(l.rotor_speed),
-          reals(l.rotor_command), reals(l.wrench), reals(l.drive), reals(l.params), bodies_.data()};
+  return {lanes_,
+          reals(l.q),
+          reals(l.u),
+          reals(l.rotor_speed),
+          reals(l.rotor_command),
+          reals(l.wrench),
+          reals(l.drive),
+          reals(l.params),
+          bodies_.data()};
 }
 
 std::vector<BodyState> StateGroup::body_states(int lane) const {

@@ -22,9 +22,10 @@ const MapSpec& stepping_fields() {
           real_field("dt", "s", 0.001, 1e-6, 0.1, "physics step"),
           integer_field("action_repeat", 1, 1, 100000, "K, physics steps an action"),
           integer_field("horizon", 0, 0, 2e9, "actions until an episode is truncated; 0: never"),
-          choice_field("dynamics", {"auto", "simbody", "tree"},
-                       "what computes accelerations; tree: closed form, one free body without "
-                       "obstacles; auto: tree where it can, else simbody"),
+          choice_field(
+              "dynamics", {"auto", "simbody", "tree"},
+              "what computes accelerations; tree: without Simbody, in vector lanes, for one "
+              "robot without obstacles; auto: tree where it can, else simbody"),
           choice_field("integrator", {"semi_implicit_euler", "rk4"}, "what advances the state"),
       }};
   return spec;

@@ -43,8 +43,8 @@ template <class Real>
 SKYBODY_INLINE ArticulatedInertia<Real> rigid_inertia(const Real& mass, const Vec3<Real>& com,
                                                       const SymMat3<Real>& inertia) {
   const Real zero(0.0);
-  return {inertia + point_inertia(mass, com), skew(com * mass),
-          {mass, mass, mass, zero, zero, zero}};
+  return {
+      inertia + point_inertia(mass, com), skew(com * mass), {mass, mass, mass, zero, zero, zero}};
 }
 
 /// The force that the body's own rotation asks for, besides its accelerations.
@@ -139,8 +139,8 @@ SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>*
     const Vec3<Real>& w = parent->angular_velocity;
     work.arm = body.position - parent->position;
     work.drift.angular += cross(w, body.angular_velocity - w);
-    work.drift.linear = cross(w, cross(w, work.arm - lever)) +
-                        2.0 * cross(w, frame.axes * joint.velocity);
+    work.drift.linear =
+        cross(w, cross(w, work.arm - lever)) + 2.0 * cross(w, frame.axes * joint.velocity);
   }
   if (!tree.plain_body) {
     const Vec3<Real>& w = body.angular_velocity;
@@ -183,9 +183,9 @@ SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Re
                                                       m.x * dm.y, m.x * dm.z, m.y * dm.z};
     inertia.linear = inertia.linear - SymMat3<Real>{f.x * df.x, f.y * df.y, f.z * df.z,
                                                     f.x * df.y, f.x * df.z, f.y * df.z};
-    inertia.coupling = inertia.coupling - Mat3<Real>{{m.x * df.x, m.x * df.y, m.x * df.z,
-                                                      m.y * df.x, m.y * df.y, m.y * df.z,
-                                                      m.z * df.x, m.z * df.y, m.z * df.z}};
+    inertia.coupling =
+        inertia.coupling - Mat3<Real>{{m.x * df.x, m.x * df.y, m.x * df.z, m.y * df.x, m.y * df.y,
+                                       m.y * df.z, m.z * df.x, m.z * df.y, m.z * df.z}};
   }
   const SpatialForce<Real> drifting = inertia * work.drift;
   bias = {work.bias.moment + drifting.moment, work.bias.force + drifting.force};

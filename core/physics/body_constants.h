@@ -1,5 +1,5 @@
-// Constants of one body as the tree dynamics uses them: made from the parameter block where that has
-// changed, read in every step.
+// Constants of one body as the tree dynamics uses them: made from the parameter block where that
+// has changed, read in every step.
 #pragma once
 
 #include "core/base/mat3.h"
@@ -9,11 +9,11 @@ namespace skybody {
 
 /// Places of a body's constants.
 enum BodyConstant : int {
-  kBodyMass = 0,            ///< [kg]
-  kBodyCom = 1,             ///< 3: centre of mass from the body's origin, body axes [m]
-  kBodyInertia = 4,         ///< 6: about the centre of mass, body axes [kg m^2]
-  kBodyInverseMass = 10,    ///< [1/kg]
-  kBodyInverseInertia = 11, ///< 6: [1/(kg m^2)]
+  kBodyMass = 0,             ///< [kg]
+  kBodyCom = 1,              ///< 3: centre of mass from the body's origin, body axes [m]
+  kBodyInertia = 4,          ///< 6: about the centre of mass, body axes [kg m^2]
+  kBodyInverseMass = 10,     ///< [1/kg]
+  kBodyInverseInertia = 11,  ///< 6: [1/(kg m^2)]
   kBodyConstantCount = 17
 };
 

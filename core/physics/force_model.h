@@ -36,7 +36,8 @@ class ForceModel {
   /// @param joint_forces  one per u; only those of joints with damping, springs or limits are
   ///                      written, the others must be zero
   template <class Real, class Params>
-  SKYBODY_INLINE void evaluate(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces, Real* joint_forces) const {
+  SKYBODY_INLINE void evaluate(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces,
+                               Real* joint_forces) const {
     add_gravity(in, forces);
     add_rotors(in, forces);
     add_disturbances(in, forces);
@@ -69,7 +70,8 @@ class ForceModel {
 
   /// Overwrites: the first to be called.
   template <class Real, class Params>
-  SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
+  SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in,
+                                  SpatialForce<Real>* forces) const {
     const Vec3<Real> gravity = to_real<Real>(world_.scenario.gravity);
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
       const auto params = in.params + world_.layout.body_params[i];
@@ -79,7 +81,8 @@ class ForceModel {
   }
 
   template <class Real, class Params>
-  SKYBODY_INLINE void add_rotors(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
+  SKYBODY_INLINE void add_rotors(const ForceInputs<Real, Params>& in,
+                                 SpatialForce<Real>* forces) const {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
       const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
@@ -96,7 +99,8 @@ class ForceModel {
 
   /// Paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
   template <class Real, class Params>
-  SKYBODY_INLINE void add_disturbances(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
+  SKYBODY_INLINE void add_disturbances(const ForceInputs<Real, Params>& in,
+                                       SpatialForce<Real>* forces) const {
     for (std::size_t r = 0; r < bases_.size(); ++r) {
       const int base = bases_[r];
       const auto params = in.params + world_.layout.disturbance_params[r];
@@ -115,7 +119,8 @@ class ForceModel {
   }
 
   template <class Real, class Params>
-  SKYBODY_INLINE void add_wrenches(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
+  SKYBODY_INLINE void add_wrenches(const ForceInputs<Real, Params>& in,
+                                   SpatialForce<Real>* forces) const {
     for (std::size_t s = 0; s < world_.sites.size(); ++s) {
       const WrenchSite& site = world_.sites[s];
       const BodyKinematics<Real>& body = in.bodies[site.body];
@@ -134,7 +139,8 @@ class ForceModel {
   }
 
   template <class Real, class Params>
-  SKYBODY_INLINE void add_ground(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces) const {
+  SKYBODY_INLINE void add_ground(const ForceInputs<Real, Params>& in,
+                                 SpatialForce<Real>* forces) const {
     const ContactSettings& contact = world_.scenario.contact;
     for (const SphereGroup& group : sphere_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];

@@ -41,7 +41,8 @@ class GroupStepper {
 
   /// Advances q, u, rotor speeds and bodies of these lanes by exactly dt, commands, wrenches and
   /// drives held.
-  /// @returns the lanes that came through; the others, whose step gave a value that is not finite or
+  /// @returns the lanes that came through; the others, whose step gave a value that is not finite
+  /// or
   ///          beyond 1e6, or where the dynamics gave up, are as they were before the call
   virtual std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes,
                                 PhysicsScratch& scratch) = 0;

@@ -105,10 +105,8 @@ void Mechanics::mean_accelerations(const double* q, const double* u, double* udo
 void Mechanics::accelerations(const double* q, const double* u, const RotorMotion<double>* rotors,
                               double* udot) {
   update_motion(q, u);
-  const ForceInputs<double> in{q,      u,
-                               motion_.data(),
-                               rotors, state_->params.data(),
-                               state_->wrench.data()};
+  const ForceInputs<double> in{
+      q, u, motion_.data(), rotors, state_->params.data(), state_->wrench.data()};
   force_model_.evaluate(in, body_forces_.data(), joint_forces_.data());
   dynamics_->accelerations(q, u, body_forces_.data(), joint_forces_.data(), udot);
 }

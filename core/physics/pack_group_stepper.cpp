@@ -56,7 +56,8 @@ class PackGroupStepper final : public GroupStepper {
     placed_ &= ~bit;
     auto* params = reinterpret_cast<double*>(scratch.data());
     double* derived = params + world_.physics_params;
-    for (int k = 0; k < world_.physics_params; ++k) params[k] = group.params[k * kGroupLanes + lane];
+    for (int k = 0; k < world_.physics_params; ++k)
+      params[k] = group.params[k * kGroupLanes + lane];
     try {
       derive(world_.world, world_.derived, params, derived);
     } catch (const std::runtime_error&) {  // no body has such masses: this lane's steps fail
@@ -89,11 +90,11 @@ class PackGroupStepper final : public GroupStepper {
   }
 
   const PackWorld& world_;
-  AlignedArray<double> spins_;    ///< per body: angular velocity (W), in lanes
-  AlignedArray<double> derived_;  ///< of all lanes
-  std::uint32_t drawn_ = 0;       ///< lanes whose parameters are not the nominal ones
-  std::uint32_t placed_ = 0;      ///< lanes of `derived_` that hold what is nominal
-  std::uint32_t broken_ = 0;      ///< lanes with parameters that no body has
+  AlignedArray<double> spins_;                ///< per body: angular velocity (W), in lanes
+  AlignedArray<double> derived_;              ///< of all lanes
+  std::uint32_t drawn_ = 0;                   ///< lanes whose parameters are not the nominal ones
+  std::uint32_t placed_ = 0;                  ///< lanes of `derived_` that hold what is nominal
+  std::uint32_t broken_ = 0;                  ///< lanes with parameters that no body has
   std::unique_ptr<GroupStepper> one_by_one_;  ///< for what only direct control asks for
 };
 

@@ -21,19 +21,20 @@ struct Steps {
   }
 
   static SKYBODY_INLINE void refresh(const PackCall& call, std::uint32_t lanes) {
-    for_packs(lanes, [&](int first, std::uint32_t) __attribute__((always_inline)) {
-      const SharedValues<Real> none(nullptr);  // the motion does not ask for parameters
-      PackMechanics<Real, SharedValues<Real>, IntegratorChoice::kSemiImplicitEuler>(call, first,
-                                                                                    none, none)
-          .refresh();
-    });
+    for_packs(
+        lanes, [&](int first, std::uint32_t) __attribute__((always_inline)) {
+          const SharedValues<Real> none(nullptr);  // the motion does not ask for parameters
+          PackMechanics<Real, SharedValues<Real>, IntegratorChoice::kSemiImplicitEuler>(call, first,
+                                                                                        none, none)
+              .refresh();
+        });
   }
 
   template <IntegratorChoice kIntegrator>
   static SKYBODY_INLINE std::uint32_t advance(const PackCall& call, std::uint32_t lanes) {
     std::uint32_t through = 0;
     const auto run = [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-                         __attribute__((always_inline)) {
+        __attribute__((always_inline)) {
       using Values = std::decay_t<decltype(params)>;
       PackMechanics<Real, Values, kIntegrator> mechanics(call, first, params, derived);
       through |= bits_from_mask(mechanics.advance(mask_from_bits<Real>(bits))) << first;
@@ -41,36 +42,36 @@ struct Steps {
     if (call.derived == nullptr) {
       const SharedValues<Real> params(call.world->nominal_params.data());
       const SharedValues<Real> derived(call.world->nominal_derived.data());
-      for_packs(lanes, [&](int first, std::uint32_t bits) __attribute__((always_inline)) {
-        run(first, bits, params, derived);
-      });
+      for_packs(
+          lanes, [&](int first, std::uint32_t bits)
+                     __attribute__((always_inline)) { run(first, bits, params, derived); });
     } else {
-      for_packs(lanes, [&](int first, std::uint32_t bits) __attribute__((always_inline)) {
-        run(first, bits, LaneValues<Real>(call.group->params + first),
-            LaneValues<Real>(call.derived + first));
-      });
+      for_packs(
+          lanes, [&](int first, std::uint32_t bits) __attribute__((always_inline)) {
+            run(first, bits, LaneValues<Real>(call.group->params + first),
+                LaneValues<Real>(call.derived + first));
+          });
     }
     return through;
   }
 };
 
 // One set of functions per instruction set. A macro, because the target is an attribute.
-#define SKYBODY_PACK_KERNELS(NAME, TARGET, WIDTH)                                            \
-  SKYBODY_KERNEL(TARGET)                                                                     \
-  void refresh_##NAME(const PackCall& call, std::uint32_t lanes) {                           \
-    Steps<WIDTH>::refresh(call, lanes);                                                      \
-  }                                                                                          \
-  SKYBODY_KERNEL(TARGET)                                                                     \
-  std::uint32_t euler_##NAME(const PackCall& call, std::uint32_t lanes) {                    \
-    return Steps<WIDTH>::advance<IntegratorChoice::kSemiImplicitEuler>(call, lanes);         \
-  }                                                                                          \
-  SKYBODY_KERNEL(TARGET)                                                                     \
-  std::uint32_t rk4_##NAME(const PackCall& call, std::uint32_t lanes) {                      \
-    return Steps<WIDTH>::advance<IntegratorChoice::kRk4>(call, lanes);                       \
-  }                                                                                          \
-  PackKernels choose_##NAME(IntegratorChoice integrator) {                                   \
-    return {&refresh_##NAME,                                                                 \
-            integrator == IntegratorChoice::kRk4 ? &rk4_##NAME : &euler_##NAME};             \
+#define SKYBODY_PACK_KERNELS(NAME, TARGET, WIDTH)                                                 \
+  SKYBODY_KERNEL(TARGET)                                                                          \
+  void refresh_##NAME(const PackCall& call, std::uint32_t lanes) {                                \
+    Steps<WIDTH>::refresh(call, lanes);                                                           \
+  }                                                                                               \
+  SKYBODY_KERNEL(TARGET)                                                                          \
+  std::uint32_t euler_##NAME(const PackCall& call, std::uint32_t lanes) {                         \
+    return Steps<WIDTH>::advance<IntegratorChoice::kSemiImplicitEuler>(call, lanes);              \
+  }                                                                                               \
+  SKYBODY_KERNEL(TARGET)                                                                          \
+  std::uint32_t rk4_##NAME(const PackCall& call, std::uint32_t lanes) {                           \
+    return Steps<WIDTH>::advance<IntegratorChoice::kRk4>(call, lanes);                            \
+  }                                                                                               \
+  PackKernels choose_##NAME(IntegratorChoice integrator) {                                        \
+    return {&refresh_##NAME, integrator == IntegratorChoice::kRk4 ? &rk4_##NAME : &euler_##NAME}; \
   }
 SKYBODY_PACK_KERNELS(v2, "arch=x86-64-v2", 2)
 SKYBODY_PACK_KERNELS(v3, "arch=x86-64-v3", 4)

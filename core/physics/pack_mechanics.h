@@ -77,7 +77,8 @@ struct PackArrays {
 };
 
 /// @tparam Real         a pack
-/// @tparam Values       how parameters and what derives from them are read: LaneValues, SharedValues
+/// @tparam Values       how parameters and what derives from them are read: LaneValues,
+/// SharedValues
 /// @tparam kIntegrator  the scenario's
 template <class Real, class Values, IntegratorChoice kIntegrator>
 class PackMechanics {

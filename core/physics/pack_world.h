@@ -30,8 +30,7 @@ struct DerivedLayout {
 /// @param params   the parameter block of one environment
 /// @param derived  DerivedLayout::size values
 /// @throws Error (naming the body) if no rigid body can have the mass properties
-void derive(const World& world, const DerivedLayout& layout, const double* params,
-            double* derived);
+void derive(const World& world, const DerivedLayout& layout, const double* params, double* derived);
 
 /// One call of a kernel on a group.
 struct PackCall {
@@ -63,8 +62,8 @@ struct PackWorld {
   ForceModel forces;
   std::vector<PackDrive> drives;
   DerivedLayout derived;
-  int physics_params = 0;               ///< the first so many words of the parameter block
-  std::vector<double> nominal_params;   ///< the whole block
+  int physics_params = 0;              ///< the first so many words of the parameter block
+  std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;
   PackKernels kernels;
   std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for derive()

@@ -86,7 +86,8 @@ class SerialGroupStepper final : public GroupStepper {
       return;
     }
     const auto stride = static_cast<std::size_t>(group.lanes);
-    for (std::size_t k = 0; k < to.size(); ++k) to[k] = from[k * stride + static_cast<std::size_t>(l)];
+    for (std::size_t k = 0; k < to.size(); ++k)
+      to[k] = from[k * stride + static_cast<std::size_t>(l)];
   }
   static void read(const GroupBlocks& group, int l, LaneState& state) {
     read(group, l, group.q, state.q);

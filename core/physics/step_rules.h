@@ -60,7 +60,7 @@ SKYBODY_INLINE void semi_implicit_euler(Mechanics& mechanics, double dt, int q_c
 /// Where the classical Runge-Kutta method keeps its stages.
 template <class Real>
 struct StageArrays {
-  Real *q = nullptr, *u = nullptr;      ///< a stage's point
+  Real *q = nullptr, *u = nullptr;    ///< a stage's point
   Real *qdot[4] = {}, *udot[4] = {};  ///< its rates
 };
 
@@ -82,7 +82,7 @@ SKYBODY_INLINE void runge_kutta_4(Mechanics& mechanics, double dt, int q_count, 
     mechanics.accelerations(at_q, at_u, kTimes[k], stage.udot[k]);
     mechanics.position_rates(at_q, at_u, stage.qdot[k]);
   }
-  const auto combine = [&](Real* const (&k)[4], int count, Real* x) {
+  const auto combine = [&](Real* const(&k)[4], int count, Real* x) {
     for (int i = 0; i < count; ++i) {
       x[i] += (dt / 6.0) * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i]));
     }

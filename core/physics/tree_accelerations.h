@@ -106,10 +106,11 @@ class Forest {
       ArticulatedInertia<Real> inertia = w.inertia;
       SpatialForce<Real> bias = w.bias;
       if (!is_held(tree, i) && velocity_size(body.type) > 0) {
-        with_velocities(body.type, [&](auto n) __attribute__((always_inline)) {
-          eliminate<n()>(joint_forces + body.u, w);
-          if (body.parent >= 0) reduce<n()>(w, inertia, bias);
-        });
+        with_velocities(
+            body.type, [&](auto n) __attribute__((always_inline)) {
+              eliminate<n()>(joint_forces + body.u, w);
+              if (body.parent >= 0) reduce<n()>(w, inertia, bias);
+            });
       } else {
         const SpatialForce<Real> drifting = inertia * w.drift;
         bias.moment += drifting.moment;
@@ -144,9 +145,9 @@ class Forest {
         for (int k = 0; k < velocity_size(body.type); ++k) udot[body.u + k] = Real(0.0);
         continue;
       }
-      with_velocities(body.type, [&](auto n) __attribute__((always_inline)) {
-        substitute<n()>(w, a, udot + body.u);
-      });
+      with_velocities(
+          body.type, [&](auto n)
+                         __attribute__((always_inline)) { substitute<n()>(w, a, udot + body.u); });
     }
   }
 

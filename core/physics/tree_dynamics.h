@@ -9,7 +9,8 @@
 namespace skybody {
 
 /// Why `dynamics: tree` cannot do a world, as the end of a sentence that begins with "the world";
-/// empty if it can. Bodies of one robot do not touch each other; what else could touch is Simbody's.
+/// empty if it can. Bodies of one robot do not touch each other; what else could touch is
+/// Simbody's.
 std::string why_not_tree(const World& world);
 
 /// Drives are read from `world.drives`. Allocates when it is made only; results have the same bits
