@@ -142,7 +142,7 @@ def _runs(scenario: str, figures: dict[str, Any]) -> str:
 def draw(content: dict[str, Any], out: Path) -> None:
     """The paper's figure: a row per scenario; one seed left, different seeds right."""
     scenarios = content["scenarios"]
-    figure = Figure(figsize=(10, 0.6 + 3.4 * len(scenarios)), layout="constrained")
+    figure = Figure(figsize=(10, 1.4 + 3.4 * len(scenarios)), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     axes = figure.subplots(len(scenarios), 2, sharex=True, sharey="row", squeeze=False)
     for row, (scenario, figures) in zip(axes, scenarios.items(), strict=True):
@@ -153,6 +153,8 @@ def draw(content: dict[str, Any], out: Path) -> None:
     for axis in axes[-1]:
         axis.set_xlabel("environment steps")
         axis.xaxis.set_major_formatter(EngFormatter(sep=""))
+        # Below, where no curve is; once for its column: every scenario has the same runs.
+        axis.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.18))
     canvas.print_png(out)
 
 
@@ -181,4 +183,3 @@ def _draw_group(axis: Axes, figures: dict[str, Any], name: str) -> None:
             label = f"seed {run['seed']}"
         axis.plot(steps, values, color=f"C{number}", linewidth=width, label=label)
     axis.grid(alpha=0.3)
-    axis.legend(fontsize=7, loc="best")

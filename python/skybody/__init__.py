@@ -36,6 +36,7 @@ except ImportError as error:
         "Skybody's source tree and use .venv/bin/python, or install the package: `pip install .`"
     ) from error
 from .arguments import Scenario
+from .extras import INSTALLED_BY, missing_package
 from .pool import Order, Pool
 from .registration import register
 from .simulation import CONTROL_MODES, Simulation, SimulationPool, WorldStates
@@ -72,15 +73,7 @@ __all__ = [
     "versions",
 ]
 
-# Modules that are imported at their first use, and what installs the packages that they need.
-_MODULES = {
-    "env": "skybody",
-    "vector": "skybody",
-    "multi_agent": "skybody[multi-agent]",
-    "python_task": "skybody",
-    "sb3": "skybody[train]",
-    "sb3_adapter": "skybody[train]",
-}
+_MODULES = tuple(INSTALLED_BY)  # imported at their first use
 
 
 def __getattr__(name: str) -> Any:
@@ -99,9 +92,7 @@ def _import(name: str) -> Any:
     except ModuleNotFoundError as error:
         if (error.name or "").startswith(__name__):
             raise
-        raise ImportError(
-            f"skybody.{name} needs the package {error.name!r}: pip install '{_MODULES[name]}'"
-        ) from error
+        raise missing_package(name, error) from error
 
 
 def make_vec(

@@ -14,6 +14,10 @@ from ._native import Environment
 
 Scenario = str | os.PathLike[str] | Environment
 
+MOST_ENVS = 2**24  # the native pools' own limits
+MOST_THREADS = 1024
+MOST_WORLDS = 4096  # of a SimulationPool: each is a thread
+
 
 def load(
     scenario: Scenario,
@@ -29,12 +33,14 @@ def load(
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
         TypeError: one text where a list of them belongs.
-        ValueError: overrides or plugin_path for an environment that is loaded already.
+        ValueError: overrides or plugin_path for an environment that is loaded already; a folder
+            of plugin_path that does not exist.
     """
     for name, given in (("overrides", overrides), ("plugin_path", plugin_path)):
         if isinstance(given, str):
             raise TypeError(f"`{name}` is one text; give a list: [{given!r}]")
     paths = [os.fspath(folder) for folder in plugin_path]
+    check_plugin_path(paths, "plugin_path")
     changes = list(overrides)
     if isinstance(scenario, Environment):
         if changes or paths:
@@ -46,12 +52,35 @@ def load(
     return Environment(os.fspath(scenario), changes, paths)
 
 
+def check_plugin_path(folders: Iterable[str], name: str) -> None:
+    """Raises ValueError for a folder that is not there; `name` is what the caller calls them."""
+    for folder in folders:
+        if not os.path.isdir(folder):
+            raise ValueError(
+                f"{name}: directory does not exist: {folder}; give a folder with plugins, or leave "
+                "it out"
+            )
+
+
 def integer(name: str, value: Any) -> int:
     """`value` as an int. Raises TypeError, which names the argument, for what is none."""
     try:
         return operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is {value!r}; it must be an integer") from None
+
+
+def integer_within(name: str, value: Any, low: int, high: int) -> int:
+    """`value` as an int from `low` to `high`: what C++ is given fits its types.
+
+    Raises:
+        TypeError: it is no integer.
+        ValueError: it is out of range.
+    """
+    number = integer(name, value)
+    if not low <= number <= high:
+        raise ValueError(f"{name} is {number}; it must be from {low} to {high}")
+    return number
 
 
 def check_seed(seed: Any) -> int | None:

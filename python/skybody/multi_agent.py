@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-import pettingzoo  # type: ignore[import-untyped]
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
@@ -15,6 +14,12 @@ from . import spaces
 from .agents import commanded_by, observed_by
 from .arguments import Scenario
 from .env import SkybodyEnv
+from .extras import missing_package
+
+try:
+    import pettingzoo  # type: ignore[import-untyped]
+except ModuleNotFoundError as error:
+    raise missing_package("multi_agent", error) from error
 
 Observations = dict[str, NDArray[np.float32]]
 Infos = dict[str, dict[str, Any]]
@@ -104,8 +109,8 @@ class ParallelEnv(
 
         Raises:
             TypeError: another dtype.
-            ValueError: an agent's action is missing or of another shape; not yet reset, or the
-                episode has ended.
+            ValueError: an agent's action is missing or of another shape; an action of no
+                agent; not yet reset, or the episode has ended.
         """
         self._row, reward, terminated, truncated, info = self._env.step(self._joined(actions))
         if terminated or truncated:
@@ -120,6 +125,12 @@ class ParallelEnv(
         )
 
     def _joined(self, actions: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+        unknown = next((agent for agent in actions if agent not in self._commanded), None)
+        if unknown is not None:
+            raise ValueError(
+                f"an action for `{unknown}`, which is no agent; there must be one for each of "
+                f"{', '.join(self.possible_agents)}"
+            )
         row = np.empty(self.environment.action_size, np.float32)
         for agent, commanded in self._commanded.items():
             if agent not in actions:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arguments import Scenario, check_seed, env_ids, integer, load
+from .arguments import MOST_ENVS, Scenario, check_seed, env_ids, integer_within, load
 from .infos import InfoChannels
 from .pooled import PooledEnvironments, make_native
 
@@ -76,7 +76,7 @@ class Pool(PooledEnvironments):
             num_envs,
             num_threads,
             seed,
-            batch_size=integer("batch_size", batch_size),
+            batch_size=integer_within("batch_size", batch_size, 0, MOST_ENVS),
             order=order,
             autoreset=autoreset,
             pin_threads=pin_threads,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._native import Environment
-from .arguments import check_seed, env_ids, integer
+from .arguments import MOST_ENVS, MOST_THREADS, check_seed, env_ids, integer_within
 
 
 def refuse_interrupted(pool: _native.Pool) -> None:
@@ -35,8 +35,8 @@ def make_native(
     """The C++ pool of an environment. Raises TypeError and ValueError for what it cannot be."""
     return _native.Pool(
         environment,
-        integer("num_envs", num_envs),
-        num_threads=integer("num_threads", num_threads),
+        integer_within("num_envs", num_envs, 1, MOST_ENVS),
+        num_threads=integer_within("num_threads", num_threads, 0, MOST_THREADS),
         seed=check_seed(seed) or 0,
         **options,
     )
@@ -119,6 +119,11 @@ class PooledEnvironments:
                 cannot be written. Where writing fails later (no space), the call that steps or
                 resets raises it, and the recording is over.
         """
+        if self.native.in_flight > 0:
+            raise _native.Error(
+                f"record() while {self.native.in_flight} environments are in flight: recv() them "
+                "first"
+            )
         self.native.record(os.fspath(path), states)
 
     def stop_recording(self) -> None:

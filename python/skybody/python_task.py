@@ -50,15 +50,15 @@ class PythonTask:
 
     def command(self, actions: NDArray[np.float32], states: WorldStates) -> ArrayLike:
         """Commands (n, command_size), in the units of the control mode, from actions (n, A)."""
-        raise NotImplementedError
+        raise self._lacks("command")
 
     def observation(self, states: WorldStates) -> ArrayLike:
         """What the learner sees, (n, O)."""
-        raise NotImplementedError
+        raise self._lacks("observation")
 
     def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> ArrayLike:
         """Rewards (n,) of the states after these actions (n, A)."""
-        raise NotImplementedError
+        raise self._lacks("reward")
 
     def terminated(self, states: WorldStates) -> ArrayLike:
         """Which episodes end here for a reason of the task's own, (n,) bool."""
@@ -67,6 +67,27 @@ class PythonTask:
     def info(self, states: WorldStates) -> dict[str, NDArray[Any]]:
         """Values beside the observation, (n, ...) each."""
         return {}
+
+    def _lacks(self, method: str) -> NotImplementedError:
+        name = type(self).__name__
+        return NotImplementedError(f"{name} has no method `{method}`: define {name}.{method}")
+
+
+def _check_task(task: PythonTask) -> None:
+    """Raises TypeError for what is no task, ValueError for numbers out of range."""
+    if isinstance(task, type):
+        raise TypeError(f"task is the class {task.__name__}; give an object: {task.__name__}()")
+    if not isinstance(task, PythonTask):
+        raise TypeError(
+            f"task is a {type(task).__name__}; it must be an object of a class that derives from "
+            "PythonTask"
+        )
+    for name in ("observation_space", "action_space"):
+        if not hasattr(task, name):
+            raise TypeError(f"{type(task).__name__} has no `{name}`: give it a gymnasium Box")
+    for name in ("physics_steps", "horizon"):
+        if getattr(task, name) < 1:
+            raise ValueError(f"the task's {name} is {getattr(task, name)}; it must be >= 1")
 
 
 def _demand_finite(bad: NDArray[np.bool_]) -> None:
@@ -97,6 +118,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
+        TypeError: the task is a class, or no PythonTask at all.
         ValueError: a number is out of range, or an unknown mode.
     """
 
@@ -112,9 +134,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         plugin_path: Iterable[str | os.PathLike[str]] = (),
         pin_threads: bool = False,
     ) -> None:
-        for name in ("physics_steps", "horizon"):
-            if getattr(task, name) < 1:
-                raise ValueError(f"the task's {name} is {getattr(task, name)}; it must be >= 1")
+        _check_task(task)
         self._mode = autoreset_mode(autoreset)
         self.task = task
         self.pool = SimulationPool(
@@ -173,10 +193,10 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         return observation.copy(), self._infos(mask, np.zeros(self.num_envs, np.bool_))
 
     def step(
-        self, actions: ArrayLike
+        self, actions: NDArray[np.float32]
     ) -> tuple[
         NDArray[np.float32],
-        NDArray[np.float64],
+        NDArray[np.float32],
         NDArray[np.bool_],
         NDArray[np.bool_],
         dict[str, Any],
@@ -184,16 +204,22 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         """One action in every world; worlds whose episode ended before are reset instead.
 
         Args:
-            actions: (num_envs, A), clipped to the task's action space.
+            actions: (num_envs, A) float32, clipped to the task's action space.
 
         Raises:
+            TypeError: another dtype.
             ValueError: another shape, or the task's arrays have another shape than they must, or
                 an episode's first observation is not finite.
             gymnasium.error.ResetNeeded: before `reset`, or after an exception.
         """
         if not self._ready:
             raise gymnasium.error.ResetNeeded("call reset() first: nothing is under way")
-        given = np.asarray(actions, np.float32)
+        given = np.asarray(actions)
+        if given.dtype != np.float32:
+            raise TypeError(
+                f"actions has dtype {given.dtype}; expected float32: convert with "
+                ".astype(numpy.float32)"
+            )
         if given.shape != self.action_space.shape:
             raise ValueError(f"actions are {given.shape}; they must be {self.action_space.shape}")
         if self._mode is AutoresetMode.DISABLED and self._ended.any():
@@ -234,10 +260,10 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         states = self.pool.states()
         observation, unseen = self._observation(states, np.ones(self.num_envs, np.bool_))
         _demand_finite(unseen & ~flying)
-        reward = self._array("reward", self.task.reward(states, actions), (self.num_envs,))
+        reward = self._float32("reward", self.task.reward(states, actions), (self.num_envs,))
         ends = self._array("terminated", self.task.terminated(states), (self.num_envs,))
         fault = flying & (bad | unseen | ~np.isfinite(reward) | self.pool.faults)
-        reward = np.where(flying & ~fault, reward, 0.0)
+        reward = np.where(flying & ~fault, reward, np.float32(0))
         terminated = ends.astype(np.bool_) & flying & ~fault
         truncated = fault | (flying & ~terminated & (self._steps >= self.task.horizon))
         self._last = observation
@@ -274,13 +300,16 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         """Observations of the worlds in `mask`, the last ones of the others; which are not finite,
         where the last finite one stands in."""
         shape = self._last.shape
-        with np.errstate(over="ignore"):
-            rows = self._array("observation", self.task.observation(states), shape).astype(
-                np.float32
-            )
+        rows = self._float32("observation", self.task.observation(states), shape)
         bad = mask & ~np.isfinite(rows).reshape(self.num_envs, -1).all(axis=1)
         rows[~mask | bad] = self._last[~mask | bad]
         return rows, bad
+
+    @classmethod
+    def _float32(cls, name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
+        """A new array; what float32 cannot hold becomes infinite, and so a fault."""
+        with np.errstate(over="ignore"):
+            return cls._array(name, values, shape).astype(np.float32)
 
     @staticmethod
     def _array(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[Any]:

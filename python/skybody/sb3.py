@@ -8,13 +8,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
 
 from . import _native, spaces
 from .arguments import Scenario, check_seed, load
+from .extras import missing_package
 from .infos import InfoChannels
 from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
-from .sb3_uniform import UniformVecEnv
+
+try:
+    from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
+
+    from .sb3_uniform import UniformVecEnv
+except ModuleNotFoundError as error:
+    raise missing_package("sb3", error) from error
 
 _PER_ENV_METHODS = ("param", "set_param")
 

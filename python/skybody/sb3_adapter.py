@@ -8,7 +8,12 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from .sb3_uniform import UniformVecEnv
+from .extras import missing_package
+
+try:
+    from .sb3_uniform import UniformVecEnv
+except ModuleNotFoundError as error:
+    raise missing_package("sb3_adapter", error) from error
 
 
 class VectorEnvForSb3(UniformVecEnv):
@@ -42,7 +47,7 @@ class VectorEnvForSb3(UniformVecEnv):
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Keeps the actions for `step_wait`."""
-        self._actions = actions
+        self._actions = np.asarray(actions, np.float32)
 
     def step_wait(
         self,
@@ -58,7 +63,7 @@ class VectorEnvForSb3(UniformVecEnv):
                 "TimeLimit.truncated": bool(truncated[i]) and not (terminated[i] or fault),
                 "fault": fault,
             }
-        return observation, reward.astype(np.float32), dones, infos
+        return observation, np.asarray(reward, np.float32), dones, infos
 
     def attribute(self, name: str) -> Any:
         """That of the environment underneath. Raises AttributeError if there is none."""

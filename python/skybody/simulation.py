@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._native import Environment
-from .arguments import Scenario, check_seed, env_ids, load
+from .arguments import MOST_WORLDS, Scenario, check_seed, env_ids, integer_within, load
 
 CONTROL_MODES: dict[str, str] = {
     "rotor_speed": "[{plugin: rotor_speed}]",
@@ -44,10 +44,16 @@ def load_with_control(
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
+        TypeError: control is no text.
         ValueError: an unknown mode, or changes to an environment that is loaded already.
     """
     if control is None:
         return load(scenario, overrides, plugin_path)
+    if not isinstance(control, str):
+        raise TypeError(
+            f"control is {control!r}; it must be a text: one of {', '.join(CONTROL_MODES)}, or a "
+            "list as in YAML"
+        )
     chain = CONTROL_MODES.get(control, control)
     if not chain.lstrip().startswith("["):
         raise ValueError(
@@ -225,7 +231,8 @@ class SimulationPool(_native.SimulationPool):
         plugin_path: Iterable[str | os.PathLike[str]] = (),
     ) -> None:
         environment = load_with_control(scenario, control, overrides, plugin_path)
-        super().__init__(environment, num_worlds, check_seed(seed) or 0, first_env_id, pin_threads)
+        worlds = integer_within("num_worlds", num_worlds, 1, MOST_WORLDS)
+        super().__init__(environment, worlds, check_seed(seed) or 0, first_env_id, pin_threads)
 
     def _ids(self, worlds: ArrayLike | None) -> NDArray[np.int32] | None:
         if worlds is None:

@@ -56,6 +56,26 @@ def test_the_pool_works_where_gymnasium_is_not_installed():
     assert "skybody.vector needs the package 'gymnasium" in done.stderr
 
 
+@pytest.mark.parametrize("statement", ["import skybody.{}", "import skybody; skybody.{}"])
+@pytest.mark.parametrize(
+    ("module", "package", "extra"),
+    [
+        ("sb3", "stable_baselines3", "train"),
+        ("sb3_adapter", "stable_baselines3", "train"),
+        ("multi_agent", "pettingzoo", "multi-agent"),
+    ],
+)
+def test_a_module_whose_package_is_missing_says_what_installs_it(
+    module: str, package: str, extra: str, statement: str
+):
+    program = f"import sys; sys.modules[{package!r}] = None; {statement.format(module)}"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stderr.endswith(
+        f"ImportError: skybody.{module} needs the package {package!r}: `pip install '.[{extra}]'` "
+        "in Skybody's source folder\n"
+    )
+
+
 def test_steps_as_a_world_by_hand_does():
     environment = short_hover()
     env, world = SkybodyEnv(environment, seed=SEED, env_id=3), Rollout(environment, 3)

@@ -103,13 +103,15 @@ def test_joint_final_obs_has_the_joint_shape():
     assert infos["final_obs"][0].shape == envs.single_observation_space.shape
 
 
-def test_actions_that_are_missing_or_of_another_kind_are_refused():
+def test_actions_that_are_missing_of_nobody_or_of_another_kind_are_refused():
     env = ParallelEnv("formation")
     env.reset()
     given = hovering(env)
     first, *rest = env.agents
     with pytest.raises(ValueError, match=f"no action for agent `{first}`"):
         env.step({agent: given[agent] for agent in rest})
+    with pytest.raises(ValueError, match="an action for `nobody`, which is no agent; there must"):
+        env.step({**given, "nobody": given[first]})
     with pytest.raises(ValueError, match="shape"):
         env.step({**given, first: np.zeros(3, np.float32)})
     with pytest.raises(TypeError, match="float32"):

@@ -65,7 +65,7 @@ def test_a_step_is_the_command_held_for_the_physics_steps():
         world.command([15 * np.float32(1.2), 0, 0, 0])
         world.advance(20)
         assert observation[i, 0] == np.float32(world.base().position[2])
-        assert reward[i] == world.base().position[2]
+        assert reward[i] == np.float32(world.base().position[2])
     assert not (terminated | truncated | info["fault"]).any()
     envs.close()
 
@@ -285,6 +285,62 @@ def test_stable_baselines_gets_terminal_observations_and_trains():
     model = PPO("MlpPolicy", envs, n_steps=32, batch_size=64, seed=1, device="cpu")
     model.learn(256)
     envs.close()
+
+
+def test_actions_and_rewards_are_float32_and_nothing_is_converted_silently():
+    envs = climb()
+    envs.reset()
+    with pytest.raises(TypeError, match="actions has dtype float64; expected float32: convert"):
+        envs.step(np.zeros((N, 1)))
+    with pytest.raises(TypeError, match="expected float32"):
+        envs.step([[0.0]] * N)  # type: ignore[arg-type]
+    _, reward, *_ = envs.step(up(0.1))  # and nothing was lost
+    assert reward.dtype == np.float32
+    envs.close()
+
+
+def test_a_reward_that_float32_cannot_hold_is_a_fault():
+    class Huge(Climb):
+        def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
+            return np.array([1e300, 1, 1, 1])
+
+    envs = climb(Huge())
+    envs.reset()
+    _, reward, _, _, info = envs.step(up(0.1))
+    assert info["fault"].tolist() == [True, False, False, False]
+    assert reward.tolist() == [0, 1, 1, 1]
+    envs.close()
+
+
+def test_a_class_or_another_object_is_no_task():
+    with pytest.raises(TypeError, match=r"task is the class Climb; give an object: Climb\(\)"):
+        PythonTaskVecEnv(Climb, "hover", N)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="task is a int; it must be an object of a class that"):
+        PythonTaskVecEnv(3, "hover", N)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("method", ["command", "observation", "reward"])
+def test_a_method_that_a_task_lacks_is_named_with_its_class(method: str):
+    class Lacks(Climb):
+        pass
+
+    setattr(Lacks, method, getattr(PythonTask, method))
+    envs = climb(Lacks())
+    with pytest.raises(NotImplementedError, match=f"Lacks has no method `{method}`: define Lacks"):
+        envs.reset()
+        envs.step(up())
+    envs.close()
+
+
+@pytest.mark.parametrize("space", ["observation_space", "action_space"])
+def test_a_space_that_a_task_lacks_is_named_with_its_class(space: str):
+    class Spaceless(PythonTask):
+        observation_space = Climb.observation_space
+        action_space = Climb.action_space
+
+    delattr(Spaceless, space)
+    with pytest.raises(TypeError, match=f"Spaceless has no `{space}`"):
+        climb(Spaceless())
 
 
 class Blind(Climb):

@@ -40,6 +40,8 @@ def test_a_chain_in_yaml_is_a_mode_too_and_overrides_reach_it():
     assert simulation.base().velocity[2] < -3  # held to 1 N: it falls
     with pytest.raises(ValueError, match="rotor_speed, srt"):
         Simulation("hover", "thrust")
+    with pytest.raises(TypeError, match="control is 3; it must be a text: one of rotor_speed"):
+        Simulation("hover", 3)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="too late"):
         Simulation(Environment("hover"), "ctbr")
     with pytest.raises(skybody.InputError, match="nothing_of_that_name"):

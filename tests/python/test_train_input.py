@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
-from skybody.train import evaluate
+from conftest import Finished
+from skybody._native import Environment
+from skybody.train import curve, evaluate
 from skybody.train.__main__ import main
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
+from skybody.train.policy_file import Layer, Policy, write_policy
 from skybody.train.presets import UsageError, preset, with_settings
 from training import LEARNERS, SCENARIO, arguments, finished_run
+
+PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
 
 pytestmark = pytest.mark.timeout(120)
 
@@ -38,7 +46,11 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
             ["--override", "stepping.horizon=0", "--eval-episodes", "1"],
             "no horizon, evaluations might never end",
         ),
-        (["--threads", "100000"], "threads"),
+        (["--threads", "100000"], "--threads 100000: at most 1024"),
+        (["--envs", str(2**31)], "hyper-parameter envs = 2147483648: allowed is at most 16777216"),
+        (["--plugin-path", "/nonexist"], "--plugin-path: directory does not exist: /nonexist"),
+        (["--override", "stepping.horizon"], "train: --override stepping.horizon: error: a path"),
+        (["--override", "stepping.dt=abc"], "train: --override stepping.dt=abc: error: `dt` is"),
         (["--envs", "0"], "hyper-parameter envs = 0: allowed is at least 1"),
         (["--total-steps", "0"], "--total-steps 0: at least 1"),
         (["--seed", str(2**32)], "--seed 4294967296: at most 4294967295"),
@@ -126,6 +138,153 @@ def test_a_damaged_configuration_is_named(run: Path, capsys: pytest.CaptureFixtu
     assert "config.json is damaged" in capsys.readouterr().err
 
 
+@contextmanager
+def replaced(path: Path, content: bytes | None) -> Iterator[None]:
+    """With other bytes in a file, or (None) without the file."""
+    whole = path.read_bytes()
+    if content is None:
+        path.unlink()
+    else:
+        path.write_bytes(content)
+    try:
+        yield
+    finally:
+        path.write_bytes(whole)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "meta.json is damaged"),
+        (b'{"steps": 12', "meta.json is damaged"),
+        (b"\xff\xfe", "meta.json is damaged"),
+        (b"[]", "meta.json is damaged (no map of stamps)"),
+        (b'{"steps": 1200}', "meta.json is damaged (no good parameter_hash, algorithm"),
+    ],
+)
+@pytest.mark.parametrize("program", ["train", "evaluate"])
+def test_damaged_stamps_of_a_checkpoint_are_named_with_the_remedy(
+    program: str, content: bytes, message: str, run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with replaced(checkpoint_folders(run)[-1] / "meta.json", content):
+        if program == "train":
+            assert main(["--resume", "--out", str(run)]) == 2
+        else:
+            assert evaluate.main([str(run)]) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert "remove this checkpoint's folder to go on from the one before" in said
+
+
+@pytest.mark.parametrize("name", ["state.pt", "environments.bin", "policy.h5"])
+def test_a_file_that_a_checkpoint_lacks_is_named(
+    name: str, run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = checkpoint_folders(run)[-1] / name
+    with replaced(path, None):
+        assert main(["--resume", "--out", str(run)]) == 2
+    assert f"{path} is missing: remove this checkpoint's folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"garbage\nmore of it\n", "line 2 is no row of a table with a column `steps`"),
+        (b"steps,faults\n300,0\n600\n", "line 3 is no row"),
+        (b"steps,faults\n300,0\n600,many\n", "line 3: `faults` is `many`, not a number"),
+        (b"\xff\xfe\n\n", "can't decode"),
+    ],
+)
+def test_a_damaged_table_is_named_with_the_remedy(
+    content: bytes, message: str, run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = run / "progress.csv"
+    with replaced(path, content):
+        assert main(["--resume", "--out", str(run)]) == 2
+        resumed = capsys.readouterr().err
+        assert curve.main([str(run)]) == 2
+        drawn = capsys.readouterr().err
+    for said in (resumed, drawn):
+        assert f"{path} is damaged" in said
+        assert message in said
+        assert "remove it, which loses its rows only" in said
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: c["hyper"].update(discount=0.5), "hyper.discount (0.98 then, 0.5 now)"),
+        (lambda c: c["hyper"].update(hidden=[16, 8]), "hyper.hidden ([8, 8] then, [16, 8] now)"),
+        (lambda c: c.update(seed=4), "seed (3 then, 4 now)"),
+        (lambda c: c.update(algorithm="ppo"), "algorithm (lean-ppo then, ppo now)"),
+    ],
+)
+def test_a_run_whose_configuration_was_changed_by_hand_is_not_resumed(
+    change: Callable[[dict[str, Any]], None],
+    message: str,
+    run: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = run / "config.json"
+    config = json.loads(path.read_text())
+    change(config)
+    with replaced(path, json.dumps(config).encode()):
+        assert main(["--resume", "--out", str(run)]) == 2
+    said = capsys.readouterr().err
+    newest = checkpoint_folders(run)[-1] / "meta.json"
+    assert f"config.json is not what {newest} was trained with: {message}; put the old" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--seed", "-1"], "--seed -1: at least 0"),
+        (["--seed", str(2**64)], f"--seed {2**64}: at most {2**64 - 1}"),
+        (["--episodes", str(2**31)], "--episodes 2147483648: at most 16777216"),
+        (["--threads", "-1"], "--threads -1: at least 0"),
+    ],
+)
+def test_numbers_out_of_range_are_evaluates_own_errors(
+    options: list[str], message: str, run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        evaluate.main([str(run), *options])
+    assert ended.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("package", ["h5py", "matplotlib", "tensorboard", "torch", "tqdm"])
+def test_a_missing_package_is_one_message_with_the_remedy(
+    package: str, python: Callable[[str], Finished], tmp_path: Path
+) -> None:
+    out = tmp_path / "run"
+    done = python(f"""
+        import runpy, sys
+        sys.modules[{package!r}] = None  # importing it raises ModuleNotFoundError
+        sys.argv = ["train", "hover", "--out", {str(out)!r}]
+        runpy.run_module("skybody.train", run_name="__main__", alter_sys=True)
+    """)
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"train: needs {package}, not installed here: `pip install '.[train]'` in Skybody's "
+        "source folder\n"
+    )
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("module", ["train", "train.evaluate", "train.curve"])
+def test_help_needs_no_package_of_the_extra(module: str, python: Callable[[str], Finished]) -> None:
+    done = python(f"""
+        import runpy, sys
+        for name in ("h5py", "matplotlib", "stable_baselines3", "tensorboard", "torch", "tqdm"):
+            sys.modules[name] = None
+        sys.argv = ["train", "--help"]
+        runpy.run_module("skybody.{module}", run_name="__main__", alter_sys=True)
+    """)
+    assert done.returncode == 0, done.stderr
+    assert "usage:" in done.stdout
+
+
 def test_two_processes_do_not_train_in_one_folder(
     run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -169,3 +328,26 @@ def test_a_run_that_goes_on_under_other_versions_says_so(
         assert "versions differ, and so may bits: numpy 0." in capsys.readouterr().err
     finally:
         path.write_text(whole)
+
+
+def test_a_policy_with_a_flipped_bit_does_not_fly(tmp_path: Path) -> None:
+    weight = np.random.default_rng(0).standard_normal((4, 22)).astype(np.float32)
+    layer = Layer(weight, np.zeros(4, np.float32), "none")
+    stamps = {"scenario": "hover", "scenario_hash": f"{Environment('hover').scenario_hash:016x}"}
+    stamps |= {"seed": "1", "algorithm": "ppo", "steps": 1, "skybody_version": "0"}
+    file = tmp_path / "policy.h5"
+    write_policy(file, Policy([layer], np.zeros(22), np.ones(22), 10.0, stamps))
+
+    def fly() -> subprocess.CompletedProcess[str]:
+        command = [str(PROGRAM), "run", "hover", "--policy", str(file), "--steps", "5"]
+        command += ["--no-picture", "--out", str(tmp_path / "flight")]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert fly().returncode == 0, fly().stderr
+    content = bytearray(file.read_bytes())
+    content[content.find(weight.tobytes()) + 5] ^= 4
+    file.write_bytes(content)
+    done = fly()
+    assert done.returncode == 2
+    assert str(file) in done.stderr
+    assert len(done.stderr.splitlines()) == 1

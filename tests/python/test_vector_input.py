@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -93,13 +94,31 @@ def test_a_closed_environment_refuses_to_step():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"num_envs": 0}, "0"),
+        ({"num_envs": 0}, "num_envs is 0; it must be from 1 to 16777216"),
+        ({"num_envs": 10**9}, "num_envs is 1000000000; it must be from 1 to 16777216"),
+        ({"num_envs": 2**31}, "num_envs is 2147483648; it must be from 1 to 16777216"),
+        ({"num_envs": 1, "num_threads": 2**31}, "num_threads is 2147483648; it must be from 0 to"),
+        ({"num_envs": 1, "plugin_path": ["/nonexist"]}, "directory does not exist: /nonexist"),
         ({"num_envs": 2, "autoreset": "sometimes"}, "autoreset is 'sometimes'"),
     ],
 )
 def test_options_out_of_range_are_refused(options: dict[str, Any], message: str):
     with pytest.raises(ValueError, match=message):
         make_vec("hover", **options)
+
+
+def test_a_pools_batch_size_out_of_range_is_refused():
+    with pytest.raises(ValueError, match="batch_size is 2147483648; it must be from 0 to"):
+        skybody.make_pool("hover", 2, batch_size=2**31)
+
+
+def test_a_recording_does_not_begin_while_environments_are_in_flight(tmp_path: Path):
+    with skybody.make_pool("hover", 4) as pool:
+        pool.async_reset()
+        with pytest.raises(skybody.Error, match=r"^record\(\) while 4 environments are in flight"):
+            pool.record(tmp_path / "run.h5")
+        pool.recv()
+    assert not (tmp_path / "run.h5").exists()
 
 
 def test_a_mistake_in_the_scenario_is_an_input_error():

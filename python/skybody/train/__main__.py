@@ -17,8 +17,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from skybody._native import Environment, Error, InputError, versions
+from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.train import evaluate, files
+from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.presets import ALGORITHMS, UsageError, preset, with_settings
+from skybody.train.requirements import REMEDY, TRAINING, demand_packages
 from skybody.train.run_folder import Config
 
 if TYPE_CHECKING:
@@ -148,6 +151,8 @@ def resumed_config(options: argparse.Namespace) -> Config:
         raise UsageError(
             "--resume: hyper-parameters are those of the run; leave --set and --envs out"
         )
+    if newest := checkpoint_folders(options.out)[-1:]:
+        config.check_trained_with(read_meta(newest[0]), newest[0])
     free = ("total_steps", "checkpoint_every", "threads", "eval_episodes", "eval_seed")
     changes = {name: getattr(options, name) for name in free if getattr(options, name) is not None}
     return dataclasses.replace(config, **changes)
@@ -155,22 +160,16 @@ def resumed_config(options: argparse.Namespace) -> Config:
 
 def check(config: Config) -> None:
     """Raises UsageError for numbers out of range."""
-    least = {
-        "seed": 0,
-        "total_steps": 1,
-        "checkpoint_every": 1,
-        "threads": 0,
-        "eval_episodes": 0,
-        "eval_seed": 0,
+    ranges = {
+        "seed": (0, 2**32 - 1),  # NumPy's global generator, which Stable-Baselines3 uses
+        "total_steps": (1, 2**63 - 1),
+        "checkpoint_every": (1, 2**63 - 1),
+        "threads": (0, MOST_THREADS),
+        "eval_episodes": (0, MOST_ENVS),
+        "eval_seed": (0, 2**64 - 1),
     }
-    for name, low in least.items():
-        if getattr(config, name) < low:
-            option = name.replace("_", "-")
-            raise UsageError(f"--{option} {getattr(config, name)}: at least {low}")
-    if (
-        config.seed >= 2**32
-    ):  # NumPy's global generator, which Stable-Baselines3 uses, takes no more
-        raise UsageError(f"--seed {config.seed}: at most {2**32 - 1}")
+    for name, (low, high) in ranges.items():
+        evaluate.check_option(f"--{name.replace('_', '-')}", getattr(config, name), low, high)
     config.hyper.check()
 
 
@@ -205,6 +204,7 @@ def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
         if run.exists() and (not run.is_dir() or any(run.iterdir())):
             raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
         config = new_config(options)
+    check_plugin_path(config.plugin_path, "--plugin-path")
     environment = Environment(config.scenario, config.overrides, config.plugin_path)
     if options.resume:
         found = f"{environment.scenario_hash:016x}"
@@ -249,16 +249,17 @@ def main(arguments: list[str] | None = None) -> int:
             )
             return 2
         except (UsageError, InputError, Error, OSError, ValueError) as error:
-            print(f"train: {error}", file=sys.stderr)
+            print(f"train: {evaluate.in_our_words(error)}", file=sys.stderr)
             return 2
         except ModuleNotFoundError as error:
-            print(f"train: needs {error.name}: pip install 'skybody[train]'", file=sys.stderr)
+            print(f"train: needs {error.name}, not installed here: {REMEDY}", file=sys.stderr)
             return 2
         return train(trainer)
 
 
 def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Trainer:
     """Writes the configuration to the run folder, which is then this process's."""
+    demand_packages(TRAINING)
     config, environment = prepare(options)
     from skybody.train.trainer import Trainer
 

@@ -19,6 +19,22 @@ from typing import Any
 from skybody.train import files
 from skybody.train.policy_file import Policy, write_policy
 
+FILES = ("state.pt", "environments.bin", "policy.h5")
+STAMPS: dict[str, type | tuple[type, ...]] = {  # of meta.json that something reads
+    "steps": int,
+    "parameter_hash": str,
+    "algorithm": str,
+    "seed": int,
+    "scenario": str,
+    "overrides": list,
+    "plugin_path": list,
+    "scenario_hash": str,
+    "hyper": dict,
+    "wall_clock": (int, float),
+    "files": dict,
+}
+REMEDY = "remove this checkpoint's folder to go on from the one before"
+
 
 @dataclass(frozen=True)
 class Checkpoint:
@@ -59,19 +75,28 @@ def write_checkpoint(
 
 
 def read_meta(folder: Path) -> dict[str, Any]:
-    """The stamps of a checkpoint."""
-    meta: dict[str, Any] = json.loads((folder / "meta.json").read_text())
+    """The stamps of a checkpoint. Raises ValueError where they cannot be read."""
+    path = folder / "meta.json"
+    try:
+        meta = json.loads(path.read_text())
+    except ValueError as error:
+        raise ValueError(f"{path} is damaged ({error}): {REMEDY}") from error
+    if not isinstance(meta, dict):
+        raise ValueError(f"{path} is damaged (no map of stamps): {REMEDY}")
+    wrong = [name for name, kind in STAMPS.items() if not isinstance(meta.get(name), kind)]
+    wrong += [f"files.{name}" for name in FILES if not wrong and name not in meta["files"]]
+    if wrong:
+        raise ValueError(f"{path} is damaged (no good {', '.join(wrong)}): {REMEDY}")
     return meta
 
 
 def check_file(folder: Path, meta: dict[str, Any], name: str) -> Path:
     """The path of a checkpoint's file. Raises ValueError where it is not what was written."""
     path = folder / name
+    if not path.is_file():
+        raise ValueError(f"{path} is missing: {REMEDY}")
     if files.file_hash(path) != meta["files"][name]:
-        raise ValueError(
-            f"{path} is damaged: its SHA-256 is not that of meta.json; "
-            "remove this checkpoint to go on from the one before"
-        )
+        raise ValueError(f"{path} is damaged: its SHA-256 is not that of meta.json; {REMEDY}")
     return path
 
 
@@ -80,7 +105,7 @@ def read_checkpoint(folder: Path) -> Checkpoint:
     import torch
 
     meta = read_meta(folder)
-    for name in meta["files"]:
+    for name in FILES:
         check_file(folder, meta, name)
     state = torch.load(folder / "state.pt", weights_only=True)
     return Checkpoint(folder, meta, state, (folder / "environments.bin").read_bytes())

@@ -9,21 +9,26 @@ import argparse
 import math
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.ticker import EngFormatter, FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from skybody.train.requirements import demand_packages
 from skybody.train.run_folder import read_table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Columns = dict[str, NDArray[np.float64]]
 
 
 def draw_curve(runs: list[Path], out: Path) -> None:
     """Draws the runs into one PNG; a single run's evaluations get their deviation as a band."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import EngFormatter, FormatStrFormatter, LogLocator, NullFormatter
+
     figure = Figure(figsize=(10, 6.5), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(2, 2, sharex="col", sharey="row")
@@ -94,11 +99,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("run", type=Path, nargs="+", help="folders that skybody.train wrote")
     parser.add_argument("--out", type=Path, default=Path("curve.png"), help="default: curve.png")
     options = parser.parse_args(arguments)
-    for run in options.run:
-        if not read_table(run / "progress.csv"):
-            print(f"curve: {run / 'progress.csv'} has no rows", file=sys.stderr)
-            return 2
-    draw_curve(options.run, options.out)
+    try:
+        demand_packages(["matplotlib"])
+        for run in options.run:
+            if not read_table(run / "progress.csv"):
+                raise ValueError(f"{run / 'progress.csv'} has no rows")
+        draw_curve(options.run, options.out)
+    except (OSError, ValueError) as error:
+        print(f"curve: {error}", file=sys.stderr)
+        return 2
     print(options.out)
     return 0
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skybody._native import Environment, Error, InputError, Pool
+from skybody.arguments import MOST_ENVS, MOST_THREADS
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
 from skybody.train.learner import columns_of, goal_distance
 from skybody.train.policy_file import Policy, read_policy
+from skybody.train.presets import UsageError
+from skybody.train.requirements import demand_packages
 
 SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds draw other episodes
 
@@ -147,6 +151,19 @@ def evaluate_checkpoint(
     return {**stamps, **evaluate(environment, policy, episodes, seed, threads)}
 
 
+def check_option(option: str, value: int, low: int, high: int) -> None:
+    """Raises UsageError for a number out of range."""
+    if value < low:
+        raise UsageError(f"{option} {value}: at least {low}")
+    if value > high:
+        raise UsageError(f"{option} {value}: at most {high}")
+
+
+def in_our_words(error: Exception) -> str:
+    """Its text; the loader, which is `skybody run`'s too, calls overrides --set."""
+    return re.sub("^--set ", "--override ", str(error), flags=re.MULTILINE)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(
@@ -162,9 +179,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--threads", type=int, default=0, help="of the environments; 0: all")
     parser.add_argument("--json", type=Path, help="also write every episode's figures to this file")
     options = parser.parse_args(arguments)
-    if options.episodes < 1:
-        parser.error(f"--episodes {options.episodes}: at least 1")
     try:
+        check_option("--episodes", options.episodes, 1, MOST_ENVS)
+        check_option("--seed", options.seed, 0, 2**64 - 1)
+        check_option("--threads", options.threads, 0, MOST_THREADS)
+    except UsageError as error:
+        parser.error(str(error))
+    try:
+        demand_packages(["h5py"])
         result = evaluate_checkpoint(
             options.checkpoint,
             options.episodes,
@@ -174,7 +196,7 @@ def main(arguments: list[str] | None = None) -> int:
             options.threads,
         )
     except (InputError, Error, OSError, ValueError) as error:
-        print(f"evaluate: {error}", file=sys.stderr)
+        print(f"evaluate: {in_our_words(error)}", file=sys.stderr)
         return 2
     if options.json:
         files.write_file(options.json, (json.dumps(result, indent=1) + "\n").encode())

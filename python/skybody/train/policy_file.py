@@ -1,7 +1,7 @@
 """policy.h5: a trained policy as plain numbers, read by `skybody run --policy` and by evaluate.py.
 
 Root attributes say what it was trained on; /normalization and /layers/0, 1, ... hold the network.
-docs/policies.md has the whole format.
+docs/policies.md has the whole format. h5py is imported where it is needed: `--help` works without.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import h5py  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import NDArray
 
@@ -56,22 +55,31 @@ def write_policy(path: Path, policy: Policy) -> None:
         "observation_size": policy.layers[0].weight.shape[1],
         "action_size": policy.layers[-1].weight.shape[0],
     }
+    import h5py  # type: ignore[import-untyped]
+
     with h5py.File(path, "w") as file:
         stamp = {"format": FORMAT, "version": VERSION, "action_squash": "clip"}
         file.attrs.update({**policy.attributes, **sizes, **stamp})
         normalization = file.create_group("normalization")
-        normalization["mean"] = policy.mean
-        normalization["scale"] = policy.scale
+        _put(normalization, "mean", policy.mean)
+        _put(normalization, "scale", policy.scale)
         normalization.attrs["clip"] = policy.clip
         for k, layer in enumerate(policy.layers):
             group = file.create_group(f"layers/{k}")
-            group["weight"] = layer.weight
-            group["bias"] = layer.bias
+            _put(group, "weight", layer.weight)
+            _put(group, "bias", layer.bias)
             group.attrs["activation"] = layer.activation
+
+
+def _put(group: Any, name: str, values: NDArray[Any]) -> None:
+    """With a checksum that HDF5 checks whenever the values are read, by `skybody run` as well."""
+    group.create_dataset(name, data=values, fletcher32=True)
 
 
 def read_policy(path: Path) -> Policy:
     """Reads what write_policy() wrote. Raises ValueError for another format or version."""
+    import h5py
+
     with h5py.File(path, "r") as file:
         found = (file.attrs.get("format"), int(file.attrs.get("version", 0)))
         if found != (FORMAT, VERSION):

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from skybody.arguments import MOST_ENVS
+
 ALGORITHMS = ("ppo", "lean-ppo")
 
 
@@ -69,6 +71,7 @@ class Hyperparameters:
             "torch_threads",
         ):
             _demand(getattr(self, name) >= 1, name, getattr(self, name), "at least 1")
+        _demand(self.envs <= MOST_ENVS, "envs", self.envs, f"at most {MOST_ENVS}")
         for name in ("learning_rate", "max_grad_norm", "observation_clip", "clip_range"):
             _demand(getattr(self, name) > 0, name, getattr(self, name), "above 0")
         for name in ("discount", "gae_lambda", "final_learning_rate"):

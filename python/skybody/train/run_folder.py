@@ -29,6 +29,8 @@ EVALUATION_COLUMNS = (
     "parameter_hash",
 )
 
+_FIXED = ("algorithm", "seed", "scenario_hash")  # beside the hyper-parameters; they decide bits
+
 
 @dataclass(frozen=True)
 class Config:
@@ -54,6 +56,20 @@ class Config:
         """To config.json."""
         text = json.dumps(dataclasses.asdict(self), indent=2)
         files.write_file(run / "config.json", (text + "\n").encode())
+
+    def check_trained_with(self, meta: dict[str, Any], checkpoint: Path) -> None:
+        """Raises UsageError where a checkpoint's stamps differ in what changes bits."""
+        pairs = {name: (meta[name], getattr(self, name)) for name in _FIXED}
+        now = json.loads(json.dumps(vars(self.hyper)))  # tuples become lists, as in the file
+        for name in now | meta["hyper"]:
+            pairs[f"hyper.{name}"] = (meta["hyper"].get(name), now.get(name))
+        changed = [f"{k} ({was} then, {is_} now)" for k, (was, is_) in pairs.items() if was != is_]
+        if changed:
+            raise UsageError(
+                f"--resume: config.json is not what {checkpoint / 'meta.json'} was trained with: "
+                f"{', '.join(changed)}; put the old values back, or begin a new run in another "
+                "folder"
+            )
 
     @staticmethod
     def read(run: Path) -> Config:
@@ -98,11 +114,35 @@ def write_evaluations(run: Path) -> list[dict[str, Any]]:
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
-    """Rows of a CSV file by column; a last row that was cut short is left out."""
+    """Rows of a CSV file by column; a last row that was cut short is left out.
+
+    Raises ValueError, which names the file, where a row is not what training writes.
+    """
     if not path.exists():
         return []
-    whole = path.read_text().rpartition("\n")[0]
-    return list(csv.DictReader(io.StringIO(whole)))
+    try:
+        whole = path.read_text().rpartition("\n")[0]
+        reader, rows = csv.DictReader(io.StringIO(whole)), []
+        for row in reader:
+            _check_row(reader.line_num, row)
+            rows.append(row)
+    except (ValueError, csv.Error) as error:
+        raise ValueError(
+            f"{path} is damaged ({error}): mend it, or remove it, which loses its rows only"
+        ) from error
+    return rows
+
+
+def _check_row(number: int, row: dict[str, str]) -> None:
+    """Raises ValueError for another number of values than columns, or for texts among them."""
+    if None in row or None in row.values() or not row.get("steps", "").isdecimal():
+        raise ValueError(f"line {number} is no row of a table with a column `steps`")
+    for name, text in row.items():
+        if name != "parameter_hash" and text:
+            try:
+                float(text)
+            except ValueError:
+                raise ValueError(f"line {number}: `{name}` is `{text}`, not a number") from None
 
 
 def _csv(columns: list[str], rows: list[dict[str, Any]], header: bool) -> bytes:

@@ -1,0 +1,21 @@
+"""Packages of the `train` extra, which a plain `pip install .` does not bring."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterable
+
+from skybody.train.presets import UsageError
+
+TRAINING = ("h5py", "matplotlib", "stable_baselines3", "tensorboard", "torch", "tqdm")
+REMEDY = "`pip install '.[train]'` in Skybody's source folder"
+
+
+def demand_packages(names: Iterable[str]) -> None:
+    """Raises UsageError, which names all that are missing and what installs them.
+
+    Asked before anything is begun: matplotlib, say, is first used when training is over.
+    """
+    missing = [name for name in names if importlib.util.find_spec(name) is None]
+    if missing:
+        raise UsageError(f"needs {', '.join(missing)}, not installed here: {REMEDY}")
