@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
@@ -215,7 +216,7 @@ void Crew::note_cost(const int* groups, int count, double seconds) {
 
 void Crew::fail(std::exception_ptr error) {
   const std::lock_guard lock(mutex_);
-  if (!failed_) failure_ = error;
+  if (!failed_) failure_ = std::move(error);
   failed_ = true;
   caller_wakes_.notify_one();
 }

@@ -1,6 +1,7 @@
 // Small robots built by hand, and what tests of physics do with them.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -180,7 +181,7 @@ struct Bench {
     }
     return true;
   }
-  bool run_seconds(double seconds) { return run(static_cast<int>(seconds / dt() + 0.5)); }
+  bool run_seconds(double seconds) { return run(static_cast<int>(std::lround(seconds / dt()))); }
 
   World world;
   std::unique_ptr<Stepper> stepper;
