@@ -4,6 +4,7 @@
 
 #include "core/base/isa.h"
 #include "core/base/kernel_target.h"
+#include "core/base/math_basic.h"
 #include "core/base/pack.h"
 #include "core/physics/lane_values.h"
 
@@ -67,8 +68,7 @@ SKYBODY_INLINE bool read_clipped(const float* rows, std::ptrdiff_t stride, int c
       transpose(v);
       for (int i = 0; i < 4; ++i) {
         const Pack<4> a(__builtin_convertvector(v[i], Doubles));
-        store_lanes(out + (k + i) * kGroupLanes,
-                    select(a < -1.0, Pack<4>(-1.0), select(a > 1.0, Pack<4>(1.0), a)));
+        store_lanes(out + (k + i) * kGroupLanes, clamp(a, Pack<4>(-1.0), Pack<4>(1.0)));
       }
     }
     for (int k = whole; k < count; ++k) {
