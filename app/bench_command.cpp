@@ -136,7 +136,7 @@ int bench(const BenchOptions& options) {
   VecEnv envs(environment, how);
   BatchActions actions(options.actions, environment, envs.envs());
   const InterruptGuard guard;
-  const double physics_cost = physics_step_cost(*environment);
+  const double physics_cost = physics_step_cost(*environment, envs.lanes());
   envs.send_reset();
   run_for(std::min(kLongestWarmUp, options.seconds), envs, actions);
   const Counts counts = run_for(options.seconds, envs, actions);

@@ -15,27 +15,30 @@ constexpr int kRun = 50;  // steps from the start, so that the world stays near 
 
 }  // namespace
 
-double physics_step_cost(const Environment& environment) {
-  StateGroup group = environment.make_state(1);
-  const std::unique_ptr<GroupWork> work = environment.make_work(1);
-  std::vector<float> observation(static_cast<std::size_t>(environment.observation_size()));
-  float reward = 0.0f;
-  std::uint64_t status = 0;
-  const Rows rows{observation.data(), &reward, &status, nullptr, nullptr};
-  environment.initialize(group, 0, 0, 0);
-  environment.reset(group, *work, 1u, rows);
+double physics_step_cost(const Environment& environment, int lanes) {
+  StateGroup group = environment.make_state(lanes);
+  const std::unique_ptr<GroupWork> work = environment.make_work(lanes);
+  const auto count = static_cast<std::size_t>(lanes);
+  std::vector<float> observation(static_cast<std::size_t>(environment.observation_size()) * count);
+  std::vector<float> reward(count);
+  std::vector<std::uint64_t> status(count);
+  const std::uint32_t all = (1u << lanes) - 1u;
+  for (int l = 0; l < lanes; ++l)
+    environment.initialize(group, l, 0, static_cast<std::uint64_t>(l));
+  environment.reset(group, *work, all, {observation.data(), reward.data(), status.data()});
   const FpEnvironment guard;
-  const std::vector<std::uint64_t> start = group.save(0);
+  std::vector<std::vector<std::uint64_t>> start;
+  for (int l = 0; l < lanes; ++l) start.push_back(group.save(l));
   std::uint64_t steps = 0;
   double seconds = 0.0;
   while (seconds < kSeconds) {
-    group.restore(0, start);
-    group.refresh(1u, work->physics);
+    for (int l = 0; l < lanes; ++l) group.restore(l, start[static_cast<std::size_t>(l)]);
+    group.refresh(all, work->physics);
     const GroupBlocks blocks = group.blocks();
     const Clock::time_point begin = Clock::now();
-    for (int k = 0; k < kRun; ++k) group.stepper().advance(blocks, 1u, work->physics);
+    for (int k = 0; k < kRun; ++k) group.stepper().advance(blocks, all, work->physics);
     seconds += std::chrono::duration<double>(Clock::now() - begin).count();
-    steps += kRun;
+    steps += static_cast<std::uint64_t>(kRun) * count;
   }
   return seconds / static_cast<double>(steps);
 }

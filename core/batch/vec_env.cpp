@@ -13,9 +13,6 @@ std::uint64_t checksum(std::span<const std::uint64_t> words) {
   return hash_bytes(words.data(), words.size_bytes());
 }
 
-}  // namespace
-namespace {
-
 void check_range(const char* what, int value, int low, int high, const char* remedy) {
   if (value >= low && value <= high) return;
   throw Error(std::string(what) + " is " + std::to_string(value) +
@@ -47,6 +44,7 @@ const std::shared_ptr<const Environment>& VecEnv::shared_environment() const {
 }
 int VecEnv::envs() const { return engine_->options.envs; }
 int VecEnv::batch() const { return engine_->options.batch; }
+int VecEnv::lanes() const { return engine_->fleet.lanes(); }
 int VecEnv::threads() const { return engine_->options.threads; }
 int VecEnv::pinned_threads() const { return engine_->crew().pinned(); }
 const VecEnvOptions& VecEnv::options() const { return engine_->options; }
@@ -104,7 +102,9 @@ void VecEnv::restore(std::span<const std::uint64_t> saved) {
   const auto environments = content.first(content.size() - 1);
   engine_->fleet.check_saved(environments);
   if (saved.back() != checksum(content)) {
-    throw Error("this saved state was changed after save() gave it: its checksum is another");
+    throw Error(
+        "this saved state was changed after save() gave it (its checksum is another): restore an "
+        "unchanged one");
   }
   engine_->fleet.restore(environments);
   engine_->cursor = static_cast<int>(content.back() % static_cast<std::uint64_t>(envs()));

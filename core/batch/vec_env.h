@@ -51,6 +51,7 @@ class VecEnv {
   int envs() const;
   int batch() const;
   int threads() const;
+  int lanes() const;           ///< environments that are stepped side by side: 8 or 1
   int pinned_threads() const;  ///< workers that have a processor of their own
   const VecEnvOptions& options() const;
 
@@ -85,8 +86,8 @@ class VecEnv {
 
   /// Everything of all environments, in order. @throws Error while some are in flight
   std::vector<std::uint64_t> save() const;
-  /// @throws Error if `saved` is not of this scenario and number of environments, or some are in
-  ///         flight
+  /// @throws Error if `saved` is not of this scenario and number of environments or was changed
+  ///         since, or some are in flight; then nothing was restored
   void restore(std::span<const std::uint64_t> saved);
   /// Makes environments copies of `source`: same motion, drawn values, plugin states, future.
   /// @param rekey  each copy gets random numbers of its own

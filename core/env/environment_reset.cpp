@@ -106,12 +106,12 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
 /// Rotors that no controller drives stand still: a robot moved by a wrench or a drive would be
 /// pushed twice while they run down.
 void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
-  group.changed(mask);
   for (const ControllerChain& chain : chains_) {
     if (chain.count == 0) continue;
     const PluginInstance& last =
         controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
     if (last.output_signal == SKYBODY_ROTOR_SPEED) continue;
+    group.changed(mask);
     const RobotLayout& robot = layout().robots[static_cast<std::size_t>(last.robot)];
     for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
       double* speed = group.reals(layout().rotor_speed.offset + k);

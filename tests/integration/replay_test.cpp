@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <set>
 
 #include "core/assemble/replay_player.h"
 #include "core/assemble/replay_recorder.h"
 #include "core/assemble/simulation.h"
 #include "core/base/error.h"
+#include "core/base/isa.h"
 #include "core/base/random.h"
 #include "tests/integration/process.h"
 
@@ -351,6 +353,28 @@ TEST(Replay, SaysWhatIsWrongWithFilesThatAreNoRecordings) {
   EXPECT_EQ(error_of("flight/flight.h5"),
             "flight/flight.h5: error: not a replay: its format is `skybody flight log 1`; "
             "allowed: `skybody-replay`\n");
+}
+
+/// Full groups of eight on one thread, parts of them in batches of five: rows, physics and plugins.
+TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
+  for (const char* scenario : {"hover", "payload"}) {
+    std::set<std::string> hashes;
+    for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4}) {
+      if (!machine_has(isa)) continue;
+      for (const std::vector<std::string>& shape : std::vector<std::vector<std::string>>{
+               {"--threads", "1"}, {"--threads", "1", "--batch", "5"}, {"--threads", "4"}}) {
+        std::vector<std::string> arguments = {"hash",    scenario, "--envs", "19",
+                                              "--steps", "40",     "--seed", "3"};
+        arguments.insert(arguments.end(), shape.begin(), shape.end());
+        ProcessOptions on;
+        on.environment = {std::string("SKYBODY_ISA=") + name(isa)};
+        const Outcome outcome = run_skybody(arguments, on);
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        hashes.insert(outcome.out);
+      }
+    }
+    EXPECT_EQ(hashes.size(), 1u) << scenario;
+  }
 }
 
 TEST(Hash, SaysWhereARecordingCannotBeWritten) {
