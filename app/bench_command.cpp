@@ -63,7 +63,11 @@ Counts run_for(double seconds, VecEnv& envs, BatchActions& actions) {
     for (std::size_t k = 0; k < rows; ++k) resets += batch->was_reset[k];
     counts.resets += resets;
     counts.steps += rows - resets;
-    envs.send(actions.next(rows), std::span(batch->env_id).first(rows));
+    if (rows == static_cast<std::size_t>(envs.envs())) {
+      envs.send(actions.next(rows));
+    } else {
+      envs.send(actions.next(rows), std::span(batch->env_id).first(rows));
+    }
     counts.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   }
   counts.faults = envs.faults() - faults;

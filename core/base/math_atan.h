@@ -35,8 +35,8 @@ SKYBODY_INLINE Real atan2(const Real& y, const Real& x) {
   // Keep sums finite and 0/0, inf/inf defined.
   const Real scale = select(larger > 1e300, Real(0.25), Real(1.0));
   const M same_infinity = smaller == kInfinity;
-  const Real den =
-      select(same_infinity, Real(1.0), select(larger == 0.0, Real(1.0), larger * scale));
+  const M has_ratio = logical_not(logical_or(same_infinity, larger == 0.0));
+  const Real den = select(has_ratio, larger * scale, Real(1.0));
   const Real num = select(same_infinity, Real(1.0), smaller * scale);
   const M shifted = num > 0.41421356237309503 * den;
   const Real ratio = select(shifted, num - den, num) / select(shifted, num + den, den);

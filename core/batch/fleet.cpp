@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "core/base/error.h"
 #include "core/env/fork_key.h"
@@ -37,6 +38,7 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
       action_size_(static_cast<std::size_t>(environment_->action_size())),
       autoreset_(options.autoreset),
       keep_hash_(options.keep_hash),
+      has_info_(options.info && environment_->info_size() > 0),
       first_env_id_(options.first_env_id),
       actions_(index(envs_) * action_size_),
       chains_(index(envs_)) {
@@ -54,7 +56,7 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
 
 RowWidths Fleet::widths() const {
   return {environment_->observation_size(), static_cast<int>(environment_->agents().size()),
-          environment_->info_size()};
+          has_info_ ? environment_->info_size() : 0};
 }
 
 void Fleet::initialize(std::uint64_t seed) {
@@ -92,7 +94,7 @@ Rows Fleet::rows_of(int first, Batch& rows) const {
   const std::size_t at = index(first);
   return {rows.observation.data() + at * index(rows.width.observation), rows.reward.data() + at,
           rows.status.data() + at, rows.agent_reward.data() + at * index(rows.width.agents),
-          rows.info.data() + at * index(rows.width.info)};
+          has_info_ ? rows.info.data() + at * index(rows.width.info) : nullptr};
 }
 
 void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
@@ -121,7 +123,8 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& w
     const std::size_t env = index(env_of(group, l));
     std::copy_n(rows.observation.data() + env * observation, observation,
                 rows.final_observation.data() + env * observation);
-    std::copy_n(rows.info.data() + env * info, info, rows.final_info.data() + env * info);
+    if (info > 0)
+      std::copy_n(rows.info.data() + env * info, info, rows.final_info.data() + env * info);
   });
   if (over == 0) return;
   float reward[kGroupLanes];
@@ -146,6 +149,11 @@ void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
 /// The flags of the rows, from the status that the transition gave.
 void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) {
   const std::uint64_t* steps = states_[index(group)].bits(kStep);
+  set(started_[index(group)], mask, true);
+  if (mask == (1u << lanes_) - 1u && describe_running(env_of(group, 0), steps, is_reset, rows)) {
+    set(ended_[index(group)], mask, false);
+    return;
+  }
   each(mask, [&](int l) {
     const std::size_t env = index(env_of(group, l));
     const std::uint64_t status = rows.status[env];
@@ -156,7 +164,23 @@ void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) 
     rows.episode_step[env] = static_cast<std::int32_t>(steps[l]);
     set(ended_[index(group)], 1u << l, status != kRunning);
   });
-  set(started_[index(group)], mask, true);
+}
+
+/// The same for a full group whose episodes all go on; false, and nothing is written, if not.
+bool Fleet::describe_running(int first, const std::uint64_t* steps, bool is_reset, Batch& rows) {
+  if (lanes_ != kGroupLanes) return false;
+  const std::size_t at = index(first);
+  std::uint64_t ended = 0;
+  for (std::size_t l = 0; l < kGroupLanes; ++l) ended |= rows.status[at + l] ^ kRunning;
+  if (ended != 0) return false;
+  for (Column<std::uint8_t>* flags : {&rows.terminated, &rows.truncated, &rows.fault}) {
+    std::memset(flags->data() + at, 0, kGroupLanes);
+  }
+  std::memset(rows.was_reset.data() + at, is_reset ? 1 : 0, kGroupLanes);
+  for (std::size_t l = 0; l < kGroupLanes; ++l) {
+    rows.episode_step[at + l] = static_cast<std::int32_t>(steps[l]);
+  }
+  return true;
 }
 
 void Fleet::observation(int env, float* out) const {

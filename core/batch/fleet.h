@@ -87,6 +87,7 @@ class Fleet {
   void add_to_hash(int group, std::uint32_t mask, const Rows& rows);
   void refresh_flags(int env);
   void describe(int group, std::uint32_t mask, bool is_reset, Batch& rows);
+  bool describe_running(int first, const std::uint64_t* steps, bool is_reset, Batch& rows);
 
   std::shared_ptr<const Environment> environment_;
   int envs_;
@@ -94,6 +95,7 @@ class Fleet {
   std::size_t action_size_;
   Autoreset autoreset_;
   std::atomic<bool> keep_hash_;
+  bool has_info_;
   std::uint64_t first_env_id_;
   std::vector<StateGroup> states_;
   std::vector<std::unique_ptr<GroupWork>> works_;  ///< one per thread

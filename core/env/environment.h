@@ -121,14 +121,13 @@ class Environment {
   void sense(StateGroup&, std::uint32_t mask, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
   std::uint64_t ended(const StateGroup&, const GroupWork&, int lane) const;
-  bool is_sound(const GroupWork&) const;
-  void conclude_packed(StateGroup&, GroupWork&, bool is_reset, const Rows&) const;
-  bool all_robots_are_agents() const { return agents_.size() == scenario().robots.size(); }
+  bool conclude_packed(StateGroup&, GroupWork&, bool is_reset, const Rows&) const;
+  void write_agent_rewards(const GroupWork&, bool is_reset, const Rows&) const;
   void write_agent_rewards(const StateGroup&, const GroupWork&, int lane, double reward,
                            const Rows&) const;
   void write_rows(const StateGroup&, const GroupWork&, int lane, double reward,
                   const Rows& rows) const;
-  void evaluate(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void evaluate(StateGroup&, GroupWork&, std::uint32_t mask, bool wants_info) const;
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
   void place_at_start(StateGroup&, int lane) const;
   void start(StateGroup&, std::uint32_t mask) const;

@@ -31,7 +31,7 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
     if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
   }
   update(group, work, mask);
-  evaluate(group, work, mask);
+  evaluate(group, work, mask, rows.info != nullptr);
   conclude(group, work, mask, false, rows);
 }
 

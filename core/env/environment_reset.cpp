@@ -44,7 +44,7 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
   reset_plugin(task_, group, mask);
   for (const PluginInstance& s : sensors_) reset_plugin(s, group, mask);
   sense(group, mask, true);
-  evaluate(group, work, mask);
+  evaluate(group, work, mask, rows.info != nullptr);
   conclude(group, work, mask, true, rows);
 }
 

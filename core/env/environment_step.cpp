@@ -58,7 +58,7 @@ void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, c
   act(group, work, mask, actions, action_stride);
   fly(group, work, mask, scenario().stepping.action_repeat);
   each(mask, [&](int lane) { ++group.bits(kStep)[lane]; });
-  evaluate(group, work, mask);
+  evaluate(group, work, mask, rows.info != nullptr);
   conclude(group, work, mask, false, rows);
 }
 
@@ -242,11 +242,12 @@ void Environment::sense(StateGroup& group, std::uint32_t mask, bool all) const {
 }
 
 /// Psi_i: what the task says about the final state.
-void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
-  work.clear_outcome();
+void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                           bool wants_info) const {
+  work.clear_outcome(wants_info);
   const SkybodyLanes v = view(group, mask);
-  const SkybodyEvaluation out{work.observation.data(), work.reward.data(), work.end.data(),
-                              work.robot_reward.data(), work.info.data()};
+  const SkybodyEvaluation out{work.observation.data(),  work.reward.data(), work.end.data(),
+                              work.robot_reward.data(), work.info.data(),   wants_info ? 1u : 0u};
   task_.kernels.evaluate(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
                          &out);
 }
@@ -254,10 +255,7 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
 /// Horizon and faults, then the rows. A fault gives the last finite observation and reward 0.
 void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask, bool is_reset,
                            const Rows& rows) const {
-  if (is_packed(group, mask) && is_sound(work)) {
-    conclude_packed(group, work, is_reset, rows);
-    return;
-  }
+  if (is_packed(group, mask) && conclude_packed(group, work, is_reset, rows)) return;
   const int lanes = group.lanes();
   const int size = observation_size();
   double* last = group.reals(layout().last_observation);
@@ -297,37 +295,50 @@ std::uint64_t Environment::ended(const StateGroup& group, const GroupWork& work,
   return over ? by_task | kTruncated : by_task;
 }
 
-/// No lane of a full group has a fault.
-bool Environment::is_sound(const GroupWork& work) const {
-  const RowKernels& rows = row_kernels();
-  return (work.bad_action | work.bad_state) == 0 && rows.are_finite(work.reward.data(), 1) &&
-         rows.are_finite(work.robot_reward.data(), static_cast<int>(scenario().robots.size())) &&
-         rows.are_finite(work.observation.data(), observation_size());
-}
-
-/// A full group without faults.
-void Environment::conclude_packed(StateGroup& group, GroupWork& work, bool is_reset,
+/// A full group without faults; returns false if there is one: then nothing but rows is written.
+bool Environment::conclude_packed(StateGroup& group, GroupWork& work, bool is_reset,
                                   const Rows& rows) const {
   const RowKernels& kernels = row_kernels();
-  for (int lane = 0; lane < kGroupLanes; ++lane) {
-    const std::uint64_t status = is_reset ? kRunning : ended(group, work, lane);
-    group.bits(kStatus)[lane] = rows.status[lane] = status;
-    const double reward = is_reset ? 0.0 : work.reward[static_cast<std::size_t>(lane)];
-    rows.reward[lane] = static_cast<float>(reward);
+  const int robots = static_cast<int>(scenario().robots.size());
+  if ((work.bad_action | work.bad_state) != 0 ||
+      !kernels.write(work.observation.data(), observation_size(), rows.observation) ||
+      !kernels.write(work.reward.data(), 1, rows.reward) ||
+      (task_.robot_rewards && !kernels.are_finite(work.robot_reward.data(), robots))) {
+    return false;
   }
-  kernels.write(work.observation.data(), observation_size(), rows.observation,
-                group.reals(layout().last_observation));
-  if (rows.info != nullptr && info_size_ > 0) {
-    kernels.write(work.info.data(), info_size_, rows.info, nullptr);
+  constexpr std::size_t kRow = kGroupLanes * sizeof(double);
+  std::memcpy(group.reals(layout().last_observation), work.observation.data(),
+              static_cast<std::size_t>(observation_size()) * kRow);
+  std::uint64_t* status = group.bits(kStatus);
+  if (is_reset) {
+    std::fill_n(status, kGroupLanes, std::uint64_t{kRunning});
+    std::fill_n(rows.reward, kGroupLanes, 0.0f);
+  } else {
+    kernels.end(work.end.data(), group.bits(kStep),
+                static_cast<std::uint64_t>(scenario().stepping.horizon), status);
   }
-  if (rows.agent_reward == nullptr) return;
-  if (all_robots_are_agents() && task_.robot_rewards && !is_reset) {
-    kernels.write(work.robot_reward.data(), static_cast<int>(agents_.size()), rows.agent_reward,
-                  nullptr);
+  std::memcpy(rows.status, status, kRow);
+  if (rows.info != nullptr) kernels.write(work.info.data(), info_size_, rows.info);
+  if (rows.agent_reward != nullptr) write_agent_rewards(work, is_reset, rows);
+  return true;
+}
+
+/// Of a full group.
+void Environment::write_agent_rewards(const GroupWork& work, bool is_reset,
+                                      const Rows& rows) const {
+  const std::size_t agents = agents_.size();
+  if (task_.robot_rewards && !is_reset) {
+    for (std::size_t i = 0; i < agents; ++i) {
+      const double* own = work.robot_reward.data() + agents_[i] * kGroupLanes;
+      for (std::size_t l = 0; l < kGroupLanes; ++l) {
+        rows.agent_reward[l * agents + i] = static_cast<float>(own[l]);
+      }
+    }
     return;
   }
-  for (int lane = 0; lane < kGroupLanes; ++lane)
-    write_agent_rewards(group, work, lane, rows.reward[lane], rows);
+  for (std::size_t l = 0; l < kGroupLanes; ++l) {
+    std::fill_n(rows.agent_reward + l * agents, agents, rows.reward[l]);
+  }
 }
 
 /// What the learner gets of one lane, whose status has been decided.

@@ -6,6 +6,7 @@
 #include "core/base/kernel_target.h"
 #include "core/base/math_basic.h"
 #include "core/base/pack.h"
+#include "core/model/layout.h"
 #include "core/physics/lane_values.h"
 
 namespace skybody {
@@ -101,26 +102,40 @@ SKYBODY_INLINE bool are_finite(const double* values, int count) {
   return !any((sum[0] + sum[1]) != Floats{});
 }
 
-SKYBODY_INLINE void write(const double* values, int count, float* rows, double* copy) {
-  if (copy != nullptr) {
-    std::memcpy(copy, values, static_cast<std::size_t>(count) * kGroupLanes * sizeof(double));
-  }
+/// @returns the lanes as floats; adds what is not 0 where one of them is not finite
+SKYBODY_INLINE Floats to_floats(const double* lanes, Floats& faults) {
+  const Pack<4> x = load_lanes<Pack<4>>(lanes);
+  const Floats f = __builtin_convertvector(x.v, Floats);
+  faults += f - f;
+  return f;
+}
+
+SKYBODY_INLINE bool write(const double* values, int count, float* rows) {
+  Floats faults{};
   const int whole = count & ~3;
   for (int first = 0; first < kGroupLanes; first += 4) {
     const double* in = values + first;
     float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
     for (int k = 0; k < whole; k += 4) {
       Floats v[4];
-      for (int i = 0; i < 4; ++i) {
-        const Pack<4> x = load_lanes<Pack<4>>(in + (k + i) * kGroupLanes);
-        v[i] = __builtin_convertvector(x.v, Floats);
-      }
+      for (int i = 0; i < 4; ++i) v[i] = to_floats(in + (k + i) * kGroupLanes, faults);
       transpose(v);
       for (int i = 0; i < 4; ++i) store_floats(row + i * count + k, v[i]);
     }
     for (int k = whole; k < count; ++k) {
-      for (int i = 0; i < 4; ++i) row[i * count + k] = static_cast<float>(in[k * kGroupLanes + i]);
+      const Floats v = to_floats(in + k * kGroupLanes, faults);
+      for (int i = 0; i < 4; ++i) row[i * count + k] = v[i];
     }
+  }
+  return !any(faults != Floats{});
+}
+
+SKYBODY_INLINE void end(const std::uint64_t* by_task, const std::uint64_t* step,
+                        std::uint64_t horizon, std::uint64_t* status) {
+  const std::uint64_t last = horizon > 0 ? horizon : ~std::uint64_t{0};
+  for (int l = 0; l < kGroupLanes; ++l) {
+    const std::uint64_t over = step[l] >= last ? std::uint64_t{kTruncated} : std::uint64_t{0};
+    status[l] = (by_task[l] & (kTerminated | kTruncated)) | over;
   }
 }
 
@@ -138,11 +153,16 @@ SKYBODY_INLINE void write(const double* values, int count, float* rows, double* 
   SKYBODY_KERNEL(TARGET)                                                                          \
   bool are_finite_##NAME(const double* values, int count) { return are_finite(values, count); }   \
   SKYBODY_KERNEL(TARGET)                                                                          \
-  void write_##NAME(const double* values, int count, float* rows, double* copy) {                 \
-    write(values, count, rows, copy);                                                             \
+  bool write_##NAME(const double* values, int count, float* rows) {                               \
+    return write(values, count, rows);                                                            \
+  }                                                                                               \
+  SKYBODY_KERNEL(TARGET)                                                                          \
+  void end_##NAME(const std::uint64_t* by_task, const std::uint64_t* step, std::uint64_t horizon, \
+                  std::uint64_t* status) {                                                        \
+    end(by_task, step, horizon, status);                                                          \
   }                                                                                               \
   constexpr RowKernels k_##NAME{&read_clipped_##NAME, &scale_##NAME, &are_finite_##NAME,          \
-                                &write_##NAME};
+                                &write_##NAME, &end_##NAME};
 SKYBODY_ROW_KERNELS(v2, "arch=x86-64-v2")
 SKYBODY_ROW_KERNELS(v3, "arch=x86-64-v3")
 SKYBODY_ROW_KERNELS(v4, "arch=x86-64-v4")

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace skybody {
 
@@ -23,8 +24,16 @@ struct RowKernels {
 
   /// @param values  `count` values in lanes
   /// @param rows    as floats, row of lane l at rows + l * count
-  /// @param copy    the same values once more in lanes; null: not wanted
-  void (*write)(const double* values, int count, float* rows, double* copy);
+  /// @returns whether all of them are finite as floats
+  bool (*write)(const double* values, int count, float* rows);
+
+  /// What tells the outcome of a transition of all lanes.
+  /// @param end      bits by the task, 1 word per lane: those of kTerminated and kTruncated count
+  /// @param step     actions taken in the episode, 1 word per lane
+  /// @param horizon  an episode is truncated at so many; 0: never
+  /// @param status   EpisodeStatus bits, 1 word per lane
+  void (*end)(const std::uint64_t* end, const std::uint64_t* step, std::uint64_t horizon,
+              std::uint64_t* status);
 };
 
 /// Those of the best instruction set at hand (best_isa), chosen once.

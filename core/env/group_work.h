@@ -13,11 +13,11 @@ namespace skybody {
 class GroupWork {
  public:
   /// Before the task speaks: what it leaves out is 0.
-  void clear_outcome() {
+  void clear_outcome(bool wants_info) {
     reward.fill_zero();
     end.fill_zero();
     robot_reward.fill_zero();
-    info.fill_zero();
+    if (wants_info) info.fill_zero();
   }
 
   int lanes = 1;

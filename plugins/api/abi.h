@@ -268,13 +268,15 @@ typedef struct SkybodyStart {
   uint32_t requested; /* 1: draw now, whatever the randomizer's own schedule says */
 } SkybodyStart;
 
-/* What a task gives after a step. `end` bits: 1 terminated, 2 truncated. */
+/* What a task gives after a step. `end` bits: 1 terminated, 2 truncated. Lanes that are not active
+   may be written, except for `end`. */
 typedef struct SkybodyEvaluation {
   double* observation;
   double* reward;       /* 1: the environment's, or the team's */
   uint64_t* end;        /* 1 */
   double* robot_reward; /* 1 per robot of the world; read if the task declared robot_rewards */
   double* info;         /* values as declared by info */
+  uint32_t wants_info;  /* 0: nobody will look at info, which may be left as it is */
 } SkybodyEvaluation;
 
 /* The functions of one instruction set; those of other kinds are NULL, optional ones may be. */

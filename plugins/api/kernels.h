@@ -65,7 +65,8 @@ struct Steps {
   static void control(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                       const double* in, double* out) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_control(self(p), env, state, env.const_values(in, first), env.values(out, first, mask),
+      const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
+      call_control(self(p), env, state, env.const_values(in, first), env.values(out, first, all),
                    env.values(buffer, first, mask));
     });
   }
@@ -96,10 +97,11 @@ struct Steps {
   static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                        const SkybodyEvaluation* result) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
       Evaluation<RealOf<decltype(env)>> out(
-          env.values(result->observation, first, mask), env.values(result->info, first, mask),
-          env.values(result->reward, first, mask), env.values(result->robot_reward, first, mask),
-          result->end + first, mask);
+          env.values(result->observation, first, all), env.values(result->info, first, all),
+          env.values(result->reward, first, all), env.values(result->robot_reward, first, all),
+          result->end + first, mask, result->wants_info != 0);
       call_evaluate(self(p), env, state, out, env.values(buffer, first, mask));
     });
   }

@@ -114,9 +114,10 @@ class Evaluation {
  public:
   Evaluation(const Values<Real>& observation_row, const Values<Real>& info_row,
              const Values<Real>& reward, const Values<Real>& robot_rewards, std::uint64_t* end,
-             const MaskOf<Real>& mask)
+             const MaskOf<Real>& mask, bool wants_info)
       : observation(observation_row),
         info(info_row),
+        wants_info_(wants_info),
         reward_(reward),
         robot_rewards_(robot_rewards),
         end_(end),
@@ -124,6 +125,9 @@ class Evaluation {
 
   Values<Real> observation;  ///< channels as declared, in order
   Values<Real> info;         ///< Setup::info() values as declared, in order
+
+  /// Whether anybody will look at `info`: where it costs time, it may be left out else.
+  bool wants_info() const { return wants_info_; }
 
   /// The environment's reward; of a team, the team's.
   void set_reward(const Real& reward) { reward_.set(0, reward); }
@@ -139,6 +143,7 @@ class Evaluation {
     const Word<Real> old = load_words<Real>(end_);
     store_words(end_, select(logical_and(where, mask_), old | Word<Real>(bit), old));
   }
+  bool wants_info_;
   Values<Real> reward_;
   Values<Real> robot_rewards_;
   std::uint64_t* end_;

@@ -64,10 +64,12 @@ class Hover : public Task {
       at += 14;
       for (int k = 0; k < 2 * robot.actions; ++k)
         out.observation.set(at++, buffer[robot.history + k]);
-      out.info.set(info++, norm(error));
-      out.info.set(info++, abs(yaw_error));
-      out.info.set(info++, flight::tilt(body.rotation));
-      out.info.set(info++, norm(body.velocity));
+      if (out.wants_info()) {
+        out.info.set(info++, norm(error));
+        out.info.set(info++, abs(yaw_error));
+        out.info.set(info++, flight::tilt(body.rotation));
+        out.info.set(info++, norm(body.velocity));
+      }
       const MaskOf<Real> robot_failed = flight::failed(body, limits_);
       Real own = flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
                  kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
@@ -79,7 +81,8 @@ class Hover : public Task {
       reward += own;
       failed = logical_or(failed, robot_failed);
     }
-    out.set_reward(reward / static_cast<double>(robots_.size()));
+    if (robots_.size() > 1) reward = reward / static_cast<double>(robots_.size());
+    out.set_reward(reward);
     out.terminate(failed);
   }
 

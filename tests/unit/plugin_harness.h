@@ -177,8 +177,8 @@ class Instance {
     const bool requested = what == Call::kRequest;
     const SkybodyStart start{g.q.data(), g.u.data(), g.rotor_speed.data(), g.params.data(),
                              requested ? 1u : 0u};
-    const SkybodyEvaluation out{g.observation.data(), g.reward.data(), g.end.data(),
-                                g.robot_reward.data(), g.info.data()};
+    const SkybodyEvaluation out{g.observation.data(),  g.reward.data(), g.end.data(),
+                                g.robot_reward.data(), g.info.data(),   1};
     switch (what) {
       case Call::kReset:
         if (k.reset != nullptr) k.reset(self_, &v, state, buffer);

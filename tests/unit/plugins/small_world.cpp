@@ -165,8 +165,8 @@ void Group::run(const SkybodyKernels& k, const void* self, int steps) {
   std::uint64_t* state = state_.data();
   double* buffer = buffer_.data();
   const SkybodyStart start{q_.data(), u_.data(), rotor_speed_.data(), params_.data(), 0};
-  const SkybodyEvaluation evaluation{observation_.data(), reward_.data(), end_.data(),
-                                     robot_reward_.data(), info_.data()};
+  const SkybodyEvaluation evaluation{observation_.data(),  reward_.data(), end_.data(),
+                                     robot_reward_.data(), info_.data(),   1};
   if (k.reset != nullptr) k.reset(self, &v, state, buffer);
   for (int i = 0; i < steps; ++i) {
     if (k.process != nullptr) k.process(self, &v, state, buffer, action_.data(), command_.data());
