@@ -13,11 +13,26 @@ std::vector<RotorPlace> make_rotor_places(const World& world) {
   std::vector<RotorPlace> places;
   for (std::size_t i = 0; i < world.rotors.size(); ++i) {
     const Rotor& rotor = *world.rotors[i].model;
-    const Vec3<double>& n = rotor.axis;
-    places.push_back({rotor.position, n, static_cast<double>(rotor.direction),
-                      n.x == 0.0 && n.y == 0.0 && n.z == 1.0, world.layout.rotor_params[i]});
+    places.push_back({rotor.position, rotor.axis, static_cast<double>(rotor.direction),
+                      world.layout.rotor_params[i]});
   }
   return places;
+}
+
+std::vector<RotorGroup> make_rotor_groups(const World& world) {
+  std::vector<RotorGroup> groups;
+  for (std::size_t i = 0; i < world.rotors.size(); ++i) {
+    const WorldRotor& rotor = world.rotors[i];
+    if (groups.empty() || groups.back().body != rotor.body) {
+      groups.push_back({rotor.body, static_cast<int>(i), 0, true});
+    }
+    RotorGroup& group = groups.back();
+    ++group.count;
+    const Vec3<double>& n = rotor.model->axis;
+    const double height = world.rotors[static_cast<std::size_t>(group.first)].model->position.z;
+    group.is_level &= n.x == 0.0 && n.y == 0.0 && n.z == 1.0 && rotor.model->position.z == height;
+  }
+  return groups;
 }
 
 std::vector<ContactGroup> make_contact_groups(const World& world) {
@@ -46,16 +61,10 @@ std::vector<int> joints_with_forces(const World& world) {
 ForceModel::ForceModel(const World& world)
     : world_(world),
       rotors_(make_rotor_places(world)),
+      rotor_groups_(make_rotor_groups(world)),
       contact_groups_(make_contact_groups(world)),
       stiff_joints_(joints_with_forces(world)) {
   for (const RobotLayout& robot : world.layout.robots) bases_.push_back(robot.first_body);
-  for (std::size_t i = 0; i < world.rotors.size(); ++i) {
-    const int body = world.rotors[i].body;
-    if (rotor_groups_.empty() || rotor_groups_.back().body != body) {
-      rotor_groups_.push_back({body, static_cast<int>(i), 0});
-    }
-    ++rotor_groups_.back().count;
-  }
 }
 
 }  // namespace skybody

@@ -27,8 +27,9 @@ struct ForceInputs {
   const Real* wrench = nullptr;
 };
 
-/// Every rotor of a world on its body.
+/// Every rotor of a world on its body, and the groups that they form.
 std::vector<RotorPlace> make_rotor_places(const World& world);
+std::vector<RotorGroup> make_rotor_groups(const World& world);
 
 /// Bodies whose joint has damping, a spring or limits.
 std::vector<int> joints_with_forces(const World& world);
@@ -53,10 +54,6 @@ class ForceModel {
   }
 
  private:
-  /// Consecutive rotors on one body.
-  struct RotorGroup {
-    int body = 0, first = 0, count = 0;
-  };
   template <class Real, class Params>
   static SKYBODY_INLINE Vec3<Real> com_arm(const BodyKinematics<Real>& body,
                                            const Params& body_params) {
@@ -81,11 +78,10 @@ class ForceModel {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
       const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
-      SpatialForce<Real> sum = SpatialForce<Real>::zero();
-      for (int i = group.first; i < group.first + group.count; ++i) {
-        const RotorPlace& rotor = rotors_[static_cast<std::size_t>(i)];
-        add_rotor_force(in.params + rotor.params, rotor, in.rotors[i], velocity, body.spin, sum);
-      }
+      const SpatialForce<Real> sum = rotor_forces(
+          group, rotors_.data(),
+          in.params, [&](int i) __attribute__((always_inline)) { return in.rotors[i]; }, velocity,
+          body.spin);
       forces[group.body].force += body.axes * sum.force;
       forces[group.body].moment += body.axes * sum.moment;
     }

@@ -34,7 +34,7 @@ class FreePack {
       const FreeRobot& robot = robots_.robots[r];
       FreeMotion<Real> motion = load(robot);
       const Step step(robots_, robot, in_);
-      through &= step.advance(motion, end_speeds_ + robot.first_rotor);
+      through &= step.advance(motion, end_speeds_ + robot.rotors.first);
       motions_[r] = motion;
     }
     if (all(through)) {  // the usual case, without reading what is overwritten
@@ -72,7 +72,7 @@ class FreePack {
       for (int k = 0; k < 7; ++k) put(at(group_.q, robot.q + k), values[k], mask);
       for (int k = 0; k < 6; ++k) put(at(group_.u, robot.u + k), values[7 + k], mask);
       for (int k = 0; k < 13; ++k) put(at(group_.bodies, 13 * robot.body + k), values[k], mask);
-      for (int i = robot.first_rotor; i < robot.first_rotor + robot.rotor_count; ++i) {
+      for (int i = robot.rotors.first; i < robot.rotors.first + robot.rotors.count; ++i) {
         put(at(group_.rotor_speed, i), end_speeds_[i], mask);
       }
     }

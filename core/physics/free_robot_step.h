@@ -41,7 +41,7 @@ class FreeRobotStep {
   /// Moves the robot on by dt.
   /// @param motion     at the start of the step; overwritten
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
-  /// @returns where all of it is finite and below kLargestState
+  /// @returns where all of it is finite and, the magnitudes added up, below kLargestState
   SKYBODY_INLINE MaskOf<Real> advance(FreeMotion<Real>& motion, Real* end_speed) const {
     BodyKinematics<Real> body = kinematics(motion);
     Real speeds(0.0);
@@ -73,20 +73,18 @@ class FreeRobotStep {
   /// @returns about the origin, body axes
   SKYBODY_INLINE SpatialForce<Real> run_rotors(const BodyKinematics<Real>& body, Real* end_speed,
                                                Real& speeds) const {
-    const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
-    SpatialForce<Real> sum = SpatialForce<Real>::zero();
-    for (int i = 0; i < robot_.rotor_count; ++i) {
-      const int rotor = robot_.first_rotor + i;
-      const RotorPlace& place = world_.rotors[static_cast<std::size_t>(rotor)];
-      const Params constants = in_.params + place.params;
-      const RotorStep<Real> step(load_lag<Real>(in_.lags + kLagSize * rotor),
-                                 in_.rotor_speed[rotor], in_.rotor_command[rotor],
-                                 constants[kMaxSpeed]);
-      add_rotor_force(constants, place, step.mean(), velocity, body.spin, sum);
-      end_speed[i] = step.at(kStepEnd).speed;
-      speeds += end_speed[i];
-    }
-    return sum;
+    const RotorGroup& group = robot_.rotors;
+    const auto motion = [&](int i) __attribute__((always_inline)) {
+      const RotorPlace& place = world_.rotors[static_cast<std::size_t>(i)];
+      const RotorStep<Real> step(load_lag<Real>(in_.lags + kLagSize * i), in_.rotor_speed[i],
+                                 in_.rotor_command[i], in_.params[place.params + kMaxSpeed]);
+      const Real end = step.at(kStepEnd).speed;
+      end_speed[i - group.first] = end;
+      speeds += end;
+      return step.mean();
+    };
+    return rotor_forces(group, world_.rotors.data(), in_.params, motion,
+                        transpose_times(body.axes, body.velocity), body.spin);
   }
 
   /// Gravity acts at the centre of mass, so that it turns nothing.
@@ -180,14 +178,9 @@ class FreeRobotStep {
   /// A quaternion can be scaled to norm 1 where the square of its norm is finite and not 0.
   static SKYBODY_INLINE MaskOf<Real> is_sound(const FreeMotion<Real>& m, const Real& squared,
                                               const Real& speeds) {
-    MaskOf<Real> sound = logical_and(squared > 0.0, squared < kLargest);
-    sound = logical_and(sound, speeds < kLargestState);
-    for (const Vec3<Real>* v : {&m.position, &m.velocity, &m.spin}) {
-      sound = logical_and(
-          sound, logical_and(logical_and(abs(v->x) < kLargestState, abs(v->y) < kLargestState),
-                             abs(v->z) < kLargestState));
-    }
-    return sound;
+    const auto size = [](const Vec3<Real>& v) { return (abs(v.x) + abs(v.y)) + abs(v.z); };
+    const Real sum = (size(m.position) + size(m.velocity)) + (size(m.spin) + speeds);
+    return logical_and(logical_and(squared > 0.0, squared < kLargest), sum < kLargestState);
   }
 
   const FreeRobots& world_;

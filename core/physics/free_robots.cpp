@@ -26,13 +26,15 @@ FreeRobots::FreeRobots(const World& w) : world(w), rotors(make_rotor_places(w)) 
     robot.body = layout.first_body;
     robot.q = layout.first_q;
     robot.u = layout.first_u;
-    robot.first_rotor = layout.first_rotor;
-    robot.rotor_count = layout.rotor_count;
     robot.disturbance = w.layout.disturbance_params[r];
     for (std::size_t s = 0; s < w.sites.size(); ++s) {
       if (w.sites[s].body == robot.body) robot.sites.push_back(static_cast<int>(s));
     }
     robots.push_back(robot);
+  }
+  for (const RotorGroup& group : make_rotor_groups(w)) {
+    robots[static_cast<std::size_t>(w.bodies[static_cast<std::size_t>(group.body)].robot)].rotors =
+        group;
   }
   for (const ContactGroup& contact : make_contact_groups(w)) {
     robots[static_cast<std::size_t>(w.bodies[static_cast<std::size_t>(contact.body)].robot)]

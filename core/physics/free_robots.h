@@ -13,7 +13,7 @@ namespace skybody {
 /// One robot. Places are within the blocks of WorldState.
 struct FreeRobot {
   int body = 0, q = 0, u = 0;
-  int first_rotor = 0, rotor_count = 0;
+  RotorGroup rotors;       ///< all of them; none where `count` is 0
   int disturbance = 0;     ///< first of its kDisturbanceParamCount parameters
   std::vector<int> sites;  ///< within World::sites
   ContactGroup contact;    ///< none where `count` is 0

@@ -38,7 +38,7 @@ class FreeStepper final : public Stepper {
                             derived_.data() + derived_layout_.lags,
                             derived_.data() + derived_layout_.bodies};
       const Step step(robots_, robot, in);
-      through &= step.advance(motions_[r], end_speeds_.data() + robot.first_rotor);
+      through &= step.advance(motions_[r], end_speeds_.data() + robot.rotors.first);
     }
     if (through) store(state);
     return through;

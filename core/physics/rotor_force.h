@@ -26,78 +26,136 @@ namespace skybody {
 struct RotorPlace {
   Vec3<double> position, axis;  ///< hub [m] and thrust direction, body axes
   double direction = 1.0;       ///< +1 or -1
-  bool is_upright = false;      ///< `axis` is the body's z: then half of the products are zeros
   int params = 0;               ///< first of its kRotorParamCount values
 };
 
-namespace rotor_detail {
-
-/// Part of the hub's velocity across the axis.
-template <class Real>
-SKYBODY_INLINE Vec3<Real> across(const RotorPlace& place, const Vec3<Real>& position,
-                                 const Vec3<Real>& velocity, const Vec3<Real>& spin) {
-  if (place.is_upright) {
-    return {velocity.x + (spin.y * position.z - spin.z * position.y),
-            velocity.y + (spin.z * position.x - spin.x * position.z), Real(0.0)};
-  }
-  const Vec3<Real> axis = to_real<Real>(place.axis);
-  const Vec3<Real> hub = velocity + cross(spin, position);
-  return hub - axis * dot(hub, axis);
-}
-
-/// axis times x, plus other times y.
-template <class Real>
-SKYBODY_INLINE Vec3<Real> combine(const RotorPlace& place, const Real& x, const Vec3<Real>& other,
-                                  const Real& y) {
-  if (place.is_upright) return {other.x * y, other.y * y, x};
-  return to_real<Real>(place.axis) * x + other * y;
-}
-
-/// spin x (axis times x)
-template <class Real>
-SKYBODY_INLINE Vec3<Real> gyroscopic(const RotorPlace& place, const Vec3<Real>& spin,
-                                     const Real& x) {
-  if (place.is_upright) return {spin.y * x, -(spin.x * x), Real(0.0)};
-  return cross(spin, to_real<Real>(place.axis) * x);
-}
-
-}  // namespace rotor_detail
-
 /// Adds one rotor's forces to `sum`, which is about the body's origin like any SpatialForce but in
-/// the axes of the body. Effects whose constant is zero cost nothing.
+/// the axes of the body.
 /// @param constants  the rotor's kRotorParamCount values
 /// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
 template <class Real, class Constants>
 SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace& place,
                                     const RotorMotion<Real>& rotor, const Vec3<Real>& velocity,
                                     const Vec3<Real>& spin, SpatialForce<Real>& sum) {
-  const Vec3<Real> position = to_real<Real>(place.position);
-  const Real w = rotor.speed;
-  const Real w_squared = w * w;
-  const Real thrust = constants[kThrustConstant] * w_squared;
-  Real about_axis = constants[kMomentConstant] * w_squared;
-  const Real drag = constants[kDragConstant], rolling = constants[kRollingMomentConstant];
-  const Real inertia = constants[kRotorInertia];
-  const auto spins_up = inertia != 0.0, moves_air = logical_or(drag != 0.0, rolling != 0.0);
-  if (any(spins_up)) {
-    about_axis = select(spins_up, about_axis + inertia * rotor.acceleration, about_axis);
-  }
-  const Real zero(0.0);
-  Vec3<Real> across{zero, zero, zero};
-  if (any(moves_air)) {  // lanes without are left as they would be alone
-    across = select(moves_air, rotor_detail::across(place, position, velocity, spin), across);
-  }
-  const Vec3<Real> force = rotor_detail::combine(place, thrust, across, -(drag * w));
-  Vec3<Real> moment = rotor_detail::combine(place, about_axis, across, rolling * w);
-  if (any(spins_up)) {
-    moment = select(spins_up, moment + rotor_detail::gyroscopic(place, spin, inertia * w), moment);
-  }
+  const Vec3<Real> position = to_real<Real>(place.position), axis = to_real<Real>(place.axis);
+  const Real w = rotor.speed, signed_w = place.direction * w;
+  const Vec3<Real> hub = velocity + cross(spin, position);
+  const Vec3<Real> across = hub - axis * dot(hub, axis);
+  const Vec3<Real> force =
+      axis * (constants[kThrustConstant] * (w * w)) - across * (constants[kDragConstant] * w);
+  const Real momentum = constants[kRotorInertia] * signed_w;
+  const Real about_axis = constants[kMomentConstant] * (signed_w * w) +
+                          constants[kRotorInertia] * (place.direction * rotor.acceleration);
   sum.add_force_at(position, force);
-  if (place.direction > 0.0) {
-    sum.moment -= moment;
-  } else {
-    sum.moment += moment;
+  sum.moment -= across * (constants[kRollingMomentConstant] * signed_w) +
+                cross(spin, axis * momentum) + axis * about_axis;
+}
+
+/// Rotors of one body with the body's z as their axis and their hubs at one height: what they do
+/// together, from sums over the rotors that know nothing of the body's motion.
+template <class Real>
+class LevelRotors {
+ public:
+  LevelRotors() = default;
+  /// No rotor yet.
+  static SKYBODY_INLINE LevelRotors none() {
+    const Real zero(0.0);
+    return {zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
   }
+
+  /// @param constants  the rotor's kRotorParamCount values
+  template <class Constants>
+  SKYBODY_INLINE void add(const Constants& constants, const RotorPlace& place,
+                          const RotorMotion<Real>& rotor) {
+    const double x = place.position.x, y = place.position.y;
+    const Real w = rotor.speed, signed_w = place.direction * w;
+    const Real thrust = constants[kThrustConstant] * (w * w);
+    const Real drag = constants[kDragConstant] * w;
+    const Real rolling = constants[kRollingMomentConstant] * signed_w;
+    thrust_ += thrust;
+    thrust_x_ += x * thrust;
+    thrust_y_ += y * thrust;
+    drag_ += drag;
+    drag_x_ += x * drag;
+    drag_y_ += y * drag;
+    drag_xy_ += (x * x + y * y) * drag;
+    rolling_ += rolling;
+    rolling_x_ += x * rolling;
+    rolling_y_ += y * rolling;
+    momentum_ += constants[kRotorInertia] * signed_w;
+    about_axis_ += constants[kMomentConstant] * (signed_w * w) +
+                   constants[kRotorInertia] * (place.direction * rotor.acceleration);
+  }
+
+  /// @param height  of the hubs above the body's origin [m]
+  /// @param velocity, spin  as for add_rotor_force
+  /// @returns about the body's origin, body axes
+  SKYBODY_INLINE SpatialForce<Real> force(double height, const Vec3<Real>& velocity,
+                                          const Vec3<Real>& spin) const {
+    // Velocity across the axis of a hub at x, y: (hub_x - spin_z y, hub_y + spin_z x).
+    const Real hub_x = velocity.x + spin.y * height, hub_y = velocity.y - spin.x * height;
+    const Vec3<Real> f{spin.z * drag_y_ - hub_x * drag_, -(hub_y * drag_ + spin.z * drag_x_),
+                       thrust_};
+    const Real roll_x = hub_x * rolling_ - spin.z * rolling_y_;
+    const Real roll_y = hub_y * rolling_ + spin.z * rolling_x_;
+    return {{(thrust_y_ - height * f.y) - (roll_x + spin.y * momentum_),
+             (height * f.x - thrust_x_) - (roll_y - spin.x * momentum_),
+             ((hub_x * drag_y_ - hub_y * drag_x_) - spin.z * drag_xy_) - about_axis_},
+            f};
+  }
+
+ private:
+  SKYBODY_INLINE LevelRotors(const Real& t, const Real& tx, const Real& ty, const Real& d,
+                             const Real& dx, const Real& dy, const Real& dxy, const Real& r,
+                             const Real& rx, const Real& ry, const Real& m, const Real& a)
+      : thrust_(t),
+        thrust_x_(tx),
+        thrust_y_(ty),
+        drag_(d),
+        drag_x_(dx),
+        drag_y_(dy),
+        drag_xy_(dxy),
+        rolling_(r),
+        rolling_x_(rx),
+        rolling_y_(ry),
+        momentum_(m),
+        about_axis_(a) {}
+
+  Real thrust_, thrust_x_, thrust_y_;      ///< [N], times place [N m]
+  Real drag_, drag_x_, drag_y_, drag_xy_;  ///< c_d w [N s/m], times place, times its square
+  Real rolling_, rolling_x_, rolling_y_;   ///< s c_r w [N s], times place
+  Real momentum_;                          ///< s J w [kg m^2/s]
+  Real about_axis_;                        ///< s (k_m w^2 + J dw/dt) [N m]
+};
+
+/// Consecutive rotors on one body.
+struct RotorGroup {
+  int body = 0, first = 0, count = 0;
+  bool is_level = false;  ///< they go as LevelRotors
+};
+
+/// What the rotors of a group do to their body.
+/// @param places    of all rotors of the world
+/// @param params    of the environment
+/// @param motion    motion(i) says how rotor i of the world moves
+/// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
+/// @returns about the body's origin, body axes
+template <class Real, class Params, class Motion>
+SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
+                                               const Params& params, Motion&& motion,
+                                               const Vec3<Real>& velocity, const Vec3<Real>& spin) {
+  if (group.is_level) {
+    LevelRotors<Real> rotors = LevelRotors<Real>::none();
+    for (int i = group.first; i < group.first + group.count; ++i) {
+      rotors.add(params + places[i].params, places[i], motion(i));
+    }
+    return rotors.force(places[group.first].position.z, velocity, spin);
+  }
+  SpatialForce<Real> sum = SpatialForce<Real>::zero();
+  for (int i = group.first; i < group.first + group.count; ++i) {
+    add_rotor_force(params + places[i].params, places[i], motion(i), velocity, spin, sum);
+  }
+  return sum;
 }
 
 }  // namespace skybody

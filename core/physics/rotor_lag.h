@@ -93,8 +93,10 @@ SKYBODY_INLINE RotorMotion<Real> rotor_at(const RotorLag<Real>& lag, const Real&
   const auto rising = command > speed;
   const Real decay = select(rising, lag.up.decay[t], lag.down.decay[t]);
   const Real slope = select(rising, lag.up.slope[t], lag.down.slope[t]);
-  // Where the decay is 1 or 0 this is exactly the start's speed or the command.
-  return {speed * decay + command * (1.0 - decay), (command - speed) * slope};
+  const Real gap = command - speed;
+  // Exactly the command where the decay is 0, and at the start exactly the speed where it is 1.
+  if (t == kStepStart) return {select(decay == 0.0, command, speed), gap * slope};
+  return {command - gap * decay, gap * slope};
 }
 
 /// Mean acceleration over the whole step [rad/s^2].
