@@ -112,6 +112,8 @@ class Simulation {
   std::uint64_t steps() const;          ///< actions taken in this episode
   std::uint64_t physics_steps() const;  ///< physics steps taken in this episode
   double time() const;                  ///< since the reset [s]
+  /// Physics steps since it was made, by the dynamics that took them. No part of the state.
+  const StepCounts& step_counts() const;
 
   const Environment& environment() const { return *environment_; }
   const Scenario& scenario() const { return environment_->scenario(); }

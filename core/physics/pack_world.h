@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/physics/force_model.h"
+#include "core/physics/reach.h"
 #include "core/physics/step_rules.h"
 #include "core/physics/tree_accelerations.h"
 
@@ -47,6 +48,8 @@ struct PackKernels {
   void (*refresh)(const PackCall& call, std::uint32_t lanes);
   /// One physics step; returns the lanes that came through, the others are as they were.
   std::uint32_t (*advance)(const PackCall& call, std::uint32_t lanes);
+  /// Those of the lanes where something is within reach of something else (Reach).
+  std::uint32_t (*within_reach)(const PackCall& call, std::uint32_t lanes);
 };
 
 /// Those of the best instruction set at hand (best_isa).
@@ -60,6 +63,7 @@ struct PackWorld {
   const World& world;
   Forest forest;
   ForceModel forces;
+  Reach reach;
   std::vector<PackDrive> drives;
   DerivedLayout derived;
   int physics_params = 0;              ///< the first so many words of the parameter block

@@ -282,6 +282,8 @@ class SimbodyDynamics final : public Dynamics {
     set_params(nominal.data());
   }
 
+  bool is_on_simbody() const override { return true; }
+
   void set_params(const double* params) override {
     if (world_.bodies.empty()) return;
     // The mass properties of all bodies lie one after another (world_layout.cpp).
