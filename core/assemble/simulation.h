@@ -134,8 +134,7 @@ class Simulation {
   /// last physics step held them. Driven bases have none.
   /// @throws Error if the dynamics gives up
   Accelerations accelerations() const;
-  /// What touches the ground, obstacles or another robot now. Without obstacles and other robots,
-  /// and on the tree dynamics, the ground only.
+  /// What touches the ground, obstacles or another robot now.
   /// @throws Error if the dynamics gives up
   std::vector<Contact> contacts() const;
   /// Where the task wants its goals: 4 values each, position (W) [m], yaw [rad].

@@ -53,6 +53,9 @@ class Dynamics {
 };
 
 /// Simbody's dynamics. Drives are read from `world.drives`.
+/// @param params  with which it begins; without them: the nominal ones
+/// @throws Error (naming the body where one is to blame) if nothing can be built from them
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world);
+std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params);
 
 }  // namespace skybody

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/physics/reach.h"
 #include "core/physics/tree_dynamics.h"
 
@@ -22,7 +23,10 @@ class HandOverDynamics final : public Dynamics {
 
   bool is_on_simbody() const override { return is_on_simbody_; }
 
-  void set_params(const double* params) override { chosen().set_params(params); }
+  void set_params(const double* params) override {
+    if (is_on_simbody_ && !simbody_) simbody_ = make_simbody_dynamics(world_, params);
+    chosen().set_params(params);
+  }
 
   void accelerations(const double* q, const double* u, const SpatialForce<double>* body_forces,
                      const double* joint_forces, double* udot) override {
@@ -40,7 +44,7 @@ class HandOverDynamics final : public Dynamics {
  private:
   Dynamics& chosen() {
     if (!is_on_simbody_) return *tree_;
-    if (!simbody_) simbody_ = make_simbody_dynamics(world_);
+    SKYBODY_DEMAND(simbody_ != nullptr, "begin_step without set_params");
     return *simbody_;
   }
 
