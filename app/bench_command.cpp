@@ -51,6 +51,11 @@ struct Counts {
   double seconds = 0.0;
 };
 
+/// Waits for what is under way, without sending it on.
+void drain(VecEnv& envs) {
+  while (envs.in_flight() > 0) envs.recv();
+}
+
 /// Sends every environment on as it comes back, until the time is over.
 Counts run_for(double seconds, VecEnv& envs, BatchActions& actions) {
   Counts counts;
@@ -77,13 +82,17 @@ Counts run_for(double seconds, VecEnv& envs, BatchActions& actions) {
 /// A result in numbers.
 struct Figures {
   double steps, steps_per_thread, physics_steps, physics_share;
+  double tree_share;  ///< of the physics steps, warm-up included, those on the tree dynamics
 };
 
 Figures figures_of(const Counts& counts, const VecEnv& envs, double physics_cost) {
   const double repeat = envs.environment().scenario().stepping.action_repeat;
   const double steps = static_cast<double>(counts.steps) / counts.seconds;
+  const StepCounts physics = envs.step_counts();
+  const auto tree = static_cast<double>(physics.tree),
+             simbody = static_cast<double>(physics.simbody);
   return {steps, steps / envs.threads(), steps * repeat,
-          steps * repeat * physics_cost / envs.threads()};
+          steps * repeat * physics_cost / envs.threads(), tree / (tree + simbody)};
 }
 
 std::string count_text(double value) { return fixed(value, value < 1000.0 ? 1 : 0); }
@@ -99,6 +108,7 @@ void print_table(const BenchOptions& options, const VecEnv& envs, const Counts& 
   table.add({"env steps/s per thread", count_text(figures.steps_per_thread)});
   table.add({"physics steps/s", count_text(figures.physics_steps)});
   table.add({"share of physics [%]", fixed(100.0 * figures.physics_share, 1)});
+  table.add({"physics steps on tree [%]", fixed(100.0 * figures.tree_share, 1)});
   table.add({"resets", std::to_string(counts.resets)});
   table.add({"faults", std::to_string(counts.faults)});
   std::fputs(table.to_string().c_str(), stdout);
@@ -122,6 +132,7 @@ void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& c
       .set("env_steps_per_second_per_thread", format_number(figures.steps_per_thread))
       .set("physics_steps_per_second", format_number(figures.physics_steps))
       .set("physics_share", format_number(figures.physics_share))
+      .set("tree_share", format_number(figures.tree_share))
       .set("resets", std::to_string(counts.resets))
       .set("faults", std::to_string(counts.faults))
       .set_text("machine", machine_name())
@@ -145,6 +156,7 @@ int bench(const BenchOptions& options) {
   run_for(std::min(kLongestWarmUp, options.seconds), envs, actions);
   const Counts counts = run_for(options.seconds, envs, actions);
   if (InterruptGuard::signal() != 0) return kExitSignal + InterruptGuard::signal();
+  drain(envs);
   const Figures figures = figures_of(counts, envs, physics_cost);
   (options.json ? print_json : print_table)(options, envs, counts, figures);
   return kExitDone;

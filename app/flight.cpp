@@ -34,13 +34,14 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   simulation.reset();
   summary.params = simulation.params();
   log.begin_episode(summary.params);
-  record(simulation, log);
+  record(simulation, false, log);
   log.event("reset");
   for (summary.end = end_of(plan, simulation); summary.end.empty();
        summary.end = end_of(plan, simulation)) {
     policy.act(simulation, action);
+    const std::uint64_t before = simulation.step_counts().simbody;
     simulation.step(action);
-    record(simulation, log);
+    record(simulation, simulation.step_counts().simbody > before, log);
     window.add(simulation);
     summary.total_reward += static_cast<double>(simulation.reward());
     if (line.is_due()) line.show(progress(number, plan, simulation, summary));

@@ -146,7 +146,7 @@ FlightLogHeader describe_flight(const Environment& environment, std::uint64_t se
   return header;
 }
 
-void record(const Simulation& simulation, FlightLog& log) {
+void record(const Simulation& simulation, bool on_simbody, FlightLog& log) {
   const Layout& layout = simulation.environment().layout();
   const Snapshot state = simulation.save();
   const std::vector<double> q = values_of(state, layout.q), u = values_of(state, layout.u);
@@ -170,6 +170,7 @@ void record(const Simulation& simulation, FlightLog& log) {
   row.observation = simulation.observation();
   row.reward = simulation.reward();
   row.status = simulation.status();
+  row.dynamics = on_simbody ? 1 : 0;
   row.sensors = sensors;
   row.goal = goal;
   log.add(row);

@@ -18,6 +18,7 @@ FlightLogHeader describe_flight(const Environment& environment, std::uint64_t se
                                 const std::string& policy);
 
 /// Appends the simulation's present state to the log's episode.
-void record(const Simulation& simulation, FlightLog& log);
+/// @param on_simbody  whether Simbody took physics steps since the row before
+void record(const Simulation& simulation, bool on_simbody, FlightLog& log);
 
 }  // namespace skybody

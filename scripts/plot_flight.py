@@ -4,8 +4,9 @@
     plot_flight.py flights/hover-0/flight.h5 [--out DIR] [--most 3]
 
 Positions against their goals, attitude, rotor speeds with their commands, reward, and the path in
-space. Writes flight-0001.png, flight-0002.png, ... beside the log and prints a line
-`picture PATH` for each. Needs matplotlib, numpy and h5py.
+space. Where tree dynamics and Simbody took turns, what Simbody took is shaded. Writes
+flight-0001.png, flight-0002.png, ... beside the log and prints a line `picture PATH` for each.
+Needs matplotlib, numpy and h5py.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ except ImportError as error:
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 DPI = 150
 STYLE = {
@@ -41,6 +43,7 @@ STYLE = {
     "agg.path.chunksize": 10000,
 }
 GOAL = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.9}
+SIMBODY = {"color": "gold", "alpha": 0.4, "linewidth": 0}
 COMMAND = {"linestyle": (0, (1, 1.5)), "linewidth": 1.0, "alpha": 0.8}
 ENDINGS = ("terminated", "truncated", "fault", "stopped", "interrupted")
 
@@ -72,6 +75,7 @@ class Flight:
     rotors: list[str]
     rotor_speed: np.ndarray | None
     rotor_command: np.ndarray | None
+    simbody: list[tuple[float, float]]  # spans of time on Simbody, where tree took others
 
 
 # --- reading ----------------------------------------------------------------------------------
@@ -124,6 +128,15 @@ def ending(episode: h5py.Group) -> str:
     return last if last.split(":")[0] in ENDINGS else "unfinished"
 
 
+def simbody_spans(dynamics: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
+    """From the row before the first on Simbody to the last; none where nothing was handed over."""
+    on_simbody = dynamics[1:] == 1
+    if on_simbody.all():
+        return []
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], on_simbody, [False]]).astype(int)))
+    return [(time[a], time[b]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
 def read_flight(log: h5py.File, name: str) -> Flight:
     episode = log["episodes"][name]
     time = episode["time"][:]
@@ -144,6 +157,7 @@ def read_flight(log: h5py.File, name: str) -> Flight:
         rotors=rotors,
         rotor_speed=episode["rotor_speed"][:] if rotors else None,
         rotor_command=episode["rotor_command"][:] if rotors else None,
+        simbody=simbody_spans(episode["dynamics"][:], time) if "dynamics" in episode else [],
     )
 
 
@@ -232,9 +246,17 @@ def draw_rotors(panel, flight: Flight) -> None:
     widen(panel, max(1.0, 0.02 * float(np.nanmax(np.abs(flight.rotor_speed)))))
 
 
+def shade_simbody(panel, flight: Flight) -> None:
+    for begin, end in flight.simbody:
+        panel.axvspan(begin, end, zorder=0, **SIMBODY)
+
+
 def draw_path(panel, flight: Flight) -> None:
     for track in flight.tracks:
         panel.plot(*track.position.T, color=track.color, linewidth=1.1)
+        for begin, end in flight.simbody:
+            rows = (flight.time >= begin) & (flight.time <= end)
+            panel.plot(*track.position[rows].T, **{**SIMBODY, "linewidth": 5})
         panel.scatter(*track.position[0], color=track.color, marker="o", s=14)
         panel.scatter(*track.position[-1], color=track.color, marker="s", s=18)
         if track.goal is not None:
@@ -272,6 +294,8 @@ def draw_heading(figure, flight: Flight) -> None:
     figure.text(0.02, 0.938, flight.subtitle, color="dimgrey", fontsize=9.5)
     handles = [Line2D([], [], color=t.color, linewidth=2.5, label=t.name) for t in flight.tracks]
     handles.append(Line2D([], [], label="goal", **GOAL))
+    if flight.simbody:
+        handles.insert(0, Patch(label="Simbody (within reach)", **SIMBODY))
     figure.legend(
         handles=handles[:12],
         loc="upper left",
@@ -299,6 +323,8 @@ def draw(flight: Flight):
     draw_reward(panels[1][3], flight)
     draw_path(figure.add_subplot(side[0], projection="3d"), flight)
     draw_rotors(rotors, flight)
+    for panel in (*panels[0], *panels[1], rotors):
+        shade_simbody(panel, flight)
     for column in panels:
         for panel in column[:3]:
             panel.tick_params(labelbottom=False)

@@ -123,7 +123,7 @@ std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
     RegistryFactory factory(*registry);
     auto environment =
         std::make_shared<const Environment>(std::make_unique<World>(std::move(*scenario)), factory);
-    make_stepper(environment->world());  // a world that cannot be built is said here
+    check_world(environment->world());  // a world that cannot be built is said here
     return environment;
   } catch (const MarkedError& e) {
     diagnostics.error(e.mark(), e.what());

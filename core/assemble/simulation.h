@@ -112,6 +112,8 @@ class Simulation {
   std::uint64_t steps() const;          ///< actions taken in this episode
   std::uint64_t physics_steps() const;  ///< physics steps taken in this episode
   double time() const;                  ///< since the reset [s]
+  /// Physics steps since it was made, by the dynamics that took them. No part of the state.
+  const StepCounts& step_counts() const;
 
   const Environment& environment() const { return *environment_; }
   const Scenario& scenario() const { return environment_->scenario(); }
@@ -132,8 +134,7 @@ class Simulation {
   /// last physics step held them. Driven bases have none.
   /// @throws Error if the dynamics gives up
   Accelerations accelerations() const;
-  /// What touches the ground, obstacles or another robot now. Without obstacles and other robots,
-  /// and on the tree dynamics, the ground only.
+  /// What touches the ground, obstacles or another robot now.
   /// @throws Error if the dynamics gives up
   std::vector<Contact> contacts() const;
   /// Where the task wants its goals: 4 values each, position (W) [m], yaw [rad].

@@ -191,6 +191,15 @@ void Fleet::observation(int env, float* out) const {
   }
 }
 
+StepCounts Fleet::step_counts() const {
+  StepCounts sum;
+  for (const StateGroup& state : states_) {
+    sum.tree += state.stepper().counts().tree;
+    sum.simbody += state.stepper().counts().simbody;
+  }
+  return sum;
+}
+
 double Fleet::param(int env, const std::string& path) const {
   return get_param(*environment_, state(env), lane_of(env), path);
 }

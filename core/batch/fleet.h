@@ -70,6 +70,8 @@ class Fleet {
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }
   /// Whether transitions are added to the hashes from now on.
   void keep_hash(bool keep) { keep_hash_.store(keep, std::memory_order_relaxed); }
+  /// Physics steps since it was made, by the dynamics that took them.
+  StepCounts step_counts() const;
   /// Resets so far.
   std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane_of(env)]; }
   /// All words of an environment's WorldState, in the order of the layout.

@@ -148,6 +148,11 @@ void VecEnv::set_param(int env, const std::string& path, double value) {
   if (engine_->observer) engine_->observer->param_set(env, path, value);
 }
 
+StepCounts VecEnv::step_counts() const {
+  engine_->check_idle("step_counts()");
+  return engine_->fleet.step_counts();
+}
+
 std::uint64_t VecEnv::hash(int env) const {
   engine_->check_idle("hash()");
   engine_->check_id(env);

@@ -101,6 +101,10 @@ class VecEnv {
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
 
+  /// Physics steps of all environments since the VecEnv was made, by the dynamics that took them.
+  /// @throws Error while some are in flight
+  StepCounts step_counts() const;
+
   /// Trajectory hash of one environment, and of all, combined in order of ids.
   /// @throws Error without keep_hash, or while some are in flight
   std::uint64_t hash(int env) const;

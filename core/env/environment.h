@@ -59,7 +59,8 @@ class Environment {
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
-  /// Lanes in which this scenario is best stepped: 8 where its physics goes in packs, else 1.
+  /// Lanes in which this scenario is best stepped: 8 where its physics goes in packs, if only while
+  /// nothing is within reach (core/physics/reach.h), else 1.
   int preferred_lanes() const { return physics_->preferred_lanes(); }
   StateGroup make_state(int lanes) const;
   /// Scratch for groups of that size. Results never depend on which groups it served.
@@ -99,7 +100,7 @@ class Environment {
   /// @throws std::runtime_error if the dynamics gives up
   void accelerations(StateGroup& group, int lane, double* udot) const;
 
-  /// What the bodies of one lane touch: the ground, and on Simbody obstacles and one another.
+  /// What the bodies of one lane touch: the ground, obstacles and one another.
   std::vector<Contact> contacts(StateGroup& group, GroupWork& work, int lane) const;
 
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.

@@ -55,6 +55,7 @@ class StateGroup {
     current_ |= stale;
   }
   GroupStepper& stepper() { return *stepper_; }
+  const GroupStepper& stepper() const { return *stepper_; }
   GroupBlocks blocks();
   /// 13 per body (BodyState), stride L.
   double* bodies() { return bodies_.data(); }

@@ -25,7 +25,8 @@ const MapSpec& stepping_fields() {
           choice_field(
               "dynamics", {"auto", "simbody", "tree"},
               "what computes accelerations; tree: without Simbody, in vector lanes, for one "
-              "robot without obstacles; auto: tree where it can, else simbody"),
+              "robot without obstacles; auto: tree, and Simbody in physics steps that begin with "
+              "a robot within reach of another one or an obstacle"),
           choice_field("integrator", {"semi_implicit_euler", "rk4"}, "what advances the state"),
       }};
   return spec;

@@ -13,10 +13,21 @@
 
 namespace skybody {
 
+template <class Real>
+struct BodyKinematics;
+
 /// Dynamics of one environment. Coordinates are ours throughout (JointType). Not thread-safe.
 class Dynamics {
  public:
   virtual ~Dynamics() = default;
+
+  /// Begins a step, or a question about one instant: what computes it may depend on this motion and
+  /// on nothing else. Comes before set_params.
+  /// @param motion  of all bodies, before drives set it
+  virtual void begin_step(const BodyKinematics<double>* /*motion*/) {}
+
+  /// Whether Simbody computes what is asked since begin_step.
+  virtual bool is_on_simbody() const { return false; }
 
   /// Takes the mass properties over from the parameter block; cheap if they are as before.
   /// @throws Error (naming the body where one is to blame) if nothing can be built from them
@@ -42,6 +53,9 @@ class Dynamics {
 };
 
 /// Simbody's dynamics. Drives are read from `world.drives`.
+/// @param params  with which it begins; without them: the nominal ones
+/// @throws Error (naming the body where one is to blame) if nothing can be built from them
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world);
+std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params);
 
 }  // namespace skybody

@@ -4,7 +4,9 @@
 #include <stdexcept>
 
 #include "core/physics/free_robot_step.h"
+#include "core/physics/hand_over_dynamics.h"
 #include "core/physics/pack_world.h"
+#include "core/physics/reach.h"
 #include "core/physics/tree_dynamics.h"
 
 namespace skybody {
@@ -12,19 +14,27 @@ namespace {
 
 class FreeStepper final : public Stepper {
  public:
-  explicit FreeStepper(const World& world)
+  FreeStepper(const World& world, DynamicsUse use)
       : robots_(world),
+        reach_(world),
+        hands_over_(use == DynamicsUse::kHandOver && reach_.is_possible()),
+        tree_(make_tree(world)),
+        kinematics_(world.bodies.size()),
+        swept_(reach_.sphere_count()),
         derived_layout_(world),
         derived_(static_cast<std::size_t>(derived_layout_.size)),
         motions_(robots_.robots.size()),
         end_speeds_(robots_.rotors.size()),
-        general_(make_stepper(world, make_tree_dynamics(world))) {
+        general_(make_stepper(world, use == DynamicsUse::kHandOver ? make_hand_over_dynamics(world)
+                                                                   : make_tree_dynamics(world))) {
     made_from_.reserve(static_cast<std::size_t>(world.layout.params.size));
   }
 
   void update_bodies(LaneState& state) override { general_->update_bodies(state); }
 
   bool advance(LaneState& state) override {
+    is_on_simbody_ = hands_over_ && is_within_reach(state);
+    if (is_on_simbody_) return general_->advance(state);
     if (!take_params(state.params)) return false;
     bool through = true;
     for (std::size_t r = 0; r < robots_.robots.size(); ++r) {
@@ -44,6 +54,8 @@ class FreeStepper final : public Stepper {
     return through;
   }
 
+  bool was_on_simbody() const override { return is_on_simbody_; }
+
   void accelerations(const LaneState& state, double* udot) override {
     general_->accelerations(state, udot);
   }
@@ -54,6 +66,11 @@ class FreeStepper final : public Stepper {
 
  private:
   using Step = FreeRobotStep<double, const double*, const double*, const double*>;
+
+  bool is_within_reach(const LaneState& state) {
+    forward_kinematics(tree_, state.q.data(), state.u.data(), kinematics_.data());
+    return reach_.is_within(kinematics_.data(), swept_.data());
+  }
 
   /// @returns whether there are bodies with such masses
   bool take_params(const std::vector<double>& params) {
@@ -87,6 +104,11 @@ class FreeStepper final : public Stepper {
   }
 
   FreeRobots robots_;
+  Reach reach_;
+  bool hands_over_, is_on_simbody_ = false;
+  std::vector<TreeBody> tree_;
+  std::vector<BodyKinematics<double>> kinematics_;
+  std::vector<SweptSphere<double>> swept_;
   DerivedLayout derived_layout_;
   std::vector<double> derived_;
   std::vector<double> made_from_;  ///< parameters that `derived_` belongs to; empty: none
@@ -97,8 +119,8 @@ class FreeStepper final : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_free_stepper(const World& world) {
-  return std::make_unique<FreeStepper>(world);
+std::unique_ptr<Stepper> make_free_stepper(const World& world, DynamicsUse use) {
+  return std::make_unique<FreeStepper>(world, use);
 }
 
 }  // namespace skybody

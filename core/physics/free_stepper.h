@@ -9,6 +9,7 @@ namespace skybody {
 
 /// A stepper with the bits of the kernels on packs.
 /// @param world  FreeRobots::is_possible
-std::unique_ptr<Stepper> make_free_stepper(const World& world);
+/// @param use    kTree, or kHandOver: then Simbody takes the steps where something is within reach
+std::unique_ptr<Stepper> make_free_stepper(const World& world, DynamicsUse use);
 
 }  // namespace skybody

@@ -3,12 +3,11 @@
 #include "core/physics/lane_values.h"
 #include "core/physics/pack_world.h"
 #include "core/physics/stepper.h"
-#include "core/physics/tree_dynamics.h"
 
 namespace skybody {
 
 GroupPhysics::GroupPhysics(const World& world) : world_(world) {
-  if (chosen_dynamics(world) == DynamicsChoice::kTree) {
+  if (chosen_dynamics(world) != DynamicsUse::kSimbody) {
     packs_ = std::make_unique<const PackWorld>(world);
   }
 }

@@ -1,6 +1,7 @@
 // Physics of a lane group: environments side by side, one physics step at a time.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -29,6 +30,12 @@ using PhysicsScratch = AlignedArray<std::byte>;
 
 struct PackWorld;
 
+/// Physics steps of environments, failed ones included, by the dynamics that took them.
+struct StepCounts {
+  std::uint64_t tree = 0;
+  std::uint64_t simbody = 0;
+};
+
 /// The physics of one group. Holds only what can be derived from World and the group's values (a
 /// cache): results never depend on which states it saw before. Not thread-safe.
 class GroupStepper {
@@ -54,6 +61,25 @@ class GroupStepper {
   /// Appends the contacts of one lane's bodies with one another and with obstacles.
   /// @throws as accelerations
   virtual void add_contacts(const GroupBlocks& group, int lane, std::vector<Contact>& out) = 0;
+
+  /// The lanes whose last advance went on Simbody, whether they came through or not.
+  std::uint32_t on_simbody() const { return on_simbody_; }
+  /// All steps since it was made. For looking at: nothing depends on them.
+  const StepCounts& counts() const { return counts_; }
+
+ protected:
+  /// To be called in advance().
+  /// @param lanes  that were to be advanced  @param on_simbody  those of them on Simbody
+  void note_step(std::uint32_t lanes, std::uint32_t on_simbody) {
+    on_simbody_ = on_simbody;
+    const auto simbody = static_cast<std::uint64_t>(std::popcount(on_simbody));
+    counts_.simbody += simbody;
+    counts_.tree += static_cast<std::uint64_t>(std::popcount(lanes)) - simbody;
+  }
+
+ private:
+  std::uint32_t on_simbody_ = 0;
+  StepCounts counts_;
 };
 
 /// Makes steppers for the groups of a world, with what they share. Immutable, thread-safe.
@@ -82,7 +108,8 @@ class GroupPhysics {
 /// Lane after lane, over the dynamics and the integrator that the scenario asks for.
 std::unique_ptr<GroupStepper> make_serial_group_stepper(const World& world, int lanes);
 
-/// In packs of the widest instruction set at hand: groups of kGroupLanes on the tree dynamics.
+/// In packs of the widest instruction set at hand: groups of kGroupLanes on the tree dynamics;
+/// lanes within reach (reach.h) go one by one on Simbody for that step.
 std::unique_ptr<GroupStepper> make_pack_group_stepper(const PackWorld& world);
 
 }  // namespace skybody

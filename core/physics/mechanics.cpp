@@ -45,6 +45,8 @@ Mechanics::Mechanics(const World& world, std::unique_ptr<Dynamics> dynamics)
 
 void Mechanics::begin_step(const LaneState& state, const double* q, double* u) {
   state_ = &state;
+  update_motion(q, u);
+  dynamics_->begin_step(motion_.data());
   dynamics_->set_params(state.params.data());
   update_lag(state.params.data());
   run_rotors(state);
@@ -86,7 +88,6 @@ void Mechanics::update_motion(const double* q, const double* u) {
 }
 
 void Mechanics::start_drives(const LaneState& state, const double* q, double* u) {
-  update_motion(q, u);
   for (Drive& drive : drives_) {
     const TreeBody& base = tree_[drive.body];
     begin_drive(drive.kind, motion_[drive.body], state.drive.data() + drive.value,
@@ -127,6 +128,8 @@ void Mechanics::end_step(double* q, double* rotor_speed) const {
 }
 
 void Mechanics::add_contacts(const LaneState& state, std::vector<Contact>& out) {
+  update_motion(state.q.data(), state.u.data());
+  dynamics_->begin_step(motion_.data());
   dynamics_->set_params(state.params.data());
   dynamics_->add_contacts(state.q.data(), state.u.data(), out);
 }

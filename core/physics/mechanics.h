@@ -23,6 +23,9 @@ class Mechanics {
   /// @param q, u  coordinates at the start: those of `state`, where drives write their u
   void begin_step(const LaneState& state, const double* q, double* u);
 
+  /// Whether Simbody computes what the step under way asks for.
+  bool is_on_simbody() const { return dynamics_->is_on_simbody(); }
+
   /// udot with the rotors at an instant of the step.
   void accelerations(const double* q, const double* u, StageTime time, double* udot);
 

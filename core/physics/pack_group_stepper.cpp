@@ -1,4 +1,6 @@
-// A group in packs: all its lanes at once, on the tree dynamics.
+// A group in packs: all its lanes at once, on the tree dynamics. Lanes where something is within
+// reach leave the packs for that step: the stepper that takes one environment, and decides by the
+// same Reach, takes them to Simbody.
 #include <cstring>
 
 #include "core/base/error.h"
@@ -25,7 +27,14 @@ class PackGroupStepper final : public GroupStepper {
 
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes,
                         PhysicsScratch& scratch) override {
-    return world_.kernels.advance(call(group, scratch), lanes & ~broken_);
+    const PackCall packs = call(group, scratch);
+    const std::uint32_t handed =
+        world_.reach.is_possible() ? world_.kernels.within_reach(packs, lanes) : 0;
+    const std::uint32_t in_packs = lanes & ~broken_ & ~handed;
+    std::uint32_t through = in_packs == 0 ? 0 : world_.kernels.advance(packs, in_packs);
+    if (handed != 0) through |= advance_one_by_one(group, handed, scratch);
+    note_step(lanes, handed);
+    return through;
   }
 
   void accelerations(const GroupBlocks& group, int lane, double* udot) override {
@@ -40,6 +49,16 @@ class PackGroupStepper final : public GroupStepper {
   PackCall call(const GroupBlocks& group, PhysicsScratch& scratch) {
     return {&world_, &group, spins_.data(), drawn_ == 0 ? nullptr : derived_.data(),
             scratch.data()};
+  }
+
+  /// The lanes' own values go in and out of the other stepper, which has not seen them since it was
+  /// last asked; what only packs keep (spins) is made anew.
+  std::uint32_t advance_one_by_one(const GroupBlocks& group, std::uint32_t lanes,
+                                   PhysicsScratch& scratch) {
+    one_by_one().refresh(group, lanes, scratch);
+    const std::uint32_t through = one_by_one().advance(group, lanes, scratch);
+    world_.kernels.refresh(call(group, scratch), lanes);
+    return through;
   }
 
   /// What follows from a lane's parameters, where they are not the nominal ones.
@@ -95,7 +114,7 @@ class PackGroupStepper final : public GroupStepper {
   std::uint32_t drawn_ = 0;                   ///< lanes whose parameters are not the nominal ones
   std::uint32_t placed_ = 0;                  ///< lanes of `derived_` that hold what is nominal
   std::uint32_t broken_ = 0;                  ///< lanes with parameters that no body has
-  std::unique_ptr<GroupStepper> one_by_one_;  ///< for what only direct control asks for
+  std::unique_ptr<GroupStepper> one_by_one_;  ///< for lanes within reach, and direct control
 };
 
 }  // namespace

@@ -22,6 +22,19 @@ struct Steps {
     }
   }
 
+  static SKYBODY_INLINE std::uint32_t within_reach(const PackCall& call, std::uint32_t lanes) {
+    const SharedValues<Real> none(nullptr);  // the motion does not ask for parameters
+    std::uint32_t within = 0;
+    for (int first = 0; first < kGroupLanes; first += W) {
+      const std::uint32_t bits = (lanes >> first) & ((1u << W) - 1u);
+      if (bits == 0) continue;
+      PackMechanics<Real, SharedValues<Real>, IntegratorChoice::kSemiImplicitEuler> mechanics(
+          call, first, none, none);
+      within |= (bits_from_mask(mechanics.is_within_reach()) & bits) << first;
+    }
+    return within;
+  }
+
   template <IntegratorChoice kIntegrator>
   static SKYBODY_INLINE std::uint32_t advance(const PackCall& call, std::uint32_t lanes) {
     return for_packs<W>(
@@ -36,21 +49,26 @@ struct Steps {
 };
 
 // One set of functions per instruction set. A macro, because the target is an attribute.
-#define SKYBODY_PACK_KERNELS(NAME, TARGET, WIDTH)                                                 \
-  SKYBODY_KERNEL(TARGET)                                                                          \
-  void refresh_##NAME(const PackCall& call, std::uint32_t lanes) {                                \
-    Steps<WIDTH>::refresh(call, lanes);                                                           \
-  }                                                                                               \
-  SKYBODY_KERNEL(TARGET)                                                                          \
-  std::uint32_t euler_##NAME(const PackCall& call, std::uint32_t lanes) {                         \
-    return Steps<WIDTH>::advance<IntegratorChoice::kSemiImplicitEuler>(call, lanes);              \
-  }                                                                                               \
-  SKYBODY_KERNEL(TARGET)                                                                          \
-  std::uint32_t rk4_##NAME(const PackCall& call, std::uint32_t lanes) {                           \
-    return Steps<WIDTH>::advance<IntegratorChoice::kRk4>(call, lanes);                            \
-  }                                                                                               \
-  PackKernels choose_##NAME(IntegratorChoice integrator) {                                        \
-    return {&refresh_##NAME, integrator == IntegratorChoice::kRk4 ? &rk4_##NAME : &euler_##NAME}; \
+#define SKYBODY_PACK_KERNELS(NAME, TARGET, WIDTH)                                                \
+  SKYBODY_KERNEL(TARGET)                                                                         \
+  void refresh_##NAME(const PackCall& call, std::uint32_t lanes) {                               \
+    Steps<WIDTH>::refresh(call, lanes);                                                          \
+  }                                                                                              \
+  SKYBODY_KERNEL(TARGET)                                                                         \
+  std::uint32_t euler_##NAME(const PackCall& call, std::uint32_t lanes) {                        \
+    return Steps<WIDTH>::advance<IntegratorChoice::kSemiImplicitEuler>(call, lanes);             \
+  }                                                                                              \
+  SKYBODY_KERNEL(TARGET)                                                                         \
+  std::uint32_t rk4_##NAME(const PackCall& call, std::uint32_t lanes) {                          \
+    return Steps<WIDTH>::advance<IntegratorChoice::kRk4>(call, lanes);                           \
+  }                                                                                              \
+  SKYBODY_KERNEL(TARGET)                                                                         \
+  std::uint32_t reach_##NAME(const PackCall& call, std::uint32_t lanes) {                        \
+    return Steps<WIDTH>::within_reach(call, lanes);                                              \
+  }                                                                                              \
+  PackKernels choose_##NAME(IntegratorChoice integrator) {                                       \
+    return {&refresh_##NAME, integrator == IntegratorChoice::kRk4 ? &rk4_##NAME : &euler_##NAME, \
+            &reach_##NAME};                                                                      \
   }
 SKYBODY_PACK_KERNELS(v2, "arch=x86-64-v2", 2)
 SKYBODY_PACK_KERNELS(v3, "arch=x86-64-v3", 4)

@@ -22,11 +22,14 @@ struct PackArrays {
   BodyKinematics<Real>* motion;
   SpatialForce<Real>* forces;
   typename Forest::template Work<Real> forest;
+  SweptSphere<Real>* swept;
 
-  SKYBODY_INLINE PackArrays(const World& world, std::byte* memory) { lay_out(world, memory); }
-  static std::size_t bytes(const World& world) {
+  SKYBODY_INLINE PackArrays(const PackWorld& world, std::byte* memory) {
+    lay_out(world.world, world.reach, memory);
+  }
+  static std::size_t bytes(const World& world, const Reach& reach) {
     PackArrays sizes;
-    return sizes.lay_out(world, nullptr);
+    return sizes.lay_out(world, reach, nullptr);
   }
 
  private:
@@ -41,7 +44,7 @@ struct PackArrays {
   }
 
   /// @returns the bytes that it takes
-  SKYBODY_INLINE std::size_t lay_out(const World& world, std::byte* memory) {
+  SKYBODY_INLINE std::size_t lay_out(const World& world, const Reach& reach, std::byte* memory) {
     const auto nq = static_cast<std::size_t>(world.layout.q.size);
     const auto nu = static_cast<std::size_t>(world.layout.u.size);
     const std::size_t rotor_count = world.rotors.size(), body_count = world.bodies.size();
@@ -72,6 +75,7 @@ struct PackArrays {
       take(forest.body, memory, body_count, at);
       take(forest.acceleration, memory, body_count, at);
     }
+    take(swept, memory, reach.sphere_count(), at);
     return at;
   }
 };
@@ -92,7 +96,7 @@ class PackMechanics {
         first_(first),
         params_(params),
         derived_(derived),
-        a_(call.world->world, call.scratch) {}
+        a_(*call.world, call.scratch) {}
 
   /// Bodies and spins from q and u.
   SKYBODY_INLINE void refresh() {
@@ -126,6 +130,18 @@ class PackMechanics {
       store_step(through);
     }
     return through;
+  }
+
+  /// Lanes where something is within reach of something else.
+  SKYBODY_INLINE MaskOf<Real> is_within_reach() {
+    if (world_.free_robots) {  // whose kernel keeps nothing but coordinates
+      load(group_.q, world_.world.layout.q.size, a_.q);
+      load(group_.u, world_.world.layout.u.size, a_.u);
+      update_motion(a_.q, a_.u);
+    } else {
+      load_motion();
+    }
+    return world_.reach.is_within(a_.motion, a_.swept);
   }
 
   // --- what the integration rules ask for -------------------------------------------------------

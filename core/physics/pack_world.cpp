@@ -27,6 +27,7 @@ PackWorld::PackWorld(const World& w)
     : world(w),
       forest(w),
       forces(w),
+      reach(w),
       derived(w),
       kernels(choose_pack_kernels(w.scenario.stepping.integrator)) {
   for (const EnvParam& param : w.layout.param_info) nominal_params.push_back(param.nominal);
@@ -40,7 +41,7 @@ PackWorld::PackWorld(const World& w)
     value += kDriveSize;
   }
   const auto one_lane = static_cast<std::size_t>(physics_params + derived.size) * sizeof(double);
-  scratch_bytes = std::max(PackArrays<Pack<kGroupLanes>>::bytes(w), one_lane);
+  scratch_bytes = std::max(PackArrays<Pack<kGroupLanes>>::bytes(w, reach), one_lane);
   if (!FreeRobots::is_possible(w)) return;
   free_robots.emplace(w);
   kernels.advance = choose_free_kernel();

@@ -8,6 +8,7 @@
 
 #include "core/physics/force_model.h"
 #include "core/physics/free_robots.h"
+#include "core/physics/reach.h"
 #include "core/physics/step_rules.h"
 #include "core/physics/tree_accelerations.h"
 
@@ -51,6 +52,8 @@ struct PackKernels {
   /// Bodies and spins of these lanes from q and u.
   void (*refresh)(const PackCall& call, std::uint32_t lanes);
   PackAdvance* advance;
+  /// Those of the lanes where something is within reach of something else (Reach).
+  std::uint32_t (*within_reach)(const PackCall& call, std::uint32_t lanes);
 };
 
 /// Those of the best instruction set at hand (best_isa).
@@ -69,6 +72,7 @@ struct PackWorld {
   const World& world;
   Forest forest;
   ForceModel forces;
+  Reach reach;
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<PackDrive> drives;
   DerivedLayout derived;

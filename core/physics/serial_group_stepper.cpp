@@ -22,17 +22,20 @@ class SerialGroupStepper final : public GroupStepper {
   }
 
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch&) override {
-    std::uint32_t through = 0;
+    std::uint32_t through = 0, on_simbody = 0;
     each(lanes, [&](int l) {
       Lane& lane = lane_at(l);
       read_commands(group, l, lane.state);
-      if (!lane.stepper->advance(lane.state)) return;
+      const bool came_through = lane.stepper->advance(lane.state);
+      if (lane.stepper->was_on_simbody()) on_simbody |= 1u << l;
+      if (!came_through) return;
       through |= 1u << l;
       write(group, l, lane.state.q, group.q);
       write(group, l, lane.state.u, group.u);
       write(group, l, lane.state.rotor_speed, group.rotor_speed);
       write_bodies(group, l, lane.state);
     });
+    note_step(lanes, on_simbody);
     return through;
   }
 

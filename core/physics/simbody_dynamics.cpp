@@ -275,12 +275,12 @@ class SimbodySystem {
 /// in Simbody they belong to the topology.
 class SimbodyDynamics final : public Dynamics {
  public:
-  explicit SimbodyDynamics(const World& world) : world_(world), tree_(make_tree(world)) {
-    // What cannot be built is said here rather than in the first step.
-    std::vector<double> nominal;
-    for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
-    set_params(nominal.data());
+  SimbodyDynamics(const World& world, const double* params)
+      : world_(world), tree_(make_tree(world)) {
+    set_params(params);
   }
+
+  bool is_on_simbody() const override { return true; }
 
   void set_params(const double* params) override {
     if (world_.bodies.empty()) return;
@@ -339,7 +339,14 @@ class SimbodyDynamics final : public Dynamics {
 }  // namespace
 
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world) {
-  return std::make_unique<SimbodyDynamics>(world);
+  // What cannot be built is said here rather than in the first step.
+  std::vector<double> nominal;
+  for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
+  return make_simbody_dynamics(world, nominal.data());
+}
+
+std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params) {
+  return std::make_unique<SimbodyDynamics>(world, params);
 }
 
 }  // namespace skybody

@@ -9,6 +9,7 @@
 #include "core/model/marked_error.h"
 #include "core/physics/free_robots.h"
 #include "core/physics/free_stepper.h"
+#include "core/physics/hand_over_dynamics.h"
 #include "core/physics/integrator.h"
 #include "core/physics/tree_dynamics.h"
 
@@ -44,6 +45,8 @@ class MechanicsStepper final : public Stepper {
     update_bodies(state);
     return true;
   }
+
+  bool was_on_simbody() const override { return mechanics_.is_on_simbody(); }
 
   void accelerations(const LaneState& state, double* udot) override {
     copy(state.q, q_);
@@ -88,21 +91,29 @@ std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynami
   return std::make_unique<MechanicsStepper>(world, std::move(dynamics));
 }
 
-DynamicsChoice chosen_dynamics(const World& world) {
+DynamicsUse chosen_dynamics(const World& world) {
   const Stepping& stepping = world.scenario.stepping;
-  if (stepping.dynamics == DynamicsChoice::kSimbody) return DynamicsChoice::kSimbody;
+  if (stepping.dynamics == DynamicsChoice::kSimbody) return DynamicsUse::kSimbody;
   const std::string why_not = why_not_tree(world);
-  if (why_not.empty()) return DynamicsChoice::kTree;
-  if (stepping.dynamics == DynamicsChoice::kAuto) return DynamicsChoice::kSimbody;
+  if (why_not.empty()) return DynamicsUse::kTree;
+  if (stepping.dynamics == DynamicsChoice::kAuto) return DynamicsUse::kHandOver;
   throw MarkedError(stepping.dynamics_mark,
                     "`dynamics` is `tree`, but the world " + why_not +
-                        "; tree can do one robot without obstacles; use `auto` or `simbody`");
+                        ": bodies may touch, and contact other than with the ground is Simbody's; "
+                        "use `auto` (tree while nothing is within reach) or `simbody`");
+}
+
+void check_world(const World& world) {
+  make_stepper(world);
+  if (chosen_dynamics(world) == DynamicsUse::kHandOver) make_simbody_dynamics(world);
 }
 
 std::unique_ptr<Stepper> make_stepper(const World& world) {
-  if (chosen_dynamics(world) == DynamicsChoice::kSimbody) return make_simbody_stepper(world);
-  if (FreeRobots::is_possible(world)) return make_free_stepper(world);
-  return make_stepper(world, make_tree_dynamics(world));
+  const DynamicsUse use = chosen_dynamics(world);
+  if (use == DynamicsUse::kSimbody) return make_simbody_stepper(world);
+  if (FreeRobots::is_possible(world)) return make_free_stepper(world, use);
+  return make_stepper(world, use == DynamicsUse::kHandOver ? make_hand_over_dynamics(world)
+                                                           : make_tree_dynamics(world));
 }
 
 std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {

@@ -31,6 +31,9 @@ class Stepper {
   ///          up (a std::runtime_error); then the state is as it was before the call
   virtual bool advance(LaneState& state) = 0;
 
+  /// Whether the last advance, come through or not, went on Simbody.
+  virtual bool was_on_simbody() const = 0;
+
   /// Generalised accelerations at the present state and t = 0 of the step, one per u.
   /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
   virtual void accelerations(const LaneState& state, double* udot) = 0;
@@ -43,9 +46,21 @@ class Stepper {
 /// A stepper over any dynamics of this world with the scenario's integrator.
 std::unique_ptr<Stepper> make_stepper(const World& world, std::unique_ptr<Dynamics> dynamics);
 
-/// kTree or kSimbody: `auto` takes tree where that can do the world (why_not_tree), else Simbody.
+/// What steps a world.
+enum class DynamicsUse {
+  kTree,      ///< the tree dynamics, always
+  kSimbody,   ///< Simbody, always
+  kHandOver,  ///< tree where nothing is within reach, else Simbody (hand_over_dynamics.h)
+};
+
+/// `auto` takes tree where that can do the world (why_not_tree), else hands over.
 /// @throws MarkedError at `dynamics: tree` if tree cannot do the world (message says why)
-DynamicsChoice chosen_dynamics(const World& world);
+DynamicsUse chosen_dynamics(const World& world);
+
+/// Builds once whatever steppers of this world will ever build: on a hand-over they make Simbody's
+/// system in the midst of a flight.
+/// @throws as make_stepper
+void check_world(const World& world);
 
 /// A stepper over the dynamics and the integrator that the scenario asks for.
 /// @throws MarkedError as chosen_dynamics

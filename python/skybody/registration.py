@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 SCENARIOS = (
+    "collision",
     "formation",
     "formation_10",
     "formation_2",

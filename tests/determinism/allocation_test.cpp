@@ -18,7 +18,6 @@
 #include "core/assemble/load.h"
 #include "core/assemble/simulation.h"
 #include "core/batch/vec_env.h"
-#include "core/physics/tree_dynamics.h"
 
 namespace {
 
@@ -82,6 +81,7 @@ TEST_P(NoAllocation, OfOursHappensWhileStepping) {
   simulation.reset();
   hold.act(simulation, action);
   for (int i = 0; i < 10; ++i) simulation.step(action);  // caches fill
+  const std::uint64_t before = simulation.step_counts().simbody;
   ours_counted = all_counted = 0;
   for (int i = 0; i < 50; ++i) {
     hold.act(simulation, action);  // a baseline may allocate
@@ -90,8 +90,32 @@ TEST_P(NoAllocation, OfOursHappensWhileStepping) {
     counting = false;
   }
   EXPECT_EQ(ours_counted.load(), 0) << "of " << all_counted.load() << " in all";
-  const bool simbody = !why_not_tree(simulation.environment().world()).empty();
+  const bool simbody = simulation.step_counts().simbody > before;
   EXPECT_EQ(all_counted.load() > 0, simbody) << all_counted.load();
+}
+
+/// Simbody's system is made when something first is within reach; from then on nothing of ours.
+TEST(Allocation, OfOursHappensInTheFirstHandOverOnly) {
+  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/collision.yaml"});
+  simulation.keep_hash(false);
+  const HoldPolicy hold(simulation.environment());
+  std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+  const auto fly = [&](bool count) {  // through the collision
+    simulation.reset();
+    const std::uint64_t before = simulation.step_counts().simbody;
+    for (int i = 0; i < 150; ++i) {
+      hold.act(simulation, action);
+      counting = count;
+      simulation.step(action);
+      counting = false;
+    }
+    EXPECT_GT(simulation.step_counts().simbody, before);
+    EXPECT_LT(simulation.step_counts().simbody, before + 1000);
+  };
+  fly(false);
+  ours_counted = all_counted = 0;
+  fly(true);
+  EXPECT_EQ(ours_counted.load(), 0) << "of " << all_counted.load() << " in all";
 }
 
 TEST(Allocation, IsCounted) {
@@ -145,7 +169,8 @@ INSTANTIATE_TEST_SUITE_P(
                     VecEnvOptions{.batch = kEnvs, .threads = 2, .keep_hash = true}));
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
-                         testing::Values("hover.yaml", "payload.yaml", "formation.yaml"));
+                         testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
+                                         "collision.yaml"));
 
 }  // namespace
 }  // namespace skybody

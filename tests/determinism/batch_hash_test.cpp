@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/assemble/hold_policy.h"
 #include "core/assemble/load.h"
 #include "core/assemble/simulation.h"
 #include "core/base/random.h"
@@ -168,6 +169,43 @@ TEST_P(EveryShippedScenario, ANeighbourThatFaultsChangesNoOthersHash) {
 
 INSTANTIATE_TEST_SUITE_P(Shipped, EveryShippedScenario, testing::ValuesIn(shipped_scenarios()),
                          [](const auto& scenario) { return scenario.param; });
+
+/// Eight collisions, each with another vehicle: lanes go over to Simbody and back at different
+/// times. Saved and restored in the midst of them, in lanes and one by one.
+TEST(HandOver, HasOneHashInLanesAndAlone) {
+  constexpr int kLanes = 8, kSteps = 140, kMidst = 102;
+  const auto environment = load_environment({file_of("collision"), {}, {}});
+  Simulation simulation(environment, kSeed, 0);
+  simulation.reset();
+  std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+  HoldPolicy(*environment).act(simulation, action);  // both goals: the same in every step
+  std::vector<float> actions;
+  for (int e = 0; e < kLanes; ++e) actions.insert(actions.end(), action.begin(), action.end());
+  std::vector<std::uint64_t> hashes, saved;
+  for (const int threads : {1, 2}) {
+    VecEnv envs(environment, {.envs = kLanes, .threads = threads, .keep_hash = true});
+    EXPECT_EQ(envs.lanes(), threads == 1 ? kLanes : 1);
+    reset(envs);
+    for (int e = 0; e < kLanes; ++e) {
+      envs.set_param(e, "robots.left.links.base_link.mass", 1.54 + 0.02 * e);
+    }
+    for (int k = 0; k < kSteps; ++k) {
+      if (k == kMidst && !saved.empty()) {
+        EXPECT_EQ(envs.save(), saved);
+        envs.restore(saved);
+      }
+      if (k == kMidst) saved = envs.save();
+      envs.send(actions);
+      envs.recv();
+    }
+    const StepCounts counts = envs.step_counts();
+    EXPECT_GT(counts.simbody, kLanes * 100u);
+    EXPECT_GT(counts.tree, kLanes * 900u);
+    EXPECT_EQ(counts.tree + counts.simbody, 10u * kSteps * kLanes);
+    hashes.push_back(envs.hash());
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
 
 #ifdef SKYBODY_PROGRAM
 std::string output_of(const std::string& command) {

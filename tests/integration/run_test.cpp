@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -194,6 +195,22 @@ TEST(Run, DrawsAPicture) {
   EXPECT_EQ(read_text(folder.path() / "flight-0001.png").substr(0, 8), "\x89PNG\r\n\x1a\n");
   EXPECT_THAT(lines_of(outcome.out),
               Contains("picture  " + (folder.path() / "flight-0002.png").string()));
+}
+
+TEST(Run, LogsWhatSimbodyTook) {
+  const TemporaryFolder folder;
+  const std::string collision = SKYBODY_SOURCE_DIR "/scenarios/collision.yaml";
+  const Outcome outcome = run_skybody(
+      {"run", collision, "--steps", "150", "--out", folder.path().string(), "--no-picture"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const FlightFile log(folder.path() / "flight.h5");
+  const std::vector<double> dynamics = log.values("/episodes/0001/dynamics");
+  ASSERT_EQ(dynamics.size(), 151u);
+  EXPECT_EQ(dynamics.front(), 0.0) << "apart";
+  EXPECT_EQ(dynamics.back(), 0.0) << "apart again";
+  const auto taken = std::count(dynamics.begin(), dynamics.end(), 1.0);
+  EXPECT_GT(taken, 10);
+  EXPECT_LT(taken, 60);
 }
 
 TEST(Run, SucceedsWithoutAPictureWhereThereIsNoPython) {

@@ -282,7 +282,7 @@ LaneState step_once(const World& world, std::unique_ptr<Stepper> stepper) {
   return state;
 }
 
-TEST(Auto, TakesTreeWhereItCanAndElseSimbody) {
+TEST(Auto, TakesTreeWhereItCan) {
   const auto make_world = [](Scenario scenario) {
     auto world = std::make_unique<World>(std::move(scenario));
     finish_layout(*world);
@@ -294,10 +294,6 @@ TEST(Auto, TakesTreeWhereItCanAndElseSimbody) {
   const LaneState by_simbody = step_once(*one, make_simbody_stepper(*one));
   EXPECT_TRUE(same_bits(by_auto, by_tree));
   EXPECT_FALSE(same_bits(by_tree, by_simbody)) << "rounding tells them apart";
-
-  const auto two = make_world(two_robots());
-  EXPECT_TRUE(
-      same_bits(step_once(*two, make_stepper(*two)), step_once(*two, make_simbody_stepper(*two))));
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ struct TwoWays {
   std::uint32_t advance(std::uint32_t lanes, const std::string& where) {
     const std::uint32_t through = packs.advance(lanes);
     EXPECT_EQ(through, alone.advance(lanes)) << where;
+    EXPECT_EQ(packs.stepper->on_simbody(), alone.stepper->on_simbody()) << where;
     expect_same_bits(packs.q, alone.q, where + ": q");
     expect_same_bits(packs.u, alone.u, where + ": u");
     expect_same_bits(packs.rotor_speed, alone.rotor_speed, where + ": rotor speed");
@@ -216,6 +217,88 @@ TEST_P(Packs, HaveTheSameBitsWhetherALaneSharesItsConstantsOrNot) {
   ways.set(7, state);
   ways.refresh(1u << 7);
   for (int step = 0; step < 5; ++step) ways.advance(0xff, "shared again");
+}
+
+/// Two or three robots, now and then beside an obstacle.
+Scenario several(Random<double>& random, IntegratorChoice integrator) {
+  Scenario scenario = make_scenario(busy(random_tree(random), random), integrator);
+  scenario.robots.push_back(scenario.robots[0]);
+  scenario.robots.push_back(scenario.robots[0]);
+  scenario.robots[1].model = busy(make_vehicle(qdrone2()), random);
+  scenario.robots[1].name = "s";
+  scenario.robots[2].model = make_vehicle(crazyflie());
+  scenario.robots[2].name = "t";
+  if (random.uniform() < 0.5) scenario.robots.pop_back();
+  if (random.uniform() < 0.5) return scenario;
+  scenario.obstacles.push_back({"wall", make_box(0.5, 3.0, 3.0)});
+  scenario.obstacles[0].shape.pose.position = {4.0, 0.0, 0.0};
+  return scenario;
+}
+
+/// Free bases somewhere near x = 2 k, or in one lane of three crowded together.
+LaneState scattered_lane(Random<double>& random, const World& world, bool drawn, bool crowded) {
+  LaneState state = random_lane(random, world, drawn);
+  for (const WorldBody& body : world.bodies) {
+    if (body.model->joint.type != JointType::kFree) continue;
+    const double x = crowded ? 0.0 : 2.0 * body.robot;
+    store(Vec3<double>{x, 0.0, 0.5} + in_cube(random, 0.5), state.q.data() + body.q);
+  }
+  return state;
+}
+
+TEST_P(Packs, HandLanesOverToSimbodyEachForItself) {
+  int mixed = 0, changes = 0;
+  for (std::uint64_t k = 0; k < 8; ++k) {
+    Random<double> random{RandomKey{2026, 14}, k, 0, derive_stream("packs_test")};
+    World world(several(
+        random, k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler));
+    finish_layout(world);
+    TwoWays ways(world);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      ways.set(lane, scattered_lane(random, world, k % 2 == 0 && lane % 3 != 0, lane % 3 == 1));
+    }
+    ways.refresh(0xff);
+    std::uint32_t lanes = 0xff, before = 0;
+    for (int step = 0; step < 40; ++step) {
+      const std::uint32_t some = step % 5 == 4 ? lanes & 0x6b : lanes;  // now and then a part only
+      const std::uint32_t through =
+          ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
+      if (testing::Test::HasFatalFailure()) return;
+      const std::uint32_t on_simbody = ways.packs.stepper->on_simbody();
+      mixed += on_simbody != 0 && on_simbody != some;
+      changes += step > 0 && some == lanes && ((on_simbody ^ before) & some) != 0;
+      before = on_simbody;
+      lanes &= ~(some & ~through);
+    }
+  }
+  EXPECT_GT(mixed, 80) << "lanes of one group went both ways";
+  EXPECT_GT(changes, 5) << "and changed over";
+}
+
+TEST_P(Packs, LeaveTheOthersAloneWhereOneFailsOnSimbody) {
+  Random<double> random{RandomKey{2026, 15}, 0, 0, derive_stream("packs_test")};
+  Scenario scenario = make_scenario(make_vehicle(qdrone2()));
+  scenario.robots.push_back(scenario.robots[0]);
+  scenario.robots[1].name = "s";
+  World world(std::move(scenario));
+  finish_layout(world);
+  TwoWays ways(world);
+  for (int lane = 0; lane < kGroupLanes; ++lane) {
+    LaneState state = random_lane(random, world, false);
+    store(Vec3<double>{0.0, 0.0, 1.0}, state.q.data());
+    store(Vec3<double>{lane % 2 == 0 ? 0.3 : 3.0, 0.0, 1.0}, state.q.data() + 7);
+    if (lane == 2) state.u[0] = kInfinity;
+    if (lane == 4) {
+      state.params[static_cast<std::size_t>(world.layout.body_params[1]) + kMass] = -1.0;
+    }
+    ways.set(lane, state);
+  }
+  ways.refresh(0xff);
+  EXPECT_EQ(ways.advance(0xff, "two fail"), 0xffu & ~(1u << 2 | 1u << 4));
+  EXPECT_EQ(ways.packs.stepper->on_simbody(), 0x55u);
+  EXPECT_EQ(ways.packs.stepper->counts().simbody, 4u);
+  EXPECT_EQ(ways.packs.stepper->counts().tree, 4u);
+  ways.advance(0xeb, "and the others go on");
 }
 
 INSTANTIATE_TEST_SUITE_P(Isas, Packs, testing::Values(Isa::v2, Isa::v3, Isa::v4),
