@@ -28,20 +28,25 @@ inline bool has_standard_fp_environment() {
 /// Sets the floating-point mode for a scope on the caller's thread and restores the caller's.
 class FpEnvironment {
  public:
-  FpEnvironment() : mxcsr_(_mm_getcsr()) {
-    asm volatile("fnstcw %0" : "=m"(x87_));
-    set_fp_environment();
-  }
-  ~FpEnvironment() {
-    asm volatile("fldcw %0" : : "m"(x87_));
-    _mm_setcsr(mxcsr_);
-  }
+  FpEnvironment() : mxcsr_(_mm_getcsr()), x87_(x87_control()) { set(kStandardMxcsr, kStandardX87); }
+  ~FpEnvironment() { set(mxcsr_, x87_); }
   FpEnvironment(const FpEnvironment&) = delete;
   FpEnvironment& operator=(const FpEnvironment&) = delete;
 
  private:
+  static std::uint16_t x87_control() {
+    std::uint16_t x87 = 0;
+    asm volatile("fnstcw %0" : "=m"(x87));
+    return x87;
+  }
+  /// Writes only what differs: writing takes much longer than reading. The low six bits of MXCSR
+  /// are sticky flags.
+  static void set(std::uint32_t mxcsr, std::uint16_t x87) {
+    if (((_mm_getcsr() ^ mxcsr) & ~0x3fu) != 0) _mm_setcsr(mxcsr);
+    if (x87_control() != x87) asm volatile("fldcw %0" : : "m"(x87));
+  }
   std::uint32_t mxcsr_;
-  std::uint16_t x87_ = 0;
+  std::uint16_t x87_;
 };
 
 /// What fp_probe() returns where this file is compiled as it must be.

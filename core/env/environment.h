@@ -111,15 +111,14 @@ class Environment {
 
  private:
   struct Builder;
-  void act(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions, int stride) const;
+  void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;
   void read_actions(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions,
                     int stride) const;
-  void control(StateGroup&, GroupWork&, std::uint32_t mask) const;
-  void actuate(StateGroup&, std::uint32_t mask, const PluginInstance& last,
-               const ControllerChain& chain, const double* output) const;
-  std::uint32_t fly(StateGroup&, GroupWork&, std::uint32_t mask, std::int64_t steps) const;
-  void advance(StateGroup&, GroupWork&, std::uint32_t& mask) const;
-  void sense(StateGroup&, std::uint32_t mask, bool all) const;
+  void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
+  double* actuator(StateGroup&, const PluginInstance& last, const ControllerChain& chain) const;
+  std::uint32_t fly(StateGroup&, GroupWork&, SkybodyLanes lanes, std::int64_t steps) const;
+  std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void sense(StateGroup&, const SkybodyLanes&, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
   std::uint64_t ended(const StateGroup&, const GroupWork&, int lane) const;
   bool conclude_packed(StateGroup&, GroupWork&, bool is_reset, const Rows&) const;
@@ -128,7 +127,7 @@ class Environment {
                            const Rows&) const;
   void write_rows(const StateGroup&, const GroupWork&, int lane, double reward,
                   const Rows& rows) const;
-  void evaluate(StateGroup&, GroupWork&, std::uint32_t mask, bool wants_info) const;
+  void evaluate(StateGroup&, GroupWork&, const SkybodyLanes&, bool wants_info) const;
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
   void place_at_start(StateGroup&, int lane) const;
   void start(StateGroup&, std::uint32_t mask) const;

@@ -314,7 +314,9 @@ Environment::Environment(std::unique_ptr<World> world, PluginFactory& factory)
 Environment::~Environment() = default;
 
 StateGroup Environment::make_state(int lanes) const {
-  return {layout(), static_cast<int>(world_->bodies.size()), lanes, physics_->make_stepper(lanes)};
+  const int bodies =
+      physics_->bodies_are_coordinates() ? 0 : static_cast<int>(world_->bodies.size());
+  return {layout(), bodies, lanes, physics_->make_stepper(lanes)};
 }
 
 std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {

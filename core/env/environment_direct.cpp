@@ -11,7 +11,7 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
   check(group, work, mask);
   const FpEnvironment guard;
   update(group, work, mask);
-  const std::uint32_t through = fly(group, work, mask, physics_steps);
+  const std::uint32_t through = fly(group, work, view(group, mask), physics_steps);
   for (int lane = 0; lane < group.lanes(); ++lane) {
     if ((((mask & ~through) >> lane) & 1u) == 0) continue;
     group.bits(kStatus)[lane] = kTruncated | kFault | kBadState;
@@ -31,7 +31,7 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
     if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
   }
   update(group, work, mask);
-  evaluate(group, work, mask, rows.info != nullptr);
+  evaluate(group, work, view(group, mask), rows.info != nullptr);
   conclude(group, work, mask, false, rows);
 }
 

@@ -43,8 +43,9 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
   update(group, work, mask);
   reset_plugin(task_, group, mask);
   for (const PluginInstance& s : sensors_) reset_plugin(s, group, mask);
-  sense(group, mask, true);
-  evaluate(group, work, mask, rows.info != nullptr);
+  const SkybodyLanes lanes = view(group, mask);
+  sense(group, lanes, true);
+  evaluate(group, work, lanes, rows.info != nullptr);
   conclude(group, work, mask, true, rows);
 }
 

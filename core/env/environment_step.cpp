@@ -25,6 +25,24 @@ std::uint32_t all_lanes(const StateGroup& group) {
   return static_cast<std::uint32_t>((std::uint64_t{1} << group.lanes()) - 1);
 }
 
+/// Adds one to a word of the header in each lane of a mask.
+void count(StateGroup& group, HeaderWord word, std::uint32_t mask) {
+  std::uint64_t* words = group.bits(word);
+  if (group.lanes() == kGroupLanes) {
+    for (int l = 0; l < kGroupLanes; ++l) words[l] += (mask >> l) & 1u;
+    return;
+  }
+  each(mask, [&](int lane) { ++words[lane]; });
+}
+
+/// Copies values of the lanes that are served.
+void keep(const SkybodyLanes& view, int count, const double* from, double* to) {
+  const auto lanes = static_cast<int>(view.lanes);
+  for (int k = 0; k < count; ++k) {
+    each(view.active, [&](int lane) { to[k * lanes + lane] = from[k * lanes + lane]; });
+  }
+}
+
 /// Whether all lanes of a group that goes in packs take part.
 bool is_packed(const StateGroup& group, std::uint32_t mask) {
   return group.lanes() == kGroupLanes && mask == (1u << kGroupLanes) - 1u;
@@ -55,22 +73,23 @@ void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, c
   const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
   group.refresh(mask, work.physics);
-  act(group, work, mask, actions, action_stride);
-  fly(group, work, mask, scenario().stepping.action_repeat);
-  each(mask, [&](int lane) { ++group.bits(kStep)[lane]; });
-  evaluate(group, work, mask, rows.info != nullptr);
+  const SkybodyLanes lanes = view(group, mask);
+  act(group, work, lanes, actions, action_stride);
+  fly(group, work, lanes, scenario().stepping.action_repeat);
+  count(group, kStep, mask);
+  evaluate(group, work, lanes, rows.info != nullptr);
   conclude(group, work, mask, false, rows);
 }
 
 /// Physics steps; returns the lanes that came through.
-std::uint32_t Environment::fly(StateGroup& group, GroupWork& work, std::uint32_t mask,
+std::uint32_t Environment::fly(StateGroup& group, GroupWork& work, SkybodyLanes lanes,
                                std::int64_t steps) const {
-  for (std::int64_t k = 0; k < steps && mask != 0; ++k) {
-    control(group, work, mask);
-    advance(group, work, mask);
-    sense(group, mask, false);
+  for (std::int64_t k = 0; k < steps && lanes.active != 0; ++k) {
+    control(group, work, lanes);
+    lanes.active = advance(group, work, lanes.active);
+    sense(group, lanes, false);
   }
-  return mask;
+  return lanes.active;
 }
 
 void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
@@ -105,9 +124,10 @@ void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask)
 
 /// P_i: clip the action and turn it into the command, once. A row that is not finite keeps the last
 /// action instead and makes this transition a fault.
-void Environment::act(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
-                      int action_stride) const {
+void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
+                      const float* actions, int action_stride) const {
   const Layout& l = layout();
+  const std::uint32_t mask = view.active;
   double* action = group.reals(l.action);
   const bool packed = is_packed(group, mask);
   if (!packed || !row_kernels().read_clipped(actions, action_stride, l.action.size, action)) {
@@ -115,9 +135,8 @@ void Environment::act(StateGroup& group, GroupWork& work, std::uint32_t mask, co
   }
   double* command = group.reals(l.command);
   if (task_.kernels.process != nullptr) {
-    const SkybodyLanes v = view(group, mask);
-    task_.kernels.process(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
-                          action, command);
+    task_.kernels.process(task_.self.get(), &view, group.bits(task_.state),
+                          group.reals(task_.buffer), action, command);
     return;
   }
   const int lanes = group.lanes();
@@ -161,54 +180,48 @@ void Environment::read_actions(StateGroup& group, GroupWork& work, std::uint32_t
 }
 
 /// C_i: every robot's controllers in order, from the latest state.
-void Environment::control(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
   const int lanes = group.lanes();
-  const SkybodyLanes v = view(group, mask);
+  const bool is_full = view.active == all_lanes(group);
   for (const ControllerChain& chain : chains_) {
     const double* input = group.reals(layout().command) + chain.command * lanes;
     for (int i = 0; i < chain.count; ++i) {
       const PluginInstance& c = controllers_[static_cast<std::size_t>(chain.first + i)];
-      double* output = work.signal[i & 1].data();
-      c.kernels.control(c.self.get(), &v, group.bits(c.state), group.reals(c.buffer), input,
+      const bool is_last = i + 1 == chain.count;
+      double* target = is_last ? actuator(group, c, chain) : nullptr;
+      // All lanes at once go where they belong; else others' commands have to be spared.
+      double* output = is_last && is_full ? target : work.signal[i & 1].data();
+      c.kernels.control(c.self.get(), &view, group.bits(c.state), group.reals(c.buffer), input,
                         output);
       input = output;
-      if (i + 1 == chain.count) actuate(group, mask, c, chain, output);
+      if (is_last && !is_full) keep(view, c.output_count, output, target);
     }
   }
 }
 
-/// Hands the last controller's output to rotors, wrench sites or the base's drive.
-void Environment::actuate(StateGroup& group, std::uint32_t mask, const PluginInstance& last,
-                          const ControllerChain& chain, const double* output) const {
+/// Where the last controller's output goes: rotors, wrench sites or the base's drive.
+double* Environment::actuator(StateGroup& group, const PluginInstance& last,
+                              const ControllerChain& chain) const {
   const Layout& l = layout();
   const int lanes = group.lanes();
-  double* target = nullptr;
   if (last.output_signal == SKYBODY_ROTOR_SPEED) {
     const int first = l.robots[static_cast<std::size_t>(last.robot)].first_rotor;
-    target = group.reals(l.rotor_command) + first * lanes;
-  } else if (last.output_signal == SKYBODY_WRENCH) {
-    target = group.reals(l.wrench) + 6 * chain.site * lanes;
-  } else {
-    const int skip = last.output_signal == SKYBODY_VELOCITY ? 0 : 6;
-    target = group.reals(l.drive) + (13 * chain.drive + skip) * lanes;
+    return group.reals(l.rotor_command) + first * lanes;
   }
-  if (mask == all_lanes(group)) {
-    std::memcpy(target, output, static_cast<std::size_t>(last.output_count * lanes) * 8);
-    return;
-  }
-  for (int k = 0; k < last.output_count; ++k) {
-    each(mask, [&](int lane) { target[k * lanes + lane] = output[k * lanes + lane]; });
-  }
+  if (last.output_signal == SKYBODY_WRENCH) return group.reals(l.wrench) + 6 * chain.site * lanes;
+  const int skip = last.output_signal == SKYBODY_VELOCITY ? 0 : 6;
+  return group.reals(l.drive) + (13 * chain.drive + skip) * lanes;
 }
 
-/// x_{k-1} -> x_k with the command held. Lanes whose physics gives up leave `mask`, in their last
-/// finite state.
-void Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t& mask) const {
+/// x_{k-1} -> x_k with the command held; lanes whose physics gives up stay in their last finite
+/// state.
+/// @returns the lanes that came through
+std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
   remember_bodies(group, mask);
   const std::uint32_t through = group.stepper().advance(group.blocks(), mask, work.physics);
   work.bad_state |= mask & ~through;
-  mask = through;
-  each(mask, [&](int lane) { ++group.bits(kPhysicsStep)[lane]; });
+  count(group, kPhysicsStep, through);
+  return through;
 }
 
 /// For plugins that look at where bodies were before the last physics step.
@@ -225,31 +238,31 @@ void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
 
 /// Sensors that are due after this physics step, each lane by its own count; all of them at a
 /// reset.
-void Environment::sense(StateGroup& group, std::uint32_t mask, bool all) const {
-  if (sensors_.empty() || mask == 0) return;
+void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool all) const {
+  if (sensors_.empty() || lanes_now.active == 0) return;
   const int lanes = group.lanes();
   const std::uint64_t* count = group.bits(kPhysicsStep);
   for (const PluginInstance& s : sensors_) {
     std::uint32_t due = 0;
-    each(mask, [&](int lane) {
+    each(lanes_now.active, [&](int lane) {
       if (all || count[lane] % static_cast<std::uint64_t>(s.period) == 0) due |= 1u << lane;
     });
     if (due == 0) continue;
-    const SkybodyLanes v = view(group, due);
+    SkybodyLanes v = lanes_now;
+    v.active = due;
     s.kernels.sense(s.self.get(), &v, group.bits(s.state), group.reals(s.buffer),
                     group.reals(layout().sensors) + s.output * lanes);
   }
 }
 
 /// Psi_i: what the task says about the final state.
-void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
+void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
                            bool wants_info) const {
   work.clear_outcome(wants_info);
-  const SkybodyLanes v = view(group, mask);
   const SkybodyEvaluation out{work.observation.data(),  work.reward.data(), work.end.data(),
                               work.robot_reward.data(), work.info.data(),   wants_info ? 1u : 0u};
-  task_.kernels.evaluate(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
-                         &out);
+  task_.kernels.evaluate(task_.self.get(), &view, group.bits(task_.state),
+                         group.reals(task_.buffer), &out);
 }
 
 /// Horizon and faults, then the rows. A fault gives the last finite observation and reward 0.

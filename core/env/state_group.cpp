@@ -1,5 +1,6 @@
 #include "core/env/state_group.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/base/error.h"
@@ -12,6 +13,15 @@ StateGroup::StateGroup(const Layout& layout, int bodies, int lanes,
       lanes_(lanes),
       words_(static_cast<std::size_t>(layout.words) * static_cast<std::size_t>(lanes)),
       bodies_(13 * static_cast<std::size_t>(bodies) * static_cast<std::size_t>(lanes)),
+      blocks_{lanes,
+              reals(layout.q),
+              reals(layout.u),
+              reals(layout.rotor_speed),
+              reals(layout.rotor_command),
+              reals(layout.wrench),
+              reals(layout.drive),
+              reals(layout.params),
+              bodies > 0 ? bodies_.data() : reals(layout.q)},
       stepper_(std::move(stepper)) {}
 
 void StateGroup::gather(int lane, Block block, double* out) const {
@@ -47,24 +57,13 @@ void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
   changed(1u << lane);
 }
 
-GroupBlocks StateGroup::blocks() {
-  const Layout& l = *layout_;
-  return {lanes_,
-          reals(l.q),
-          reals(l.u),
-          reals(l.rotor_speed),
-          reals(l.rotor_command),
-          reals(l.wrench),
-          reals(l.drive),
-          reals(l.params),
-          bodies_.data()};
-}
-
 std::vector<BodyState> StateGroup::body_states(int lane) const {
-  std::vector<BodyState> out(bodies_.size() / 13 / static_cast<std::size_t>(lanes_));
+  const std::size_t count = bodies_.size() / 13 / static_cast<std::size_t>(lanes_);
+  std::vector<BodyState> out(std::max<std::size_t>(count, 1));
   auto* values = reinterpret_cast<double*>(out.data());
   for (std::size_t k = 0; k < 13 * out.size(); ++k) {
-    values[k] = bodies_[k * static_cast<std::size_t>(lanes_) + static_cast<std::size_t>(lane)];
+    values[k] =
+        blocks_.bodies[k * static_cast<std::size_t>(lanes_) + static_cast<std::size_t>(lane)];
   }
   return out;
 }

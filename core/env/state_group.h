@@ -16,7 +16,7 @@ namespace skybody {
 /// touch it when is the caller's business (one worker at a time).
 class StateGroup {
  public:
-  /// @param bodies   of the world
+  /// @param bodies   of the world; 0: they are q and u (GroupPhysics::bodies_are_coordinates)
   /// @param lanes    L >= 1; all words start as zero
   /// @param stepper  the physics of this group
   StateGroup(const Layout& layout, int bodies, int lanes, std::unique_ptr<GroupStepper> stepper);
@@ -56,9 +56,9 @@ class StateGroup {
   }
   GroupStepper& stepper() { return *stepper_; }
   const GroupStepper& stepper() const { return *stepper_; }
-  GroupBlocks blocks();
+  const GroupBlocks& blocks() const { return blocks_; }
   /// 13 per body (BodyState), stride L.
-  double* bodies() { return bodies_.data(); }
+  double* bodies() { return blocks_.bodies; }
   /// Motion of all bodies of one lane.
   std::vector<BodyState> body_states(int lane) const;
 
@@ -73,6 +73,7 @@ class StateGroup {
   int lanes_;
   AlignedArray<std::uint64_t> words_;
   AlignedArray<double> bodies_;
+  GroupBlocks blocks_;
   std::unique_ptr<GroupStepper> stepper_;
   std::uint32_t current_ = 0;  ///< lanes whose bodies, and what the stepper has derived, are right
 };

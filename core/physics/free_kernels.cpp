@@ -17,6 +17,7 @@ class FreePack {
                           const Values& derived)
       : robots_(*call.world->free_robots),
         group_(*call.group),
+        bodies_are_coordinates_(call.group->bodies == call.group->q),
         first_(first),
         in_{LaneValues<Real>(group_.rotor_speed + first),
             LaneValues<Real>(group_.rotor_command + first),
@@ -31,6 +32,8 @@ class FreePack {
   SKYBODY_INLINE MaskOf<Real> advance(const MaskOf<Real>& mask) {
     MaskOf<Real> through = mask;
     for (std::size_t r = 0; r < robots_.robots.size(); ++r) {
+      // Constants are read where they are used: kept over the robots they would be spilt.
+      asm volatile("" ::: "memory");
       const FreeRobot& robot = robots_.robots[r];
       FreeMotion<Real> motion = load(robot);
       const Step step(robots_, robot, in_);
@@ -71,7 +74,9 @@ class FreePack {
                                m.spin.x,     m.spin.y,     m.spin.z};
       for (int k = 0; k < 7; ++k) put(at(group_.q, robot.q + k), values[k], mask);
       for (int k = 0; k < 6; ++k) put(at(group_.u, robot.u + k), values[7 + k], mask);
-      for (int k = 0; k < 13; ++k) put(at(group_.bodies, 13 * robot.body + k), values[k], mask);
+      for (int k = 0; k < 13 && !bodies_are_coordinates_; ++k) {
+        put(at(group_.bodies, 13 * robot.body + k), values[k], mask);
+      }
       for (int i = robot.rotors.first; i < robot.rotors.first + robot.rotors.count; ++i) {
         put(at(group_.rotor_speed, i), end_speeds_[i], mask);
       }
@@ -80,6 +85,7 @@ class FreePack {
 
   const FreeRobots& robots_;
   const GroupBlocks& group_;
+  bool bodies_are_coordinates_;
   int first_;
   typename Step::Inputs in_;
   FreeMotion<Real>* motions_;  ///< at the step's end

@@ -5,6 +5,7 @@
 
 #include "core/physics/body_constants.h"
 #include "core/physics/free_robots.h"
+#include "core/physics/lane_values.h"
 #include "core/physics/step_rules.h"
 #include "core/physics/stepper.h"
 
@@ -14,7 +15,7 @@ namespace skybody {
 template <class Real>
 struct FreeMotion {
   Vec3<Real> position;
-  Quat<Real> rotation;
+  Quat<Real> rotation;  ///< W from B, unit
   Vec3<Real> velocity;  ///< of the origin, W axes
   Vec3<Real> spin;      ///< body axes
 };
@@ -52,6 +53,9 @@ class FreeRobotStep {
   }
 
  private:
+  /// Parameters are the nominal ones: what FreeRobot knows of them holds.
+  static constexpr bool kIsNominal = std::is_same_v<Params, SharedValues<Real>>;
+
   /// Of the body's origin (W) and of the body (its axes).
   struct Accelerations {
     Vec3<Real> linear, angular;
@@ -62,7 +66,7 @@ class FreeRobotStep {
   static SKYBODY_INLINE BodyKinematics<Real> kinematics(const FreeMotion<Real>& m) {
     BodyKinematics<Real> body;
     body.position = m.position;
-    body.rotation = as_rotation(m.rotation);
+    body.rotation = m.rotation;
     body.axes = to_mat3(body.rotation);
     body.velocity = m.velocity;
     body.spin = m.spin;
@@ -107,6 +111,7 @@ class FreeRobotStep {
   SKYBODY_INLINE Vec3<Real> turn(int matrix, const Vec3<Real>& v) const {
     const SymMat3<Real> m = load_sym_mat3(constants_ + matrix);
     const Vec3<Real> diagonal{m.xx * v.x, m.yy * v.y, m.zz * v.z};
+    if (kIsNominal && !robot_.has_products) return diagonal;
     const auto has_products = is_not_zero(Vec3<Real>{m.xy, m.xz, m.yz});
     if (none(has_products)) return diagonal;
     return select(has_products, m * v, diagonal);
@@ -118,14 +123,7 @@ class FreeRobotStep {
   SKYBODY_INLINE void add_outer_forces(BodyKinematics<Real>& body, const Vec3<Real>& com,
                                        const Real& inverse_mass, Vec3<Real>& linear,
                                        Vec3<Real>& moment) const {
-    const Params disturbance = in_.params + robot_.disturbance;
-    const Vec3<Real> force = load_vec3(disturbance + kDisturbanceForce);
-    const Vec3<Real> torque = load_vec3(disturbance + kDisturbanceMoment);
-    const auto disturbed = logical_or(is_not_zero(force), is_not_zero(torque));
-    if (any(disturbed)) {  // paper eq. 1: F_W at the centre of mass, M_B in body axes
-      linear = select(disturbed, linear + force * inverse_mass, linear);
-      moment = select(disturbed, moment + torque, moment);
-    }
+    if (!kIsNominal || robot_.is_disturbed) add_disturbance(inverse_mass, linear, moment);
     for (const int site : robot_.sites) add_wrench(site, body, com, inverse_mass, linear, moment);
     if (robot_.contact.count == 0) return;
     const auto near_ground = body.position.z < robot_.contact.reach;
@@ -137,6 +135,18 @@ class FreeRobotStep {
                                cross(com, transpose_times(body.axes, ground.force));
     linear = select(near_ground, linear + ground.force * inverse_mass, linear);
     moment = select(near_ground, moment + turning, moment);
+  }
+
+  /// Paper eq. 1: F_W at the centre of mass, M_B in body axes.
+  SKYBODY_INLINE void add_disturbance(const Real& inverse_mass, Vec3<Real>& linear,
+                                      Vec3<Real>& moment) const {
+    const Params disturbance = in_.params + robot_.disturbance;
+    const Vec3<Real> force = load_vec3(disturbance + kDisturbanceForce);
+    const Vec3<Real> torque = load_vec3(disturbance + kDisturbanceMoment);
+    const auto disturbed = logical_or(is_not_zero(force), is_not_zero(torque));
+    if (none(disturbed)) return;
+    linear = select(disturbed, linear + force * inverse_mass, linear);
+    moment = select(disturbed, moment + torque, moment);
   }
 
   SKYBODY_INLINE void add_wrench(int index, const BodyKinematics<Real>& body, const Vec3<Real>& com,
@@ -170,8 +180,7 @@ class FreeRobotStep {
          q.y + half * ((q.w * w.y + q.z * w.x) - q.x * w.z),
          q.z + half * ((q.w * w.z + q.x * w.y) - q.y * w.x)};
     const Real squared = squared_norm(q);
-    const Real scale = 1.0 / sqrt(squared);
-    q = {q.w * scale, q.x * scale, q.y * scale, q.z * scale};
+    q = renormalized(q, squared);
     return squared;
   }
 

@@ -30,6 +30,12 @@ FreeRobots::FreeRobots(const World& w) : world(w), rotors(make_rotor_places(w)) 
     for (std::size_t s = 0; s < w.sites.size(); ++s) {
       if (w.sites[s].body == robot.body) robot.sites.push_back(static_cast<int>(s));
     }
+    const MassProperties& mass = w.bodies[static_cast<std::size_t>(robot.body)].model->mass;
+    robot.has_products = mass.inertia.xy != 0.0 || mass.inertia.xz != 0.0 || mass.inertia.yz != 0.0;
+    for (int k = 0; k < kDisturbanceParamCount; ++k) {
+      const auto param = static_cast<std::size_t>(robot.disturbance + k);
+      robot.is_disturbed |= w.layout.param_info[param].nominal != 0.0;
+    }
     robots.push_back(robot);
   }
   for (const RotorGroup& group : make_rotor_groups(w)) {

@@ -13,10 +13,12 @@ namespace skybody {
 /// One robot. Places are within the blocks of WorldState.
 struct FreeRobot {
   int body = 0, q = 0, u = 0;
-  RotorGroup rotors;       ///< all of them; none where `count` is 0
-  int disturbance = 0;     ///< first of its kDisturbanceParamCount parameters
-  std::vector<int> sites;  ///< within World::sites
-  ContactGroup contact;    ///< none where `count` is 0
+  RotorGroup rotors;          ///< all of them; none where `count` is 0
+  int disturbance = 0;        ///< first of its kDisturbanceParamCount parameters
+  std::vector<int> sites;     ///< within World::sites
+  bool is_disturbed = false;  ///< by the nominal parameters
+  bool has_products = false;  ///< of inertia, or of its inverse: likewise
+  ContactGroup contact;       ///< none where `count` is 0
 };
 
 /// All robots of a world. Immutable; refers to the world, which must outlive it.

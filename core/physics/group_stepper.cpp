@@ -1,12 +1,24 @@
 #include "core/physics/group_stepper.h"
 
+#include "core/physics/free_robots.h"
 #include "core/physics/lane_values.h"
 #include "core/physics/pack_world.h"
 #include "core/physics/stepper.h"
 
 namespace skybody {
 
-GroupPhysics::GroupPhysics(const World& world) : world_(world) {
+namespace {
+
+bool is_one_free_body(const World& world) {
+  const Layout& layout = world.layout;
+  return world.bodies.size() == 1 && FreeRobots::is_possible(world) &&
+         layout.u.offset == layout.q.offset + layout.q.size;
+}
+
+}  // namespace
+
+GroupPhysics::GroupPhysics(const World& world)
+    : world_(world), bodies_are_coordinates_(is_one_free_body(world)) {
   if (chosen_dynamics(world) != DynamicsUse::kSimbody) {
     packs_ = std::make_unique<const PackWorld>(world);
   }

@@ -22,7 +22,9 @@ struct GroupBlocks {
   const double* wrench = nullptr;
   const double* drive = nullptr;
   const double* params = nullptr;
-  double* bodies = nullptr;  ///< 13 per body (BodyState): follows from q and u
+  /// 13 per body (BodyState): follows from q and u. Of one free body it is q and u themselves: then
+  /// it may be the same memory.
+  double* bodies = nullptr;
 };
 
 /// Work space of one thread that steps groups of a world. Holds nothing between two calls.
@@ -42,8 +44,9 @@ class GroupStepper {
  public:
   virtual ~GroupStepper() = default;
 
-  /// Makes `bodies`, and all else that follows from the values, current for these lanes after the
-  /// values were changed from outside. Every lane is refreshed before it is first stepped.
+  /// Brings quaternions to norm 1 and makes `bodies`, and all else that follows from the values,
+  /// current for these lanes after the values were changed from outside. Every lane is refreshed
+  /// before it is first stepped.
   virtual void refresh(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch) = 0;
 
   /// Advances q, u, rotor speeds and bodies of these lanes by exactly dt, commands, wrenches and
@@ -93,6 +96,9 @@ class GroupPhysics {
   /// Lanes in which the world is best stepped: kGroupLanes where that goes in packs, else 1.
   int preferred_lanes() const;
 
+  /// Whether `bodies` is q, then u, value by value (one robot, a free body).
+  bool bodies_are_coordinates() const { return bodies_are_coordinates_; }
+
   /// Work space for any group of the world.
   PhysicsScratch make_scratch() const;
 
@@ -102,6 +108,7 @@ class GroupPhysics {
 
  private:
   const World& world_;
+  bool bodies_are_coordinates_;
   std::unique_ptr<const PackWorld> packs_;  ///< null: lane after lane only
 };
 

@@ -102,7 +102,9 @@ class PackMechanics {
   SKYBODY_INLINE void refresh() {
     load(group_.q, world_.world.layout.q.size, a_.q);
     load(group_.u, world_.world.layout.u.size, a_.u);
+    for (const TreeBody& body : world_.forest.bodies()) make_unit(body.type, a_.q + body.q);
     update_motion(a_.q, a_.u);
+    keep(group_.q, world_.world.layout.q.size, a_.q, true);
     store_motion(true);
   }
 

@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "core/physics/group_stepper.h"
+#include "core/physics/kinematics.h"
 #include "core/physics/stepper.h"
 
 namespace skybody {
@@ -10,13 +11,15 @@ namespace {
 class SerialGroupStepper final : public GroupStepper {
  public:
   SerialGroupStepper(const World& world, int lanes)
-      : world_(world), lanes_(static_cast<std::size_t>(lanes)) {}
+      : world_(world), tree_(make_tree(world)), lanes_(static_cast<std::size_t>(lanes)) {}
 
   void refresh(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch&) override {
     each(lanes, [&](int l) {
       Lane& lane = lane_at(l);
       read(group, l, lane.state);
+      for (const TreeBody& body : tree_) make_unit(body.type, lane.state.q.data() + body.q);
       lane.stepper->update_bodies(lane.state);
+      write(group, l, lane.state.q, group.q);
       write_bodies(group, l, lane.state);
     });
   }
@@ -122,6 +125,7 @@ class SerialGroupStepper final : public GroupStepper {
   }
 
   const World& world_;
+  std::vector<TreeBody> tree_;
   std::vector<Lane> lanes_;
 };
 
