@@ -13,7 +13,7 @@
 namespace skybody::bench::limit {
 namespace {
 
-constexpr int kGroup = 8;  // environments that are compared
+constexpr int kGroup = 8;  // environments that are compared: one of the engine's groups
 
 /// Actions in [middle - spread, middle + spread], a fixed sequence.
 class Actions {

@@ -9,30 +9,36 @@
 namespace skybody::bench::limit {
 namespace {
 
-template <int W>
+template <class Real>
 SKYBODY_INLINE void run_blocks(const LoopCall& call, int repeats) {
-  auto* blocks = static_cast<HoverBlock<W>*>(call.blocks);
+  auto* blocks = static_cast<HoverBlock<HoverStep<Real>::W>*>(call.blocks);
   for (int b = call.first; b < call.last; ++b) {
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(b) * W;
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(b) * HoverStep<Real>::W;
     const Rows rows{call.rows.action + at * kHoverActions,
                     call.rows.observation + at * kHoverObservation, call.rows.reward + at,
                     call.rows.ended + at};
-    HoverStep<W>(blocks[b]).run(static_cast<std::uint64_t>(at), rows, repeats);
+    HoverStep<Real>(blocks[b]).run(static_cast<std::uint64_t>(at), rows, repeats);
   }
 }
 
 // Not one for both: a loop of one physics step is none.
-template <int W>
+template <class Real>
 void run_once(const LoopCall& call) {
-  run_blocks<W>(call, 1);
+  run_blocks<Real>(call, 1);
 }
-template <int W>
+template <class Real>
 void run_often(const LoopCall& call) {
-  run_blocks<W>(call, call.repeats);
+  run_blocks<Real>(call, call.repeats);
 }
-template <int W>
+template <class Real>
 void run(const LoopCall& call) {
-  (call.repeats == 1 ? run_once<W> : run_often<W>)(call);
+  (call.repeats == 1 ? run_once<Real> : run_often<Real>)(call);
+}
+
+template <class Real>
+LoopKind kind(const char* name) {
+  constexpr int W = HoverStep<Real>::W;
+  return {name, W, sizeof(HoverBlock<W>), kHoverObservation, &run<Real>};
 }
 
 }  // namespace
@@ -40,12 +46,16 @@ void run(const LoopCall& call) {
 #define SKYBODY_LIMIT_JOIN(a, b) a##b
 #define SKYBODY_LIMIT_NAME(isa) SKYBODY_LIMIT_JOIN(hover_loops_, isa)
 
-InstructionSetLoops SKYBODY_LIMIT_NAME(SKYBODY_LIMIT_ISA)() {
-  InstructionSetLoops loops;
-  loops.single = {"", 1, sizeof(HoverBlock<1>), kHoverObservation, &run<1>};
-  loops.four = {"", 4, sizeof(HoverBlock<4>), kHoverObservation, &run<4>};
+std::vector<LoopKind> SKYBODY_LIMIT_NAME(SKYBODY_LIMIT_ISA)() {
+  std::vector<LoopKind> loops;
 #ifdef __AVX512F__
-  loops.eight = {"", 8, sizeof(HoverBlock<8>), kHoverObservation, &run<8>};
+  loops = {kind<double>("one by one, v4"), kind<Pack<8>>("8 lanes, v4"),
+           kind<Twin<Pack<8>>>("2 x 8 lanes, v4")};
+#elif defined(__AVX2__)
+  loops = {kind<double>("one by one, v3"), kind<Pack<4>>("4 lanes, v3"),
+           kind<Twin<Pack<4>>>("2 x 4 lanes, v3")};
+#else
+  loops = {kind<double>("one by one, v2")};
 #endif
   return loops;
 }

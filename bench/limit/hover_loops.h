@@ -7,13 +7,10 @@
 
 namespace skybody::bench::limit {
 
-/// Those of one instruction set; `run` is null for a width that it does not have. No names yet.
-struct InstructionSetLoops {
-  LoopKind single, four, eight;
-};
-InstructionSetLoops hover_loops_v2();
-InstructionSetLoops hover_loops_v3();
-InstructionSetLoops hover_loops_v4();
+/// Those of one instruction set, one by one first.
+std::vector<LoopKind> hover_loops_v2();
+std::vector<LoopKind> hover_loops_v3();
+std::vector<LoopKind> hover_loops_v4();
 
 /// Every loop that this machine can run: one by one first.
 std::vector<LoopKind> hover_loops();

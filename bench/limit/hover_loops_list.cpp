@@ -2,26 +2,14 @@
 #include "core/base/isa.h"
 
 namespace skybody::bench::limit {
-namespace {
-
-LoopKind named(LoopKind loop, const char* name) {
-  loop.name = name;
-  return loop;
-}
-
-}  // namespace
 
 std::vector<LoopKind> hover_loops() {
-  std::vector<LoopKind> out{named(hover_loops_v2().single, "one by one, v2")};
-  if (machine_has(Isa::v3)) {
-    out.push_back(named(hover_loops_v3().single, "one by one, v3"));
-    out.push_back(named(hover_loops_v3().four, "4 lanes, v3"));
-  }
-  if (machine_has(Isa::v4)) {
-    out.push_back(named(hover_loops_v4().single, "one by one, v4"));
-    out.push_back(named(hover_loops_v4().four, "4 lanes, v4"));
-    out.push_back(named(hover_loops_v4().eight, "8 lanes, v4"));
-  }
+  std::vector<LoopKind> out = hover_loops_v2();
+  const auto add = [&](const std::vector<LoopKind>& more) {
+    out.insert(out.end(), more.begin(), more.end());
+  };
+  if (machine_has(Isa::v3)) add(hover_loops_v3());
+  if (machine_has(Isa::v4)) add(hover_loops_v4());
   return out;
 }
 

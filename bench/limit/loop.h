@@ -27,7 +27,7 @@ using Loop = void (*)(const LoopCall& call);
 template <int W, int V>
 struct alignas(64) Block {
   double value[V][W];
-  float action[4][W];        ///< of the step before
+  float action[W][4];        ///< of the step before
   std::uint64_t episode[W];  ///< that begins next
 };
 

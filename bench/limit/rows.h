@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "core/base/pack.h"
+#include "bench/limit/twin.h"
 
 namespace skybody::bench::limit {
 
@@ -58,25 +58,20 @@ SKYBODY_INLINE Floats<4> upper(const Floats<8>& v) {
   return __builtin_shufflevector(v, v, 4, 5, 6, 7);
 }
 
-/// Writes four columns to the rows of the lanes, `stride` floats apart.
-SKYBODY_INLINE void write_columns(Floats<4> (&v)[4], float* rows, int stride) {
-  transpose4(v);
-  for (int i = 0; i < 4; ++i) store(rows + i * stride, v[i]);
-}
-SKYBODY_INLINE void write_columns(Floats<8> (&v)[4], float* rows, int stride) {
-  transpose4(v);
-  for (int i = 0; i < 4; ++i) {
-    store(rows + i * stride, lower(v[i]));
-    store(rows + (i + 4) * stride, upper(v[i]));
-  }
-}
-
 /// Four columns from rows of four floats each.
-SKYBODY_INLINE void read_columns(const float* rows, Floats<4> (&v)[4]) {
+SKYBODY_INLINE void read_columns(const float* rows, double (&column)[4]) {
+  for (int i = 0; i < 4; ++i) column[i] = rows[i];
+}
+SKYBODY_INLINE void read_columns(const float* rows, Pack<4> (&column)[4]) {
+  Floats<4> v[4];
   std::memcpy(v, rows, sizeof(v));
   transpose4(v);
+  for (int i = 0; i < 4; ++i) {
+    column[i] = Pack<4>(__builtin_convertvector(v[i], lanes::Reals4));
+  }
 }
-SKYBODY_INLINE void read_columns(const float* rows, Floats<8> (&v)[4]) {
+SKYBODY_INLINE void read_columns(const float* rows, Pack<8> (&column)[4]) {
+  Floats<8> v[4];
   for (int i = 0; i < 4; ++i) {
     Floats<4> low, high;
     std::memcpy(&low, rows + 4 * i, sizeof(low));
@@ -84,11 +79,74 @@ SKYBODY_INLINE void read_columns(const float* rows, Floats<8> (&v)[4]) {
     v[i] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
   }
   transpose4(v);
+  for (int i = 0; i < 4; ++i) {
+    column[i] = Pack<8>(__builtin_convertvector(v[i], lanes::Reals8));
+  }
+}
+template <class R>
+SKYBODY_INLINE void read_columns(const float* rows, Twin<R> (&column)[4]) {
+  R a[4], b[4];
+  read_columns(rows, a);
+  read_columns(rows + 4 * Lanes<R>::kCount, b);
+  for (int i = 0; i < 4; ++i) column[i] = {a[i], b[i]};
 }
 
+namespace detail {
+
+/// Four values from `first` on (what lies beyond the last is anything) into rows.
+template <int N>
+SKYBODY_INLINE void write_four(const Pack<4> (&values)[N], int first, float* rows, int stride) {
+  Floats<4> v[4];
+  for (int i = 0; i < 4; ++i) to_floats(values[first + i < N ? first + i : N - 1], v[i]);
+  transpose4(v);
+  for (int i = 0; i < 4; ++i) store(rows + i * stride + first, v[i]);
+}
+template <int N>
+SKYBODY_INLINE void write_four(const Pack<8> (&values)[N], int first, float* rows, int stride) {
+  Floats<8> v[4];
+  for (int i = 0; i < 4; ++i) to_floats(values[first + i < N ? first + i : N - 1], v[i]);
+  transpose4(v);
+  for (int i = 0; i < 4; ++i) {
+    store(rows + i * stride + first, lower(v[i]));
+    store(rows + (i + 4) * stride + first, upper(v[i]));
+  }
+}
+
+}  // namespace detail
+
+/// Writes N columns to the lanes' rows, `stride` floats apart. Up to three floats after the N are
+/// written as well: write what belongs there afterwards.
+template <int N>
+SKYBODY_INLINE void write_values(const double (&values)[N], float* row, int) {
+  for (int k = 0; k < N; ++k) row[k] = static_cast<float>(values[k]);
+}
+template <int W, int N>
+SKYBODY_INLINE void write_values(const Pack<W> (&values)[N], float* rows, int stride) {
+  for (int k = 0; k < N; k += 4) detail::write_four(values, k, rows, stride);
+}
+template <class R, int N>
+SKYBODY_INLINE void write_values(const Twin<R> (&values)[N], float* rows, int stride) {
+  R a[N], b[N];
+  for (int k = 0; k < N; ++k) {
+    a[k] = values[k].a;
+    b[k] = values[k].b;
+  }
+  write_values(a, rows, stride);
+  write_values(b, rows + Lanes<R>::kCount * stride, stride);
+}
+
+/// One float per lane, side by side.
+SKYBODY_INLINE void write_floats(double x, float* to) { *to = static_cast<float>(x); }
 template <int W>
-SKYBODY_INLINE Pack<W> to_pack(const Floats<W>& v) {
-  return Pack<W>(__builtin_convertvector(v, typename lanes::Native<W>::Reals));
+SKYBODY_INLINE void write_floats(const Pack<W>& x, float* to) {
+  Floats<W> v;
+  to_floats(x, v);
+  std::memcpy(to, &v, sizeof(v));
+}
+template <class R>
+SKYBODY_INLINE void write_floats(const Twin<R>& x, float* to) {
+  write_floats(x.a, to);
+  write_floats(x.b, to + Lanes<R>::kCount);
 }
 
 }  // namespace skybody::bench::limit
