@@ -20,6 +20,49 @@ struct Flyer {
   Real rotor[4];        ///< [rad/s]
 };
 
+/// Where the values of a Flyer lie in memory, in the order of its members.
+enum FlyerValue {
+  kPosition = 0,
+  kRotation = 3,
+  kVelocity = 7,
+  kSpin = 10,
+  kRotor = 13,
+  kFlyerValues = 17
+};
+template <class Real>
+SKYBODY_INLINE Real& flyer_value(Flyer<Real>& s, int k) {
+  switch (k) {
+    case 0:
+      return s.position.x;
+    case 1:
+      return s.position.y;
+    case 2:
+      return s.position.z;
+    case 3:
+      return s.rotation.w;
+    case 4:
+      return s.rotation.x;
+    case 5:
+      return s.rotation.y;
+    case 6:
+      return s.rotation.z;
+    case 7:
+      return s.velocity.x;
+    case 8:
+      return s.velocity.y;
+    case 9:
+      return s.velocity.z;
+    case 10:
+      return s.spin.x;
+    case 11:
+      return s.spin.y;
+    case 12:
+      return s.spin.z;
+    default:
+      return s.rotor[k - kRotor];
+  }
+}
+
 /// Force over mass and moment on the base, both in body axes.
 template <class Real>
 struct RotorWrench {

@@ -48,6 +48,11 @@ SKYBODY_INLINE Real wrapped(const Real& x) {
   return wrap_angle(x);
 }
 
+template <class Real>
+SKYBODY_INLINE SinCos<Real> sincos_of(const Real& x) {
+  return sincos(x);
+}
+
 /// Bit i is the truth of lane i.
 SKYBODY_INLINE std::uint32_t bits(bool mask) { return mask ? 1u : 0u; }
 template <int W>

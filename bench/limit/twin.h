@@ -75,6 +75,11 @@ SKYBODY_INLINE Twin<R> wrapped(const Twin<R>& x) {
   return {wrapped(x.a), wrapped(x.b)};
 }
 template <class R>
+SKYBODY_INLINE SinCos<Twin<R>> sincos_of(const Twin<R>& x) {
+  const SinCos<R> a = sincos_of(x.a), b = sincos_of(x.b);
+  return {{a.sin, b.sin}, {a.cos, b.cos}};
+}
+template <class R>
 SKYBODY_INLINE std::uint32_t bits(const TwinMask<R>& mask) {
   return bits(mask.a) | bits(mask.b) << kLanesOf<R>;
 }
