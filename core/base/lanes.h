@@ -95,6 +95,34 @@ SKYBODY_INLINE std::uint32_t sign_bits(const Reals8& v) {
   return sign_bits(low) | sign_bits(high) << 4;
 }
 
+/// Whether any lane's sign bit is set, and whether all are: halves first, one look at the end.
+SKYBODY_INLINE bool any_sign(const Native<2>::Words& v) {
+  return _mm_movemask_pd(reinterpret_cast<__m128d>(v)) != 0;
+}
+SKYBODY_INLINE bool all_signs(const Native<2>::Words& v) {
+  return _mm_movemask_pd(reinterpret_cast<__m128d>(v)) == 3;
+}
+SKYBODY_INLINE bool any_sign(const Native<4>::Words& v) {
+  const Native<2>::Words low = __builtin_shufflevector(v, v, 0, 1),
+                         high = __builtin_shufflevector(v, v, 2, 3);
+  return any_sign(low | high);
+}
+SKYBODY_INLINE bool all_signs(const Native<4>::Words& v) {
+  const Native<2>::Words low = __builtin_shufflevector(v, v, 0, 1),
+                         high = __builtin_shufflevector(v, v, 2, 3);
+  return all_signs(low & high);
+}
+SKYBODY_INLINE bool any_sign(const Native<8>::Words& v) {
+  const Native<4>::Words low = __builtin_shufflevector(v, v, 0, 1, 2, 3);
+  const Native<4>::Words high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
+  return any_sign(low | high);
+}
+SKYBODY_INLINE bool all_signs(const Native<8>::Words& v) {
+  const Native<4>::Words low = __builtin_shufflevector(v, v, 0, 1, 2, 3);
+  const Native<4>::Words high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
+  return all_signs(low & high);
+}
+
 /// Copies the bits of `from` into a value of type To of the same size (std::bit_cast is C++20's).
 template <class To, class From>
 SKYBODY_INLINE To copy_bits(const From& from) {

@@ -29,9 +29,11 @@ struct Mask {
 
   Mask() = default;
   SKYBODY_INLINE explicit Mask(const Native& native) : v(native) {}
+  using Words = typename lanes::Native<W>::Words;
+  SKYBODY_INLINE explicit Mask(const Words& words) : v(reinterpret_cast<Native>(words)) {}
+  SKYBODY_INLINE Words words() const { return reinterpret_cast<Words>(v); }
   /// The same truth value in every lane.
   SKYBODY_INLINE Mask(bool all_lanes) {
-    using Words = typename lanes::Native<W>::Words;
     const Words all = (std::uint64_t{0} - static_cast<std::uint64_t>(all_lanes)) + Words{};
     v = reinterpret_cast<Native>(all);
   }
@@ -44,10 +46,17 @@ struct Mask {
     return false;
   }
 
-  friend SKYBODY_INLINE Mask operator&(const Mask& a, const Mask& b) { return Mask(a.v & b.v); }
-  friend SKYBODY_INLINE Mask operator|(const Mask& a, const Mask& b) { return Mask(a.v | b.v); }
-  friend SKYBODY_INLINE Mask operator^(const Mask& a, const Mask& b) { return Mask(a.v ^ b.v); }
-  friend SKYBODY_INLINE Mask operator!(const Mask& a) { return Mask(~a.v); }
+  // On words: combined as they are, two comparisons become one of a type that g++ 12 takes apart.
+  friend SKYBODY_INLINE Mask operator&(const Mask& a, const Mask& b) {
+    return Mask(a.words() & b.words());
+  }
+  friend SKYBODY_INLINE Mask operator|(const Mask& a, const Mask& b) {
+    return Mask(a.words() | b.words());
+  }
+  friend SKYBODY_INLINE Mask operator^(const Mask& a, const Mask& b) {
+    return Mask(a.words() ^ b.words());
+  }
+  friend SKYBODY_INLINE Mask operator!(const Mask& a) { return Mask(~a.words()); }
   /// As & and |: both sides are evaluated. They exist so that conditions written for double
   /// compile.
   friend SKYBODY_INLINE Mask operator&&(const Mask& a, const Mask& b) { return a & b; }
@@ -63,8 +72,7 @@ struct Mask {
   }
   friend SKYBODY_INLINE WordPack<W> select(const Mask& mask, const WordPack<W>& a,
                                            const WordPack<W>& b) {
-    using Words = typename lanes::Native<W>::Words;
-    const Words m = reinterpret_cast<Words>(mask.v);
+    const Words m = mask.words();
     return WordPack<W>((a.v & m) | (b.v & ~m));
   }
   friend SKYBODY_INLINE Mask select(const Mask& mask, const Mask& a, const Mask& b) {
@@ -221,17 +229,17 @@ SKYBODY_INLINE bool none(bool mask) { return !mask; }
 /// Whether at least one lane is set.
 template <int W>
 SKYBODY_INLINE bool any(const Mask<W>& mask) {
-  return bits_from_mask(mask) != 0;
+  return lanes::any_sign(mask.words());
 }
 /// Whether every lane is set.
 template <int W>
 SKYBODY_INLINE bool all(const Mask<W>& mask) {
-  return bits_from_mask(mask) == (1u << W) - 1u;
+  return lanes::all_signs(mask.words());
 }
 /// Whether no lane is set.
 template <int W>
 SKYBODY_INLINE bool none(const Mask<W>& mask) {
-  return bits_from_mask(mask) == 0;
+  return !lanes::any_sign(mask.words());
 }
 
 }  // namespace skybody

@@ -81,6 +81,12 @@ SKYBODY_INLINE Vec3<Real> select(const MaskOf<Real>& mask, const Vec3<Real>& a,
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
+/// Where any component is not zero.
+template <class Real>
+SKYBODY_INLINE MaskOf<Real> is_not_zero(const Vec3<Real>& a) {
+  return logical_or(logical_or(a.x != 0.0, a.y != 0.0), a.z != 0.0);
+}
+
 /// Where all three components are finite.
 template <class Real>
 SKYBODY_INLINE MaskOf<Real> is_finite(const Vec3<Real>& a) {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/physics/ground_contact.h"
+#include "core/physics/contact_group.h"
 #include "core/physics/joint_force.h"
 #include "core/physics/kinematics.h"
 #include "core/physics/rotor_force.h"
@@ -26,6 +26,12 @@ struct ForceInputs {
   Params params;
   const Real* wrench = nullptr;
 };
+
+/// Every rotor of a world on its body.
+std::vector<RotorPlace> make_rotor_places(const World& world);
+
+/// Bodies whose joint has damping, a spring or limits.
+std::vector<int> joints_with_forces(const World& world);
 
 /// Immutable; refers to the world, which must outlive it.
 class ForceModel {
@@ -51,21 +57,10 @@ class ForceModel {
   struct RotorGroup {
     int body = 0, first = 0, count = 0;
   };
-  /// Consecutive contact spheres on one body; none touches while the origin is above `reach` [m].
-  struct SphereGroup {
-    int body = 0, first = 0, count = 0;
-    double reach = 0.0;
-  };
-
   template <class Real, class Params>
   static SKYBODY_INLINE Vec3<Real> com_arm(const BodyKinematics<Real>& body,
                                            const Params& body_params) {
     return body.axes * load_vec3(body_params + kCom);
-  }
-
-  template <class Real>
-  static SKYBODY_INLINE MaskOf<Real> is_not_zero(const Vec3<Real>& v) {
-    return logical_or(logical_or(v.x != 0.0, v.y != 0.0), v.z != 0.0);
   }
 
   /// Overwrites: the first to be called.
@@ -86,11 +81,10 @@ class ForceModel {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
       const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
-      const Vec3<Real> spin = transpose_times(body.axes, body.angular_velocity);
       SpatialForce<Real> sum = SpatialForce<Real>::zero();
       for (int i = group.first; i < group.first + group.count; ++i) {
         const RotorPlace& rotor = rotors_[static_cast<std::size_t>(i)];
-        add_rotor_force(in.params + rotor.params, rotor, in.rotors[i], velocity, spin, sum);
+        add_rotor_force(in.params + rotor.params, rotor, in.rotors[i], velocity, body.spin, sum);
       }
       forces[group.body].force += body.axes * sum.force;
       forces[group.body].moment += body.axes * sum.moment;
@@ -142,20 +136,11 @@ class ForceModel {
   SKYBODY_INLINE void add_ground(const ForceInputs<Real, Params>& in,
                                  SpatialForce<Real>* forces) const {
     const ContactSettings& contact = world_.scenario.contact;
-    for (const SphereGroup& group : sphere_groups_) {
+    for (const ContactGroup& group : contact_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
       const auto near_ground = body.position.z < group.reach;
       if (none(near_ground)) continue;
-      SpatialForce<Real> sum = SpatialForce<Real>::zero();
-      for (int i = group.first; i < group.first + group.count; ++i) {
-        const ContactSphere& sphere = world_.spheres[i];
-        Vec3<Real> arm = body.axes * to_real<Real>(sphere.center);
-        arm.z -= sphere.radius;
-        const Vec3<Real> velocity = body.velocity + cross(body.angular_velocity, arm);
-        sum.add_force_at(
-            arm, ground_force(body.position + arm, velocity, sphere.stiffness, sphere.most_damping,
-                              contact.dissipation, contact.friction, contact.slip_velocity));
-      }
+      const SpatialForce<Real> sum = ground_forces(group, world_.spheres.data(), contact, body);
       // Lanes in the air keep their sums untouched: adding +0 would turn a -0 round.
       SpatialForce<Real>& total = forces[group.body];
       total.force = select(near_ground, total.force + sum.force, total.force);
@@ -174,7 +159,7 @@ class ForceModel {
   const World& world_;
   std::vector<RotorPlace> rotors_;
   std::vector<RotorGroup> rotor_groups_;
-  std::vector<SphereGroup> sphere_groups_;
+  std::vector<ContactGroup> contact_groups_;
   std::vector<int> bases_;         ///< per robot: world body index of its base
   std::vector<int> stiff_joints_;  ///< bodies whose joint has damping, a spring or limits
 };

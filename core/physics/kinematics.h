@@ -21,6 +21,7 @@ struct BodyKinematics {
   Mat3<Real> axes;              ///< the same rotation as a matrix
   Vec3<Real> velocity;          ///< of the origin [m/s]
   Vec3<Real> angular_velocity;  ///< [rad/s]
+  Vec3<Real> spin;              ///< the same in the body's own axes [rad/s]
 };
 
 /// Motion of a joint's frame M in its frame F.
@@ -55,6 +56,16 @@ SKYBODY_INLINE void store(const Quat<Real>& q, Real* p) {
   p[3] = q.z;
 }
 
+/// The rotation that a quaternion of any norm but zero stands for: as it is where the norm is 1 but
+/// for rounding, so that the ends of steps, which are normalised, pass through with their bits.
+template <class Real>
+SKYBODY_INLINE Quat<Real> as_rotation(const Quat<Real>& q) {
+  const auto is_unit =
+      abs(squared_norm(q) - 1.0) <= 2e-15;  // 18 roundings; normalized() leaves 12 at most
+  if (all(is_unit)) return q;
+  return select(is_unit, q, normalized(q));
+}
+
 /// @param q, u  the joint's own coordinates; a quaternion of any norm but zero, as between the
 ///              stages of an integrator
 template <class Real>
@@ -66,7 +77,7 @@ SKYBODY_INLINE JointMotion<Real> joint_motion(JointType type, const Real* q, con
     case JointType::kWeld:
       break;
     case JointType::kFree:
-      m = {load_vec3(q), normalized(load_quat(q + 3)), load_vec3(u), load_vec3(u + 3)};
+      m = {load_vec3(q), as_rotation(load_quat(q + 3)), load_vec3(u), load_vec3(u + 3)};
       break;
     case JointType::kPin: {
       const SinCos<Real> half = sincos(0.5 * q[0]);
@@ -87,7 +98,7 @@ SKYBODY_INLINE JointMotion<Real> joint_motion(JointType type, const Real* q, con
       break;
     }
     case JointType::kBall:
-      m.rotation = normalized(load_quat(q));
+      m.rotation = as_rotation(load_quat(q));
       m.angular_velocity = load_vec3(u);
       break;
   }
@@ -142,7 +153,7 @@ SKYBODY_INLINE BodyKinematics<Real> frame_on_parent(const TreeBody& body,
     frame.position = to_real<Real>(body.frame_in_parent.position);
     frame.rotation = to_real<Real>(body.frame_in_parent.rotation);
     frame.axes = to_mat3(frame.rotation);
-    frame.velocity = frame.angular_velocity = {zero, zero, zero};
+    frame.velocity = frame.angular_velocity = frame.spin = {zero, zero, zero};
     return frame;
   }
   frame = bodies[body.parent];
@@ -153,6 +164,17 @@ SKYBODY_INLINE BodyKinematics<Real> frame_on_parent(const TreeBody& body,
   frame.rotation = frame.rotation * to_real<Real>(body.frame_in_parent.rotation);
   frame.axes = to_mat3(frame.rotation);
   return frame;
+}
+
+/// From the motion of the joint's frame M to that of the body's own: B from M is the inverse of
+/// X_BM.
+template <class Real>
+SKYBODY_INLINE void to_body_frame(const TreeBody& body, BodyKinematics<Real>& b) {
+  b.rotation = b.rotation * conjugate(to_real<Real>(body.frame_in_body.rotation));
+  b.axes = to_mat3(b.rotation);
+  const Vec3<Real> arm = b.axes * to_real<Real>(body.frame_in_body.position);
+  b.position -= arm;
+  b.velocity -= cross(b.angular_velocity, arm);
 }
 
 /// Motion of all bodies, in the order of `tree`.
@@ -169,6 +191,8 @@ SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const 
       b.axes = to_mat3(b.rotation);
       b.velocity = joint.velocity;
       b.angular_velocity = b.axes * joint.angular_velocity;
+      b.spin = joint.angular_velocity;
+      if (body.plain_body) continue;
     } else {
       const BodyKinematics<Real> frame = frame_on_parent(body, bodies);
       const Vec3<Real> travel = frame.axes * joint.translation;
@@ -179,19 +203,14 @@ SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const 
           (frame.velocity + cross(frame.angular_velocity, travel)) + frame.axes * joint.velocity;
       b.angular_velocity = frame.angular_velocity + b.axes * joint.angular_velocity;
     }
-    if (body.plain_body) continue;
-    // From the joint's frame M to the body's own: B from M is the inverse of X_BM.
-    b.rotation = b.rotation * conjugate(to_real<Real>(body.frame_in_body.rotation));
-    b.axes = to_mat3(b.rotation);
-    const Vec3<Real> arm = b.axes * to_real<Real>(body.frame_in_body.position);
-    b.position -= arm;
-    b.velocity -= cross(b.angular_velocity, arm);
+    if (!body.plain_body) to_body_frame(body, b);
+    b.spin = transpose_times(b.axes, b.angular_velocity);
   }
 }
 
 /// The same motion as sensors and plugins see it: angular velocity in the body's axes.
 SKYBODY_INLINE BodyState to_body_state(const BodyKinematics<double>& b) {
-  return {b.position, b.rotation, b.velocity, transpose_times(b.axes, b.angular_velocity)};
+  return {b.position, b.rotation, b.velocity, b.spin};
 }
 
 }  // namespace skybody

@@ -1,6 +1,7 @@
 // The kernels of PackMechanics for each instruction set.
 #include "core/base/isa.h"
 #include "core/base/kernel_target.h"
+#include "core/physics/pack_call.h"
 #include "core/physics/pack_mechanics.h"
 
 namespace skybody {
@@ -11,48 +12,26 @@ template <int W>
 struct Steps {
   using Real = Pack<W>;
 
-  /// Calls f(first, bits) for the packs that hold any of the lanes.
-  template <class F>
-  static SKYBODY_INLINE void for_packs(std::uint32_t lanes, F&& f) {
-    for (int first = 0; first < kGroupLanes; first += W) {
-      const std::uint32_t bits = (lanes >> first) & ((1u << W) - 1u);
-      if (bits != 0) f(first, bits);
-    }
-  }
-
   static SKYBODY_INLINE void refresh(const PackCall& call, std::uint32_t lanes) {
-    for_packs(
-        lanes, [&](int first, std::uint32_t) __attribute__((always_inline)) {
-          const SharedValues<Real> none(nullptr);  // the motion does not ask for parameters
-          PackMechanics<Real, SharedValues<Real>, IntegratorChoice::kSemiImplicitEuler>(call, first,
-                                                                                        none, none)
-              .refresh();
-        });
+    const SharedValues<Real> none(nullptr);  // the motion does not ask for parameters
+    for (int first = 0; first < kGroupLanes; first += W) {
+      if (((lanes >> first) & ((1u << W) - 1u)) == 0) continue;
+      PackMechanics<Real, SharedValues<Real>, IntegratorChoice::kSemiImplicitEuler>(call, first,
+                                                                                    none, none)
+          .refresh();
+    }
   }
 
   template <IntegratorChoice kIntegrator>
   static SKYBODY_INLINE std::uint32_t advance(const PackCall& call, std::uint32_t lanes) {
-    std::uint32_t through = 0;
-    const auto run = [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-        __attribute__((always_inline)) {
-      using Values = std::decay_t<decltype(params)>;
-      PackMechanics<Real, Values, kIntegrator> mechanics(call, first, params, derived);
-      through |= bits_from_mask(mechanics.advance(mask_from_bits<Real>(bits))) << first;
-    };
-    if (call.derived == nullptr) {
-      const SharedValues<Real> params(call.world->nominal_params.data());
-      const SharedValues<Real> derived(call.world->nominal_derived.data());
-      for_packs(
-          lanes, [&](int first, std::uint32_t bits)
-                     __attribute__((always_inline)) { run(first, bits, params, derived); });
-    } else {
-      for_packs(
-          lanes, [&](int first, std::uint32_t bits) __attribute__((always_inline)) {
-            run(first, bits, LaneValues<Real>(call.group->params + first),
-                LaneValues<Real>(call.derived + first));
-          });
-    }
-    return through;
+    return for_packs<W>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            __attribute__((always_inline)) {
+              using Values = std::decay_t<decltype(params)>;
+              PackMechanics<Real, Values, kIntegrator> mechanics(call, first, params, derived);
+              return bits_from_mask(mechanics.advance(mask_from_bits<Real>(bits)));
+            });
   }
 };
 

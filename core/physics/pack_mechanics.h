@@ -244,6 +244,7 @@ class PackMechanics {
       m.rotation = load_quat(b + 3);
       m.axes = to_mat3(m.rotation);
       m.velocity = load_vec3(b + 7);
+      m.spin = load_vec3(b + 10);
       m.angular_velocity = load_vec3(LaneValues<Real>(spins_ + 3 * i * kGroupLanes));
     }
   }
@@ -252,10 +253,9 @@ class PackMechanics {
   SKYBODY_INLINE void store_motion(const Mask& mask) {
     for (int i = 0; i < body_count(); ++i) {
       const BodyKinematics<Real>& m = a_.motion[i];
-      const Vec3<Real> spin = transpose_times(m.axes, m.angular_velocity);
       const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
                                m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
-                               spin.x,       spin.y,       spin.z};
+                               m.spin.x,     m.spin.y,     m.spin.z};
       for (int k = 0; k < 13; ++k) put(at(group_.bodies, 13 * i + k), values[k], mask);
       const Real spins[3] = {m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z};
       for (int k = 0; k < 3; ++k) put(spins_ + (3 * i + k) * kGroupLanes, spins[k], mask);

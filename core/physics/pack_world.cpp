@@ -41,6 +41,10 @@ PackWorld::PackWorld(const World& w)
   }
   const auto one_lane = static_cast<std::size_t>(physics_params + derived.size) * sizeof(double);
   scratch_bytes = std::max(PackArrays<Pack<kGroupLanes>>::bytes(w), one_lane);
+  if (!FreeRobots::is_possible(w)) return;
+  free_robots.emplace(w);
+  kernels.advance = choose_free_kernel();
+  scratch_bytes = std::max(scratch_bytes, free_kernel_scratch(*free_robots));
 }
 
 }  // namespace skybody

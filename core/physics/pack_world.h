@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/physics/force_model.h"
+#include "core/physics/free_robots.h"
 #include "core/physics/step_rules.h"
 #include "core/physics/tree_accelerations.h"
 
@@ -41,16 +43,23 @@ struct PackCall {
   std::byte* scratch;     ///< PackWorld::scratch_bytes
 };
 
+/// One physics step; returns the lanes that came through, the others are as they were.
+using PackAdvance = std::uint32_t(const PackCall& call, std::uint32_t lanes);
+
 /// The kernels of one instruction set.
 struct PackKernels {
   /// Bodies and spins of these lanes from q and u.
   void (*refresh)(const PackCall& call, std::uint32_t lanes);
-  /// One physics step; returns the lanes that came through, the others are as they were.
-  std::uint32_t (*advance)(const PackCall& call, std::uint32_t lanes);
+  PackAdvance* advance;
 };
 
 /// Those of the best instruction set at hand (best_isa).
 PackKernels choose_pack_kernels(IntegratorChoice integrator);
+
+/// That of the best instruction set for worlds of free robots.
+PackAdvance* choose_free_kernel();
+/// Bytes of PackCall::scratch that it takes.
+std::size_t free_kernel_scratch(const FreeRobots& robots);
 
 /// Immutable; refers to the world, which must outlive it.
 struct PackWorld {
@@ -60,6 +69,7 @@ struct PackWorld {
   const World& world;
   Forest forest;
   ForceModel forces;
+  std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<PackDrive> drives;
   DerivedLayout derived;
   int physics_params = 0;              ///< the first so many words of the parameter block

@@ -7,6 +7,8 @@
 
 #include "core/base/math.h"
 #include "core/model/marked_error.h"
+#include "core/physics/free_robots.h"
+#include "core/physics/free_stepper.h"
 #include "core/physics/integrator.h"
 #include "core/physics/tree_dynamics.h"
 
@@ -99,6 +101,7 @@ DynamicsChoice chosen_dynamics(const World& world) {
 
 std::unique_ptr<Stepper> make_stepper(const World& world) {
   if (chosen_dynamics(world) == DynamicsChoice::kSimbody) return make_simbody_stepper(world);
+  if (FreeRobots::is_possible(world)) return make_free_stepper(world);
   return make_stepper(world, make_tree_dynamics(world));
 }
 

@@ -1,0 +1,42 @@
+// The contact spheres of one body on the ground, all at once.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/ground_contact.h"
+#include "core/physics/kinematics.h"
+#include "core/physics/spatial_force.h"
+
+namespace skybody {
+
+/// Consecutive contact spheres on one body; none touches while the origin is above `reach` [m].
+struct ContactGroup {
+  int body = 0, first = 0, count = 0;
+  double reach = 0.0;
+};
+
+/// Those of a world, in the order of its spheres.
+std::vector<ContactGroup> make_contact_groups(const World& world);
+
+/// What the ground does to a body.
+/// @param spheres  of the world
+/// @param body     position, axes, velocity, angular velocity
+template <class Real>
+SKYBODY_INLINE SpatialForce<Real> ground_forces(const ContactGroup& group,
+                                                const ContactSphere* spheres,
+                                                const ContactSettings& contact,
+                                                const BodyKinematics<Real>& body) {
+  SpatialForce<Real> sum = SpatialForce<Real>::zero();
+  for (int i = group.first; i < group.first + group.count; ++i) {
+    const ContactSphere& sphere = spheres[i];
+    Vec3<Real> arm = body.axes * to_real<Real>(sphere.center);
+    arm.z -= sphere.radius;
+    const Vec3<Real> velocity = body.velocity + cross(body.angular_velocity, arm);
+    sum.add_force_at(
+        arm, ground_force(body.position + arm, velocity, sphere.stiffness, sphere.most_damping,
+                          contact.dissipation, contact.friction, contact.slip_velocity));
+  }
+  return sum;
+}
+
+}  // namespace skybody

@@ -1,0 +1,199 @@
+// One semi-implicit Euler step of a robot that is one free body, from its coordinates to its
+// coordinates with nothing stored in between: Newton and Euler about the centre of mass, in the
+// axes of the body. On double and packs.
+#pragma once
+
+#include "core/physics/body_constants.h"
+#include "core/physics/free_robots.h"
+#include "core/physics/step_rules.h"
+#include "core/physics/stepper.h"
+
+namespace skybody {
+
+/// Coordinates of a free body, as its q and u have them and, in this order, its BodyState.
+template <class Real>
+struct FreeMotion {
+  Vec3<Real> position;
+  Quat<Real> rotation;
+  Vec3<Real> velocity;  ///< of the origin, W axes
+  Vec3<Real> spin;      ///< body axes
+};
+
+/// @tparam Real     double or a pack
+/// @tparam Values   how values of WorldState are read: a pointer, or a view (lane_values.h)
+/// @tparam Params, Derived  likewise parameters and what derives from them (pack_world.h)
+template <class Real, class Values, class Params, class Derived>
+class FreeRobotStep {
+ public:
+  /// What the step holds.
+  struct Inputs {
+    Values rotor_speed, rotor_command, wrench;
+    Params params;
+    Derived lags, bodies;  ///< of the whole world
+  };
+
+  SKYBODY_INLINE FreeRobotStep(const FreeRobots& world, const FreeRobot& robot, const Inputs& in)
+      : world_(world),
+        robot_(robot),
+        in_(in),
+        constants_(in.bodies + kBodyConstantCount * robot.body) {}
+
+  /// Moves the robot on by dt.
+  /// @param motion     at the start of the step; overwritten
+  /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
+  /// @returns where all of it is finite and below kLargestState
+  SKYBODY_INLINE MaskOf<Real> advance(FreeMotion<Real>& motion, Real* end_speed) const {
+    BodyKinematics<Real> body = kinematics(motion);
+    Real speeds(0.0);
+    const SpatialForce<Real> rotors = run_rotors(body, end_speed, speeds);
+    const Accelerations a = accelerations(body, rotors);
+    const Real squared = integrate(a, motion);
+    return is_sound(motion, squared, speeds);
+  }
+
+ private:
+  /// Of the body's origin (W) and of the body (its axes).
+  struct Accelerations {
+    Vec3<Real> linear, angular;
+  };
+
+  double dt() const { return world_.world.scenario.stepping.dt; }
+
+  static SKYBODY_INLINE BodyKinematics<Real> kinematics(const FreeMotion<Real>& m) {
+    BodyKinematics<Real> body;
+    body.position = m.position;
+    body.rotation = as_rotation(m.rotation);
+    body.axes = to_mat3(body.rotation);
+    body.velocity = m.velocity;
+    body.spin = m.spin;
+    return body;
+  }
+
+  /// @param speeds  sum of the rotors' speeds at the end, added
+  /// @returns about the origin, body axes
+  SKYBODY_INLINE SpatialForce<Real> run_rotors(const BodyKinematics<Real>& body, Real* end_speed,
+                                               Real& speeds) const {
+    const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+    SpatialForce<Real> sum = SpatialForce<Real>::zero();
+    for (int i = 0; i < robot_.rotor_count; ++i) {
+      const int rotor = robot_.first_rotor + i;
+      const RotorPlace& place = world_.rotors[static_cast<std::size_t>(rotor)];
+      const Params constants = in_.params + place.params;
+      const RotorStep<Real> step(load_lag<Real>(in_.lags + kLagSize * rotor),
+                                 in_.rotor_speed[rotor], in_.rotor_command[rotor],
+                                 constants[kMaxSpeed]);
+      add_rotor_force(constants, place, step.mean(), velocity, body.spin, sum);
+      end_speed[i] = step.at(kStepEnd).speed;
+      speeds += end_speed[i];
+    }
+    return sum;
+  }
+
+  /// Gravity acts at the centre of mass, so that it turns nothing.
+  SKYBODY_INLINE Accelerations accelerations(BodyKinematics<Real>& body,
+                                             const SpatialForce<Real>& rotors) const {
+    const Real inverse_mass = constants_[kBodyInverseMass];
+    const Vec3<Real> com = load_vec3(constants_ + kBodyCom);
+    Vec3<Real> linear = to_real<Real>(world_.world.scenario.gravity);
+    Vec3<Real> moment = rotors.moment - cross(com, rotors.force);
+    add_outer_forces(body, com, inverse_mass, linear, moment);
+    const Vec3<Real>& w = body.spin;
+    const Vec3<Real> momentum = turn(kBodyInertia, w);
+    const Vec3<Real> angular = turn(kBodyInverseInertia, moment - cross(w, momentum));
+    const Vec3<Real> com_from_origin = cross(angular, com) + cross(w, cross(w, com));
+    linear += body.axes * (rotors.force * inverse_mass - com_from_origin);
+    return {linear, angular};
+  }
+
+  /// A symmetric matrix of the constants times v. Products of inertia are rarely other than zero.
+  SKYBODY_INLINE Vec3<Real> turn(int matrix, const Vec3<Real>& v) const {
+    const SymMat3<Real> m = load_sym_mat3(constants_ + matrix);
+    const Vec3<Real> diagonal{m.xx * v.x, m.yy * v.y, m.zz * v.z};
+    const auto has_products = is_not_zero(Vec3<Real>{m.xy, m.xz, m.yz});
+    if (none(has_products)) return diagonal;
+    return select(has_products, m * v, diagonal);
+  }
+
+  /// Forces that only some robots, lanes or moments have: lanes without are left as if alone.
+  /// @param linear  acceleration of the centre of mass (W), added
+  /// @param moment  about the centre of mass, body axes, added
+  SKYBODY_INLINE void add_outer_forces(BodyKinematics<Real>& body, const Vec3<Real>& com,
+                                       const Real& inverse_mass, Vec3<Real>& linear,
+                                       Vec3<Real>& moment) const {
+    const Params disturbance = in_.params + robot_.disturbance;
+    const Vec3<Real> force = load_vec3(disturbance + kDisturbanceForce);
+    const Vec3<Real> torque = load_vec3(disturbance + kDisturbanceMoment);
+    const auto disturbed = logical_or(is_not_zero(force), is_not_zero(torque));
+    if (any(disturbed)) {  // paper eq. 1: F_W at the centre of mass, M_B in body axes
+      linear = select(disturbed, linear + force * inverse_mass, linear);
+      moment = select(disturbed, moment + torque, moment);
+    }
+    for (const int site : robot_.sites) add_wrench(site, body, com, inverse_mass, linear, moment);
+    if (robot_.contact.count == 0) return;
+    const auto near_ground = body.position.z < robot_.contact.reach;
+    if (none(near_ground)) return;
+    body.angular_velocity = body.axes * body.spin;
+    const SpatialForce<Real> ground = ground_forces(robot_.contact, world_.world.spheres.data(),
+                                                    world_.world.scenario.contact, body);
+    const Vec3<Real> turning = transpose_times(body.axes, ground.moment) -
+                               cross(com, transpose_times(body.axes, ground.force));
+    linear = select(near_ground, linear + ground.force * inverse_mass, linear);
+    moment = select(near_ground, moment + turning, moment);
+  }
+
+  SKYBODY_INLINE void add_wrench(int index, const BodyKinematics<Real>& body, const Vec3<Real>& com,
+                                 const Real& inverse_mass, Vec3<Real>& linear,
+                                 Vec3<Real>& moment) const {
+    const WrenchSite& site = world_.world.sites[static_cast<std::size_t>(index)];
+    Vec3<Real> force = load_vec3(in_.wrench + 6 * index);  // body axes, or W
+    Vec3<Real> torque = load_vec3(in_.wrench + (6 * index + 3));
+    if (site.world_axes) {
+      linear += force * inverse_mass;
+      force = transpose_times(body.axes, force);
+      torque = transpose_times(body.axes, torque);
+    } else {
+      linear += body.axes * (force * inverse_mass);
+    }
+    moment += torque;
+    if (!site.at_com) moment += cross(to_real<Real>(site.point) - com, force);
+  }
+
+  /// dq/dt = q (0, w) / 2 (paper eq. 1).
+  /// @returns the square of the quaternion's norm before it was scaled back to 1
+  SKYBODY_INLINE Real integrate(const Accelerations& a, FreeMotion<Real>& m) const {
+    m.velocity += a.linear * Real(dt());
+    m.spin += a.angular * Real(dt());
+    m.position += m.velocity * Real(dt());
+    const double half = 0.5 * dt();
+    const Vec3<Real>& w = m.spin;
+    Quat<Real>& q = m.rotation;
+    q = {q.w - half * ((q.x * w.x + q.y * w.y) + q.z * w.z),
+         q.x + half * ((q.w * w.x + q.y * w.z) - q.z * w.y),
+         q.y + half * ((q.w * w.y + q.z * w.x) - q.x * w.z),
+         q.z + half * ((q.w * w.z + q.x * w.y) - q.y * w.x)};
+    const Real squared = squared_norm(q);
+    const Real scale = 1.0 / sqrt(squared);
+    q = {q.w * scale, q.x * scale, q.y * scale, q.z * scale};
+    return squared;
+  }
+
+  /// A quaternion can be scaled to norm 1 where the square of its norm is finite and not 0.
+  static SKYBODY_INLINE MaskOf<Real> is_sound(const FreeMotion<Real>& m, const Real& squared,
+                                              const Real& speeds) {
+    MaskOf<Real> sound = logical_and(squared > 0.0, squared < kLargest);
+    sound = logical_and(sound, speeds < kLargestState);
+    for (const Vec3<Real>* v : {&m.position, &m.velocity, &m.spin}) {
+      sound = logical_and(
+          sound, logical_and(logical_and(abs(v->x) < kLargestState, abs(v->y) < kLargestState),
+                             abs(v->z) < kLargestState));
+    }
+    return sound;
+  }
+
+  const FreeRobots& world_;
+  const FreeRobot& robot_;
+  const Inputs& in_;
+  Derived constants_;
+};
+
+}  // namespace skybody

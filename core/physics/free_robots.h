@@ -1,0 +1,36 @@
+// Robots that are one free body each, with what their quick step reads: worlds of such robots need
+// neither a tree nor an intermediate array.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/contact_group.h"
+#include "core/physics/rotor_force.h"
+#include "core/physics/world.h"
+
+namespace skybody {
+
+/// One robot. Places are within the blocks of WorldState.
+struct FreeRobot {
+  int body = 0, q = 0, u = 0;
+  int first_rotor = 0, rotor_count = 0;
+  int disturbance = 0;     ///< first of its kDisturbanceParamCount parameters
+  std::vector<int> sites;  ///< within World::sites
+  ContactGroup contact;    ///< none where `count` is 0
+};
+
+/// All robots of a world. Immutable; refers to the world, which must outlive it.
+struct FreeRobots {
+  /// @param world  is_possible
+  explicit FreeRobots(const World& world);
+
+  /// Whether every robot is one free body that no drive moves and whose joint has no force of its
+  /// own, and the integrator evaluates forces once a step.
+  static bool is_possible(const World& world);
+
+  const World& world;
+  std::vector<FreeRobot> robots;
+  std::vector<RotorPlace> rotors;  ///< of the world
+};
+
+}  // namespace skybody
