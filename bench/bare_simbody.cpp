@@ -4,6 +4,7 @@
 #include <Simbody.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace skybody::bench {
@@ -81,6 +82,17 @@ class Bare : public BareLoop {
   }
   double height() const override { return state_.getQ()[6]; }
 
+  /// @param scale  of mass and inertia
+  void rebuild(double scale) {
+    const SimTK::Inertia inertia(kHover.inertia[0], kHover.inertia[1], kHover.inertia[2]);
+    body_.setDefaultMassProperties(
+        SimTK::MassProperties(scale * kHover.mass, Vec3(0), scale * inertia));
+    state_ = system_.realizeTopology();
+    system_.realizeModel(state_);
+    state_.updQ()[6] = kHover.height;
+    system_.realize(state_, SimTK::Stage::Velocity);
+  }
+
  private:
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;
@@ -95,6 +107,19 @@ class Bare : public BareLoop {
 };
 
 }  // namespace
+
+double bare_rebuild_time() {
+  constexpr int kTrials = 100, kRebuilds = 20;
+  Bare world(true);
+  double best = 1e300;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto start = std::chrono::steady_clock::now();
+    for (int k = 0; k < kRebuilds; ++k) world.rebuild(0.9 + 0.01 * k);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+    best = std::min(best, time.count() / kRebuilds);
+  }
+  return best;
+}
 
 std::unique_ptr<BareLoop> make_bare_loop(bool with_operator) {
   return std::make_unique<Bare>(with_operator);

@@ -30,4 +30,8 @@ class BareLoop {
 /// us.
 std::unique_ptr<BareLoop> make_bare_loop(bool with_operator);
 
+/// Best time of giving the body another mass and inertia, which takes a new topology, and the state
+/// at its start again [s].
+double bare_rebuild_time();
+
 }  // namespace skybody::bench
