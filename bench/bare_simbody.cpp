@@ -4,7 +4,6 @@
 #include <Simbody.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace skybody::bench {
@@ -82,8 +81,7 @@ class Bare : public BareLoop {
   }
   double height() const override { return state_.getQ()[6]; }
 
-  /// @param scale  of mass and inertia
-  void rebuild(double scale) {
+  void rebuild(double scale) override {
     const SimTK::Inertia inertia(kHover.inertia[0], kHover.inertia[1], kHover.inertia[2]);
     body_.setDefaultMassProperties(
         SimTK::MassProperties(scale * kHover.mass, Vec3(0), scale * inertia));
@@ -107,19 +105,6 @@ class Bare : public BareLoop {
 };
 
 }  // namespace
-
-double bare_rebuild_time() {
-  constexpr int kTrials = 100, kRebuilds = 20;
-  Bare world(true);
-  double best = 1e300;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    const auto start = std::chrono::steady_clock::now();
-    for (int k = 0; k < kRebuilds; ++k) world.rebuild(0.9 + 0.01 * k);
-    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-    best = std::min(best, time.count() / kRebuilds);
-  }
-  return best;
-}
 
 std::unique_ptr<BareLoop> make_bare_loop(bool with_operator) {
   return std::make_unique<Bare>(with_operator);

@@ -23,15 +23,14 @@ class BareLoop {
   virtual ~BareLoop() = default;
   virtual void step() = 0;
   virtual double height() const = 0;
+  /// Gives the body its mass and inertia times `scale`, which takes a new topology, and puts the
+  /// state at its start again.
+  virtual void rebuild(double scale) = 0;
 };
 
 /// Without the operator: Force::Gravity and Force::DiscreteForces, realize(Acceleration), the usual
 /// way. With it: forces handed to calcAccelerationIgnoringConstraints, the quickest way known to
 /// us.
 std::unique_ptr<BareLoop> make_bare_loop(bool with_operator);
-
-/// Best time of giving the body another mass and inertia, which takes a new topology, and the state
-/// at its start again [s].
-double bare_rebuild_time();
 
 }  // namespace skybody::bench

@@ -24,7 +24,6 @@ from typing import Any
 
 import numpy as np
 import skybody
-from skybody._native import Simulation
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAMS = ROOT / "build" / "release" / "bin"
@@ -57,7 +56,7 @@ def vec_rate(count: int, trials: int, seconds: float) -> float:
 
 def single_rate(trials: int, seconds: float) -> float:
     """One environment without a queue, all results of a step read."""
-    world = Simulation(skybody.load("hover"), 0, 0)
+    world = skybody.Simulation("hover")
     world.reset()
     action = np.full(4, HOLD, np.float32)
 

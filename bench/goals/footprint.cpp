@@ -8,6 +8,7 @@
 #include <fstream>
 #include <vector>
 
+#include "bench/bare_simbody.h"
 #include "core/batch/vec_env.h"
 #include "core/env/group_work.h"
 
@@ -76,6 +77,19 @@ double reset_time(const LoadOptions& scenario) {
     step = std::min(step, time_of(false));
   }
   return both - step;
+}
+
+double bare_rebuild_time() {
+  constexpr int kTrials = 100, kRebuilds = 20;
+  const auto world = make_bare_loop(true);
+  double best = 1e300;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto start = std::chrono::steady_clock::now();
+    for (int k = 0; k < kRebuilds; ++k) world->rebuild(0.9 + 0.01 * k);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+    best = std::min(best, time.count() / kRebuilds);
+  }
+  return best;
 }
 
 }  // namespace skybody::bench

@@ -13,4 +13,7 @@ double bytes_per_environment(const LoadOptions& scenario, int envs);
 /// Best time of a reset, all lanes of a group together [s per environment].
 double reset_time(const LoadOptions& scenario);
 
+/// Best time of a rebuild of a hand-written Simbody world with another mass [s].
+double bare_rebuild_time();
+
 }  // namespace skybody::bench

@@ -9,7 +9,6 @@
 #include <fstream>
 
 #include "app/machine.h"
-#include "bench/bare_simbody.h"
 #include "bench/goals/contest.h"
 #include "bench/goals/figure.h"
 #include "bench/goals/footprint.h"
@@ -42,6 +41,7 @@ class Goals {
     hover();
     resting();
     tree("payload", {"payload", {}, {}}, loops_.payload);
+    plain_payload();
     tree("rod on a pin", {SKYBODY_BENCH_SCENARIOS "/pin_rod.yaml", {}, {}}, loops_.pin_rod);
     scaling();
     footprint();
@@ -118,6 +118,19 @@ class Goals {
                             1e-6 * simbody, "dynamics: simbody", 1e6 * ours / simbody, ">=", 30.0});
       }
     }
+  }
+
+  /// For information: the payload without what the limit has not, its IMU and drawn constants.
+  void plain_payload() {
+    Contest c;
+    c.scenario = {"payload",
+                  {"sensors=[]",
+                   "randomization=[{plugin: start, parameters: {robot: quad, position_min: [-5, "
+                   "-5, 1.5], position_max: [5, 5, 3]}}]"},
+                  {}};
+    c.loops = loops_.payload;
+    contest("payload, K=1, no IMU, nominal", c, 0.5);
+    figures_.back().sense.clear();
   }
 
   /// Ratio to the limit by number of environments, and what a second thread brings.
