@@ -59,10 +59,12 @@ def single_rate(trials: int, seconds: float) -> float:
     world = skybody.Simulation("hover")
     world.reset()
     action = np.full(4, HOLD, np.float32)
+    rows: list[object] = []  # what a learner would read
 
     def step() -> None:
         world.step(action)
-        world.observation, world.reward
+        rows.append((world.observation, world.reward))
+        rows.clear()
         if world.status:
             world.reset()
 
@@ -70,17 +72,18 @@ def single_rate(trials: int, seconds: float) -> float:
 
 
 def figure(
-    what: str, unit: str, ours: float, limit: float, against: str, ratio: float, goal: float, **more: Any
+    what: str, numbers: tuple[float, float, float], against: str, goal: float, **more: Any
 ) -> Figure:
+    """numbers: ours, what it is compared with, their ratio as the goal has it."""
     return {
         "what": what,
         "actions": more.get("actions", "hold"),
         "threads": more.get("threads", 2),
-        "unit": unit,
-        "ours": ours,
-        "limit": limit,
+        "unit": more.get("unit", "M steps/s"),
+        "ours": numbers[0],
+        "limit": numbers[1],
         "against": against,
-        "ratio": ratio,
+        "ratio": numbers[2],
         "sense": more.get("sense", ">="),
         "goal": goal,
     }
@@ -98,11 +101,20 @@ def python_figures(cpp: list[Figure], trials: int, seconds: float) -> list[Figur
     many, some = vec_rate(1024, trials, seconds) / 1e6, vec_rate(128, trials, seconds) / 1e6
     one = single_rate(trials, seconds) / 1e3
     wanted = 300.0 * limit / 38.0  # thousand steps/s
-    unit = "M steps/s"
+    cpp_rate = of(2)["ours"]
     return [
-        figure("Python, 1024 environments", unit, many, of(2)["ours"], "the same in C++", many / of(2)["ours"], 0.8),
-        figure("Python, 128 environments", unit, some, limit, "limit of one core", some / limit, 0.3),
-        figure("Python, one environment", "k steps/s", one, wanted, "300 k at a limit of 38 M", one / wanted, 1.0, threads=1),
+        figure(
+            "Python, 1024 environments", (many, cpp_rate, many / cpp_rate), "the same in C++", 0.8
+        ),
+        figure("Python, 128 environments", (some, limit, some / limit), "limit of one core", 0.3),
+        figure(
+            "Python, one environment",
+            (one, wanted, one / wanted),
+            "300 k at a limit of 38 M",
+            1.0,
+            unit="k steps/s",
+            threads=1,
+        ),
     ]
 
 
@@ -112,7 +124,15 @@ def simbody_figure() -> Figure:
     text = subprocess.run([program], check=True, capture_output=True, text=True).stdout
     times = [float(t) for t in re.findall(r"(\d+) ns a step", text)]
     bare, whole = min(times[:2]), times[3]
-    return figure("Simbody path", "ns", whole, bare, "bare Simbody loop", whole / bare, 1.2, sense="<=", threads=1)
+    return figure(
+        "Simbody path",
+        (whole, bare, whole / bare),
+        "bare Simbody loop",
+        1.2,
+        unit="ns",
+        sense="<=",
+        threads=1,
+    )
 
 
 def cells(f: Figure) -> list[str]:
@@ -132,7 +152,8 @@ def cells(f: Figure) -> list[str]:
     ]
 
 
-HEADINGS = ["figure", "actions", "threads", "ours", "other", "unit", "other is", "ratio", "goal", ""]
+HEADINGS = ["figure", "actions", "threads", "ours", "other", "unit", "other is", "ratio", "goal"]
+HEADINGS.append("")
 
 
 def table(figures: list[Figure]) -> str:
@@ -149,9 +170,11 @@ def markdown(facts: dict[str, Any]) -> str:
         "# Goals, measured",
         "",
         "Written by `./dev bench` (bench/goals.py); raw figures in data/goals.json.",
-        f"{facts['machine']}, {facts['processors']} cores of {facts['processor']}, {facts['date']}; "
+        f"{facts['machine']}, {facts['processors']} cores of {facts['processor']}, "
+        f"{facts['date']}; "
         f"Simbody {facts['simbody']}{' with asserts' if facts['simbody_asserts'] else ''}; "
-        f"load {facts['load'][0]:.1f} when it began. Rates are the best of many short trials in turns.",
+        f"load {facts['load'][0]:.1f} when it began. Rates are the best of many short trials in "
+        "turns.",
         "",
         "| " + " | ".join(HEADINGS) + " |",
         "|" + " --- |" * len(HEADINGS),
@@ -171,14 +194,15 @@ def main() -> None:
     load = os.getloadavg()
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "cpp.json"
-        command = [PROGRAMS / "bench_goals", "--out", out, *(["--full"] if options.full else [])]
+        command = [str(PROGRAMS / "bench_goals"), "--out", str(out)]
+        command += ["--full"] if options.full else []
         subprocess.run(command, check=True)
         facts = json.loads(out.read_text())
     facts["figures"] += python_figures(facts["figures"], trials, seconds)
     facts["figures"].append(simbody_figure())
     facts["load"] = load
     facts["date"] = datetime.date.today().isoformat()
-    print(f"\n{facts['machine']} ({facts['processor']}), {facts['processors']} processors, load {load[0]:.1f}")
+    print(f"\n{facts['machine']} ({facts['processor']}), {facts['processors']} processors")
     print(table(facts["figures"]))
     if options.json:
         path = pathlib.Path(options.json)
