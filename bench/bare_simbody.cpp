@@ -81,6 +81,16 @@ class Bare : public BareLoop {
   }
   double height() const override { return state_.getQ()[6]; }
 
+  void rebuild(double scale) override {
+    const SimTK::Inertia inertia(kHover.inertia[0], kHover.inertia[1], kHover.inertia[2]);
+    body_.setDefaultMassProperties(
+        SimTK::MassProperties(scale * kHover.mass, Vec3(0), scale * inertia));
+    state_ = system_.realizeTopology();
+    system_.realizeModel(state_);
+    state_.updQ()[6] = kHover.height;
+    system_.realize(state_, SimTK::Stage::Velocity);
+  }
+
  private:
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;

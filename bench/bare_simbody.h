@@ -23,6 +23,9 @@ class BareLoop {
   virtual ~BareLoop() = default;
   virtual void step() = 0;
   virtual double height() const = 0;
+  /// Gives the body its mass and inertia times `scale`, which takes a new topology, and puts the
+  /// state at its start again.
+  virtual void rebuild(double scale) = 0;
 };
 
 /// Without the operator: Force::Gravity and Force::DiscreteForces, realize(Acceleration), the usual

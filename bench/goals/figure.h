@@ -1,0 +1,44 @@
+// One line of the table of goals.
+#pragma once
+
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/json.h"
+
+namespace skybody::bench {
+
+/// What was measured, what it is compared with, and the goal.
+struct Figure {
+  std::string what;     ///< "hover, K=1, 1024 environments"
+  std::string actions;  ///< hold, zero, random; empty where there are none
+  int threads = 0;      ///< 0 where it is not a matter of threads
+  std::string unit;     ///< of `ours` and `limit`
+  double ours = 0.0;
+  std::optional<double> limit;  ///< what it is compared with
+  std::string against;          ///< what that is
+  double ratio = 0.0;           ///< as the goal has it
+  std::string sense;            ///< ">=" or "<=" the goal; empty: no goal, for information
+  double goal = 0.0;
+
+  bool meets() const { return sense.empty() || (sense == ">=" ? ratio >= goal : ratio <= goal); }
+  std::string json() const;
+};
+
+inline std::string Figure::json() const {
+  const auto number = [](double x) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.6g", x);
+    return std::string(text);
+  };
+  JsonObject out;
+  out.set_text("what", what).set_text("actions", actions).set("threads", std::to_string(threads));
+  out.set_text("unit", unit).set("ours", number(ours));
+  out.set("limit", limit ? number(*limit) : "null").set_text("against", against);
+  out.set("ratio", number(ratio)).set_text("sense", sense).set("goal", number(goal));
+  return out.text();
+}
+
+}  // namespace skybody::bench

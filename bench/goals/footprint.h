@@ -1,0 +1,19 @@
+// What an environment takes: memory, and the time of a reset.
+#pragma once
+
+#include <string>
+
+#include "core/assemble/load.h"
+
+namespace skybody::bench {
+
+/// Resident memory per environment of a VecEnv of so many, rows and buffers included [bytes].
+double bytes_per_environment(const LoadOptions& scenario, int envs);
+
+/// Best time of a reset, all lanes of a group together [s per environment].
+double reset_time(const LoadOptions& scenario);
+
+/// Best time of a rebuild of a hand-written Simbody world with another mass [s].
+double bare_rebuild_time();
+
+}  // namespace skybody::bench

@@ -1,0 +1,190 @@
+#include "bench/limit/engine_check.h"
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "bench/limit/array.h"
+#include "bench/limit/hover_task.h"
+#include "bench/limit/pin_rod_task.h"
+#include "core/assemble/load.h"
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody::bench::limit {
+namespace {
+
+constexpr int kGroup = 8;  // environments that are compared: one of the engine's groups
+
+/// Actions in [middle - spread, middle + spread], a fixed sequence.
+class Actions {
+ public:
+  Actions(float middle, float spread) : middle_(middle), spread_(spread) {}
+  void fill(std::vector<float>& rows) {
+    for (float& a : rows) {
+      seed_ = seed_ * 6364136223846793005u + 1442695040888963407u;
+      const auto high = static_cast<float>(seed_ >> 40) * 0x1p-23f;  // 0 ... 2
+      a = middle_ + spread_ * (high - 1.0f);
+    }
+  }
+
+ private:
+  float middle_, spread_;
+  std::uint64_t seed_ = 1;
+};
+
+LoadOptions scenario_of(CheckedTask task, int repeats) {
+  const std::string repeat = "stepping.action_repeat=" + std::to_string(repeats);
+  switch (task) {
+    case CheckedTask::kPayload:  // nominal constants; who hangs still shows little
+      return {"payload",
+              {repeat, "sensors=[]",
+               "randomization=[{plugin: start, parameters: {robot: quad, position_min: [-5, -5, "
+               "1.5], position_max: [5, 5, 3], rate_max: 1.0, velocity_max: 1.0}}]"},
+              {}};
+    case CheckedTask::kPinRod:
+      return {SKYBODY_BENCH_SCENARIOS "/pin_rod.yaml", {repeat}, {}};
+    case CheckedTask::kHover:
+      break;
+  }
+  return {"hover", {repeat}, {}};
+}
+
+/// Eight environments of the scenario, as a worker of VecEnv steps them.
+class Engine {
+ public:
+  Engine(CheckedTask task, int repeats)
+      : environment_(load_environment(scenario_of(task, repeats))),
+        group_(environment_->make_state(kGroup)),
+        work_(environment_->make_work(kGroup)),
+        observation_(static_cast<std::size_t>(environment_->observation_size()) * kGroup) {
+    for (int l = 0; l < kGroup; ++l) {
+      environment_->initialize(group_, l, 7, static_cast<std::uint64_t>(l));
+    }
+    environment_->reset(group_, *work_, kAll, rows());
+  }
+  void step(const std::vector<float>& actions) {
+    environment_->step(group_, *work_, kAll, actions.data(), kActions, rows());
+  }
+  double q(int lane, int k) { return group_.reals(environment_->layout().q)[k * kGroup + lane]; }
+  double u(int lane, int k) { return group_.reals(environment_->layout().u)[k * kGroup + lane]; }
+  double rotor(int lane, int k) {
+    return group_.reals(environment_->layout().rotor_speed)[k * kGroup + lane];
+  }
+  double task_value(int lane, int k) {
+    return group_.reals(environment_->task().state)[k * kGroup + lane];
+  }
+  int width() const { return environment_->observation_size(); }
+  const float* observation(int lane) const {
+    return observation_.data() + static_cast<std::ptrdiff_t>(lane) * width();
+  }
+  float reward(int lane) const { return reward_[lane]; }
+
+ private:
+  static constexpr std::uint32_t kAll = (1u << kGroup) - 1u;
+  skybody::Rows rows() { return {observation_.data(), reward_, status_}; }
+
+  std::shared_ptr<const Environment> environment_;
+  StateGroup group_;
+  std::unique_ptr<GroupWork> work_;
+  std::vector<float> observation_;
+  float reward_[kGroup] = {};
+  std::uint64_t status_[kGroup] = {};
+};
+
+/// The engine's base comes first in both.
+void copy_base(Engine& engine, EnvironmentArray& array, int env) {
+  for (int k = 0; k < kVelocity; ++k) array.value(env, k) = engine.q(env, k);
+  for (int k = 0; k < 6; ++k) array.value(env, kVelocity + k) = engine.u(env, k);
+  for (int k = 0; k < 4; ++k) array.value(env, kRotor + k) = engine.rotor(env, k);
+}
+
+/// A ball joint's coordinates are relative to the parent, the loop's to the world.
+void copy_bodies(Engine& engine, EnvironmentArray& array, int env) {
+  Quat<double> parent{engine.q(env, 3), engine.q(env, 4), engine.q(env, 5), engine.q(env, 6)};
+  Vec3<double> spin{engine.u(env, 3), engine.u(env, 4), engine.u(env, 5)};  // parent's axes
+  for (int body = 0; body < 2; ++body) {
+    const int q = 7 + 4 * body, u = 6 + 3 * body, to = kRodRotation + 7 * body;
+    const Quat<double> own{engine.q(env, q), engine.q(env, q + 1), engine.q(env, q + 2),
+                           engine.q(env, q + 3)};
+    parent = parent * own;
+    spin = rotate_inverse(own, spin) +
+           Vec3<double>{engine.u(env, u), engine.u(env, u + 1), engine.u(env, u + 2)};
+    const double values[7] = {parent.w, parent.x, parent.y, parent.z, spin.x, spin.y, spin.z};
+    for (int k = 0; k < 7; ++k) array.value(env, to + k) = values[k];
+  }
+}
+
+void copy_state(CheckedTask task, Engine& engine, EnvironmentArray& array, int env) {
+  copy_base(engine, array, env);
+  switch (task) {
+    case CheckedTask::kHover:
+      for (int k = 0; k < 4; ++k) array.value(env, kTarget + k) = engine.task_value(env, k);
+      return;
+    case CheckedTask::kPayload:
+      copy_bodies(engine, array, env);
+      return;
+    case CheckedTask::kPinRod:
+      array.value(env, kPinAngle) = engine.q(env, 7);
+      array.value(env, kPinRate) = engine.u(env, 6);
+      return;
+  }
+}
+
+void raise(double& largest, double a, double b) {
+  largest = std::fmax(largest, std::isnan(a - b) ? INFINITY : std::fabs(a - b));
+}
+
+}  // namespace
+
+Difference compare_with_engine(CheckedTask task, const LoopKind& loop, int repeats, int steps) {
+  Engine engine(task, repeats);
+  EnvironmentArray array(loop, kGroup, repeats);
+  // About hover, so that no episode ends; a little more where something hangs below.
+  Actions actions(task == CheckedTask::kHover ? 0.21f : 0.3f, 0.05f);
+  std::vector<float> rows(kGroup * kActions);
+  actions.fill(rows);
+  array.step(rows.data());  // begins the episodes; then the engine's starts take their place
+  std::vector<float> start;
+  for (int e = 0; e < kGroup; ++e) {
+    copy_state(task, engine, array, e);
+    start.insert(start.end(), engine.observation(e), engine.observation(e) + engine.width());
+  }
+  for (int n = 0; n < steps; ++n) {
+    actions.fill(rows);
+    engine.step(rows);
+    array.step(rows.data());
+  }
+  Difference out;
+  for (int e = 0; e < kGroup; ++e) {
+    for (int k = 0; k < engine.width(); ++k) {
+      raise(out.observation, array.observation(e)[k], engine.observation(e)[k]);
+      raise(out.moved, start[static_cast<std::size_t>(e * engine.width() + k)],
+            engine.observation(e)[k]);
+    }
+    raise(out.reward, array.reward(e), engine.reward(e));
+  }
+  return out;
+}
+
+bool give_same_rows(const LoopKind& a, const LoopKind& b, int repeats, int rounds) {
+  constexpr int kEnvs = 64;
+  EnvironmentArray first(a, kEnvs, repeats), second(b, kEnvs, repeats);
+  const auto bytes = static_cast<std::size_t>(a.observation) * sizeof(float);
+  Actions actions(0.2f, 1.0f);
+  std::vector<float> rows(kEnvs * kActions);
+  for (int n = 0; n < rounds; ++n) {
+    actions.fill(rows);
+    first.step(rows.data());
+    second.step(rows.data());
+    for (int e = 0; e < kEnvs; ++e) {
+      if (std::memcmp(first.observation(e), second.observation(e), bytes) != 0 ||
+          first.reward(e) != second.reward(e) || first.ended(e) != second.ended(e)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace skybody::bench::limit

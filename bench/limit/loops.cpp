@@ -1,0 +1,27 @@
+#include "bench/limit/loops.h"
+
+#include "core/base/isa.h"
+
+namespace skybody::bench::limit {
+namespace {
+
+void append(std::vector<LoopKind>& to, const std::vector<LoopKind>& more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
+void append(Loops& to, const Loops& more) {
+  append(to.hover, more.hover);
+  append(to.payload, more.payload);
+  append(to.pin_rod, more.pin_rod);
+}
+
+}  // namespace
+
+Loops all_loops() {
+  Loops out = loops_v2();
+  if (machine_has(Isa::v3)) append(out, loops_v3());
+  if (machine_has(Isa::v4)) append(out, loops_v4());
+  return out;
+}
+
+}  // namespace skybody::bench::limit

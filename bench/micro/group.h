@@ -1,0 +1,60 @@
+// One group of environments as a worker of VecEnv steps it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/assemble/load.h"
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+
+namespace skybody::bench {
+
+/// Some environments side by side, reset, with rows of their own.
+class Group {
+ public:
+  /// @param lanes  0: as many as the scenario is best stepped in
+  Group(const std::string& scenario, const std::vector<std::string>& overrides, int lanes = 0)
+      : environment_(load_environment({scenario, overrides, {}})),
+        group_(environment_->make_state(lanes > 0 ? lanes : environment_->preferred_lanes())),
+        work_(environment_->make_work(group_.lanes())),
+        observation_(count() * static_cast<std::size_t>(environment_->observation_size())),
+        reward_(count()),
+        action_(count() * static_cast<std::size_t>(environment_->action_size()), 0.2f),
+        status_(count()) {
+    for (int l = 0; l < lanes_of(); ++l) {
+      environment_->initialize(group_, l, 0, static_cast<std::uint64_t>(l));
+    }
+    reset();
+  }
+
+  int lanes_of() const { return group_.lanes(); }
+  void reset() { environment_->reset(group_, *work_, all(), rows()); }
+  void step() {
+    environment_->step(group_, *work_, all(), action_.data(), environment_->action_size(), rows());
+  }
+  /// Physics alone.
+  void advance() { environment_->advance(group_, *work_, all(), 1); }
+  /// Task and rows alone.
+  void evaluate() { environment_->evaluate(group_, *work_, all(), rows()); }
+  /// Begins again where all lanes are long on their way, so that none lies on the ground.
+  void keep_flying(long step) {
+    if (step % 500 == 0) reset();
+  }
+
+ private:
+  std::size_t count() const { return static_cast<std::size_t>(group_.lanes()); }
+  std::uint32_t all() const {
+    return static_cast<std::uint32_t>((std::uint64_t{1} << group_.lanes()) - 1);
+  }
+  Rows rows() { return {observation_.data(), reward_.data(), status_.data()}; }
+
+  std::shared_ptr<const Environment> environment_;
+  StateGroup group_;
+  std::unique_ptr<GroupWork> work_;
+  std::vector<float> observation_, reward_, action_;
+  std::vector<std::uint64_t> status_;
+};
+
+}  // namespace skybody::bench
