@@ -148,6 +148,7 @@ void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& c
 int bench(const BenchOptions& options) {
   const auto environment = load_and_warn(options.load);
   VecEnvOptions how = options.envs;
+  how.info = false;
   VecEnv envs(environment, how);
   BatchActions actions(options.actions, environment, envs.envs());
   const InterruptGuard guard;

@@ -66,9 +66,7 @@ struct Mask {
 
   /// Per lane: a where the mask is set, else b.
   friend SKYBODY_INLINE Pack<W> select(const Mask& mask, const Pack<W>& a, const Pack<W>& b) {
-    using Reals = typename lanes::Native<W>::Reals;
-    const Native x = reinterpret_cast<Native>(a.v), y = reinterpret_cast<Native>(b.v);
-    return Pack<W>(reinterpret_cast<Reals>((x & mask.v) | (y & ~mask.v)));
+    return Pack<W>(mask.v ? a.v : b.v);
   }
   friend SKYBODY_INLINE WordPack<W> select(const Mask& mask, const WordPack<W>& a,
                                            const WordPack<W>& b) {

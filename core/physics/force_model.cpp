@@ -13,7 +13,8 @@ std::vector<RotorPlace> make_rotor_places(const World& world) {
   std::vector<RotorPlace> places;
   for (std::size_t i = 0; i < world.rotors.size(); ++i) {
     const Rotor& rotor = *world.rotors[i].model;
-    places.push_back({rotor.position, rotor.axis, static_cast<double>(rotor.direction),
+    const Vec3<double>& p = rotor.position;
+    places.push_back({p, rotor.axis, static_cast<double>(rotor.direction), p.x * p.x + p.y * p.y,
                       world.layout.rotor_params[i]});
   }
   return places;

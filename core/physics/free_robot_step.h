@@ -85,7 +85,7 @@ class FreeRobotStep {
       const Real end = step.at(kStepEnd).speed;
       end_speed[i - group.first] = end;
       speeds += end;
-      return step.mean();
+      return step.mean(end, world_.rate);
     };
     return rotor_forces(group, world_.rotors.data(), in_.params, motion,
                         transpose_times(body.axes, body.velocity), body.spin);

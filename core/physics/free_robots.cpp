@@ -19,7 +19,8 @@ bool FreeRobots::is_possible(const World& world) {
   });
 }
 
-FreeRobots::FreeRobots(const World& w) : world(w), rotors(make_rotor_places(w)) {
+FreeRobots::FreeRobots(const World& w)
+    : world(w), rate(1.0 / w.scenario.stepping.dt), rotors(make_rotor_places(w)) {
   for (std::size_t r = 0; r < w.layout.robots.size(); ++r) {
     const RobotLayout& layout = w.layout.robots[r];
     FreeRobot robot;

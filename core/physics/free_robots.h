@@ -31,6 +31,7 @@ struct FreeRobots {
   static bool is_possible(const World& world);
 
   const World& world;
+  double rate = 0.0;  ///< physics steps a second: 1/dt
   std::vector<FreeRobot> robots;
   std::vector<RotorPlace> rotors;  ///< of the world
 };

@@ -72,7 +72,7 @@ void Mechanics::run_rotors(const LaneState& state) {
     for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
       rotors_[time][i] = rotor.at(time);
     }
-    mean_rotors_[i] = rotor.mean();
+    mean_rotors_[i] = rotor.mean(rotors_[kStepEnd][i].speed, 1.0 / world_.scenario.stepping.dt);
   }
 }
 

@@ -2,6 +2,7 @@
 // order as Mechanics and the integrators do for one, on packs.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -49,7 +50,13 @@ struct PackArrays {
     const auto nu = static_cast<std::size_t>(world.layout.u.size);
     const std::size_t rotor_count = world.rotors.size(), body_count = world.bodies.size();
     const bool stages = world.scenario.stepping.integrator == IntegratorChoice::kRk4;
-    const bool trees = body_count > 1 || world.bodies.front().model->joint.type != JointType::kFree;
+    // Robots of one body that moves freely go in closed form.
+    const bool trees =
+        body_count > world.layout.robots.size() ||
+        std::any_of(world.bodies.begin(), world.bodies.end(),
+                    [](const WorldBody& b) { return b.model->joint.type != JointType::kFree; }) ||
+        std::any_of(world.drives.begin(), world.drives.end(),
+                    [](DriveKind kind) { return kind != DriveKind::kNone; });
     std::size_t at = 0;
     take(q, memory, nq, at);
     take(u, memory, nu, at);
@@ -205,13 +212,13 @@ class PackMechanics {
           load_lanes<Real>(at(group_.rotor_speed, i)),
           load_lanes<Real>(at(group_.rotor_command, i)),
           params_[layout.rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed]);
+      a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
       if constexpr (kIntegrator == IntegratorChoice::kSemiImplicitEuler) {
-        a_.mean_rotors[i] = rotor.mean();
+        a_.mean_rotors[i] = rotor.mean(a_.rotors[kStepEnd][i].speed, 1.0 / dt());
       } else {
         a_.rotors[kStepStart][i] = rotor.at(kStepStart);
         a_.rotors[kStepMiddle][i] = rotor.at(kStepMiddle);
       }
-      a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
     }
     load_motion();
     has_motion_ = true;

@@ -26,6 +26,7 @@ namespace skybody {
 struct RotorPlace {
   Vec3<double> position, axis;  ///< hub [m] and thrust direction, body axes
   double direction = 1.0;       ///< +1 or -1
+  double squared_radius = 0.0;  ///< of the hub from the body's z axis [m^2]
   int params = 0;               ///< first of its kRotorParamCount values
 };
 
@@ -78,7 +79,7 @@ class LevelRotors {
     drag_ += drag;
     drag_x_ += x * drag;
     drag_y_ += y * drag;
-    drag_xy_ += (x * x + y * y) * drag;
+    drag_xy_ += place.squared_radius * drag;
     rolling_ += rolling;
     rolling_x_ += x * rolling;
     rolling_y_ += y * rolling;

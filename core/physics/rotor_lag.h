@@ -24,7 +24,6 @@ template <class Real>
 struct LagFactors {
   Real decay[kStageTimeCount];  ///< exp(-t/tau); all 0 for tau = 0
   Real slope[kStageTimeCount];  ///< acceleration per (w_ref - w(0)) [1/s]
-  Real mean_slope;              ///< mean acceleration of the step per (w_ref - w(0)) [1/s]
 };
 
 /// Both directions of one rotor.
@@ -49,12 +48,12 @@ LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
   f.decay[kStepMiddle] = select(immediate, zero, exp(-(0.5 * dt) / safe_tau));
   f.decay[kStepEnd] = select(immediate, zero, exp(-dt / safe_tau));
   // 1 - exp(-x) without cancellation.
-  f.mean_slope = select(immediate, one, -expm1(-dt / safe_tau)) / dt;
+  const Real mean_slope = select(immediate, one, -expm1(-dt / safe_tau)) / dt;
   const Real simpson = (f.decay[kStepStart] + 4.0 * f.decay[kStepMiddle] + f.decay[kStepEnd]) / 6.0;
   const Real safe_simpson = select(immediate, one, simpson);
   for (int i = 0; i < kStageTimeCount; ++i) {
     const Real share = select(immediate, one, f.decay[i] / safe_simpson);
-    f.slope[i] = f.mean_slope * share;
+    f.slope[i] = mean_slope * share;
   }
   return f;
 }
@@ -66,14 +65,14 @@ RotorLag<Real> make_rotor_lag(const Real* constants, double dt) {
 }
 
 /// Numbers in a RotorLag<double>, which is as good as an array of them.
-inline constexpr int kLagSize = 2 * (2 * kStageTimeCount + 1);
+inline constexpr int kLagSize = 2 * (2 * kStageTimeCount);
 static_assert(sizeof(RotorLag<double>) == kLagSize * sizeof(double));
 
 /// The lag whose numbers `values` holds, in the order of the members.
 template <class Real, class Values>
 SKYBODY_INLINE RotorLag<Real> load_lag(const Values& values) {
   const auto factors = [](const Values& v) {
-    return LagFactors<Real>{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, v[6]};
+    return LagFactors<Real>{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   };
   return {factors(values), factors(values + kLagSize / 2)};
 }
@@ -97,14 +96,6 @@ SKYBODY_INLINE RotorMotion<Real> rotor_at(const RotorLag<Real>& lag, const Real&
   // Exactly the command where the decay is 0, and at the start exactly the speed where it is 1.
   if (t == kStepStart) return {select(decay == 0.0, command, speed), gap * slope};
   return {command - gap * decay, gap * slope};
-}
-
-/// Mean acceleration over the whole step [rad/s^2].
-template <class Real>
-SKYBODY_INLINE Real mean_rotor_acceleration(const RotorLag<Real>& lag, const Real& speed,
-                                            const Real& command) {
-  const auto rising = command > speed;
-  return (command - speed) * select(rising, lag.up.mean_slope, lag.down.mean_slope);
 }
 
 }  // namespace skybody

@@ -23,8 +23,10 @@ struct RotorStep {
     return rotor_at(lag, speed, command, time);
   }
   /// Speed in mid-step, mean acceleration: for one evaluation a step.
-  SKYBODY_INLINE RotorMotion<Real> mean() const {
-    return {at(kStepMiddle).speed, mean_rotor_acceleration(lag, speed, command)};
+  /// @param end   speed at the end of the step
+  /// @param rate  1/dt [1/s]
+  SKYBODY_INLINE RotorMotion<Real> mean(const Real& end, double rate) const {
+    return {at(kStepMiddle).speed, (end - speed) * rate};
   }
 };
 
