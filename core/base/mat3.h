@@ -137,6 +137,32 @@ SKYBODY_INLINE SymMat3<Real> inverse(const SymMat3<Real>& a) {
           (a.xy * a.xz - a.xx * a.yz) * scale};
 }
 
+/// Factors L D L^T of a positive definite matrix, to solve with it: as exact as the matrix allows.
+template <class Real>
+class Ldl3 {
+ public:
+  SKYBODY_INLINE explicit Ldl3(const SymMat3<Real>& a) {
+    inverse_x_ = 1.0 / a.xx;
+    yx_ = a.xy * inverse_x_;
+    zx_ = a.xz * inverse_x_;
+    inverse_y_ = 1.0 / (a.yy - yx_ * a.xy);
+    const Real zy = a.yz - yx_ * a.xz;
+    zy_ = zy * inverse_y_;
+    inverse_z_ = 1.0 / ((a.zz - zx_ * a.xz) - zy_ * zy);
+  }
+  /// The x with a x = b.
+  SKYBODY_INLINE Vec3<Real> solve(const Vec3<Real>& b) const {
+    const Real y = b.y - yx_ * b.x;
+    const Real z = ((b.z - zx_ * b.x) - zy_ * y) * inverse_z_;
+    const Real solved_y = y * inverse_y_ - zy_ * z;
+    return {(b.x * inverse_x_ - yx_ * solved_y) - zx_ * z, solved_y, z};
+  }
+
+ private:
+  Real inverse_x_, inverse_y_, inverse_z_;  ///< of the diagonal D
+  Real yx_, zx_, zy_;                       ///< of the unit triangle L
+};
+
 /// The inverse by cofactors; not finite where the matrix is singular.
 template <class Real>
 SKYBODY_INLINE Mat3<Real> inverse(const Mat3<Real>& a) {

@@ -76,6 +76,13 @@ class Random {
     const Real radius = sqrt(-2.0 * log(1.0 - uniform()));
     return radius * cos(kTwoPi * uniform());
   }
+  /// Two independent standard normals for the same two uniforms: both branches, the cosine first.
+  SKYBODY_INLINE void normal_pair(Real& first, Real& second) {
+    const Real radius = sqrt(-2.0 * log(1.0 - uniform()));
+    const SinCos<Real> angle = sincos(kTwoPi * uniform());
+    first = radius * angle.cos;
+    second = radius * angle.sin;
+  }
   SKYBODY_INLINE Real normal(const Real& mean, const Real& deviation) {
     return mean + deviation * normal();
   }

@@ -231,6 +231,10 @@ void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
   const int lanes = group.lanes();
   const double* now = group.bodies();
   double* before = group.reals(block);
+  if (mask == all_lanes(group)) {
+    std::memcpy(before, now, static_cast<std::size_t>(block.size * lanes) * sizeof(double));
+    return;
+  }
   each(mask, [&](int lane) {
     for (int k = 0; k < block.size; ++k) before[k * lanes + lane] = now[k * lanes + lane];
   });

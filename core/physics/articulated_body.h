@@ -59,12 +59,18 @@ SKYBODY_INLINE SpatialForce<Real> velocity_force(const Real& mass, const Vec3<Re
 template <class Real>
 SKYBODY_INLINE ArticulatedInertia<Real> shifted(const ArticulatedInertia<Real>& i,
                                                 const Vec3<Real>& arm) {
-  const Mat3<Real> r = skew(arm);
-  const Mat3<Real> r_linear = r * to_mat3(i.linear);
-  const Mat3<Real> cr = i.coupling * r;
-  // r G^T = -(G r)^T, since r is skew: with it the sum is symmetric.
-  const Mat3<Real> angular = cr + transpose(cr) + r_linear * r;
-  return {i.angular - upper_triangle(angular), i.coupling + r_linear, i.linear};
+  // With r = skew(arm): r L, and the rows of G r, (r L) r. r G^T = -(G r)^T, since r is skew.
+  const Mat3<Real> linear = to_mat3(i.linear);
+  const Vec3<Real> x = cross(arm, linear.column(0)), y = cross(arm, linear.column(1)),
+                   z = cross(arm, linear.column(2));
+  const Mat3<Real> r_linear{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}};
+  const Vec3<Real> g0 = cross(i.coupling.row(0), arm), g1 = cross(i.coupling.row(1), arm),
+                   g2 = cross(i.coupling.row(2), arm);
+  const Vec3<Real> l0 = cross(r_linear.row(0), arm), l1 = cross(r_linear.row(1), arm),
+                   l2 = cross(r_linear.row(2), arm);
+  const SymMat3<Real> angular{(g0.x + g0.x) + l0.x, (g1.y + g1.y) + l1.y, (g2.z + g2.z) + l2.z,
+                              (g0.y + g1.x) + l0.y, (g0.z + g2.x) + l0.z, (g1.z + g2.y) + l1.z};
+  return {i.angular - angular, i.coupling + r_linear, i.linear};
 }
 
 template <class Real>
@@ -93,10 +99,10 @@ SKYBODY_INLINE Real power(const SpatialAcceleration<Real>& motion, const Spatial
 
 /// Columns of S, drift and arm of one joint.
 /// @param parent  null where the joint's frame F is fixed to W
-/// @param frame   F's motion; @param joint M's in it; @param body the body's
+/// @param frame   F's axes in W; @param joint M's motion in it; @param body the body's
 template <class Real>
 SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>* parent,
-                               const BodyKinematics<Real>& frame, const JointMotion<Real>& joint,
+                               const Mat3<Real>& frame, const JointMotion<Real>& joint,
                                const BodyKinematics<Real>& body, const Real* u,
                                TreeBodyWork<Real>& work) {
   const Real none(0.0);
@@ -115,19 +121,19 @@ SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>*
     case JointType::kWeld:
       break;
     case JointType::kFree:
-      for (int k = 0; k < 3; ++k) work.column[k] = {zero, frame.axes.column(k)};
+      for (int k = 0; k < 3; ++k) work.column[k] = {zero, frame.column(k)};
       for (int k = 0; k < 3; ++k) work.column[3 + k] = turning(m_axes.column(k));
       break;
     case JointType::kPin:
       work.column[0] = turning(m_axes.column(2));
       break;
     case JointType::kSlider:
-      work.column[0] = {zero, frame.axes.column(0)};
+      work.column[0] = {zero, frame.column(0)};
       break;
     case JointType::kUniversal:
-      work.column[0] = turning(frame.axes.column(0));
+      work.column[0] = turning(frame.column(0));
       work.column[1] = turning(m_axes.column(1));
-      spin_drift = cross(frame.axes.column(0), m_axes.column(1)) * (u[0] * u[1]);
+      spin_drift = cross(frame.column(0), m_axes.column(1)) * (u[0] * u[1]);
       break;
     case JointType::kBall:
       for (int k = 0; k < 3; ++k) work.column[k] = turning(m_axes.column(k));
@@ -140,7 +146,7 @@ SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>*
     work.arm = body.position - parent->position;
     work.drift.angular += cross(w, body.angular_velocity - w);
     work.drift.linear =
-        cross(w, cross(w, work.arm - lever)) + 2.0 * cross(w, frame.axes * joint.velocity);
+        cross(w, cross(w, work.arm - lever)) + 2.0 * cross(w, frame * joint.velocity);
   }
   if (!tree.plain_body) {
     const Vec3<Real>& w = body.angular_velocity;
@@ -169,6 +175,24 @@ SKYBODY_INLINE void eliminate(const Real* joint_force, TreeBodyWork<Real>& work)
     work.residual[k] = residual;
     work.inverse_pivot[k] = 1.0 / pivot;
   }
+}
+
+/// Acceleration of a body that nothing holds, from what it and all that hangs on it ask for: the
+/// linear part is taken out first.
+template <class Real>
+SKYBODY_INLINE SpatialAcceleration<Real> free_acceleration(const ArticulatedInertia<Real>& inertia,
+                                                           const SpatialForce<Real>& force) {
+  const Ldl3<Real> linear(inertia.linear);
+  const Mat3<Real>& c = inertia.coupling;
+  // Rows of C L^-1.
+  const Vec3<Real> k0 = linear.solve(c.row(0)), k1 = linear.solve(c.row(1)),
+                   k2 = linear.solve(c.row(2));
+  const SymMat3<Real> through{dot(k0, c.row(0)), dot(k1, c.row(1)), dot(k2, c.row(2)),
+                              dot(k0, c.row(1)), dot(k0, c.row(2)), dot(k1, c.row(2))};
+  const Vec3<Real> moment =
+      force.moment - Vec3<Real>{dot(k0, force.force), dot(k1, force.force), dot(k2, force.force)};
+  const Vec3<Real> angular = Ldl3<Real>(inertia.angular - through).solve(moment);
+  return {angular, linear.solve(force.force - transpose_times(c, angular))};
 }
 
 /// inertia and bias as they are felt through the joint.

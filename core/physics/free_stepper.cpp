@@ -57,6 +57,7 @@ class FreeStepper final : public Stepper {
   bool was_on_simbody() const override { return is_on_simbody_; }
 
   void accelerations(const LaneState& state, double* udot) override {
+    is_on_simbody_ = hands_over_ && is_within_reach(state);
     general_->accelerations(state, udot);
   }
 

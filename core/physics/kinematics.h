@@ -188,6 +188,28 @@ SKYBODY_INLINE BodyKinematics<Real> frame_on_parent(const TreeBody& body,
   return frame;
 }
 
+/// The axes of that frame in W.
+template <class Real>
+SKYBODY_INLINE Mat3<Real> frame_axes(const TreeBody& body, const BodyKinematics<Real>* bodies) {
+  if (body.parent < 0) return to_mat3(to_real<Real>(body.frame_in_parent.rotation));
+  const BodyKinematics<Real>& parent = bodies[body.parent];
+  if (body.plain_parent) return parent.axes;
+  return to_mat3(parent.rotation * to_real<Real>(body.frame_in_parent.rotation));
+}
+
+/// The motion of a joint's frame M from that of its frame F.
+template <class Real>
+SKYBODY_INLINE void attach(const BodyKinematics<Real>& frame, const JointMotion<Real>& joint,
+                           BodyKinematics<Real>& b) {
+  const Vec3<Real> travel = frame.axes * joint.translation;
+  b.position = frame.position + travel;
+  b.rotation = frame.rotation * joint.rotation;
+  b.axes = to_mat3(b.rotation);
+  b.velocity =
+      (frame.velocity + cross(frame.angular_velocity, travel)) + frame.axes * joint.velocity;
+  b.angular_velocity = frame.angular_velocity + b.axes * joint.angular_velocity;
+}
+
 /// From the motion of the joint's frame M to that of the body's own: B from M is the inverse of
 /// X_BM.
 template <class Real>
@@ -215,15 +237,10 @@ SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const 
       b.angular_velocity = b.axes * joint.angular_velocity;
       b.spin = joint.angular_velocity;
       if (body.plain_body) continue;
+    } else if (body.plain_parent) {
+      attach(bodies[body.parent], joint, b);
     } else {
-      const BodyKinematics<Real> frame = frame_on_parent(body, bodies);
-      const Vec3<Real> travel = frame.axes * joint.translation;
-      b.position = frame.position + travel;
-      b.rotation = frame.rotation * joint.rotation;
-      b.axes = to_mat3(b.rotation);
-      b.velocity =
-          (frame.velocity + cross(frame.angular_velocity, travel)) + frame.axes * joint.velocity;
-      b.angular_velocity = frame.angular_velocity + b.axes * joint.angular_velocity;
+      attach(frame_on_parent(body, bodies), joint, b);
     }
     if (!body.plain_body) to_body_frame(body, b);
     b.spin = transpose_times(b.axes, b.angular_velocity);

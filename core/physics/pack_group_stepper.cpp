@@ -15,8 +15,7 @@ class PackGroupStepper final : public GroupStepper {
  public:
   explicit PackGroupStepper(const PackWorld& world)
       : world_(world),
-        spins_(3 * world.world.bodies.size() * kGroupLanes),
-        derived_(static_cast<std::size_t>(world.derived.size) * kGroupLanes) {}
+        spins_(world.free_robots ? 0 : 3 * world.world.bodies.size() * kGroupLanes) {}
 
   void refresh(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch) override {
     for (int l = 0; l < kGroupLanes; ++l) {
@@ -67,10 +66,10 @@ class PackGroupStepper final : public GroupStepper {
     broken_ &= ~bit;
     if (is_nominal(group, lane)) {
       drawn_ &= ~bit;
-      if ((placed_ & bit) == 0) put(world_.nominal_derived.data(), lane);
-      placed_ |= bit;
+      if ((placed_ & bit) == 0 && derived_.size() > 0) put_nominal(lane);
       return;
     }
+    make_derived();
     drawn_ |= bit;
     placed_ &= ~bit;
     auto* params = reinterpret_cast<double*>(scratch.data());
@@ -97,6 +96,18 @@ class PackGroupStepper final : public GroupStepper {
     return true;
   }
 
+  /// Made where a lane is first drawn: most worlds never need it.
+  void make_derived() {
+    if (derived_.size() > 0) return;
+    derived_ = AlignedArray<double>(static_cast<std::size_t>(world_.derived.size) * kGroupLanes);
+    for (int l = 0; l < kGroupLanes; ++l) put_nominal(l);
+  }
+
+  void put_nominal(int lane) {
+    put(world_.nominal_derived.data(), lane);
+    placed_ |= 1u << lane;
+  }
+
   void put(const double* derived, int lane) {
     for (int k = 0; k < world_.derived.size; ++k) {
       derived_[static_cast<std::size_t>(k * kGroupLanes + lane)] = derived[k];
@@ -109,8 +120,9 @@ class PackGroupStepper final : public GroupStepper {
   }
 
   const PackWorld& world_;
-  AlignedArray<double> spins_;                ///< per body: angular velocity (W), in lanes
-  AlignedArray<double> derived_;              ///< of all lanes
+  AlignedArray<double> spins_;                ///< per body: angular velocity (W), in lanes; unless
+                                              ///< the world has free robots only
+  AlignedArray<double> derived_;              ///< of all lanes; empty: none was ever drawn
   std::uint32_t drawn_ = 0;                   ///< lanes whose parameters are not the nominal ones
   std::uint32_t placed_ = 0;                  ///< lanes of `derived_` that hold what is nominal
   std::uint32_t broken_ = 0;                  ///< lanes with parameters that no body has

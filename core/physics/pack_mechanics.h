@@ -282,6 +282,7 @@ class PackMechanics {
                                m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
                                m.spin.x,     m.spin.y,     m.spin.z};
       for (int k = 0; k < 13; ++k) put(at(group_.bodies, 13 * i + k), values[k], mask);
+      if (world_.free_robots) continue;  // whose kernel has no use for spins
       const Real spins[3] = {m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z};
       for (int k = 0; k < 3; ++k) put(spins_ + (3 * i + k) * kGroupLanes, spins[k], mask);
     }

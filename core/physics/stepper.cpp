@@ -111,9 +111,14 @@ void check_world(const World& world) {
 std::unique_ptr<Stepper> make_stepper(const World& world) {
   const DynamicsUse use = chosen_dynamics(world);
   if (use == DynamicsUse::kSimbody) return make_simbody_stepper(world);
+  if (use == DynamicsUse::kTree) return make_tree_stepper(world);
   if (FreeRobots::is_possible(world)) return make_free_stepper(world, use);
-  return make_stepper(world, use == DynamicsUse::kHandOver ? make_hand_over_dynamics(world)
-                                                           : make_tree_dynamics(world));
+  return make_stepper(world, make_hand_over_dynamics(world));
+}
+
+std::unique_ptr<Stepper> make_tree_stepper(const World& world) {
+  if (FreeRobots::is_possible(world)) return make_free_stepper(world, DynamicsUse::kTree);
+  return make_stepper(world, make_tree_dynamics(world));
 }
 
 std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {

@@ -67,6 +67,9 @@ void check_world(const World& world);
 /// @throws Error if the world cannot be built (message names the body and the reason)
 std::unique_ptr<Stepper> make_stepper(const World& world);
 
+/// A stepper over tree dynamics alone: bodies do not meet one another, nor obstacles.
+std::unique_ptr<Stepper> make_tree_stepper(const World& world);
+
 /// A stepper over Simbody with the scenario's integrator.
 /// @throws Error if the world cannot be built (message names the body and the reason).
 std::unique_ptr<Stepper> make_simbody_stepper(const World& world);

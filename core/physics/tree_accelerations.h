@@ -44,7 +44,7 @@ class Forest {
       }
       open(tree, q, u, motion, constants, forces, work);
       gather(tree, joint_forces, work);
-      spread(tree, work, udot);
+      spread(tree, motion, joint_forces, work, udot);
     }
   }
 
@@ -54,6 +54,7 @@ class Forest {
     int begin = 0, end = 0;
     bool is_free_body = false;
     bool is_driven = false;  ///< the base's coordinates are prescribed, with no acceleration
+    bool floats = false;     ///< the base moves freely, its joint's frames being W's and its own
   };
 
   /// Calls f with the joint's number of velocities as a constant.
@@ -84,9 +85,10 @@ class Forest {
       const BodyKinematics<Real>& b = motion[i];
       const Constants c = constants + kBodyConstantCount * i;
       TreeBodyWork<Real>& w = work.body[i];
-      open_joint(body, body.parent < 0 ? nullptr : motion + body.parent,
-                 frame_on_parent(body, motion), joint_motion(body.type, q + body.q, u + body.u), b,
-                 u + body.u, w);
+      if (i > tree.begin || !tree.floats) {
+        open_joint(body, body.parent < 0 ? nullptr : motion + body.parent, frame_axes(body, motion),
+                   joint_motion(body.type, q + body.q, u + body.u), b, u + body.u, w);
+      }
       const Vec3<Real> com = b.axes * load_vec3(c + kBodyCom);
       w.inertia = rigid_inertia(Real(c[kBodyMass]), com,
                                 rotate_inertia(b.axes, load_sym_mat3(c + kBodyInertia)));
@@ -105,6 +107,7 @@ class Forest {
       TreeBodyWork<Real>& w = work.body[i];
       ArticulatedInertia<Real> inertia = w.inertia;
       SpatialForce<Real> bias = w.bias;
+      if (i == tree.begin && tree.floats) continue;  // spread() takes it as it is
       if (!is_held(tree, i) && velocity_size(body.type) > 0) {
         with_velocities(
             body.type, [&](auto n) __attribute__((always_inline)) {
@@ -130,8 +133,22 @@ class Forest {
 
   /// From the base to the leaves: what each body does, its parent's acceleration known.
   template <class Real>
-  SKYBODY_INLINE void spread(const Tree& tree, const Work<Real>& work, Real* udot) const {
-    for (int i = tree.begin; i < tree.end; ++i) {
+  SKYBODY_INLINE void spread(const Tree& tree, const BodyKinematics<Real>* motion,
+                             const Real* joint_forces, const Work<Real>& work, Real* udot) const {
+    int first = tree.begin;
+    if (tree.floats) {
+      const int u = bodies_[static_cast<std::size_t>(first)].u;
+      const Mat3<Real>& axes = motion[first].axes;
+      const SpatialForce<Real>& bias = work.body[first].bias;
+      SpatialAcceleration<Real>& a = work.acceleration[first];
+      a = free_acceleration(work.body[first].inertia,
+                            {axes * load_vec3(joint_forces + u + 3) - bias.moment,
+                             load_vec3(joint_forces + u) - bias.force});
+      store(a.linear, udot + u);
+      store(transpose_times(axes, a.angular), udot + u + 3);
+      ++first;
+    }
+    for (int i = first; i < tree.end; ++i) {
       const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
       TreeBodyWork<Real>& w = work.body[i];
       SpatialAcceleration<Real>& a = work.acceleration[i];

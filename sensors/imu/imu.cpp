@@ -62,13 +62,14 @@ class Imu : public Sensor {
   }
 
  private:
-  static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1;
+  static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1, kWalkDraws = 2;
   static constexpr int kSize = 6;
 
   /// Standard normals, in a loop: the code of one draw is large.
   template <class Real, int N>
   static SKYBODY_INLINE void fill_normal(Random<Real> draw, Real (&draws)[N]) {
-    for (Real& d : draws) d = draw.normal();
+    static_assert(N % 2 == 0);
+    for (int k = 0; k < N; k += 2) draw.normal_pair(draws[k], draws[k + 1]);
   }
   template <class Real, int N>
   static SKYBODY_INLINE Vec3<Real> vec3(const Real (&draws)[N], int first) {
@@ -91,14 +92,18 @@ class Imu : public Sensor {
     const Vec3<Real> gravity{Real(gravity_.x), Real(gravity_.y), Real(gravity_.z)};
     Vec3<Real> force = rotate_inverse(now.rotation * mount, acceleration - gravity);
     Vec3<Real> rate = rotate_inverse(mount, now.angular_velocity);
-    if (any(noisy(env))) {
-      Real draws[12];
+    if (any(is_on(accelerometer_noise_(env), gyroscope_noise_(env)))) {
+      Real draws[6];
       fill_normal(random(env, kSampleDraws), draws);
+      add_noise(vec3(draws, 0), accelerometer_noise_(env), force);
+      add_noise(vec3(draws, 3), gyroscope_noise_(env), rate);
+    }
+    if (any(is_on(accelerometer_walk_(env), gyroscope_walk_(env)))) {
+      Real draws[6];
+      fill_normal(random(env, kWalkDraws), draws);
       const auto walks = logical_and(due, env.physics_step() > Word<Real>(0));
       walk(vec3(draws, 0), accelerometer_walk_(env), walks, state.force_bias);
       walk(vec3(draws, 3), gyroscope_walk_(env), walks, state.rate_bias);
-      add_noise(vec3(draws, 6), accelerometer_noise_(env), force);
-      add_noise(vec3(draws, 9), gyroscope_noise_(env), rate);
     }
     force += state.force_bias;
     rate += state.rate_bias;
@@ -107,9 +112,8 @@ class Imu : public Sensor {
   }
 
   template <class Real>
-  SKYBODY_INLINE MaskOf<Real> noisy(const Lanes<Real>& env) const {
-    return logical_or(logical_or(accelerometer_noise_(env) > 0.0, accelerometer_walk_(env) > 0.0),
-                      logical_or(gyroscope_noise_(env) > 0.0, gyroscope_walk_(env) > 0.0));
+  static SKYBODY_INLINE MaskOf<Real> is_on(const Real& a, const Real& b) {
+    return logical_or(a > 0.0, b > 0.0);
   }
 
   /// A density of zero leaves every bit as it is, whatever the other lanes do.

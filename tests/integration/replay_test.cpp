@@ -377,6 +377,33 @@ TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
   }
 }
 
+/// The C library chooses its mathematical functions by the processor: with FMA they round
+/// otherwise. Lag drawn anew (exponentials), noise (logarithms, sines) and a revolute joint
+/// (sines).
+TEST(Hash, IsTheSameWithTheCLibrarysVariantsForThisProcessorSwitchedOff) {
+  const std::vector<std::string> arguments = {
+      "hash",
+      SKYBODY_SOURCE_DIR "/bench/scenarios/pin_rod.yaml",
+      "--envs",
+      "9",
+      "--steps",
+      "300",
+      "--seed",
+      "5",
+      "--set",
+      "sensors=[{plugin: imu, parameters: {robot: quad, accelerometer_noise: 0.002, "
+      "gyroscope_noise: 0.0002, accelerometer_walk: 0.001}}]",
+      "--set",
+      "randomization=[{plugin: inertia, parameters: {robot: quad, mass: [0.8, 1.2], tau_up: [0.5, "
+      "1.5], tau_down: [0.5, 1.5]}}, {plugin: start, parameters: {robot: quad, position_min: [-1, "
+      "-1, 1.5], position_max: [1, 1, 3]}}]"};
+  const Outcome as_it_is = run_skybody(arguments);
+  ASSERT_EQ(as_it_is.exit_code, 0) << as_it_is.err;
+  ProcessOptions plain;
+  plain.environment = {"GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-AVX2_Usable,-FMA_Usable"};
+  EXPECT_EQ(run_skybody(arguments, plain).out, as_it_is.out);
+}
+
 TEST(Hash, SaysWhereARecordingCannotBeWritten) {
   const Outcome outcome =
       run_skybody({"hash", "hover", "--steps", "5", "--record", "/nowhere/run.h5"});

@@ -57,7 +57,7 @@ TEST(HandOver, FliesOnTreeFarFromEverything) {
   for (const IntegratorChoice integrator : kIntegrators) {
     Bench chosen(pair_of_vehicles(3.0, DynamicsChoice::kAuto, integrator));
     Bench tree(pair_of_vehicles(3.0, DynamicsChoice::kAuto, integrator));
-    tree.stepper = make_stepper(tree.world, make_tree_dynamics(tree.world));
+    tree.stepper = make_tree_stepper(tree.world);
     Bench simbody(pair_of_vehicles(3.0, DynamicsChoice::kSimbody, integrator));
     for (Bench* bench : {&chosen, &tree, &simbody}) set_off(*bench, 0.2);
     for (int i = 0; i < 1000; ++i) {
@@ -88,7 +88,7 @@ struct Turns {
 TEST(HandOver, TakesEachStepAsOneOfTheTwoDoes) {
   for (const IntegratorChoice integrator : kIntegrators) {
     Bench chosen(pair_of_vehicles(2.0, DynamicsChoice::kAuto, integrator));
-    const auto tree = make_stepper(chosen.world, make_tree_dynamics(chosen.world));
+    const auto tree = make_tree_stepper(chosen.world);
     const auto simbody = make_simbody_stepper(chosen.world);
     set_off(chosen, 1.5);
     Turns turns;
@@ -190,7 +190,7 @@ TEST(HandOver, DoesNotDependOnWhatTheStepperSawBefore) {
 TEST(HandOver, AnswersQuestionsAsItSteps) {
   for (const double apart : {0.2, 3.0}) {
     Bench chosen(pair_of_vehicles(apart));
-    const auto tree = make_stepper(chosen.world, make_tree_dynamics(chosen.world));
+    const auto tree = make_tree_stepper(chosen.world);
     const auto simbody = make_simbody_stepper(chosen.world);
     std::vector<double> asked(12), by_tree(12), by_simbody(12);
     chosen.stepper->accelerations(chosen.state, asked.data());

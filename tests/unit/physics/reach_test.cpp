@@ -42,7 +42,7 @@ struct Scene {
     for (std::size_t i = 0; i < motion.size(); ++i) place(i, {0, 0, 0});
   }
   void place(std::size_t body, Vec3<double> position, Quat<double> rotation = {1, 0, 0, 0}) {
-    motion[body] = {position, rotation, to_mat3(rotation), {0, 0, 0}, {0, 0, 0}};
+    motion[body] = {position, rotation, to_mat3(rotation), {0, 0, 0}, {0, 0, 0}, {0.0, 0.0, 0.0}};
   }
   bool is_within() const {
     std::vector<SweptSphere<double>> swept(reach.sphere_count());

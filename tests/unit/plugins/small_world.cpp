@@ -183,22 +183,32 @@ void Group::run(const SkybodyKernels& k, const void* self, int steps) {
 }
 
 std::vector<std::uint64_t> Group::lane(std::uint32_t l) const {
-  std::vector<std::uint64_t> words;
+  return words(
+      l, {&q_, &u_, &rotor_speed_, &params_, &command_, &output_, &observation_, &reward_, &goal_});
+}
+
+std::vector<std::uint64_t> Group::kept(std::uint32_t l, bool with_output) const {
+  if (with_output) return words(l, {&q_, &u_, &rotor_speed_, &params_, &command_, &output_});
+  return words(l, {&q_, &u_, &rotor_speed_, &params_, &command_});
+}
+
+std::vector<std::uint64_t> Group::words(
+    std::uint32_t l, std::initializer_list<const std::vector<double>*> blocks) const {
+  std::vector<std::uint64_t> all;
   const auto add = [&](const auto& block) {
     for (std::size_t i = l; i < block.size(); i += lanes_) {
       std::uint64_t word;
       std::memcpy(&word, &block[i], sizeof word);
-      words.push_back(word);
+      all.push_back(word);
     }
   };
   add(state_);
   add(buffer_);
   add(end_);
-  for (const auto* block :
-       {&q_, &u_, &rotor_speed_, &params_, &command_, &output_, &observation_, &reward_, &goal_}) {
+  for (const auto* block : blocks) {
     add(*block);
   }
-  return words;
+  return all;
 }
 
 }  // namespace skybody::test

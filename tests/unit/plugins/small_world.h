@@ -67,8 +67,13 @@ class Group {
   void run(const SkybodyKernels& kernels, const void* self, int steps);
   /// Bits of everything that was written, of one lane.
   std::vector<std::uint64_t> lane(std::uint32_t l) const;
+  /// Bits of what the host keeps from call to call, of one lane.
+  /// @param with_output  whether the plugin's output is such (a sensor's)
+  std::vector<std::uint64_t> kept(std::uint32_t l, bool with_output) const;
 
  private:
+  std::vector<std::uint64_t> words(std::uint32_t l,
+                                   std::initializer_list<const std::vector<double>*> blocks) const;
   std::vector<double> fill(int words, double scale, int salt) const;
   SkybodyLanes view();
 
