@@ -45,7 +45,7 @@ def best_rate(step: Callable[[], object], count: int, trials: int, seconds: floa
 
 
 def vec_rate(count: int, trials: int, seconds: float) -> float:
-    envs = skybody.make_vec("hover", count)
+    envs = skybody.make_vec("hover", count, infos=False)
     try:
         envs.reset()
         actions = np.full((count, 4), HOLD, np.float32)

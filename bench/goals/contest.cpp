@@ -54,6 +54,7 @@ class Ours {
     VecEnvOptions options;
     options.envs = contest.envs;
     options.threads = contest.threads;
+    options.info = false;  // the limit has none
     return options;
   }
   void round() {

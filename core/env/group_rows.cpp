@@ -112,17 +112,21 @@ SKYBODY_INLINE Floats to_floats(const double* lanes, Floats& faults) {
 
 SKYBODY_INLINE bool write(const double* values, int count, float* rows) {
   Floats faults{};
-  const int whole = count & ~3;
   for (int first = 0; first < kGroupLanes; first += 4) {
     const double* in = values + first;
     float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
-    for (int k = 0; k < whole; k += 4) {
+    const auto write_four = [&](int k) __attribute__((always_inline)) {
       Floats v[4];
       for (int i = 0; i < 4; ++i) v[i] = to_floats(in + (k + i) * kGroupLanes, faults);
       transpose(v);
       for (int i = 0; i < 4; ++i) store_floats(row + i * count + k, v[i]);
+    };
+    for (int k = 0; k + 4 <= count; k += 4) write_four(k);
+    if (count >= 4) {
+      if (count % 4 != 0) write_four(count - 4);  // some of them once more
+      continue;
     }
-    for (int k = whole; k < count; ++k) {
+    for (int k = 0; k < count; ++k) {
       const Floats v = to_floats(in + k * kGroupLanes, faults);
       for (int i = 0; i < 4; ++i) row[i * count + k] = v[i];
     }

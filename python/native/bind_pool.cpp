@@ -30,7 +30,7 @@ Autoreset to_autoreset(const std::string& text) {
 void construct(Pool* self, const LoadedEnvironment& environment, int num_envs, int batch_size,
                int num_threads, const std::string& order, const std::string& autoreset,
                std::uint64_t seed, std::uint64_t first_env_id, bool pin_threads, bool keep_hash,
-               bool debug) {
+               bool info, bool debug) {
   VecEnvOptions options;
   options.envs = num_envs;
   options.batch = batch_size;
@@ -41,6 +41,7 @@ void construct(Pool* self, const LoadedEnvironment& environment, int num_envs, i
   options.first_env_id = first_env_id;
   options.pin_threads = pin_threads;
   options.keep_hash = keep_hash;
+  options.info = info;
   options.debug_buffers = debug;
   new (self) Pool(environment, options);
 }
@@ -249,7 +250,8 @@ void bind_pool(nb::module_& m) {
   c.def("__init__", &construct, nb::arg("environment"), nb::arg("num_envs"),
         nb::arg("batch_size") = 0, nb::arg("num_threads") = 0, nb::arg("order") = "fixed",
         nb::arg("autoreset") = "next_step", nb::arg("seed") = 0, nb::arg("first_env_id") = 0,
-        nb::arg("pin_threads") = false, nb::arg("keep_hash") = false, nb::arg("debug") = false,
+        nb::arg("pin_threads") = false, nb::arg("keep_hash") = false, nb::arg("info") = true,
+        nb::arg("debug") = false,
         "num_envs: N_E >= 1\n"
         "batch_size: N_B, rows that recv() waits for, 1 ... num_envs; 0: num_envs\n"
         "num_threads: N_T, the caller counted; 0: one per processor\n"
@@ -262,6 +264,7 @@ void bind_pool(nb::module_& m) {
         "pin_threads: give each worker a processor of its own where the system allows it; the\n"
         "    caller is left where it is\n"
         "keep_hash: chain a trajectory hash per environment\n"
+        "info: whether rows carry the task's info values; without, tasks need not compute them\n"
         "debug: fill reused buffers with NaN, and raise BufferError where one is still held\n\n"
         "Raises ValueError if one of them is out of range.");
   bind_flow(c);

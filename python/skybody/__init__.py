@@ -108,6 +108,7 @@ def make_vec(
     joint: bool = False,
     pin_threads: bool = False,
     keep_hash: bool = False,
+    infos: bool = True,
     debug: bool = False,
 ) -> SkybodyVectorEnv:
     """Many environments of one scenario as a `gymnasium.vector.VectorEnv`.
@@ -131,6 +132,7 @@ def make_vec(
         joint=joint,
         pin_threads=pin_threads,
         keep_hash=keep_hash,
+        infos=infos,
         debug=debug,
     )
     return vector

@@ -23,13 +23,16 @@ RESERVED = (
 class InfoChannels:
     """Where each of a task's info values lies in a row of `Batch.info`.
 
+    Args:
+        present: whether rows carry them at all; else there are none.
+
     Raises:
         ValueError: a task declares an info value under a name that Skybody uses itself.
     """
 
-    def __init__(self, environment: Environment) -> None:
+    def __init__(self, environment: Environment, present: bool = True) -> None:
         self._columns: list[tuple[str, str, int | slice]] = []
-        for channel in environment.info_channels:
+        for channel in environment.info_channels if present else ():
             if channel.name in RESERVED:
                 raise ValueError(
                     f"the task of `{environment.name}` declares an info value `{channel.name}`, "

@@ -92,6 +92,7 @@ class SkybodyVectorEnv(
             actions (num_envs, agents, width), views of the same memory, with the team's reward.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
+        infos: whether infos hold the task's info values; without, tasks need not compute them.
         debug: raise BufferError where memory that is still held would be recycled, and fill what
             is recycled with NaN.
 
@@ -114,6 +115,7 @@ class SkybodyVectorEnv(
         joint: bool = False,
         pin_threads: bool = False,
         keep_hash: bool = False,
+        infos: bool = True,
         debug: bool = False,
     ) -> None:
         if order not in get_args(Order):
@@ -130,11 +132,12 @@ class SkybodyVectorEnv(
             autoreset=cast(Autoreset, names[self._mode]),
             pin_threads=pin_threads,
             keep_hash=keep_hash,
+            info=infos,
             debug=debug,
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
-        self._channels = InfoChannels(self.environment)
+        self._channels = InfoChannels(self.environment, infos)
         self._joint = JointLayout(self.environment) if joint else None
         self._team = len(self.environment.agents) > 1
         self._all = np.ones(num_envs, np.bool_)

@@ -326,3 +326,20 @@ def test_gymnasiums_vector_wrappers_work_on_it():
             lengths += infos["episode"]["l"][infos["_episode"]].tolist()
     assert lengths
     assert max(lengths) == 40
+
+
+def test_without_infos_rows_rewards_and_ends_are_the_same() -> None:
+    with_infos = skybody.make_vec("hover", 16, num_threads=1, seed=3)
+    without = skybody.make_vec("hover", 16, num_threads=1, seed=3, infos=False)
+    for envs in (with_infos, without):
+        envs.reset()
+    actions = np.full((16, 4), 0.2, np.float32)
+    for _ in range(50):
+        observation, reward, terminated, truncated, infos = with_infos.step(actions)
+        other = without.step(actions)
+        for a, b in zip((observation, reward, terminated, truncated), other[:4], strict=True):
+            np.testing.assert_array_equal(a, b)
+        assert "position_error" in infos
+        assert set(other[4]) == {"fault", "_fault"}
+    with_infos.close()
+    without.close()

@@ -1,6 +1,7 @@
 // The articulated-body algorithm against Simbody, over random trees and near singularities.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -184,6 +185,50 @@ TEST(TreeNearSingular, AHeavyLoadOnALightVehicle) {
   expect_agreement(
       base_with(make_body("anvil", JointType::kPin, 0, 1e6, {0, 0, -1.0}, diagonal(1e5, 1e5, 1e5))),
       4);
+}
+
+/// A vehicle with a bob on a rod on a ball joint, which stands on the bob.
+Scenario vehicle_with_bob(DynamicsChoice dynamics) {
+  RobotModel model = make_vehicle(qdrone2());
+  Body rod = make_body("rod", JointType::kBall, 0, 0.1, {0, 0, 0}, diagonal(1e-3, 1e-3, 4e-5));
+  rod.joint.frame_in_parent = {{0, 0, -0.06}, {1, 0, 0, 0}};
+  rod.joint.frame_in_body = {{0, 0, 0.3}, {1, 0, 0, 0}};
+  rod.joint.damping = 0.002;
+  rod.collisions.push_back(make_sphere(0.03));
+  model.bodies.push_back(std::move(rod));
+  Scenario scenario = make_scenario(std::move(model));
+  scenario.stepping.dynamics = dynamics;
+  return scenario;
+}
+
+TEST(Tree, TakesOffLandsAndBouncesLikeSimbodys) {
+  Bench tree(vehicle_with_bob(DynamicsChoice::kTree));
+  Bench simbody(vehicle_with_bob(DynamicsChoice::kSimbody));
+  double highest = 0.0, fastest_landing = 0.0, fastest_bounce = 0.0, most = 0.0;
+  for (Bench* bench : {&tree, &simbody}) {
+    bench->state.q[2] = 0.39;
+    bench->state.rotor_speed.assign(4, 700.0);
+  }
+  for (int i = 0; i < 1600; ++i) {
+    for (Bench* bench : {&tree, &simbody}) {
+      // A little askew, so that the bob swings and nothing is symmetric.
+      bench->state.rotor_command = {i < 600 ? 751.0 : 500.0, i < 600 ? 750.0 : 501.0,
+                                    i < 600 ? 750.0 : 500.0, i < 600 ? 750.0 : 500.0};
+      ASSERT_TRUE(bench->run(1));
+    }
+    const BodyState& bob = tree.state.bodies[1];
+    highest = std::fmax(highest, bob.position.z);
+    fastest_landing = std::fmin(fastest_landing, bob.velocity.z);
+    if (fastest_landing < -1.0) fastest_bounce = std::fmax(fastest_bounce, bob.velocity.z);
+    most = std::fmax(most, largest_difference(tree.state.q, simbody.state.q));
+    most = std::fmax(most, largest_difference(tree.state.u, simbody.state.u));
+  }
+  EXPECT_GT(highest, 0.3) << "took off";
+  EXPECT_LT(fastest_landing, -1.0) << "came down";
+  EXPECT_GT(fastest_bounce, 0.05) << "bounced";
+  // As FreeBody.TakesOffLandsAndBouncesLikeSimbodys; the vehicle that topples over the bob doubles
+  // what is different some ten times a second.
+  EXPECT_LT(most, 1e-7);
 }
 
 }  // namespace
