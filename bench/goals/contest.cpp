@@ -48,6 +48,12 @@ class Ours {
   double rate(double seconds) {
     return envs_.envs() * limit::rounds_per_second([&] { round(); }, seconds);
   }
+  double on_tree() const {
+    const StepCounts counts = envs_.step_counts();
+    const auto tree = static_cast<double>(counts.tree),
+               simbody = static_cast<double>(counts.simbody);
+    return tree / (tree + simbody);
+  }
 
  private:
   static VecEnvOptions options_of(const Contest& contest) {
@@ -119,6 +125,7 @@ Outcome run_contest(const Contest& contest, const Effort& effort) {
   }
   const auto first = std::max_element(best.begin(), best.end());
   out.limit = *first;
+  out.on_tree = ours.on_tree();
   out.loop = contest.loops[static_cast<std::size_t>(first - best.begin())].name;
   return out;
 }

@@ -35,6 +35,8 @@ struct Contest {
 struct Outcome {
   double ours = 0.0, limit = 0.0;
   std::string loop;  ///< the best
+  double on_tree =
+      0.0;  ///< share of our physics steps on the tree dynamics, the others are Simbody's
 };
 
 Outcome run_contest(const Contest& contest, const Effort& effort);

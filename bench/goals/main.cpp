@@ -56,7 +56,8 @@ class Goals {
     const Outcome o = run_contest(contest, effort_);
     const double share = contest.actions == "hold" || contest.actions == "off" ? 1.0 : 0.5;
     figures_.push_back({what, contest.actions, contest.threads, "M steps/s", 1e-6 * o.ours,
-                        1e-6 * o.limit, "limit, " + o.loop, o.ours / o.limit, ">=", share * goal});
+                        1e-6 * o.limit, "limit, " + o.loop, o.ours / o.limit, ">=", share * goal,
+                        o.on_tree});
   }
 
   /// Time until vehicles that do not fly lie on the ground [s].
