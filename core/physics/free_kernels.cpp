@@ -31,19 +31,18 @@ class FreePack {
   /// @returns the lanes of `mask` that came through; the others are as they were
   SKYBODY_INLINE MaskOf<Real> advance(const MaskOf<Real>& mask) {
     MaskOf<Real> through = mask;
-    for (std::size_t r = 0; r < robots_.robots.size(); ++r) {
-      // Constants are read where they are used: kept over the robots they would be spilt.
-      asm volatile("" ::: "memory");
-      const FreeRobot& robot = robots_.robots[r];
-      FreeMotion<Real> motion = load(robot);
-      const Step step(robots_, robot, in_);
-      through &= step.advance(motion, end_speeds_ + robot.rotors.first);
-      motions_[r] = motion;
+    const std::size_t count = robots_.robots.size();
+    for (std::size_t r = 0; r < count; ++r) {
+      FreeMotion<Real> motion;
+      through &= advance(robots_.robots[r], motion);
+      if (count == 1) {
+        store(robots_.robots[r], motion, through);
+      } else {
+        motions_[r] = motion;  // whether all came through is not known yet
+      }
     }
-    if (all(through)) {  // the usual case, without reading what is overwritten
-      store(true);
-    } else {
-      store(through);
+    for (std::size_t r = 0; r < count && count > 1; ++r) {
+      store(robots_.robots[r], motions_[r], through);
     }
     return through;
   }
@@ -53,9 +52,22 @@ class FreePack {
   SKYBODY_INLINE T* at(T* block, int k) const {
     return block + static_cast<std::ptrdiff_t>(k) * kGroupLanes + first_;
   }
-  SKYBODY_INLINE FreeMotion<Real> load(const FreeRobot& robot) const {
+  SKYBODY_INLINE MaskOf<Real> advance(const FreeRobot& robot, FreeMotion<Real>& motion) const {
     const LaneValues<Real> q(at(group_.q, robot.q)), u(at(group_.u, robot.u));
-    return {load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
+    const auto load = [&]() __attribute__((always_inline)) {
+      return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
+    };
+    return Step(robots_, robot, in_).advance(load, motion, end_speeds_ + robot.rotors.first);
+  }
+
+  /// In all lanes that came through: usually all, without reading what is overwritten.
+  SKYBODY_INLINE void store(const FreeRobot& robot, const FreeMotion<Real>& motion,
+                            const MaskOf<Real>& through) const {
+    if (all(through)) {
+      write(robot, motion, true);
+    } else {
+      write(robot, motion, through);
+    }
   }
 
   static SKYBODY_INLINE void put(double* p, const Real& value, const MaskOf<Real>& mask) {
@@ -65,21 +77,18 @@ class FreePack {
 
   /// @param mask  lanes to write; or `true`: all
   template <class Mask>
-  SKYBODY_INLINE void store(const Mask& mask) const {
-    for (std::size_t r = 0; r < robots_.robots.size(); ++r) {
-      const FreeRobot& robot = robots_.robots[r];
-      const FreeMotion<Real>& m = motions_[r];
-      const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
-                               m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
-                               m.spin.x,     m.spin.y,     m.spin.z};
-      for (int k = 0; k < 7; ++k) put(at(group_.q, robot.q + k), values[k], mask);
-      for (int k = 0; k < 6; ++k) put(at(group_.u, robot.u + k), values[7 + k], mask);
-      for (int k = 0; k < 13 && !bodies_are_coordinates_; ++k) {
-        put(at(group_.bodies, 13 * robot.body + k), values[k], mask);
-      }
-      for (int i = robot.rotors.first; i < robot.rotors.first + robot.rotors.count; ++i) {
-        put(at(group_.rotor_speed, i), end_speeds_[i], mask);
-      }
+  SKYBODY_INLINE void write(const FreeRobot& robot, const FreeMotion<Real>& m,
+                            const Mask& mask) const {
+    const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
+                             m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
+                             m.spin.x,     m.spin.y,     m.spin.z};
+    for (int k = 0; k < 7; ++k) put(at(group_.q, robot.q + k), values[k], mask);
+    for (int k = 0; k < 6; ++k) put(at(group_.u, robot.u + k), values[7 + k], mask);
+    for (int k = 0; k < 13 && !bodies_are_coordinates_; ++k) {
+      put(at(group_.bodies, 13 * robot.body + k), values[k], mask);
+    }
+    for (int i = robot.rotors.first; i < robot.rotors.first + robot.rotors.count; ++i) {
+      put(at(group_.rotor_speed, i), end_speeds_[i], mask);
     }
   }
 

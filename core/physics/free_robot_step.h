@@ -40,14 +40,18 @@ class FreeRobotStep {
         constants_(in.bodies + kBodyConstantCount * robot.body) {}
 
   /// Moves the robot on by dt.
-  /// @param motion     at the start of the step; overwritten
+  /// @param load       load() gives the motion at the start of the step
+  /// @param motion     at its end, written
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
   /// @returns where all of it is finite and, the magnitudes added up, below kLargestState
-  SKYBODY_INLINE MaskOf<Real> advance(FreeMotion<Real>& motion, Real* end_speed) const {
-    BodyKinematics<Real> body = kinematics(motion);
+  // What is read again after forget() need not be kept in registers, of which there are too few.
+  template <class Load>
+  SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
+                                      Real* end_speed) const {
     Real speeds(0.0);
-    const SpatialForce<Real> rotors = run_rotors(body, end_speed, speeds);
-    const Accelerations a = accelerations(body, rotors);
+    const Accelerations a = accelerations(load, end_speed, speeds);
+    forget();
+    motion = load();
     const Real squared = integrate(a, motion);
     return is_sound(motion, squared, speeds);
   }
@@ -73,12 +77,14 @@ class FreeRobotStep {
     return body;
   }
 
+  static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
+
   /// @param speeds  sum of the rotors' speeds at the end, added
-  /// @returns about the origin, body axes
-  SKYBODY_INLINE SpatialForce<Real> run_rotors(const BodyKinematics<Real>& body, Real* end_speed,
-                                               Real& speeds) const {
+  template <class Load>
+  SKYBODY_INLINE Accelerations accelerations(const Load& load, Real* end_speed,
+                                             Real& speeds) const {
     const RotorGroup& group = robot_.rotors;
-    const auto motion = [&](int i) __attribute__((always_inline)) {
+    const auto run = [&](int i) __attribute__((always_inline)) {
       const RotorPlace& place = world_.rotors[static_cast<std::size_t>(i)];
       const RotorStep<Real> step(load_lag<Real>(in_.lags + kLagSize * i), in_.rotor_speed[i],
                                  in_.rotor_command[i], in_.params[place.params + kMaxSpeed]);
@@ -87,12 +93,21 @@ class FreeRobotStep {
       speeds += end;
       return step.mean(end, world_.rate);
     };
-    return rotor_forces(group, world_.rotors.data(), in_.params, motion,
-                        transpose_times(body.axes, body.velocity), body.spin);
+    const RotorPlace* places = world_.rotors.data();
+    LevelRotors<Real> level = LevelRotors<Real>::none();
+    if (group.is_level) level = sum_level_rotors<Real>(group, places, in_.params, run);
+    forget();  // the sums need no motion
+    const BodyKinematics<Real> body = kinematics(load());
+    const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+    const SpatialForce<Real> rotors =
+        group.is_level ? level.force(places[group.first].position.z, velocity, body.spin)
+                       : sum_rotors<Real>(group, places, in_.params, run, velocity, body.spin);
+    return accelerations(body, rotors);
   }
 
   /// Gravity acts at the centre of mass, so that it turns nothing.
-  SKYBODY_INLINE Accelerations accelerations(BodyKinematics<Real>& body,
+  /// @param rotors  about the origin, body axes
+  SKYBODY_INLINE Accelerations accelerations(const BodyKinematics<Real>& body,
                                              const SpatialForce<Real>& rotors) const {
     const Real inverse_mass = constants_[kBodyInverseMass];
     const Vec3<Real> com = load_vec3(constants_ + kBodyCom);
@@ -120,7 +135,7 @@ class FreeRobotStep {
   /// Forces that only some robots, lanes or moments have: lanes without are left as if alone.
   /// @param linear  acceleration of the centre of mass (W), added
   /// @param moment  about the centre of mass, body axes, added
-  SKYBODY_INLINE void add_outer_forces(BodyKinematics<Real>& body, const Vec3<Real>& com,
+  SKYBODY_INLINE void add_outer_forces(const BodyKinematics<Real>& body, const Vec3<Real>& com,
                                        const Real& inverse_mass, Vec3<Real>& linear,
                                        Vec3<Real>& moment) const {
     if (!kIsNominal || robot_.is_disturbed) add_disturbance(inverse_mass, linear, moment);
@@ -128,9 +143,10 @@ class FreeRobotStep {
     if (robot_.contact.count == 0) return;
     const auto near_ground = body.position.z < robot_.contact.reach;
     if (none(near_ground)) return;
-    body.angular_velocity = body.axes * body.spin;
+    BodyKinematics<Real> on_ground = body;
+    on_ground.angular_velocity = body.axes * body.spin;
     const SpatialForce<Real> ground = ground_forces(robot_.contact, world_.world.spheres.data(),
-                                                    world_.world.scenario.contact, body);
+                                                    world_.world.scenario.contact, on_ground);
     const Vec3<Real> turning = transpose_times(body.axes, ground.moment) -
                                cross(com, transpose_times(body.axes, ground.force));
     linear = select(near_ground, linear + ground.force * inverse_mass, linear);

@@ -39,8 +39,10 @@ class FreeStepper final : public Stepper {
     bool through = true;
     for (std::size_t r = 0; r < robots_.robots.size(); ++r) {
       const FreeRobot& robot = robots_.robots[r];
-      motions_[r] = {load_vec3(state.q.data() + robot.q), load_quat(state.q.data() + robot.q + 3),
-                     load_vec3(state.u.data() + robot.u), load_vec3(state.u.data() + robot.u + 3)};
+      const double *q = state.q.data() + robot.q, *u = state.u.data() + robot.u;
+      const auto load = [&] {
+        return FreeMotion<double>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
+      };
       const Step::Inputs in{state.rotor_speed.data(),
                             state.rotor_command.data(),
                             state.wrench.data(),
@@ -48,7 +50,7 @@ class FreeStepper final : public Stepper {
                             derived_.data() + derived_layout_.lags,
                             derived_.data() + derived_layout_.bodies};
       const Step step(robots_, robot, in);
-      through &= step.advance(motions_[r], end_speeds_.data() + robot.rotors.first);
+      through &= step.advance(load, motions_[r], end_speeds_.data() + robot.rotors.first);
     }
     if (through) store(state);
     return through;

@@ -135,28 +135,43 @@ struct RotorGroup {
   bool is_level = false;  ///< they go as LevelRotors
 };
 
-/// What the rotors of a group do to their body.
+/// The sums of a level group.
+/// @param places, params, motion  as for sum_rotors
+template <class Real, class Params, class Motion>
+SKYBODY_INLINE LevelRotors<Real> sum_level_rotors(const RotorGroup& group, const RotorPlace* places,
+                                                  const Params& params, Motion&& motion) {
+  LevelRotors<Real> rotors = LevelRotors<Real>::none();
+  for (int i = group.first; i < group.first + group.count; ++i) {
+    rotors.add(params + places[i].params, places[i], motion(i));
+  }
+  return rotors;
+}
+
+/// What the rotors of any group do to their body, one by one.
 /// @param places    of all rotors of the world
 /// @param params    of the environment
 /// @param motion    motion(i) says how rotor i of the world moves
 /// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
 /// @returns about the body's origin, body axes
 template <class Real, class Params, class Motion>
-SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
-                                               const Params& params, Motion&& motion,
-                                               const Vec3<Real>& velocity, const Vec3<Real>& spin) {
-  if (group.is_level) {
-    LevelRotors<Real> rotors = LevelRotors<Real>::none();
-    for (int i = group.first; i < group.first + group.count; ++i) {
-      rotors.add(params + places[i].params, places[i], motion(i));
-    }
-    return rotors.force(places[group.first].position.z, velocity, spin);
-  }
+SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const RotorPlace* places,
+                                             const Params& params, Motion&& motion,
+                                             const Vec3<Real>& velocity, const Vec3<Real>& spin) {
   SpatialForce<Real> sum = SpatialForce<Real>::zero();
   for (int i = group.first; i < group.first + group.count; ++i) {
     add_rotor_force(params + places[i].params, places[i], motion(i), velocity, spin, sum);
   }
   return sum;
+}
+
+/// The same by the quicker way where there is one.
+template <class Real, class Params, class Motion>
+SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
+                                               const Params& params, Motion&& motion,
+                                               const Vec3<Real>& velocity, const Vec3<Real>& spin) {
+  if (!group.is_level) return sum_rotors<Real>(group, places, params, motion, velocity, spin);
+  return sum_level_rotors<Real>(group, places, params, motion)
+      .force(places[group.first].position.z, velocity, spin);
 }
 
 }  // namespace skybody
