@@ -207,13 +207,13 @@ TEST(Tree, TakesOffLandsAndBouncesLikeSimbodys) {
   double highest = 0.0, fastest_landing = 0.0, fastest_bounce = 0.0, most = 0.0;
   for (Bench* bench : {&tree, &simbody}) {
     bench->state.q[2] = 0.39;
-    bench->state.rotor_speed.assign(4, 700.0);
+    bench->state.rotor_speed.assign(4, 1400.0);
   }
   for (int i = 0; i < 1600; ++i) {
     for (Bench* bench : {&tree, &simbody}) {
       // A little askew, so that the bob swings and nothing is symmetric.
-      bench->state.rotor_command = {i < 600 ? 751.0 : 500.0, i < 600 ? 750.0 : 501.0,
-                                    i < 600 ? 750.0 : 500.0, i < 600 ? 750.0 : 500.0};
+      const double speed = i < 600 ? 1600.0 : 1000.0;
+      bench->state.rotor_command = {speed + 1.0, speed, speed, speed};
       ASSERT_TRUE(bench->run(1));
     }
     const BodyState& bob = tree.state.bodies[1];
