@@ -22,7 +22,8 @@ struct Figure {
   double ratio = 0.0;           ///< as the goal has it
   std::string sense;            ///< ">=" or "<=" the goal; empty: no goal, for information
   double goal = 0.0;
-  std::optional<double> on_tree = std::nullopt;  ///< share of our physics steps on the tree dynamics
+  std::optional<double> on_tree =
+      std::nullopt;  ///< share of our physics steps on the tree dynamics
 
   bool meets() const { return sense.empty() || (sense == ">=" ? ratio >= goal : ratio <= goal); }
   std::string json() const;
