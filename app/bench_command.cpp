@@ -32,7 +32,8 @@ constexpr const char* kFooter =
     "range;\n"
     "random is uniform, drawn beforehand. The share of physics is estimated: what physics steps "
     "cost\n"
-    "on one thread alone, over the time of all threads. Nothing else should run meanwhile.\n"
+    "on one thread alone, over the time of all threads. Rows carry no info values. Nothing else\n"
+    "should run meanwhile.\n"
     "Examples:\n"
     "  skybody bench hover --envs 128\n"
     "  skybody bench payload --envs 96 --batch 32 --order arrival --threads 4 --seconds 10 --json";

@@ -174,8 +174,8 @@ def markdown(facts: dict[str, Any]) -> str:
         f"{facts['machine']}, {facts['processors']} cores of {facts['processor']}, "
         f"{facts['date']}; "
         f"Simbody {facts['simbody']}{' with asserts' if facts['simbody_asserts'] else ''}; "
-        f"load {facts['load'][0]:.1f} when it began. Rates are the best of many short trials in "
-        "turns.",
+        f"load {facts['load'][0]:.1f} when it began. Rates are the best of many trials in turns"
+        f"{'' if facts['full'] else ', here the short ones of `--quick`'}.",
         "",
         "| " + " | ".join(HEADINGS) + " |",
         "|" + " --- |" * len(HEADINGS),

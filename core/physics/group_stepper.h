@@ -53,7 +53,8 @@ class GroupStepper {
   /// drives held.
   /// @returns the lanes that came through; the others, whose step gave a value that is not finite
   /// or
-  ///          beyond 1e6, or where the dynamics gave up, are as they were before the call
+  ///          beyond 1e6 (free robots: magnitudes and rotor speeds added up), or where the dynamics
+  ///          gave up, are as they were before the call
   virtual std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes,
                                 PhysicsScratch& scratch) = 0;
 

@@ -27,7 +27,8 @@ class Stepper {
 
   /// Advances q, u, rotor speeds and bodies by exactly dt, the rotor command, wrenches and drives
   /// held.
-  /// @returns false if the step gave a value that is not finite or beyond 1e6, or the dynamics gave
+  /// @returns false if the step gave a value that is not finite or beyond 1e6 (free robots: their
+  ///          magnitudes and rotor speeds added up), or the dynamics gave
   ///          up (a std::runtime_error); then the state is as it was before the call
   virtual bool advance(LaneState& state) = 0;
 
