@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "core/base/fp_environment.h"
+#include "core/base/octets.h"
 #include "core/env/group_work.h"
 
 namespace skybody {
@@ -15,18 +16,19 @@ constexpr int kRun = 50;  // steps from the start, so that the world stays near 
 
 }  // namespace
 
-double physics_step_cost(const Environment& environment, int lanes) {
+double physics_step_cost(const Environment& environment, int side_by_side) {
+  const int lanes = side_by_side > 1 ? environment.preferred_lanes() : 1;
   StateGroup group = environment.make_state(lanes);
   const std::unique_ptr<GroupWork> work = environment.make_work(lanes);
   const auto count = static_cast<std::size_t>(lanes);
   std::vector<float> observation(static_cast<std::size_t>(environment.observation_size()) * count);
   std::vector<float> reward(count);
   std::vector<std::uint64_t> status(count);
-  const std::uint32_t all = (1u << lanes) - 1u;
+  const std::uint32_t all = first_lanes(lanes);
   for (int l = 0; l < lanes; ++l)
     environment.initialize(group, l, 0, static_cast<std::uint64_t>(l));
-  environment.reset(group, *work, all, {observation.data(), reward.data(), status.data()});
   const FpEnvironment guard;
+  environment.reset(group, *work, all, {observation.data(), reward.data(), status.data()});
   std::vector<std::vector<std::uint64_t>> start;
   for (int l = 0; l < lanes; ++l) start.push_back(group.save(l));
   std::uint64_t steps = 0;

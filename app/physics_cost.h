@@ -7,7 +7,7 @@ namespace skybody {
 
 /// Mean time of a physics step of one environment on this thread, flying with the commands of the
 /// scenario's start [s]. Takes a few tenths of a second.
-/// @param lanes  environments that are stepped side by side, as VecEnv::lanes() says: 1 or 8
-double physics_step_cost(const Environment& environment, int lanes);
+/// @param side_by_side  environments of a group, as VecEnv::lanes() says: alone, or in lanes
+double physics_step_cost(const Environment& environment, int side_by_side);
 
 }  // namespace skybody

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/bare_simbody.h"
+#include "core/base/octets.h"
 #include "core/batch/vec_env.h"
 #include "core/env/group_work.h"
 
@@ -59,7 +60,7 @@ double reset_time(const LoadOptions& scenario) {
     environment->initialize(group, l, 0, static_cast<std::uint64_t>(l));
   }
   // What a reset leaves for the next step to do belongs to it: a step alone is taken off.
-  const std::uint32_t all = static_cast<std::uint32_t>((std::uint64_t{1} << lanes) - 1);
+  const std::uint32_t all = first_lanes(lanes);
   const std::vector<float> actions(count * static_cast<std::size_t>(environment->action_size()));
   const Rows rows{observation.data(), reward.data(), status.data()};
   const auto time_of = [&](bool with_reset) {

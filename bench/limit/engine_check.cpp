@@ -14,7 +14,7 @@
 namespace skybody::bench::limit {
 namespace {
 
-constexpr int kGroup = 8;  // environments that are compared: one of the engine's groups
+constexpr int kGroup = 8;  // environments that are compared: an octet of the engine's
 
 /// Actions in [middle - spread, middle + spread], a fixed sequence.
 class Actions {
@@ -50,13 +50,13 @@ LoadOptions scenario_of(CheckedTask task, int repeats) {
   return {"hover", {repeat}, {}};
 }
 
-/// Eight environments of the scenario, as a worker of VecEnv steps them.
+/// Eight environments of the scenario, in lanes.
 class Engine {
  public:
   Engine(CheckedTask task, int repeats)
       : environment_(load_environment(scenario_of(task, repeats))),
-        group_(environment_->make_state(kGroup)),
-        work_(environment_->make_work(kGroup)),
+        group_(environment_->make_state(environment_->preferred_lanes())),
+        work_(environment_->make_work(group_.lanes())),
         observation_(static_cast<std::size_t>(environment_->observation_size()) * kGroup) {
     for (int l = 0; l < kGroup; ++l) {
       environment_->initialize(group_, l, 7, static_cast<std::uint64_t>(l));
@@ -66,14 +66,12 @@ class Engine {
   void step(const std::vector<float>& actions) {
     environment_->step(group_, *work_, kAll, actions.data(), kActions, rows());
   }
-  double q(int lane, int k) { return group_.reals(environment_->layout().q)[k * kGroup + lane]; }
-  double u(int lane, int k) { return group_.reals(environment_->layout().u)[k * kGroup + lane]; }
+  double q(int lane, int k) { return value(environment_->layout().q.offset + k, lane); }
+  double u(int lane, int k) { return value(environment_->layout().u.offset + k, lane); }
   double rotor(int lane, int k) {
-    return group_.reals(environment_->layout().rotor_speed)[k * kGroup + lane];
+    return value(environment_->layout().rotor_speed.offset + k, lane);
   }
-  double task_value(int lane, int k) {
-    return group_.reals(environment_->task().state)[k * kGroup + lane];
-  }
+  double task_value(int lane, int k) { return value(environment_->task().state + k, lane); }
   int width() const { return environment_->observation_size(); }
   const float* observation(int lane) const {
     return observation_.data() + static_cast<std::ptrdiff_t>(lane) * width();
@@ -82,6 +80,7 @@ class Engine {
 
  private:
   static constexpr std::uint32_t kAll = (1u << kGroup) - 1u;
+  double value(int word, int lane) { return group_.reals(word)[lane]; }
   skybody::Rows rows() { return {observation_.data(), reward_, status_}; }
 
   std::shared_ptr<const Environment> environment_;

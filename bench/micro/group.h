@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/assemble/load.h"
+#include "core/base/octets.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 
@@ -45,9 +46,7 @@ class Group {
 
  private:
   std::size_t count() const { return static_cast<std::size_t>(group_.lanes()); }
-  std::uint32_t all() const {
-    return static_cast<std::uint32_t>((std::uint64_t{1} << group_.lanes()) - 1);
-  }
+  std::uint32_t all() const { return first_lanes(group_.lanes()); }
   Rows rows() { return {observation_.data(), reward_.data(), status_.data()}; }
 
   std::shared_ptr<const Environment> environment_;

@@ -8,6 +8,7 @@
 #include "core/assemble/simulation.h"
 #include "core/assemble/simulation_data.h"
 #include "core/base/error.h"
+#include "core/base/fp_environment.h"
 #include "core/env/param_access.h"
 #include "core/physics/checked_mass.h"
 
@@ -100,6 +101,7 @@ bool Simulation::advance(std::int64_t physics_steps) {
 
 void Simulation::evaluate() {
   demand_started("evaluate");
+  const FpEnvironment guard;
   environment_->evaluate(data_->group, *data_->work, 1u, data_->rows());
   add_to_hash();
 }

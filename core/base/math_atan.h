@@ -11,13 +11,16 @@ template <class Real>
 SKYBODY_INLINE Real atan_kernel(const Real& x) {
   const Real z = x * x;
   const Real w = z * z;
-  const Real even = z * polynomial(w, 3.33333333333329318027e-01, 1.42857142725034663711e-01,
-                                   9.09088713343650656196e-02, 6.66107313738753120669e-02,
-                                   4.97687799461593236017e-02, 1.62858201153657823623e-02);
-  const Real odd = w * polynomial(w, -1.99999999998764832476e-01, -1.11111104054623557880e-01,
-                                  -7.69187620504482999495e-02, -5.83357013379057348645e-02,
-                                  -3.65315727442169155270e-02);
-  return x - x * (even + odd);
+  const Real v = w * w;
+  // Four short sums that do not wait for one another.
+  const Real even = polynomial(v, 3.33333333333329318027e-01, 9.09088713343650656196e-02,
+                               4.97687799461593236017e-02) +
+                    w * polynomial(v, 1.42857142725034663711e-01, 6.66107313738753120669e-02,
+                                   1.62858201153657823623e-02);
+  const Real odd = polynomial(v, -1.99999999998764832476e-01, -7.69187620504482999495e-02,
+                              -3.65315727442169155270e-02) +
+                   w * polynomial(v, -1.11111104054623557880e-01, -5.83357013379057348645e-02);
+  return x - x * (z * even + w * odd);
 }
 
 }  // namespace detail

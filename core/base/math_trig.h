@@ -118,11 +118,13 @@ SKYBODY_INLINE Real tan(const Real& x) {
 /// 1 ulp of x up to 1e15. NaN for infinities and NaN.
 template <class Real>
 SKYBODY_INLINE Real wrap_angle(const Real& x) {
+  const auto is_inside = abs(x) < kPi;
+  if (all(is_inside)) return x;
   const Real n = 4.0 * round_half_even(x * (0.25 * detail::kTwoOverPi));
   const Real first = (x - n * detail::kHalfPi1) - n * detail::kHalfPi2;
   const Real r = first - n * detail::kHalfPi3;
   const Real low = select(r > kPi, r - kTwoPi, r);
-  return select(low <= -kPi, low + kTwoPi, low);
+  return select(is_inside, x, select(low <= -kPi, low + kTwoPi, low));
 }
 
 }  // namespace skybody

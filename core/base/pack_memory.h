@@ -98,9 +98,12 @@ SKYBODY_INLINE void store_words(std::uint64_t* p, const WordPack<W>& w) {
 /// Writes the lanes that the mask selects and leaves the others' values. All W places are read and
 /// written (a blend), so they must be one thread's.
 SKYBODY_INLINE void store_lanes(double* p, double x, bool mask) { *p = mask ? x : *p; }
+// As words: g++ 12 makes one condition of a selection and the one that it is stored by, and takes
+// that one apart.
 template <int W>
 SKYBODY_INLINE void store_lanes(double* p, const Pack<W>& x, const Mask<W>& mask) {
-  store_lanes(p, select(mask, x, load_lanes<Pack<W>>(p)));
+  const WordPack<W> old = bit_cast_word(load_lanes<Pack<W>>(p));
+  store_lanes(p, bit_cast_real(select(mask, bit_cast_word(x), old)));
 }
 SKYBODY_INLINE void store_words(std::uint64_t* p, std::uint64_t w, bool mask) {
   *p = mask ? w : *p;

@@ -39,7 +39,7 @@ SKYBODY_INLINE Quat<Real> conjugate(const Quat<Real>& q) {
 
 template <class Real>
 SKYBODY_INLINE Real squared_norm(const Quat<Real>& q) {
-  return ((q.w * q.w + q.x * q.x) + q.y * q.y) + q.z * q.z;
+  return (q.w * q.w + q.x * q.x) + (q.y * q.y + q.z * q.z);
 }
 
 /// q / |q|; not finite for the zero quaternion.

@@ -16,6 +16,7 @@ constexpr int kMostGroups = 64;          // a block
 constexpr double kBlock = 20e-6;         // expected cost of a full block [s]
 constexpr double kSmallestBlock = 2e-6;  // so that a claim is cheap beside it [s]
 constexpr double kCallerAlone = 10e-6;   // waking a thread costs about as much [s]
+constexpr double kAwakeAlone = 3e-6;     // what a thread that is awake is not worth asking for [s]
 constexpr double kUnknownCost = 10e-6;   // of a group that never ran [s]
 constexpr double kSlow = 8.0;            // times the mean: left to the workers
 constexpr int kSpins = 2000;             // pauses, some 50 us
@@ -78,7 +79,9 @@ void Crew::add(int group) {
 
 void Crew::submit() {
   const double waiting = added_cost_ + static_cast<double>(queue_.size()) * usual_cost();
-  const int useful = 1 + static_cast<int>(std::min(waiting / kCallerAlone, 1e6));
+  const bool all_awake = sleepers_.load(std::memory_order_relaxed) == 0;
+  const double alone = all_awake ? kAwakeAlone : kCallerAlone;
+  const int useful = 1 + static_cast<int>(std::min(waiting / alone, 1e6));
   wanted_.store(std::min(threads(), useful), std::memory_order_relaxed);
   added_cost_ = 0.0;
   queue_.publish();
@@ -158,6 +161,7 @@ bool Crew::help() {
   if (defer) {
     leave_to_workers(groups[0]);
   } else {
+    const FpEnvironment guard;  // the caller's mode is its own; workers set theirs once
     run_taken(groups, count, 0);
   }
   return true;
@@ -165,6 +169,7 @@ bool Crew::help() {
 
 void Crew::run_taken(const int* groups, int count, int thread) {
   try {
+    if (workers_.empty()) return runner_.run(groups, count, thread);  // nobody to share with
     const Clock::time_point start = Clock::now();
     runner_.run(groups, count, thread);
     note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
@@ -193,6 +198,7 @@ double Crew::usual_cost() const {
 
 /// How many of the waiting groups to take.
 int Crew::choose(const int* groups, int available) const {
+  if (workers_.empty()) return available;
   const double waiting = static_cast<double>(queue_.size()) * usual_cost();
   const double share = waiting / (2.0 * wanted_.load(std::memory_order_relaxed));
   const double budget = std::clamp(share, kSmallestBlock, kBlock);

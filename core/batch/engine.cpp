@@ -1,7 +1,5 @@
 #include "core/batch/engine.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <exception>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/process_id.h"
 #include "core/base/processors.h"
 
 namespace skybody {
@@ -43,14 +42,14 @@ VecEnv::Engine::Engine(std::shared_ptr<const Environment> environment, const Vec
                options.debug_buffers),
       staging_(options.envs, fleet.widths(), options.autoreset == Autoreset::kSameStep),
       done_(options.envs),
-      process_(getpid()),
+      process_(process_id()),
       crew_(options.threads, fleet.groups(), options.pin_threads, *this) {
   arrived_.reserve(in_flight_.size());
   chosen_.reserve(in_flight_.size());
   std::iota(staging_.env_id.begin(), staging_.env_id.end(), 0);
 }
 
-bool VecEnv::Engine::of_this_process() const { return process_ == getpid(); }
+bool VecEnv::Engine::of_this_process() const { return process_ == process_id(); }
 
 void VecEnv::Engine::check_alive() {
   if (!of_this_process()) {

@@ -1,10 +1,10 @@
 #include "core/batch/fleet.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 
 #include "core/base/error.h"
+#include "core/base/octets.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
 #include "core/physics/lane_values.h"
@@ -12,10 +12,16 @@
 namespace skybody {
 namespace {
 
-/// Groups of several lanes where every thread then has at least one.
-int lanes_for(const Environment& environment, const VecEnvOptions& options) {
-  const int preferred = environment.preferred_lanes();
-  return options.envs >= preferred * std::max(options.threads, 1) ? preferred : 1;
+/// How many environments a group gets: whole octets, where each thread then has one, as many as a
+/// group holds, but about the same number of groups for every thread. In order of arrival no more
+/// than an octet: those that are quick are not to wait for one that is slow.
+int span_for(const Environment& environment, const VecEnvOptions& options) {
+  const int threads = std::max(options.threads, 1), lanes = environment.preferred_lanes();
+  if (lanes == 1 || options.envs < kOctet * threads) return 1;
+  if (options.order == Order::kArrival && options.batch < options.envs) return kOctet;
+  const auto share = [](int whole, int parts) { return (whole + parts - 1) / parts; };
+  const int rounds = share(options.envs, threads * lanes);
+  return kOctet * share(share(options.envs, threads * rounds), kOctet);
 }
 
 /// Writes only where something changes: neighbouring groups' flags share a cache line.
@@ -24,17 +30,12 @@ void set(std::uint32_t& flags, std::uint32_t lanes, bool value) {
   if (now != flags) flags = now;
 }
 
-template <class F>
-void each(std::uint32_t mask, F&& f) {
-  for (; mask != 0; mask &= mask - 1) f(std::countr_zero(mask));
-}
-
 }  // namespace
 
 Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions& options)
     : environment_(std::move(environment)),
       envs_(options.envs),
-      lanes_(lanes_for(*environment_, options)),
+      span_(span_for(*environment_, options)),
       action_size_(static_cast<std::size_t>(environment_->action_size())),
       autoreset_(options.autoreset),
       keep_hash_(options.keep_hash),
@@ -42,14 +43,15 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
       first_env_id_(options.first_env_id),
       actions_(index(envs_) * action_size_),
       chains_(index(envs_)) {
-  const int groups = (envs_ + lanes_ - 1) / lanes_;
+  const int groups = (envs_ + span_ - 1) / span_;
+  const int lanes = span_ == 1 ? 1 : environment_->preferred_lanes();
   states_.reserve(index(groups));
-  for (int g = 0; g < groups; ++g) states_.push_back(environment_->make_state(lanes_));
+  for (int g = 0; g < groups; ++g) states_.push_back(environment_->make_state(lanes));
   wants_reset_.resize(index(groups));
   started_.resize(index(groups));
   ended_.resize(index(groups));
   for (int t = 0; t < std::max(options.threads, 1); ++t) {
-    works_.push_back(environment_->make_work(lanes_));
+    works_.push_back(environment_->make_work(lanes));
   }
   initialize(options.seed);
 }
@@ -119,7 +121,7 @@ void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const auto observation = index(rows.width.observation), info = index(rows.width.info);
   const std::uint32_t over = mask & ended_[index(group)];
-  each(over, [&](int l) {
+  each_lane(over, [&](int l) {
     const std::size_t env = index(env_of(group, l));
     std::copy_n(rows.observation.data() + env * observation, observation,
                 rows.final_observation.data() + env * observation);
@@ -136,12 +138,12 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& w
   environment_->reset(states_[index(group)], work, over, out);
   add_to_hash(group, over, out);
   // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
-  each(over, [&](int l) { set(ended_[index(group)], 1u << l, status[l] != kRunning); });
+  each_lane(over, [&](int l) { set(ended_[index(group)], 1u << l, status[l] != kRunning); });
 }
 
 void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
   if (!keep_hash_.load(std::memory_order_relaxed)) return;
-  each(mask, [&](int l) {
+  each_lane(mask, [&](int l) {
     environment_->hash(states_[index(group)], l, rows, chains_[index(env_of(group, l))]);
   });
 }
@@ -149,35 +151,40 @@ void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
 /// The flags of the rows, from the status that the transition gave.
 void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) {
   const std::uint64_t* steps = states_[index(group)].bits(kStep);
-  set(started_[index(group)], mask, true);
-  if (mask == (1u << lanes_) - 1u && describe_running(env_of(group, 0), steps, is_reset, rows)) {
-    set(ended_[index(group)], mask, false);
-    return;
-  }
-  each(mask, [&](int l) {
-    const std::size_t env = index(env_of(group, l));
+  const int first_env = env_of(group, 0);
+  std::uint32_t over = 0;
+  std::uint32_t running = span_ == 1 ? 0u : whole_octets(mask);
+  each_octet(running, [&](int first) {
+    if (!describe_running(first_env + first, steps + first, is_reset, rows)) {
+      running &= ~(0xffu << first);
+    }
+  });
+  each_lane(mask & ~running, [&](int l) {
+    const std::size_t env = index(first_env + l);
     const std::uint64_t status = rows.status[env];
     rows.terminated[env] = (status & kTerminated) != 0;
     rows.truncated[env] = (status & kTruncated) != 0;
     rows.fault[env] = (status & kFault) != 0;
     rows.was_reset[env] = is_reset;
     rows.episode_step[env] = static_cast<std::int32_t>(steps[l]);
-    set(ended_[index(group)], 1u << l, status != kRunning);
+    if (status != kRunning) over |= 1u << l;
   });
+  set(started_[index(group)], mask, true);
+  set(ended_[index(group)], mask & ~over, false);
+  set(ended_[index(group)], over, true);
 }
 
-/// The same for a full group whose episodes all go on; false, and nothing is written, if not.
+/// The same for an octet of lanes whose episodes all go on; false, and nothing is written, if not.
 bool Fleet::describe_running(int first, const std::uint64_t* steps, bool is_reset, Batch& rows) {
-  if (lanes_ != kGroupLanes) return false;
   const std::size_t at = index(first);
   std::uint64_t ended = 0;
-  for (std::size_t l = 0; l < kGroupLanes; ++l) ended |= rows.status[at + l] ^ kRunning;
+  for (std::size_t l = 0; l < kOctet; ++l) ended |= rows.status[at + l] ^ kRunning;
   if (ended != 0) return false;
   for (Column<std::uint8_t>* flags : {&rows.terminated, &rows.truncated, &rows.fault}) {
-    std::memset(flags->data() + at, 0, kGroupLanes);
+    std::memset(flags->data() + at, 0, kOctet);
   }
-  std::memset(rows.was_reset.data() + at, is_reset ? 1 : 0, kGroupLanes);
-  for (std::size_t l = 0; l < kGroupLanes; ++l) {
+  std::memset(rows.was_reset.data() + at, is_reset ? 1 : 0, kOctet);
+  for (std::size_t l = 0; l < kOctet; ++l) {
     rows.episode_step[at + l] = static_cast<std::int32_t>(steps[l]);
   }
   return true;
@@ -186,8 +193,9 @@ bool Fleet::describe_running(int first, const std::uint64_t* steps, bool is_rese
 void Fleet::observation(int env, float* out) const {
   const Block block = environment_->layout().last_observation;
   const double* values = state(env).reals(block);
+  const int lanes = state(env).lanes();
   for (int k = 0; k < block.size; ++k) {
-    out[k] = static_cast<float>(values[k * lanes_ + lane_of(env)]);
+    out[k] = static_cast<float>(values[k * lanes + lane_of(env)]);
   }
 }
 

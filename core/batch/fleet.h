@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/hash.h"
+#include "core/base/octets.h"
 #include "core/batch/batch.h"
 #include "core/batch/vec_env.h"
 #include "core/env/environment.h"
@@ -27,13 +28,13 @@ class Fleet {
   const Environment& environment() const { return *environment_; }
   const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
   int envs() const { return envs_; }
-  /// Environments of one group lie side by side: lanes() of them, fewer in the last group. One
+  /// Environments of one group lie side by side: span() of them, fewer in the last group. One
   /// each where the physics goes one by one, or where groups would leave threads without work.
   int groups() const { return static_cast<int>(states_.size()); }
-  int lanes() const { return lanes_; }
-  int group_of(int env) const { return env / lanes_; }
-  int lane_of(int env) const { return env % lanes_; }
-  int env_of(int group, int lane) const { return group * lanes_ + lane; }
+  int span() const { return span_; }
+  int group_of(int env) const { return env / span_; }
+  int lane_of(int env) const { return env % span_; }
+  int env_of(int group, int lane) const { return group * span_ + lane; }
   RowWidths widths() const;
 
   /// What the next transition of an environment is to be.
@@ -48,7 +49,7 @@ class Fleet {
   bool can_step_all() const;
   /// The lanes of a group that have an environment.
   std::uint32_t all_lanes(int group) const {
-    return (1u << std::min(lanes_, envs_ - group * lanes_)) - 1u;
+    return first_lanes(std::min(span_, envs_ - group * span_));
   }
 
   /// One transition of the lanes in `mask`; their rows are written at row env of `rows`.
@@ -93,7 +94,7 @@ class Fleet {
 
   std::shared_ptr<const Environment> environment_;
   int envs_;
-  int lanes_;
+  int span_;
   std::size_t action_size_;
   Autoreset autoreset_;
   std::atomic<bool> keep_hash_;

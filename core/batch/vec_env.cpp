@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/fp_environment.h"
 #include "core/base/hash.h"
 #include "core/batch/engine.h"
 
@@ -44,7 +45,7 @@ const std::shared_ptr<const Environment>& VecEnv::shared_environment() const {
 }
 int VecEnv::envs() const { return engine_->options.envs; }
 int VecEnv::batch() const { return engine_->options.batch; }
-int VecEnv::lanes() const { return engine_->fleet.lanes(); }
+int VecEnv::lanes() const { return engine_->fleet.span(); }
 int VecEnv::threads() const { return engine_->options.threads; }
 int VecEnv::pinned_threads() const { return engine_->crew().pinned(); }
 const VecEnvOptions& VecEnv::options() const { return engine_->options; }
@@ -127,6 +128,7 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
 
 void VecEnv::observations(std::span<float> observation) const {
   engine_->check_idle("observations()");
+  const FpEnvironment guard;
   const auto width = static_cast<std::size_t>(environment().observation_size());
   SKYBODY_DEMAND(observation.size() == width * static_cast<std::size_t>(envs()),
                  "observations() into an array of another size");

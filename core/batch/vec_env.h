@@ -51,7 +51,7 @@ class VecEnv {
   int envs() const;
   int batch() const;
   int threads() const;
-  int lanes() const;           ///< environments that are stepped side by side: 8 or 1
+  int lanes() const;           ///< environments that are stepped side by side, 1 ... 32
   int pinned_threads() const;  ///< workers that have a processor of their own
   const VecEnvOptions& options() const;
 

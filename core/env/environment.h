@@ -37,7 +37,9 @@ struct ControllerChain {
 };
 
 /// One scenario, ready to step. Const methods are safe to call from several threads on different
-/// groups and works; they set the floating-point mode on entry and restore it.
+/// groups and works. step(), reset(), update() and hash() want an FpEnvironment around them
+/// (reading the mode waits for all arithmetic before it, so it is done once for many groups); the
+/// others set the mode themselves and restore it.
 class Environment {
  public:
   /// Configures the plugins and lays WorldState out.
@@ -59,8 +61,8 @@ class Environment {
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
-  /// Lanes in which this scenario is best stepped: 8 where its physics goes in packs, if only while
-  /// nothing is within reach (core/physics/reach.h), else 1.
+  /// Lanes of the groups in which this scenario is best stepped: kGroupLanes where its physics goes
+  /// in packs, if only while nothing is within reach (core/physics/reach.h), else 1.
   int preferred_lanes() const { return physics_->preferred_lanes(); }
   StateGroup make_state(int lanes) const;
   /// Scratch for groups of that size. Results never depend on which groups it served.
@@ -121,8 +123,10 @@ class Environment {
   void sense(StateGroup&, const SkybodyLanes&, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
   std::uint64_t ended(const StateGroup&, const GroupWork&, int lane) const;
-  bool conclude_packed(StateGroup&, GroupWork&, bool is_reset, const Rows&) const;
-  void write_agent_rewards(const GroupWork&, bool is_reset, const Rows&) const;
+  std::uint32_t conclude_octets(StateGroup&, GroupWork&, std::uint32_t octets, bool is_reset,
+                                const Rows&) const;
+  void write_agent_rewards(const GroupWork&, std::uint32_t octets, bool is_reset,
+                           const Rows&) const;
   void write_agent_rewards(const StateGroup&, const GroupWork&, int lane, double reward,
                            const Rows&) const;
   void write_rows(const StateGroup&, const GroupWork&, int lane, double reward,

@@ -1,6 +1,7 @@
 // Direct control: physics steps and the task's judgement one by one, and what moves an environment
 // at this instant.
 #include "core/base/fp_environment.h"
+#include "core/base/octets.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 
@@ -12,10 +13,8 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
   const FpEnvironment guard;
   update(group, work, mask);
   const std::uint32_t through = fly(group, work, view(group, mask), physics_steps);
-  for (int lane = 0; lane < group.lanes(); ++lane) {
-    if ((((mask & ~through) >> lane) & 1u) == 0) continue;
-    group.bits(kStatus)[lane] = kTruncated | kFault | kBadState;
-  }
+  each_lane(mask & ~through,
+            [&](int lane) { group.bits(kStatus)[lane] = kTruncated | kFault | kBadState; });
   return through;
 }
 
@@ -24,12 +23,11 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
   check(group, work, mask);
   const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
-  for (int lane = 0; lane < group.lanes(); ++lane) {
-    if (((mask >> lane) & 1u) == 0) continue;
+  each_lane(mask, [&](int lane) {
     ++group.bits(kStep)[lane];
     // advance() has left its faults in the status.
     if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
-  }
+  });
   update(group, work, mask);
   evaluate(group, work, view(group, mask), rows.info != nullptr);
   conclude(group, work, mask, false, rows);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/fp_environment.h"
+#include "core/base/octets.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 
@@ -10,6 +11,7 @@ namespace skybody {
 
 void Environment::initialize(StateGroup& group, int lane, std::uint64_t seed,
                              std::uint64_t stream_env) const {
+  group.occupy(1u << lane);
   for (int k = 0; k < group.words(); ++k) group.bits(k)[lane] = 0;
   group.bits(kSeed)[lane] = seed;
   group.bits(kStreamEnv)[lane] = stream_env;
@@ -30,7 +32,6 @@ void Environment::place_at_start(StateGroup& group, int lane) const {
 void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
                         const Rows& rows) const {
   check(group, work, mask);
-  const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
   start(group, mask);
   clear_plugin_states(group, mask);
@@ -53,8 +54,7 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
 /// due.
 void Environment::start(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
-  for (int lane = 0; lane < group.lanes(); ++lane) {
-    if (((mask >> lane) & 1u) == 0) continue;
+  each_lane(mask, [&](int lane) {
     ++group.bits(kEpisode)[lane];
     group.bits(kStep)[lane] = 0;
     group.bits(kPhysicsStep)[lane] = 0;
@@ -64,16 +64,15 @@ void Environment::start(StateGroup& group, std::uint32_t mask) const {
       double* values = group.reals(block);
       for (int k = 0; k < block.size; ++k) values[k * group.lanes() + lane] = 0.0;
     }
-  }
+  });
 }
 
 /// All words of controllers, sensors and the task to 0; randomizers keep theirs.
 void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) const {
   const auto clear = [&](const PluginInstance& p) {
     for (int k = p.state; k < p.state + p.state_words + p.buffer_words; ++k) {
-      for (int lane = 0; lane < group.lanes(); ++lane) {
-        if (((mask >> lane) & 1u) != 0) group.bits(k)[lane] = 0;
-      }
+      std::uint64_t* words = group.bits(k);
+      each_lane(mask, [&](int lane) { words[lane] = 0; });
     }
   };
   for (const PluginInstance& c : controllers_) clear(c);
@@ -95,11 +94,12 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
   const Layout& l = layout();
   SkybodyLanes v = view(group, mask);
   if (requested) v.physics_step = number_requests(group, work, mask);
-  group.changed(mask);
+  group.moved(mask);
   const SkybodyStart where{group.reals(l.q), group.reals(l.u), group.reals(l.rotor_speed),
                            group.reals(l.params), requested ? 1u : 0u};
   for (const PluginInstance& r : randomizers_) {
     r.kernels.randomize(r.self.get(), &v, group.bits(r.state), group.reals(r.buffer), &where);
+    if (!r.writes.empty()) group.changed(mask);
     for (const int param : r.writes) hold_to_bounds(group, mask, param);
   }
 }
@@ -112,14 +112,12 @@ void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
     const PluginInstance& last =
         controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
     if (last.output_signal == SKYBODY_ROTOR_SPEED) continue;
-    group.changed(mask);
+    group.moved(mask);
     const RobotLayout& robot = layout().robots[static_cast<std::size_t>(last.robot)];
     for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
       double* speed = group.reals(layout().rotor_speed.offset + k);
       double* command = group.reals(layout().rotor_command.offset + k);
-      for (int lane = 0; lane < group.lanes(); ++lane) {
-        if (((mask >> lane) & 1u) != 0) speed[lane] = command[lane] = 0.0;
-      }
+      each_lane(mask, [&](int lane) { speed[lane] = command[lane] = 0.0; });
     }
   }
 }
@@ -127,11 +125,10 @@ void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
 void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int param) const {
   const EnvParam& info = layout().param_info[static_cast<std::size_t>(param)];
   double* values = group.reals(layout().params.offset + param);
-  for (int lane = 0; lane < group.lanes(); ++lane) {
-    if (((mask >> lane) & 1u) == 0) continue;
+  each_lane(mask, [&](int lane) {
     double& value = values[lane];
     value = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.nominal;
-  }
+  });
 }
 
 /// Requested draws have counters of their own, beyond all physics steps, so that they differ from
@@ -163,7 +160,7 @@ void Environment::randomize(StateGroup& group, GroupWork& work, std::uint32_t ma
     std::copy(from, from + block.size * group.lanes(), group.reals(block));
     from += block.size * group.lanes();
   }
-  group.changed(mask);
+  group.moved(mask);
   update(group, work, mask);
 }
 

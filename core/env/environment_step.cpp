@@ -5,7 +5,9 @@
 
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
+#include "core/base/octets.h"
 #include "core/env/environment.h"
+#include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
 #include "core/physics/lane_values.h"
@@ -13,47 +15,16 @@
 namespace skybody {
 namespace {
 
-/// Calls `f(lane)` for every lane of a mask.
-template <class F>
-void each(std::uint32_t mask, F&& f) {
-  for (int lane = 0; mask != 0; ++lane, mask >>= 1) {
-    if ((mask & 1u) != 0) f(lane);
-  }
-}
-
-std::uint32_t all_lanes(const StateGroup& group) {
-  return static_cast<std::uint32_t>((std::uint64_t{1} << group.lanes()) - 1);
-}
+static_assert(kGroupLanes == SKYBODY_GROUP_LANES, "plugins are made for other groups");
 
 /// Adds one to a word of the header in each lane of a mask.
 void count(StateGroup& group, HeaderWord word, std::uint32_t mask) {
   std::uint64_t* words = group.bits(word);
-  if (group.lanes() == kGroupLanes) {
-    for (int l = 0; l < kGroupLanes; ++l) words[l] += (mask >> l) & 1u;
-    return;
-  }
-  each(mask, [&](int lane) { ++words[lane]; });
-}
-
-/// Copies values of the lanes that are served.
-void keep(const SkybodyLanes& view, int count, const double* from, double* to) {
-  const auto lanes = static_cast<int>(view.lanes);
-  for (int k = 0; k < count; ++k) {
-    each(view.active, [&](int lane) { to[k * lanes + lane] = from[k * lanes + lane]; });
-  }
-}
-
-/// Whether all lanes of a group that goes in packs take part.
-bool is_packed(const StateGroup& group, std::uint32_t mask) {
-  return group.lanes() == kGroupLanes && mask == (1u << kGroupLanes) - 1u;
-}
-
-/// Reason bits of a lane's fault, 0 if there is none.
-std::uint64_t fault_reason(const GroupWork& work, int lane, bool finite_outcome) {
-  std::uint64_t reason = finite_outcome ? std::uint64_t{0} : std::uint64_t{kBadOutcome};
-  if (((work.bad_action >> lane) & 1u) != 0) reason |= kBadAction;
-  if (((work.bad_state >> lane) & 1u) != 0) reason |= kBadState;
-  return reason;
+  const std::uint32_t octets = octets_of(group, mask);
+  each_octet(octets, [&](int first) {
+    for (int l = first; l < first + kOctet; ++l) ++words[l];
+  });
+  each_lane(mask & ~octets, [&](int lane) { ++words[lane]; });
 }
 
 /// Every NaN is one: which sign and payload it has may depend on the order of operands.
@@ -62,15 +33,11 @@ std::uint64_t canonical(std::uint64_t word) {
   return (word & ~(std::uint64_t{1} << 63)) > kInfinityBits ? kInfinityBits + 1 : word;
 }
 
-/// Finite as the float that the learner gets.
-bool is_finite_float(double value) { return std::isfinite(static_cast<float>(value)); }
-
 }  // namespace
 
 void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
                        int action_stride, const Rows& rows) const {
   check(group, work, mask);
-  const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
   group.refresh(mask, work.physics);
   const SkybodyLanes lanes = view(group, mask);
@@ -129,10 +96,11 @@ void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& vi
   const Layout& l = layout();
   const std::uint32_t mask = view.active;
   double* action = group.reals(l.action);
-  const bool packed = is_packed(group, mask);
-  if (!packed || !row_kernels().read_clipped(actions, action_stride, l.action.size, action)) {
-    read_actions(group, work, mask, actions, action_stride);
-  }
+  const RowKernels& kernels = row_kernels();
+  const std::uint32_t octets = octets_of(group, mask);
+  const std::uint32_t read =
+      kernels.read_clipped(octets, actions, action_stride, l.action.size, action);
+  if (read != mask) read_actions(group, work, mask & ~read, actions, action_stride);
   double* command = group.reals(l.command);
   if (task_.kernels.process != nullptr) {
     task_.kernels.process(task_.self.get(), &view, group.bits(task_.state),
@@ -146,12 +114,10 @@ void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& vi
     const double *low = first.low.data(), *high = first.high.data();
     const double* from = action + chain.action * lanes;
     double* to = command + chain.command * lanes;
-    if (packed) {
-      row_kernels().scale(from, first.input_count(), low, high, to);
-      continue;
-    }
+    kernels.scale(octets, from, first.input_count(), low, high, to);
+    if (octets == mask) continue;
     for (int k = 0; k < first.input_count(); ++k) {
-      each(mask, [&](int lane) {
+      each_lane(mask & ~octets, [&](int lane) {
         const double a = from[k * lanes + lane];
         to[k * lanes + lane] = low[k] + 0.5 * (a + 1.0) * (high[k] - low[k]);
       });
@@ -164,7 +130,7 @@ void Environment::read_actions(StateGroup& group, GroupWork& work, std::uint32_t
                                const float* actions, int action_stride) const {
   const int lanes = group.lanes(), size = layout().action.size;
   double* action = group.reals(layout().action);
-  each(mask, [&](int lane) {
+  each_lane(mask, [&](int lane) {
     const float* row = actions + static_cast<std::ptrdiff_t>(lane) * action_stride;
     bool finite = true;
     for (int k = 0; k < size; ++k) finite = finite && std::isfinite(row[k]);
@@ -182,7 +148,7 @@ void Environment::read_actions(StateGroup& group, GroupWork& work, std::uint32_t
 /// C_i: every robot's controllers in order, from the latest state.
 void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
   const int lanes = group.lanes();
-  const bool is_full = view.active == all_lanes(group);
+  const bool serves_all = view.active == group.occupied();
   for (const ControllerChain& chain : chains_) {
     const double* input = group.reals(layout().command) + chain.command * lanes;
     for (int i = 0; i < chain.count; ++i) {
@@ -190,11 +156,11 @@ void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes
       const bool is_last = i + 1 == chain.count;
       double* target = is_last ? actuator(group, c, chain) : nullptr;
       // All lanes at once go where they belong; else others' commands have to be spared.
-      double* output = is_last && is_full ? target : work.signal[i & 1].data();
+      double* output = is_last && serves_all ? target : work.signal[i & 1].data();
       c.kernels.control(c.self.get(), &view, group.bits(c.state), group.reals(c.buffer), input,
                         output);
       input = output;
-      if (is_last && !is_full) keep(view, c.output_count, output, target);
+      if (is_last && !serves_all) keep(group, view.active, c.output_count, output, target);
     }
   }
 }
@@ -228,16 +194,7 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
 void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
   if (!needs_bodies_before_) return;
   const Block& block = layout().bodies_before;
-  const int lanes = group.lanes();
-  const double* now = group.bodies();
-  double* before = group.reals(block);
-  if (mask == all_lanes(group)) {
-    std::memcpy(before, now, static_cast<std::size_t>(block.size * lanes) * sizeof(double));
-    return;
-  }
-  each(mask, [&](int lane) {
-    for (int k = 0; k < block.size; ++k) before[k * lanes + lane] = now[k * lanes + lane];
-  });
+  keep(group, mask, block.size, group.bodies(), group.reals(block));
 }
 
 /// Sensors that are due after this physics step, each lane by its own count; all of them at a
@@ -248,7 +205,7 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool a
   const std::uint64_t* count = group.bits(kPhysicsStep);
   for (const PluginInstance& s : sensors_) {
     std::uint32_t due = 0;
-    each(lanes_now.active, [&](int lane) {
+    each_lane(lanes_now.active, [&](int lane) {
       if (all || count[lane] % static_cast<std::uint64_t>(s.period) == 0) due |= 1u << lane;
     });
     if (due == 0) continue;
@@ -267,128 +224,6 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLane
                               work.robot_reward.data(), work.info.data(),   wants_info ? 1u : 0u};
   task_.kernels.evaluate(task_.self.get(), &view, group.bits(task_.state),
                          group.reals(task_.buffer), &out);
-}
-
-/// Horizon and faults, then the rows. A fault gives the last finite observation and reward 0.
-void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask, bool is_reset,
-                           const Rows& rows) const {
-  if (is_packed(group, mask) && conclude_packed(group, work, is_reset, rows)) return;
-  const int lanes = group.lanes();
-  const int size = observation_size();
-  double* last = group.reals(layout().last_observation);
-  each(mask, [&](int lane) {
-    const auto l = static_cast<std::size_t>(lane);
-    bool finite = is_finite_float(work.reward[l]);
-    for (const int robot : agents_) {
-      finite = finite &&
-               is_finite_float(work.robot_reward[static_cast<std::size_t>(robot * lanes + lane)]);
-    }
-    for (int k = 0; k < size; ++k) {
-      finite =
-          finite && is_finite_float(work.observation[static_cast<std::size_t>(k * lanes + lane)]);
-    }
-    std::uint64_t status = is_reset ? kRunning : ended(group, work, lane);
-    double reward = is_reset ? 0.0 : work.reward[l];
-    if (const std::uint64_t reason = fault_reason(work, lane, finite); reason != 0) {
-      status = kTruncated | kFault | reason;
-      reward = 0.0;
-    }
-    if (finite) {
-      for (int k = 0; k < size; ++k) {
-        last[k * lanes + lane] = work.observation[static_cast<std::size_t>(k * lanes + lane)];
-      }
-    }
-    group.bits(kStatus)[lane] = status;
-    write_rows(group, work, lane, reward, rows);
-  });
-}
-
-/// Whether task or horizon end the episode.
-std::uint64_t Environment::ended(const StateGroup& group, const GroupWork& work, int lane) const {
-  const auto horizon = static_cast<std::uint64_t>(scenario().stepping.horizon);
-  const std::uint64_t by_task =
-      work.end[static_cast<std::size_t>(lane)] & (kTerminated | kTruncated);
-  const bool over = horizon > 0 && group.bits(kStep)[lane] >= horizon;
-  return over ? by_task | kTruncated : by_task;
-}
-
-/// A full group without faults; returns false if there is one: then nothing but rows is written.
-bool Environment::conclude_packed(StateGroup& group, GroupWork& work, bool is_reset,
-                                  const Rows& rows) const {
-  const RowKernels& kernels = row_kernels();
-  const int robots = static_cast<int>(scenario().robots.size());
-  if ((work.bad_action | work.bad_state) != 0 ||
-      !kernels.write(work.observation.data(), observation_size(), rows.observation) ||
-      !kernels.write(work.reward.data(), 1, rows.reward) ||
-      (task_.robot_rewards && !kernels.are_finite(work.robot_reward.data(), robots))) {
-    return false;
-  }
-  constexpr std::size_t kRow = kGroupLanes * sizeof(double);
-  std::memcpy(group.reals(layout().last_observation), work.observation.data(),
-              static_cast<std::size_t>(observation_size()) * kRow);
-  std::uint64_t* status = group.bits(kStatus);
-  if (is_reset) {
-    std::fill_n(status, kGroupLanes, std::uint64_t{kRunning});
-    std::fill_n(rows.reward, kGroupLanes, 0.0f);
-  } else {
-    kernels.end(work.end.data(), group.bits(kStep),
-                static_cast<std::uint64_t>(scenario().stepping.horizon), status);
-  }
-  std::memcpy(rows.status, status, kRow);
-  if (rows.info != nullptr) kernels.write(work.info.data(), info_size_, rows.info);
-  if (rows.agent_reward != nullptr) write_agent_rewards(work, is_reset, rows);
-  return true;
-}
-
-/// Of a full group.
-void Environment::write_agent_rewards(const GroupWork& work, bool is_reset,
-                                      const Rows& rows) const {
-  const std::size_t agents = agents_.size();
-  if (task_.robot_rewards && !is_reset) {
-    for (std::size_t i = 0; i < agents; ++i) {
-      const double* own = work.robot_reward.data() + agents_[i] * kGroupLanes;
-      for (std::size_t l = 0; l < kGroupLanes; ++l) {
-        rows.agent_reward[l * agents + i] = static_cast<float>(own[l]);
-      }
-    }
-    return;
-  }
-  for (std::size_t l = 0; l < kGroupLanes; ++l) {
-    std::fill_n(rows.agent_reward + l * agents, agents, rows.reward[l]);
-  }
-}
-
-/// What the learner gets of one lane, whose status has been decided.
-void Environment::write_rows(const StateGroup& group, const GroupWork& work, int lane,
-                             double reward, const Rows& rows) const {
-  const int lanes = group.lanes();
-  const int size = observation_size();
-  const std::uint64_t status = group.bits(kStatus)[lane];
-  const double* last = group.reals(layout().last_observation);
-  float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * size;
-  for (int k = 0; k < size; ++k) row[k] = static_cast<float>(last[k * lanes + lane]);
-  rows.reward[lane] = static_cast<float>(reward);
-  rows.status[lane] = status;
-  if (rows.agent_reward != nullptr) write_agent_rewards(group, work, lane, reward, rows);
-  if (rows.info != nullptr) {
-    float* out = rows.info + static_cast<std::ptrdiff_t>(lane) * info_size_;
-    for (int k = 0; k < info_size_; ++k) {
-      out[k] = static_cast<float>(work.info[static_cast<std::size_t>(k * lanes + lane)]);
-    }
-  }
-}
-
-/// Each agent's own reward where the task says it, else the team's.
-void Environment::write_agent_rewards(const StateGroup& group, const GroupWork& work, int lane,
-                                      double reward, const Rows& rows) const {
-  const int lanes = group.lanes();
-  const bool is_fault = (group.bits(kStatus)[lane] & kFault) != 0;
-  const bool own = task_.robot_rewards && group.bits(kStep)[lane] > 0 && !is_fault;
-  float* out = rows.agent_reward + static_cast<std::size_t>(lane) * agents_.size();
-  for (const int robot : agents_) {
-    *out++ = static_cast<float>(
-        own ? work.robot_reward[static_cast<std::size_t>(robot * lanes + lane)] : reward);
-  }
 }
 
 void Environment::goal(StateGroup& group, int lane, std::vector<double>& out) const {

@@ -36,7 +36,12 @@ void StateGroup::gather(int lane, Block block, double* out) const {
 
 void StateGroup::scatter(int lane, Block block, const double* in) {
   if (block.size == 0) return;
-  changed(1u << lane);
+  const Block& params = layout_->params;
+  if (block.offset >= params.offset && block.offset < params.offset + params.size) {
+    changed(1u << lane);
+  } else {
+    moved(1u << lane);
+  }
   double* values = reals(block);
   if (lanes_ == 1) {
     std::memcpy(values, in, static_cast<std::size_t>(block.size) * 8);

@@ -44,16 +44,27 @@ class StateGroup {
 
   // --- what follows from the words: no information of its own -----------------------------------
 
-  /// Says that q, u, rotor speeds or parameters of these lanes were written through reals() by
-  /// somebody else than the stepper. Everybody who does so must say it.
-  void changed(std::uint32_t lanes) { current_ &= ~lanes; }
+  // Everybody but the stepper who writes through reals() must say so.
+
+  /// q, u or rotor speeds of these lanes were written.
+  void moved(std::uint32_t lanes) { current_ &= ~lanes; }
+  /// Parameters were, or any of all these.
+  void changed(std::uint32_t lanes) {
+    current_ &= ~lanes;
+    derived_ &= ~lanes;
+  }
   /// Makes bodies and stepper current for these lanes.
   void refresh(std::uint32_t lanes, PhysicsScratch& scratch) {
     const std::uint32_t stale = lanes & ~current_;
     if (stale == 0) return;
-    stepper_->refresh(blocks(), stale, scratch);
+    stepper_->refresh(blocks(), stale, stale & ~derived_, scratch);
     current_ |= stale;
+    derived_ |= stale;
   }
+  /// Lanes that hold an environment: those that were initialized.
+  std::uint32_t occupied() const { return occupied_; }
+  void occupy(std::uint32_t lanes) { occupied_ |= lanes; }
+
   GroupStepper& stepper() { return *stepper_; }
   const GroupStepper& stepper() const { return *stepper_; }
   const GroupBlocks& blocks() const { return blocks_; }
@@ -75,7 +86,9 @@ class StateGroup {
   AlignedArray<double> bodies_;
   GroupBlocks blocks_;
   std::unique_ptr<GroupStepper> stepper_;
-  std::uint32_t current_ = 0;  ///< lanes whose bodies, and what the stepper has derived, are right
+  std::uint32_t current_ = 0;  ///< lanes whose bodies are right
+  std::uint32_t derived_ = 0;  ///< lanes whose parameters the stepper knows
+  std::uint32_t occupied_ = 0;
 };
 
 }  // namespace skybody

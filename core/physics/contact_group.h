@@ -29,9 +29,14 @@ SKYBODY_INLINE SpatialForce<Real> ground_forces(const ContactGroup& group,
   SpatialForce<Real> sum = SpatialForce<Real>::zero();
   for (int i = group.first; i < group.first + group.count; ++i) {
     const ContactSphere& sphere = spheres[i];
-    Vec3<Real> arm = body.axes * to_real<Real>(sphere.center);
-    arm.z -= sphere.radius;
+    const Vec3<Real> center = to_real<Real>(sphere.center);
+    const Real below = dot(body.axes.row(2), center) - sphere.radius;
+    const auto touches = body.position.z + below < 0.0;
+    if (none(touches)) continue;  // most spheres of a body that lies on the others
+    const Vec3<Real> arm{dot(body.axes.row(0), center), dot(body.axes.row(1), center), below};
     const Vec3<Real> velocity = body.velocity + cross(body.angular_velocity, arm);
+    // Where it is in the air this adds zeros, which change no sum: sums begin at +0, and so none is
+    // -0.
     sum.add_force_at(
         arm, ground_force(body.position + arm, velocity, sphere.stiffness, sphere.most_damping,
                           contact.dissipation, contact.friction, contact.slip_velocity));

@@ -9,13 +9,17 @@ bool has_force(const Joint& joint) {
 
 }  // namespace
 
+RotorPlace make_rotor_place(const World& world, std::size_t index) {
+  const Rotor& rotor = *world.rotors[index].model;
+  const Vec3<double>& p = rotor.position;
+  return {p, rotor.axis, static_cast<double>(rotor.direction), p.x * p.x + p.y * p.y,
+          world.layout.rotor_params[index]};
+}
+
 std::vector<RotorPlace> make_rotor_places(const World& world) {
   std::vector<RotorPlace> places;
   for (std::size_t i = 0; i < world.rotors.size(); ++i) {
-    const Rotor& rotor = *world.rotors[i].model;
-    const Vec3<double>& p = rotor.position;
-    places.push_back({p, rotor.axis, static_cast<double>(rotor.direction), p.x * p.x + p.y * p.y,
-                      world.layout.rotor_params[i]});
+    places.push_back(make_rotor_place(world, i));
   }
   return places;
 }

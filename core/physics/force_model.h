@@ -27,7 +27,8 @@ struct ForceInputs {
   const Real* wrench = nullptr;
 };
 
-/// Every rotor of a world on its body, and the groups that they form.
+/// A rotor of a world on its body; every one; and the groups that they form.
+RotorPlace make_rotor_place(const World& world, std::size_t index);
 std::vector<RotorPlace> make_rotor_places(const World& world);
 std::vector<RotorGroup> make_rotor_groups(const World& world);
 

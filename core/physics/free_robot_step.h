@@ -20,30 +20,37 @@ struct FreeMotion {
   Vec3<Real> spin;      ///< body axes
 };
 
-/// @tparam Real     double or a pack
+/// What such a step holds.
 /// @tparam Values   how values of WorldState are read: a pointer, or a view (lane_values.h)
 /// @tparam Params, Derived  likewise parameters and what derives from them (pack_world.h)
-template <class Real, class Values, class Params, class Derived>
+template <class Values, class Params, class Derived>
+struct FreeStepInputs {
+  Values rotor_speed, rotor_command, wrench;
+  Params params;
+  Derived lags, factors, bodies;  ///< of the whole world
+};
+
+/// @tparam Real         double or a pack
+/// @tparam kLevelRotors 0: any rotors; else the robot has so many, all of them level
+template <class Real, class Values, class Params, class Derived, int kLevelRotors>
 class FreeRobotStep {
  public:
-  /// What the step holds.
-  struct Inputs {
-    Values rotor_speed, rotor_command, wrench;
-    Params params;
-    Derived lags, bodies;  ///< of the whole world
-  };
+  using Inputs = FreeStepInputs<Values, Params, Derived>;
 
   SKYBODY_INLINE FreeRobotStep(const FreeRobots& world, const FreeRobot& robot, const Inputs& in)
       : world_(world),
         robot_(robot),
         in_(in),
+        lags_(in.lags + kLagSize * robot.rotors.first),
+        factors_(in.factors + kRotorFactorCount * robot.rotors.first),
         constants_(in.bodies + kBodyConstantCount * robot.body) {}
 
   /// Moves the robot on by dt.
   /// @param load       load() gives the motion at the start of the step
   /// @param motion     at its end, written
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
-  /// @returns where all of it is finite and, the magnitudes added up, below kLargestState
+  /// @returns where all of it is finite and below kLargestState: the rates of turn, and the
+  ///          magnitudes of all else added up
   // What is read again after forget() need not be kept in registers, of which there are too few.
   template <class Load>
   SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
@@ -79,30 +86,60 @@ class FreeRobotStep {
 
   static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
 
-  /// @param speeds  sum of the rotors' speeds at the end, added
+  /// @param speeds  sum of the rotors' speeds at the end, written
   template <class Load>
   SKYBODY_INLINE Accelerations accelerations(const Load& load, Real* end_speed,
                                              Real& speeds) const {
     const RotorGroup& group = robot_.rotors;
+    if (kLevelRotors > 0 || group.is_level) {
+      const LevelRotors<Real> rotors = run_level_rotors(end_speed, speeds);
+      forget();  // the sums need no motion
+      const BodyKinematics<Real> body = kinematics(load());
+      const double height = world_.rotors[static_cast<std::size_t>(group.first)].position.z;
+      return accelerations(body,
+                           rotors.force(height, world_.rate, velocity_in_body(body), body.spin));
+    }
+    speeds = Real(0.0);
     const auto run = [&](int i) __attribute__((always_inline)) {
-      const RotorPlace& place = world_.rotors[static_cast<std::size_t>(i)];
-      const RotorStep<Real> step(load_lag<Real>(in_.lags + kLagSize * i), in_.rotor_speed[i],
-                                 in_.rotor_command[i], in_.params[place.params + kMaxSpeed]);
+      const RotorStep<Real> step = rotor_step(i - group.first);
       const Real end = step.at(kStepEnd).speed;
       end_speed[i - group.first] = end;
       speeds += end;
       return step.mean(end, world_.rate);
     };
-    const RotorPlace* places = world_.rotors.data();
-    LevelRotors<Real> level = LevelRotors<Real>::none();
-    if (group.is_level) level = sum_level_rotors<Real>(group, places, in_.params, run);
-    forget();  // the sums need no motion
     const BodyKinematics<Real> body = kinematics(load());
-    const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
-    const SpatialForce<Real> rotors =
-        group.is_level ? level.force(places[group.first].position.z, velocity, body.spin)
-                       : sum_rotors<Real>(group, places, in_.params, run, velocity, body.spin);
-    return accelerations(body, rotors);
+    return accelerations(body, sum_rotors<Real>(group, world_.rotors.data(), in_.params, run,
+                                                velocity_in_body(body), body.spin));
+  }
+
+  /// @param i  of the robot's rotors
+  SKYBODY_INLINE RotorStep<Real> rotor_step(int i) const {
+    const int rotor = robot_.rotors.first + i;
+    return {load_lag<Real>(lags_ + kLagSize * i), in_.rotor_speed[rotor], in_.rotor_command[rotor],
+            factors_[kRotorFactorCount * i + kSpeedLimit]};
+  }
+
+  static SKYBODY_INLINE Vec3<Real> velocity_in_body(const BodyKinematics<Real>& body) {
+    return transpose_times(body.axes, body.velocity);
+  }
+
+  /// Accelerations in rad/s a step: force() is told the rate.
+  SKYBODY_INLINE LevelRotors<Real> run_level_rotors(Real* end_speed, Real& speeds) const {
+    const auto run = [&](int i) __attribute__((always_inline)) {
+      const RotorStep<Real> step = rotor_step(i);
+      end_speed[i] = step.at(kStepEnd).speed;
+      return LevelRotors<Real>(factors_ + kRotorFactorCount * i, step.at(kStepMiddle).speed,
+                               end_speed[i] - step.speed);
+    };
+    LevelRotors<Real> rotors = run(0);
+    speeds = end_speed[0];
+    const int count = kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count;
+#pragma GCC unroll 4
+    for (int i = 1; i < count; ++i) {
+      rotors += run(i);
+      speeds += end_speed[i];
+    }
+    return rotors;
   }
 
   /// Gravity acts at the centre of mass, so that it turns nothing.
@@ -112,14 +149,34 @@ class FreeRobotStep {
     const Real inverse_mass = constants_[kBodyInverseMass];
     const Vec3<Real> com = load_vec3(constants_ + kBodyCom);
     Vec3<Real> linear = to_real<Real>(world_.world.scenario.gravity);
-    Vec3<Real> moment = rotors.moment - cross(com, rotors.force);
-    add_outer_forces(body, com, inverse_mass, linear, moment);
+    Vec3<Real> moment = rotors.moment;
     const Vec3<Real>& w = body.spin;
+    const Vec3<Real>& f = rotors.force;
+    // About the centre of mass, which most robots have on their z axis.
+    const Vec3<Real> on_axis{moment.x + com.z * f.y, moment.y - com.z * f.x, moment.z};
+    moment = by_com(
+        com, on_axis, [&]() __attribute__((always_inline)) { return moment - cross(com, f); });
+    add_outer_forces(body, com, inverse_mass, linear, moment);
     const Vec3<Real> momentum = turn(kBodyInertia, w);
     const Vec3<Real> angular = turn(kBodyInverseInertia, moment - cross(w, momentum));
-    const Vec3<Real> com_from_origin = cross(angular, com) + cross(w, cross(w, com));
-    linear += body.axes * (rotors.force * inverse_mass - com_from_origin);
+    const Vec3<Real> axial{com.z * (angular.y + w.x * w.z), com.z * (w.y * w.z - angular.x),
+                           -(com.z * (w.x * w.x + w.y * w.y))};
+    const Vec3<Real> com_from_origin = by_com(
+        com, axial, [&]() __attribute__((always_inline)) {
+          return cross(angular, com) + cross(w, cross(w, com));
+        });
+    linear += body.axes * (f * inverse_mass - com_from_origin);
     return {linear, angular};
+  }
+
+  /// `on_axis` where the centre of mass lies on the body's z axis, what `general` gives elsewhere.
+  template <class General>
+  SKYBODY_INLINE Vec3<Real> by_com(const Vec3<Real>& com, const Vec3<Real>& on_axis,
+                                   const General& general) const {
+    if (kIsNominal && robot_.is_axial) return on_axis;
+    const auto is_off = logical_or(com.x != 0.0, com.y != 0.0);
+    if (none(is_off)) return on_axis;
+    return select(is_off, general(), on_axis);
   }
 
   /// A symmetric matrix of the constants times v. Products of inertia are rarely other than zero.
@@ -200,18 +257,19 @@ class FreeRobotStep {
     return squared;
   }
 
-  /// A quaternion can be scaled to norm 1 where the square of its norm is finite and not 0.
-  static SKYBODY_INLINE MaskOf<Real> is_sound(const FreeMotion<Real>& m, const Real& squared,
-                                              const Real& speeds) {
+  /// The norm that the turn gave the quaternion says how quick it was.
+  SKYBODY_INLINE MaskOf<Real> is_sound(const FreeMotion<Real>& m, const Real& squared,
+                                       const Real& speeds) const {
     const auto size = [](const Vec3<Real>& v) { return (abs(v.x) + abs(v.y)) + abs(v.z); };
-    const Real sum = (size(m.position) + size(m.velocity)) + (size(m.spin) + speeds);
-    return logical_and(logical_and(squared > 0.0, squared < kLargest), sum < kLargestState);
+    const Real sum = (size(m.position) + size(m.velocity)) + speeds;
+    return logical_and(logical_and(squared > 0.0, squared < world_.largest_square),
+                       sum < kLargestState);
   }
 
   const FreeRobots& world_;
   const FreeRobot& robot_;
   const Inputs& in_;
-  Derived constants_;
+  Derived lags_, factors_, constants_;  ///< of the robot
 };
 
 }  // namespace skybody

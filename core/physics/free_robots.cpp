@@ -4,6 +4,7 @@
 
 #include "core/physics/force_model.h"
 #include "core/physics/pose_math.h"
+#include "core/physics/stepper.h"
 
 namespace skybody {
 
@@ -19,8 +20,18 @@ bool FreeRobots::is_possible(const World& world) {
   });
 }
 
+namespace {
+
+/// The square of a unit quaternion's norm after an Euler step of half the angle `half`.
+double square_after(double half) { return 1.0 + half * half; }
+
+}  // namespace
+
 FreeRobots::FreeRobots(const World& w)
-    : world(w), rate(1.0 / w.scenario.stepping.dt), rotors(make_rotor_places(w)) {
+    : world(w),
+      rate(1.0 / w.scenario.stepping.dt),
+      largest_square(square_after(0.5 * w.scenario.stepping.dt * kLargestState)),
+      rotors(make_rotor_places(w)) {
   for (std::size_t r = 0; r < w.layout.robots.size(); ++r) {
     const RobotLayout& layout = w.layout.robots[r];
     FreeRobot robot;
@@ -33,6 +44,7 @@ FreeRobots::FreeRobots(const World& w)
     }
     const MassProperties& mass = w.bodies[static_cast<std::size_t>(robot.body)].model->mass;
     robot.has_products = mass.inertia.xy != 0.0 || mass.inertia.xz != 0.0 || mass.inertia.yz != 0.0;
+    robot.is_axial = mass.com.x == 0.0 && mass.com.y == 0.0;
     for (int k = 0; k < kDisturbanceParamCount; ++k) {
       const auto param = static_cast<std::size_t>(robot.disturbance + k);
       robot.is_disturbed |= w.layout.param_info[param].nominal != 0.0;

@@ -18,7 +18,11 @@ struct FreeRobot {
   std::vector<int> sites;     ///< within World::sites
   bool is_disturbed = false;  ///< by the nominal parameters
   bool has_products = false;  ///< of inertia, or of its inverse: likewise
+  bool is_axial = false;      ///< the centre of mass is on the z axis: likewise
   ContactGroup contact;       ///< none where `count` is 0
+
+  /// The commonest kind, for which kernels are made to measure.
+  bool has_four_level_rotors() const { return rotors.is_level && rotors.count == 4; }
 };
 
 /// All robots of a world. Immutable; refers to the world, which must outlive it.
@@ -31,7 +35,8 @@ struct FreeRobots {
   static bool is_possible(const World& world);
 
   const World& world;
-  double rate = 0.0;  ///< physics steps a second: 1/dt
+  double rate = 0.0;            ///< physics steps a second: 1/dt
+  double largest_square = 0.0;  ///< of a quaternion that has turned for a step by kLargestState
   std::vector<FreeRobot> robots;
   std::vector<RotorPlace> rotors;  ///< of the world
 };

@@ -48,6 +48,7 @@ class FreeStepper final : public Stepper {
                             state.wrench.data(),
                             state.params.data(),
                             derived_.data() + derived_layout_.lags,
+                            derived_.data() + derived_layout_.factors,
                             derived_.data() + derived_layout_.bodies};
       const Step step(robots_, robot, in);
       through &= step.advance(load, motions_[r], end_speeds_.data() + robot.rotors.first);
@@ -68,7 +69,7 @@ class FreeStepper final : public Stepper {
   }
 
  private:
-  using Step = FreeRobotStep<double, const double*, const double*, const double*>;
+  using Step = FreeRobotStep<double, const double*, const double*, const double*, 0>;
 
   bool is_within_reach(const LaneState& state) {
     forward_kinematics(tree_, state.q.data(), state.u.data(), kinematics_.data());

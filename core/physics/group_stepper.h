@@ -47,14 +47,16 @@ class GroupStepper {
   /// Brings quaternions to norm 1 and makes `bodies`, and all else that follows from the values,
   /// current for these lanes after the values were changed from outside. Every lane is refreshed
   /// before it is first stepped.
-  virtual void refresh(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch) = 0;
+  /// @param drawn  those of the lanes whose parameters may have been changed, too
+  virtual void refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,
+                       PhysicsScratch& scratch) = 0;
 
   /// Advances q, u, rotor speeds and bodies of these lanes by exactly dt, commands, wrenches and
   /// drives held.
   /// @returns the lanes that came through; the others, whose step gave a value that is not finite
   /// or
-  ///          beyond 1e6 (free robots: magnitudes and rotor speeds added up), or where the dynamics
-  ///          gave up, are as they were before the call
+  ///          beyond 1e6 (free robots: rates of turn, and the magnitudes of all else added up), or
+  ///          where the dynamics gave up, are as they were before the call
   virtual std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes,
                                 PhysicsScratch& scratch) = 0;
 

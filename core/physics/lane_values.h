@@ -5,8 +5,12 @@
 
 namespace skybody {
 
-/// Lanes of a group that is stepped in packs.
-inline constexpr int kGroupLanes = 8;
+/// Lanes of a group that is stepped in packs: several packs of the widest kind, so that one call
+/// serves many environments.
+inline constexpr int kGroupLanes = 32;
+/// Lanes of the widest pack.
+inline constexpr int kWidestPack = 8;
+static_assert(kGroupLanes % kWidestPack == 0 && kGroupLanes <= 32, "masks have 32 bits");
 
 /// Values that each lane has of its own: value k of the lanes that `Real` holds.
 template <class Real>

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/base/error.h"
+#include "core/base/octets.h"
 #include "core/physics/group_stepper.h"
 #include "core/physics/lane_values.h"
 #include "core/physics/pack_world.h"
@@ -17,10 +18,13 @@ class PackGroupStepper final : public GroupStepper {
       : world_(world),
         spins_(world.free_robots ? 0 : 3 * world.world.bodies.size() * kGroupLanes) {}
 
-  void refresh(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch) override {
-    for (int l = 0; l < kGroupLanes; ++l) {
-      if (((lanes >> l) & 1u) != 0) derive_lane(group, l, scratch);
-    }
+  void refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,
+               PhysicsScratch& scratch) override {
+    std::uint32_t own = 0;
+    each_lane(drawn, [&](int l) {
+      if (derive_bodies(group, l, scratch)) own |= 1u << l;
+    });
+    if (own != 0) world_.derive_rotors(call(group, scratch), own, derived_.data());
     world_.kernels.refresh(call(group, scratch), lanes);
   }
 
@@ -54,20 +58,21 @@ class PackGroupStepper final : public GroupStepper {
   /// last asked; what only packs keep (spins) is made anew.
   std::uint32_t advance_one_by_one(const GroupBlocks& group, std::uint32_t lanes,
                                    PhysicsScratch& scratch) {
-    one_by_one().refresh(group, lanes, scratch);
+    one_by_one().refresh(group, lanes, lanes, scratch);
     const std::uint32_t through = one_by_one().advance(group, lanes, scratch);
     world_.kernels.refresh(call(group, scratch), lanes);
     return through;
   }
 
-  /// What follows from a lane's parameters, where they are not the nominal ones.
-  void derive_lane(const GroupBlocks& group, int lane, PhysicsScratch& scratch) {
+  /// What follows from a lane's parameters where they are not the nominal ones, but for rotors.
+  /// @returns whether they are not, and bodies can have them
+  bool derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch) {
     const std::uint32_t bit = 1u << lane;
     broken_ &= ~bit;
     if (is_nominal(group, lane)) {
       drawn_ &= ~bit;
       if ((placed_ & bit) == 0 && derived_.size() > 0) put_nominal(lane);
-      return;
+      return false;
     }
     make_derived();
     drawn_ |= bit;
@@ -77,12 +82,13 @@ class PackGroupStepper final : public GroupStepper {
     for (int k = 0; k < world_.physics_params; ++k)
       params[k] = group.params[k * kGroupLanes + lane];
     try {
-      derive(world_.world, world_.derived, params, derived);
+      make_body_constants(world_.world, params, derived + world_.derived.bodies);
     } catch (const std::runtime_error&) {  // no body has such masses: this lane's steps fail
       broken_ |= bit;
-      return;
+      return false;
     }
-    put(derived, lane);
+    put(derived, world_.derived.bodies, lane);
+    return true;
   }
 
   bool is_nominal(const GroupBlocks& group, int lane) const {
@@ -104,12 +110,13 @@ class PackGroupStepper final : public GroupStepper {
   }
 
   void put_nominal(int lane) {
-    put(world_.nominal_derived.data(), lane);
+    put(world_.nominal_derived.data(), 0, lane);
     placed_ |= 1u << lane;
   }
 
-  void put(const double* derived, int lane) {
-    for (int k = 0; k < world_.derived.size; ++k) {
+  /// The values from place `first` on.
+  void put(const double* derived, int first, int lane) {
+    for (int k = first; k < world_.derived.size; ++k) {
       derived_[static_cast<std::size_t>(k * kGroupLanes + lane)] = derived[k];
     }
   }

@@ -10,16 +10,13 @@
 namespace skybody {
 
 DerivedLayout::DerivedLayout(const World& world)
-    : bodies(kLagSize * static_cast<int>(world.rotors.size())),
+    : factors(kLagSize * static_cast<int>(world.rotors.size())),
+      bodies(factors + kRotorFactorCount * static_cast<int>(world.rotors.size())),
       size(bodies + kBodyConstantCount * static_cast<int>(world.bodies.size())) {}
 
 void derive(const World& world, const DerivedLayout& layout, const double* params,
             double* derived) {
-  for (std::size_t r = 0; r < world.rotors.size(); ++r) {
-    const RotorLag<double> lag =
-        make_rotor_lag(params + world.layout.rotor_params[r], world.scenario.stepping.dt);
-    std::memcpy(derived + layout.lags + kLagSize * static_cast<int>(r), &lag, sizeof(lag));
-  }
+  derive_rotors(world, layout, params, [&](int k, double value) { derived[k] = value; });
   make_body_constants(world, params, derived + layout.bodies);
 }
 
@@ -29,6 +26,7 @@ PackWorld::PackWorld(const World& w)
       forces(w),
       reach(w),
       derived(w),
+      derive_rotors(choose_derive_kernel()),
       kernels(choose_pack_kernels(w.scenario.stepping.integrator)) {
   for (const EnvParam& param : w.layout.param_info) nominal_params.push_back(param.nominal);
   nominal_derived.resize(static_cast<std::size_t>(derived.size));
@@ -41,7 +39,7 @@ PackWorld::PackWorld(const World& w)
     value += kDriveSize;
   }
   const auto one_lane = static_cast<std::size_t>(physics_params + derived.size) * sizeof(double);
-  scratch_bytes = std::max(PackArrays<Pack<kGroupLanes>>::bytes(w, reach), one_lane);
+  scratch_bytes = std::max(PackArrays<Pack<kWidestPack>>::bytes(w, reach), one_lane);
   if (!FreeRobots::is_possible(w)) return;
   free_robots.emplace(w);
   kernels.advance = choose_free_kernel();

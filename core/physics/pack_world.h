@@ -21,11 +21,12 @@ struct PackDrive {
   int value = 0;  ///< first of its values within the drive block
 };
 
-/// Numbers derived from the parameters of one environment: the rotors' lags (kLagSize each), then
-/// the bodies' constants (kBodyConstantCount each).
+/// Numbers derived from the parameters of one environment: the rotors' lags (kLagSize each) and
+/// factors (kRotorFactorCount each), then the bodies' constants (kBodyConstantCount each).
 struct DerivedLayout {
   explicit DerivedLayout(const World& world);
   int lags = 0;
+  int factors = 0;
   int bodies = 0;
   int size = 0;
 };
@@ -34,6 +35,28 @@ struct DerivedLayout {
 /// @param derived  DerivedLayout::size values
 /// @throws Error (naming the body) if no rigid body can have the mass properties
 void derive(const World& world, const DerivedLayout& layout, const double* params, double* derived);
+
+/// The rotors' part of it, the rest being the bodies'.
+/// @param params  of one environment, or of as many as Real has lanes: a pointer, or a view
+/// @param store   store(k, value) for every place k of the rotors
+template <class Values, class Store>
+SKYBODY_INLINE void derive_rotors(const World& world, const DerivedLayout& layout,
+                                  const Values& params, Store&& store) {
+  using Real = std::decay_t<decltype(params[0])>;
+  for (int r = 0; r < static_cast<int>(world.rotors.size()); ++r) {
+    const auto rotor = static_cast<std::size_t>(r);
+    const auto constants = params + world.layout.rotor_params[rotor];
+    const RotorLag<Real> lag = make_rotor_lag(constants, world.scenario.stepping.dt);
+    for (int k = 0; k < kLagSize; ++k) {
+      store(layout.lags + kLagSize * r + k, reinterpret_cast<const Real*>(&lag)[k]);
+    }
+    Real factors[kRotorFactorCount];
+    make_rotor_factors(constants, make_rotor_place(world, rotor), factors);
+    for (int k = 0; k < kRotorFactorCount; ++k) {
+      store(layout.factors + kRotorFactorCount * r + k, factors[k]);
+    }
+  }
+}
 
 /// One call of a kernel on a group.
 struct PackCall {
@@ -59,6 +82,11 @@ struct PackKernels {
 /// Those of the best instruction set at hand (best_isa).
 PackKernels choose_pack_kernels(IntegratorChoice integrator);
 
+/// Derives what belongs to the rotors of some lanes.
+/// @param derived  DerivedLayout::size values in lanes
+using PackDerive = void(const PackCall& call, std::uint32_t lanes, double* derived);
+PackDerive* choose_derive_kernel();
+
 /// That of the best instruction set for worlds of free robots.
 PackAdvance* choose_free_kernel();
 /// Bytes of PackCall::scratch that it takes.
@@ -76,6 +104,7 @@ struct PackWorld {
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<PackDrive> drives;
   DerivedLayout derived;
+  PackDerive* derive_rotors = nullptr;
   int physics_params = 0;              ///< the first so many words of the parameter block
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;

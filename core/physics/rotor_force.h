@@ -52,81 +52,97 @@ SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace
                 cross(spin, axis * momentum) + axis * about_axis;
 }
 
+/// A rotor's constants times its place: what LevelRotors ask of it. [x], [y]: hub, body axes.
+enum RotorFactor : int {
+  kThrustFactor = 0,    ///< 3: k_f, k_f x, k_f y
+  kMomentFactor = 3,    ///< s k_m
+  kDragFactor = 4,      ///< 4: c_d, c_d x, c_d y, c_d (x^2 + y^2)
+  kRollingFactor = 8,   ///< 3: s c_r, s c_r x, s c_r y
+  kInertiaFactor = 11,  ///< s J
+  kSpeedLimit = 12,     ///< the rotor's own, as it is
+  kRotorFactorCount = 13
+};
+
+/// @param constants  the rotor's kRotorParamCount values
+/// @param out        kRotorFactorCount values
+template <class Constants, class Real>
+SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPlace& place,
+                                       Real* out) {
+  const double x = place.position.x, y = place.position.y;
+  const Real thrust = constants[kThrustConstant], drag = constants[kDragConstant];
+  const Real rolling = constants[kRollingMomentConstant] * place.direction;
+  out[kThrustFactor] = thrust;
+  out[kThrustFactor + 1] = thrust * x;
+  out[kThrustFactor + 2] = thrust * y;
+  out[kMomentFactor] = constants[kMomentConstant] * place.direction;
+  out[kDragFactor] = drag;
+  out[kDragFactor + 1] = drag * x;
+  out[kDragFactor + 2] = drag * y;
+  out[kDragFactor + 3] = drag * place.squared_radius;
+  out[kRollingFactor] = rolling;
+  out[kRollingFactor + 1] = rolling * x;
+  out[kRollingFactor + 2] = rolling * y;
+  out[kInertiaFactor] = constants[kRotorInertia] * place.direction;
+  out[kSpeedLimit] = constants[kMaxSpeed];
+}
+
 /// Rotors of one body with the body's z as their axis and their hubs at one height: what they do
 /// together, from sums over the rotors that know nothing of the body's motion.
 template <class Real>
 class LevelRotors {
  public:
-  LevelRotors() = default;
-  /// No rotor yet.
-  static SKYBODY_INLINE LevelRotors none() {
-    const Real zero(0.0);
-    return {zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
+  /// The first rotor.
+  /// @param factors  its kRotorFactorCount values
+  /// @param w        its speed [rad/s]
+  /// @param gain     its acceleration, in any unit that force() is told
+  template <class Factors>
+  SKYBODY_INLINE LevelRotors(const Factors& factors, const Real& w, const Real& gain) {
+    const Real squared = w * w;
+    for (int k = 0; k < 3; ++k) thrust_[k] = factors[kThrustFactor + k] * squared;
+    moment_ = factors[kMomentFactor] * squared;
+    for (int k = 0; k < 4; ++k) drag_[k] = factors[kDragFactor + k] * w;
+    for (int k = 0; k < 3; ++k) rolling_[k] = factors[kRollingFactor + k] * w;
+    momentum_ = factors[kInertiaFactor] * w;
+    spin_up_ = factors[kInertiaFactor] * gain;
   }
 
-  /// @param constants  the rotor's kRotorParamCount values
-  template <class Constants>
-  SKYBODY_INLINE void add(const Constants& constants, const RotorPlace& place,
-                          const RotorMotion<Real>& rotor) {
-    const double x = place.position.x, y = place.position.y;
-    const Real w = rotor.speed, signed_w = place.direction * w;
-    const Real thrust = constants[kThrustConstant] * (w * w);
-    const Real drag = constants[kDragConstant] * w;
-    const Real rolling = constants[kRollingMomentConstant] * signed_w;
-    thrust_ += thrust;
-    thrust_x_ += x * thrust;
-    thrust_y_ += y * thrust;
-    drag_ += drag;
-    drag_x_ += x * drag;
-    drag_y_ += y * drag;
-    drag_xy_ += place.squared_radius * drag;
-    rolling_ += rolling;
-    rolling_x_ += x * rolling;
-    rolling_y_ += y * rolling;
-    momentum_ += constants[kRotorInertia] * signed_w;
-    about_axis_ += constants[kMomentConstant] * (signed_w * w) +
-                   constants[kRotorInertia] * (place.direction * rotor.acceleration);
+  /// Another rotor.
+  SKYBODY_INLINE LevelRotors& operator+=(const LevelRotors& other) {
+    for (int k = 0; k < 3; ++k) thrust_[k] += other.thrust_[k];
+    moment_ += other.moment_;
+    for (int k = 0; k < 4; ++k) drag_[k] += other.drag_[k];
+    for (int k = 0; k < 3; ++k) rolling_[k] += other.rolling_[k];
+    momentum_ += other.momentum_;
+    spin_up_ += other.spin_up_;
+    return *this;
   }
 
   /// @param height  of the hubs above the body's origin [m]
+  /// @param unit    of the accelerations [rad/s^2]
   /// @param velocity, spin  as for add_rotor_force
   /// @returns about the body's origin, body axes
-  SKYBODY_INLINE SpatialForce<Real> force(double height, const Vec3<Real>& velocity,
+  SKYBODY_INLINE SpatialForce<Real> force(double height, double unit, const Vec3<Real>& velocity,
                                           const Vec3<Real>& spin) const {
     // Velocity across the axis of a hub at x, y: (hub_x - spin_z y, hub_y + spin_z x).
     const Real hub_x = velocity.x + spin.y * height, hub_y = velocity.y - spin.x * height;
-    const Vec3<Real> f{spin.z * drag_y_ - hub_x * drag_, -(hub_y * drag_ + spin.z * drag_x_),
-                       thrust_};
-    const Real roll_x = hub_x * rolling_ - spin.z * rolling_y_;
-    const Real roll_y = hub_y * rolling_ + spin.z * rolling_x_;
-    return {{(thrust_y_ - height * f.y) - (roll_x + spin.y * momentum_),
-             (height * f.x - thrust_x_) - (roll_y - spin.x * momentum_),
-             ((hub_x * drag_y_ - hub_y * drag_x_) - spin.z * drag_xy_) - about_axis_},
-            f};
+    const Vec3<Real> f{spin.z * drag_[2] - hub_x * drag_[0],
+                       -(hub_y * drag_[0] + spin.z * drag_[1]), thrust_[0]};
+    const Real roll_x = hub_x * rolling_[0] - spin.z * rolling_[2];
+    const Real roll_y = hub_y * rolling_[0] + spin.z * rolling_[1];
+    return {
+        {(thrust_[2] - height * f.y) - (roll_x + spin.y * momentum_),
+         (height * f.x - thrust_[1]) - (roll_y - spin.x * momentum_),
+         ((hub_x * drag_[2] - hub_y * drag_[1]) - spin.z * drag_[3]) - (moment_ + spin_up_ * unit)},
+        f};
   }
 
  private:
-  SKYBODY_INLINE LevelRotors(const Real& t, const Real& tx, const Real& ty, const Real& d,
-                             const Real& dx, const Real& dy, const Real& dxy, const Real& r,
-                             const Real& rx, const Real& ry, const Real& m, const Real& a)
-      : thrust_(t),
-        thrust_x_(tx),
-        thrust_y_(ty),
-        drag_(d),
-        drag_x_(dx),
-        drag_y_(dy),
-        drag_xy_(dxy),
-        rolling_(r),
-        rolling_x_(rx),
-        rolling_y_(ry),
-        momentum_(m),
-        about_axis_(a) {}
-
-  Real thrust_, thrust_x_, thrust_y_;      ///< [N], times place [N m]
-  Real drag_, drag_x_, drag_y_, drag_xy_;  ///< c_d w [N s/m], times place, times its square
-  Real rolling_, rolling_x_, rolling_y_;   ///< s c_r w [N s], times place
-  Real momentum_;                          ///< s J w [kg m^2/s]
-  Real about_axis_;                        ///< s (k_m w^2 + J dw/dt) [N m]
+  Real thrust_[3];   ///< k_f w^2 [N], times x, y [N m]
+  Real moment_;      ///< s k_m w^2 [N m]
+  Real drag_[4];     ///< c_d w [N s/m], times x, y, x^2 + y^2
+  Real rolling_[3];  ///< s c_r w [N s], times x, y
+  Real momentum_;    ///< s J w [kg m^2/s]
+  Real spin_up_;     ///< s J dw/dt [N m], over the unit of dw/dt
 };
 
 /// Consecutive rotors on one body.
@@ -134,18 +150,6 @@ struct RotorGroup {
   int body = 0, first = 0, count = 0;
   bool is_level = false;  ///< they go as LevelRotors
 };
-
-/// The sums of a level group.
-/// @param places, params, motion  as for sum_rotors
-template <class Real, class Params, class Motion>
-SKYBODY_INLINE LevelRotors<Real> sum_level_rotors(const RotorGroup& group, const RotorPlace* places,
-                                                  const Params& params, Motion&& motion) {
-  LevelRotors<Real> rotors = LevelRotors<Real>::none();
-  for (int i = group.first; i < group.first + group.count; ++i) {
-    rotors.add(params + places[i].params, places[i], motion(i));
-  }
-  return rotors;
-}
 
 /// What the rotors of any group do to their body, one by one.
 /// @param places    of all rotors of the world
@@ -170,8 +174,15 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
                                                const Params& params, Motion&& motion,
                                                const Vec3<Real>& velocity, const Vec3<Real>& spin) {
   if (!group.is_level) return sum_rotors<Real>(group, places, params, motion, velocity, spin);
-  return sum_level_rotors<Real>(group, places, params, motion)
-      .force(places[group.first].position.z, velocity, spin);
+  const auto alone = [&](int i) __attribute__((always_inline)) {
+    Real factors[kRotorFactorCount];
+    make_rotor_factors(params + places[i].params, places[i], factors);
+    const RotorMotion<Real> rotor = motion(i);
+    return LevelRotors<Real>(factors, rotor.speed, rotor.acceleration);
+  };
+  LevelRotors<Real> rotors = alone(group.first);
+  for (int i = group.first + 1; i < group.first + group.count; ++i) rotors += alone(i);
+  return rotors.force(places[group.first].position.z, 1.0, velocity, spin);
 }
 
 }  // namespace skybody

@@ -4,6 +4,8 @@
 // they are computed once per change of the parameters.
 #pragma once
 
+#include <type_traits>
+
 #include "core/base/math.h"
 #include "core/model/layout.h"
 
@@ -58,10 +60,12 @@ LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
   return f;
 }
 
-/// @param constants the rotor's kRotorParamCount values
-template <class Real>
-RotorLag<Real> make_rotor_lag(const Real* constants, double dt) {
-  return {make_lag_factors(constants[kTauUp], dt), make_lag_factors(constants[kTauDown], dt)};
+/// @param constants the rotor's kRotorParamCount values: a pointer, or a view
+template <class Values>
+auto make_rotor_lag(const Values& constants, double dt) {
+  using Real = std::decay_t<decltype(constants[kTauUp])>;
+  return RotorLag<Real>{make_lag_factors<Real>(constants[kTauUp], dt),
+                        make_lag_factors<Real>(constants[kTauDown], dt)};
 }
 
 /// Numbers in a RotorLag<double>, which is as good as an array of them.

@@ -1,6 +1,7 @@
 // A group lane after lane: each on a stepper of its own.
 #include <cstring>
 
+#include "core/base/octets.h"
 #include "core/physics/group_stepper.h"
 #include "core/physics/kinematics.h"
 #include "core/physics/stepper.h"
@@ -13,8 +14,9 @@ class SerialGroupStepper final : public GroupStepper {
   SerialGroupStepper(const World& world, int lanes)
       : world_(world), tree_(make_tree(world)), lanes_(static_cast<std::size_t>(lanes)) {}
 
-  void refresh(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch&) override {
-    each(lanes, [&](int l) {
+  void refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t,
+               PhysicsScratch&) override {
+    each_lane(lanes, [&](int l) {
       Lane& lane = lane_at(l);
       read(group, l, lane.state);
       for (const TreeBody& body : tree_) make_unit(body.type, lane.state.q.data() + body.q);
@@ -26,7 +28,7 @@ class SerialGroupStepper final : public GroupStepper {
 
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch&) override {
     std::uint32_t through = 0, on_simbody = 0;
-    each(lanes, [&](int l) {
+    each_lane(lanes, [&](int l) {
       Lane& lane = lane_at(l);
       read_commands(group, l, lane.state);
       const bool came_through = lane.stepper->advance(lane.state);
@@ -60,13 +62,6 @@ class SerialGroupStepper final : public GroupStepper {
     std::unique_ptr<Stepper> stepper;
     LaneState state;
   };
-
-  template <class F>
-  static void each(std::uint32_t mask, F&& f) {
-    for (int l = 0; mask != 0; ++l, mask >>= 1) {
-      if ((mask & 1u) != 0) f(l);
-    }
-  }
 
   /// Made when the lane is first used: a Simbody system takes time and memory.
   Lane& lane_at(int l) {

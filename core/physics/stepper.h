@@ -27,9 +27,10 @@ class Stepper {
 
   /// Advances q, u, rotor speeds and bodies by exactly dt, the rotor command, wrenches and drives
   /// held.
-  /// @returns false if the step gave a value that is not finite or beyond 1e6 (free robots: their
-  ///          magnitudes and rotor speeds added up), or the dynamics gave
-  ///          up (a std::runtime_error); then the state is as it was before the call
+  /// @returns false if the step gave a value that is not finite or beyond 1e6 (free robots: rates
+  /// of
+  ///          turn, and the magnitudes of all else added up), or the dynamics gave up (a
+  ///          std::runtime_error); then the state is as it was before the call
   virtual bool advance(LaneState& state) = 0;
 
   /// Whether the last advance, come through or not, went on Simbody.

@@ -22,8 +22,8 @@ extern "C" {
 #endif
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
-#define SKYBODY_ABI_VERSION 1u
-#define SKYBODY_GROUP_LANES 8u /* lanes of a full group; the only other number of lanes is 1 */
+#define SKYBODY_ABI_VERSION 2u
+#define SKYBODY_GROUP_LANES 32u /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
 
 enum SkybodyKind {
@@ -230,6 +230,7 @@ typedef struct SkybodyDeclare {
   /* Any kind: asks for SkybodyLanes::bodies_before. */
   void (*bodies_before)(void* host);
   /* Randomizers: this parameter will be written. Two writers of one parameter are an error. */
+  /* Randomizers: what they write. Others that were written are not noticed everywhere. */
   void (*writes)(void* host, int32_t env_param);
   /* Tasks: the body of `robot` that the goal is about. */
   void (*goal)(void* host, int32_t robot, int32_t body);
@@ -241,7 +242,7 @@ typedef struct SkybodyDeclare {
 
 /* What every step function reads. Pointers are per group; strides are `lanes`. */
 typedef struct SkybodyLanes {
-  uint32_t lanes;               /* L: 1 or 8 */
+  uint32_t lanes;               /* L: 1 or SKYBODY_GROUP_LANES */
   uint32_t active;              /* bit l: serve lane l */
   const uint64_t* key;          /* 2: seed, stream env */
   const uint64_t* episode;      /* 1 */

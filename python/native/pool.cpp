@@ -1,16 +1,15 @@
 #include "python/native/pool.h"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <utility>
 
+#include "core/base/process_id.h"
 #include "core/io/flight_log.h"
 
 namespace skybody::python {
 
 Pool::Pool(const LoadedEnvironment& environment, const VecEnvOptions& options)
-    : environment_(environment), process_(getpid()) {
+    : environment_(environment), process_(process_id()) {
   const nb::gil_scoped_release release;
   engine_ =
       blame_argument([&] { return std::make_unique<VecEnv>(environment_.shared(), options); });
@@ -22,7 +21,7 @@ Pool::Pool(const LoadedEnvironment& environment, const VecEnvOptions& options)
 
 Pool::~Pool() { let_go(); }
 
-bool Pool::of_this_process() const { return getpid() == process_; }
+bool Pool::of_this_process() const { return process_id() == process_; }
 
 /// In a forked child the engine is left as it is: its threads stayed in the parent, and waiting for
 /// them would never end. A recording that it keeps stays the parent's to finish.

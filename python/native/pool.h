@@ -76,7 +76,7 @@ class Pool {
   std::shared_ptr<ReplayRecorder> recorder_;  ///< the engine's observer
   std::unique_ptr<VecEnv> engine_;
   std::atomic<bool> in_use_ = false;
-  pid_t process_;
+  int process_;
   int envs_ = 0, batch_ = 0, threads_ = 0, pinned_threads_ = 0;
 };
 

@@ -1,11 +1,11 @@
 #include "python/native/simulation_pool.h"
 
-#include <unistd.h>
+#include "core/base/process_id.h"
 
 namespace skybody::python {
 
 WorldPool::WorldPool(const LoadedEnvironment& environment, const SimulationPoolOptions& options)
-    : environment_(environment), process_(getpid()) {
+    : environment_(environment), process_(process_id()) {
   const nb::gil_scoped_release release;
   pool_ = blame_argument(
       [&] { return std::make_unique<SimulationPool>(environment_.shared(), options); });
@@ -15,12 +15,12 @@ WorldPool::WorldPool(const LoadedEnvironment& environment, const SimulationPoolO
 
 /// The threads live in the process that made them: a fork of it has none to wait for.
 WorldPool::~WorldPool() {
-  if (getpid() != process_) static_cast<void>(pool_.release());
+  if (process_id() != process_) static_cast<void>(pool_.release());
 }
 
 SimulationPool& WorldPool::open() const {
   if (!pool_) throw Error("this pool of simulations is closed: make a new one");
-  if (getpid() != process_) {
+  if (process_id() != process_) {
     throw Error("this pool of simulations was made in process " + std::to_string(process_) +
                 ", of which this one is a fork: make a pool of its own in each process");
   }
@@ -29,7 +29,7 @@ SimulationPool& WorldPool::open() const {
 
 void WorldPool::close() {
   const Exclusive alone(in_use_, "pool of simulations");
-  if (getpid() != process_) {
+  if (process_id() != process_) {
     static_cast<void>(pool_.release());
     return;
   }

@@ -43,7 +43,7 @@ class WorldPool {
   SimulationPool& open() const;
 
   LoadedEnvironment environment_;
-  pid_t process_;
+  int process_;
   std::unique_ptr<SimulationPool> pool_;
   int size_ = 0, pinned_threads_ = 0;
   std::atomic<bool> in_use_ = false;

@@ -1,6 +1,7 @@
 // One trajectory hash for every shipped scenario, whatever the threads, batches and order, and
 // whatever happens in the environment next door.
 #include <gtest/gtest.h>
+#include <xmmintrin.h>
 
 #include <algorithm>
 #include <array>
@@ -169,6 +170,30 @@ TEST_P(EveryShippedScenario, ANeighbourThatFaultsChangesNoOthersHash) {
 
 INSTANTIATE_TEST_SUITE_P(Shipped, EveryShippedScenario, testing::ValuesIn(shipped_scenarios()),
                          [](const auto& scenario) { return scenario.param; });
+
+/// Denormals flushed, rounding downwards: what another library may have left in the caller's
+/// thread.
+TEST(CallersFloatingPointMode, MovesNoHash) {
+  const auto environment = load_environment({file_of("hover"), {}, {}});
+  const auto run = [&](int envs_count) {
+    VecEnv envs(environment, {.envs = envs_count, .threads = 1, .keep_hash = true});
+    reset(envs);
+    const std::vector<float> actions(static_cast<std::size_t>(envs_count) * 4, 0.1f);
+    for (int k = 0; k < 50; ++k) {
+      envs.send(actions);
+      envs.recv();
+    }
+    return envs.hash();
+  };
+  for (const int count : {1, 40}) {
+    const std::uint64_t expected = run(count);
+    const unsigned before = _mm_getcsr();
+    _mm_setcsr(before | 0x8040u | 0x2000u);
+    const std::uint64_t other = run(count);
+    _mm_setcsr(before);
+    EXPECT_EQ(other, expected) << count;
+  }
+}
 
 /// Eight collisions, each with another vehicle: lanes go over to Simbody and back at different
 /// times. Saved and restored in the midst of them, in lanes and one by one.

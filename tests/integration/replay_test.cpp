@@ -355,7 +355,8 @@ TEST(Replay, SaysWhatIsWrongWithFilesThatAreNoRecordings) {
             "allowed: `skybody-replay`\n");
 }
 
-/// Full groups of eight on one thread, parts of them in batches of five: rows, physics and plugins.
+/// Groups of 32 and 31 on one thread, parts of them in batches of five, octets in order of arrival,
+/// 16 and 15 on four threads: rows, physics and plugins.
 TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
   const std::vector<std::vector<std::string>> scenarios = {
       {"hover"},
@@ -366,8 +367,11 @@ TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
     for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4}) {
       if (!machine_has(isa)) continue;
       for (const std::vector<std::string>& shape : std::vector<std::vector<std::string>>{
-               {"--threads", "1"}, {"--threads", "1", "--batch", "5"}, {"--threads", "4"}}) {
-        std::vector<std::string> arguments = {"hash", "--envs", "19", "--steps",
+               {"--threads", "1"},
+               {"--threads", "1", "--batch", "5"},
+               {"--threads", "2", "--batch", "20", "--order", "arrival"},
+               {"--threads", "4"}}) {
+        std::vector<std::string> arguments = {"hash", "--envs", "63", "--steps",
                                               "40",   "--seed", "3"};
         arguments.insert(arguments.end(), scenario.begin(), scenario.end());
         arguments.insert(arguments.end(), shape.begin(), shape.end());

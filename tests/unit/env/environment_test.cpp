@@ -9,10 +9,13 @@
 #include <memory>
 
 #include "core/model/marked_error.h"
+#include "core/physics/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {
 namespace {
+
+constexpr int kLanes = kGroupLanes;
 
 using test::Dangling;
 using test::Direct;
@@ -124,10 +127,10 @@ TEST(Fault, ANonFiniteActionKeepsTheLastOneAndTruncates) {
 TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) {
   InProcessFactory factory;
   const auto env = make(factory);
-  Flight flight(*env, 8), alone(*env, 8);
+  Flight flight(*env, kLanes), alone(*env, kLanes);
   flight.reset();
   alone.reset();
-  const std::vector<float> actions(32, 0.2f);
+  const std::vector<float> actions(4 * kLanes, 0.2f);
   flight.step(actions);
   alone.step(actions);
   const float height = flight.observation[3 * 4];
@@ -138,7 +141,7 @@ TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) 
   EXPECT_EQ(flight.status[3], kTruncated | kFault | kBadState);
   EXPECT_EQ(flight.reward[3], 0.0f);
   EXPECT_EQ(flight.observation[3 * 4], height);
-  for (int lane = 0; lane < 8; ++lane) {
+  for (int lane = 0; lane < kLanes; ++lane) {
     if (lane == 3) continue;
     EXPECT_EQ(flight.status[static_cast<std::size_t>(lane)], kRunning);
     EXPECT_EQ(flight.group.save(lane), alone.group.save(lane)) << "lane " << lane;
@@ -178,28 +181,28 @@ TEST(Randomization, SeesTheBodiesOfThisResetWhateverTheWorkServedBefore) {
   EXPECT_EQ(used.group.save(0), fresh.group.save(0));
 }
 
-TEST(Lanes, EightSideBySideHaveTheBitsOfEightOneByOne) {
+TEST(Lanes, SideBySideHaveTheBitsOfEnvironmentsOneByOne) {
   for (const char* controller : {"direct", "plain"}) {
     InProcessFactory factory;
     const auto env = make(factory, {.action_repeat = 3,
                                     .controller = controller,
                                     .kick = std::string(controller) == "direct"});
-    Flight group(*env, 8);
+    Flight group(*env, kLanes);
     group.reset();
     std::vector<std::unique_ptr<Flight>> singles;
-    for (int l = 0; l < 8; ++l) {
+    for (int l = 0; l < kLanes; ++l) {
       singles.push_back(std::make_unique<Flight>(*env, 1));
       env->initialize(singles.back()->group, 0, 1, static_cast<std::uint64_t>(l));
       singles.back()->reset();
     }
     for (int step = 0; step < 20; ++step) {
-      std::vector<float> actions(32);
-      for (int k = 0; k < 32; ++k) {
+      std::vector<float> actions(4 * kLanes);
+      for (int k = 0; k < 4 * kLanes; ++k) {
         actions[static_cast<std::size_t>(k)] =
             0.05f * static_cast<float>((k * 7 + step) % 9) - 0.2f;
       }
       group.step(actions);
-      for (int l = 0; l < 8; ++l) {
+      for (int l = 0; l < kLanes; ++l) {
         const auto from = actions.begin() + 4 * l;
         singles[static_cast<std::size_t>(l)]->step({from, from + 4});
         ASSERT_EQ(group.group.save(l), singles[static_cast<std::size_t>(l)]->group.save(0))
@@ -212,12 +215,12 @@ TEST(Lanes, EightSideBySideHaveTheBitsOfEightOneByOne) {
 TEST(Lanes, AMaskLeavesTheOthersUntouched) {
   InProcessFactory factory;
   const auto env = make(factory, {.kick = true});
-  Flight flight(*env, 8);
+  Flight flight(*env, kLanes);
   flight.reset();
   const auto before = flight.group.save(5);
-  const std::vector<float> actions(32, 0.3f);
-  env->step(flight.group, *flight.work, 0b11011111, actions.data(), 4, flight.rows());
-  env->reset(flight.group, *flight.work, 0b11011111, flight.rows());
+  const std::vector<float> actions(4 * kLanes, 0.3f);
+  env->step(flight.group, *flight.work, ~(1u << 5), actions.data(), 4, flight.rows());
+  env->reset(flight.group, *flight.work, ~(1u << 5), flight.rows());
   EXPECT_EQ(flight.group.save(5), before);
 }
 
@@ -245,13 +248,13 @@ TEST(Snapshot, SaveStepRestoreStepGivesTheSameBits) {
 TEST(Randomization, DrawsAreHeldToTheDeclaredBounds) {
   InProcessFactory factory;
   const auto env = make(factory, {.kick = true});
-  Flight flight(*env, 8);
+  Flight flight(*env, kLanes);
   const int index = env->layout().find_param("robots.quad.controllers.direct.scale");
   ASSERT_GE(index, 0);
   bool low = false, high = false;
   for (int i = 0; i < 50; ++i) {
     flight.reset();
-    for (int l = 0; l < 8; ++l) {
+    for (int l = 0; l < kLanes; ++l) {
       const double v = flight.group.reals(env->layout().params.offset + index)[l];
       ASSERT_GE(v, 0.5);
       ASSERT_LE(v, 2.0);
@@ -265,12 +268,12 @@ TEST(Randomization, DrawsAreHeldToTheDeclaredBounds) {
 TEST(Randomization, AControllerGainIsOneValuePerEnvironment) {
   InProcessFactory factory;
   const auto env = make(factory);
-  Flight flight(*env, 8);
+  Flight flight(*env, kLanes);
   flight.reset();
   const int index = env->layout().find_param("robots.quad.controllers.direct.scale");
   flight.group.reals(env->layout().params.offset + index)[2] = 0.5;
   flight.group.changed(1u << 2);
-  flight.step(std::vector<float>(32, 0.0f));
+  flight.step(std::vector<float>(4 * kLanes, 0.0f));
   // 2000 rad/s give 16 N on 1 kg; half the speed gives 4 N.
   EXPECT_NEAR(flight.observation[2 * 4 + 1], 0.001 * (4.0 - 9.81), 1e-6);
   EXPECT_NEAR(flight.observation[3 * 4 + 1], 0.001 * (16.0 - 9.81), 1e-6);

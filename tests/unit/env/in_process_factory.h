@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/isa.h"
+#include "core/base/octets.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_instance.h"
@@ -103,7 +104,7 @@ struct Flight {
         observation(static_cast<std::size_t>(lanes * environment.observation_size())),
         reward(static_cast<std::size_t>(lanes)),
         status(static_cast<std::size_t>(lanes)),
-        all((lanes == 32 ? 0u : (1u << lanes)) - 1u) {
+        all(first_lanes(lanes)) {
     for (int l = 0; l < lanes; ++l) env.initialize(group, l, seed, static_cast<std::uint64_t>(l));
   }
   Rows rows() { return {observation.data(), reward.data(), status.data()}; }

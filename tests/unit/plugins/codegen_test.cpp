@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "tests/unit/plugins/small_world.h"
@@ -75,6 +76,27 @@ TEST(Codegen, WideKernelsUseWideRegisters) {
   EXPECT_GE(ymm, 8);  // four gains, four shares
   EXPECT_GE(zmm, 8);
   EXPECT_EQ(ymm_in_v2, 0);
+}
+
+/// g++ 12 takes some selections and stores apart and puts them together again lane by lane, from
+/// eight registers of one lane each.
+TEST(Codegen, WideKernelsOfShippedPluginsAreNotTakenApart) {
+  if (!kernels_are_inlined()) GTEST_SKIP() << "this build does not inline kernels";
+  for (const std::filesystem::path& file : plugin_files()) {
+    if (file.string().find("plain_") != std::string::npos) continue;  // written for double only
+    std::string function;
+    std::map<std::string, int> joined;
+    for (const std::string& line :
+         output_of("objdump -d -C --no-show-raw-insn '" + file.string() + "'")) {
+      if (line.find(">:") != std::string::npos) function = line.substr(0, 120);
+      if (function.find("KernelsV4<") == std::string::npos) continue;
+      joined[function] +=
+          line.find("unpcklpd") != std::string::npos || line.find("pinsrq") != std::string::npos;
+    }
+    if (joined.empty()) GTEST_SKIP() << "no objdump, or no symbols";
+    // Two are left to vectors of constants that g++ makes so.
+    for (const auto& [name, count] : joined) EXPECT_LE(count, 2) << file << ": " << name;
+  }
 }
 
 }  // namespace

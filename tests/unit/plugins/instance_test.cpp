@@ -75,7 +75,7 @@ TEST_F(Instance, KeepsItsLibraryLoaded) {
   copy.library.reset();
   registry_.reset();
   EXPECT_FALSE(library.expired());
-  test::Group group(8, 0, 0xff, state_words, 0);
+  test::Group group(SKYBODY_GROUP_LANES, 0, 0xff, state_words, 0);
   group.run(kernels, self.get(), 1);
   self.reset();
   EXPECT_TRUE(library.expired());

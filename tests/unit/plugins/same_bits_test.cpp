@@ -8,6 +8,7 @@ namespace skybody {
 namespace {
 
 constexpr int kSteps = 7;
+constexpr std::uint32_t kLanes = SKYBODY_GROUP_LANES;
 
 class SameBits : public testing::TestWithParam<std::pair<SkybodyKind, std::string>> {
  protected:
@@ -26,7 +27,7 @@ TEST_P(SameBits, AcrossInstructionSetsLanesAndMasks) {
   const int buffer = world.declared.buffer_words;
 
   std::vector<std::vector<std::uint64_t>> expected, kept;
-  for (std::uint32_t e = 0; e < 8; ++e) {
+  for (std::uint32_t e = 0; e < kLanes; ++e) {
     test::Group one(1, e, 1, state, buffer);
     const std::vector<std::uint64_t> one_before = one.lane(0);
     kept.push_back(one.kept(0, kind == SKYBODY_SENSOR));
@@ -39,10 +40,11 @@ TEST_P(SameBits, AcrossInstructionSetsLanesAndMasks) {
   for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4}) {
     if (!machine_has(isa)) continue;
     const SkybodyKernels& kernels = kernels_for(*entry->descriptor, isa);
-    for (const std::uint32_t active : {0xffu, 0xa5u, 0x01u, 0x80u, 0x0fu, 0x00u}) {
-      test::Group all(8, 0, active, state, buffer);
+    for (const std::uint32_t active :
+         {0xffffffffu, 0x00ff00a5u, 0x00000001u, 0x80000000u, 0xff0f0f00u, 0u}) {
+      test::Group all(kLanes, 0, active, state, buffer);
       all.run(kernels, self.get(), kSteps);
-      for (std::uint32_t e = 0; e < 8; ++e) {
+      for (std::uint32_t e = 0; e < kLanes; ++e) {
         const bool served = (active >> e & 1u) != 0;
         // Of lanes that are not served, commands of controllers and what tasks say are scratch.
         EXPECT_EQ(served ? all.lane(e) : all.kept(e, kind == SKYBODY_SENSOR),
@@ -50,7 +52,7 @@ TEST_P(SameBits, AcrossInstructionSetsLanesAndMasks) {
             << skybody::name(isa) << ", lanes " << active << ", environment " << e;
       }
     }
-    for (std::uint32_t e = 0; e < 8; ++e) {
+    for (std::uint32_t e = 0; e < kLanes; ++e) {
       test::Group one(1, e, 1, state, buffer);
       one.run(kernels, self.get(), kSteps);
       EXPECT_EQ(one.lane(0), expected[e]) << skybody::name(isa) << ", environment " << e;
@@ -75,11 +77,11 @@ TEST(SameBits, PlainDoubleAndLaneCodeAgree) {
     ASSERT_NE(entry, nullptr);
     test::SmallWorld world(*entry);
     const auto self = world.create();
-    test::Group group(8, 0, 0xff, static_cast<int>(entry->descriptor->state_words), 0);
+    test::Group group(kLanes, 0, 0xffffffffu, static_cast<int>(entry->descriptor->state_words), 0);
     group.run(kernels_for(*entry->descriptor, best_isa()), self.get(), kSteps);
-    for (std::uint32_t e = 0; e < 8; ++e) lanes.push_back(group.lane(e));
+    for (std::uint32_t e = 0; e < kLanes; ++e) lanes.push_back(group.lane(e));
   }
-  for (int e = 0; e < 8; ++e) EXPECT_EQ(lanes[e], lanes[8 + e]);
+  for (std::uint32_t e = 0; e < kLanes; ++e) EXPECT_EQ(lanes[e], lanes[kLanes + e]);
 }
 
 }  // namespace

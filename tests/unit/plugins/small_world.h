@@ -1,4 +1,4 @@
-// A world of one quadrotor as a plugin sees it, with made-up values for eight environments.
+// A world of one quadrotor as a plugin sees it, with made-up values for a group of environments.
 #pragma once
 
 #include <cstdint>
@@ -56,11 +56,10 @@ class SmallWorld {
   SkybodySetup setup_{};
 };
 
-/// Values in lanes for `lanes` environments; those of eight are those of the eight environments
-/// one by one.
+/// Values in lanes for `lanes` environments; those of several are those of each of them alone.
 class Group {
  public:
-  /// @param first  the first environment, 0 for eight lanes
+  /// @param first  the first environment
   Group(std::uint32_t lanes, std::uint32_t first, std::uint32_t active, int state_words,
         int buffer_words);
   /// Every step function that `kernels` has, `steps` times after a reset.
