@@ -20,7 +20,9 @@ import skybody
 from conftest import Finished, begin
 from skybody._native import Environment, Pool
 
-SLOW = ("hover", ["stepping.action_repeat=1000"])  # milliseconds a step
+# So long a step that what a test does while it runs is surely done before it ends: half a
+# millisecond for each environment on a fast machine, so seconds for some thousands of them.
+SLOW = ("hover", ["stepping.action_repeat=10000"])
 
 
 def test_the_interpreter_exits_quietly_with_live_pools(
@@ -90,7 +92,7 @@ def test_keyboard_interrupt_gets_out_of_recv() -> None:
 
 
 def test_the_gil_is_free_while_recv_steps() -> None:
-    pool = Pool(Environment("hover", ["stepping.action_repeat=100000"]), 2, num_threads=1)
+    pool = Pool(Environment("hover", ["stepping.action_repeat=1000000"]), 2, num_threads=1)
     actions = begin(pool)
     counted, stop = [0], threading.Event()
 
