@@ -17,7 +17,7 @@ class Group {
  public:
   /// @param lanes  0: as many as the scenario is best stepped in
   Group(const std::string& scenario, const std::vector<std::string>& overrides, int lanes = 0)
-      : environment_(load_environment({scenario, overrides, {}})),
+      : environment_(load_environment({scenario, overrides, {SKYBODY_BENCH_PLUGINS}})),
         group_(environment_->make_state(lanes > 0 ? lanes : environment_->preferred_lanes())),
         work_(environment_->make_work(group_.lanes())),
         observation_(count() * static_cast<std::size_t>(environment_->observation_size())),

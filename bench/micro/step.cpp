@@ -36,10 +36,16 @@ void rows(benchmark::State& state, const std::string& scenario) {
 
 const std::vector<std::string> kOnce = {"stepping.action_repeat=1"};
 const std::vector<std::string> kSimbody = {"stepping.action_repeat=1", "stepping.dynamics=simbody"};
+// A controller for double only between the shipped ones: it passes on what it gets, lane after lane.
+const std::vector<std::string> kDoubleOnly = {
+    "stepping.action_repeat=1",
+    "robots.quad.controllers=[{plugin: rotor_speed, parameters: {max_speed: 2300}}, "
+    "{plugin: slow_controller, parameters: {env: 1000000}}]"};
 const std::string kPinRod = SKYBODY_BENCH_SCENARIOS "/pin_rod.yaml";
 
 BENCHMARK_CAPTURE(step, hover_lanes, "hover", kOnce, 0);
 BENCHMARK_CAPTURE(step, hover_one_by_one, "hover", kOnce, 1);
+BENCHMARK_CAPTURE(step, hover_double_only_controller, "hover", kDoubleOnly, 0);
 BENCHMARK_CAPTURE(step, hover_simbody, "hover", kSimbody, 1);
 BENCHMARK_CAPTURE(step, payload_lanes, "payload", kOnce, 0);
 BENCHMARK_CAPTURE(step, payload_one_by_one, "payload", kOnce, 1);

@@ -92,11 +92,6 @@ struct TreeBodyWork {
   Real lower[6][6];  ///< L, unit lower triangle
 };
 
-template <class Real>
-SKYBODY_INLINE Real power(const SpatialAcceleration<Real>& motion, const SpatialForce<Real>& f) {
-  return dot(motion.angular, f.moment) + dot(motion.linear, f.force);
-}
-
 /// Columns of S, drift and arm of one joint.
 /// @param parent  null where the joint's frame F is fixed to W
 /// @param frame   F's axes in W; @param joint M's motion in it; @param body the body's
@@ -136,8 +131,7 @@ SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>*
       spin_drift = cross(frame.column(0), m_axes.column(1)) * (u[0] * u[1]);
       break;
     case JointType::kBall:
-      for (int k = 0; k < 3; ++k) work.column[k] = turning(m_axes.column(k));
-      break;
+      break;  // ball_joint.h
   }
   work.arm = body.position;
   work.drift = {spin_drift, zero};
@@ -154,16 +148,37 @@ SKYBODY_INLINE void open_joint(const TreeBody& tree, const BodyKinematics<Real>*
   }
 }
 
-/// Takes a joint's N coordinates out of the equations of its body.
-template <int N, class Real>
+/// How a joint's coordinates move their body.
+template <int N, bool kTurns>
+struct JointColumns {
+  static constexpr int kCount = N;
+  /// About axes through O: columns have no linear part.
+  static constexpr bool kTurnsAboutOrigin = kTurns;
+
+  template <class Real>
+  static SKYBODY_INLINE SpatialForce<Real> force(const ArticulatedInertia<Real>& inertia,
+                                                 const SpatialAcceleration<Real>& column) {
+    if constexpr (!kTurns) return inertia * column;
+    return {inertia.angular * column.angular, transpose_times(inertia.coupling, column.angular)};
+  }
+  template <class Real>
+  static SKYBODY_INLINE Real power(const SpatialAcceleration<Real>& column,
+                                   const SpatialForce<Real>& f) {
+    if constexpr (kTurns) return dot(column.angular, f.moment);
+    return dot(column.angular, f.moment) + dot(column.linear, f.force);
+  }
+};
+
+/// Takes a joint's coordinates out of the equations of its body.
+template <class Columns, class Real>
 SKYBODY_INLINE void eliminate(const Real* joint_force, TreeBodyWork<Real>& work) {
-  for (int k = 0; k < N; ++k) {
-    SpatialForce<Real> row = work.inertia * work.column[k];
-    Real residual = joint_force[k] - power(work.column[k], work.bias);
-    Real pivot = power(work.column[k], row);
+  for (int k = 0; k < Columns::kCount; ++k) {
+    SpatialForce<Real> row = Columns::force(work.inertia, work.column[k]);
+    Real residual = joint_force[k] - Columns::power(work.column[k], work.bias);
+    Real pivot = Columns::power(work.column[k], row);
     for (int j = 0; j < k; ++j) {
       // L D: element (k, j) before it is divided by the pivot.
-      const Real scaled = power(work.column[k], work.reduced[j]);
+      const Real scaled = Columns::power(work.column[k], work.reduced[j]);
       const Real l = scaled * work.inverse_pivot[j];
       work.lower[k][j] = l;
       row.moment -= work.reduced[j].moment * l;
@@ -196,11 +211,11 @@ SKYBODY_INLINE SpatialAcceleration<Real> free_acceleration(const ArticulatedIner
 }
 
 /// inertia and bias as they are felt through the joint.
-template <int N, class Real>
+template <class Columns, class Real>
 SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Real>& inertia,
                            SpatialForce<Real>& bias) {
   inertia = work.inertia;
-  for (int k = 0; k < N; ++k) {
+  for (int k = 0; k < Columns::kCount; ++k) {
     const Vec3<Real>&m = work.reduced[k].moment, &f = work.reduced[k].force;
     const Vec3<Real> dm = m * work.inverse_pivot[k], df = f * work.inverse_pivot[k];
     inertia.angular = inertia.angular - SymMat3<Real>{m.x * dm.x, m.y * dm.y, m.z * dm.z,
@@ -213,7 +228,7 @@ SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Re
   }
   const SpatialForce<Real> drifting = inertia * work.drift;
   bias = {work.bias.moment + drifting.moment, work.bias.force + drifting.force};
-  for (int k = 0; k < N; ++k) {
+  for (int k = 0; k < Columns::kCount; ++k) {
     const Real rate = work.residual[k] * work.inverse_pivot[k];
     bias.moment += work.reduced[k].moment * rate;
     bias.force += work.reduced[k].force * rate;
@@ -221,18 +236,20 @@ SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Re
 }
 
 /// udot of a joint whose body would accelerate by `a` if they were zero; adds what they do to `a`.
-template <int N, class Real>
+template <class Columns, class Real>
 SKYBODY_INLINE void substitute(const TreeBodyWork<Real>& work, SpatialAcceleration<Real>& a,
                                Real* udot) {
-  for (int k = 0; k < N; ++k) {
-    udot[k] = (work.residual[k] - power(a, work.reduced[k])) * work.inverse_pivot[k];
+  for (int k = 0; k < Columns::kCount; ++k) {
+    const SpatialForce<Real>& row = work.reduced[k];
+    const Real carried = dot(a.angular, row.moment) + dot(a.linear, row.force);
+    udot[k] = (work.residual[k] - carried) * work.inverse_pivot[k];
   }
-  for (int k = N - 2; k >= 0; --k) {
-    for (int j = k + 1; j < N; ++j) udot[k] -= work.lower[j][k] * udot[j];
+  for (int k = Columns::kCount - 2; k >= 0; --k) {
+    for (int j = k + 1; j < Columns::kCount; ++j) udot[k] -= work.lower[j][k] * udot[j];
   }
-  for (int k = 0; k < N; ++k) {
+  for (int k = 0; k < Columns::kCount; ++k) {
     a.angular += work.column[k].angular * udot[k];
-    a.linear += work.column[k].linear * udot[k];
+    if constexpr (!Columns::kTurnsAboutOrigin) a.linear += work.column[k].linear * udot[k];
   }
 }
 

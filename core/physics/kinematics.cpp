@@ -20,6 +20,7 @@ std::vector<TreeBody> make_tree(const World& world) {
       b.frame_in_parent = compose(world.scenario.robots[body.robot].pose, joint.frame_in_parent);
     }
     b.plain_parent = is_identity(b.frame_in_parent);
+    b.level_parent = is_identity(b.frame_in_parent.rotation);
     b.plain_body = is_identity(b.frame_in_body);
     tree.push_back(b);
   }

@@ -158,6 +158,7 @@ struct TreeBody {
   int parent = -1;
   int q = 0, u = 0;
   bool plain_parent = true;  ///< F is the parent's own frame
+  bool level_parent = true;  ///< F's axes are the parent's
   bool plain_body = true;    ///< M is the body's own frame
   Pose frame_in_parent;      ///< X_PF
   Pose frame_in_body;        ///< X_BM
@@ -184,6 +185,7 @@ SKYBODY_INLINE BodyKinematics<Real> frame_on_parent(const TreeBody& body,
   const Vec3<Real> arm = frame.axes * to_real<Real>(body.frame_in_parent.position);
   frame.position += arm;
   frame.velocity += cross(frame.angular_velocity, arm);
+  if (body.level_parent) return frame;
   frame.rotation = frame.rotation * to_real<Real>(body.frame_in_parent.rotation);
   frame.axes = to_mat3(frame.rotation);
   return frame;
@@ -194,20 +196,24 @@ template <class Real>
 SKYBODY_INLINE Mat3<Real> frame_axes(const TreeBody& body, const BodyKinematics<Real>* bodies) {
   if (body.parent < 0) return to_mat3(to_real<Real>(body.frame_in_parent.rotation));
   const BodyKinematics<Real>& parent = bodies[body.parent];
-  if (body.plain_parent) return parent.axes;
+  if (body.level_parent) return parent.axes;
   return to_mat3(parent.rotation * to_real<Real>(body.frame_in_parent.rotation));
 }
 
 /// The motion of a joint's frame M from that of its frame F.
 template <class Real>
-SKYBODY_INLINE void attach(const BodyKinematics<Real>& frame, const JointMotion<Real>& joint,
-                           BodyKinematics<Real>& b) {
-  const Vec3<Real> travel = frame.axes * joint.translation;
-  b.position = frame.position + travel;
+SKYBODY_INLINE void attach(JointType type, const BodyKinematics<Real>& frame,
+                           const JointMotion<Real>& joint, BodyKinematics<Real>& b) {
+  b.position = frame.position;
+  b.velocity = frame.velocity;
+  if (type == JointType::kFree || type == JointType::kSlider) {
+    const Vec3<Real> travel = frame.axes * joint.translation;
+    b.position += travel;
+    b.velocity += cross(frame.angular_velocity, travel);
+    b.velocity += frame.axes * joint.velocity;
+  }
   b.rotation = frame.rotation * joint.rotation;
   b.axes = to_mat3(b.rotation);
-  b.velocity =
-      (frame.velocity + cross(frame.angular_velocity, travel)) + frame.axes * joint.velocity;
   b.angular_velocity = frame.angular_velocity + b.axes * joint.angular_velocity;
 }
 
@@ -239,9 +245,9 @@ SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const 
       b.spin = joint.angular_velocity;
       if (body.plain_body) continue;
     } else if (body.plain_parent) {
-      attach(bodies[body.parent], joint, b);
+      attach(body.type, bodies[body.parent], joint, b);
     } else {
-      attach(frame_on_parent(body, bodies), joint, b);
+      attach(body.type, frame_on_parent(body, bodies), joint, b);
     }
     if (!body.plain_body) to_body_frame(body, b);
     b.spin = transpose_times(b.axes, b.angular_velocity);

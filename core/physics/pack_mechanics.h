@@ -80,6 +80,7 @@ struct PackArrays {
     }
     if (trees) {
       take(forest.body, memory, body_count, at);
+      take(forest.ball, memory, body_count, at);
       take(forest.acceleration, memory, body_count, at);
     }
     take(swept, memory, reach.sphere_count(), at);

@@ -11,12 +11,15 @@ inline Pose compose(const Pose& ab, const Pose& bc) {
   return {ab.position + rotate(ab.rotation, bc.position), ab.rotation * bc.rotation};
 }
 
+/// Whether the axes coincide to the last bit.
+inline bool is_identity(const Quat<double>& r) {
+  return r.w == 1.0 && r.x == 0.0 && r.y == 0.0 && r.z == 0.0;
+}
+
 /// Whether the frames coincide to the last bit.
 inline bool is_identity(const Pose& pose) {
   const Vec3<double>& p = pose.position;
-  const Quat<double>& r = pose.rotation;
-  return p.x == 0.0 && p.y == 0.0 && p.z == 0.0 && r.w == 1.0 && r.x == 0.0 && r.y == 0.0 &&
-         r.z == 0.0;
+  return p.x == 0.0 && p.y == 0.0 && p.z == 0.0 && is_identity(pose.rotation);
 }
 
 }  // namespace skybody

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/physics/articulated_body.h"
+#include "core/physics/ball_joint.h"
 #include "core/physics/body_constants.h"
 #include "core/physics/free_body.h"
 
@@ -22,6 +23,7 @@ class Forest {
   template <class Real>
   struct Work {
     TreeBodyWork<Real>* body = nullptr;
+    BallJointWork<Real>* ball = nullptr;
     SpatialAcceleration<Real>* acceleration = nullptr;
   };
 
@@ -43,7 +45,7 @@ class Forest {
         continue;
       }
       open(tree, q, u, motion, constants, forces, work);
-      gather(tree, joint_forces, work);
+      gather(tree, motion, joint_forces, work);
       spread(tree, motion, joint_forces, work, udot);
     }
   }
@@ -57,19 +59,20 @@ class Forest {
     bool floats = false;     ///< the base moves freely, its joint's frames being W's and its own
   };
 
-  /// Calls f with the joint's number of velocities as a constant.
+  /// Calls f with the JointColumns of a joint that is neither ball nor weld.
   template <class F>
-  static SKYBODY_INLINE void with_velocities(JointType type, F&& f) {
-    switch (velocity_size(type)) {
-      case 1:
-        return f(std::integral_constant<int, 1>());
-      case 2:
-        return f(std::integral_constant<int, 2>());
-      case 3:
-        return f(std::integral_constant<int, 3>());
-      case 6:
-        return f(std::integral_constant<int, 6>());
-      default:
+  static SKYBODY_INLINE void with_columns(const TreeBody& body, F&& f) {
+    switch (body.type) {
+      case JointType::kFree:
+        return f(JointColumns<6, false>());
+      case JointType::kPin:
+        return body.plain_body ? f(JointColumns<1, true>()) : f(JointColumns<1, false>());
+      case JointType::kSlider:
+        return f(JointColumns<1, false>());
+      case JointType::kUniversal:
+        return body.plain_body ? f(JointColumns<2, true>()) : f(JointColumns<2, false>());
+      case JointType::kBall:
+      case JointType::kWeld:
         return;
     }
   }
@@ -85,8 +88,11 @@ class Forest {
       const BodyKinematics<Real>& b = motion[i];
       const Constants c = constants + kBodyConstantCount * i;
       TreeBodyWork<Real>& w = work.body[i];
-      if (i > tree.begin || !tree.floats) {
-        open_joint(body, body.parent < 0 ? nullptr : motion + body.parent, frame_axes(body, motion),
+      const BodyKinematics<Real>* parent = body.parent < 0 ? nullptr : motion + body.parent;
+      if (body.type == JointType::kBall) {
+        open_ball(body, parent, b, w, work.ball[i]);
+      } else if (i > tree.begin || !tree.floats) {
+        open_joint(body, parent, frame_axes(body, motion),
                    joint_motion(body.type, q + body.q, u + body.u), b, u + body.u, w);
       }
       const Vec3<Real> com = b.axes * load_vec3(c + kBodyCom);
@@ -100,35 +106,50 @@ class Forest {
 
   /// From the leaves to the base: what each body and all that hangs on it asks of its parent.
   template <class Real>
-  SKYBODY_INLINE void gather(const Tree& tree, const Real* joint_forces,
-                             const Work<Real>& work) const {
+  SKYBODY_INLINE void gather(const Tree& tree, const BodyKinematics<Real>* motion,
+                             const Real* joint_forces, const Work<Real>& work) const {
     for (int i = tree.end; i-- > tree.begin;) {
+      if (i == tree.begin && tree.floats) continue;  // spread() takes it as it is
       const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
       TreeBodyWork<Real>& w = work.body[i];
+      if (body.type == JointType::kBall) {
+        SymMat3<Real> linear;
+        SpatialForce<Real> bias;
+        take_out_ball(body, motion[i], joint_forces + body.u, w, work.ball[i], linear, bias);
+        if (body.parent >= 0)
+          load_parent(carried(linear, w.arm), bias, w.arm, work.body[body.parent]);
+        continue;
+      }
       ArticulatedInertia<Real> inertia = w.inertia;
       SpatialForce<Real> bias = w.bias;
-      if (i == tree.begin && tree.floats) continue;  // spread() takes it as it is
-      if (!is_held(tree, i) && velocity_size(body.type) > 0) {
-        with_velocities(
-            body.type, [&](auto n) __attribute__((always_inline)) {
-              eliminate<n()>(joint_forces + body.u, w);
-              if (body.parent >= 0) reduce<n()>(w, inertia, bias);
+      if (!is_held(tree, i) && body.type != JointType::kWeld) {
+        with_columns(
+            body, [&](auto columns) __attribute__((always_inline)) {
+              using Columns = decltype(columns);
+              eliminate<Columns>(joint_forces + body.u, w);
+              if (body.parent >= 0) reduce<Columns>(w, inertia, bias);
             });
       } else {
         const SpatialForce<Real> drifting = inertia * w.drift;
         bias.moment += drifting.moment;
         bias.force += drifting.force;
       }
-      if (body.parent < 0) continue;
-      TreeBodyWork<Real>& parent = work.body[body.parent];
-      const ArticulatedInertia<Real> there = shifted(inertia, w.arm);
-      parent.inertia = {parent.inertia.angular + there.angular,
-                        parent.inertia.coupling + there.coupling,
-                        parent.inertia.linear + there.linear};
-      const SpatialForce<Real> carried = shifted(bias, w.arm);
-      parent.bias.moment += carried.moment;
-      parent.bias.force += carried.force;
+      if (body.parent >= 0)
+        load_parent(shifted(inertia, w.arm), bias, w.arm, work.body[body.parent]);
     }
+  }
+
+  /// @param inertia  about the parent's O; @param bias  about the point that is `arm` from it
+  template <class Real>
+  static SKYBODY_INLINE void load_parent(const ArticulatedInertia<Real>& inertia,
+                                         const SpatialForce<Real>& bias, const Vec3<Real>& arm,
+                                         TreeBodyWork<Real>& parent) {
+    parent.inertia = {parent.inertia.angular + inertia.angular,
+                      parent.inertia.coupling + inertia.coupling,
+                      parent.inertia.linear + inertia.linear};
+    const SpatialForce<Real> there = shifted(bias, arm);
+    parent.bias.moment += there.moment;
+    parent.bias.force += there.force;
   }
 
   /// From the base to the leaves: what each body does, its parent's acceleration known.
@@ -162,9 +183,14 @@ class Forest {
         for (int k = 0; k < velocity_size(body.type); ++k) udot[body.u + k] = Real(0.0);
         continue;
       }
-      with_velocities(
-          body.type, [&](auto n)
-                         __attribute__((always_inline)) { substitute<n()>(w, a, udot + body.u); });
+      if (body.type == JointType::kBall) {
+        follow_ball(body, motion[i], work.ball[i], a, udot + body.u);
+        continue;
+      }
+      with_columns(
+          body, [&](auto columns) __attribute__((always_inline)) {
+            substitute<decltype(columns)>(w, a, udot + body.u);
+          });
     }
   }
 

@@ -17,6 +17,7 @@ class TreeDynamics final : public Dynamics {
         constants_(kBodyConstantCount * world.bodies.size()),
         motion_(world.bodies.size()),
         body_(world.bodies.size()),
+        ball_(world.bodies.size()),
         acceleration_(world.bodies.size()) {
     std::vector<double> nominal;
     for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
@@ -40,7 +41,7 @@ class TreeDynamics final : public Dynamics {
     forward_kinematics(forest_.bodies(), q, u, motion_.data());
     forest_.accelerations<double, const double*>(q, u, motion_.data(), constants_.data(),
                                                  body_forces, joint_forces,
-                                                 {body_.data(), acceleration_.data()}, udot);
+                                                 {body_.data(), ball_.data(), acceleration_.data()}, udot);
   }
 
   void body_states(const double* q, const double* u, BodyState* bodies) override {
@@ -55,6 +56,7 @@ class TreeDynamics final : public Dynamics {
   std::vector<double> constants_;
   std::vector<BodyKinematics<double>> motion_;
   std::vector<TreeBodyWork<double>> body_;
+  std::vector<BallJointWork<double>> ball_;
   std::vector<SpatialAcceleration<double>> acceleration_;
 };
 
