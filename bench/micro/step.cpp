@@ -36,7 +36,8 @@ void rows(benchmark::State& state, const std::string& scenario) {
 
 const std::vector<std::string> kOnce = {"stepping.action_repeat=1"};
 const std::vector<std::string> kSimbody = {"stepping.action_repeat=1", "stepping.dynamics=simbody"};
-// A controller for double only between the shipped ones: it passes on what it gets, lane after lane.
+// A controller for double only between the shipped ones: it passes on what it gets, lane after
+// lane.
 const std::vector<std::string> kDoubleOnly = {
     "stepping.action_repeat=1",
     "robots.quad.controllers=[{plugin: rotor_speed, parameters: {max_speed: 2300}}, "

@@ -39,9 +39,9 @@ class TreeDynamics final : public Dynamics {
   void accelerations(const double* q, const double* u, const SpatialForce<double>* body_forces,
                      const double* joint_forces, double* udot) override {
     forward_kinematics(forest_.bodies(), q, u, motion_.data());
-    forest_.accelerations<double, const double*>(q, u, motion_.data(), constants_.data(),
-                                                 body_forces, joint_forces,
-                                                 {body_.data(), ball_.data(), acceleration_.data()}, udot);
+    forest_.accelerations<double, const double*>(
+        q, u, motion_.data(), constants_.data(), body_forces, joint_forces,
+        {body_.data(), ball_.data(), acceleration_.data()}, udot);
   }
 
   void body_states(const double* q, const double* u, BodyState* bodies) override {
