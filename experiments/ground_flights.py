@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""Takes off and lands on the tree dynamics alone, and lets two robots collide; writes the pictures.
+
+    .venv/bin/python experiments/ground_flights.py [--program PROGRAM] [--docs docs]
+
+Each flight is one `skybody run` under the hold baseline, seed 1. The pictures show the first
+episode, with the time on Simbody shaded. Exit code 1 where a flight does not end as it should: at
+its goal, at rest on the ground, with physics steps on Simbody in the collision and with none else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+from policy_flight import PICTURE
+
+ROOT = Path(__file__).resolve().parent.parent
+ON_TREE = ("stepping.dynamics=tree", "randomization=[]", "stepping.horizon=4000")
+LEG = 0.0536  # height of the vehicle's origin above the ground where it rests [m]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """One flight: what to run, and where it has to be at its end."""
+
+    name: str
+    says: str
+    scenario: str
+    overrides: tuple[str, ...]
+    end_height: float  # of every robot's origin [m]
+    on_simbody: bool
+
+    def command(self) -> list[str]:
+        """Arguments of `skybody run`."""
+        settings = [part for override in self.overrides for part in ("--set", override)]
+        return ["run", self.scenario, "--policy", "hold", "--seed", "1", *settings]
+
+
+FLIGHTS = (
+    Flight(
+        "take_off",
+        "Take-off from the ground to 1.5 m, on the tree dynamics alone",
+        "hover",
+        (
+            *ON_TREE,
+            "robots.quad.pose.position=[0,0,0.08]",
+            "task.parameters.target=[0,0,1.5,0]",
+        ),
+        1.5,
+        False,
+    ),
+    Flight(
+        "landing",
+        "Landing from 1.5 m: the goal lies on the ground",
+        "hover",
+        (*ON_TREE, "robots.quad.pose.position=[0,0,1.5]", "task.parameters.target=[0,0,0,0]"),
+        LEG,
+        False,
+    ),
+    Flight(
+        "collision",
+        "Two robots that fly to each other's place collide, tumble and fall: Simbody takes the "
+        "shaded time, the tree dynamics the rest",
+        "collision",
+        (),
+        LEG,
+        True,
+    ),
+)
+NEAR = 0.02  # of the end height [m]: a goal on the ground is not reached to the millimetre
+
+
+def fly(program: Path, flight: Flight, picture: Path) -> tuple[str, bool]:
+    """Flies and says in words how; whether it ended as it should."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(program), *flight.command(), "--out", folder]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit(f"{shlex.join(command)}\n{done.stderr}")
+        shutil.copyfile(Path(folder) / PICTURE, picture)
+        with h5py.File(Path(folder) / "flight.h5") as log:
+            episode = log["episodes/0001"]
+            dynamics = episode["dynamics"][:]
+            names = [str(name) for name in log.attrs["bodies"]]
+            bodies = episode["bodies"][:].reshape(len(dynamics), len(names), 13)
+            time = episode["time"][-1]
+    heights, speeds = bodies[-1, :, 2], np.linalg.norm(bodies[-1, :, 7:10], axis=1)
+    share = float(dynamics.mean())
+    good = bool(np.all(abs(heights - flight.end_height) < NEAR)) and speeds.max() < 0.05
+    good &= (share > 0.0) == flight.on_simbody
+    ends = ", ".join(f"{height:.3f}" for height in heights)
+    return (
+        f"After {time:g} s: height of the origin {ends} m, speed at most {speeds.max():.2g} m/s; "
+        f"{100 * share:.2g} % of the rows hold physics steps on Simbody."
+    ), good
+
+
+def main() -> int:
+    """Flies all three and writes docs/ground_flights.md with its pictures."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
+    parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder to write to")
+    options = parser.parse_args()
+    (options.docs / "images").mkdir(parents=True, exist_ok=True)
+    parts = [
+        "# On the ground, off it, and into each other\n\n"
+        "Written by `experiments/ground_flights.py`.\n"
+    ]
+    all_good = True
+    for flight in FLIGHTS:
+        words, good = fly(options.program, flight, options.docs / f"images/{flight.name}.png")
+        print(f"{flight.name}: {words}{'' if good else ' NOT AS IT SHOULD BE'}")
+        all_good &= good
+        parts.append(
+            f"## {flight.says}\n\n    skybody {shlex.join(flight.command())}\n\n{words}\n\n"
+            f"![{flight.name}](images/{flight.name}.png)\n"
+        )
+    (options.docs / "ground_flights.md").write_text("\n".join(parts))
+    return 0 if all_good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
