@@ -1,6 +1,7 @@
 #include "core/batch/crew.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -15,6 +16,7 @@ namespace {
 constexpr int kMostGroups = 64;          // a block
 constexpr double kBlock = 20e-6;         // expected cost of a full block [s]
 constexpr double kSmallestBlock = 2e-6;  // so that a claim is cheap beside it [s]
+constexpr double kSmallestShare = 4e-6;  // of a round: claims meet other threads' [s]
 constexpr double kCallerAlone = 10e-6;   // waking a thread costs about as much [s]
 constexpr double kAwakeAlone = 3e-6;     // what a thread that is awake is not worth asking for [s]
 constexpr double kUnknownCost = 10e-6;   // of a group that never ran [s]
@@ -26,7 +28,11 @@ float smooth(float old, float now) { return old == 0.0f ? now : 0.75f * old + 0.
 }  // namespace
 
 Crew::Crew(int threads, int groups, bool pin, GroupRunner& runner)
-    : runner_(runner), queue_(groups), cost_(static_cast<std::size_t>(groups)) {
+    : runner_(runner),
+      groups_(groups),
+      queue_(groups),
+      shares_(threads),
+      cost_(static_cast<std::size_t>(groups)) {
   const auto processors = static_cast<int>(allowed_processors().size());
   spin_limit_ = threads <= processors ? kSpins : 1;  // with more threads, spinning steals time
   start_workers(threads - 1);
@@ -79,13 +85,24 @@ void Crew::add(int group) {
 
 void Crew::submit() {
   const double waiting = added_cost_ + static_cast<double>(queue_.size()) * usual_cost();
-  const bool all_awake = sleepers_.load(std::memory_order_relaxed) == 0;
-  const double alone = all_awake ? kAwakeAlone : kCallerAlone;
-  const int useful = 1 + static_cast<int>(std::min(waiting / alone, 1e6));
-  wanted_.store(std::min(threads(), useful), std::memory_order_relaxed);
+  wanted_.store(threads_worth(waiting), std::memory_order_relaxed);
   added_cost_ = 0.0;
   queue_.publish();
   if (wanted_.load(std::memory_order_relaxed) > 1) summon();
+}
+
+void Crew::submit_round() {
+  const int wanted = std::min(threads_worth(groups_ * usual_cost()), groups_);
+  wanted_.store(wanted, std::memory_order_relaxed);
+  shares_.open(groups_, wanted);
+  if (wanted > 1) summon();
+}
+
+/// How many threads work of that cost keeps busy [s].
+int Crew::threads_worth(double waiting) const {
+  const bool all_awake = sleepers_.load(std::memory_order_relaxed) == 0;
+  const double alone = all_awake ? kAwakeAlone : kCallerAlone;
+  return std::min(threads(), 1 + static_cast<int>(std::min(waiting / alone, 1e6)));
 }
 
 void Crew::summon() {
@@ -112,8 +129,7 @@ void Crew::work(int index) {
 void Crew::sleep(int index) {
   std::unique_lock lock(mutex_);
   sleepers_.fetch_add(1, std::memory_order_seq_cst);
-  workers_wake_.wait(lock,
-                     [&] { return stop_.load() || (!queue_.empty() && index < wanted_.load()); });
+  workers_wake_.wait(lock, [&] { return stop_.load() || (has_work() && index < wanted_.load()); });
   sleepers_.fetch_sub(1, std::memory_order_relaxed);
 }
 
@@ -129,6 +145,7 @@ bool Crew::is_slow(int group) const {
 
 /// A worker's turn. @returns false if nothing waits
 bool Crew::run_block(int thread) {
+  if (run_share(thread)) return true;
   int groups[kMostGroups];
   const int count = queue_.take(groups, kMostGroups, [&](const int* first, int available) {
     return choose(first, available);
@@ -141,10 +158,25 @@ bool Crew::run_block(int thread) {
   return true;
 }
 
+/// Any thread's turn in a round. The caller waits for the slow groups of a round, too.
+/// @returns false if nothing is left of it
+bool Crew::run_share(int thread) {
+  int groups[kMostGroups];
+  int first = 0;
+  const int count =
+      shares_.take(thread, first, [&](int available) { return choose_share(available); });
+  if (count == 0) return false;
+  std::iota(groups, groups + count, first);
+  const FpEnvironment guard;  // the caller's mode is its own; workers have set theirs
+  run_taken(groups, count, thread, true);
+  return true;
+}
+
 /// The caller's turn: like a worker's, but a slow group must not hold it up while quicker ones wait
 /// (the slow one goes to the queue's end) or run (it is left where it is).
 /// @returns false if there is nothing for the caller to do
 bool Crew::help() {
+  if (run_share(0)) return true;
   int groups[kMostGroups];
   bool defer = false, leave = false;
   const int count = queue_.take(groups, kMostGroups, [&](const int* first, int available) {
@@ -167,9 +199,10 @@ bool Crew::help() {
   return true;
 }
 
-void Crew::run_taken(const int* groups, int count, int thread) {
+void Crew::run_taken(const int* groups, int count, int thread, bool in_round) {
   try {
-    if (workers_.empty()) return runner_.run(groups, count, thread);  // nobody to share with
+    // Nobody to share with; or a round, of which the caller's part tells what groups cost.
+    if (workers_.empty() || (in_round && thread != 0)) return runner_.run(groups, count, thread);
     const Clock::time_point start = Clock::now();
     runner_.run(groups, count, thread);
     note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
@@ -194,6 +227,13 @@ void Crew::want_all() {
 double Crew::usual_cost() const {
   const float mean = mean_cost_.load(std::memory_order_relaxed);
   return mean > 0.0f ? static_cast<double>(mean) : kUnknownCost;
+}
+
+/// How many groups of a range to take: half of it, so that others may help at its end.
+int Crew::choose_share(int available) const {
+  if (workers_.empty()) return std::min(available, kMostGroups);
+  const auto least = static_cast<int>(kSmallestShare / usual_cost());
+  return std::min({std::max({(available + 1) / 2, least, 1}), available, kMostGroups});
 }
 
 /// How many of the waiting groups to take.

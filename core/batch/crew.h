@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/batch/round_shares.h"
 #include "core/batch/work_queue.h"
 
 namespace skybody {
@@ -45,6 +46,8 @@ class Crew {
   void add(int group);
   /// Lets the threads see what was added.
   void submit();
+  /// Hands over all groups at once, none of which waits or runs; the caller wants them all.
+  void submit_round();
 
   /// The caller works and waits until `done()` holds. @returns false when the time is over
   /// @throws what a worker met
@@ -93,17 +96,21 @@ class Crew {
     caller_sleeps_.store(false, std::memory_order_relaxed);
   }
 
+  bool has_work() const { return !queue_.empty() || shares_.left() > 0; }
+  int threads_worth(double waiting) const;
   void start_workers(int count);
   void dismiss_workers();
   void work(int index);
   bool help();
   bool run_block(int thread);
-  void run_taken(const int* groups, int count, int thread);
+  bool run_share(int thread);
+  void run_taken(const int* groups, int count, int thread, bool in_round = false);
   bool is_slow(int group) const;
   void leave_to_workers(int group);
   void want_all();
   double usual_cost() const;
   int choose(const int* groups, int available) const;
+  int choose_share(int available) const;
   void note_cost(const int* groups, int count, double seconds);
   double expected_cost(int group) const;
   void summon();
@@ -113,7 +120,9 @@ class Crew {
   void pin_worker(int index);
 
   GroupRunner& runner_;
+  int groups_ = 0;
   WorkQueue queue_;
+  RoundShares shares_;
   std::vector<std::atomic<float>> cost_;  ///< of a group's last runs, smoothed [s]; 0: unknown
   std::atomic<float> mean_cost_{0.0f};    ///< likewise, over all groups
   double added_cost_ = 0.0;               ///< expected, of what was added and not yet submitted

@@ -210,8 +210,9 @@ void VecEnv::Engine::enqueue_all() {
     // Nobody looks at a group that is not owned: the queue makes it visible.
     group_state_[static_cast<std::size_t>(group)].store(fleet.all_lanes(group) | kOwned,
                                                         std::memory_order_relaxed);
-    crew_.add(group);
+    if (!round_) crew_.add(group);
   }
+  if (round_) return crew_.submit_round();
   crew_.submit();
 }
 
@@ -239,9 +240,11 @@ void VecEnv::Engine::run_lanes(int group, int thread) {
     const auto lanes =
         static_cast<std::uint32_t>(state.fetch_and(~kLaneBits, std::memory_order_acq_rel));
     fleet.transition(group, lanes, *target_, thread);
+    // Before it is announced: once all are back, nobody owns a group, and enqueue_all() may.
+    const bool is_over = state.compare_exchange_strong(idle, 0, std::memory_order_acq_rel);
     done_.push(group, lanes);
     crew_.announce();
-    if (state.compare_exchange_strong(idle, 0, std::memory_order_acq_rel)) return;
+    if (is_over) return;
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "tests/unit/batch/small_env.h"
@@ -80,15 +81,18 @@ TEST(Exception, OfAWorkerComesOutOfRecvAndOfEveryLaterCall) {
 }
 
 TEST(Exception, WhileTheCallerSleepsWakesIt) {
-  VecEnv envs(small_env(), {.envs = 2, .threads = 2});
+  constexpr int kEnvs = 512;  // worth a second thread
+  VecEnv envs(small_env(), {.envs = kEnvs, .threads = 2});
   begin(envs);
-  for (int e = 0; e < 2; ++e) envs.set_param(e, "task.mode", test::kWait);
+  for (int e = 0; e < kEnvs; ++e) envs.set_param(e, "task.mode", test::kWait);
+  std::vector<std::int32_t> all(kEnvs);
+  std::iota(all.begin(), all.end(), 0);
   {
     test::ClosedGate closed;
-    envs.send(actions_of({0, 1}, 1, 4));
+    envs.send(actions_of(all, 1, 4));
     while (envs.in_flight() > 0 && test::gate.waiting == 0) {
       if (envs.recv(std::chrono::milliseconds(1)) != nullptr) {
-        envs.send(actions_of({0, 1}, 1, 4));
+        envs.send(actions_of(all, 1, 4));
       }
     }
     std::thread opener([&] {

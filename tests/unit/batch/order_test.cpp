@@ -90,6 +90,24 @@ TEST(ShortBatch, IsGivenWhereFewerAreInFlight) {
   }
 }
 
+TEST(Send, OfAllAtOnceRunsEachOnceHoweverLateAThreadLeavesItsGroup) {
+  for (const int batch_size : {2, 6}) {
+    VecEnv envs(small_env(), {.envs = 6, .batch = batch_size, .threads = 4});
+    begin(envs);
+    const std::vector<std::int32_t> all = {0, 1, 2, 3, 4, 5};
+    const std::vector<float> actions = actions_of(all, 1, 4);
+    for (int k = 0; k < 10000; ++k) {
+      // With ids the rows go by the queue, without all at once.
+      envs.send(actions, all);
+      while (envs.in_flight() > 0) envs.recv();
+      envs.send(actions);
+      int rows = 0;
+      while (envs.in_flight() > 0) rows += envs.recv()->rows;
+      ASSERT_EQ(rows, 6);
+    }
+  }
+}
+
 TEST(Recv, WithNothingInFlightIsAnErrorAndNotAHang) {
   VecEnv envs(small_env(), {.envs = 2, .threads = 2});
   EXPECT_THROW(envs.recv(), Error);
