@@ -25,7 +25,7 @@ from policy_flight import PICTURE
 
 ROOT = Path(__file__).resolve().parent.parent
 ON_TREE = ("stepping.dynamics=tree", "randomization=[]", "stepping.horizon=4000")
-LEG = 0.0536  # height of the vehicle's origin above the ground where it rests [m]
+LEG = 0.06  # height of the vehicle's origin above the ground where it rests [m]
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ FLIGHTS = (
         "hover",
         (
             *ON_TREE,
-            "robots.quad.pose.position=[0,0,0.08]",
+            "robots.quad.pose.position=[0,0,0.06]",
             "task.parameters.target=[0,0,1.5,0]",
         ),
         1.5,

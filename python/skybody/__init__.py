@@ -151,6 +151,7 @@ def make_pool(
     plugin_path: Iterable[str | os.PathLike[str]] = (),
     pin_threads: bool = False,
     keep_hash: bool = False,
+    infos: bool = True,
     debug: bool = False,
 ) -> Pool:
     """Many environments of one scenario, asynchronously: send, recv, batches of `batch_size`.
@@ -173,6 +174,7 @@ def make_pool(
         plugin_path=plugin_path,
         pin_threads=pin_threads,
         keep_hash=keep_hash,
+        infos=infos,
         debug=debug,
     )
 

@@ -46,6 +46,7 @@ class Pool(PooledEnvironments):
         plugin_path: folders that are searched for plugins before the default ones.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
+        infos: whether infos hold the task's info values; without, tasks need not compute them.
         debug: raise BufferError where memory that is still held would be recycled, and fill what
             is recycled with NaN.
 
@@ -68,6 +69,7 @@ class Pool(PooledEnvironments):
         plugin_path: Iterable[str | os.PathLike[str]] = (),
         pin_threads: bool = False,
         keep_hash: bool = False,
+        infos: bool = True,
         debug: bool = False,
     ) -> None:
         self.environment = load(scenario, overrides, plugin_path)
@@ -81,9 +83,10 @@ class Pool(PooledEnvironments):
             autoreset=autoreset,
             pin_threads=pin_threads,
             keep_hash=keep_hash,
+            info=infos,
             debug=debug,
         )
-        self._channels = InfoChannels(self.environment)
+        self._channels = InfoChannels(self.environment, infos)
         self._same_step = autoreset == "same_step"
 
     def async_reset(self, mask: NDArray[np.bool_] | None = None, seed: int | None = None) -> None:

@@ -90,6 +90,24 @@ def test_same_step_has_the_final_rows_of_ended_episodes():
     assert ends > NUM_ENVS
 
 
+def test_without_infos_rows_are_the_same_and_the_tasks_values_are_left_out():
+    with (
+        make_pool("hover", 8, num_threads=1) as whole,
+        make_pool("hover", 8, num_threads=1, infos=False) as without,
+    ):
+        for pool in (whole, without):
+            pool.async_reset()
+        for _ in range(20):
+            observation, reward, _, _, info = whole.recv()
+            other = without.recv()
+            np.testing.assert_array_equal(observation, other[0])
+            np.testing.assert_array_equal(reward, other[1])
+            assert set(info) - set(other[4]) >= {"position_error", "yaw_error"}
+            assert set(other[4]) == {"env_id", "was_reset", "fault", "agent_reward"}
+            for pool in (whole, without):
+                pool.send(np.full((8, 4), 0.2, np.float32), info["env_id"])
+
+
 def test_send_copies_its_rows_before_it_returns():
     pool, careful = (make_pool(short_hover(), NUM_ENVS, seed=SEED, order="fixed") for _ in "ab")
     given = actions(0, NUM_ENVS)
