@@ -17,13 +17,13 @@ constexpr int kRun = 50;  // steps from the start, so that the world stays near 
 }  // namespace
 
 double physics_step_cost(const Environment& environment, int side_by_side) {
-  const int lanes = side_by_side > 1 ? environment.preferred_lanes() : 1;
-  StateGroup group = environment.make_state(lanes);
-  const std::unique_ptr<GroupWork> work = environment.make_work(lanes);
-  const auto count = static_cast<std::size_t>(lanes);
-  std::vector<float> observation(static_cast<std::size_t>(environment.observation_size()) * count);
-  std::vector<float> reward(count);
-  std::vector<std::uint64_t> status(count);
+  const int room = side_by_side > 1 ? environment.preferred_lanes() : 1, lanes = side_by_side;
+  StateGroup group = environment.make_state(room);
+  const std::unique_ptr<GroupWork> work = environment.make_work(room);
+  const auto rows = static_cast<std::size_t>(room);
+  std::vector<float> observation(static_cast<std::size_t>(environment.observation_size()) * rows);
+  std::vector<float> reward(rows);
+  std::vector<std::uint64_t> status(rows);
   const std::uint32_t all = first_lanes(lanes);
   for (int l = 0; l < lanes; ++l)
     environment.initialize(group, l, 0, static_cast<std::uint64_t>(l));
@@ -40,7 +40,7 @@ double physics_step_cost(const Environment& environment, int side_by_side) {
     const Clock::time_point begin = Clock::now();
     for (int k = 0; k < kRun; ++k) group.stepper().advance(blocks, all, work->physics);
     seconds += std::chrono::duration<double>(Clock::now() - begin).count();
-    steps += static_cast<std::uint64_t>(kRun) * count;
+    steps += static_cast<std::uint64_t>(kRun * lanes);
   }
   return seconds / static_cast<double>(steps);
 }

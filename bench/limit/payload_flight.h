@@ -7,7 +7,7 @@
 // the rod's on the bob, "the joint's point accelerates alike on both its bodies" is
 //   base and rod   k0 - G f = k1 + T f + U g
 //   rod and bob    k2 - U f - T g = k3 + C g
-// so two symmetric 3x3 systems replace the elimination of twelve coordinates. Each body's rotation
+// two symmetric 3x3 systems, and no elimination of coordinates. Each body's rotation
 // and rates are its own (not its parent's), so that a step needs no kinematics down the chain;
 // accelerations count from free fall.
 #pragma once

@@ -153,12 +153,13 @@ bool Crew::run_block(int thread) {
   if (count == 0) return false;
   const bool quick = !is_slow(groups[0]);
   if (quick) quick_running_.fetch_add(1, std::memory_order_seq_cst);
-  run_taken(groups, count, thread);
+  run_taken(groups, count, thread, true);
   if (quick && quick_running_.fetch_sub(1, std::memory_order_seq_cst) == 1) announce();
   return true;
 }
 
-/// Any thread's turn in a round. The caller waits for the slow groups of a round, too.
+/// Any thread's turn in a round. The caller waits for the slow groups of a round, too; and of its
+/// turns alone costs are noted, since threads that write to the same places hold one another up.
 /// @returns false if nothing is left of it
 bool Crew::run_share(int thread) {
   int groups[kMostGroups];
@@ -167,8 +168,7 @@ bool Crew::run_share(int thread) {
       shares_.take(thread, first, [&](int available) { return choose_share(available); });
   if (count == 0) return false;
   std::iota(groups, groups + count, first);
-  const FpEnvironment guard;  // the caller's mode is its own; workers have set theirs
-  run_taken(groups, count, thread, true);
+  run_taken(groups, count, thread, thread == 0);
   return true;
 }
 
@@ -193,16 +193,14 @@ bool Crew::help() {
   if (defer) {
     leave_to_workers(groups[0]);
   } else {
-    const FpEnvironment guard;  // the caller's mode is its own; workers set theirs once
-    run_taken(groups, count, 0);
+    run_taken(groups, count, 0, true);
   }
   return true;
 }
 
-void Crew::run_taken(const int* groups, int count, int thread, bool in_round) {
+void Crew::run_taken(const int* groups, int count, int thread, bool takes_time) {
   try {
-    // Nobody to share with; or a round, of which the caller's part tells what groups cost.
-    if (workers_.empty() || (in_round && thread != 0)) return runner_.run(groups, count, thread);
+    if (!takes_time || groups_ == 1) return runner_.run(groups, count, thread);
     const Clock::time_point start = Clock::now();
     runner_.run(groups, count, thread);
     note_cost(groups, count, std::chrono::duration<double>(Clock::now() - start).count());
@@ -229,19 +227,20 @@ double Crew::usual_cost() const {
   return mean > 0.0f ? static_cast<double>(mean) : kUnknownCost;
 }
 
-/// How many groups of a range to take: half of it, so that others may help at its end.
+/// How many groups of a range to take: half of it, so that others may help at its end; but neither
+/// so few that claims cost much nor so many that slow ones among them would have to wait for long.
 int Crew::choose_share(int available) const {
-  if (workers_.empty()) return std::min(available, kMostGroups);
-  const auto least = static_cast<int>(kSmallestShare / usual_cost());
-  return std::min({std::max({(available + 1) / 2, least, 1}), available, kMostGroups});
+  const int few = std::max(static_cast<int>(kSmallestShare / usual_cost()), 1);
+  const int many = std::max(static_cast<int>(kBlock / usual_cost()), few);
+  const int wanted = workers_.empty() ? many : std::clamp((available + 1) / 2, few, many);
+  return std::min({wanted, available, kMostGroups});
 }
 
 /// How many of the waiting groups to take.
 int Crew::choose(const int* groups, int available) const {
-  if (workers_.empty()) return available;
   const double waiting = static_cast<double>(queue_.size()) * usual_cost();
   const double share = waiting / (2.0 * wanted_.load(std::memory_order_relaxed));
-  const double budget = std::clamp(share, kSmallestBlock, kBlock);
+  const double budget = workers_.empty() ? kBlock : std::clamp(share, kSmallestBlock, kBlock);
   double cost = expected_cost(groups[0]);
   int count = 1;
   while (count < available && (cost += expected_cost(groups[count])) <= budget) ++count;

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/fp_environment.h"
 #include "core/batch/round_shares.h"
 #include "core/batch/work_queue.h"
 
@@ -29,8 +30,9 @@ class GroupRunner {
 /// How much a thread takes at once follows from what steps have cost so far: about 20 us, less
 /// where little is left, and one group at a time where groups are slow. A group that is far slower
 /// than the others is left to the workers for as long as quicker ones wait or run, so that the
-/// caller is not held up. Work of a few microseconds stays with the caller. Workers that find
-/// nothing spin for a bounded time, then sleep.
+/// caller is not held up. Of a round, which the caller wants whole, every thread begins with a
+/// range of its own (RoundShares). Work of a few microseconds stays with the caller. Workers that
+/// find nothing spin for a bounded time, then sleep.
 class Crew {
  public:
   using Clock = std::chrono::steady_clock;
@@ -53,6 +55,7 @@ class Crew {
   /// @throws what a worker met
   template <class Done>
   bool wait(Done&& done, Clock::time_point deadline) {
+    const FpEnvironment guard;  // the caller's mode is its own; workers set theirs once
     for (int idle = 0; !done();) {
       rethrow_failure();
       if (help()) {
@@ -104,7 +107,7 @@ class Crew {
   bool help();
   bool run_block(int thread);
   bool run_share(int thread);
-  void run_taken(const int* groups, int count, int thread, bool in_round = false);
+  void run_taken(const int* groups, int count, int thread, bool takes_time);
   bool is_slow(int group) const;
   void leave_to_workers(int group);
   void want_all();
@@ -123,9 +126,10 @@ class Crew {
   int groups_ = 0;
   WorkQueue queue_;
   RoundShares shares_;
-  std::vector<std::atomic<float>> cost_;  ///< of a group's last runs, smoothed [s]; 0: unknown
-  std::atomic<float> mean_cost_{0.0f};    ///< likewise, over all groups
-  double added_cost_ = 0.0;               ///< expected, of what was added and not yet submitted
+  std::vector<std::atomic<float>>
+      cost_;  ///< of a group's last runs but a round's on workers [s]; 0: unknown
+  std::atomic<float> mean_cost_{0.0f};  ///< likewise, over all groups
+  double added_cost_ = 0.0;             ///< expected, of what was added and not yet submitted
   int spin_limit_ = 0;
 
   std::atomic<int> wanted_{1};  ///< threads that shall work at present, the caller counted

@@ -39,12 +39,10 @@ class RoundShares {
   int take(int thread, int& first, Want&& want) {
     while (true) {
       const int whose = length(at(thread).load(std::memory_order_acquire)) > 0 ? thread : longest();
+      if (whose < 0) return 0;
       std::uint64_t bounds = at(whose).load(std::memory_order_acquire);
       const int available = length(bounds);
-      if (available == 0) {
-        if (left() == 0) return 0;
-        continue;
-      }
+      if (available == 0) continue;  // somebody was quicker
       const auto start = static_cast<int>(bounds & 0xffffffffu);
       const bool own = whose == thread;
       const int count = want(available);
@@ -67,8 +65,9 @@ class RoundShares {
   std::atomic<std::uint64_t>& at(int thread) {
     return ranges_[static_cast<std::size_t>(thread)].bounds;
   }
+  /// Whose range holds most; -1: nobody's holds any.
   int longest() const {
-    int best = 0, most = -1;
+    int best = -1, most = 0;
     for (std::size_t k = 0; k < ranges_.size(); ++k) {
       const int l = length(ranges_[k].bounds.load(std::memory_order_relaxed));
       if (l > most) {

@@ -13,11 +13,10 @@ namespace skybody {
 /// What taking out a ball joint leaves for the way back to the leaves.
 template <class Real>
 struct BallJointWork {
-  Mat3<Real> axes;   ///< of M, in W
-  Vec3<Real> lever;  ///< from M's origin to O, W axes [m]
-  Vec3<Real>
-      free_turn;      ///< A^-1 (tau - b_m): what the body does where M's origin does not accelerate
-  Mat3<Real> follow;  ///< A^-1 C: how it turns against the acceleration of M's origin [rad/m]
+  Mat3<Real> axes;       ///< of M, in W
+  Vec3<Real> lever;      ///< from M's origin to O, W axes [m]
+  Vec3<Real> free_turn;  ///< A^-1 (tau - b_m): alpha where a is zero [rad/s^2]
+  Mat3<Real> follow;     ///< A^-1 C: what a takes away from alpha [rad/m]
 };
 
 /// Drift and arm of the joint, both to M's origin.
@@ -42,8 +41,7 @@ SKYBODY_INLINE void open_ball(const TreeBody& tree, const BodyKinematics<Real>* 
   work.drift = {cross(w, body.angular_velocity - w), cross(w, cross(w, work.arm))};
 }
 
-/// Acceleration of O where M's origin and the body's rotation have none: the lever's centripetal
-/// one.
+/// Acceleration of O where a and alpha are zero: the lever's centripetal one.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> swing(const BodyKinematics<Real>& body, const BallJointWork<Real>& ball) {
   const Vec3<Real>& w = body.angular_velocity;
@@ -52,9 +50,8 @@ SKYBODY_INLINE Vec3<Real> swing(const BodyKinematics<Real>& body, const BallJoin
 
 /// Takes the joint out of the equations of its body.
 /// @param force  of the joint on its body, M axes [N m]
-/// @param linear, bias  overwritten: the inertia that M's origin feels, and the force that it
-/// takes,
-///                      about M's origin, where its parent does not accelerate
+/// @param linear  overwritten: the inertia that M's origin feels
+/// @param bias    overwritten: about M's origin, what it takes where the parent does not accelerate
 template <class Real>
 SKYBODY_INLINE void take_out_ball(const TreeBody& tree, const BodyKinematics<Real>& body,
                                   const Real* force, const TreeBodyWork<Real>& work,
@@ -98,9 +95,7 @@ SKYBODY_INLINE ArticulatedInertia<Real> carried(const SymMat3<Real>& linear,
 }
 
 /// udot of the joint and the body's acceleration.
-/// @param a  of a body whose coordinates' accelerations are zero, about M's origin; overwritten:
-/// the
-///           body's, about O
+/// @param a  in: with the joint's own accelerations zero, about M's origin; out: about O
 template <class Real>
 SKYBODY_INLINE void follow_ball(const TreeBody& tree, const BodyKinematics<Real>& body,
                                 const BallJointWork<Real>& ball, SpatialAcceleration<Real>& a,

@@ -195,6 +195,43 @@ TEST(CallersFloatingPointMode, MovesNoHash) {
   }
 }
 
+TEST(CallersFloatingPointMode, MovesNothingInADirectWorld) {
+  const auto environment = load_environment({file_of("hover"), {}, {}});
+  const auto run = [&] {
+    Simulation simulation(environment, kSeed, 0);
+    simulation.reset();
+    const std::vector<float> action(4, 0.1f);
+    for (int k = 0; k < 20; ++k) {
+      simulation.step(action);
+      simulation.advance(3);
+      simulation.evaluate();
+    }
+    return simulation.hash();
+  };
+  const std::uint64_t expected = run();
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040u | 0x2000u);
+  const std::uint64_t other = run();
+  _mm_setcsr(before);
+  EXPECT_EQ(other, expected);
+}
+
+TEST(Groups, AreAsLargeAsThreadsBatchesAndDynamicsAllow) {
+  const auto tree = load_environment({file_of("hover"), {}, {}});
+  const auto simbody = load_environment({file_of("hover"), {"stepping.dynamics=simbody"}, {}});
+  const auto lanes = [](const auto& environment, int envs, int threads, int batch = 0,
+                        Order order = Order::kFixed) {
+    return VecEnv(environment, {.envs = envs, .batch = batch, .threads = threads, .order = order})
+        .lanes();
+  };
+  EXPECT_EQ(lanes(tree, 64, 1), 32);
+  EXPECT_EQ(lanes(tree, 40, 1), 24);                      // two groups of about the same size
+  EXPECT_EQ(lanes(tree, 63, 4), 16);                      // one for each thread
+  EXPECT_EQ(lanes(tree, 63, 2, 20, Order::kArrival), 8);  // quick ones do not wait for slow ones
+  EXPECT_EQ(lanes(tree, 15, 2), 1);                       // an octet would leave a thread idle
+  EXPECT_EQ(lanes(simbody, 64, 1), 1);
+}
+
 /// Eight collisions, each with another vehicle: lanes go over to Simbody and back at different
 /// times. Saved and restored in the midst of them, in lanes and one by one.
 TEST(HandOver, HasOneHashInLanesAndAlone) {

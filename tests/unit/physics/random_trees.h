@@ -33,26 +33,37 @@ inline MassProperties random_mass(Random<double>& random) {
   return mass;
 }
 
+/// Position and rotation, each or both or neither: code may leave out what is none.
 inline Pose random_frame(Random<double>& random) {
-  if (random.uniform() < 0.3) return {};
-  const Vec3<double> position = in_cube(random, 0.3);
-  return {position, random.quaternion()};
+  Pose frame;
+  if (random.uniform() < 0.6) frame.position = in_cube(random, 0.3);
+  if (random.uniform() < 0.6) frame.rotation = random.quaternion();
+  return frame;
 }
 
-/// A free or fixed base, and up to five bodies more on joints anywhere in the tree.
+/// Free more often than not; else fixed, or on any joint.
+inline JointType random_root(Random<double>& random) {
+  const double draw = random.uniform();
+  if (draw < 0.6) return JointType::kFree;
+  if (draw < 0.75) return JointType::kWeld;
+  return static_cast<JointType>(static_cast<int>(JointType::kPin) +
+                                static_cast<int>((draw - 0.75) * 16.0));
+}
+
+/// A base, and up to five bodies more on joints anywhere in the tree.
 inline RobotModel random_tree(Random<double>& random) {
   RobotModel model;
   model.name = "tree";
   const int bodies = 1 + static_cast<int>(random.uniform() * 6.0);
   for (int i = 0; i < bodies; ++i) {
     const JointType type = i == 0
-                               ? (random.uniform() < 0.7 ? JointType::kFree : JointType::kWeld)
+                               ? random_root(random)
                                : static_cast<JointType>(static_cast<int>(JointType::kPin) +
                                                         static_cast<int>(random.uniform() * 4.0));
     const MassProperties mass = random_mass(random);
     const int parent = i == 0 ? -1 : static_cast<int>(random.uniform() * i);
     Body body = make_body("b" + std::to_string(i), type, parent, mass.mass, mass.com, mass.inertia);
-    if (i > 0) {
+    if (type != JointType::kFree) {
       body.joint.frame_in_parent = random_frame(random);
       body.joint.frame_in_body = random_frame(random);
     }

@@ -86,14 +86,16 @@ TEST(Codegen, WideKernelsOfShippedPluginsAreNotTakenApart) {
     if (file.string().find("plain_") != std::string::npos) continue;  // written for double only
     std::string function;
     std::map<std::string, int> joined;
-    for (const std::string& line :
-         output_of("objdump -d -C --no-show-raw-insn '" + file.string() + "'")) {
+    const std::vector<std::string> code =
+        output_of("objdump -d -C --no-show-raw-insn '" + file.string() + "'");
+    if (code.empty()) GTEST_SKIP() << "no objdump";
+    for (const std::string& line : code) {
       if (line.find(">:") != std::string::npos) function = line.substr(0, 120);
       if (function.find("KernelsV4<") == std::string::npos) continue;
       joined[function] +=
           line.find("unpcklpd") != std::string::npos || line.find("pinsrq") != std::string::npos;
     }
-    if (joined.empty()) GTEST_SKIP() << "no objdump, or no symbols";
+    EXPECT_FALSE(joined.empty()) << file << " has no kernels for v4";
     // Two are left to vectors of constants that g++ makes so.
     for (const auto& [name, count] : joined) EXPECT_LE(count, 2) << file << ": " << name;
   }
