@@ -43,7 +43,7 @@ class Bare : public BareLoop {
     if (!operator_) {
       forces_ = std::make_unique<SimTK::GeneralForceSubsystem>(system_);
       forces_->setNumberOfThreads(1);
-      SimTK::Force::Gravity(*forces_, matter_, Vec3(0, 0, -kHover.g));
+      const SimTK::Force::Gravity gravity(*forces_, matter_, Vec3(0, 0, -kHover.g));
       discrete_ = std::make_unique<SimTK::Force::DiscreteForces>(*forces_, matter_);
     }
     const SimTK::Inertia inertia(kHover.inertia[0], kHover.inertia[1], kHover.inertia[2]);

@@ -28,6 +28,7 @@ struct Mask {
   Native v;
 
   Mask() = default;
+  // A comparison's own type is another one of the same size in some compilers: cast it to Native.
   SKYBODY_INLINE explicit Mask(const Native& native) : v(native) {}
   using Words = typename lanes::Native<W>::Words;
   SKYBODY_INLINE explicit Mask(const Words& words) : v(reinterpret_cast<Native>(words)) {}
@@ -113,7 +114,7 @@ struct WordPack {
 
 #define SKYBODY_WORD_COMPARISON(op)                                                 \
   friend SKYBODY_INLINE Mask<W> operator op(const WordPack& a, const WordPack& b) { \
-    return Mask<W>(a.v op b.v);                                                     \
+    return Mask<W>(reinterpret_cast<typename Mask<W>::Native>(a.v op b.v));         \
   }
   SKYBODY_WORD_COMPARISON(==)
   SKYBODY_WORD_COMPARISON(!=)
@@ -154,7 +155,7 @@ struct Pack {
 
 #define SKYBODY_REAL_COMPARISON(op)                                         \
   friend SKYBODY_INLINE Mask<W> operator op(const Pack& a, const Pack& b) { \
-    return Mask<W>(a.v op b.v);                                             \
+    return Mask<W>(reinterpret_cast<typename Mask<W>::Native>(a.v op b.v)); \
   }
   SKYBODY_REAL_COMPARISON(==)
   SKYBODY_REAL_COMPARISON(!=)

@@ -14,7 +14,8 @@ const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
   const PluginDeclaration* found = catalog.find(kind, use.plugin);
   if (found == nullptr) {
     diagnostics.error(use.mark,
-                      "unknown " + what + suggestion(use.plugin, catalog.names(kind), "found"));
+                      "unknown " + what + suggestion(use.plugin, catalog.names(kind), "found") +
+                          "; more folders: --plugin-path, plugin_path or SKYBODY_PLUGIN_PATH");
     return nullptr;
   }
   if (!found->failure.empty()) {

@@ -130,7 +130,7 @@ class SimbodySystem {
     double depth = 0.0;
     for (int i = 0; i < patch.getNumDetails(); ++i) {
       const SimTK::ContactDetail& element = patch.getContactDetail(i);
-      const SimTK::Vec3 direction(element.getContactNormal());
+      const SimTK::Vec3& direction = element.getContactNormal().asVec3();
       normal += SimTK::dot(element.getForceOnSurface2(), direction) * direction;
       depth = std::max(depth, static_cast<double>(element.getDeformation()));
     }

@@ -161,6 +161,8 @@ def check_option(option: str, value: int, low: int, high: int) -> None:
 
 def in_our_words(error: Exception) -> str:
     """Its text; the loader, which is `skybody run`'s too, calls overrides --set."""
+    if isinstance(error, UsageError):  # our own: --set is a hyper-parameter's
+        return str(error)
     return re.sub("^--set ", "--override ", str(error), flags=re.MULTILINE)
 
 
