@@ -13,9 +13,10 @@ const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
   const std::string what = std::string(to_string(kind)) + " `" + use.plugin + "`";
   const PluginDeclaration* found = catalog.find(kind, use.plugin);
   if (found == nullptr) {
-    diagnostics.error(use.mark,
-                      "unknown " + what + suggestion(use.plugin, catalog.names(kind), "found") +
-                          "; more folders: --plugin-path, plugin_path or SKYBODY_PLUGIN_PATH");
+    const std::string hint = suggestion(use.plugin, catalog.names(kind), "found");
+    const bool is_slip = hint.find("did you mean") != std::string::npos;
+    const char* more = "; more folders: --plugin-path, plugin_path or SKYBODY_PLUGIN_PATH";
+    diagnostics.error(use.mark, "unknown " + what + hint + (is_slip ? "" : more));
     return nullptr;
   }
   if (!found->failure.empty()) {
