@@ -92,7 +92,7 @@ def test_keyboard_interrupt_gets_out_of_recv() -> None:
 
 
 def test_the_gil_is_free_while_recv_steps() -> None:
-    pool = Pool(Environment("hover", ["stepping.action_repeat=1000000"]), 2, num_threads=1)
+    pool = Pool(Environment("hover", ["stepping.action_repeat=100000"]), 64, num_threads=1)
     actions = begin(pool)
     counted, stop = [0], threading.Event()
 
