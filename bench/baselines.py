@@ -2,6 +2,8 @@
 
     .venv/bin/python bench/baselines.py [--quick] [--json FILE]
 
+experiments/scalability.py sets them beside the asynchronous pool and the paper's own figures.
+
 Hover (one physics step an action), constant zero action, ended episodes reset; N worlds:
 
 * loop: one Python thread, one Simulation after the other;
@@ -12,12 +14,14 @@ Hover (one physics step an action), constant zero action, ended episodes reset; 
 * vec: make_vec, C++ threads, one per processor.
 
 All of them wait for all worlds in every step, and hand over observations, rewards and ends. Each
-figure is the mean of several trials in one process, with the 95 % interval of Student's t.
+figure is the mean of several trials in one process, with the 95 % interval of Student's t, and the
+share of all processors that the process and its children used.
 """
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import itertools
 import json
 import math
@@ -28,7 +32,9 @@ import statistics
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -84,7 +90,7 @@ def joined(parts: list[Rows]) -> Rows:
 
 def shares(count: int) -> list[tuple[int, int]]:
     """First world and number of worlds for each thread or process: one per processor at most."""
-    workers = min(count, len(os.sched_getaffinity(0)))
+    workers = min(count, processors())
     edges = [count * k // workers for k in range(workers + 1)]
     return [(a, b - a) for a, b in itertools.pairwise(edges)]
 
@@ -181,6 +187,28 @@ WAYS: dict[str, Callable[[int], Worlds]] = {
 }
 
 
+@dataclass(frozen=True)
+class Trials:
+    """What several trials of one way gave."""
+
+    rates: list[float]  # [steps/s], one per trial
+    cpu_use: float  # processor time by wall time and processors: 0 ... 1
+
+
+def processors() -> int:
+    """Logical processors that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def processor_seconds() -> float:
+    """What this process, its threads and its living children have computed so far [s]."""
+    ticks = 0
+    for child in multiprocessing.active_children():
+        after_name = Path(f"/proc/{child.pid}/stat").read_text().rpartition(")")[2].split()
+        ticks += int(after_name[11]) + int(after_name[12])  # utime, stime
+    return time.process_time() + ticks / os.sysconf("SC_CLK_TCK")
+
+
 def rate(worlds: Worlds, count: int, seconds: float) -> float:
     """Steps of worlds per second, over about that long."""
     steps, start = 0, time.perf_counter()
@@ -193,11 +221,15 @@ def rate(worlds: Worlds, count: int, seconds: float) -> float:
             return steps / taken
 
 
-def measure(way: Callable[[int], Worlds], count: int, trials: int, seconds: float) -> list[float]:
+def measure(way: Callable[[int], Worlds], count: int, trials: int, seconds: float) -> Trials:
+    """Some trials, one after another, after a fifth of one that is not counted."""
     worlds = way(count)
     try:
         rate(worlds, count, 0.2 * seconds)  # the first steps make what is made once
-        return [rate(worlds, count, seconds) for _ in range(trials)]
+        computed, start = processor_seconds(), time.perf_counter()
+        rates = [rate(worlds, count, seconds) for _ in range(trials)]
+        available = processors() * (time.perf_counter() - start)
+        return Trials(rates, (processor_seconds() - computed) / available)
     finally:
         worlds.close()
 
@@ -226,20 +258,20 @@ def main() -> None:
     counts = (1, 8, 64) if options.quick else COUNTS
     trials, seconds = (3, 0.1) if options.quick else (5, 1.0)
 
-    cpus = len(os.sched_getaffinity(0))
     print(
         f"hover, thousands of steps a second (+- 95 % of {trials} trials of {seconds} s); "
-        f"{cpus} processors, load {os.getloadavg()[0]:.1f}"
+        f"{processors()} processors, load {os.getloadavg()[0]:.1f}"
     )
     print(f"{'N':>5}" + "".join(f"{way:>18}" for way in WAYS))
     results: list[dict[str, Any]] = []
     for count in counts:
         cells = []
         for name, way in WAYS.items():
-            rates = measure(way, count, trials, seconds)
-            mean, half = statistics.mean(rates), interval(rates)
+            found = measure(way, count, trials, seconds)
+            mean, half = statistics.mean(found.rates), interval(found.rates)
             results.append(
-                {"way": name, "worlds": count, "mean": mean, "interval": half, "rates": rates}
+                {"way": name, "worlds": count, "mean": mean, "interval": half}
+                | dataclasses.asdict(found)
             )
             cells.append(f"{text(mean)} +- {text(half)}")
         print(f"{count:>5}" + "".join(f"{cell:>18}" for cell in cells), flush=True)
@@ -249,7 +281,7 @@ def main() -> None:
             "unit": "steps/s",
             "trials": trials,
             "seconds": seconds,
-            "processors": cpus,
+            "processors": processors(),
             "processor": processor(),
             "load": os.getloadavg(),
             "versions": skybody.versions(),

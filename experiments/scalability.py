@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""Steps hover in 1 to 16,384 environments as the GzDRL paper did (its Table III and figure 7).
+
+    .venv/bin/python experiments/scalability.py [--quick] [--out docs]
+
+N_B = N_E / 3 and N_B = N_E, on min(N_E, processors) threads, under the reference's constant zero
+action and under hover speed (hold), on the tree dynamics and on Simbody; then the paper's baselines
+(bench/baselines.py). Writes scalability.md, data/scalability.json and images/scalability.png, with
+the paper's own figures beside ours. Takes about 12 minutes; nothing else should run meanwhile.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import paper_tables
+import skybody
+from throughput import (
+    ACTIONS,
+    FULL,
+    QUICK,
+    Case,
+    Length,
+    arguments,
+    facts,
+    machine_line,
+    measure,
+    output_folder,
+    summary,
+    thousands,
+    write_json,
+)
+
+SCENARIO = "hover"
+COUNTS = (*paper_tables.COUNTS, 1_024, 16_384)
+QUICK_COUNTS = (1, 8, 64, 1_024)
+DYNAMICS: dict[str, tuple[str, ...]] = {"tree": (), "simbody": ("stepping.dynamics=simbody",)}
+SIMBODY_MOST = 1.0  # [s]: 10,000 receives of 128 environments at 10 us a step would take minutes
+EPISODE_ENVS = 64
+Result = dict[str, Any]
+
+
+def batches(envs: int) -> tuple[int, ...]:
+    """N_B of the paper, and all."""
+    return tuple(dict.fromkeys((max(1, envs // 3), envs)))
+
+
+def cases(counts: Sequence[int]) -> list[tuple[str, Case]]:
+    """With the dynamics of each; Simbody up to the paper's largest number of environments."""
+    return [
+        (dynamics, Case(SCENARIO, envs, batch, action, overrides))
+        for dynamics, overrides in DYNAMICS.items()
+        for envs in counts
+        if dynamics == "tree" or envs <= max(paper_tables.COUNTS)
+        for batch in batches(envs)
+        for action in ACTIONS
+    ]
+
+
+def run_pool(counts: Sequence[int], length: Length) -> list[Result]:
+    """The asynchronous pool: a result per case, printed as it comes."""
+    results = []
+    for dynamics, case in cases(counts):
+        limit = min(length.most, SIMBODY_MOST) if dynamics == "simbody" else length.most
+        trials = measure(case, dataclasses.replace(length, most=limit))
+        found = summary(trials)
+        print(
+            f"pool {dynamics:>8} {case.action:>5}  N_E {case.envs:>6,}  N_B {case.batch:>6,}"
+            f"  {thousands(found.rate, found.interval):>20}  CPU {100 * found.cpu_use:3.0f} %",
+            flush=True,
+        )
+        results.append(
+            {"dynamics": dynamics, "threads": case.threads}
+            | dataclasses.asdict(case)
+            | {"mean": dataclasses.asdict(found)}
+            | {"trials": [dataclasses.asdict(trial) for trial in trials]}
+        )
+    return results
+
+
+def run_baselines(counts: Sequence[int], trials: int, seconds: float) -> list[Result]:
+    """The paper's other ways of stepping N worlds."""
+    import baselines  # found where throughput.py looks for it
+
+    results = []
+    for envs in counts:
+        for way, make in baselines.WAYS.items():
+            found = baselines.measure(make, envs, trials, seconds)
+            rate, half = float(np.mean(found.rates)), baselines.interval(found.rates)
+            print(
+                f"{way:>9}  N {envs:>4}  {thousands(rate, half):>20}"
+                f"  CPU {100 * found.cpu_use:3.0f} %",
+                flush=True,
+            )
+            mean = {"rate": rate, "interval": half, "cpu_use": found.cpu_use}
+            results.append({"way": way, "envs": envs, "mean": mean, "rates": found.rates})
+    return results
+
+
+def reset_share(action: str) -> float:
+    """How many of all rows begin an episode, over the length of the longest."""
+    with skybody.make_pool(SCENARIO, EPISODE_ENVS, infos=False) as pool:
+        pool.reset()
+        rows = np.full((EPISODE_ENVS, pool.environment.action_size), ACTIONS[action], np.float32)
+        receives = pool.environment.horizon + 1
+        begun = 0
+        for _ in range(receives):
+            pool.send(rows)
+            begun += int(pool.recv()[4]["was_reset"].sum())
+    return begun / (receives * EPISODE_ENVS)
+
+
+def main() -> int:
+    """Measures, prints, writes."""
+    parser = arguments(__doc__)
+    options: argparse.Namespace = parser.parse_args()
+    folder = output_folder(parser, options)
+    length = QUICK if options.quick else FULL
+    counts = QUICK_COUNTS if options.quick else COUNTS
+    content: dict[str, Any] = {"facts": facts(), "length": dataclasses.asdict(length)}
+    content["length"]["simbody_most"] = SIMBODY_MOST
+    print(f"{machine_line(content['facts'])}\nthousands of environment steps a second", flush=True)
+    content["pool"] = run_pool(counts, length)
+    small = [envs for envs in counts if envs <= max(paper_tables.COUNTS)]
+    content["baselines"] = run_baselines(small, length.trials, length.seconds)
+    content["reset_share_envs"] = EPISODE_ENVS
+    content["reset_share"] = {action: reset_share(action) for action in ACTIONS}
+
+    import scalability_report  # Matplotlib: not in every process that stepping spawns
+
+    print(f"\n{scalability_report.peaks_text(content)}")
+    if folder:
+        write_json(folder / "data" / "scalability.json", content)
+        scalability_report.draw(content, folder / "images" / "scalability.png")
+        (folder / "scalability.md").write_text(scalability_report.markdown(content))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,247 @@
+"""How many steps a second an asynchronous pool takes from Python, by the GzDRL paper's protocol.
+
+The reference's code counts receives where the paper's text says environment steps: 1,000 to warm up
+and 10,000 that are measured. A receive brings N_B rows, each an environment step; a row that begins
+an episode counts like the others, as there. Each trial has a pool and a seed of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+import os
+import platform
+import statistics
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import skybody
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "bench"))
+from baselines import interval, processor, processor_seconds, processors  # noqa: E402
+
+BURST = 10  # receives between two looks at the clock
+# Of (a + 1) * 1150 rad/s: the reference's constant action, and the QDrone2's hover speed.
+ACTIONS = {"zero": 0.0, "hold": 1391.0 / 1150.0 - 1.0}
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is stepped, and how."""
+
+    scenario: str
+    envs: int  # N_E
+    batch: int  # N_B
+    action: str  # of ACTIONS, the same for all environments and steps
+    overrides: tuple[str, ...] = ()
+
+    @property
+    def threads(self) -> int:
+        """N_T, as in the paper."""
+        return min(self.envs, processors())
+
+
+@dataclass(frozen=True)
+class Length:
+    """How much is measured: whichever of receives and seconds is longer, but not beyond `most`."""
+
+    trials: int
+    warm_up: int  # [receives]
+    receives: int
+    seconds: float
+    most: float = float("inf")  # of warm-up and measurement, each [s]
+
+
+FULL = Length(trials=5, warm_up=1_000, receives=10_000, seconds=1.0)
+QUICK = Length(trials=3, warm_up=100, receives=500, seconds=0.05, most=0.5)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One measurement."""
+
+    receives: int
+    steps: int  # receives times N_B
+    seconds: float
+    cpu_use: float  # processor time by wall time and processors: 0 ... 1
+
+    @property
+    def rate(self) -> float:
+        """[steps/s]"""
+        return self.steps / self.seconds
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Mean of some trials."""
+
+    rate: float  # [steps/s]
+    interval: float  # half the width of the 95 % interval of Student's t [steps/s]
+    cpu_use: float
+    receives: float
+    steps: float
+
+
+def summary(trials: Sequence[Trial]) -> Summary:
+    """Of two trials or more."""
+    rates = [trial.rate for trial in trials]
+    return Summary(
+        rate=statistics.mean(rates),
+        interval=interval(rates),
+        cpu_use=statistics.mean(trial.cpu_use for trial in trials),
+        receives=statistics.mean(trial.receives for trial in trials),
+        steps=statistics.mean(trial.steps for trial in trials),
+    )
+
+
+def measure(case: Case, length: Length) -> list[Trial]:
+    """All trials of one case."""
+    environment = skybody.Environment(case.scenario, overrides=list(case.overrides))
+    return [_trial(environment, case, length, seed) for seed in range(length.trials)]
+
+
+def _trial(environment: skybody.Environment, case: Case, length: Length, seed: int) -> Trial:
+    with skybody.make_pool(
+        environment,
+        case.envs,
+        batch_size=case.batch,
+        num_threads=case.threads,
+        seed=seed,
+        infos=False,
+    ) as pool:
+        pool.async_reset()
+        receive = _receiver(pool, case)
+        _receive_for(receive, length.warm_up, 0.0, length.most)
+        computed = processor_seconds()
+        receives, seconds = _receive_for(receive, length.receives, length.seconds, length.most)
+        computed = processor_seconds() - computed
+    return Trial(receives, receives * case.batch, seconds, computed / (seconds * processors()))
+
+
+def _receiver(pool: skybody.Pool, case: Case) -> Callable[[], None]:
+    """Receives a batch and sends those environments on."""
+    shape = (case.batch, pool.environment.action_size)
+    rows = np.full(shape, ACTIONS[case.action], np.float32)
+    recv, send = pool.recv, pool.send
+
+    def receive_all() -> None:
+        recv()
+        send(rows)
+
+    def receive_some() -> None:
+        send(rows, recv()[4]["env_id"])
+
+    return receive_all if case.batch == case.envs else receive_some
+
+
+def _receive_for(
+    receive: Callable[[], None], receives: int, seconds: float, most: float
+) -> tuple[int, float]:
+    """Receives as many and for as long, or for the most seconds: how many, in how long [s]."""
+    done, start = 0, time.perf_counter()
+    while True:
+        for _ in range(BURST):
+            receive()
+        done += BURST
+        taken = time.perf_counter() - start
+        if (done >= receives and taken >= seconds) or taken >= most:
+            return done, taken
+
+
+# --- what both experiments write ----------------------------------------------------------------
+
+
+def facts() -> dict[str, Any]:
+    """What the figures were measured on, when, and with what."""
+    return {
+        "machine": platform.node(),
+        "processor": processor(),
+        "processors": processors(),
+        "date": datetime.date.today().isoformat(),
+        "load": os.getloadavg(),
+        "versions": skybody.versions() | {"python": platform.python_version()},
+    }
+
+
+def machine_line(found: dict[str, Any]) -> str:
+    """facts() in words."""
+    versions = found["versions"]
+    asserts = " with asserts" if versions["simbody asserts"] == "on" else ""
+    return (
+        f"{found['machine']}, {found['processors']} cores of {found['processor']} "
+        f"({versions['instruction set']}), {found['date']}; Skybody {versions['git']}, "
+        f"Simbody {versions['simbody']}{asserts}, {versions['compiler']}, "
+        f"Python {versions['python']}; load {found['load'][0]:.1f} when it began"
+    )
+
+
+def thousands(rate: float, half: float | None = None) -> str:
+    """A rate in thousands a second, with its interval."""
+    digits = 0 if rate >= 1e6 else 1
+    text = f"{rate / 1e3:,.{digits}f}"
+    return text if half is None else f"{text} ± {half / 1e3:,.{digits}f}"
+
+
+def percent(share: float) -> str:
+    """Of a share in 0 ... 1."""
+    return f"{100.0 * share:.0f}"
+
+
+def markdown_table(rows: Sequence[Sequence[str]]) -> str:
+    """The first row is the head; the first column holds text, the others numbers."""
+    lines = ["| " + " | ".join(row) + " |" for row in rows]
+    lines.insert(1, "| --- |" + " ---: |" * (len(rows[0]) - 1))
+    return "\n".join(lines)
+
+
+def plain_table(rows: Sequence[Sequence[str]]) -> str:
+    """The same for a terminal."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return "\n".join(
+        "  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip()
+        for row in rows
+    )
+
+
+def arguments(description: str) -> argparse.ArgumentParser:
+    """--quick and --out, which both experiments take."""
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="fewer, shorter trials: seconds; writes nothing unless --out is given",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FOLDER",
+        help="where page, data and images go (default: docs)",
+    )
+    return parser
+
+
+def output_folder(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Path | None:
+    """Where to write, with its folders for data and images made; None: nowhere."""
+    folder: Path | None = options.out or (None if options.quick else ROOT / "docs")
+    if folder is None:
+        return None
+    try:
+        for name in ("data", "images"):
+            (folder / name).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        parser.error(f"cannot write to {folder}: {error.strerror}")
+    return folder
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Writes `content`, a line per value."""
+    path.write_text(json.dumps(content, indent=1) + "\n")
