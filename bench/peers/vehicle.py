@@ -46,6 +46,15 @@ class Vehicle:
     tau_up: float  # [s]
     tau_down: float  # [s]
 
+    def mixer(self) -> list[list[float]]:
+        """Gives thrust along z [N] and moments about the base's axes [N m] from thrusts [N]."""
+        return [
+            [1.0 for _ in self.rotors],
+            [rotor.position[1] for rotor in self.rotors],
+            [-rotor.position[0] for rotor in self.rotors],
+            [-rotor.direction * self.moment_ratio for rotor in self.rotors],
+        ]
+
     @property
     def moment_ratio(self) -> float:
         """Reaction moment a thrust [m]."""
@@ -161,6 +170,13 @@ def place(robot: int) -> Vector:
 # --- MJCF ---------------------------------------------------------------------------------------
 
 
+# Stages of MuJoCo's step that have nothing to do in these worlds (its names, from 3.4 on).
+MJCF_UNUSED = (
+    *("contact", "constraint", "equality", "frictionloss", "limit", "spring", "damper"),
+    *("clampctrl", "warmstart", "sensor", "eulerdamp", "autoreset", "midphase"),
+)
+
+
 def words(values: tuple[float, ...]) -> str:
     return " ".join(repr(value) for value in values)
 
@@ -182,10 +198,10 @@ def mjcf_load(load: Payload) -> str:
       </body>"""
 
 
-def mjcf_robot(vehicle: Vehicle, robot: int, load: Payload | None) -> str:
+def mjcf_robot(vehicle: Vehicle, robot: int, load: Payload | None, motors: bool) -> str:
     sites = "".join(
         f'<site name="rotor{robot}_{k}" pos="{words(rotor.position)}"/>'
-        for k, rotor in enumerate(vehicle.rotors)
+        for k, rotor in enumerate(vehicle.rotors if motors else ())
     )
     return f"""
     <body name="quad{robot}" pos="{words(place(robot))}">
@@ -201,21 +217,23 @@ def mjcf_rotors(vehicle: Vehicle, robot: int) -> str:
     )
 
 
-def mjcf(robots: int = 1, with_payload: bool = False) -> str:
-    """A world of so many quadrotors. Controls are thrusts [N], four a robot.
+def mjcf(robots: int = 1, with_payload: bool = False, motors: bool = True) -> str:
+    """A world of so many quadrotors, the form of it in which MuJoCo is quickest: no shapes, so
+    nothing can touch; no limits, no springs; its Euler integrator, which is semi-implicit and here
+    has no damping to treat implicitly; all stages off that such a world does not need.
 
-    What makes MuJoCo quickest on this work: no shapes, so nothing can touch; no limits, no springs;
-    its Euler integrator, which is semi-implicit and here has no damping to treat implicitly."""
+    With motors, controls are thrusts [N], four a robot, on sites at the hubs. Without, the caller
+    writes each robot's wrench into `qfrc_applied`, which MuJoCo handles quicker."""
     vehicle, load = qdrone2(), payload() if with_payload else None
-    bodies = "".join(mjcf_robot(vehicle, k, load) for k in range(robots))
-    motors = "".join(mjcf_rotors(vehicle, k) for k in range(robots))
+    bodies = "".join(mjcf_robot(vehicle, k, load, motors) for k in range(robots))
+    actuators = "".join(mjcf_rotors(vehicle, k) for k in range(robots)) if motors else ""
     return f"""<mujoco>
   <option timestep="{DT}" gravity="0 0 {-GRAVITY}" integrator="Euler">
-    <flag contact="disable" constraint="disable" eulerdamp="disable"/>
+    <flag {" ".join(f'{stage}="disable"' for stage in MJCF_UNUSED)}/>
   </option>
   <worldbody>{bodies}
   </worldbody>
-  <actuator>{motors}
+  <actuator>{actuators}
   </actuator>
 </mujoco>
 """

@@ -1,0 +1,59 @@
+"""mjbatch: many MuJoCo worlds on a pool of C++ threads, their states bound to NumPy arrays.
+
+As in its own example: bind once, write the controls' array, step; states change in place. Several
+steps a call by its `nstep`.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.metadata
+
+import measure
+import mujoco
+import mujoco_worlds as worlds
+import numpy as np
+from mjbatch import Batch
+
+
+def peer() -> measure.Peer:
+    version = importlib.metadata.version("mjbatch")
+    return measure.Peer("mjbatch", version, f"MuJoCo {mujoco.__version__}", worlds.DIFFERS)
+
+
+def batch(effort: measure.Effort, work: worlds.Work) -> None:
+    threads = min(2, work.envs)
+    sims = Batch(work.model(), num_sims=work.envs, num_threads=threads)
+    position, _velocity = sims.bind("qpos"), sims.bind("qvel")  # 13 states, live
+    control = sims.bind("ctrl" if work.motors else "qfrc_applied")
+    commands = work.thrusts()
+    wrenches = None if work.motors else worlds.Wrenches(work.robots, position, control)
+
+    def call() -> None:
+        if wrenches:
+            wrenches.write(commands)
+        else:
+            worlds.robots_of(control, work.robots)[:] = commands
+        sims.step(nstep=work.substeps)
+
+    peer().row(
+        call,
+        effort,
+        mode=f"Batch.step, {threads} thread{'s' if threads > 1 else ''}, {work.way}",
+        cores=threads,
+        **work.row(),
+    )
+    # All started at this height.
+    measure.require(bool(np.abs(position[:, 2] - 1.5).max() < 0.5), "a vehicle did not hover")
+
+
+def main() -> None:
+    effort = measure.parse(__doc__)
+    measure.use_cores(2)
+    attempt, some = peer().attempt, functools.partial
+    for work in worlds.batch_work(effort, most=8192):
+        attempt(work.name(), some(batch, effort, work))
+
+
+if __name__ == "__main__":
+    main()
