@@ -20,8 +20,10 @@ from typing import Any
 
 SIZES = (1, 128, 1024, 8192, 65536)
 QUICK_SIZES = (1, 1024, 8192)
+GRAVITY = 9.81  # [m/s^2]
 ROBOTS = (2, 5, 10, 20)
 ROBOT_WORLDS = 32  # environments of the rows with many robots, as in the paper's Table IV
+Call = Callable[[], object]
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ def use_cores(count: int) -> int:
     return min(count, len(available))
 
 
-def best_rate(call: Callable[[], object], steps: int, effort: Effort) -> float:
+def best_rate(call: Call, steps: int, effort: Effort) -> float:
     """Physics steps a second of the best trial; `call` takes `steps` of them.
 
     The first call may compile: it is not measured. Between two looks at the clock lie as many
@@ -96,7 +98,7 @@ class Peer:
 
     def row(
         self,
-        call: Callable[[], object],
+        call: Call,
         effort: Effort,
         *,
         mode: str,
@@ -107,10 +109,15 @@ class Peer:
         task: str = "hover",
         differs: str = "",
         unit: str = "physics steps/s",
+        check: Callable[[], None] | None = None,
     ) -> None:
-        """Measures `call`, which takes `substeps` physics steps in all `envs`, and prints it."""
+        """Measures `call`, which takes `substeps` physics steps in all `envs`; prints it where
+        `check`, called afterwards, does not throw."""
+        rate = best_rate(call, envs * substeps, effort)
+        if check:
+            check()
         self.line(
-            rate=best_rate(call, envs * substeps, effort),
+            rate=rate,
             mode=mode,
             cores=cores,
             envs=envs,
@@ -143,3 +150,13 @@ def require(fine: bool, what: str) -> None:
     """A measurement whose vehicles did not do what they should is none."""
     if not fine:
         raise RuntimeError(what)
+
+
+def require_climb(speed: float, seconds: float) -> None:
+    """After so long on a tenth more thrust than hovers, vehicles climb at a tenth of gravity's
+    speed. Commands that do not reach the forces would make any simulator quick."""
+    expected = 0.1 * GRAVITY * seconds
+    require(
+        0.8 * expected < speed < 1.2 * expected,
+        f"a tenth more thrust for {seconds:.3g} s made {speed:.3g} m/s upwards",
+    )

@@ -106,3 +106,8 @@ def robots_of(rows: Array, robots: int) -> Array:
     shape = (envs, robots, width // robots)
     strides = (rows.strides[0], width // robots * rows.strides[1], rows.strides[1])
     return np.lib.stride_tricks.as_strided(rows, shape, strides)
+
+
+def check_hover(height: Array | float) -> None:
+    """Vehicles that hover are still where they started."""
+    measure.require(bool(np.abs(height - 1.5).max() < 0.5), "a vehicle did not hover")

@@ -13,8 +13,9 @@ import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 
+from measure import GRAVITY
+
 MODELS = pathlib.Path(__file__).resolve().parents[2] / "scenarios" / "models"
-GRAVITY = 9.81  # [m/s^2]
 DT = 0.001  # [s]
 Vector = tuple[float, float, float]
 
@@ -190,10 +191,10 @@ def mjcf_inertial(body: Body) -> str:
 
 def mjcf_load(load: Payload) -> str:
     return f"""
-      <body name="rod" pos="{words(load.rod_joint)}">
-        <joint name="rod_joint" type="ball"/>{mjcf_inertial(load.rod)}
-        <body name="bob" pos="{words(load.bob_joint)}">
-          <joint name="bob_joint" type="ball"/>{mjcf_inertial(load.bob)}
+      <body pos="{words(load.rod_joint)}">
+        <joint type="ball"/>{mjcf_inertial(load.rod)}
+        <body pos="{words(load.bob_joint)}">
+          <joint type="ball"/>{mjcf_inertial(load.bob)}
         </body>
       </body>"""
 
