@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""Steps 1 to 20 robots in a world, 32 worlds, as the GzDRL paper did (its Table IV and figure 8).
+
+    .venv/bin/python experiments/multi_agent.py [--quick] [--out docs] [--program PROGRAM]
+
+The formation scenarios with their joint observation, randomization left on, one thread per
+processor. From Python in the paper's batches of 11 and in batches of all, and from C++ by
+`skybody bench`; under the reference's constant zero action, and in flight. Then what a robot costs,
+with the joint observation and apart from it. Writes multi_agent.md, data/multi_agent.json and
+images/multi_agent.png, with the paper's own figures beside ours. Takes about 12 minutes; nothing
+else should run meanwhile.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import statistics
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import paper_tables
+from throughput import (
+    FULL,
+    QUICK,
+    ROOT,
+    Case,
+    Length,
+    arguments,
+    facts,
+    interval,
+    machine_line,
+    measure,
+    output_folder,
+    processors,
+    summary,
+    thousands,
+    write_json,
+)
+
+SCENARIOS = {1: "hover", 2: "formation_2", 5: "formation", 10: "formation_10", 20: "formation_20"}
+ENVS = paper_tables.ENVS
+BATCHES = (11, ENVS)
+# A constant action holds a robot of drawn mass in the air for a second, not for the scenario's 20.
+EPISODES: dict[str, tuple[str, ...]] = {"hold": ("stepping.horizon=1000",), "zero": ()}
+MOST = 5.0  # [s]: where worlds are on Simbody, 10,000 receives would take minutes
+QUICK_BENCHES = 2  # runs of `skybody bench`, each of which takes half a second at least
+HOVER_RANGE = 2.0 * 1391.0  # [rad/s]: the largest speed with which an action of zero is hover speed
+Result = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A run of `skybody bench`."""
+
+    program: Path
+    seconds: float
+
+    def run(self, robots: int, threads: int, overrides: tuple[str, ...]) -> Result:
+        """What it prints, for so many robots under a constant action of zero."""
+        command = [str(self.program), "bench", SCENARIOS[robots], "--json", "--actions", "zero"]
+        command += ["--envs", str(ENVS), "--threads", str(threads), "--seconds", str(self.seconds)]
+        for override in overrides:
+            command += ["--set", override]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(command)}\n{done.stderr}")
+        return dict(json.loads(done.stdout))
+
+
+def robot_names(robots: int) -> list[str]:
+    """As the scenarios call them."""
+    return ["quad"] if robots == 1 else [f"quad{k + 1}" for k in range(robots)]
+
+
+def in_flight(robots: int) -> tuple[str, ...]:
+    """Overrides for `skybody bench`: zero is hover speed, episodes are short."""
+    speeds = (
+        f"robots.{name}.controllers.motors.parameters.max_speed={HOVER_RANGE:g}"
+        for name in robot_names(robots)
+    )
+    return (*EPISODES["hold"], *speeds)
+
+
+def without_joint_observation(robots: int) -> str:
+    """Override: observation and reward of hover for one of the robots, which nothing ends."""
+    parameters = f"robot: {robot_names(robots)[0]}, bound: 1000, tilt_max: 3.1"
+    return f"task={{plugin: hover, parameters: {{{parameters}}}}}"
+
+
+# --- what is measured ---------------------------------------------------------------------------
+
+
+def from_python(length: Length) -> list[Result]:
+    """The asynchronous pool: a result per case, printed as it comes."""
+    results = []
+    for robots, scenario in SCENARIOS.items():
+        for action, overrides in EPISODES.items():
+            for batch in BATCHES:
+                trials = measure(Case(scenario, ENVS, batch, action, overrides), length)
+                found = dataclasses.asdict(summary(trials))
+                _say(f"Python, N_B {batch}", robots, action, found)
+                results.append(
+                    {"robots": robots, "action": action, "batch": batch, "mean": found}
+                    | {"trials": [dataclasses.asdict(trial) for trial in trials]}
+                )
+    return results
+
+
+def from_cpp(bench: Bench, trials: int) -> list[Result]:
+    """The same without Python, all worlds a batch."""
+    results = []
+    for robots in SCENARIOS:
+        for action in EPISODES:
+            overrides = in_flight(robots) if action == "hold" else ()
+            runs = [bench.run(robots, processors(), overrides) for _ in range(trials)]
+            rates = [float(run["env_steps_per_second"]) for run in runs]
+            found = {"rate": statistics.mean(rates), "interval": interval(rates)}
+            _say(f"C++, N_B {ENVS}", robots, action, found)
+            tree = statistics.mean(float(run["tree_share"]) for run in runs)
+            results.append(
+                {"robots": robots, "action": action, "batch": ENVS, "mean": found}
+                | {"tree_share": tree, "rates": rates}
+            )
+    return results
+
+
+def costs(bench: Bench, trials: int) -> list[Result]:
+    """Of a robot's step on one thread, in flight [ns]: the least of all trials."""
+    results = []
+    for robots in SCENARIOS:
+        short = (*in_flight(robots), without_joint_observation(robots))
+        whole = [bench.run(robots, 1, in_flight(robots)) for _ in range(trials)]
+        rest = [bench.run(robots, 1, short) for _ in range(trials)]
+        found = {
+            "whole": min(step_cost(run, robots) for run in whole),
+            "rest": min(step_cost(run, robots) for run in rest),
+            "physics": min(physics_cost(run, robots) for run in (*whole, *rest)),
+        }
+        print(
+            f"{robots:>2} robots: {found['whole']:.0f} ns a robot, {found['rest']:.0f} without "
+            f"joint observation and team reward, {found['physics']:.0f} of physics",
+            flush=True,
+        )
+        results.append({"robots": robots} | found)
+    return results
+
+
+def step_cost(run: Result, robots: int) -> float:
+    """Of an environment step, by robot [ns of a thread]."""
+    return 1e9 / (float(run["env_steps_per_second_per_thread"]) * robots)
+
+
+def physics_cost(run: Result, robots: int) -> float:
+    """What `skybody bench` estimates of it, by robot [ns of a thread]."""
+    return float(run["physics_share"]) * step_cost(run, robots)
+
+
+def _say(how: str, robots: int, action: str, found: Result) -> None:
+    rate = thousands(found["rate"], found["interval"])
+    print(f"{how:<14} {robots:>2} robots  {action:>5}  {rate:>20}", flush=True)
+
+
+def main() -> int:
+    """Measures, prints, writes."""
+    parser = arguments(__doc__)
+    parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
+    options = parser.parse_args()
+    if not options.program.is_file():
+        parser.error(f"no program {options.program}: ./dev build makes it")
+    folder = output_folder(parser, options)
+    length = dataclasses.replace(QUICK if options.quick else FULL, most=MOST)
+    bench = Bench(options.program, length.seconds)
+    content: dict[str, Any] = {"facts": facts(), "length": dataclasses.asdict(length)}
+    print(f"{machine_line(content['facts'])}\nthousands of environment steps a second", flush=True)
+    content["python"] = from_python(length)
+    trials = QUICK_BENCHES if options.quick else length.trials
+    content["cpp"] = from_cpp(bench, trials)
+    content["costs"] = costs(bench, trials)
+
+    import multi_agent_report  # Matplotlib: not before mistakes in the arguments are found
+
+    print(f"\n{multi_agent_report.rates_text(content)}")
+    if folder:
+        write_json(folder / "data" / "multi_agent.json", content)
+        multi_agent_report.draw(content, folder / "images" / "multi_agent.png")
+        (folder / "multi_agent.md").write_text(multi_agent_report.markdown(content))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
