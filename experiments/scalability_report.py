@@ -291,7 +291,7 @@ def _curve(
 
 def _paper_marks(rates: Axes, use: Axes, paper: Architecture, color: str) -> None:
     for computer, found in (("workstation", paper.workstation), ("laptop", paper.laptop)):
-        look = {"color": color, "marker": PAPER_MARKS[computer], "markersize": 10}
+        look: dict[str, Any] = {"color": color, "marker": PAPER_MARKS[computer], "markersize": 10}
         look |= {"linestyle": "none", "markeredgecolor": "white"}
         gazebo = paper is paper_tables.GAZEBO_POOL
         label = f"the paper's peaks, {computer} (black: GazeboPool)" if gazebo else None

@@ -25,7 +25,9 @@ import skybody
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))
-from baselines import interval, processor, processor_seconds, processors  # noqa: E402
+from baselines import interval as interval  # noqa: E402
+from baselines import processor, processor_seconds  # noqa: E402
+from baselines import processors as processors  # noqa: E402
 
 BURST = 10  # receives between two looks at the clock
 # Of (a + 1) * 1150 rad/s: the reference's constant action, and the QDrone2's hover speed.
