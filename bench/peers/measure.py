@@ -37,15 +37,24 @@ class Effort:
         return tuple(n for n in (QUICK_SIZES if self.quick else SIZES) if n <= most)
 
 
-def parse(description: str | None, arguments: list[str] | None = None) -> Effort:
-    parser = argparse.ArgumentParser(description=(description or "").split("\n")[0])
-    parser.add_argument("--seconds", type=positive, default=0.2, help="of a trial")
-    parser.add_argument("--trials", type=int, default=5, help="the best one counts")
-    parser.add_argument("--quick", action="store_true", help="fewer sizes")
-    options = parser.parse_args(arguments)
+def parser(description: str | None) -> argparse.ArgumentParser:
+    found = argparse.ArgumentParser(description=(description or "").split("\n")[0])
+    found.add_argument("--seconds", type=positive, default=0.2, help="of a trial")
+    found.add_argument("--trials", type=int, default=5, help="the best one counts")
+    found.add_argument("--quick", action="store_true", help="fewer sizes")
+    return found
+
+
+def effort(arguments: argparse.ArgumentParser, options: argparse.Namespace) -> Effort:
     if options.trials < 1:
-        parser.error("--trials must be at least 1")
+        arguments.error("--trials must be at least 1")
     return Effort(options.seconds, options.trials, options.quick)
+
+
+def parse(description: str | None) -> Effort:
+    """The command line of a script that has no options of its own."""
+    arguments = parser(description)
+    return effort(arguments, arguments.parse_args())
 
 
 def positive(text: str) -> float:
