@@ -94,7 +94,22 @@ def hover(effort: measure.Effort, envs: int, threads: int, task: str = "hover") 
     row(effort, "hover", action(2300.0), "", envs=envs, threads=threads, task=task)
 
 
-def several(effort: measure.Effort, envs: int, threads: int = 2) -> None:
+def single(effort: measure.Effort) -> None:
+    """One environment without a batch around it."""
+    world = skybody.Simulation("hover")
+    world.reset()
+    hold = np.full(4, action(2300.0), np.float32)
+
+    def call() -> None:
+        world.step(hold)
+        _ = world.observation, world.reward
+        if world.status:
+            world.reset()
+
+    peer().row(call, effort, mode="Simulation, 1 thread", cores=1)
+
+
+def several(effort: measure.Effort, envs: int, threads: int) -> None:
     """Ten physics steps a call, as peers take a hundred: what is handed back is the last state."""
     row(
         effort,
@@ -122,6 +137,7 @@ def rk4(effort: measure.Effort, envs: int) -> None:
 
 
 def payload(effort: measure.Effort, envs: int, plain: bool, substeps: int = 1) -> None:
+    threads = min(envs, 2)
     mode = ", without IMU and drawn constants" if plain else ", as shipped"
     row(
         effort,
@@ -129,9 +145,14 @@ def payload(effort: measure.Effort, envs: int, plain: bool, substeps: int = 1) -
         action(2246.0, vehicle.payload().mass),
         mode + (f", {substeps} steps an action" if substeps > 1 else ""),
         envs=envs,
+        threads=threads,
         substeps=substeps,
         task="payload",
-        overrides=(f"stepping.action_repeat={substeps}", *(PLAIN if plain else ())),
+        overrides=(
+            f"stepping.action_repeat={substeps}",
+            f"stepping.horizon={1000 // substeps}",  # a second: vehicles stay in the air
+            *(PLAIN if plain else ()),
+        ),
         differs="" if plain else "noisy IMU; constants drawn in each 10th episode",
     )
 
@@ -238,13 +259,15 @@ def main() -> None:
         attempt("limit", some(limit, effort))
         return
     for envs in effort.sizes():
-        attempt(f"hover, {envs}", some(hover, effort, envs, 2))
-    attempt("hover, 10", some(several, effort, 1024))
+        attempt(f"hover, {envs}", some(hover, effort, envs, min(envs, 2)))
+    for envs in (1, 1024):
+        attempt(f"hover, {envs}, 10", some(several, effort, envs, min(envs, 2)))
+    attempt("Simulation", some(single, effort))
     for envs in (64, 1024):
         attempt(f"hover, {envs}, 1 thread", some(hover, effort, envs, 1))
         attempt(f"hover, {envs}, rk4", some(rk4, effort, envs))
     for plain in (False, True):
-        for envs in (1024,) if effort.quick else (1, 128, 1024, 8192):
+        for envs in (1, 1024) if effort.quick else (1, 128, 1024, 8192):
             attempt(f"payload, {envs}", some(payload, effort, envs, plain))
         attempt("payload, 10", some(payload, effort, 1024, plain, substeps=10))
     attempt("engine", some(hover, effort, 1024, 2, "engine"))

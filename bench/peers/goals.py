@@ -1,0 +1,198 @@
+"""The issue's goals: which of our rows stands against which peer's, and by how much it has to win.
+
+All ratios are by core. A goal whose peer was not measured here has no ratio.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import rows as results
+from rows import OURS, Row, Test
+
+# Thousands of steps/s of the paper's workstation (24 cores) by robots, 32 environments.
+PAPER_FORMATION = {2: 35.5, 5: 17.8, 10: 8.1, 20: 3.2}
+FORMATION_GOALS = {2: 300.0, 5: 250.0, 10: 200.0, 20: 150.0}
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One line of the table of goals. Rates in steps/s by core, but whole for the paper's rows."""
+
+    what: str
+    ours: float | None
+    theirs: float | None
+    goal: float
+    ratio: float | None
+    sense: str = ">="
+    of: str = ""  # the rows that were taken
+
+    @property
+    def verdict(self) -> str:
+        if self.ratio is None:
+            return "not measured"
+        met = self.ratio >= self.goal if self.sense == ">=" else self.ratio <= self.goal
+        return "met" if met else "missed"
+
+
+@dataclass(frozen=True)
+class Goal:
+    what: str
+    ours: Test
+    theirs: Test
+    goal: float
+
+    def figure(self, rows: list[Row]) -> Figure:
+        own = results.quickest(rows, lambda row: row.peer == OURS and self.ours(row))
+        other = results.quickest(rows, lambda row: row.peer != OURS and self.theirs(row))
+        ratio = own.per_core / other.per_core if own and other else None
+        return Figure(
+            self.what,
+            own.per_core if own else None,
+            other.per_core if other else None,
+            self.goal,
+            ratio,
+            of="; ".join(describe(row) for row in (own, other) if row),
+        )
+
+
+def describe(row: Row) -> str:
+    return f"{row.contestant}: N={row.envs}, K={row.substeps}, {row.mode}"
+
+
+def python(task: str, several: bool, way: str = "Python", robots: int = 1) -> Test:
+    """Ours from Python on two cores, one physics step a call or several."""
+    return lambda row: (
+        row.task == task
+        and row.robots == robots
+        and row.cores == 2
+        and row.way == way
+        and (row.substeps > 1) == several
+    )
+
+
+def peer(name: str, task: str, several: bool, mode: str = "") -> Test:
+    """A peer's rows with all the cores that it takes (the most of them)."""
+    return lambda row: (
+        row.peer.lower() == name.lower()
+        and row.task == task
+        and row.robots == 1
+        and row.mode.startswith(mode)
+        and (row.substeps > 1) == several
+        and row.envs > 1
+    )
+
+
+def both_ways(what: str, name: str, goal: float, task: str = "hover", mode: str = "") -> list[Goal]:
+    """Each at its best number of environments: one step a call, and several (ours ten)."""
+    return [
+        Goal(
+            f"{what}, {task}, {'several steps' if several else 'one step'} a call",
+            python(task, several),
+            peer(name, task, several, mode),
+            goal,
+        )
+        for several in (False, True)
+    ]
+
+
+def cpp(robots: int) -> Test:
+    return lambda row: row.way == "C++" and row.robots == robots
+
+
+def at(test: Test, envs: int) -> Test:
+    return lambda row: row.envs == envs and test(row)
+
+
+def cpp_goals() -> list[Goal]:
+    def theirs(robots: int, *names: str) -> Test:
+        return lambda row: row.peer in names and row.robots == robots
+
+    both = ("mujoco_cpp", "bullet_cpp")
+    return [
+        Goal("C++ step, 1 robot: MuJoCo's mj_step", cpp(1), theirs(1, both[0]), 20.0),
+        Goal("C++ step, 1 robot: Bullet's stepSimulation", cpp(1), theirs(1, both[1]), 10.0),
+        Goal("C++ step, 20 robots: the quicker of both", cpp(20), theirs(20, *both), 3.0),
+    ]
+
+
+def python_goals() -> list[Goal]:
+    found = []
+    for what, name, mode in (("mjbatch", "mjbatch", ""), ("MuJoCo rollout", "MuJoCo", "rollout")):
+        found += both_ways(what, name, 28.0, "hover", mode)
+        found += both_ways(what, name, 12.0, "payload", mode)
+        found.append(
+            Goal(
+                f"{what}, payload as shipped (noisy IMU, drawn constants)",
+                python("payload", False, "as shipped"),
+                peer(name, "payload", False, mode),
+                12.0,
+            )
+        )
+    found += both_ways("Crazyflow", "Crazyflow", 2.5)
+    one_step = peer("Crazyflow", "hover", False)
+    found.append(
+        Goal("Crazyflow at N=1024, K=1", at(python("hover", False), 1024), at(one_step, 1024), 12.0)
+    )
+    found.append(
+        Goal(
+            "L2F, RK4 against RK4",
+            lambda row: row.way == "rk4",
+            lambda row: row.peer.lower() == "l2f" and row.task == "hover",
+            3.0,
+        )
+    )
+    found += both_ways("PyBullet", "PyBullet", 90.0)[:1]
+    found += both_ways("gym-pybullet-drones", "gym-pybullet-drones", 380.0)
+    found += both_ways("RotorPy", "RotorPy", 170.0)[:1]
+    found.append(
+        Goal(
+            "EnvPool's cheapest environment, N=1024",
+            at(python("engine", False), 1024),
+            at(peer("EnvPool", "engine", False), 1024),
+            50.0,
+        )
+    )
+    return found
+
+
+def formation_figure(rows: list[Row], robots: int) -> Figure:
+    """Against the paper's workstation: whole rates, 32 environments with joint observation."""
+    own = results.on_all_cores(
+        rows, lambda row: row.peer == OURS and python("robots", False, robots=robots)(row)
+    )
+    theirs = 1e3 * PAPER_FORMATION[robots]
+    return Figure(
+        f"formation, {robots} robots: the paper's workstation (24 cores)",
+        own.rate if own else None,
+        theirs,
+        FORMATION_GOALS[robots],
+        own.rate / theirs if own else None,
+        of=describe(own) if own else "",
+    )
+
+
+def flat_figure(rows: list[Row]) -> Figure:
+    """The dearest cost of a robot from 2 to 20 in a world, in that of 2, without the observation of
+    all others."""
+    short = [row for row in rows if row.way == "C++, no joint observation"]
+    costs = {row.robots: 1.0 / (row.robots * row.per_core) for row in short}
+    whole = set(PAPER_FORMATION) <= set(costs)
+    ratio = max(costs.values()) / costs[2] if whole else None
+    listed = ", ".join(f"{robots}: {1e9 * costs[robots]:.0f} ns" for robots in sorted(costs))
+    return Figure(
+        "cost of a robot, 2 to 20, apart from the joint observation: the dearest by that of 2",
+        None,
+        None,
+        1.25,
+        ratio,
+        "<=",
+        listed,
+    )
+
+
+def figures(rows: list[Row]) -> list[Figure]:
+    """The whole table."""
+    found = [goal.figure(rows) for goal in (*cpp_goals(), *python_goals())]
+    found += [formation_figure(rows, robots) for robots in PAPER_FORMATION]
+    return [*found, flat_figure(rows)]

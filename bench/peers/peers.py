@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+"""Skybody beside the simulators that a drone-learning researcher could pick, on the same work.
+
+    .venv/bin/python bench/peers/peers.py [--quick] [--json FILE] [--picture FILE] [--markdown FILE]
+        [--only NAMES] [--gym-pybullet-drones CHECKOUT]
+
+Makes each peer's virtual environment below .peers where its requirements changed, runs its script,
+and prints one table with the goals below it. What cannot be installed or run is skipped with a
+word. Every contestant, ours too, has two sittings, the second in reverse order, and the best of
+both counts: the machine may have other things to do. README.md says how the work is made alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import environments
+import goals
+import report
+import rows as results
+from environments import HERE, ROOT, Skipped
+from rows import Row
+
+PROGRAMS = ROOT / "build" / "release" / "bin"
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """Ours, a peer's script with its virtual environment, or a peer's C++ program."""
+
+    name: str
+    program: bool = False
+
+    def command(self, options: argparse.Namespace) -> list[str]:
+        """How it is run.
+
+        Raises:
+            Skipped: it cannot be, here.
+        """
+        if self.name == "ours":
+            return [sys.executable, str(HERE / "ours.py")]
+        if self.program:
+            path = PROGRAMS / f"bench_peer_{self.name.removesuffix('_cpp')}"
+            if not path.is_file():
+                raise Skipped(
+                    f"no {path.name} was built: its library is not there, or not asked for"
+                )
+            return [str(path)]
+        script = HERE / f"peer_{self.name}.py"
+        if not script.is_file():
+            raise Skipped(f"no {script.name}")
+        extra = []
+        if self.name == "gym_pybullet_drones":
+            if options.gym_pybullet_drones is None:
+                raise Skipped("no checkout was given (--gym-pybullet-drones)")
+            extra = ["--checkout", str(options.gym_pybullet_drones)]
+        return [str(environments.python_of(self.name)), str(script), *extra]
+
+
+OURS = Contestant("ours")
+PEERS = (
+    Contestant("mujoco_cpp", program=True),
+    Contestant("bullet_cpp", program=True),
+    Contestant("mujoco"),
+    Contestant("mjbatch"),
+    Contestant("pybullet"),
+    Contestant("gym_pybullet_drones"),
+    Contestant("crazyflow"),
+    Contestant("l2f"),
+    Contestant("rotorpy"),
+    Contestant("envpool"),
+)
+
+
+class Results:
+    """Rows and skips of a run, as they come."""
+
+    def __init__(self, quick: bool) -> None:
+        self.rows: list[Row] = []
+        self.skipped: dict[str, None] = {}  # in order, each once
+        self.effort = ["--seconds", "0.1", "--trials", "3"] if quick else []
+        self.effort += ["--quick"] if quick else ["--seconds", "0.5", "--trials", "8"]
+        self.most = 240.0 if quick else 3600.0  # [s] of a sitting
+
+    def skip(self, name: str, why: str) -> None:
+        line = f"skipped: {name}: {environments.plain(why)}"
+        if line not in self.skipped:
+            self.skipped[line] = None
+            print(line, file=sys.stderr, flush=True)
+
+    def sitting(self, contestant: Contestant, options: argparse.Namespace, *more: str) -> None:
+        started = time.monotonic()
+        try:
+            command = contestant.command(options)
+        except Skipped as why:
+            self.skip(contestant.name, str(why))
+            return
+        before = len(self.rows)
+        self.run([*command, *self.effort, *more], contestant.name)
+        taken = time.monotonic() - started
+        found = len(self.rows) - before
+        print(f"  {contestant.name}: {found} rows in {taken:.0f} s", file=sys.stderr, flush=True)
+
+    def run(self, command: list[str], name: str) -> None:
+        try:
+            done = subprocess.run(
+                command,
+                cwd=environments.workplace(),
+                capture_output=True,
+                text=True,
+                timeout=self.most,
+                check=False,
+            )
+        except subprocess.TimeoutExpired as late:
+            output = late.stdout or b""
+            self.take(output.decode() if isinstance(output, bytes) else output, name)
+            self.skip(name, f"took more than {self.most:.0f} s; rows until then are kept")
+            return
+        self.take(done.stdout, name)
+        if done.returncode != 0:
+            last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
+            self.skip(name, last[0])
+
+    def take(self, output: str, name: str) -> None:
+        """Lines that are no JSON are a library's chatter."""
+        for line in output.splitlines():
+            if not line.startswith("{"):
+                continue
+            facts = json.loads(line)
+            if "skipped" in facts:
+                self.skip(str(facts.get("peer", name)), str(facts["skipped"]))
+                continue
+            self.rows.append(results.read(facts))
+
+
+def measure(options: argparse.Namespace) -> Results:
+    """Two sittings each, first in this order, then the other way round."""
+    peers = [peer for peer in PEERS if not options.only or peer.name in options.only]
+    found = Results(options.quick)
+    for order in ([OURS, *peers], [OURS, *reversed(peers)]):
+        for contestant in order:
+            found.sitting(contestant, options)
+    found.sitting(OURS, options, "--limit")
+    found.rows = results.best_of_sittings(found.rows)
+    return found
+
+
+def machine() -> dict[str, Any]:
+    """Its name and processors, as `skybody bench` has them."""
+    command = [str(PROGRAMS / "skybody"), "bench", "hover", "--envs", "1", "--json"]
+    done = subprocess.run([*command, "--seconds", "0.05"], check=True, capture_output=True)
+    facts = json.loads(done.stdout)
+    return {key: facts[key] for key in ("machine", "processor", "processors", "skybody_version")}
+
+
+def parse(arguments: list[str] | None = None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="shorter trials, fewer sizes")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all rows there")
+    parser.add_argument("--picture", type=pathlib.Path, metavar="FILE", help="write bars there")
+    parser.add_argument("--markdown", type=pathlib.Path, metavar="FILE", help="write tables there")
+    parser.add_argument("--only", type=names, metavar="NAMES", help="peers, with commas")
+    parser.add_argument(
+        "--gym-pybullet-drones",
+        type=folder,
+        metavar="CHECKOUT",
+        help="its repository's folder; no registry has it",
+    )
+    return parser.parse_args(arguments)
+
+
+def names(text: str) -> list[str]:
+    known = [peer.name for peer in PEERS]
+    found = text.split(",")
+    for name in found:
+        if name not in known:
+            raise argparse.ArgumentTypeError(f"no peer {name!r}; there are {', '.join(known)}")
+    return found
+
+
+def folder(text: str) -> pathlib.Path:
+    path = pathlib.Path(text)
+    if not (path / "gym_pybullet_drones").is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} has no folder gym_pybullet_drones")
+    return path.resolve()
+
+
+def main() -> None:
+    options = parse()
+    facts = machine() | {
+        "date": datetime.date.today().isoformat(),
+        "load": os.getloadavg(),
+        "quick": options.quick,
+    }
+    found = measure(options)
+    if not any(row.peer == results.OURS for row in found.rows):
+        sys.exit("peers.py: nothing of ours was measured: " + "; ".join(found.skipped))
+    whole = report.Report(facts, found.rows, list(found.skipped), goals.figures(found.rows))
+    print(whole.text())
+    if options.json:
+        report.write(options.json, json.dumps(whole.facts(), indent=1) + "\n")
+    if options.markdown:
+        report.write(options.markdown, whole.markdown(options.picture))
+    if options.picture:
+        import picture
+
+        picture.draw(whole, options.picture)
+
+
+if __name__ == "__main__":
+    main()

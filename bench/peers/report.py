@@ -1,0 +1,140 @@
+"""What a run of the peers tells: as a table to read, as Markdown for docs, as facts for JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import pathlib
+from dataclasses import dataclass
+from typing import Any
+
+import rows as results
+from goals import Figure
+from rows import Row
+
+HEADINGS = ["task", "contestant", "N", "K", "cores", "M steps/s", "by core", "ours / theirs"]
+HEADINGS += ["version", "mode", "what differs"]
+GOAL_HEADINGS = ["goal", "ours", "theirs", "ratio", "wanted", ""]
+
+
+def rate(value: float | None) -> str:
+    """Millions a second."""
+    if value is None:
+        return ""
+    return f"{value / 1e6:.3g}" if value >= 1e5 else f"{value / 1e6:.2g}"
+
+
+def table(headings: list[str], lines: list[list[str]]) -> str:
+    widths = [max(len(line[k]) for line in [headings, *lines]) for k in range(len(headings))]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in [headings, *lines]
+    )
+
+
+def markdown_table(headings: list[str], lines: list[list[str]]) -> str:
+    rule = "|" + " --- |" * len(headings)
+    return "\n".join(
+        ["| " + " | ".join(headings) + " |", rule, *("| " + " | ".join(c) + " |" for c in lines)]
+    )
+
+
+def task_text(row: Row) -> str:
+    return f"{row.robots} robots" if row.task == "robots" else row.task
+
+
+def goal_cells(figure: Figure) -> list[str]:
+    return [
+        figure.what,
+        rate(figure.ours),
+        rate(figure.theirs),
+        "" if figure.ratio is None else f"{figure.ratio:.3g}",
+        f"{figure.sense} {figure.goal:g}",
+        figure.verdict,
+    ]
+
+
+@dataclass(frozen=True)
+class Report:
+    machine: dict[str, Any]
+    rows: list[Row]
+    skipped: list[str]
+    figures: list[Figure]
+
+    def cells(self, row: Row) -> list[str]:
+        other = results.counterpart(row, self.rows) if row.peer != results.OURS else None
+        return [
+            task_text(row),
+            row.contestant,
+            str(row.envs),
+            str(row.substeps),
+            str(row.cores),
+            rate(row.rate),
+            rate(row.per_core),
+            "" if other is None else f"{other.per_core / row.per_core:.3g}",
+            row.version,
+            row.mode,
+            row.differs,
+        ]
+
+    def head(self) -> str:
+        m = self.machine
+        return (
+            f"{m['machine']}, {m['processors']} cores of {m['processor']}, {m['date']}, "
+            f"Skybody {m['skybody_version']}; load {m['load'][0]:.1f} when it began"
+            f"{'; short trials of --quick' if m['quick'] else ''}"
+        )
+
+    def text(self) -> str:
+        """What is printed."""
+        parts = [
+            self.head(),
+            "N environments, K physics steps a call; rates in million physics steps of worlds a "
+            "second (engine: environment steps); ratios by core",
+            table(HEADINGS, [self.cells(row) for row in results.shown(self.rows)]),
+            "goals, rates by core:",
+            table(GOAL_HEADINGS, [goal_cells(figure) for figure in self.figures]),
+            "\n".join(self.skipped),
+        ]
+        return "\n\n".join(part for part in parts if part)
+
+    def markdown(self, picture: pathlib.Path | None) -> str:
+        """The page in docs; it lies beside the folder `images`."""
+        link = "" if picture is None else f"![Steps per second]({linked(picture)})\n\n"
+        skipped = "".join(f"- {line}\n" for line in self.skipped) or "Nothing was skipped.\n"
+        return (
+            "# Peers, measured\n\n"
+            "Written by `./dev bench --peers` (bench/peers, whose README says how the work is made "
+            f"alike); raw rows in data/peers.json. {self.head()}.\n\n"
+            "N environments, K physics steps a call. Rates are million physics steps of worlds a "
+            "second, a world with many robots counted once (task engine: environment steps). "
+            "Ratios are by core; a peer's row stands against ours of the same task, of C++ with "
+            "C++, of one step a call with one. Of each contestant: its best row, that of 1024 "
+            "environments and that of one.\n\n"
+            f"{link}"
+            "## Goals\n\nRates by core, but for the paper's rows, which are whole.\n\n"
+            f"{markdown_table(GOAL_HEADINGS, [goal_cells(f) for f in self.figures])}\n\n"
+            "## All contestants\n\n"
+            f"{markdown_table(HEADINGS, [self.cells(r) for r in results.shown(self.rows)])}\n\n"
+            f"## Skipped\n\n{skipped}"
+        )
+
+    def facts(self) -> dict[str, Any]:
+        """Everything, for JSON."""
+        figures = [dataclasses.asdict(f) | {"verdict": f.verdict} for f in self.figures]
+        return self.machine | {
+            "rows": [dataclasses.asdict(row) for row in self.rows],
+            "goals": figures,
+            "skipped": self.skipped,
+        }
+
+
+def linked(picture: pathlib.Path) -> str:
+    """As docs/peers.md names it."""
+    parts = picture.parts
+    return os.path.join(*parts[parts.index("docs") + 1 :]) if "docs" in parts else picture.name
+
+
+def write(path: pathlib.Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)

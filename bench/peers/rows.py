@@ -1,0 +1,146 @@
+"""Rows of results: what they hold, which stand for a contestant, who is compared with whom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from typing import Any
+
+OURS, LIMIT = "Skybody", "limit"
+CPP = "_cpp"  # ends the names of peers that are measured in C++
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measurement; `rate` counts physics steps of worlds (task engine: environment steps)."""
+
+    peer: str
+    version: str
+    engine: str
+    task: str  # hover, payload, robots or engine
+    envs: int
+    robots: int  # in each world
+    substeps: int  # physics steps a call
+    cores: int
+    rate: float  # [1/s]
+    unit: str
+    differs: str
+    mode: str
+
+    @property
+    def per_core(self) -> float:
+        return self.rate / self.cores
+
+    @property
+    def contestant(self) -> str:
+        """Who, as the table names it: ours and MuJoCo have several ways."""
+        if self.peer == OURS:
+            return f"{OURS} ({self.way})"
+        if self.peer == "MuJoCo":
+            return f"MuJoCo ({self.mode.split(',')[0]})"
+        return self.peer.replace(CPP, " (C++)")
+
+    @property
+    def way(self) -> str:
+        """Of ours: what a peer's row is compared with."""
+        if "no joint observation" in self.mode:
+            return "C++, no joint observation"
+        for word in ("C++", "rk4", "as shipped"):
+            if word in self.mode:
+                return word
+        return "Python"
+
+
+Test = Callable[[Row], bool]
+NAMES = tuple(field.name for field in fields(Row))
+
+
+def read(facts: dict[str, Any]) -> Row:
+    """A row from a script's line.
+
+    Raises:
+        ValueError: something is missing.
+    """
+    missing = [name for name in NAMES if name not in facts]
+    if missing:
+        raise ValueError(f"a row without {', '.join(missing)}")
+    return Row(**{name: facts[name] for name in NAMES})
+
+
+def best_of_sittings(rows: Iterable[Row]) -> list[Row]:
+    """One row of each measurement: the quickest of those that differ in the rate only."""
+    best: dict[tuple[Any, ...], Row] = {}
+    for row in rows:
+        key = tuple(getattr(row, name) for name in NAMES if name != "rate")
+        if key not in best or row.rate > best[key].rate:
+            best[key] = row
+    return list(best.values())
+
+
+def quickest(rows: Iterable[Row], test: Test) -> Row | None:
+    """By core."""
+    found = [row for row in rows if test(row)]
+    return max(found, key=lambda row: row.per_core, default=None)
+
+
+def on_all_cores(rows: Iterable[Row], test: Test) -> Row | None:
+    """The quickest whatever cores it takes."""
+    found = [row for row in rows if test(row)]
+    return max(found, key=lambda row: row.rate, default=None)
+
+
+def shown(rows: list[Row]) -> list[Row]:
+    """What the table shows: of each contestant and task the best row with one step a call, that with
+    several, that of 1024 environments and that of one; the quickest contestant first."""
+    groups: dict[tuple[str, int, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((row.task, row.robots, row.contestant), []).append(row)
+    tasks = ["hover", "payload", "robots", "engine"]
+    ranked = sorted(
+        groups.items(),
+        key=lambda item: (
+            tasks.index(item[0][0]) if item[0][0] in tasks else len(tasks),
+            item[0][1],
+            -max(row.per_core for row in item[1]),
+        ),
+    )
+    picked: list[Row] = []
+    for _, group in ranked:
+        candidates = [
+            on_all_cores(group, lambda row: row.substeps == 1),
+            on_all_cores(group, lambda row: row.substeps > 1),
+            on_all_cores(group, lambda row: row.envs == 1024 and row.substeps == 1),
+            on_all_cores(group, lambda row: row.envs == 1 and row.substeps == 1),
+        ]
+        for row in candidates:
+            if row is not None and row not in picked:
+                picked.append(row)
+    return picked
+
+
+def counterpart(row: Row, rows: list[Row]) -> Row | None:
+    """Our row that a peer's is compared with: the same task and number of robots, C++ with C++, RK4
+    with RK4, one step a call with one and several with several; of one environment with one, else
+    each at its best number; as many cores where there is such a row, and at 1024 the same number.
+    None: there is no such row."""
+    way = "C++" if row.peer.endswith(CPP) or row.peer == LIMIT else "Python"
+    if "RK4" in row.differs + row.mode:
+        way = "rk4"
+    alone = row.envs == 1 and way != "C++"
+    ways = ("C++", "Python") if row.peer == LIMIT else (way,)
+    found = [
+        own
+        for own in rows
+        if own.peer == OURS
+        and (own.task, own.robots) == (row.task, row.robots)
+        and own.way in ways
+        and (own.envs == 1) == alone
+        and (own.substeps > 1) == (row.substeps > 1)
+    ]
+    wishes: list[Test] = [
+        lambda own: own.cores == row.cores,
+        lambda own: row.envs != 1024 or own.envs == 1024,
+    ]
+    for wish in wishes:
+        found = [own for own in found if wish(own)] or found
+    return quickest(found, lambda own: True)
