@@ -60,14 +60,10 @@ def describe(row: Row) -> str:
     return f"{row.contestant}: N={row.envs}, K={row.substeps}, {row.mode}"
 
 
-def python(task: str, several: bool, way: str = "Python", robots: int = 1) -> Test:
+def python(task: str, several: bool, way: str = "Python") -> Test:
     """Ours from Python on two cores, one physics step a call or several."""
     return lambda row: (
-        row.task == task
-        and row.robots == robots
-        and row.cores == 2
-        and row.way == way
-        and (row.substeps > 1) == several
+        row.task == task and row.cores == 2 and row.way == way and (row.substeps > 1) == several
     )
 
 
@@ -159,7 +155,7 @@ def python_goals() -> list[Goal]:
 def formation_figure(rows: list[Row], robots: int) -> Figure:
     """Against the paper's workstation: whole rates, 32 environments with joint observation."""
     own = results.on_all_cores(
-        rows, lambda row: row.peer == OURS and python("robots", False, robots=robots)(row)
+        rows, lambda row: row.peer == OURS and row.robots == robots and row.way == "Python"
     )
     theirs = 1e3 * PAPER_FORMATION[robots]
     return Figure(

@@ -73,7 +73,7 @@ def row(
     )
     try:
         vec.reset()
-        actions = np.full(vec.action_space.shape, hold, np.float32)
+        actions = np.full(vec.action_space.shape or (), hold, np.float32)
         peer().row(
             lambda: vec.step(actions),
             effort,
@@ -157,13 +157,14 @@ def payload(effort: measure.Effort, envs: int, plain: bool, substeps: int = 1) -
     )
 
 
-def formation(effort: measure.Effort, robots: int) -> None:
+def formation(effort: measure.Effort, robots: int, threads: int) -> None:
     row(
         effort,
         FORMATIONS[robots],
         0.0,
         ", joint observation",
         envs=measure.ROBOT_WORLDS,
+        threads=threads,
         robots=robots,
         task="robots",
         overrides=in_flight(robots),
@@ -273,7 +274,8 @@ def main() -> None:
     attempt("engine", some(hover, effort, 1024, 2, "engine"))
     attempt("C++, hover", some(program, effort, "hover", "", envs=1024, robots=1))
     for robots, scenario in FORMATIONS.items():
-        attempt(f"{robots} robots", some(formation, effort, robots))
+        for threads in (1, 2):
+            attempt(f"{robots} robots", some(formation, effort, robots, threads))
         many = some(program, effort, scenario, envs=measure.ROBOT_WORLDS, robots=robots)
         attempt(f"C++, {robots} robots", some(many, ", joint observation"))
         attempt(f"C++, {robots}, short", some(many, ", no joint observation", short=True))

@@ -61,7 +61,10 @@ def panel(axes: Axes, rows: list[Row], title: str) -> None:
 
 def draw(report: Report, path: pathlib.Path) -> None:
     """Writes the picture."""
-    panels = [(best_rows(report.rows, *which), title) for *which, title in PANELS]
+    panels = [
+        (best_rows(report.rows, task, robots, several), title)
+        for task, robots, several, title in PANELS
+    ]
     panels = [(rows, title) for rows, title in panels if rows]
     heights = [1.5 + len(rows) for rows, _ in panels]
     figure, axes = plt.subplots(

@@ -90,8 +90,8 @@ def on_all_cores(rows: Iterable[Row], test: Test) -> Row | None:
 
 
 def shown(rows: list[Row]) -> list[Row]:
-    """What the table shows: of each contestant and task the best row with one step a call, that with
-    several, that of 1024 environments and that of one; the quickest contestant first."""
+    """What the table shows: of each contestant and task the best row with one step a call and with
+    several, the one of 1024 environments and that of one; the quickest contestant first."""
     groups: dict[tuple[str, int, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.task, row.robots, row.contestant), []).append(row)
@@ -112,9 +112,7 @@ def shown(rows: list[Row]) -> list[Row]:
             on_all_cores(group, lambda row: row.envs == 1024 and row.substeps == 1),
             on_all_cores(group, lambda row: row.envs == 1 and row.substeps == 1),
         ]
-        for row in candidates:
-            if row is not None and row not in picked:
-                picked.append(row)
+        picked += [row for row in dict.fromkeys(candidates) if row is not None]
     return picked
 
 
