@@ -129,8 +129,9 @@ def row(effort: measure.Effort, envs: int, threads: int, observe: bool) -> None:
 def main() -> None:
     effort = measure.parse(__doc__)
     measure.use_cores(2)
+    sizes = QUICK_SIZES if effort.quick else SIZES
     for threads in (1, 2):
-        for envs in QUICK_SIZES if effort.quick else SIZES:
+        for envs in sizes[-1:] if effort.quick and threads > 1 else sizes:
             for observe in (False, True):
                 peer().attempt(
                     f"hover, {envs}, {threads} threads",
