@@ -178,14 +178,15 @@ def program(
     """`skybody bench`: the same steps from C++, on one thread; short: without the joint
     observation."""
     command = [str(PROGRAMS / "skybody"), "bench", scenario, "--envs", str(envs)]
-    command += ["--threads", "1", "--seconds", str(max(0.1, effort.seconds)), "--json"]
+    seconds = max(0.1, effort.seconds)  # the program takes its time to start: fewer, longer trials
+    command += ["--threads", "1", "--seconds", str(seconds), "--json"]
     overrides = in_flight(robots) if robots > 1 else ()
     if overrides:
         command += ["--actions", "zero"]
     for override in (*overrides, *((f"task={ONE_ROBOT}",) if short else ())):
         command += ["--set", override]
     rates = []
-    for _ in range(effort.trials):
+    for _ in range(max(2, round(effort.trials * effort.seconds / seconds))):
         done = subprocess.run(command, check=True, capture_output=True, text=True)
         rates.append(float(json.loads(done.stdout)["physics_steps_per_second"]))
     peer().line(

@@ -7,7 +7,10 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 OURS, LIMIT = "Skybody", "limit"
-CPP = "_cpp"  # ends the names of peers that are measured in C++
+CPP = {
+    "mujoco_cpp": "MuJoCo (C++)",
+    "bullet_cpp": "Bullet (C++)",
+}  # programs, as the table has them
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class Row:
             return f"{OURS} ({self.way})"
         if self.peer == "MuJoCo":
             return f"MuJoCo ({self.mode.split(',')[0]})"
-        return self.peer.replace(CPP, " (C++)")
+        return CPP.get(self.peer, self.peer)
 
     @property
     def way(self) -> str:
@@ -121,7 +124,7 @@ def counterpart(row: Row, rows: list[Row]) -> Row | None:
     with RK4, one step a call with one and several with several; of one environment with one, else
     each at its best number; as many cores where there is such a row, and at 1024 the same number.
     None: there is no such row."""
-    way = "C++" if row.peer.endswith(CPP) or row.peer == LIMIT else "Python"
+    way = "C++" if row.peer in CPP or row.peer == LIMIT else "Python"
     if "RK4" in row.differs + row.mode:
         way = "rk4"
     alone = row.envs == 1 and way != "C++"
