@@ -31,9 +31,10 @@ from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "build/release/bin/skybody"
-SEED = 1
+SEED = 0  # as `skybody run` has it
 FLIGHT = 1.0  # [s]
 STEPS_US = (250, 500, 1000, 2000, 4000)  # dt [us]
+LONG = 0.5  # what takes longer is measured once: the machine's noise is small beside it [s]
 GOOD_POSITION, GOOD_ANGLE = 1e-3, math.radians(0.1)  # what counts as exact [m], [rad]
 POLICIES = {"hard_landing": "zero"}  # two thirds of the weight are carried: it falls
 Reals = NDArray[np.float64]
@@ -226,7 +227,9 @@ def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result
     for integrator in INTEGRATORS:
         for us in steps_us:
             replay = Replay(flight, 1e-6 * us, integrator.overrides)
-            cost = min(replay.fly() for _ in range(trials))
+            cost = replay.fly()
+            if cost < LONG:
+                cost = min(cost, *(replay.fly() for _ in range(trials - 1)))
             here, fault = motion(replay.world), bool(replay.world.fault)
             results.append(
                 Result(
@@ -269,7 +272,7 @@ def main() -> None:
     flights, results = [], []
     for name in names:
         flight = baseline(name)
-        found = audit(flight, steps_us, 1 if options.quick else 3)
+        found = audit(flight, steps_us, 2 if options.quick else 4)
         print_scenario(flight, found)
         flights.append(flight)
         results += found

@@ -137,7 +137,7 @@ Written by `experiments/integrator_audit.py`; raw figures in data/integrator_aud
 {machine}, {processors} cores of {processor}, {date}.
 
 Which time step and which integrator is a scenario accurate with, and what does that cost? Each
-shipped scenario's baseline flight (`skybody run SCENARIO --policy hold --seed 1`, `zero` for
+shipped scenario's baseline flight (`skybody run SCENARIO --policy hold `, `zero` for
 hard_landing; 1 s) gives rotor commands, held for the least common multiple of the scenario's
 action interval and 4 ms. They are flown again, open loop, by every integrator and step, and
 compared with CVODE (BDF) at a relative tolerance of 1e-10: the integrator is audited, not the

@@ -13,6 +13,16 @@
 namespace skybody {
 namespace {
 
+/// What the audit (docs/integrators.md) found for shipped scenarios that are not stiff.
+struct Audit {
+  double largest_dt;  ///< [s]
+  const char* error;  ///< after a second of flight with it
+};
+Audit audit_of(IntegratorChoice integrator) {
+  if (integrator == IntegratorChoice::kSemiImplicitEuler) return {0.001, "3 mm and 0.2 degrees"};
+  return {0.004, "1 mm and 0.1 degrees"};  // no larger one was tried
+}
+
 class ScenarioReader {
  public:
   ScenarioReader(const ConfigNode& root, const std::string& file, const PluginCatalog& catalog,
@@ -60,7 +70,21 @@ class ScenarioReader {
     if (dynamics == "tree") stepping.dynamics = DynamicsChoice::kTree;
     stepping.dynamics_mark = reader.mark("dynamics");
     stepping.integrator = integrator_called(reader.text("integrator"));
+    check_dt(reader);
     read_solver(reader);
+  }
+
+  void check_dt(const MapReader& reader) {
+    const Stepping& stepping = scenario_.stepping;
+    const Audit audit = audit_of(stepping.integrator);
+    if (stepping.dt <= audit.largest_dt) return;
+    const bool is_euler = stepping.integrator == IntegratorChoice::kSemiImplicitEuler;
+    diagnostics_.warning(
+        reader.mark("dt"),
+        "`dt` is " + format_number(stepping.dt) + " s; docs/integrators.md supports up to " +
+            format_number(audit.largest_dt) + " s with `" + reader.text("integrator") +
+            "` (within " + audit.error + " after a second of flight): take a smaller one" +
+            (is_euler ? ", or `integrator: rk4`" : ""));
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {

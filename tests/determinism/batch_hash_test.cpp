@@ -143,8 +143,11 @@ class EveryShippedScenario : public testing::TestWithParam<Flight> {
  protected:
   std::shared_ptr<const Environment> environment_ =
       load_environment({file_of(GetParam().scenario), GetParam().overrides, {}});
-  /// Worlds of many robots take as much time in all as those of one.
-  int steps_ = std::max(8, 60 / static_cast<int>(environment_->scenario().robots.size()));
+  /// Worlds of many robots, and those whose integrator takes steps of its own, take about as much
+  /// time in all as others.
+  int steps_ =
+      std::max(8, 60 / static_cast<int>(environment_->scenario().robots.size()) /
+                      (is_error_controlled(environment_->scenario().stepping.integrator) ? 6 : 1));
 
   std::array<std::uint64_t, kEnvs> alone(int faulty) const {
     std::array<std::uint64_t, kEnvs> hashes;
