@@ -14,7 +14,10 @@ find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 
 # The headers may lie in the project (./dev fetches them, see there), without Debian's -dev package no plain .so either.
 set(sundials_headers "${PROJECT_SOURCE_DIR}/.sundials/include")
-find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_headers}" REQUIRED)
+find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_headers}")
+if(NOT SKYBODY_SUNDIALS_INCLUDE_DIR)
+  message(FATAL_ERROR "no headers of SUNDIALS: `./dev build` fetches them, or install libsundials-dev")
+endif()
 find_library(SKYBODY_CVODE_LIBRARY NAMES sundials_cvode libsundials_cvode.so.6 REQUIRED)
 find_library(SKYBODY_ARKODE_LIBRARY NAMES sundials_arkode libsundials_arkode.so.5 REQUIRED)
 file(STRINGS "${SKYBODY_SUNDIALS_INCLUDE_DIR}/sundials/sundials_config.h" SKYBODY_SUNDIALS_VERSION
