@@ -12,6 +12,18 @@ find_package(CLI11 REQUIRED CONFIG)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 
+# The headers may lie in the project (./dev fetches them, see there), without Debian's -dev package no plain .so either.
+set(sundials_headers "${PROJECT_SOURCE_DIR}/.sundials/include")
+find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_headers}")
+if(NOT SKYBODY_SUNDIALS_INCLUDE_DIR)
+  message(FATAL_ERROR "no headers of SUNDIALS: `./dev build` fetches them, or install libsundials-dev")
+endif()
+find_library(SKYBODY_CVODE_LIBRARY NAMES sundials_cvode libsundials_cvode.so.6 REQUIRED)
+find_library(SKYBODY_ARKODE_LIBRARY NAMES sundials_arkode libsundials_arkode.so.5 REQUIRED)
+file(STRINGS "${SKYBODY_SUNDIALS_INCLUDE_DIR}/sundials/sundials_config.h" SKYBODY_SUNDIALS_VERSION
+     REGEX "define SUNDIALS_VERSION ")
+string(REGEX REPLACE ".*\"(.*)\".*" "\\1" SKYBODY_SUNDIALS_VERSION "${SKYBODY_SUNDIALS_VERSION}")
+
 function(skybody_dependency name)
   add_library(skybody_${name} INTERFACE)
   target_link_libraries(skybody_${name} INTERFACE ${ARGN})
@@ -39,6 +51,8 @@ list(FILTER HDF5_C_LIBRARIES INCLUDE REGEX "hdf5")  # not what the library itsel
 target_include_directories(skybody_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
 target_compile_definitions(skybody_hdf5 INTERFACE ${HDF5_C_DEFINITIONS})
 target_link_libraries(skybody_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
+skybody_dependency(sundials "${SKYBODY_CVODE_LIBRARY}" "${SKYBODY_ARKODE_LIBRARY}")
+target_include_directories(skybody_sundials SYSTEM INTERFACE "${SKYBODY_SUNDIALS_INCLUDE_DIR}")
 skybody_dependency(urdf)
 if(TARGET urdfdom::urdfdom_model)
   target_link_libraries(skybody_urdf INTERFACE urdfdom::urdfdom_model)
@@ -57,7 +71,7 @@ if(NOT urdfdom_VERSION)  # Debian's package leaves it out; its pkg-config file h
   endif()
 endif()
 set(SKYBODY_LIBRARY_VERSIONS
-  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, Boost ${Boost_VERSION}")  # stamped into files
+  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")  # stamped into files
 
 if(SKYBODY_BUILD_TESTS)
   find_package(GTest REQUIRED CONFIG)

@@ -14,7 +14,10 @@ std::uint32_t octets_of(const StateGroup& group, std::uint32_t mask) {
 
 void keep(const StateGroup& group, std::uint32_t mask, int count, const double* from, double* to) {
   const int lanes = group.lanes();
-  if (mask == group.occupied()) {
+  // Empty lanes may be written: they cost less than a loop over values, unless these are many.
+  constexpr int kFew = 64;
+  const bool is_full = mask == first_lanes(lanes);
+  if (is_full || (mask == group.occupied() && count <= kFew)) {
     std::memcpy(to, from, static_cast<std::size_t>(count * lanes) * sizeof(double));
     return;
   }

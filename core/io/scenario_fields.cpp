@@ -14,6 +14,24 @@ Field hover_or(Field field) {
 
 }  // namespace
 
+const MapSpec& solver_fields() {
+  static const MapSpec spec{
+      "solver",
+      "How the integrators `cvode` and `arkode` work. They start anew at every physics step.",
+      {
+          choice_field("method", {"auto", "adams", "bdf", "erk", "dirk"},
+                       "cvode: adams or bdf (stiff); arkode: erk (explicit) or dirk (stiff), both "
+                       "of order 4; auto: bdf and erk"),
+          real_field("relative_tolerance", "", 1e-6, 1e-14, 0.1,
+                     "largest error of one of its steps, by the size of the value"),
+          real_field("absolute_tolerance", "m, rad, m/s, rad/s", 1e-9, 1e-15, 0.1,
+                     "what is added to that"),
+          integer_field("max_steps", 500, 1, 1e6,
+                        "most steps of its own in one physics step; more are a fault"),
+      }};
+  return spec;
+}
+
 const MapSpec& stepping_fields() {
   static const MapSpec spec{
       "stepping",
@@ -27,7 +45,10 @@ const MapSpec& stepping_fields() {
               "what computes accelerations; tree: without Simbody, in vector lanes, for one "
               "robot without obstacles; auto: tree, and Simbody in physics steps that begin with "
               "a robot within reach of another one or an obstacle"),
-          choice_field("integrator", {"semi_implicit_euler", "rk4"}, "what advances the state"),
+          choice_field("integrator", {"semi_implicit_euler", "rk4", "cvode", "arkode"},
+                       "what advances the state; cvode, arkode: SUNDIALS, with control of its "
+                       "error"),
+          map_field("solver", Field::Kind::kMap, solver_fields(), "how cvode and arkode work"),
       }};
   return spec;
 }
@@ -43,7 +64,7 @@ const MapSpec& contact_fields() {
               "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
           real_field("dissipation", "s/m", 3.0, 0.0, 100.0,
                      "Hunt-Crossley dissipation; damping and friction are at most m/dt times the "
-                     "velocity"),
+                     "velocity, unless the integrator is cvode or arkode"),
           real_field("friction", "", 0.6, 0.0, 10.0, "Coulomb coefficient"),
           real_field("slip_velocity", "m/s", 0.02, 1e-6, 10.0,
                      "below it friction is proportional to the velocity"),
@@ -211,10 +232,10 @@ const MapSpec& rotors_file_fields() {
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(), &contact_fields(),
-                            &robot_fields(),       &pose_fields(),     &disturbance_fields(),
-                            &joint_fields(),       &obstacle_fields(), &plugin_use_fields(),
-                            &rotors_file_fields(), &rotor_fields()};
+  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(),    &solver_fields(),
+                            &contact_fields(),     &robot_fields(),       &pose_fields(),
+                            &disturbance_fields(), &joint_fields(),       &obstacle_fields(),
+                            &plugin_use_fields(),  &rotors_file_fields(), &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {
     text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";

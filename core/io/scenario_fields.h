@@ -8,6 +8,8 @@ namespace skybody {
 /// The whole scenario.
 const MapSpec& scenario_fields();
 const MapSpec& stepping_fields();
+/// `solver` of `stepping`.
+const MapSpec& solver_fields();
 const MapSpec& contact_fields();
 /// One entry of `robots`.
 const MapSpec& robot_fields();

@@ -13,6 +13,16 @@
 namespace skybody {
 namespace {
 
+/// What the audit (docs/integrators.md) found for shipped scenarios that are not stiff.
+struct Audit {
+  double largest_dt;  ///< [s]
+  const char* error;  ///< after a second of flight with it
+};
+Audit audit_of(IntegratorChoice integrator) {
+  if (integrator == IntegratorChoice::kSemiImplicitEuler) return {0.001, "4 mm and 0.2 degrees"};
+  return {0.004, "1 mm and 0.1 degrees"};  // no larger one was tried
+}
+
 class ScenarioReader {
  public:
   ScenarioReader(const ConfigNode& root, const std::string& file, const PluginCatalog& catalog,
@@ -59,7 +69,67 @@ class ScenarioReader {
     if (dynamics == "simbody") stepping.dynamics = DynamicsChoice::kSimbody;
     if (dynamics == "tree") stepping.dynamics = DynamicsChoice::kTree;
     stepping.dynamics_mark = reader.mark("dynamics");
-    if (reader.text("integrator") == "rk4") stepping.integrator = IntegratorChoice::kRk4;
+    stepping.integrator = integrator_called(reader.text("integrator"));
+    check_dt(reader);
+    read_solver(reader);
+  }
+
+  void check_dt(const MapReader& reader) {
+    const Stepping& stepping = scenario_.stepping;
+    const Audit audit = audit_of(stepping.integrator);
+    if (stepping.dt <= audit.largest_dt) return;
+    const bool is_euler = stepping.integrator == IntegratorChoice::kSemiImplicitEuler;
+    diagnostics_.warning(
+        reader.mark("dt"),
+        "`dt` is " + format_number(stepping.dt) + " s; docs/integrators.md supports up to " +
+            format_number(audit.largest_dt) + " s with `" + reader.text("integrator") +
+            "` (within " + audit.error + " after a second of flight): take a smaller one" +
+            (is_euler ? ", or `integrator: rk4`" : ""));
+  }
+
+  static IntegratorChoice integrator_called(const std::string& name) {
+    if (name == "rk4") return IntegratorChoice::kRk4;
+    if (name == "cvode") return IntegratorChoice::kCvode;
+    if (name == "arkode") return IntegratorChoice::kArkode;
+    return IntegratorChoice::kSemiImplicitEuler;
+  }
+
+  void read_solver(const MapReader& stepping_reader) {
+    Stepping& stepping = scenario_.stepping;
+    const ConfigNode* node = stepping_reader.node("solver");
+    const MapReader reader(node, solver_fields(), root_.mark, diagnostics_);
+    SolverSettings& solver = stepping.solver;
+    solver.relative_tolerance = reader.real("relative_tolerance");
+    solver.absolute_tolerance = reader.real("absolute_tolerance");
+    solver.max_steps = reader.integer("max_steps");
+    const std::string integrator = stepping_reader.text("integrator");
+    if (!is_error_controlled(stepping.integrator)) {
+      if (node == nullptr) return;
+      diagnostics_.error(reader.mark(), "`solver` is given, but `integrator` is `" + integrator +
+                                            "`, whose steps are fixed; allowed with `cvode` and "
+                                            "`arkode`: choose one of them, or leave `solver` out");
+      return;
+    }
+    solver.method = solver_method(reader, integrator);
+  }
+
+  /// The method called for, which must be one of the integrator's two.
+  SolverMethod solver_method(const MapReader& reader, const std::string& integrator) {
+    const std::string name = reader.text("method");
+    if (integrator == "cvode") {
+      if (name == "adams") return SolverMethod::kAdams;
+      if (name == "bdf" || name == "auto") return SolverMethod::kBdf;
+    } else {
+      if (name == "dirk") return SolverMethod::kDirk;
+      if (name == "erk" || name == "auto") return SolverMethod::kErk;
+    }
+    const bool is_cvode = integrator == "cvode";
+    diagnostics_.error(reader.mark("method"),
+                       "`method` is `" + name + "`, which " + integrator +
+                           " does not have; allowed with it: auto, " +
+                           (is_cvode ? "adams, bdf" : "erk, dirk") +
+                           "; `integrator: " + (is_cvode ? "arkode" : "cvode") + "` has it");
+    return SolverMethod::kBdf;
   }
 
   void read_contact(const MapReader& scenario) {

@@ -39,7 +39,23 @@ struct PluginUse {
 };
 
 enum class DynamicsChoice { kAuto, kSimbody, kTree };
-enum class IntegratorChoice { kSemiImplicitEuler, kRk4 };
+enum class IntegratorChoice { kSemiImplicitEuler, kRk4, kCvode, kArkode };
+
+/// Whether it chooses its own steps within dt, by an estimate of its error.
+inline bool is_error_controlled(IntegratorChoice integrator) {
+  return integrator == IntegratorChoice::kCvode || integrator == IntegratorChoice::kArkode;
+}
+
+/// Methods of `cvode` (the first two) and `arkode`.
+enum class SolverMethod { kAdams, kBdf, kErk, kDirk };
+
+/// How an error-controlled integrator works.
+struct SolverSettings {
+  SolverMethod method = SolverMethod::kBdf;
+  double relative_tolerance = 1e-6;
+  double absolute_tolerance = 1e-9;  ///< [m, rad, m/s, rad/s]
+  int max_steps = 500;               ///< its own steps in one physics step
+};
 
 /// The time grid and how it is advanced.
 struct Stepping {
@@ -48,6 +64,7 @@ struct Stepping {
   int horizon = 0;        ///< steps (actions) until truncation; 0: none
   DynamicsChoice dynamics = DynamicsChoice::kAuto;
   IntegratorChoice integrator = IntegratorChoice::kSemiImplicitEuler;
+  SolverSettings solver;     ///< of an error-controlled integrator
   SourceMark dynamics_mark;  ///< of `dynamics`: not every world can have every choice
 };
 

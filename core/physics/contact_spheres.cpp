@@ -91,6 +91,11 @@ void set_stiffness(const World& world, std::vector<ContactSphere>& spheres) {
     const double wanted = carried * g / pow_3_2(depth);
     for (ContactSphere& s : spheres) {
       if (world.bodies[s.body].robot != static_cast<int>(robot)) continue;
+      if (is_error_controlled(scenario.stepping.integrator)) {  // no step is too large
+        s.stiffness = wanted;
+        s.most_damping = kInfinity;
+        continue;
+      }
       // Around the static penetration the spring is 1.5 k sqrt(x0).
       const double mass = world.bodies[s.body].model->mass.mass;
       const double dt = scenario.stepping.dt;

@@ -1,6 +1,5 @@
-// One semi-implicit Euler step of a robot that is one free body, from its coordinates to its
-// coordinates with nothing stored in between: Newton and Euler about the centre of mass, in the
-// axes of the body. On double and packs.
+// One step of a robot that is one free body, from its coordinates to its coordinates: Newton and
+// Euler about the centre of mass, in the axes of the body. On double and packs.
 #pragma once
 
 #include "core/physics/body_constants.h"
@@ -18,6 +17,23 @@ struct FreeMotion {
   Quat<Real> rotation;  ///< W from B, unit
   Vec3<Real> velocity;  ///< of the origin, W axes
   Vec3<Real> spin;      ///< body axes
+
+  /// Number by number: with rates of these times a time.
+  SKYBODY_INLINE FreeMotion& operator+=(const FreeMotion& o) {
+    position += o.position;
+    rotation = {rotation.w + o.rotation.w, rotation.x + o.rotation.x, rotation.y + o.rotation.y,
+                rotation.z + o.rotation.z};
+    velocity += o.velocity;
+    spin += o.spin;
+    return *this;
+  }
+  friend SKYBODY_INLINE FreeMotion operator*(const FreeMotion& m, const Real& factor) {
+    const Quat<Real>& q = m.rotation;
+    return {m.position * factor,
+            {q.w * factor, q.x * factor, q.y * factor, q.z * factor},
+            m.velocity * factor,
+            m.spin * factor};
+  }
 };
 
 /// What such a step holds.
@@ -50,20 +66,66 @@ class FreeRobotStep {
   /// @param motion     at its end, written
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
   /// @returns where all of it is finite and below kLargestState: the rates of turn, and the
-  ///          magnitudes of all else added up
-  // What is read again after forget() need not be kept in registers, of which there are too few.
-  template <class Load>
+  ///          magnitudes of all else added up (rk4: of all)
+  template <IntegratorChoice kIntegrator, class Load>
   SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
                                       Real* end_speed) const {
+    if constexpr (kIntegrator == IntegratorChoice::kRk4) {
+      return runge_kutta_4(load(), motion, end_speed);
+    } else {
+      return semi_implicit_euler(load, motion, end_speed);
+    }
+  }
+
+ private:
+  // What is read again after forget() need not be kept in registers, of which there are too few.
+  template <class Load>
+  SKYBODY_INLINE MaskOf<Real> semi_implicit_euler(const Load& load, FreeMotion<Real>& motion,
+                                                  Real* end_speed) const {
     Real speeds(0.0);
     const Accelerations a = accelerations(load, end_speed, speeds);
     forget();
     motion = load();
     const Real squared = integrate(a, motion);
-    return is_sound(motion, squared, speeds);
+    const auto turns = logical_and(squared > 0.0, squared < world_.largest_square);
+    return logical_and(turns, size_of(motion) + speeds < kLargestState);
   }
 
- private:
+  /// Its stages as step_rules.h has them; rotors follow their closed form at the stages' times.
+  SKYBODY_INLINE MaskOf<Real> runge_kutta_4(const FreeMotion<Real>& start, FreeMotion<Real>& motion,
+                                            Real* end_speed) const {
+    LevelRotors<Real> rotors[kStageTimeCount];
+    Real speeds(0.0);
+    const bool is_level = kLevelRotors > 0 || robot_.rotors.is_level;
+    for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
+      if (is_level) rotors[time] = level_rotors_at(time);
+    }
+    const int count = kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count;
+    for (int i = 0; i < count; ++i) {
+      end_speed[i] = rotor_step(i).at(kStepEnd).speed;
+      speeds += end_speed[i];
+    }
+    constexpr StageTime kTimes[4] = {kStepStart, kStepMiddle, kStepMiddle, kStepEnd};
+    FreeMotion<Real> rate[4];
+    for (int k = 0; k < 4; ++k) {
+      FreeMotion<Real> at = start;
+      if (k > 0) at += rate[k - 1] * Real(k == 3 ? dt() : 0.5 * dt());
+      rate[k] = rates(at, rotors[kTimes[k]], kTimes[k]);
+    }
+    FreeMotion<Real> sum = rate[1];
+    sum += rate[2];
+    FreeMotion<Real> outer = rate[0];
+    outer += rate[3];
+    outer += sum * Real(2.0);
+    motion = start;
+    motion += outer * Real(dt() / 6.0);
+    const Real squared = squared_norm(motion.rotation);
+    motion.rotation = renormalized(motion.rotation, squared);
+    const Vec3<Real>& w = motion.spin;
+    const Real size = (size_of(motion) + speeds) + ((abs(w.x) + abs(w.y)) + abs(w.z));
+    return logical_and(logical_and(squared > 0.0, squared < kInfinity), size < kLargestState);
+  }
+
   /// Parameters are the nominal ones: what FreeRobot knows of them holds.
   static constexpr bool kIsNominal = std::is_same_v<Params, SharedValues<Real>>;
 
@@ -110,6 +172,42 @@ class FreeRobotStep {
     const BodyKinematics<Real> body = kinematics(load());
     return accelerations(body, sum_rotors<Real>(group, world_.rotors.data(), in_.params, run,
                                                 velocity_in_body(body), body.spin));
+  }
+
+  SKYBODY_INLINE LevelRotors<Real> level_rotors_at(StageTime time) const {
+    const auto run = [&](int i) __attribute__((always_inline)) {
+      const RotorMotion<Real> rotor = rotor_step(i).at(time);
+      return LevelRotors<Real>(factors_ + kRotorFactorCount * i, rotor.speed, rotor.acceleration);
+    };
+    LevelRotors<Real> rotors = run(0);
+    const int count = kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count;
+#pragma GCC unroll 4
+    for (int i = 1; i < count; ++i) rotors += run(i);
+    return rotors;
+  }
+
+  /// What the coordinates change by in a second.
+  /// @param at      the quaternion of any norm near 1
+  /// @param rotors  at that time, where they are level
+  SKYBODY_INLINE FreeMotion<Real> rates(const FreeMotion<Real>& at, const LevelRotors<Real>& level,
+                                        StageTime time) const {
+    FreeMotion<Real> unit = at;
+    unit.rotation = renormalized(at.rotation, squared_norm(at.rotation));
+    const BodyKinematics<Real> body = kinematics(unit);
+    const Vec3<Real> velocity = velocity_in_body(body);
+    const RotorGroup& group = robot_.rotors;
+    SpatialForce<Real> force = SpatialForce<Real>::zero();
+    if (kLevelRotors > 0 || group.is_level) {
+      const double height = world_.rotors[static_cast<std::size_t>(group.first)].position.z;
+      force = level.force(height, 1.0, velocity, body.spin);
+    } else {
+      const auto run = [&](int i) __attribute__((always_inline)) {
+        return rotor_step(i - group.first).at(time);
+      };
+      force = sum_rotors<Real>(group, world_.rotors.data(), in_.params, run, velocity, body.spin);
+    }
+    const Accelerations a = accelerations(body, force);
+    return {at.velocity, quaternion_rate(at.rotation, at.spin), a.linear, a.angular};
   }
 
   /// @param i  of the robot's rotors
@@ -240,7 +338,8 @@ class FreeRobotStep {
   }
 
   /// dq/dt = q (0, w) / 2 (paper eq. 1).
-  /// @returns the square of the quaternion's norm before it was scaled back to 1
+  /// @returns the square of the quaternion's norm before it was scaled back to 1: it says how quick
+  ///          the turn was
   SKYBODY_INLINE Real integrate(const Accelerations& a, FreeMotion<Real>& m) const {
     m.velocity += a.linear * Real(dt());
     m.spin += a.angular * Real(dt());
@@ -257,13 +356,16 @@ class FreeRobotStep {
     return squared;
   }
 
-  /// The norm that the turn gave the quaternion says how quick it was.
-  SKYBODY_INLINE MaskOf<Real> is_sound(const FreeMotion<Real>& m, const Real& squared,
-                                       const Real& speeds) const {
+  static SKYBODY_INLINE Quat<Real> quaternion_rate(const Quat<Real>& q, const Vec3<Real>& w) {
+    return {
+        -0.5 * ((q.x * w.x + q.y * w.y) + q.z * w.z), 0.5 * ((q.w * w.x + q.y * w.z) - q.z * w.y),
+        0.5 * ((q.w * w.y + q.z * w.x) - q.x * w.z), 0.5 * ((q.w * w.z + q.x * w.y) - q.y * w.x)};
+  }
+
+  /// Magnitudes of position and velocity, added up.
+  static SKYBODY_INLINE Real size_of(const FreeMotion<Real>& m) {
     const auto size = [](const Vec3<Real>& v) { return (abs(v.x) + abs(v.y)) + abs(v.z); };
-    const Real sum = (size(m.position) + size(m.velocity)) + speeds;
-    return logical_and(logical_and(squared > 0.0, squared < world_.largest_square),
-                       sum < kLargestState);
+    return size(m.position) + size(m.velocity);
   }
 
   const FreeRobots& world_;

@@ -9,7 +9,7 @@
 namespace skybody {
 
 bool FreeRobots::is_possible(const World& world) {
-  if (world.scenario.stepping.integrator != IntegratorChoice::kSemiImplicitEuler) return false;
+  if (is_error_controlled(world.scenario.stepping.integrator)) return false;
   const auto is_driven = [](DriveKind drive) { return drive != DriveKind::kNone; };
   if (std::any_of(world.drives.begin(), world.drives.end(), is_driven)) return false;
   if (!joints_with_forces(world).empty()) return false;

@@ -31,7 +31,7 @@ struct FreeRobots {
   explicit FreeRobots(const World& world);
 
   /// Whether every robot is one free body that no drive moves and whose joint has no force of its
-  /// own, and the integrator evaluates forces once a step.
+  /// own, and the integrator's steps are fixed.
   static bool is_possible(const World& world);
 
   const World& world;

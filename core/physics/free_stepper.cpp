@@ -16,6 +16,7 @@ class FreeStepper final : public Stepper {
  public:
   FreeStepper(const World& world, DynamicsUse use)
       : robots_(world),
+        is_rk4_(world.scenario.stepping.integrator == IntegratorChoice::kRk4),
         reach_(world),
         hands_over_(use == DynamicsUse::kHandOver && reach_.is_possible()),
         tree_(make_tree(world)),
@@ -51,7 +52,10 @@ class FreeStepper final : public Stepper {
                             derived_.data() + derived_layout_.factors,
                             derived_.data() + derived_layout_.bodies};
       const Step step(robots_, robot, in);
-      through &= step.advance(load, motions_[r], end_speeds_.data() + robot.rotors.first);
+      double* end_speeds = end_speeds_.data() + robot.rotors.first;
+      through &= is_rk4_ ? step.advance<IntegratorChoice::kRk4>(load, motions_[r], end_speeds)
+                         : step.advance<IntegratorChoice::kSemiImplicitEuler>(load, motions_[r],
+                                                                              end_speeds);
     }
     if (through) store(state);
     return through;
@@ -108,6 +112,7 @@ class FreeStepper final : public Stepper {
   }
 
   FreeRobots robots_;
+  bool is_rk4_;
   Reach reach_;
   bool hands_over_, is_on_simbody_ = false;
   std::vector<TreeBody> tree_;

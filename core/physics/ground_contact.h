@@ -4,7 +4,8 @@
 //   friction  -mu f v_t / sqrt(|v_t|^2 + v_s^2): Coulomb's, made smooth within v_s around rest
 // What multiplies a velocity in them is at most m/dt, m being the nominal mass that the sphere
 // carries and at most a quarter of its body's: beyond it, a time step that begins in a hard impact
-// would turn the velocity round and gain energy.
+// would turn the velocity round and gain energy. Integrators that control their error need no such
+// bound and have none.
 // x is the penetration of the lowest point; both forces act at that point.
 #pragma once
 

@@ -19,7 +19,9 @@ bool is_one_free_body(const World& world) {
 
 GroupPhysics::GroupPhysics(const World& world)
     : world_(world), bodies_are_coordinates_(is_one_free_body(world)) {
-  if (chosen_dynamics(world) != DynamicsUse::kSimbody) {
+  // An error-controlled integrator's steps depend on the state: lanes would part.
+  if (chosen_dynamics(world) != DynamicsUse::kSimbody &&
+      !is_error_controlled(world.scenario.stepping.integrator)) {
     packs_ = std::make_unique<const PackWorld>(world);
   }
 }

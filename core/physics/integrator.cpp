@@ -64,6 +64,10 @@ std::unique_ptr<Integrator> make_integrator(const World& world) {
       return make_semi_implicit_euler(world);
     case IntegratorChoice::kRk4:
       return make_rk4(world);
+    case IntegratorChoice::kCvode:
+      return make_cvode(world);
+    case IntegratorChoice::kArkode:
+      return make_arkode(world);
   }
   return nullptr;
 }

@@ -24,6 +24,7 @@ Mechanics::Mechanics(const World& world, std::unique_ptr<Dynamics> dynamics)
       lag_params_(kRotorParamCount * world.rotors.size(), kNan),
       lag_(world.rotors.size()),
       mean_rotors_(world.rotors.size()),
+      rotors_at_time_(world.rotors.size()),
       motion_(world.bodies.size()),
       motion_q_(world.layout.q.size),
       motion_u_(world.layout.u.size),
@@ -97,6 +98,16 @@ void Mechanics::start_drives(const LaneState& state, const double* q, double* u)
 
 void Mechanics::accelerations(const double* q, const double* u, StageTime time, double* udot) {
   accelerations(q, u, rotors_[time].data(), udot);
+}
+
+void Mechanics::accelerations_at(const double* q, const double* u, double time, double* udot) {
+  for (std::size_t i = 0; i < rotors_at_time_.size(); ++i) {
+    const double* constants = state_->params.data() + world_.layout.rotor_params[i];
+    const double command = limit_command(state_->rotor_command[i], constants[kMaxSpeed]);
+    rotors_at_time_[i] = rotor_at_time(constants, state_->rotor_speed[i], command, time,
+                                       world_.scenario.stepping.dt);
+  }
+  accelerations(q, u, rotors_at_time_.data(), udot);
 }
 
 void Mechanics::mean_accelerations(const double* q, const double* u, double* udot) {

@@ -29,6 +29,9 @@ class Mechanics {
   /// udot with the rotors at an instant of the step.
   void accelerations(const double* q, const double* u, StageTime time, double* udot);
 
+  /// udot with the rotors at a time since the start of the step [s].
+  void accelerations_at(const double* q, const double* u, double time, double* udot);
+
   /// udot with the rotors at mid-step speed, accelerating by their mean: for one evaluation a step.
   void mean_accelerations(const double* q, const double* u, double* udot);
 
@@ -74,6 +77,7 @@ class Mechanics {
   const LaneState* state_ = nullptr;                          ///< of the step under way
   std::vector<RotorMotion<double>> rotors_[kStageTimeCount];  ///< per instant of the step
   std::vector<RotorMotion<double>> mean_rotors_;
+  std::vector<RotorMotion<double>> rotors_at_time_;
   std::vector<BodyKinematics<double>> motion_;
   std::vector<double> motion_q_, motion_u_;  ///< what `motion_` was computed from
   bool has_motion_ = false;

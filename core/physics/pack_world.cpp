@@ -42,7 +42,7 @@ PackWorld::PackWorld(const World& w)
   scratch_bytes = std::max(PackArrays<Pack<kWidestPack>>::bytes(w, reach), one_lane);
   if (!FreeRobots::is_possible(w)) return;
   free_robots.emplace(w);
-  kernels.advance = choose_free_kernel();
+  kernels.advance = choose_free_kernel(w.scenario.stepping.integrator);
   scratch_bytes = std::max(scratch_bytes, free_kernel_scratch(*free_robots));
 }
 

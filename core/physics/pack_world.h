@@ -88,7 +88,7 @@ using PackDerive = void(const PackCall& call, std::uint32_t lanes, double* deriv
 PackDerive* choose_derive_kernel();
 
 /// That of the best instruction set for worlds of free robots.
-PackAdvance* choose_free_kernel();
+PackAdvance* choose_free_kernel(IntegratorChoice integrator);
 /// Bytes of PackCall::scratch that it takes.
 std::size_t free_kernel_scratch(const FreeRobots& robots);
 

@@ -91,6 +91,8 @@ SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPl
 template <class Real>
 class LevelRotors {
  public:
+  LevelRotors() = default;  ///< not set
+
   /// The first rotor.
   /// @param factors  its kRotorFactorCount values
   /// @param w        its speed [rad/s]

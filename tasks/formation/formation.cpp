@@ -50,7 +50,7 @@ class Formation : public Task {
     MaskOf<Real> failed(false);
     for (int i = 0; i < count(); ++i) {
       const BodyMotion<Real> body = motion(env, i);
-      const Real own_nearest = nearest_distance(env, i, body.position);
+      const Real own_nearest = nearest_distance<Real>(out.observation, i);
       const Real own_error = norm(body.position - centroid - place<Real>(i));
       const Real own_forward = forward_cosine(body.rotation);
       out.set_reward(at(i).index, reward(own_nearest, own_error, arrival, own_forward));
@@ -76,6 +76,7 @@ class Formation : public Task {
 
  private:
   static constexpr int kSelf = 18, kOther = 16;  // values of the observation
+  static constexpr int kDistance = 3;            // among those of another robot
   static constexpr int kCentered = 5;            // robots from which on one stands in the centre
   static constexpr double kErrorWeight = 2.56;   // (1.6)^2 [1/m^2]
   static constexpr double kSafeDistance = 0.5;   // [m] below, neighbours cost reward
@@ -88,6 +89,10 @@ class Formation : public Task {
   };
 
   int count() const { return static_cast<int>(robots_.size()); }
+  /// Where the observation has what robot i sees of its n-th other one.
+  int seen_by(int i, int n) const {
+    return (kSelf + kOther * (count() - 1)) * i + kSelf + kOther * n;
+  }
   const Robot& at(int i) const { return robots_[static_cast<std::size_t>(i)]; }
 
   void check_target() const {
@@ -157,30 +162,29 @@ class Formation : public Task {
 
   template <class Real>
   void observe(const Lanes<Real>& env, const State<Real>& state, Values<Real> observation) const {
-    int k = 0;
-    for (int i = 0; i < count(); ++i) {
-      const BodyMotion<Real> self = motion(env, i);
-      observation.set(k, state.target - self.position);
-      observation.set(k + 3, self.velocity);
-      set_rotation(observation, k + 6, self.rotation);
-      observation.set(k + 15, self.angular_velocity);
-      k += kSelf;
-      for (int j = 0; j < count(); ++j) {
-        if (j == i) continue;
-        const BodyMotion<Real> other = motion(env, j);
-        const Vec3<Real> offset = other.position - self.position;
+    for (int j = 0; j < count(); ++j) {  // what all others see of it is the same
+      const BodyMotion<Real> seen = motion(env, j);
+      const Mat3<Real> rotation = to_mat3(seen.rotation);
+      const int self = seen_by(j, 0) - kSelf;
+      observation.set(self, state.target - seen.position);
+      observation.set(self + 3, seen.velocity);
+      set_rotation(observation, self + 6, rotation);
+      observation.set(self + 15, seen.angular_velocity);
+      for (int i = 0; i < count(); ++i) {
+        if (i == j) continue;
+        const int k = seen_by(i, j < i ? j : j - 1);
+        const Vec3<Real> offset = seen.position - motion(env, i).position;
         observation.set(k, offset);
-        observation.set(k + 3, norm(offset));
-        observation.set(k + 4, other.velocity);
-        set_rotation(observation, k + 7, other.rotation);
-        k += kOther;
+        observation.set(k + kDistance, norm(offset));
+        observation.set(k + 4, seen.velocity);
+        set_rotation(observation, k + 7, rotation);
       }
     }
   }
 
   template <class Real>
-  static SKYBODY_INLINE void set_rotation(Values<Real> observation, int k, const Quat<Real>& q) {
-    const Mat3<Real> rotation = to_mat3(q);
+  static SKYBODY_INLINE void set_rotation(Values<Real> observation, int k,
+                                          const Mat3<Real>& rotation) {
     for (int n = 0; n < 9; ++n) observation.set(k + n, rotation.m[n]);
   }
 
@@ -197,14 +201,14 @@ class Formation : public Task {
     return sum / Real(static_cast<double>(count()));
   }
 
+  /// Of robot i from any other, as it has observed them.
   template <class Real>
-  SKYBODY_INLINE Real nearest_distance(const Lanes<Real>& env, int i,
-                                       const Vec3<Real>& position) const {
+  SKYBODY_INLINE Real nearest_distance(const Values<Real>& observation, int i) const {
     Real nearest(kInfinity);
-    for (int j = 0; j < count(); ++j) {
-      if (j != i) nearest = min(nearest, squared_norm(motion(env, j).position - position));
+    for (int n = 0; n < count() - 1; ++n) {
+      nearest = min(nearest, observation[seen_by(i, n) + kDistance]);
     }
-    return sqrt(nearest);
+    return nearest;
   }
 
   /// How far any robot is from the closest place, or any place from the closest robot.

@@ -170,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                          testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
-                                         "collision.yaml"));
+                                         "collision.yaml", "hard_landing.yaml"));
 
 }  // namespace
 }  // namespace skybody

@@ -106,20 +106,48 @@ std::string file_of(const std::string& name) {
   return SKYBODY_SOURCE_DIR "/scenarios/" + name + ".yaml";
 }
 
-std::vector<std::string> shipped_scenarios() {
-  std::vector<std::string> names;
+struct Flight {
+  std::string name, scenario;
+  std::vector<std::string> overrides = {};
+};
+
+std::vector<Flight> shipped_scenarios() {
+  std::vector<Flight> flights;
   for (const auto& entry : std::filesystem::directory_iterator(SKYBODY_SOURCE_DIR "/scenarios")) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+    const std::string name = entry.path().stem().string();
+    if (entry.path().extension() == ".yaml") flights.push_back({name, name});
   }
-  std::sort(names.begin(), names.end());
-  return names;
+  std::sort(flights.begin(), flights.end(),
+            [](const Flight& a, const Flight& b) { return a.name < b.name; });
+  return flights;
 }
 
-class EveryShippedScenario : public testing::TestWithParam<std::string> {
+/// Those that are not the default of a shipped scenario, on both dynamics.
+std::vector<Flight> solvers() {
+  std::vector<Flight> flights;
+  for (const std::string dynamics : {"tree", "simbody"}) {
+    for (const auto& [integrator, method] :
+         {std::pair{"cvode", "adams"}, std::pair{"cvode", "bdf"}, std::pair{"arkode", "erk"},
+          std::pair{"arkode", "dirk"}}) {
+      flights.push_back(
+          {dynamics + "_" + integrator + "_" + method,
+           "hover",
+           {"stepping.dynamics=" + dynamics, std::string("stepping.integrator=") + integrator,
+            std::string("stepping.solver.method=") + method}});
+    }
+  }
+  return flights;
+}
+
+class EveryShippedScenario : public testing::TestWithParam<Flight> {
  protected:
-  std::shared_ptr<const Environment> environment_ = load_environment({file_of(GetParam()), {}, {}});
-  /// Worlds of many robots take as much time in all as those of one.
-  int steps_ = std::max(8, 60 / static_cast<int>(environment_->scenario().robots.size()));
+  std::shared_ptr<const Environment> environment_ =
+      load_environment({file_of(GetParam().scenario), GetParam().overrides, {}});
+  /// Worlds of many robots, and those whose integrator takes steps of its own, take about as much
+  /// time in all as others.
+  int steps_ =
+      std::max(8, 60 / static_cast<int>(environment_->scenario().robots.size()) /
+                      (is_error_controlled(environment_->scenario().stepping.integrator) ? 6 : 1));
 
   std::array<std::uint64_t, kEnvs> alone(int faulty) const {
     std::array<std::uint64_t, kEnvs> hashes;
@@ -169,7 +197,9 @@ TEST_P(EveryShippedScenario, ANeighbourThatFaultsChangesNoOthersHash) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, EveryShippedScenario, testing::ValuesIn(shipped_scenarios()),
-                         [](const auto& scenario) { return scenario.param; });
+                         [](const auto& flight) { return flight.param.name; });
+INSTANTIATE_TEST_SUITE_P(Solvers, EveryShippedScenario, testing::ValuesIn(solvers()),
+                         [](const auto& flight) { return flight.param.name; });
 
 /// Denormals flushed, rounding downwards: what another library may have left in the caller's
 /// thread.

@@ -95,7 +95,8 @@ TEST_P(EveryScenario, AForkHasTheSameFutureAndARekeyedOneItsOwn) {
 
 INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
                          testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
-                                         "formation_2.yaml", "formation_20.yaml"));
+                                         "formation_2.yaml", "formation_20.yaml", "boom.yaml",
+                                         "hard_landing.yaml"));
 
 TEST(Simulation, RefusesASnapshotOfAnotherScenario) {
   Simulation hover({.scenario = scenario("hover.yaml")});
