@@ -92,7 +92,7 @@ class Report:
             "N environments, K physics steps a call; rates in million physics steps of worlds a "
             "second (engine: environment steps); ratios by core",
             table(HEADINGS, [self.cells(row) for row in results.shown(self.rows)]),
-            "goals, rates by core:",
+            "goals; rates with all cores at hand, or by core where it says so:",
             table(GOAL_HEADINGS, [goal_cells(figure) for figure in self.figures]),
             "\n".join(self.skipped),
         ]
@@ -112,7 +112,7 @@ class Report:
             "C++, of one step a call with one. Of each contestant: its best row, that of 1024 "
             "environments and that of one.\n\n"
             f"{link}"
-            "## Goals\n\nRates by core, but for the paper's rows, which are whole.\n\n"
+            "## Goals\n\nRates with all cores at hand, or by core where it says so.\n\n"
             f"{markdown_table(GOAL_HEADINGS, [goal_cells(f) for f in self.figures])}\n\n"
             "## All contestants\n\n"
             f"{markdown_table(HEADINGS, [self.cells(r) for r in results.shown(self.rows)])}\n\n"

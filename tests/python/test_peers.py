@@ -57,7 +57,7 @@ def figure(figures: list[Any], what: str) -> Any:
     return next(found for found in figures if found.what == what)
 
 
-def test_goals_are_met_and_missed_by_core(bench: dict[str, ModuleType]) -> None:
+def test_goals_are_met_and_missed(bench: dict[str, ModuleType]) -> None:
     read, figures = bench["rows"].read, bench["goals"].figures
     rows = [
         read(facts)
@@ -75,10 +75,10 @@ def test_goals_are_met_and_missed_by_core(bench: dict[str, ModuleType]) -> None:
     mjbatch = figure(found, "mjbatch, hover, one step a call")
     assert mjbatch.ratio == pytest.approx(60.0 / 2.5)
     assert mjbatch.verdict == "missed"
-    l2f = figure(found, "L2F, RK4 against RK4")
+    l2f = figure(found, "L2F, RK4 against RK4, by core")
     assert l2f.ratio == pytest.approx(16.0 / 6.0)
     assert l2f.verdict == "missed"
-    assert figure(found, "C++ step, 1 robot: MuJoCo's mj_step").verdict == "met"
+    assert figure(found, "C++ step, 1 robot: MuJoCo's mj_step, by core").verdict == "met"
     assert figure(found, "RotorPy, hover, one step a call").verdict == "not measured"
 
 
