@@ -163,8 +163,22 @@ SKYBODY_INLINE void scale(std::uint32_t octets, const double* action, int count,
   }
 }
 
+/// The usual case: without masks, value after value, as memory has them.
+template <int W>
+SKYBODY_INLINE void copy_octets(std::uint32_t octets, const double* from, int count, double* to) {
+  for (int k = 0; k < count; ++k, from += kGroupLanes, to += kGroupLanes) {
+    each_octet(
+        octets, [&](int first) __attribute__((always_inline)) {
+          for (int l = first; l < first + kOctet; l += W) {
+            store_lanes(to + l, load_lanes<Pack<W>>(from + l));
+          }
+        });
+  }
+}
+
 template <int W>
 SKYBODY_INLINE void copy(std::uint32_t lanes, const double* from, int count, double* to) {
+  if (lanes == whole_octets(lanes)) return copy_octets<W>(lanes, from, count, to);
   for (int first = 0; first < kGroupLanes; first += W) {
     const std::uint32_t bits = (lanes >> first) & ((1u << W) - 1u);
     if (bits == 0) continue;
