@@ -1,7 +1,7 @@
 """The issue's goals: which of our rows stands against which peer's, and by how much it has to win.
 
-Python peers and ours have the same two cores at hand, and each does its best with them; where a goal
-says so, rates are by core. A goal whose peer was not measured here has no ratio.
+Python peers and ours have the same two cores at hand, and each does its best with them; where a
+goal says so, rates are by core. A goal whose peer was not measured here has no ratio.
 """
 
 from __future__ import annotations
