@@ -105,18 +105,15 @@ class FreeRobotStep {
       end_speed[i] = rotor_step(i).at(kStepEnd).speed;
       speeds += end_speed[i];
     }
-    constexpr StageTime kTimes[4] = {kStepStart, kStepMiddle, kStepMiddle, kStepEnd};
-    FreeMotion<Real> rate[4];
-    for (int k = 0; k < 4; ++k) {
-      FreeMotion<Real> at = start;
-      if (k > 0) at += rate[k - 1] * Real(k == 3 ? dt() : 0.5 * dt());
-      rate[k] = rates(at, rotors[kTimes[k]], kTimes[k]);
-    }
-    FreeMotion<Real> sum = rate[1];
-    sum += rate[2];
-    FreeMotion<Real> outer = rate[0];
-    outer += rate[3];
-    outer += sum * Real(2.0);
+    // Of the four rates the first and the last are added up, and those between.
+    FreeMotion<Real> outer = rates(start, start.rotation, rotors[kStepStart], kStepStart);
+    FreeMotion<Real> rate =
+        stage_rates(moved(start, outer, 0.5 * dt()), rotors[kStepMiddle], kStepMiddle);
+    FreeMotion<Real> inner = rate;
+    rate = stage_rates(moved(start, rate, 0.5 * dt()), rotors[kStepMiddle], kStepMiddle);
+    inner += rate;
+    outer += stage_rates(moved(start, rate, dt()), rotors[kStepEnd], kStepEnd);
+    outer += inner * Real(2.0);
     motion = start;
     motion += outer * Real(dt() / 6.0);
     const Real squared = squared_norm(motion.rotation);
@@ -186,14 +183,27 @@ class FreeRobotStep {
     return rotors;
   }
 
+  /// A stage's point.
+  static SKYBODY_INLINE FreeMotion<Real> moved(const FreeMotion<Real>& start,
+                                               const FreeMotion<Real>& rate, double time) {
+    FreeMotion<Real> at = start;
+    at += rate * Real(time);
+    return at;
+  }
+
+  SKYBODY_INLINE FreeMotion<Real> stage_rates(const FreeMotion<Real>& at,
+                                              const LevelRotors<Real>& level,
+                                              StageTime time) const {
+    return rates(at, renormalized(at.rotation, squared_norm(at.rotation)), level, time);
+  }
+
   /// What the coordinates change by in a second.
-  /// @param at      the quaternion of any norm near 1
-  /// @param rotors  at that time, where they are level
-  SKYBODY_INLINE FreeMotion<Real> rates(const FreeMotion<Real>& at, const LevelRotors<Real>& level,
-                                        StageTime time) const {
-    FreeMotion<Real> unit = at;
-    unit.rotation = renormalized(at.rotation, squared_norm(at.rotation));
-    const BodyKinematics<Real> body = kinematics(unit);
+  /// @param at     its quaternion of any norm near 1
+  /// @param unit   the same quaternion, of norm 1
+  /// @param level  the rotors at that time, where they are level
+  SKYBODY_INLINE FreeMotion<Real> rates(const FreeMotion<Real>& at, const Quat<Real>& unit,
+                                        const LevelRotors<Real>& level, StageTime time) const {
+    const BodyKinematics<Real> body = kinematics({at.position, unit, at.velocity, at.spin});
     const Vec3<Real> velocity = velocity_in_body(body);
     const RotorGroup& group = robot_.rotors;
     SpatialForce<Real> force = SpatialForce<Real>::zero();
