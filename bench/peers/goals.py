@@ -158,14 +158,14 @@ def python_goals() -> list[Goal]:
     return found
 
 
-def formation_figure(rows: list[Row], robots: int) -> Figure:
+def formation_figure(rows: list[Row], robots: int, way: str) -> Figure:
     """Against the paper's workstation: whole rates, 32 environments with joint observation."""
     own = results.on_all_cores(
-        rows, lambda row: row.peer == OURS and row.robots == robots and row.way == "Python"
+        rows, lambda row: row.peer == OURS and row.robots == robots and row.way == way
     )
     theirs = 1e3 * PAPER_FORMATION[robots]
     return Figure(
-        f"formation, {robots} robots: the paper's workstation (24 cores)",
+        f"formation, {robots} robots, from {way}: the paper's workstation (24 cores)",
         own.rate if own else None,
         theirs,
         FORMATION_GOALS[robots],
@@ -196,5 +196,6 @@ def flat_figure(rows: list[Row]) -> Figure:
 def figures(rows: list[Row]) -> list[Figure]:
     """The whole table."""
     found = [goal.figure(rows) for goal in (*cpp_goals(), *python_goals())]
-    found += [formation_figure(rows, robots) for robots in PAPER_FORMATION]
+    for way in ("C++", "Python"):
+        found += [formation_figure(rows, robots, way) for robots in PAPER_FORMATION]
     return [*found, flat_figure(rows)]

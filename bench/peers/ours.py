@@ -173,13 +173,19 @@ def formation(effort: measure.Effort, robots: int, threads: int) -> None:
 
 
 def program(
-    effort: measure.Effort, scenario: str, mode: str, *, envs: int, robots: int, short: bool = False
+    effort: measure.Effort,
+    scenario: str,
+    mode: str,
+    *,
+    envs: int,
+    robots: int,
+    threads: int = 1,
+    short: bool = False,
 ) -> None:
-    """`skybody bench`: the same steps from C++, on one thread; short: without the joint
-    observation."""
+    """`skybody bench`: the same steps from C++; short: without the joint observation."""
     command = [str(PROGRAMS / "skybody"), "bench", scenario, "--envs", str(envs)]
     seconds = max(0.1, effort.seconds)  # the program takes its time to start: fewer, longer trials
-    command += ["--threads", "1", "--seconds", str(seconds), "--json"]
+    command += ["--threads", str(threads), "--seconds", str(seconds), "--json"]
     overrides = in_flight(robots) if robots > 1 else ()
     if overrides:
         command += ["--actions", "zero"]
@@ -191,8 +197,8 @@ def program(
         rates.append(float(json.loads(done.stdout)["physics_steps_per_second"]))
     peer().line(
         rate=max(rates),
-        mode=f"C++, skybody bench, 1 thread{mode}",
-        cores=1,
+        mode=f"C++, skybody bench, {threads} thread{'s' if threads > 1 else ''}{mode}",
+        cores=threads,
         envs=envs,
         robots=robots,
         substeps=1,
@@ -278,7 +284,9 @@ def main() -> None:
         for threads in (1, 2):
             attempt(f"{robots} robots", some(formation, effort, robots, threads))
         many = some(program, effort, scenario, envs=measure.ROBOT_WORLDS, robots=robots)
-        attempt(f"C++, {robots} robots", some(many, ", joint observation"))
+        for threads in (1, 2):
+            what = f"C++, {robots} robots, {threads}"
+            attempt(what, some(many, ", joint observation", threads=threads))
         attempt(f"C++, {robots}, short", some(many, ", no joint observation", short=True))
 
 

@@ -85,7 +85,8 @@ def test_goals_are_met_and_missed(bench: dict[str, ModuleType]) -> None:
 def test_formation_stands_against_the_papers_workstation(bench: dict[str, ModuleType]) -> None:
     rows = [bench["rows"].read(own(task="robots", envs=32, robots=20, rate=0.5e6))]
     found = figure(
-        bench["goals"].figures(rows), "formation, 20 robots: the paper's workstation (24 cores)"
+        bench["goals"].figures(rows),
+        "formation, 20 robots, from Python: the paper's workstation (24 cores)",
     )
     assert found.ratio == pytest.approx(0.5e6 / 3200.0)
     assert found.verdict == "met"
