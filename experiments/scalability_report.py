@@ -56,8 +56,8 @@ MEASURED = """\
 ### How much was measured
 
 The paper's text says 1,000 environment steps of warm-up and 10,000 measured; the reference's code
-counts receives. Here it is {warm_up:,} and {receives:,} receives, or {seconds:g} s of measurement
-where that is longer. On Simbody warm-up and measurement end after {simbody:g} s each, whatever the
+counts receives, and 1,000 N_E of them as warm-up. Here it is {warm_up:,} and {receives:,} receives,
+or {seconds:g} s of measurement where that is longer. On Simbody warm-up and measurement end after {simbody:g} s each, whatever the
 receives: at about 10 us a step, 10,000 receives of 128 would take minutes. Means over the trials,
 in thousands:"""
 
@@ -71,7 +71,9 @@ BASELINE_HEAD = """\
 
 `bench/baselines.py`: all of them wait for all N worlds in every step, under `zero`. Threads and
 processes are one per processor, each with its share of the worlds; `SimulationPool` has one thread
-per world, like the paper's AsyncDRLServerPool. Trials of {seconds:g} s; CPU [%] in brackets."""
+per world, like the paper's AsyncDRLServerPool. They do not follow the protocol above: the trials
+of a row, {seconds:g} s each, step the same worlds, after a fifth of that as warm-up. CPU [%] in
+brackets."""
 
 
 def markdown(content: dict[str, Any]) -> str:
