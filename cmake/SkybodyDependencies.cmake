@@ -16,13 +16,17 @@ find_path(SKYBODY_RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 set(sundials_headers "${PROJECT_SOURCE_DIR}/.sundials/include")
 find_path(SKYBODY_SUNDIALS_INCLUDE_DIR cvode/cvode.h HINTS "${sundials_headers}")
 if(NOT SKYBODY_SUNDIALS_INCLUDE_DIR)
-  message(FATAL_ERROR "no headers of SUNDIALS: `./dev build` fetches them, or install libsundials-dev")
+  message(FATAL_ERROR "no headers of SUNDIALS 6: `./dev build` fetches them (libsundials-dev has them, too, but "
+                      "brings another BLAS, with which Simbody computes other bits)")
 endif()
 find_library(SKYBODY_CVODE_LIBRARY NAMES sundials_cvode libsundials_cvode.so.6 REQUIRED)
 find_library(SKYBODY_ARKODE_LIBRARY NAMES sundials_arkode libsundials_arkode.so.5 REQUIRED)
 file(STRINGS "${SKYBODY_SUNDIALS_INCLUDE_DIR}/sundials/sundials_config.h" SKYBODY_SUNDIALS_VERSION
-     REGEX "define SUNDIALS_VERSION ")
+     REGEX "define SUNDIALS_VERSION ")  # ... "6.4.1"
 string(REGEX REPLACE ".*\"(.*)\".*" "\\1" SKYBODY_SUNDIALS_VERSION "${SKYBODY_SUNDIALS_VERSION}")
+if(NOT SKYBODY_SUNDIALS_VERSION MATCHES "^6[.]")
+  message(FATAL_ERROR "SUNDIALS ${SKYBODY_SUNDIALS_VERSION} in ${SKYBODY_SUNDIALS_INCLUDE_DIR}; needed: 6")
+endif()
 
 function(skybody_dependency name)
   add_library(skybody_${name} INTERFACE)

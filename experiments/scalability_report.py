@@ -56,10 +56,10 @@ MEASURED = """\
 ### How much was measured
 
 The paper's text says 1,000 environment steps of warm-up and 10,000 measured; the reference's code
-counts receives, and 1,000 N_E of them as warm-up. Here it is {warm_up:,} and {receives:,} receives,
-or {seconds:g} s of measurement where that is longer. On Simbody warm-up and measurement end after {simbody:g} s each, whatever the
-receives: at about 10 us a step, 10,000 receives of 128 would take minutes. Means over the trials,
-in thousands:"""
+counts receives, and 1,000 N_E of them as warm-up. Here it is {warm_up:,} and {receives:,}
+receives, or {seconds:g} s of measurement where that is longer. On Simbody warm-up and measurement
+end after {simbody:g} s each, whatever the receives: at about 10 us a step, 10,000 receives of 128
+would take minutes. Means over the trials, in thousands:"""
 
 NOTES = """\
 As in the reference's code, a row that begins an episode counts as a step. Of all rows that is

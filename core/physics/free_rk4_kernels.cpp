@@ -1,4 +1,5 @@
-// The kernels of FreeRobotStep on packs, rk4, for each instruction set.
+// The kernels of FreeRobotStep on packs, rk4, for each instruction set. Apart from free_kernels.cpp
+// since each takes the compiler most of a minute.
 #include "core/base/isa.h"
 #include "core/base/kernel_target.h"
 #include "core/physics/free_pack.h"

@@ -9,9 +9,11 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -21,12 +23,6 @@
 
 namespace skybody {
 namespace {
-
-/// SUNDIALS gave up within a step: too many steps of its own, or an error that no step size meets.
-class SolverFailure : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// What a function of SUNDIALS returned while something was made.
 void demand(int flag, const char* function) {
@@ -84,7 +80,8 @@ class SundialsIntegrator : public Integrator {
     std::memcpy(y + q_count_, u, u_count_ * sizeof(double));
     const int flag = solve();
     if (error_) std::rethrow_exception(error_);
-    if (flag < 0) throw SolverFailure("SUNDIALS gave up: " + std::to_string(flag));
+    // Too many steps of its own, or an error that no step size meets.
+    if (flag < 0) throw std::runtime_error("SUNDIALS gave up: " + std::to_string(flag));
     std::memcpy(q, y, q_count_ * sizeof(double));
     std::memcpy(u, y + q_count_, u_count_ * sizeof(double));
   }
@@ -93,18 +90,18 @@ class SundialsIntegrator : public Integrator {
   /// From y at 0 to y at dt. @returns SUNDIALS' flag, < 0 where it gave up
   virtual int solve() = 0;
 
-  /// dy/dt for SUNDIALS; 1 asks it for a smaller step, -1 stops it.
+  /// dy/dt for SUNDIALS; 1 asks it to try another point (or makes it give up), -1 stops it.
   static int derivative(realtype time, N_Vector y, N_Vector rates, void* self) {
     auto& me = *static_cast<SundialsIntegrator*>(self);
     const double* q = N_VGetArrayPointer(y);
     const double* u = q + me.q_count_;
     double* qdot = N_VGetArrayPointer(rates);
-    for (std::size_t i = 0; i < me.q_count_ + me.u_count_; ++i) {
-      if (!std::isfinite(q[i])) return 1;
-    }
+    const std::size_t count = me.q_count_ + me.u_count_;
+    if (!are_finite(q, count)) return 1;
     try {
       me.mechanics_->accelerations_at(q, u, time, qdot + me.q_count_);
       me.mechanics_->position_rates(q, u, qdot);
+      if (!are_finite(qdot, count)) return 1;
     } catch (const std::runtime_error&) {  // the dynamics gives up there
       return 1;
     } catch (...) {  // must not pass through C
@@ -112,6 +109,10 @@ class SundialsIntegrator : public Integrator {
       return -1;
     }
     return 0;
+  }
+
+  static bool are_finite(const double* values, std::size_t count) {
+    return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
   }
 
   void make_linear_solver() {

@@ -1,6 +1,7 @@
 // No allocation of ours in the step path: operator new is replaced, and every call that comes from
 // libskybody or a plugin while stepping is counted. Simbody's own allocations (13 a step in the
-// air) come from its libraries and are not; without Simbody there is none at all.
+// air) come from its libraries and are not, nor those of SUNDIALS, which are C's; without either
+// there is none at all.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 

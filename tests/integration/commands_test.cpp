@@ -58,9 +58,9 @@ TEST(Check, WarnsWhereTheStepIsLargerThanTheAuditSupports) {
   const Outcome coarse = run_skybody({"check", kHover, "--set", "stepping.dt=0.01"});
   EXPECT_EQ(coarse.exit_code, 0);
   EXPECT_EQ(coarse.err,
-            "--set stepping.dt=0.01: warning: `dt` is 0.01 s; docs/integrators.md supports up to "
-            "0.001 s with `semi_implicit_euler` (within 4 mm and 0.2 degrees after a second of "
-            "flight): take a smaller one, or `integrator: rk4`\n");
+            "--set stepping.dt=0.01: warning: `dt` is 0.01 s; the audit in docs/integrators.md "
+            "supports up to 0.001 s with `semi_implicit_euler` (errors below 4 mm and 0.25 degrees "
+            "after a second of flight): take a smaller one, or `integrator: rk4`\n");
   const Outcome fine =
       run_skybody({"check", kHover, "--set", "stepping={dt: 0.004, integrator: rk4}"});
   EXPECT_EQ(fine.exit_code, 0);

@@ -35,7 +35,7 @@ TEST(Boom, FixedStepsOfAMillisecondDivergeAtOnce) {
           make("boom", {"stepping.integrator=" + integrator, "stepping.dynamics=" + dynamics});
       fly(simulation, 1.0);
       EXPECT_TRUE(simulation.fault()) << integrator << " on " << dynamics;
-      EXPECT_LT(simulation.time(), 0.5);
+      EXPECT_LT(simulation.time(), 0.1);
     }
   }
 }
@@ -44,7 +44,6 @@ TEST(Boom, HoldsItsPlaceWithCvode) {
   Simulation simulation = make("boom");
   fly(simulation, 5.0);
   ASSERT_FALSE(simulation.done());
-  const std::vector<float> goal{0.0f, 0.0f, 2.0f};
   const BodyState& base = simulation.bodies().front();
   EXPECT_LT(std::hypot(base.position.x, base.position.y), 0.1);
   // The position controller has no integral term and does not know the boom's weight.
