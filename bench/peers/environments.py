@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import hashlib
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 FOLDER = ROOT / ".peers"
+PIP = (
+    *("-m", "pip", "install", "--disable-pip-version-check", "-q"),
+    *("--retries", "1", "--timeout", "15"),  # [s] of silence
+)
+# What says where something was looked for: addresses and paths, hosts as libraries print them, and
+# what looks like a host's name or number.
+PLACES = (
+    r"(\w+://|(?<!\w)/)[^\s'\"]+",
+    r"\b(?:host|port)=(?:'[^']*'|\"[^\"]*\"|\w+)",
+    r"(?<=\bresolve )(?:'[^']*'|\S+)",
+    r"\b(?:[\w-]+\.)+(?:org|com|net|io|dev|lan|local|internal|localdomain)\b(?::\d+)?",
+    r"\b\d+(?:\.\d+){3}\b(?::\d+)?",
+)
+failed: dict[str, str] = {}  # peers that could not be installed in this run, and why
 
 
 class Skipped(Exception):
@@ -25,16 +42,38 @@ def workplace() -> pathlib.Path:
 
 
 def plain(text: str) -> str:
-    """A reason without addresses and paths, which are this machine's business."""
-    return " ".join(re.sub(r"(\w+://|(?<!\w)/)[^\s'\"]+", "...", text).split())[:300]
+    """A reason without addresses, hosts and paths, which are this machine's business."""
+    return " ".join(re.sub("|".join(PLACES), "...", text).split())[:300]
+
+
+@contextlib.contextmanager
+def alone() -> Iterator[None]:
+    """Waits until no other run works in .peers, and keeps others out."""
+    with (workplace() / "lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print("  waiting for another run of the peers to end", file=sys.stderr, flush=True)
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def python_of(name: str) -> pathlib.Path:
     """The peer's Python; installs what it needs first, if it changed since it was installed.
 
     Raises:
-        Skipped: that failed.
+        Skipped: that failed, now or before in this run.
     """
+    if name in failed:
+        raise Skipped(failed[name])
+    try:
+        return installed(name)
+    except Skipped as why:
+        failed[name] = str(why)
+        raise
+
+
+def installed(name: str) -> pathlib.Path:
     requirements = HERE / "requirements" / f"{name}.txt"
     if not requirements.is_file():
         raise Skipped(f"no requirements/{name}.txt")
@@ -49,7 +88,7 @@ def python_of(name: str) -> pathlib.Path:
     # torch first: another package could draw in its build for graphics cards, gigabytes of it.
     first = [line for line in requirements.read_text().split("\n") if line.startswith("torch==")]
     for wish in ([first] if first else []) + [["-r", str(requirements)]]:
-        call([str(python), "-m", "pip", "install", "--disable-pip-version-check", "-q", *wish])
+        call([str(python), *PIP, *wish])
     stamp.write_text(wanted)
     return python
 

@@ -11,11 +11,13 @@ import json
 import pathlib
 import re
 import subprocess
+from collections.abc import Callable
 
 import measure
 import numpy as np
 import skybody
 import vehicle
+from numpy.typing import NDArray
 
 PROGRAMS = pathlib.Path(__file__).resolve().parents[2] / "build" / "release" / "bin"
 DIFFERS = "rotor lag and drag, observation, reward, ends and resets included; float32 rows"
@@ -31,6 +33,8 @@ PLAIN = (
 # Observation and reward of hover for one of the robots, which nothing ends.
 ONE_ROBOT = "{plugin: hover, parameters: {robot: quad1, bound: 1000, tilt_max: 3.1}}"
 LIMIT_DIFFERS = "no engine: hand-written loop over arrays, one vehicle, no ground, no checks"
+FLIGHT = 100  # physics steps that a check flies, and again with more thrust
+Array = NDArray[np.float64]
 SECTION = r"(.+), K=(\d+), (\d) threads?$"
 
 
@@ -54,6 +58,40 @@ def in_flight(robots: int) -> tuple[str, ...]:
     return ("stepping.horizon=1000", *motors)
 
 
+def climbing(environment: skybody.Environment) -> list[int]:
+    """Where an environment's observations hold the speeds upwards of its robots."""
+    names = ("velocity", *(f"{robot}.velocity" for robot in environment.robots))
+    return [
+        channel.first + 2 for channel in environment.observation_channels if channel.name in names
+    ]
+
+
+def check(
+    reset: Callable[[], object],
+    fly: Callable[[float, int], Array],
+    hold: float,
+    substeps: int,
+    drawn: bool,
+) -> None:
+    """As the peers': vehicles hover after the measurement, and climb on a tenth more thrust.
+
+    fly(command, steps): the speeds upwards of all vehicles after that many steps on a command.
+    Vehicles of drawn constants drift and some tip over in their episode of 1 s, where falling ones
+    would be at 5 m/s in the middle: of those the middle one counts, and nine tenths must climb."""
+    speeds = np.abs(fly(hold, 1))
+    speed, most = (np.median(speeds), 4.0) if drawn else (speeds.max(), 0.05)
+    measure.require(bool(speed < most), f"hovering vehicles were at {speed:.3g} m/s")
+    reset()
+    steps = FLIGHT // substeps
+    before = fly(hold, steps)
+    more = fly((hold + 1.0) * 1.1**0.5 - 1.0, steps)
+    seconds = steps * substeps * vehicle.DT
+    # The drift goes on; and where thrust is not weight, its tenth is not a tenth of that.
+    climb = (more - 2.0 * before) / (1.0 + before / (vehicle.GRAVITY * seconds))
+    for speed in np.quantile(climb, (0.05, 0.95) if drawn else (0.0, 1.0)):
+        measure.require_climb(float(speed), seconds - vehicle.qdrone2().tau_up)  # the rotors lag
+
+
 def row(
     effort: measure.Effort,
     scenario: str,
@@ -67,13 +105,23 @@ def row(
     task: str = "hover",
     overrides: tuple[str, ...] = (),
     differs: str = "",
+    drawn: bool = False,
 ) -> None:
+    """drawn: masses or thrusts are drawn anew in some episodes, so that vehicles drift."""
     vec = skybody.make_vec(
         scenario, envs, num_threads=threads, infos=False, overrides=overrides, joint=robots > 1
     )
     try:
         vec.reset()
         actions = np.full(vec.action_space.shape or (), hold, np.float32)
+        upwards = climbing(vec.environment)
+
+        def fly(command: float, steps: int) -> Array:
+            actions[:] = command
+            for _ in range(steps):
+                observations = vec.step(actions)[0]
+            return observations.reshape(envs, -1)[:, upwards].astype(float)
+
         peer().row(
             lambda: vec.step(actions),
             effort,
@@ -85,6 +133,7 @@ def row(
             task=task,
             differs=differs,
             unit="environment steps/s" if task == "engine" else "physics steps/s",
+            check=functools.partial(check, vec.reset, fly, hold, substeps, drawn),
         )
     finally:
         vec.close()
@@ -106,7 +155,21 @@ def single(effort: measure.Effort) -> None:
         if world.status:
             world.reset()
 
-    peer().row(call, effort, mode="Simulation, 1 thread", cores=1)
+    upwards = climbing(world.environment)
+
+    def fly(command: float, steps: int) -> Array:
+        hold[:] = command
+        for _ in range(steps):
+            call()
+        return np.array(world.observation, float)[upwards]
+
+    peer().row(
+        call,
+        effort,
+        mode="Simulation, 1 thread",
+        cores=1,
+        check=functools.partial(check, world.reset, fly, float(hold[0]), 1, False),
+    )
 
 
 def several(effort: measure.Effort, envs: int, threads: int) -> None:
@@ -123,14 +186,14 @@ def several(effort: measure.Effort, envs: int, threads: int) -> None:
     )
 
 
-def rk4(effort: measure.Effort, envs: int) -> None:
+def rk4(effort: measure.Effort, envs: int, threads: int) -> None:
     row(
         effort,
         "hover",
         action(2300.0),
         ", rk4",
         envs=envs,
-        threads=1,
+        threads=threads,
         overrides=("stepping.integrator=rk4",),
         differs="Runge-Kutta of order 4",
     )
@@ -154,6 +217,7 @@ def payload(effort: measure.Effort, envs: int, plain: bool, substeps: int = 1) -
             *(PLAIN if plain else ()),
         ),
         differs="" if plain else "noisy IMU; constants drawn in each 10th episode",
+        drawn=not plain,
     )
 
 
@@ -169,6 +233,7 @@ def formation(effort: measure.Effort, robots: int, threads: int) -> None:
         task="robots",
         overrides=in_flight(robots),
         differs="episodes of 1 s; contact between vehicles; joint observation; drawn constants",
+        drawn=True,
     )
 
 
@@ -273,7 +338,8 @@ def main() -> None:
     attempt("Simulation", some(single, effort))
     for envs in (64, 1024):
         attempt(f"hover, {envs}, 1 thread", some(hover, effort, envs, 1))
-        attempt(f"hover, {envs}, rk4", some(rk4, effort, envs))
+        for threads in (1, 2):
+            attempt(f"hover, {envs}, rk4, {threads}", some(rk4, effort, envs, threads))
     for plain in (False, True):
         for envs in (1, 1024) if effort.quick else (1, 128, 1024, 8192):
             attempt(f"payload, {envs}", some(payload, effort, envs, plain))

@@ -64,6 +64,7 @@ def row(
     substeps: int = 1,
 ) -> None:
     make = functools.partial(Aviaries, robots=robots, substeps=substeps)
+    used = f"{cores} process{'es' if cores > 1 else ''}"
     batch = processes.Batch(make, np.ones((envs, robots, 4)), (robots, 20), cores)
 
     def check() -> None:
@@ -72,18 +73,20 @@ def row(
         batch.commands *= np.sqrt(1.1)
         measure.require_climb((batch()[..., 12] - before).min(), 0.001 * substeps)
 
-    who.row(
-        batch,
-        effort,
-        mode=f"CtrlAviary, {cores} process{'es' if cores > 1 else ''}, {substeps} steps an action",
-        cores=cores,
-        envs=envs,
-        robots=robots,
-        substeps=substeps,
-        task="hover" if robots == 1 else "robots",
-        check=check,
-    )
-    batch.close()
+    try:
+        who.row(
+            batch,
+            effort,
+            mode=f"CtrlAviary, {used}, {substeps} steps an action",
+            cores=cores,
+            envs=envs,
+            robots=robots,
+            substeps=substeps,
+            task="hover" if robots == 1 else "robots",
+            check=check,
+        )
+    finally:
+        batch.close()
 
 
 def main() -> None:

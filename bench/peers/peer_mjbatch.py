@@ -37,10 +37,12 @@ def batch(effort: measure.Effort, work: worlds.Work) -> None:
         sims.step(nstep=work.substeps)
 
     def check() -> None:
-        worlds.check_hover(position[:, 2])
+        worlds.check_hover(worlds.robots_of(position, work.robots)[..., 2])
+        speed = worlds.robots_of(velocity, work.robots)[..., 2]
+        before = speed.copy()
         commands[:] *= 1.1
         call()
-        measure.require_climb(velocity[:, 2].min(), work.substeps * vehicle.DT)
+        measure.require_climb((speed - before).min(), work.substeps * vehicle.DT)
 
     peer().row(
         call,

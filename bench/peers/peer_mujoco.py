@@ -57,9 +57,10 @@ def one_world(effort: measure.Effort, substeps: int, motors: bool) -> None:
 
     def check() -> None:
         worlds.check_hover(state[2])
+        before = float(state[9])
         command[:] *= 1.1
         call()
-        measure.require_climb(state[9], substeps * vehicle.DT)
+        measure.require_climb(state[9] - before, substeps * vehicle.DT)
 
     peer().row(call, effort, mode=mode, cores=1, substeps=substeps, check=check)
 
@@ -82,8 +83,8 @@ class Rollout:
         self.states = [np.empty((envs, substeps, len(state))) for _ in range(2)]
         self.states[1][:] = state
         self.initial = np.empty((envs, len(state)))
-        self.positions = model.nq
         positions = slice(1, 1 + model.nq)  # behind the time
+        self.velocities = slice(positions.stop, positions.stop + model.nv)
         self.wrenches = [
             worlds.Wrenches(work.robots, s[:, -1, positions], self.control[:, 0])
             for s in self.states
@@ -118,10 +119,17 @@ class Rollout:
         return new
 
     def check(self) -> None:
-        worlds.check_hover(self()[:, -1, 3])
+        states = self()[:, -1]
+        worlds.check_hover(states[:, 3])
+        before = self.climbing(states).copy()
         self.thrusts *= 1.1
-        speed = self()[:, -1, 1 + self.positions + 2].min()
-        measure.require_climb(speed, self.work.substeps * vehicle.DT)
+        speed = self.climbing(self()[:, -1])
+        measure.require_climb((speed - before).min(), self.work.substeps * vehicle.DT)
+
+    def climbing(self, states: worlds.Array) -> worlds.Array:
+        """Speed upwards of each robot, (envs, robots) [m/s]."""
+        velocities = states[:, self.velocities]
+        return worlds.robots_of(velocities, self.work.robots)[..., 2]
 
 
 def rollout(effort: measure.Effort, work: worlds.Work) -> None:

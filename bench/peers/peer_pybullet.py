@@ -138,18 +138,20 @@ def row(
     make = functools.partial(Quadrotors, robots=robots, payload=payload)
     batch = processes.Batch(make, commands, (robots, 27 if payload else 13), cores)
     packed = f", {together(envs // cores)} environments in a PyBullet world"
-    peer().row(
-        batch,
-        effort,
-        mode=f"direct loop, {cores} process{'es' if cores > 1 else ''}"
-        + (packed if robots == 1 and envs > 1 else ""),
-        cores=cores,
-        envs=envs,
-        robots=robots,
-        task="payload" if payload else "hover" if robots == 1 else "robots",
-        check=functools.partial(check, batch),
-    )
-    batch.close()
+    try:
+        peer().row(
+            batch,
+            effort,
+            mode=f"direct loop, {cores} process{'es' if cores > 1 else ''}"
+            + (packed if robots == 1 and envs > 1 else ""),
+            cores=cores,
+            envs=envs,
+            robots=robots,
+            task="payload" if payload else "hover" if robots == 1 else "robots",
+            check=functools.partial(check, batch),
+        )
+    finally:
+        batch.close()
 
 
 def check(batch: processes.Batch) -> None:

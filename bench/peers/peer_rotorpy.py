@@ -17,7 +17,7 @@ import torch
 import vehicle
 from rotorpy.vehicles.multirotor import BatchedMultirotor, BatchedMultirotorParams, Multirotor
 
-DIFFERS = "no contact; no reward, ends or resets"
+DIFFERS = "no contact; no reward, ends or resets; one motor time constant (ours has two)"
 STATES = ("x", "q", "v", "w")
 HEIGHT = 1.5  # [m]
 CPU = torch.device("cpu")
@@ -30,7 +30,7 @@ def peer() -> measure.Peer:
 
 
 def qdrone2() -> dict[str, Any]:
-    """The QDrone2 as its parameters; there is one time constant, for up and down."""
+    """The QDrone2 as its parameters. Its motors have one time constant: that of speeding up."""
     quad = vehicle.qdrone2()
     ixx, iyy, izz = quad.base.inertia
     parameters: dict[str, Any] = {

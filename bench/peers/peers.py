@@ -17,6 +17,7 @@ import datetime
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
@@ -26,11 +27,12 @@ from typing import Any
 import environments
 import goals
 import report
-import rows as results
+import results
 from environments import HERE, ROOT, Skipped
-from rows import Row
+from results import Row
 
 PROGRAMS = ROOT / "build" / "release" / "bin"
+SKYBODY = PROGRAMS / "skybody"
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,6 @@ class Contestant:
                 )
             return [str(path)]
         script = HERE / f"peer_{self.name}.py"
-        if not script.is_file():
-            raise Skipped(f"no {script.name}")
         extra = []
         if self.name == "gym_pybullet_drones":
             if options.gym_pybullet_drones is None:
@@ -113,35 +113,51 @@ class Results:
         print(f"  {contestant.name}: {found} rows in {taken:.0f} s", file=sys.stderr, flush=True)
 
     def run(self, command: list[str], name: str) -> None:
-        try:
-            done = subprocess.run(
-                command,
-                cwd=environments.workplace(),
-                capture_output=True,
-                text=True,
-                timeout=self.most,
-                check=False,
-            )
-        except subprocess.TimeoutExpired as late:
-            output = late.stdout or b""
-            self.take(output.decode() if isinstance(output, bytes) else output, name)
-            self.skip(name, f"took more than {self.most:.0f} s; rows until then are kept")
-            return
+        done, late = run_group(command, self.most)
         self.take(done.stdout, name)
-        if done.returncode != 0:
+        if late:
+            self.skip(name, f"took more than {self.most:.0f} s; rows until then are kept")
+        elif done.returncode != 0:
             last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
             self.skip(name, last[0])
 
     def take(self, output: str, name: str) -> None:
-        """Lines that are no JSON are a library's chatter."""
+        """Lines that do not begin as a row are a library's chatter."""
         for line in output.splitlines():
             if not line.startswith("{"):
                 continue
-            facts = json.loads(line)
-            if "skipped" in facts:
-                self.skip(str(facts.get("peer", name)), str(facts["skipped"]))
-                continue
-            self.rows.append(results.read(facts))
+            try:
+                facts = json.loads(line)
+                if "skipped" in facts:
+                    self.skip(str(facts.get("peer", name)), str(facts["skipped"]))
+                else:
+                    self.rows.append(results.read(facts))
+            except ValueError as error:
+                self.skip(name, f"printed what is no row: {error}")
+
+
+def run_group(command: list[str], most: float) -> tuple[subprocess.CompletedProcess[str], bool]:
+    """What a command printed, and whether it took more than `most` seconds; then, or when this run
+    is stopped, it ends with all processes that it started."""
+    with subprocess.Popen(
+        command,
+        cwd=environments.workplace(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as script:
+        late = False
+        try:
+            output, errors = script.communicate(timeout=most)
+        except subprocess.TimeoutExpired:
+            late = True
+            os.killpg(script.pid, signal.SIGKILL)
+            output, errors = script.communicate()
+        except BaseException:
+            os.killpg(script.pid, signal.SIGKILL)
+            raise
+    return subprocess.CompletedProcess(command, script.returncode, output, errors), late
 
 
 def measure(options: argparse.Namespace) -> Results:
@@ -158,7 +174,7 @@ def measure(options: argparse.Namespace) -> Results:
 
 def machine() -> dict[str, Any]:
     """Its name and processors, as `skybody bench` has them."""
-    command = [str(PROGRAMS / "skybody"), "bench", "hover", "--envs", "1", "--json"]
+    command = [str(SKYBODY), "bench", "hover", "--envs", "1", "--json"]
     done = subprocess.run([*command, "--seconds", "0.05"], check=True, capture_output=True)
     facts = json.loads(done.stdout)
     return {key: facts[key] for key in ("machine", "processor", "processors", "skybody_version")}
@@ -198,6 +214,15 @@ def folder(text: str) -> pathlib.Path:
 
 def main() -> None:
     options = parse()
+    if not SKYBODY.is_file():
+        print(f"peers.py: no {SKYBODY.relative_to(ROOT)}; ./dev build makes it", file=sys.stderr)
+        sys.exit(2)
+    with environments.alone():
+        compare(options)
+
+
+def compare(options: argparse.Namespace) -> None:
+    """Measures, prints and writes."""
     facts = machine() | {
         "date": datetime.date.today().isoformat(),
         "load": os.getloadavg(),

@@ -9,10 +9,10 @@ import matplotlib
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
-import rows as results
+import results
 from matplotlib.axes import Axes
 from report import Report
-from rows import Row
+from results import Row
 
 # Task, robots, several steps a call, title.
 PANELS = (

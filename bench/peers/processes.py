@@ -6,6 +6,7 @@ back "done". So the states of all worlds are a NumPy array after each call, as e
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 from collections.abc import Callable
 from multiprocessing.connection import Connection
@@ -80,5 +81,6 @@ class Batch:
 
     def close(self) -> None:
         for pipe, process in zip(self.pipes, self.processes, strict=True):
-            pipe.send_bytes(b"e")
+            with contextlib.suppress(OSError):  # it ended by itself
+                pipe.send_bytes(b"e")
             process.join()

@@ -8,9 +8,9 @@ import pathlib
 from dataclasses import dataclass
 from typing import Any
 
-import rows as results
+import results
 from goals import Figure
-from rows import Row
+from results import Row
 
 HEADINGS = ["task", "contestant", "N", "K", "cores", "M steps/s", "by core", "ours / theirs"]
 HEADINGS += ["version", "mode", "what differs"]

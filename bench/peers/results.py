@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 from typing import Any
@@ -44,6 +46,11 @@ class Row:
         return CPP.get(self.peer, self.peer)
 
     @property
+    def is_rk4(self) -> bool:
+        """Of a peer's: Runge-Kutta of order 4 with steps as they are (an adaptive RK45 is not)."""
+        return re.search(r"\bRK4\b", f"{self.differs}; {self.mode}") is not None
+
+    @property
     def way(self) -> str:
         """Of ours: what a peer's row is compared with."""
         if "no joint observation" in self.mode:
@@ -62,12 +69,16 @@ def read(facts: dict[str, Any]) -> Row:
     """A row from a script's line.
 
     Raises:
-        ValueError: something is missing.
+        ValueError: something is missing, or its rate is none.
     """
     missing = [name for name in NAMES if name not in facts]
     if missing:
         raise ValueError(f"a row without {', '.join(missing)}")
-    return Row(**{name: facts[name] for name in NAMES})
+    row = Row(**{name: facts[name] for name in NAMES})
+    for value in (row.rate, row.cores, row.envs, row.robots, row.substeps):
+        if not isinstance(value, int | float) or not 0 < value < math.inf:
+            raise ValueError(f"a row with {value!r} where a number above 0 belongs")
+    return row
 
 
 def best_of_sittings(rows: Iterable[Row]) -> list[Row]:
@@ -125,7 +136,7 @@ def counterpart(row: Row, rows: list[Row]) -> Row | None:
     each at its best number; as many cores where there is such a row, and at 1024 the same number.
     None: there is no such row."""
     way = "C++" if row.peer in CPP or row.peer == LIMIT else "Python"
-    if "RK4" in row.differs + row.mode:
+    if row.is_rk4:
         way = "rk4"
     alone = row.envs == 1 and way != "C++"
     ways = ("C++", "Python") if row.peer == LIMIT else (way,)
