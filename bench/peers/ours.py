@@ -87,7 +87,7 @@ def check(
     more = fly((hold + 1.0) * 1.1**0.5 - 1.0, steps)
     seconds = steps * substeps * vehicle.DT
     # The drift goes on; and where thrust is not weight, its tenth is not a tenth of that.
-    climb = (more - 2.0 * before) / (1.0 + before / (vehicle.GRAVITY * seconds))
+    climb = (more - 2.0 * before) / (1.0 + before / (measure.GRAVITY * seconds))
     for speed in np.quantile(climb, (0.05, 0.95) if drawn else (0.0, 1.0)):
         measure.require_climb(float(speed), seconds - vehicle.qdrone2().tau_up)  # the rotors lag
 
