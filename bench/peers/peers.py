@@ -90,7 +90,7 @@ class Results:
         # Many short trials find the machine's quiet moments.
         self.effort = ["--seconds", "0.03", "--trials", "8", "--quick"]
         if not quick:
-            self.effort = ["--seconds", "0.05", "--trials", "40"]
+            self.effort = ["--seconds", "0.05", "--trials", "25"]
         self.most = 240.0 if quick else 3600.0  # [s] of a sitting
 
     def skip(self, name: str, why: str) -> None:
