@@ -14,8 +14,8 @@ std::uint32_t octets_of(const StateGroup& group, std::uint32_t mask) {
 
 void keep(const StateGroup& group, std::uint32_t mask, int count, const double* from, double* to) {
   const int lanes = group.lanes();
-  // Empty lanes may be written: one call to memcpy is quicker than a loop over few values. With many
-  // (formation of 20: 6440) half of what it moved would be for nothing.
+  // Empty lanes may be written: one call to memcpy is quicker than a loop over few values. With
+  // many (formation of 20: 6440) half of what it moved would be for nothing.
   constexpr int kFew = 64;
   const bool is_full = mask == first_lanes(lanes);
   if (is_full || (mask == group.occupied() && count <= kFew)) {
