@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,8 @@ struct Flight {
   std::string name, scenario;
   std::vector<std::string> overrides = {};
 };
+
+void PrintTo(const Flight& flight, std::ostream* out) { *out << flight.name; }
 
 std::vector<Flight> shipped_scenarios() {
   std::vector<Flight> flights;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <ostream>
 
 #include "tests/unit/physics/test_models.h"
 
@@ -14,6 +15,8 @@ struct Solver {
   IntegratorChoice integrator;
   SolverMethod method;
 };
+
+void PrintTo(const Solver& solver, std::ostream* out) { *out << solver.name; }
 
 constexpr Solver kSolvers[] = {
     {"Adams", IntegratorChoice::kCvode, SolverMethod::kAdams},
