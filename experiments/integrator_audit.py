@@ -299,7 +299,9 @@ def main() -> None:
     parser = arguments(__doc__)
     parser.add_argument("--only", nargs="+", choices=shipped(), metavar="NAME")
     options = parser.parse_args()
-    folder = output_folder(parser, options)
+    if options.only and options.out:
+        parser.error("--only prints and writes nothing: leave --out away, or audit all")
+    folder = None if options.only else output_folder(parser, options)
     names = options.only or (["hover", "payload", "boom"] if options.quick else shipped())
     flights, results = [], []
     for name in names:
@@ -308,7 +310,7 @@ def main() -> None:
         print_scenario(flight, found)
         flights.append(flight)
         results += found
-    if folder is None or options.only:
+    if folder is None:
         return
     content = facts() | {
         "good": {"position": GOOD_POSITION, "angle": GOOD_ANGLE},

@@ -44,7 +44,9 @@ PROTOCOL = """\
   flight: a constant action does not keep robots of drawn masses in the air for the scenario's 20 s.
 - `zero`: the reference's constant action, 68 % of the thrust that hovers, and the scenario as
   shipped: robots fall from up to 11 m, bounce and come to rest. Where some lie against each other,
-  Simbody and its contact compute that world for the rest of the 20 s.
+  Simbody and its contact compute that world for the rest of the 20 s. Its steps are dear (mesh
+  contact, Debian's asserts): rates depend on how far into the episodes a trial gets, and the C++
+  rows, which are measured when all have come down, are the lowest.
 - Python: `make_pool` as in [scalability.md](scalability.md), {warm_up:,} receives of warm-up and
   {receives:,} measured, or {seconds:g} s where that is longer; {most:g} s each at most. The warm-up
   of the reference's code is N_E times as long.

@@ -217,8 +217,22 @@ def main() -> None:
     if not SKYBODY.is_file():
         print(f"peers.py: no {SKYBODY.relative_to(ROOT)}; ./dev build makes it", file=sys.stderr)
         sys.exit(2)
+    check_outputs(options)
     with environments.alone():
         compare(options)
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Makes their folders, before anything is measured."""
+    for path in (options.json, options.picture, options.markdown):
+        if path is None:
+            continue
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+        except OSError as error:
+            print(f"peers.py: cannot write {path}: {error.strerror}", file=sys.stderr)
+            sys.exit(2)
 
 
 def compare(options: argparse.Namespace) -> None:
@@ -241,6 +255,9 @@ def compare(options: argparse.Namespace) -> None:
         import picture
 
         picture.draw(whole, options.picture)
+    for path in (options.json, options.markdown, options.picture):
+        if path is not None:
+            print(f"written: {path}")
 
 
 if __name__ == "__main__":

@@ -75,10 +75,12 @@ class RegistryFactory : public PluginFactory {
   const PluginRegistry& registry_;
 };
 
-/// The file that `scenario` means: itself, or a shipped scenario's name.
+/// The file that `scenario` means: itself, or a shipped scenario's name, which a folder does not
+/// hide (`--out boom` makes one).
 std::string scenario_file(const std::string& scenario) {
   std::error_code ignored;
-  if (!std::filesystem::exists(scenario, ignored)) {
+  if (!std::filesystem::exists(scenario, ignored) ||
+      std::filesystem::is_directory(scenario, ignored)) {
     if (const auto shipped = find_shipped_scenario(scenario)) return shipped->string();
   }
   return scenario;

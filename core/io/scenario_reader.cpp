@@ -83,10 +83,9 @@ class ScenarioReader {
     diagnostics_.warning(
         reader.mark("dt"),
         "`dt` is " + format_number(stepping.dt) + " s; the audit in docs/integrators.md supports " +
-            "up to " + format_number(audit.largest_dt) + " s with `" +
-            reader.text("integrator") + "` (errors below " + audit.error +
-            " after a second of flight): take a smaller one" +
-            (is_euler ? ", or `integrator: rk4`" : ""));
+            "up to " + format_number(audit.largest_dt) + " s with `" + reader.text("integrator") +
+            "` (errors below " + audit.error + " after a second of flight): take a smaller one" +
+            (is_euler ? ", or `integrator: rk4` with at most 0.004" : ""));
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 SCENARIOS = (
+    "boom",
     "collision",
     "formation",
     "formation_10",
     "formation_2",
     "formation_20",
+    "hard_landing",
     "hover",
     "hover_crazyflie",
     "hover_firefly",

@@ -36,6 +36,13 @@ TEST(Check, FindsAShippedScenarioByItsName) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
+TEST(Check, FindsAShippedScenarioBesideAFolderOfItsName) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(std::filesystem::path(folder.path()) / "hover");
+  const Outcome outcome = run_skybody({"check", "hover"}, {.folder = folder.path()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
 TEST(Check, ListsRandomizableParameters) {
   const Outcome outcome = run_skybody({"check", kHover, "--parameters"});
   EXPECT_EQ(outcome.exit_code, 0);
@@ -57,10 +64,11 @@ TEST(Check, WarningsAloneAreNoError) {
 TEST(Check, WarnsWhereTheStepIsLargerThanTheAuditSupports) {
   const Outcome coarse = run_skybody({"check", kHover, "--set", "stepping.dt=0.01"});
   EXPECT_EQ(coarse.exit_code, 0);
-  EXPECT_EQ(coarse.err,
-            "--set stepping.dt=0.01: warning: `dt` is 0.01 s; the audit in docs/integrators.md "
-            "supports up to 0.001 s with `semi_implicit_euler` (errors below 4 mm and 0.25 degrees "
-            "after a second of flight): take a smaller one, or `integrator: rk4`\n");
+  EXPECT_EQ(
+      coarse.err,
+      "--set stepping.dt=0.01: warning: `dt` is 0.01 s; the audit in docs/integrators.md "
+      "supports up to 0.001 s with `semi_implicit_euler` (errors below 4 mm and 0.25 degrees "
+      "after a second of flight): take a smaller one, or `integrator: rk4` with at most 0.004\n");
   const Outcome fine =
       run_skybody({"check", kHover, "--set", "stepping={dt: 0.004, integrator: rk4}"});
   EXPECT_EQ(fine.exit_code, 0);
