@@ -157,9 +157,10 @@ scenarios where that comes through. All go alone here; in batches the fixed step
 side in vector lanes, cvode and arkode one by one.
 
 The two stiff scenarios have cvode (BDF) because it asks for no step to be found first: at 1 ms
-fixed steps fail in them. It is not the cheapest that works. Where the stiffness is mild, as in
-boom, smaller fixed steps or explicit methods (`rk4` at 0.5 ms, `arkode` erk) may do better, as
-the tables below say; BDF and dirk are for modes that are far quicker than the motion and die out.
+fixed steps fault in boom and are millimetres off in hard_landing. It is not the cheapest that
+works. Where the stiffness is mild, as in boom, smaller fixed steps or explicit methods (`rk4` at
+0.5 ms, `arkode` erk) may do better, as the tables below say; BDF and dirk are for modes that are
+far quicker than the motion and die out.
 """
 
 

@@ -22,7 +22,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import environments
 import goals
@@ -215,24 +215,28 @@ def folder(text: str) -> pathlib.Path:
 def main() -> None:
     options = parse()
     if not SKYBODY.is_file():
-        print(f"peers.py: no {SKYBODY.relative_to(ROOT)}; ./dev build makes it", file=sys.stderr)
-        sys.exit(2)
+        refuse(f"no {SKYBODY.relative_to(ROOT)}; ./dev build makes it")
     check_outputs(options)
     with environments.alone():
         compare(options)
 
 
 def check_outputs(options: argparse.Namespace) -> None:
-    """Makes their folders, before anything is measured."""
+    """Refuses files that could not be written, before anything is measured."""
     for path in (options.json, options.picture, options.markdown):
         if path is None:
             continue
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.touch()
         except OSError as error:
-            print(f"peers.py: cannot write {path}: {error.strerror}", file=sys.stderr)
-            sys.exit(2)
+            refuse(f"cannot write {path}: {error.strerror}; give another file")
+        if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+            refuse(f"cannot write {path}; give a file in a folder of yours")
+
+
+def refuse(message: str) -> NoReturn:
+    print(f"peers.py: {message}", file=sys.stderr)
+    sys.exit(2)
 
 
 def compare(options: argparse.Namespace) -> None:

@@ -85,7 +85,7 @@ class ScenarioReader {
         "`dt` is " + format_number(stepping.dt) + " s; the audit in docs/integrators.md supports " +
             "up to " + format_number(audit.largest_dt) + " s with `" + reader.text("integrator") +
             "` (errors below " + audit.error + " after a second of flight): take a smaller one" +
-            (is_euler ? ", or `integrator: rk4` with at most 0.004" : ""));
+            (is_euler ? ", or `integrator: rk4` with at most 0.004 s" : ""));
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {
