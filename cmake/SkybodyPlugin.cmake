@@ -24,6 +24,7 @@ function(skybody_add_plugin name)
   if(TARGET skybody_build_flags)
     set(own_tree ON)
     target_link_libraries(${name} PRIVATE skybody_build_flags)
+    target_compile_options(${name} PRIVATE ${SKYBODY_KERNEL_OPTIONS})
   elseif(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
     target_compile_options(${name} PRIVATE -O3)  # nobody chose a build type: not the slowest, then
   endif()

@@ -52,6 +52,13 @@ if(SKYBODY_SANITIZE)
     -fsanitize=${SKYBODY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
 endif()
 
+# Kernels and plugins are templates that unfold into functions of 10^5 instructions. With AddressSanitizer's checks
+# between these, g++ takes minutes for a file that it optimises, and seconds for one that it does not.
+set(SKYBODY_KERNEL_OPTIONS "")
+if(SKYBODY_SANITIZE MATCHES "address")
+  set(SKYBODY_KERNEL_OPTIONS -O0)
+endif()
+
 # Flags and include folders of our own targets. It says nothing about the C++ standard, for the files that
 # include Simbody are C++17.
 add_library(skybody_build_flags INTERFACE)

@@ -8,10 +8,20 @@
 #include <cstdint>
 #include <cstring>
 
-/// Inlines into every caller at every optimisation level, so that a pack operation takes the
-/// instruction set of the function that uses it (`__attribute__((target(...), flatten))`). That set
-/// must contain the file's own -march: compile files that hold variants for the lowest one.
+/// SKYBODY_INLINE before a function, SKYBODY_INLINE_LAMBDA after a lambda's parameters: inlines
+/// into every caller at every optimisation level, so that a pack operation takes the instruction
+/// set of the function that uses it (`__attribute__((target(...), flatten))`). That set must
+/// contain the file's own -march: compile files that hold variants for the lowest one. Not under
+/// AddressSanitizer, whose checks make functions of that size take minutes to compile: there all
+/// kernels have the file's own instruction set (core/base/kernel_target.h), and calls between them
+/// give the same bits.
+#ifdef __SANITIZE_ADDRESS__
+#define SKYBODY_INLINE inline
+#define SKYBODY_INLINE_LAMBDA
+#else
 #define SKYBODY_INLINE inline __attribute__((always_inline))
+#define SKYBODY_INLINE_LAMBDA __attribute__((always_inline))
+#endif
 
 namespace skybody {
 namespace lanes {

@@ -140,11 +140,9 @@ template <int W>
 SKYBODY_INLINE std::uint32_t read_clipped(std::uint32_t octets, const float* rows,
                                           std::ptrdiff_t stride, int count, double* values) {
   std::uint32_t read = 0;
-  each_octet(
-      octets, [&](int first) __attribute__((always_inline)) {
-        if (read_octet<W>(rows + first * stride, stride, count, values + first))
-          read |= 0xffu << first;
-      });
+  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+    if (read_octet<W>(rows + first * stride, stride, count, values + first)) read |= 0xffu << first;
+  });
   return read;
 }
 
@@ -153,13 +151,12 @@ SKYBODY_INLINE void scale(std::uint32_t octets, const double* action, int count,
                           const double* high, double* command) {
   for (int k = 0; k < count; ++k, action += kGroupLanes, command += kGroupLanes) {
     const Pack<W> from(low[k]), range(high[k] - low[k]);
-    each_octet(
-        octets, [&](int first) __attribute__((always_inline)) {
-          for (int l = first; l < first + kOctet; l += W) {
-            const Pack<W> a = load_lanes<Pack<W>>(action + l);
-            store_lanes(command + l, from + 0.5 * (a + 1.0) * range);
-          }
-        });
+    each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+      for (int l = first; l < first + kOctet; l += W) {
+        const Pack<W> a = load_lanes<Pack<W>>(action + l);
+        store_lanes(command + l, from + 0.5 * (a + 1.0) * range);
+      }
+    });
   }
 }
 
@@ -167,12 +164,11 @@ SKYBODY_INLINE void scale(std::uint32_t octets, const double* action, int count,
 template <int W>
 SKYBODY_INLINE void copy_octets(std::uint32_t octets, const double* from, int count, double* to) {
   for (int k = 0; k < count; ++k, from += kGroupLanes, to += kGroupLanes) {
-    each_octet(
-        octets, [&](int first) __attribute__((always_inline)) {
-          for (int l = first; l < first + kOctet; l += W) {
-            store_lanes(to + l, load_lanes<Pack<W>>(from + l));
-          }
-        });
+    each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+      for (int l = first; l < first + kOctet; l += W) {
+        store_lanes(to + l, load_lanes<Pack<W>>(from + l));
+      }
+    });
   }
 }
 
@@ -193,18 +189,17 @@ SKYBODY_INLINE void copy(std::uint32_t lanes, const double* from, int count, dou
 template <int W>
 SKYBODY_INLINE std::uint32_t are_finite(std::uint32_t octets, const double* values, int count) {
   std::uint32_t finite = 0;
-  each_octet(
-      octets, [&](int first) __attribute__((always_inline)) {
-        Floats<W> sum{};
-        for (int k = 0; k < count; ++k) {
-          for (int l = first; l < first + kOctet; l += W) {
-            Floats<W> v;
-            to_floats(values + k * kGroupLanes + l, v);
-            sum += v;
-          }
-        }
-        if (is_finite(sum)) finite |= 0xffu << first;
-      });
+  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+    Floats<W> sum{};
+    for (int k = 0; k < count; ++k) {
+      for (int l = first; l < first + kOctet; l += W) {
+        Floats<W> v;
+        to_floats(values + k * kGroupLanes + l, v);
+        sum += v;
+      }
+    }
+    if (is_finite(sum)) finite |= 0xffu << first;
+  });
   return finite;
 }
 
@@ -214,7 +209,7 @@ SKYBODY_INLINE bool write_octet(const double* values, int count, float* rows) {
   for (int first = 0; first < kOctet; first += W) {
     const double* in = values + first;
     float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
-    const auto write_four = [&](int k) __attribute__((always_inline)) {
+    const auto write_four = [&](int k) SKYBODY_INLINE_LAMBDA {
       Floats<W> v[4];
       for (int i = 0; i < 4; ++i) {
         to_floats(in + (k + i) * kGroupLanes, v[i]);
@@ -247,11 +242,10 @@ template <int W>
 SKYBODY_INLINE std::uint32_t write(std::uint32_t octets, const double* values, int count,
                                    float* rows) {
   std::uint32_t finite = 0;
-  each_octet(
-      octets, [&](int first) __attribute__((always_inline)) {
-        float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
-        if (write_octet<W>(values + first, count, row)) finite |= 0xffu << first;
-      });
+  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+    float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
+    if (write_octet<W>(values + first, count, row)) finite |= 0xffu << first;
+  });
   return finite;
 }
 
@@ -261,17 +255,16 @@ SKYBODY_INLINE void end(std::uint32_t octets, const std::uint64_t* by_task,
                         std::uint64_t* rows) {
   using Words = Word<Pack<W>>;
   const Words last(horizon > 0 ? horizon : std::uint64_t{1} << 62), truncated(int{kTruncated});
-  each_octet(
-      octets, [&](int first) __attribute__((always_inline)) {
-        for (int l = first; l < first + kOctet; l += W) {
-          // All ones where the step is not below the last: their difference has no sign then.
-          const Words over = ((load_words<Pack<W>>(step + l) - last) >> 63) - 1;
-          const Words result = (load_words<Pack<W>>(by_task + l) & int{kTerminated | kTruncated}) |
-                               (over & truncated);
-          store_words(status + l, result);
-          store_words(rows + l, result);
-        }
-      });
+  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+    for (int l = first; l < first + kOctet; l += W) {
+      // All ones where the step is not below the last: their difference has no sign then.
+      const Words over = ((load_words<Pack<W>>(step + l) - last) >> 63) - 1;
+      const Words result =
+          (load_words<Pack<W>>(by_task + l) & int{kTerminated | kTruncated}) | (over & truncated);
+      store_words(status + l, result);
+      store_words(rows + l, result);
+    }
+  });
 }
 
 // One set of functions per instruction set. A macro, because the target is an attribute.

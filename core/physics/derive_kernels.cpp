@@ -18,7 +18,7 @@ SKYBODY_INLINE void derive(const PackCall& call, std::uint32_t lanes, double* de
     const MaskOf<Real> mask = mask_from_bits<Real>(bits);
     derive_rotors(
         call.world->world, call.world->derived, LaneValues<Real>(call.group->params + first),
-        [&](int k, const Real& value) __attribute__((always_inline)) {
+        [&](int k, const Real& value) SKYBODY_INLINE_LAMBDA {
           store_lanes(derived + static_cast<std::ptrdiff_t>(k) * kGroupLanes + first, value, mask);
         });
   }

@@ -80,9 +80,8 @@ class ForceModel {
       const BodyKinematics<Real>& body = in.bodies[group.body];
       const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
       const SpatialForce<Real> sum = rotor_forces(
-          group, rotors_.data(),
-          in.params, [&](int i) __attribute__((always_inline)) { return in.rotors[i]; }, velocity,
-          body.spin);
+          group, rotors_.data(), in.params,
+          [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; }, velocity, body.spin);
       forces[group.body].force += body.axes * sum.force;
       forces[group.body].moment += body.axes * sum.moment;
     }

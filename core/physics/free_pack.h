@@ -103,7 +103,7 @@ class FreePack {
   SKYBODY_INLINE MaskOf<Real> advance(const FreeRobot& robot, FreeMotion<Real>& motion,
                                       Real* end_speeds) const {
     const LaneValues<Real> q(at(call_.group.q, robot.q)), u(at(call_.group.u, robot.u));
-    const auto load = [&]() __attribute__((always_inline)) {
+    const auto load = [&]() SKYBODY_INLINE_LAMBDA {
       return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
     };
     using Step = FreeRobotStep<Real, LaneValues<Real>, Values, Values, kLevelRotors>;
@@ -148,14 +148,13 @@ template <int W, IntegratorChoice kIntegrator>
 SKYBODY_INLINE std::uint32_t advance_free(const PackCall& call, std::uint32_t lanes) {
   using Real = Pack<W>;
   const FreeCall free_call(call);
-  return for_packs<W>(
-      call, lanes,
-      [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-          __attribute__((always_inline)) {
-            FreePack<Real, std::decay_t<decltype(params)>, kIntegrator> pack(free_call, first,
-                                                                             params, derived);
-            return pack.advance(bits);
-          });
+  return for_packs<W>(call, lanes,
+                      [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+                          SKYBODY_INLINE_LAMBDA {
+                            FreePack<Real, std::decay_t<decltype(params)>, kIntegrator> pack(
+                                free_call, first, params, derived);
+                            return pack.advance(bits);
+                          });
 }
 
 /// The kernels of rk4, a file of their own; the others are chosen by choose_free_kernel.

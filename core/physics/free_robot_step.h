@@ -159,7 +159,7 @@ class FreeRobotStep {
                            rotors.force(height, world_.rate, velocity_in_body(body), body.spin));
     }
     speeds = Real(0.0);
-    const auto run = [&](int i) __attribute__((always_inline)) {
+    const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
       const RotorStep<Real> step = rotor_step(i - group.first);
       const Real end = step.at(kStepEnd).speed;
       end_speed[i - group.first] = end;
@@ -172,7 +172,7 @@ class FreeRobotStep {
   }
 
   SKYBODY_INLINE LevelRotors<Real> level_rotors_at(StageTime time) const {
-    const auto run = [&](int i) __attribute__((always_inline)) {
+    const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
       const RotorMotion<Real> rotor = rotor_step(i).at(time);
       return LevelRotors<Real>(factors_ + kRotorFactorCount * i, rotor.speed, rotor.acceleration);
     };
@@ -211,9 +211,8 @@ class FreeRobotStep {
       const double height = world_.rotors[static_cast<std::size_t>(group.first)].position.z;
       force = level.force(height, 1.0, velocity, body.spin);
     } else {
-      const auto run = [&](int i) __attribute__((always_inline)) {
-        return rotor_step(i - group.first).at(time);
-      };
+      const auto run = [&](int i)
+                           SKYBODY_INLINE_LAMBDA { return rotor_step(i - group.first).at(time); };
       force = sum_rotors<Real>(group, world_.rotors.data(), in_.params, run, velocity, body.spin);
     }
     const Accelerations a = accelerations(body, force);
@@ -233,7 +232,7 @@ class FreeRobotStep {
 
   /// Accelerations in rad/s a step: force() is told the rate.
   SKYBODY_INLINE LevelRotors<Real> run_level_rotors(Real* end_speed, Real& speeds) const {
-    const auto run = [&](int i) __attribute__((always_inline)) {
+    const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
       const RotorStep<Real> step = rotor_step(i);
       end_speed[i] = step.at(kStepEnd).speed;
       return LevelRotors<Real>(factors_ + kRotorFactorCount * i, step.at(kStepMiddle).speed,
@@ -262,17 +261,15 @@ class FreeRobotStep {
     const Vec3<Real>& f = rotors.force;
     // About the centre of mass, which most robots have on their z axis.
     const Vec3<Real> on_axis{moment.x + com.z * f.y, moment.y - com.z * f.x, moment.z};
-    moment = by_com(
-        com, on_axis, [&]() __attribute__((always_inline)) { return moment - cross(com, f); });
+    moment = by_com(com, on_axis, [&]() SKYBODY_INLINE_LAMBDA { return moment - cross(com, f); });
     add_outer_forces(body, com, inverse_mass, linear, moment);
     const Vec3<Real> momentum = turn(kBodyInertia, w);
     const Vec3<Real> angular = turn(kBodyInverseInertia, moment - cross(w, momentum));
     const Vec3<Real> axial{com.z * (angular.y + w.x * w.z), com.z * (w.y * w.z - angular.x),
                            -(com.z * (w.x * w.x + w.y * w.y))};
-    const Vec3<Real> com_from_origin = by_com(
-        com, axial, [&]() __attribute__((always_inline)) {
-          return cross(angular, com) + cross(w, cross(w, com));
-        });
+    const Vec3<Real> com_from_origin = by_com(com, axial, [&]() SKYBODY_INLINE_LAMBDA {
+      return cross(angular, com) + cross(w, cross(w, com));
+    });
     linear += body.axes * (f * inverse_mass - com_from_origin);
     return {linear, angular};
   }

@@ -37,14 +37,14 @@ struct Steps {
 
   template <IntegratorChoice kIntegrator>
   static SKYBODY_INLINE std::uint32_t advance(const PackCall& call, std::uint32_t lanes) {
-    return for_packs<W>(
-        call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            __attribute__((always_inline)) {
-              using Values = std::decay_t<decltype(params)>;
-              PackMechanics<Real, Values, kIntegrator> mechanics(call, first, params, derived);
-              return bits_from_mask(mechanics.advance(mask_from_bits<Real>(bits)));
-            });
+    return for_packs<W>(call, lanes,
+                        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+                            SKYBODY_INLINE_LAMBDA {
+                              using Values = std::decay_t<decltype(params)>;
+                              PackMechanics<Real, Values, kIntegrator> mechanics(call, first,
+                                                                                 params, derived);
+                              return bits_from_mask(mechanics.advance(mask_from_bits<Real>(bits)));
+                            });
   }
 };
 

@@ -176,7 +176,7 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
                                                const Params& params, Motion&& motion,
                                                const Vec3<Real>& velocity, const Vec3<Real>& spin) {
   if (!group.is_level) return sum_rotors<Real>(group, places, params, motion, velocity, spin);
-  const auto alone = [&](int i) __attribute__((always_inline)) {
+  const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
     Real factors[kRotorFactorCount];
     make_rotor_factors(params + places[i].params, places[i], factors);
     const RotorMotion<Real> rotor = motion(i);

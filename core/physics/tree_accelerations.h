@@ -123,12 +123,11 @@ class Forest {
       ArticulatedInertia<Real> inertia = w.inertia;
       SpatialForce<Real> bias = w.bias;
       if (!is_held(tree, i) && body.type != JointType::kWeld) {
-        with_columns(
-            body, [&](auto columns) __attribute__((always_inline)) {
-              using Columns = decltype(columns);
-              eliminate<Columns>(joint_forces + body.u, w);
-              if (body.parent >= 0) reduce<Columns>(w, inertia, bias);
-            });
+        with_columns(body, [&](auto columns) SKYBODY_INLINE_LAMBDA {
+          using Columns = decltype(columns);
+          eliminate<Columns>(joint_forces + body.u, w);
+          if (body.parent >= 0) reduce<Columns>(w, inertia, bias);
+        });
       } else {
         const SpatialForce<Real> drifting = inertia * w.drift;
         bias.moment += drifting.moment;
@@ -187,10 +186,9 @@ class Forest {
         follow_ball(body, motion[i], work.ball[i], a, udot + body.u);
         continue;
       }
-      with_columns(
-          body, [&](auto columns) __attribute__((always_inline)) {
-            substitute<decltype(columns)>(w, a, udot + body.u);
-          });
+      with_columns(body, [&](auto columns) SKYBODY_INLINE_LAMBDA {
+        substitute<decltype(columns)>(w, a, udot + body.u);
+      });
     }
   }
 
