@@ -86,6 +86,17 @@ CLI::Validator whole_number(std::uint64_t min, std::uint64_t max) {
   return {check, "", "whole number"};
 }
 
+CLI::Validator number_within(double min, double max) {
+  const std::string range = format_number(min) + ".." + format_number(max);
+  const auto check = [min, max, range](const std::string& text) -> std::string {
+    const std::optional<double> value = parse_number(text);
+    if (!value) return "`" + text + "` is not a number; allowed: " + range;
+    if (*value >= min && *value <= max) return "";  // not true of NaN
+    return text + " is out of range; allowed: " + range;
+  };
+  return {check, "", "number"};
+}
+
 CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words) {
   const auto check = [noun, words](const std::string& text) -> std::string {
     if (std::find(words.begin(), words.end(), text) != words.end()) return "";

@@ -11,6 +11,9 @@ namespace skybody {
 /// Accepts whole numbers in min..max, in decimal digits.
 CLI::Validator whole_number(std::uint64_t min, std::uint64_t max);
 
+/// Accepts finite numbers in min..max. (CLI::Range takes NaN, and says nothing of what is allowed.)
+CLI::Validator number_within(double min, double max);
+
 /// Accepts one of `words`. @param noun  what it is, such as "policy"
 CLI::Validator one_of(const std::string& noun, const std::vector<std::string>& words);
 

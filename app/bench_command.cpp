@@ -175,7 +175,7 @@ void add_bench_command(CLI::App& app, Action& chosen) {
   add_vec_env_options(*command, options->envs);
   command->add_option("--seconds", options->seconds, "Time to measure, after a warm-up (5)")
       ->type_name("S")
-      ->check(CLI::Range(0.05, 86400.0));
+      ->check(number_within(0.05, 86400.0));
   command->add_option("--actions", options->actions, "hold, zero or random (hold)")
       ->type_name("WHICH")
       ->check(one_of("actions", BatchActions::names()));
