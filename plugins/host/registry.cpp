@@ -60,25 +60,28 @@ PluginEntry unusable(const fs::path& file, const std::string& name, const std::s
   return entry;
 }
 
+/// How to make a library promise what it holds.
+std::string remedy(const PromisingFile& found) {
+  if (!found.sidecar.empty()) return "mend " + found.sidecar.string();
+  return "write the names of its plugins into " +
+         fs::path(found.file).replace_extension(".plugins").string() + ", one a line";
+}
+
 /// What is said where a library does not hold the plugin `name` that `found` promises.
 std::string broken_promise(const PromisingFile& found, const std::string& name,
                            const std::vector<PluginEntry>& held) {
   std::string list;
   for (const PluginEntry& entry : held) list += (list.empty() ? "" : ", ") + described(entry);
-  const std::string remedy = found.sidecar.empty()
-                                 ? "rename it, or write what it holds into " +
-                                       fs::path(found.file).replace_extension(".plugins").string() +
-                                       ", one name a line"
-                                 : "mend " + found.sidecar.string();
-  return PluginLoadError(LoadFailure::kOtherPlugin, found.file,
-                         "promises a plugin `" + name + "`, but holds " + list + ": " + remedy)
+  return PluginLoadError(
+             LoadFailure::kOtherPlugin, found.file,
+             "promises a plugin `" + name + "`, but holds " + list + ": " + remedy(found))
       .what();
 }
 
 std::string no_promise(const PromisingFile& found, const PluginEntry& entry) {
-  return PluginLoadError(LoadFailure::kOtherPlugin, found.file,
-                         "holds " + described(entry) + ", which its sidecar does not promise: " +
-                             "write the line `" + entry.name + "` into " + found.sidecar.string())
+  return PluginLoadError(
+             LoadFailure::kOtherPlugin, found.file,
+             "holds " + described(entry) + ", which it does not promise: " + remedy(found))
       .what();
 }
 
@@ -87,6 +90,27 @@ std::string no_promise(const PromisingFile& found, const PluginEntry& entry) {
 bool PluginRegistry::File::promises(std::string_view name) const {
   return std::any_of(found.begin(), found.end(),
                      [name](const PromisingFile& file) { return file.promises(name); });
+}
+
+/// What a library holds, against what it promises.
+std::vector<PluginEntry> PluginRegistry::compare(const File& file, std::vector<PluginEntry> held) {
+  std::vector<PluginEntry> entries;
+  for (const PromisingFile& found : file.found) {
+    for (const std::string& name : found.names) {
+      const bool holds = std::any_of(held.begin(), held.end(),
+                                     [&name](const PluginEntry& e) { return e.name == name; });
+      if (!holds) entries.push_back(unusable(file.path, name, broken_promise(found, name, held)));
+    }
+  }
+  const bool kept = entries.empty();
+  for (PluginEntry& entry : held) {
+    if (file.promises(entry.name)) {
+      entries.push_back(std::move(entry));
+    } else if (kept) {  // otherwise the message about the broken promise names it
+      entries.push_back(unusable(file.path, entry.name, no_promise(file.found.front(), entry)));
+    }
+  }
+  return entries;
 }
 
 PluginRegistry::PluginRegistry(const std::vector<fs::path>& search_path, RefusedFiles refused)
@@ -122,7 +146,9 @@ void PluginRegistry::check_trust(const File& file) const {
   std::string problem = trust_problem(file.path);
   for (const PromisingFile& found : file.found) {
     if (!problem.empty()) break;
-    problem = trust_problem(fs::canonical(found.file.parent_path()) / found.file.filename());
+    std::error_code failed;  // gives an empty folder, which is not trusted
+    const fs::path folder = fs::canonical(found.file.parent_path(), failed);
+    problem = trust_problem(folder / found.file.filename());
   }
   if (!problem.empty()) throw PluginLoadError(LoadFailure::kNotTrusted, file.path, problem);
 }
@@ -139,31 +165,16 @@ std::shared_ptr<PluginLibrary> PluginRegistry::load(const File& file) const {
 void PluginRegistry::open(File& file) const {
   if (file.open) return;
   file.open = true;
-  std::vector<PluginEntry> held;
-  std::string failure;
   try {
-    held = entries_of(load(file));
+    file.entries = compare(file, entries_of(load(file)));
   } catch (const PluginLoadError& e) {
-    failure = e.what();
-  }
-  bool kept = true;
-  for (const PromisingFile& found : file.found) {
-    for (const std::string& name : found.names) {
-      const bool holds = std::any_of(held.begin(), held.end(),
-                                     [&name](const PluginEntry& e) { return e.name == name; });
-      if (holds) continue;
-      kept = false;
-      file.entries.push_back(
-          unusable(file.path, name, failure.empty() ? broken_promise(found, name, held) : failure));
+    for (const PromisingFile& found : file.found) {
+      for (const std::string& name : found.names) {
+        file.entries.push_back(unusable(file.path, name, e.what()));
+      }
     }
-  }
-  for (PluginEntry& entry : held) {
-    if (file.promises(entry.name)) {
-      file.entries.push_back(std::move(entry));
-    } else if (kept) {  // otherwise the message about the broken promise names it
-      file.entries.push_back(
-          unusable(file.path, entry.name, no_promise(file.found.front(), entry)));
-    }
+    if (!file.entries.empty()) return;
+    file.entries.push_back(unusable(file.path, file.path.stem().string(), e.what()));
   }
 }
 

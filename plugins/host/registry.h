@@ -68,6 +68,7 @@ class PluginRegistry {
     bool promises(std::string_view name) const;
   };
 
+  static std::vector<PluginEntry> compare(const File& file, std::vector<PluginEntry> held);
   void add_folder(const std::filesystem::path& folder);
   void check_trust(const File& file) const;
   std::shared_ptr<PluginLibrary> load(const File& file) const;

@@ -136,9 +136,10 @@ TEST_F(Marked, MustHoldWhatItsNamePromises) {
   EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark"), nullptr);
   EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "wind")->failure,
             file +
-                ": promises a plugin `wind`, but holds controller `leaves_a_mark`: rename it, "
-                "or write what it holds into " +
-                (folder.path() / "wind.plugins").string() + ", one name a line");
+                ": promises a plugin `wind`, but holds controller `leaves_a_mark`: write the names "
+                "of its "
+                "plugins into " +
+                (folder.path() / "wind.plugins").string() + ", one a line");
 }
 
 TEST_F(Marked, IsFoundByItsSidecar) {
@@ -168,9 +169,18 @@ TEST_F(Marked, MustBePromisedByASidecarToBeUsed) {
   ASSERT_EQ(registry.open_all().size(), 1u);
   EXPECT_EQ(registry.open_all()[0]->failure,
             (folder.path() / "wind.so").string() +
-                ": holds controller `leaves_a_mark`, which its sidecar does not promise: write the "
-                "line `leaves_a_mark` into " +
+                ": holds controller `leaves_a_mark`, which it does not promise: mend " +
                 (folder.path() / "wind.plugins").string());
+}
+
+TEST(PluginRegistry, ListsABrokenFileThatPromisesNothing) {
+  const test::Folder folder;
+  std::ofstream(folder.path() / "wind.so") << "no library";
+  std::ofstream(folder.path() / "wind.plugins");
+  const PluginRegistry registry({folder.path()});
+  ASSERT_EQ(registry.open_all().size(), 1u);
+  EXPECT_EQ(registry.open_all()[0]->name, "wind");
+  EXPECT_THAT(registry.open_all()[0]->failure, HasSubstr("cannot be loaded"));
 }
 
 TEST_F(Marked, IsNotOpenedWhenItIsRefused) {
