@@ -24,6 +24,7 @@ namespace skybody {
 namespace {
 
 constexpr const char* kAgain = "; build or copy it again";
+constexpr const char* kNoFile = "is no regular file, but a device, a pipe or a folder";
 /// Names of all symbols of one library: those of LLVM take 20 MB. More is a damaged size.
 constexpr std::uint64_t kMostNameBytes = 64u << 20;
 
@@ -31,10 +32,11 @@ constexpr std::uint64_t kMostNameBytes = 64u << 20;
 class Mapping {
  public:
   explicit Mapping(const std::filesystem::path& file) {
-    // Without blocking: the other end of a pipe may never be opened.
+    struct stat status {};
+    if (stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) fail(file, kNoFile);
+    // Without blocking, should it have become a pipe meanwhile, whose other end is never opened.
     const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0) fail(file, "cannot be opened: " + std::string(std::strerror(errno)));
-    struct stat status {};
     const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
     if (is_file && status.st_size > 0) {
       size_ = static_cast<std::uint64_t>(status.st_size);
@@ -42,7 +44,7 @@ class Mapping {
     }
     const std::string reason = std::strerror(errno);
     close(descriptor);
-    if (!is_file) fail(file, "is no regular file, but a device, a pipe or a folder");
+    if (!is_file) fail(file, kNoFile);
     if (memory_ == MAP_FAILED) fail(file, "cannot be read: " + reason);
   }
   ~Mapping() {

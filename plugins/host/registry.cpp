@@ -158,7 +158,8 @@ std::shared_ptr<PluginLibrary> PluginRegistry::load(const File& file) const {
   if (const auto refused = refused_.find(file.path); refused != refused_.end()) {
     throw PluginLoadError(LoadFailure::kEndsProcess, file.path, refused->second);
   }
-  if (!file.shipped) check_trust(file);
+  std::error_code ignored;  // what is no file is refused without being opened
+  if (!file.shipped && fs::is_regular_file(file.path, ignored)) check_trust(file);
   return std::make_shared<PluginLibrary>(file.path);
 }
 

@@ -173,6 +173,15 @@ TEST_F(Marked, MustBePromisedByASidecarToBeUsed) {
                 (folder.path() / "wind.plugins").string());
 }
 
+/// The remedy for a file that others may write would be wrong for a device.
+TEST(PluginRegistry, RefusesDevicesAsSuch) {
+  const test::Folder folder;
+  std::filesystem::create_symlink("/dev/zero", folder.path() / "zero.so");
+  const PluginRegistry registry({folder.path()});
+  EXPECT_EQ(registry.find(SKYBODY_TASK, "zero")->failure,
+            "/dev/zero: is no regular file, but a device, a pipe or a folder");
+}
+
 TEST(PluginRegistry, ListsABrokenFileThatPromisesNothing) {
   const test::Folder folder;
   std::ofstream(folder.path() / "wind.so") << "no library";
