@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <boost/dll/shared_library.hpp>
 #include <string>
 
@@ -28,6 +29,9 @@ std::string linker_message(const std::filesystem::path& file) {
   std::string message = text != nullptr ? text : "the dynamic linker gives no reason";
   const std::string prefix = file.string() + ": ";
   if (message.compare(0, prefix.size(), prefix) == 0) message.erase(0, prefix.size());
+  // It quotes names of symbols and libraries, which in a damaged file are any bytes.
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return c < 0x20 || c > 0x7e; }, '?');
   return message;
 }
 
@@ -59,31 +63,42 @@ void check_sizes(const std::filesystem::path& file, const SkybodyPluginLibrary& 
 
 }  // namespace
 
+/// Unloads the library at its end, also where the constructor of PluginLibrary refuses it.
 struct PluginLibrary::Handle {
+  explicit Handle(std::filesystem::path path) : file(std::move(path)) {}
+  ~Handle() {
+    const FpEnvironment unloading;
+    const PluginPhase phase(file, "while it is unloaded");
+    library.unload();
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+
   /// An exception of the library's start-up code ends the process here: it cannot pass the dynamic
   /// linker, whose lock it would leave taken.
-  bool load(const std::filesystem::path& file) noexcept {
+  bool load() noexcept {
     boost::system::error_code failed;
     library.load(file.string(), failed,
                  boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
     return !failed && library.is_loaded();
   }
 
+  std::filesystem::path file;
   boost::dll::shared_library library;
 };
 
-PluginLibrary::PluginLibrary(const std::filesystem::path& file)
-    : file_(file), handle_(std::make_unique<Handle>()) {
+PluginLibrary::PluginLibrary(const std::filesystem::path& file) : file_(file) {
   std::error_code not_found;
   file_ = std::filesystem::canonical(file, not_found);
   if (not_found) refuse(LoadFailure::kNotLoadable, file, "there is no such file");
   check_library_file(file_);
+  handle_ = std::make_unique<Handle>(file_);
 
   const PluginPhase phase(file_, "while it is loaded");
   {
     const FpEnvironment
         loading;  // start-up code of -Ofast libraries changes the mode; this undoes it
-    if (!handle_->load(file_)) {
+    if (!handle_->load()) {
       refuse(LoadFailure::kNotLoadable, file_,
              "cannot be loaded: " + linker_message(file_) + "; build or copy it again");
     }
@@ -128,10 +143,6 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file)
   }
 }
 
-PluginLibrary::~PluginLibrary() {
-  const FpEnvironment unloading;
-  const PluginPhase phase(file_, "while it is unloaded");
-  handle_.reset();
-}
+PluginLibrary::~PluginLibrary() = default;
 
 }  // namespace skybody

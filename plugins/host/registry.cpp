@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "plugins/host/breadcrumb.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/kind.h"
 #include "plugins/host/trust.h"
@@ -36,6 +37,7 @@ void refuse_twins(const std::vector<PluginEntry*>& entries) {
 }
 
 std::vector<PluginEntry> entries_of(const std::shared_ptr<PluginLibrary>& library) {
+  const PluginPhase phase(library->file(), "while its description is read");
   std::vector<PluginEntry> entries;
   for (const SkybodyPlugin* plugin : library->plugins()) {
     PluginEntry& entry = entries.emplace_back();

@@ -136,6 +136,7 @@ TEST_F(Stranger, InAReplaysPluginPathIsNamedAndNotRun) {
   EXPECT_EQ(trusted.exit_code, 0) << trusted.err;
   EXPECT_EQ(trusted.err, "");
   EXPECT_THAT(trusted.out, StartsWith("identical"));
+  EXPECT_EQ(run({"replay", "run.h5", "--trust-scenario"}).exit_code, 0);
 }
 
 /// A bare name is the same file as ./name: includes, models and plugins are found from it.
@@ -225,12 +226,14 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.plugin; });
 
 TEST_F(Stranger, ThatEndsTheProcessWhenUnloadedIsNamedByLists) {
+  const std::string unloaded = ".so: ends the process while it is unloaded (exit status 0)";
   put("exits_when_unloaded", "plugins");
+  put("exits_when_refused", "plugins");
   const Outcome listed = run({"plugins", "--plugin-path", "plugins"});
   EXPECT_EQ(listed.exit_code, 0) << listed.err;
-  EXPECT_THAT(listed.out,
-              AllOf(HasSubstr("rotor_speed"), HasSubstr("cannot be used:"),
-                    HasSubstr("ends the process while it is unloaded (exit status 0)")));
+  EXPECT_THAT(listed.out, AllOf(HasSubstr("rotor_speed"), HasSubstr("cannot be used:"),
+                                HasSubstr("exits_when_unloaded" + unloaded),
+                                HasSubstr("exits_when_refused" + unloaded)));
 }
 
 }  // namespace
