@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "app/command.h"
+#include "app/plugin_child.h"
 #include "app/scenario_options.h"
 #include "app/text_table.h"
 #include "core/base/hash.h"
@@ -46,7 +47,8 @@ std::string parameter_table(const Environment& environment) {
   return table.to_string();
 }
 
-int check(const CheckOptions& options) {
+int check(CheckOptions options, const RefusedFiles& refused) {
+  options.load.refused_plugins = refused;
   const auto environment = load_and_warn(options.load);
   std::printf("%s\n", describe(*environment).c_str());
   if (options.parameters) std::printf("\n%s", parameter_table(*environment).c_str());
@@ -62,7 +64,11 @@ void add_check_command(CLI::App& app, Action& chosen) {
   add_scenario_options(*command, options->load);
   command->add_flag("--parameters", options->parameters,
                     "List all randomizable values: path, unit, nominal, least, greatest");
-  command->callback([options, &chosen] { chosen = [options] { return check(*options); }; });
+  command->callback([options, &chosen] {
+    chosen = [options] {
+      return run_in_child([&](const RefusedFiles& refused) { return check(*options, refused); });
+    };
+  });
 }
 
 }  // namespace skybody

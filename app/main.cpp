@@ -3,14 +3,12 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <cstdio>
-#include <exception>
 #include <string>
 
 #include "app/arguments.h"
 #include "app/command.h"
-#include "core/io/diagnostics.h"
-#include "core/model/marked_error.h"
+#include "app/plugin_exit.h"
+#include "app/report.h"
 #include "core/version.h"
 
 namespace skybody {
@@ -44,53 +42,22 @@ void declare_commands(CLI::App& app, Action& chosen) {
   add_new_command(app, chosen);
 }
 
-int print_error(const std::string& message) {
-  std::fflush(stdout);
-  std::fprintf(stderr, "%s\n", message.c_str());
-  return kExitError;
-}
-
-int print_diagnostics(const InputError& error) {
-  std::string text;
-  for (const Diagnostic& diagnostic : error.diagnostics()) {
-    text += (text.empty() ? "" : "\n") + diagnostic.to_string();
-  }
-  return print_error(text);
-}
-
-/// Runs what the command line chose; every failure becomes one message.
-int run_chosen(const Action& chosen) {
-  try {
-    return chosen();
-  } catch (const InputError& error) {
-    return print_diagnostics(error);
-  } catch (const MarkedError& error) {
-    return print_error(Diagnostic{Severity::kError, error.mark(), error.what()}.to_string());
-  } catch (const Error& error) {
-    return print_error(std::string("error: ") + error.what());
-  } catch (const std::bad_alloc&) {
-    return print_error("error: out of memory");
-  } catch (const std::exception& error) {
-    print_error(std::string("internal error: ") + error.what());
-    return kExitBug;
-  }
-}
-
 int run_program(int count, const char* const* arguments) {
   set_up_log();
+  name_plugins_that_end_the_program();
   CLI::App app("Skybody, a deterministic simulator for learning to fly", "skybody");
   Action chosen;
   declare_commands(app, chosen);
   const std::string wrong_name = check_command_name(app, count, arguments);
-  if (!wrong_name.empty()) return print_error("error: " + wrong_name);
+  if (!wrong_name.empty()) return report_error("error: " + wrong_name);
   try {
     app.parse(count, arguments);
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
-    return print_error("error: " + describe_usage_error(app, error));
+    return report_error("error: " + describe_usage_error(app, error));
   }
-  return run_chosen(chosen);
+  return run_and_report(chosen);
 }
 
 }  // namespace

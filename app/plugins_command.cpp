@@ -1,8 +1,10 @@
 // skybody plugins: what was found on the search path.
 #include <cstdio>
+#include <set>
 
 #include "app/command.h"
 #include "app/parameter_table.h"
+#include "app/plugin_child.h"
 #include "app/scenario_options.h"
 #include "app/text_table.h"
 #include "core/base/error.h"
@@ -27,34 +29,35 @@ struct PluginsOptions {
   std::string markdown;  ///< KIND/NAME
 };
 
+using Entries = std::vector<const PluginEntry*>;
+
 std::string count_of(const PluginEntry& entry) { return std::to_string(entry.parameters.size()); }
 
-void print_usable(const PluginRegistry& registry) {
+void print_usable(const Entries& entries) {
   TextTable table({"name", "kind", "version", "lanes", "parameters", "file"});
-  for (const PluginEntry& entry : registry.entries()) {
-    if (!entry.failure.empty()) continue;
-    table.add({entry.name, std::string(kind_name(entry.kind)), entry.version,
-               entry.vectorized ? "yes" : "no", count_of(entry), entry.file.string()});
+  for (const PluginEntry* entry : entries) {
+    if (!entry->failure.empty()) continue;
+    table.add({entry->name, std::string(kind_name(entry->kind)), entry->version,
+               entry->vectorized ? "yes" : "no", count_of(*entry), entry->file.string()});
   }
   if (!table.empty()) std::fputs(table.to_string().c_str(), stdout);
 }
 
-void print_details(const PluginRegistry& registry) {
-  for (const PluginEntry& entry : registry.entries()) {
-    if (!entry.failure.empty()) continue;
-    std::printf("\n%s %s %s: %s\n", std::string(kind_name(entry.kind)).c_str(), entry.name.c_str(),
-                entry.version.c_str(), entry.doc.c_str());
-    if (!entry.parameters.empty()) std::fputs(parameter_lines(entry.parameters).c_str(), stdout);
+void print_details(const Entries& entries) {
+  for (const PluginEntry* entry : entries) {
+    if (!entry->failure.empty()) continue;
+    std::printf("\n%s %s %s: %s\n", std::string(kind_name(entry->kind)).c_str(),
+                entry->name.c_str(), entry->version.c_str(), entry->doc.c_str());
+    if (!entry->parameters.empty()) std::fputs(parameter_lines(entry->parameters).c_str(), stdout);
   }
 }
 
-void print_failures(const PluginRegistry& registry) {
-  bool first = true;
-  for (const PluginEntry& entry : registry.entries()) {
-    if (entry.failure.empty()) continue;
-    if (first) std::printf("\ncannot be used:\n");
-    first = false;
-    std::printf("  %s: %s\n", entry.file.c_str(), entry.failure.c_str());
+void print_failures(const Entries& entries) {
+  std::set<std::string> said;  // a file that promises several plugins fails for each of them
+  for (const PluginEntry* entry : entries) {
+    if (entry->failure.empty() || !said.insert(entry->failure).second) continue;
+    if (said.size() == 1) std::printf("\ncannot be used:\n");
+    std::printf("  %s\n", entry->failure.c_str());
   }
 }
 
@@ -66,28 +69,29 @@ void print_places(const PluginRegistry& registry) {
 }
 
 /// KIND/NAME -> the entry. @throws Error with what there is
-const PluginEntry& require_plugin(const PluginRegistry& registry,
-                                  const std::string& kind_and_name) {
+const PluginEntry& require_plugin(const Entries& entries, const std::string& kind_and_name) {
   std::vector<std::string> known;
-  for (const PluginEntry& entry : registry.entries()) {
-    if (!entry.failure.empty()) continue;
-    known.push_back(std::string(kind_name(entry.kind)) + "/" + entry.name);
-    if (known.back() == kind_and_name) return entry;
+  for (const PluginEntry* entry : entries) {
+    if (!entry->failure.empty()) continue;
+    known.push_back(std::string(kind_name(entry->kind)) + "/" + entry->name);
+    if (known.back() == kind_and_name) return *entry;
   }
   throw Error("--markdown: there is no plugin `" + kind_and_name + "`" +
               suggestion(kind_and_name, known, "there are"));
 }
 
-int list_plugins(const PluginsOptions& options) {
+int list_plugins(PluginsOptions options, const RefusedFiles& refused) {
+  options.load.refused_plugins = refused;
   const std::shared_ptr<const PluginRegistry> registry = find_plugins(options.load);
+  const Entries entries = registry->open_all();
   if (!options.markdown.empty()) {
-    const PluginEntry& entry = require_plugin(*registry, options.markdown);
+    const PluginEntry& entry = require_plugin(entries, options.markdown);
     std::fputs(parameter_markdown(entry.parameters).c_str(), stdout);
     return kExitDone;
   }
-  print_usable(*registry);
-  if (options.verbose) print_details(*registry);
-  print_failures(*registry);
+  print_usable(entries);
+  if (options.verbose) print_details(entries);
+  print_failures(entries);
   print_places(*registry);
   return kExitDone;
 }
@@ -102,7 +106,12 @@ void add_plugins_command(CLI::App& app, Action& chosen) {
   command->add_flag("--verbose", options->verbose, "With every parameter of every plugin");
   command->add_option("--markdown", options->markdown, "Print one plugin's parameters in Markdown")
       ->type_name("KIND/NAME");
-  command->callback([options, &chosen] { chosen = [options] { return list_plugins(*options); }; });
+  command->callback([options, &chosen] {
+    chosen = [options] {
+      return run_in_child(
+          [&](const RefusedFiles& refused) { return list_plugins(*options, refused); });
+    };
+  });
 }
 
 }  // namespace skybody

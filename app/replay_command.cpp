@@ -1,6 +1,7 @@
 // skybody replay: runs a recording again, or compares two, and says where they part.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -31,7 +32,7 @@ constexpr const char* kFooter =
 struct ReplayOptions {
   std::filesystem::path file, against;
   std::string scenario;
-  LoadOptions load;  ///< plugin path alone
+  LoadOptions load;  ///< where to look for plugins, alone
   int threads = 0;
 };
 
@@ -48,12 +49,28 @@ void warn_of_version(const ReplayReader& replay) {
                replay.file().string(), recorded, version());
 }
 
-/// The plugin path of the command line goes before the recording's.
+/// Names the recorded folders that the command line does not.
+void warn_of_plugin_path(const ReplayOptions& options, const ReplayReader& replay) {
+  const std::vector<std::filesystem::path>& given = options.load.plugin_path;
+  for (const std::string& folder : replay.header().plugin_path) {
+    const auto same = [&folder](const std::filesystem::path& other) {
+      std::error_code ignored;
+      return std::filesystem::equivalent(folder, other, ignored);
+    };
+    if (std::any_of(given.begin(), given.end(), same)) continue;
+    spdlog::warn(
+        "{} was recorded with plugins from {}, which is not searched; if you trust it: "
+        "--plugin-path {}",
+        replay.file().string(), folder, folder);
+  }
+}
+
+/// Plugins are looked for where the command line says, not where the recording says.
 LoadOptions load_options(const ReplayOptions& options, const ReplayHeader& header) {
   LoadOptions load = replay_load_options(header);
   if (!options.scenario.empty()) load.scenario = options.scenario;
-  load.plugin_path.insert(load.plugin_path.begin(), options.load.plugin_path.begin(),
-                          options.load.plugin_path.end());
+  load.plugin_path = options.load.plugin_path;
+  load.trust_scenario = options.load.trust_scenario;
   return load;
 }
 
@@ -66,6 +83,7 @@ int replay(const ReplayOptions& options) {
                     options.against.string());
   }
   warn_of_version(recording);
+  warn_of_plugin_path(options, recording);
   const auto environment = load_and_warn(load_options(options, recording.header()));
   return conclude(play(recording, environment, options.threads), recording.header(), "recorded",
                   "replayed");
@@ -92,6 +110,7 @@ void add_replay_command(CLI::App& app, Action& chosen) {
       ->type_name("FILE")
       ->excludes(against);
   add_plugin_path(*command, options->load);
+  add_trust_scenario(*command, options->load);
   command->callback([options, &chosen] { chosen = [options] { return replay(*options); }; });
 }
 

@@ -15,6 +15,11 @@ void add_plugin_path(CLI::App& command, LoadOptions& options) {
       ->take_all();
 }
 
+void add_trust_scenario(CLI::App& command, LoadOptions& options) {
+  command.add_flag("--trust-scenario", options.trust_scenario,
+                   "Search the scenario's folder and its subfolder plugins, too");
+}
+
 void add_scenario_options(CLI::App& command, LoadOptions& options) {
   command.add_option("SCENARIO", options.scenario, "YAML file, or the name of a shipped scenario")
       ->required()
@@ -28,6 +33,7 @@ void add_scenario_options(CLI::App& command, LoadOptions& options) {
       ->delimiter('\0')
       ->take_all();
   add_plugin_path(command, options);
+  add_trust_scenario(command, options);
 }
 
 std::shared_ptr<const Environment> load_and_warn(const LoadOptions& options) {

@@ -8,10 +8,13 @@
 
 namespace skybody {
 
-/// Declares SCENARIO, --set and --plugin-path.
+/// Declares SCENARIO, --set, --plugin-path and --trust-scenario.
 void add_scenario_options(CLI::App& command, LoadOptions& options);
 /// Declares --plugin-path alone.
 void add_plugin_path(CLI::App& command, LoadOptions& options);
+
+/// Declares --trust-scenario alone.
+void add_trust_scenario(CLI::App& command, LoadOptions& options);
 
 /// Loads it and prints its warnings.
 /// @throws InputError with errors and warnings

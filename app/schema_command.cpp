@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "app/command.h"
+#include "app/plugin_child.h"
 #include "app/scenario_options.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/schema.h"
@@ -17,8 +18,11 @@ constexpr const char* kFooter =
     "  skybody schema > scenario.schema.json\n"
     "  skybody schema --markdown               the tables of docs/scenarios.md";
 
-int print_schema(const LoadOptions& options) {
-  const auto catalog = make_catalog(find_plugins(options));
+int print_schema(LoadOptions options, const RefusedFiles& refused) {
+  options.refused_plugins = refused;
+  const auto registry = find_plugins(options);
+  registry->open_all();
+  const auto catalog = make_catalog(registry);
   const std::string schema = scenario_schema(*catalog);
   std::fputs(schema.c_str(), stdout);
   if (schema.empty() || schema.back() != '\n') std::fputc('\n', stdout);
@@ -40,7 +44,11 @@ void add_schema_command(CLI::App& app, Action& chosen) {
   const auto markdown = std::make_shared<bool>(false);
   command->add_flag("--markdown", *markdown, "Print the keys as Markdown tables instead");
   command->callback([options, markdown, &chosen] {
-    chosen = [options, markdown] { return *markdown ? print_tables() : print_schema(*options); };
+    chosen = [options, markdown] {
+      if (*markdown) return print_tables();
+      return run_in_child(
+          [&](const RefusedFiles& refused) { return print_schema(*options, refused); });
+    };
   });
 }
 

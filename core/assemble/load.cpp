@@ -1,5 +1,6 @@
 #include "core/assemble/load.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -18,21 +19,34 @@ namespace {
 
 SkybodyKind to_c(PluginKind kind) { return static_cast<SkybodyKind>(kind); }
 
+/// Why a library beside the scenario is not opened, and what opens it.
+std::string not_searched(const std::filesystem::path& file) {
+  const std::string folder = file.parent_path().string();
+  return file.string() +
+         " lies beside the scenario and is not opened; if you trust it: --trust-scenario, "
+         "--plugin-path " +
+         folder + " or SKYBODY_PLUGIN_PATH=" + folder + " (in Python plugin_path)";
+}
+
 /// The registry in the scenario reader's terms.
 class RegistryCatalog : public PluginCatalog {
  public:
-  explicit RegistryCatalog(std::shared_ptr<const PluginRegistry> registry)
-      : registry_(std::move(registry)) {}
+  /// @param beside  what lies beside the scenario and is not searched, see bystanders()
+  explicit RegistryCatalog(std::shared_ptr<const PluginRegistry> registry,
+                           std::vector<PromisingFile> beside = {})
+      : registry_(std::move(registry)), beside_(std::move(beside)) {}
 
   const PluginDeclaration* find(PluginKind kind, const std::string& name) const override {
     const PluginEntry* entry = registry_->find(to_c(kind), name);
-    if (entry == nullptr) return nullptr;
-    auto [place, fresh] = declarations_.try_emplace({static_cast<int>(kind), name});
-    if (fresh) {
-      place->second = {kind,           entry->name,      entry->doc, entry->file.string(),
-                       entry->failure, entry->parameters};
+    if (entry != nullptr) {
+      return keep(
+          {kind, entry->name, entry->doc, entry->file.string(), entry->failure, entry->parameters});
     }
-    return &place->second;
+    for (const PromisingFile& file : beside_) {
+      if (!file.promises(name)) continue;
+      return keep({kind, name, {}, file.file.string(), not_searched(file.file), {}});
+    }
+    return nullptr;
   }
 
   std::vector<std::string> names(PluginKind kind) const override {
@@ -40,7 +54,13 @@ class RegistryCatalog : public PluginCatalog {
   }
 
  private:
+  const PluginDeclaration* keep(PluginDeclaration declaration) const {
+    const std::pair key{static_cast<int>(declaration.kind), declaration.name};
+    return &declarations_.try_emplace(key, std::move(declaration)).first->second;
+  }
+
   std::shared_ptr<const PluginRegistry> registry_;
+  std::vector<PromisingFile> beside_;
   mutable std::map<std::pair<int, std::string>, PluginDeclaration> declarations_;
 };
 
@@ -97,14 +117,34 @@ bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
   return false;
 }
 
+std::vector<std::filesystem::path> folders_beside(const LoadOptions& options) {
+  return scenario_plugin_folders(scenario_file(options.scenario));
+}
+
+/// Libraries in the scenario's folder and its `plugins` where those are not searched.
+std::vector<PromisingFile> bystanders(const LoadOptions& options, const PluginRegistry& registry) {
+  std::vector<PromisingFile> files;
+  for (const std::filesystem::path& folder : folders_beside(options)) {
+    const auto same = [&folder](const std::filesystem::path& searched) {
+      std::error_code ignored;
+      return std::filesystem::equivalent(folder, searched, ignored);
+    };
+    const auto& path = registry.search_path();
+    if (std::any_of(path.begin(), path.end(), same)) continue;
+    for (PromisingFile& file : promising_files(folder)) files.push_back(std::move(file));
+  }
+  return files;
+}
+
 }  // namespace
 
 std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options) {
   std::vector<std::filesystem::path> path = options.plugin_path;
-  const std::filesystem::path folder =
-      std::filesystem::path(scenario_file(options.scenario)).parent_path();
-  for (auto& place : default_search_path(folder)) path.push_back(std::move(place));
-  return std::make_shared<PluginRegistry>(path);
+  if (options.trust_scenario) {
+    for (auto& place : folders_beside(options)) path.push_back(std::move(place));
+  }
+  for (auto& place : default_search_path()) path.push_back(std::move(place));
+  return std::make_shared<PluginRegistry>(path, options.refused_plugins);
 }
 
 std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry> registry) {
@@ -116,9 +156,9 @@ std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
   const FpEnvironment guard;
   if (!check_name(options.scenario, diagnostics)) return nullptr;
   const auto registry = find_plugins(options);
-  const auto catalog = make_catalog(registry);
+  const RegistryCatalog catalog(registry, bystanders(options, *registry));
   std::optional<Scenario> scenario =
-      read_scenario(scenario_file(options.scenario), options.overrides, *catalog, diagnostics);
+      read_scenario(scenario_file(options.scenario), options.overrides, catalog, diagnostics);
   if (!scenario || diagnostics.has_errors()) return nullptr;
   const SourceMark whole{scenario->file, 0, 0};
   try {

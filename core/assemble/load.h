@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ struct LoadOptions {
   std::string scenario;                            ///< YAML file, or the name of a shipped scenario
   std::vector<std::string> overrides;              ///< "PATH=VALUE", in order
   std::vector<std::filesystem::path> plugin_path;  ///< searched before the default places
+  bool trust_scenario = false;  ///< search the scenario's folder and its `plugins`, too
+  /// Library files (canonical paths) that are not opened, and why.
+  std::map<std::filesystem::path, std::string> refused_plugins = {};
 };
 
 /// Plugins found on the search path of `options` (see docs/plugins.md for the order).

@@ -167,7 +167,6 @@ LoadOptions replay_load_options(const ReplayHeader& header) {
   LoadOptions options;
   options.scenario = is_file(header.scenario_file) ? header.scenario_file : header.scenario_name;
   options.overrides = header.overrides;
-  options.plugin_path.assign(header.plugin_path.begin(), header.plugin_path.end());
   return options;
 }
 

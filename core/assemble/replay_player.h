@@ -11,7 +11,8 @@
 namespace skybody {
 
 /// How to load what was recorded: its file, or where that is gone the shipped scenario of its name,
-/// with the overrides and the plugin path of the recording.
+/// with the overrides of the recording. Its plugin path is left out: whoever made the recording
+/// does not decide from where code is run.
 LoadOptions replay_load_options(const ReplayHeader& header);
 
 /// @throws Error naming both hashes, and where the texts part, if `environment` is not what was

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/base/fp_environment.h"
+#include "plugins/host/breadcrumb.h"
 
 namespace skybody {
 
@@ -14,7 +15,11 @@ std::shared_ptr<const void> create_instance(const PluginEntry& entry, const Skyb
   const FpEnvironment guard;
   const SkybodyPlugin& plugin = *entry.descriptor;
   std::string error(2048, '\0');
-  void* self = plugin.create(&setup, &declare, error.data(), error.size());
+  void* self = nullptr;
+  {
+    const PluginPhase phase(entry.file, "in configure() of `" + entry.name + "`");
+    self = plugin.create(&setup, &declare, error.data(), error.size());
+  }
   if (self == nullptr) {
     error.resize(error.find('\0') == std::string::npos ? error.size() : error.find('\0'));
     throw PluginConfigureError(entry.name, error.empty() ? "gives no reason" : error);
@@ -22,6 +27,7 @@ std::shared_ptr<const void> create_instance(const PluginEntry& entry, const Skyb
   const auto destroy = plugin.destroy;
   // The library goes after the instance: the deleter holds it.
   return {static_cast<const void*>(self), [destroy, library = entry.library](const void* instance) {
+            const PluginPhase phase(library->file(), "in its destructor");
             destroy(const_cast<void*>(instance));
           }};
 }

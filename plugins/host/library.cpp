@@ -1,69 +1,26 @@
 #include "plugins/host/library.h"
 
 #include <dlfcn.h>
-#include <elf.h>
 
 #include <algorithm>
 #include <boost/dll/shared_library.hpp>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
-#include <string_view>
 
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
 #include "plugins/api/structures.h"
+#include "plugins/host/breadcrumb.h"
 #include "plugins/host/descriptor.h"
+#include "plugins/host/elf_check.h"
 
 namespace skybody {
 namespace {
 
-constexpr const char* kNoSymbol = "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
-                                  "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once";
 constexpr const char* kRebuild = ": rebuild it against this Skybody";
 
 [[noreturn]] void refuse(LoadFailure reason, const std::filesystem::path& file,
                          const std::string& message) {
   throw PluginLoadError(reason, file, message);
-}
-
-std::string read_bytes(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-/// How long an ELF file has to be, by its own header and segments; 0 if it is no 64-bit ELF file.
-/// The dynamic linker does not look: touching a page beyond the end kills the process.
-std::size_t elf_size(const std::string& bytes) {
-  Elf64_Ehdr header;
-  if (bytes.size() < SELFMAG || std::memcmp(bytes.data(), ELFMAG, SELFMAG) != 0) return 0;
-  if (bytes.size() < sizeof header) return sizeof header;
-  std::memcpy(&header, bytes.data(), sizeof header);
-  std::size_t size = header.e_shoff + std::size_t{header.e_shnum} * header.e_shentsize;
-  size = std::max(size, header.e_phoff + header.e_phnum * sizeof(Elf64_Phdr));
-  if (header.e_phentsize != sizeof(Elf64_Phdr) || bytes.size() < size) return size;
-  for (std::size_t i = 0; i < header.e_phnum; ++i) {
-    Elf64_Phdr segment;
-    std::memcpy(&segment, bytes.data() + header.e_phoff + i * sizeof segment, sizeof segment);
-    size = std::max<std::size_t>(size, segment.p_offset + segment.p_filesz);
-  }
-  return size;
-}
-
-/// Refuses what can be refused without running any of it: a file that is cut short, and a shared
-/// library that nowhere holds the name of the symbol that a plugin exports.
-void check_file(const std::filesystem::path& file) {
-  const std::string bytes = read_bytes(file);
-  const std::size_t size = elf_size(bytes);
-  if (size > bytes.size()) {
-    refuse(LoadFailure::kNotLoadable, file,
-           "is cut short: it has " + std::to_string(bytes.size()) + " bytes of at least " +
-               std::to_string(size) + "; build or copy it again");
-  }
-  if (size > 0 && bytes.find(SKYBODY_LIBRARY_SYMBOL) == std::string::npos) {
-    refuse(LoadFailure::kNoPlugin, file, kNoSymbol);
-  }
 }
 
 /// The dynamic linker's own words, without the file name that it begins with.
@@ -72,6 +29,9 @@ std::string linker_message(const std::filesystem::path& file) {
   std::string message = text != nullptr ? text : "the dynamic linker gives no reason";
   const std::string prefix = file.string() + ": ";
   if (message.compare(0, prefix.size(), prefix) == 0) message.erase(0, prefix.size());
+  // It quotes names of symbols and libraries, which in a damaged file are any bytes.
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return c < 0x20 || c > 0x7e; }, '?');
   return message;
 }
 
@@ -103,24 +63,42 @@ void check_sizes(const std::filesystem::path& file, const SkybodyPluginLibrary& 
 
 }  // namespace
 
+/// Unloads the library at its end, also where the constructor of PluginLibrary refuses it.
 struct PluginLibrary::Handle {
+  explicit Handle(std::filesystem::path path) : file(std::move(path)) {}
+  ~Handle() {
+    const FpEnvironment unloading;
+    const PluginPhase phase(file, "while it is unloaded");
+    library.unload();
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+
+  /// An exception of the library's start-up code ends the process here: it cannot pass the dynamic
+  /// linker, whose lock it would leave taken.
+  bool load() noexcept {
+    boost::system::error_code failed;
+    library.load(file.string(), failed,
+                 boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
+    return !failed && library.is_loaded();
+  }
+
+  std::filesystem::path file;
   boost::dll::shared_library library;
 };
 
-PluginLibrary::PluginLibrary(const std::filesystem::path& file)
-    : file_(file), handle_(std::make_unique<Handle>()) {
+PluginLibrary::PluginLibrary(const std::filesystem::path& file) : file_(file) {
   std::error_code not_found;
   file_ = std::filesystem::canonical(file, not_found);
   if (not_found) refuse(LoadFailure::kNotLoadable, file, "there is no such file");
-  check_file(file_);
+  check_library_file(file_);
+  handle_ = std::make_unique<Handle>(file_);
 
+  const PluginPhase phase(file_, "while it is loaded");
   {
     const FpEnvironment
         loading;  // start-up code of -Ofast libraries changes the mode; this undoes it
-    boost::system::error_code failed;
-    handle_->library.load(file_.string(), failed,
-                          boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
-    if (failed || !handle_->library.is_loaded()) {
+    if (!handle_->load()) {
       refuse(LoadFailure::kNotLoadable, file_,
              "cannot be loaded: " + linker_message(file_) + "; build or copy it again");
     }
@@ -128,7 +106,7 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file)
 
   const FpEnvironment checking;
   if (!handle_->library.has(SKYBODY_LIBRARY_SYMBOL)) {
-    refuse(LoadFailure::kNoPlugin, file_, kNoSymbol);
+    refuse(LoadFailure::kNoPlugin, file_, kNoPluginSymbol);
   }
   const auto& found = handle_->library.get<const SkybodyPluginLibrary>(SKYBODY_LIBRARY_SYMBOL);
   if (found.magic != SKYBODY_ABI_MAGIC) {
@@ -165,9 +143,6 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file)
   }
 }
 
-PluginLibrary::~PluginLibrary() {
-  const FpEnvironment unloading;
-  handle_.reset();
-}
+PluginLibrary::~PluginLibrary() = default;
 
 }  // namespace skybody

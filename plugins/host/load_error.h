@@ -5,19 +5,28 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "plugins/api/abi.h"
 
 namespace skybody {
 
 /// Why a file was refused, in the order in which it is checked.
 enum class LoadFailure {
-  kNotLoadable,    ///< the dynamic linker refuses it: truncated, other machine, missing library
-  kNoPlugin,       ///< it does not export skybody_plugin_library
-  kWrongMagic,     ///< the symbol is something else
-  kWrongVersion,   ///< another plugin API
-  kWrongSize,      ///< another layout of a structure of the API
-  kFloatingPoint,  ///< compiled with flags that change results
-  kBadDescription  ///< its descriptor contradicts itself
+  kNotTrusted,      ///< somebody else may write it
+  kEndsProcess,     ///< it has ended a process that opened it
+  kNotLoadable,     ///< no library of this machine, truncated, or refused by the dynamic linker
+  kNoPlugin,        ///< it does not export skybody_plugin_library
+  kWrongMagic,      ///< the symbol is something else
+  kWrongVersion,    ///< another plugin API
+  kWrongSize,       ///< another layout of a structure of the API
+  kFloatingPoint,   ///< compiled with flags that change results
+  kBadDescription,  ///< its descriptor contradicts itself
+  kOtherPlugin      ///< it does not hold the plugin that its name or sidecar promises
 };
+
+/// What is said of a library that is no plugin.
+constexpr const char* kNoPluginSymbol =
+    "is no plugin: it does not export `" SKYBODY_LIBRARY_SYMBOL
+    "`; a plugin says SKYBODY_PLUGIN(Class, name, version, doc) once";
 
 /// A file that cannot be used as a plugin. what() names the file, what was found, what is expected
 /// and the remedy.

@@ -10,17 +10,21 @@ namespace fs = std::filesystem;
 
 fs::path shipped_plugin_folder() { return library_folder() / "skybody" / "plugins"; }
 
-std::vector<fs::path> default_search_path(const fs::path& scenario_folder) {
+std::vector<fs::path> scenario_plugin_folders(const fs::path& scenario) {
+  const fs::path given = fs::absolute(scenario).parent_path();
+  std::error_code failed;
+  const fs::path real = fs::canonical(given, failed);
+  const fs::path& folder = failed ? given : real;
+  return {folder, folder / "plugins"};
+}
+
+std::vector<fs::path> default_search_path() {
   std::vector<fs::path> path;
   if (const char* listed = std::getenv("SKYBODY_PLUGIN_PATH"); listed != nullptr) {
     std::istringstream entries(listed);
     for (std::string entry; std::getline(entries, entry, ':');) {
       if (!entry.empty()) path.emplace_back(entry);
     }
-  }
-  if (!scenario_folder.empty()) {
-    path.push_back(scenario_folder);
-    path.push_back(scenario_folder / "plugins");
   }
   path.push_back(shipped_plugin_folder());
   return path;

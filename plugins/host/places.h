@@ -10,9 +10,11 @@ namespace skybody {
 std::filesystem::path shipped_plugin_folder();
 
 /// Where plugins are looked for: entries of SKYBODY_PLUGIN_PATH (colon-separated, empty ones
-/// ignored), the scenario's folder and its subfolder `plugins` (unless `scenario_folder` is empty),
-/// the shipped plugins.
-std::vector<std::filesystem::path> default_search_path(
-    const std::filesystem::path& scenario_folder);
+/// ignored), then the shipped plugins.
+std::vector<std::filesystem::path> default_search_path();
+
+/// The folder of a scenario file and its subfolder `plugins`, absolute: searched on request only,
+/// because whoever wrote the scenario may have put a library there.
+std::vector<std::filesystem::path> scenario_plugin_folders(const std::filesystem::path& scenario);
 
 }  // namespace skybody

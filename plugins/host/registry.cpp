@@ -3,24 +3,19 @@
 #include <algorithm>
 #include <set>
 
+#include "plugins/host/breadcrumb.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/kind.h"
+#include "plugins/host/trust.h"
 
 namespace skybody {
 namespace {
 
-/// The *.so files of a folder, in order of their names; none if there is no such folder.
-std::vector<std::filesystem::path> shared_libraries(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code failed;
-  for (std::filesystem::directory_iterator it(folder, failed), end; !failed && it != end;
-       it.increment(failed)) {
-    std::error_code ignored;
-    if (it->path().extension() == ".so" && it->is_regular_file(ignored))
-      files.push_back(it->path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
+namespace fs = std::filesystem;
+
+/// "controller `lane_controller`"
+std::string described(const PluginEntry& entry) {
+  return std::string(kind_name(entry.kind)) + " `" + entry.name + "`";
 }
 
 std::string two_files(const PluginEntry& a, const PluginEntry& b) {
@@ -28,68 +23,207 @@ std::string two_files(const PluginEntry& a, const PluginEntry& b) {
          "`: " + a.file.string() + " and " + b.file.string() + "; remove or rename one";
 }
 
-}  // namespace
-
-PluginRegistry::PluginRegistry(const std::vector<std::filesystem::path>& search_path)
-    : search_path_(search_path) {
-  std::set<std::filesystem::path> seen;
-  for (const std::filesystem::path& folder : search_path_) {
-    for (const std::filesystem::path& file : shared_libraries(folder)) {
-      std::error_code failed;
-      const std::filesystem::path real = std::filesystem::canonical(file, failed);
-      if (!failed && seen.insert(real).second) add_file(real);
+/// Makes plugins of one kind and name unusable.
+void refuse_twins(const std::vector<PluginEntry*>& entries) {
+  for (auto first = entries.begin(); first != entries.end(); ++first) {
+    for (auto second = first + 1; second != entries.end(); ++second) {
+      PluginEntry& a = **first;
+      PluginEntry& b = **second;
+      if (a.kind != b.kind || a.name != b.name || a.descriptor == nullptr) continue;
+      if (a.failure.empty()) a.failure = two_files(a, b);
+      b.failure = a.failure;
     }
   }
 }
 
-void PluginRegistry::add_file(const std::filesystem::path& file) {
-  PluginEntry entry;
-  entry.file = file;
-  std::shared_ptr<PluginLibrary> library;
-  try {
-    library = std::make_shared<PluginLibrary>(file);
-  } catch (const PluginLoadError& e) {
-    entry.name = file.stem().string();
-    entry.failure = e.what();
-    entries_.push_back(std::move(entry));
-    return;
-  }
+std::vector<PluginEntry> entries_of(const std::shared_ptr<PluginLibrary>& library) {
+  const PluginPhase phase(library->file(), "while its description is read");
+  std::vector<PluginEntry> entries;
   for (const SkybodyPlugin* plugin : library->plugins()) {
-    PluginEntry found = entry;
-    found.kind = static_cast<SkybodyKind>(plugin->kind);
-    found.name = plugin->name;
-    found.version = plugin->version;
-    found.doc = plugin->doc;
-    found.vectorized = plugin->vectorized != 0;
-    found.parameters = parameter_specs(*plugin);
-    found.descriptor = plugin;
-    found.library = library;
-    for (PluginEntry& other : entries_) {
-      if (other.kind != found.kind || other.name != found.name) continue;
-      if (other.failure.empty()) other.failure = two_files(other, found);
-      found.failure = other.failure;
+    PluginEntry& entry = entries.emplace_back();
+    entry.kind = static_cast<SkybodyKind>(plugin->kind);
+    entry.name = plugin->name;
+    entry.version = plugin->version;
+    entry.doc = plugin->doc;
+    entry.file = library->file();
+    entry.vectorized = plugin->vectorized != 0;
+    entry.parameters = parameter_specs(*plugin);
+    entry.descriptor = plugin;
+    entry.library = library;
+  }
+  return entries;
+}
+
+PluginEntry unusable(const fs::path& file, const std::string& name, const std::string& failure) {
+  PluginEntry entry;
+  entry.name = name;
+  entry.file = file;
+  entry.failure = failure;
+  return entry;
+}
+
+/// How to make a library promise what it holds.
+std::string remedy(const PromisingFile& found) {
+  if (!found.sidecar.empty()) return "mend " + found.sidecar.string();
+  return "write the names of its plugins into " +
+         fs::path(found.file).replace_extension(".plugins").string() + ", one a line";
+}
+
+/// What is said where a library does not hold the plugin `name` that `found` promises.
+std::string broken_promise(const PromisingFile& found, const std::string& name,
+                           const std::vector<PluginEntry>& held) {
+  std::string list;
+  for (const PluginEntry& entry : held) list += (list.empty() ? "" : ", ") + described(entry);
+  return PluginLoadError(
+             LoadFailure::kOtherPlugin, found.file,
+             "promises a plugin `" + name + "`, but holds " + list + ": " + remedy(found))
+      .what();
+}
+
+std::string no_promise(const PromisingFile& found, const PluginEntry& entry) {
+  return PluginLoadError(
+             LoadFailure::kOtherPlugin, found.file,
+             "holds " + described(entry) + ", which it does not promise: " + remedy(found))
+      .what();
+}
+
+}  // namespace
+
+bool PluginRegistry::File::promises(std::string_view name) const {
+  return std::any_of(found.begin(), found.end(),
+                     [name](const PromisingFile& file) { return file.promises(name); });
+}
+
+/// What a library holds, against what it promises.
+std::vector<PluginEntry> PluginRegistry::compare(const File& file, std::vector<PluginEntry> held) {
+  std::vector<PluginEntry> entries;
+  for (const PromisingFile& found : file.found) {
+    for (const std::string& name : found.names) {
+      const bool holds = std::any_of(held.begin(), held.end(),
+                                     [&name](const PluginEntry& e) { return e.name == name; });
+      if (!holds) entries.push_back(unusable(file.path, name, broken_promise(found, name, held)));
     }
-    entries_.push_back(std::move(found));
+  }
+  const bool kept = entries.empty();
+  for (PluginEntry& entry : held) {
+    if (file.promises(entry.name)) {
+      entries.push_back(std::move(entry));
+    } else if (kept) {  // otherwise the message about the broken promise names it
+      entries.push_back(unusable(file.path, entry.name, no_promise(file.found.front(), entry)));
+    }
+  }
+  return entries;
+}
+
+PluginRegistry::PluginRegistry(const std::vector<fs::path>& search_path, RefusedFiles refused)
+    : search_path_(search_path), refused_(std::move(refused)) {
+  for (const fs::path& folder : search_path_) add_folder(folder);
+}
+
+void PluginRegistry::add_folder(const fs::path& folder) {
+  std::error_code ignored;
+  const bool shipped = fs::equivalent(folder, shipped_plugin_folder(), ignored);
+  for (const PromisingFile& found : promising_files(folder)) {
+    std::error_code failed;
+    const fs::path path = fs::canonical(found.file, failed);
+    if (failed) continue;
+    auto file = std::find_if(files_.begin(), files_.end(),
+                             [&path](const File& other) { return other.path == path; });
+    if (file == files_.end()) {
+      file = files_.insert(files_.end(), File{});
+      file->path = path;
+    }
+    file->shipped = file->shipped || shipped;
+    const bool is_known =
+        std::any_of(file->found.begin(), file->found.end(),
+                    [&found](const PromisingFile& other) { return other.names == found.names; });
+    if (!is_known) file->found.push_back(found);
+  }
+}
+
+/// The library itself, and the links under which it was found: others could let those promise what
+/// they like.
+/// @throws PluginLoadError
+void PluginRegistry::check_trust(const File& file) const {
+  std::string problem = trust_problem(file.path);
+  for (const PromisingFile& found : file.found) {
+    if (!problem.empty()) break;
+    std::error_code failed;  // gives an empty folder, which is not trusted
+    const fs::path folder = fs::canonical(found.file.parent_path(), failed);
+    problem = trust_problem(folder / found.file.filename());
+  }
+  if (!problem.empty()) throw PluginLoadError(LoadFailure::kNotTrusted, file.path, problem);
+}
+
+/// @throws PluginLoadError
+std::shared_ptr<PluginLibrary> PluginRegistry::load(const File& file) const {
+  if (const auto refused = refused_.find(file.path); refused != refused_.end()) {
+    throw PluginLoadError(LoadFailure::kEndsProcess, file.path, refused->second);
+  }
+  std::error_code ignored;  // what is no file is refused without being opened
+  if (!file.shipped && fs::is_regular_file(file.path, ignored)) check_trust(file);
+  return std::make_shared<PluginLibrary>(file.path);
+}
+
+void PluginRegistry::open(File& file) const {
+  if (file.open) return;
+  file.open = true;
+  try {
+    file.entries = compare(file, entries_of(load(file)));
+  } catch (const PluginLoadError& e) {
+    for (const PromisingFile& found : file.found) {
+      for (const std::string& name : found.names) {
+        file.entries.push_back(unusable(file.path, name, e.what()));
+      }
+    }
+    if (!file.entries.empty()) return;
+    file.entries.push_back(unusable(file.path, file.path.stem().string(), e.what()));
   }
 }
 
 const PluginEntry* PluginRegistry::find(SkybodyKind kind, std::string_view name) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<PluginEntry*> entries;
+  for (File& file : files_) {
+    if (!file.promises(name)) continue;
+    open(file);
+    for (PluginEntry& entry : file.entries) {
+      if (entry.name == name) entries.push_back(&entry);
+    }
+  }
+  refuse_twins(entries);
   const PluginEntry* unusable = nullptr;
-  for (const PluginEntry& entry : entries_) {
-    if (entry.name != name) continue;
-    if (entry.kind == kind) return &entry;
-    if (entry.kind == SKYBODY_KIND_COUNT && unusable == nullptr) unusable = &entry;
+  for (const PluginEntry* entry : entries) {
+    if (entry->kind == kind) return entry;
+    if (entry->kind == SKYBODY_KIND_COUNT && unusable == nullptr) unusable = entry;
   }
   return unusable;
 }
 
 std::vector<std::string> PluginRegistry::names(SkybodyKind kind) const {
-  std::vector<std::string> found;
-  for (const PluginEntry& entry : entries_) {
-    if (entry.kind == kind && entry.failure.empty()) found.push_back(entry.name);
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> names;
+  for (File& file : files_) {
+    if (file.shipped) open(file);
+    for (const PluginEntry& entry : file.entries) {
+      if (entry.kind == kind && entry.failure.empty()) names.insert(entry.name);
+    }
+    for (const PromisingFile& found : file.found) {
+      if (!file.open) names.insert(found.names.begin(), found.names.end());
+    }
   }
-  std::sort(found.begin(), found.end());
-  return found;
+  return {names.begin(), names.end()};
+}
+
+std::vector<const PluginEntry*> PluginRegistry::open_all() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<PluginEntry*> entries;
+  for (File& file : files_) {
+    open(file);
+    for (PluginEntry& entry : file.entries) entries.push_back(&entry);
+  }
+  refuse_twins(entries);
+  return {entries.begin(), entries.end()};
 }
 
 }  // namespace skybody

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,13 +13,14 @@
 #include "plugins/api/abi.h"
 #include "plugins/host/library.h"
 #include "plugins/host/places.h"  // IWYU pragma: export
+#include "plugins/host/promises.h"
 
 namespace skybody {
 
 /// A plugin that was found, or a file that should have been one.
 struct PluginEntry {
   SkybodyKind kind = SKYBODY_KIND_COUNT;  ///< SKYBODY_KIND_COUNT: not known, the file is unusable
-  std::string name;  ///< the plugin's; of an unusable file, its name without .so
+  std::string name;  ///< the plugin's; of an unusable file, the one that it promises
   std::string version;
   std::string doc;  ///< one line
   std::filesystem::path file;
@@ -28,29 +31,53 @@ struct PluginEntry {
   std::shared_ptr<PluginLibrary> library;
 };
 
-/// Loads every *.so in the folders of a search path once. Does not change afterwards.
+/// Library files (canonical paths) that must not be opened, and why.
+using RefusedFiles = std::map<std::filesystem::path, std::string>;
+
+/// The libraries in the folders of a search path. It lists file names at once, and opens a library
+/// when a plugin is asked for that the library promises (see PromisingFile), once each. A library
+/// that others may write (see trust_problem) is not opened, unless it lies in the folder of shipped
+/// plugins: whoever may write there may replace libskybody as well. May be used by several threads.
 class PluginRegistry {
  public:
   /// Folders in order of the path, files in order of their names; folders that do not exist are
   /// skipped. A file that cannot be used does not stop the others: it becomes an entry with a
   /// `failure`. One file that is found twice counts once; two files with one plugin (kind and name)
   /// make both unusable.
-  explicit PluginRegistry(const std::vector<std::filesystem::path>& search_path);
+  explicit PluginRegistry(const std::vector<std::filesystem::path>& search_path,
+                          RefusedFiles refused = {});
 
-  /// The plugin of that kind and name, or a file called NAME.so that cannot be used, or null.
-  /// Check `failure` before use.
+  /// The plugin of that kind and name, or a file that promises the name and cannot be used, or
+  /// null. Opens the files that promise the name. Check `failure` before use. Lives as long as
+  /// this.
   const PluginEntry* find(SkybodyKind kind, std::string_view name) const;
-  /// Names of the usable plugins of a kind, sorted.
+  /// Names of plugins of a kind, sorted, for suggestions: usable ones of the libraries that are
+  /// open and of all shipped ones, and what other libraries promise, of whatever kind.
   std::vector<std::string> names(SkybodyKind kind) const;
-  /// Everything that was found, in the order of the search.
-  const std::vector<PluginEntry>& entries() const { return entries_; }
+  /// Opens every library: all that was found, in the order of the search.
+  std::vector<const PluginEntry*> open_all() const;
   const std::vector<std::filesystem::path>& search_path() const { return search_path_; }
 
  private:
-  void add_file(const std::filesystem::path& file);
+  struct File {
+    std::filesystem::path path;        ///< canonical
+    std::vector<PromisingFile> found;  ///< under this name, and as links to it
+    bool shipped = false;
+    bool open = false;
+    std::vector<PluginEntry> entries;  ///< does not change once the file is open
+    bool promises(std::string_view name) const;
+  };
+
+  static std::vector<PluginEntry> compare(const File& file, std::vector<PluginEntry> held);
+  void add_folder(const std::filesystem::path& folder);
+  void check_trust(const File& file) const;
+  std::shared_ptr<PluginLibrary> load(const File& file) const;
+  void open(File& file) const;
 
   std::vector<std::filesystem::path> search_path_;
-  std::vector<PluginEntry> entries_;
+  RefusedFiles refused_;
+  mutable std::mutex mutex_;  ///< guards what a File gets when it is opened
+  mutable std::vector<File> files_;
 };
 
 }  // namespace skybody

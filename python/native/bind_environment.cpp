@@ -203,8 +203,8 @@ void bind_environment(nb::module_& m) {
         "Loads a scenario; other Python threads run meanwhile.\n\n"
         "scenario: YAML file, or the name of a shipped scenario such as `hover`\n"
         "overrides: `PATH=VALUE` each, applied in order, as for `skybody run --set`\n"
-        "plugin_path: folders with plugins, searched before SKYBODY_PLUGIN_PATH, the scenario's\n"
-        "    folder and the shipped ones\n\n"
+        "plugin_path: folders with plugins, searched before SKYBODY_PLUGIN_PATH and the shipped\n"
+        "    ones; the scenario's own folder is not searched\n\n"
         "Raises InputError (a ValueError) with every mistake as file:line:column.");
   c.def("__reduce__", &reduce, nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
   bind_identity(c);

@@ -51,17 +51,25 @@ void imitate_root(const fs::path& folder) {
   }
 }
 
-/// Puts plugins of the build's tests/plugins into the folder `plugins`: `bad/wrong_version.so`, or
-/// `truncated good/plain_controller.so` for its first half.
+/// Puts plugins of the build's tests/plugins into the folder `plugins`: `bad/wrong_version.so`;
+/// `truncated good/plain_controller.so` for its first half, as truncated.so; `zeroed ...` for one
+/// whose last 4 KiB are zeros, as zeroed.so.
 void add_plugins(const fs::path& folder, const std::vector<std::string>& needs) {
   fs::create_directory(folder / "plugins");
   for (const std::string& need : needs) {
-    const bool truncated = need.rfind("truncated ", 0) == 0;
+    const std::size_t space = need.find(' ');
+    const std::string damage = space == std::string::npos ? "" : need.substr(0, space);
     const fs::path source =
-        fs::path(SKYBODY_BINARY_DIR "/tests/plugins") / (truncated ? need.substr(10) : need);
-    const fs::path place = folder / "plugins" / (truncated ? "truncated.so" : source.filename());
+        fs::path(SKYBODY_BINARY_DIR "/tests/plugins") / need.substr(damage.empty() ? 0 : space + 1);
+    const fs::path place =
+        folder / "plugins" / (damage.empty() ? source.filename() : fs::path(damage + ".so"));
     fs::copy_file(source, place);
-    if (truncated) fs::resize_file(place, 9000);
+    if (damage == "truncated") fs::resize_file(place, 9000);
+    if (damage == "zeroed") {
+      const std::uintmax_t size = fs::file_size(place);
+      fs::resize_file(place, size - 4096);
+      fs::resize_file(place, size);
+    }
   }
 }
 

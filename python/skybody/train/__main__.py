@@ -132,14 +132,20 @@ def new_config(options: argparse.Namespace) -> Config:
 
 
 def resumed_config(options: argparse.Namespace) -> Config:
-    """That of the run folder. What changes no bits, and the number of steps, may differ."""
+    """That of the run folder. What changes no bits, and the number of steps, may differ.
+
+    Folders with plugins must be given anew: a run folder from elsewhere does not decide from where
+    code is run.
+    """
     config = Config.read(options.out)
+    plugin_path = options.plugin_path or []
+    evaluate.warn_of_plugin_path("train", options.out, config.plugin_path, plugin_path)
+    config = dataclasses.replace(config, plugin_path=plugin_path)
     fixed = {
         "scenario": options.scenario,
         "algorithm": options.algo,
         "seed": options.seed,
         "overrides": options.override,
-        "plugin_path": options.plugin_path,
     }
     for name, value in fixed.items():
         if value is not None and value != getattr(config, name):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import re
 import sys
 from pathlib import Path
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skybody._native import Environment, Error, InputError, Pool
-from skybody.arguments import MOST_ENVS, MOST_THREADS
+from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
 from skybody.train.learner import columns_of, goal_distance
@@ -119,13 +120,21 @@ def evaluate_checkpoint(
     scenario: str | None = None,
     overrides: list[str] | None = None,
     threads: int = 0,
+    plugin_path: list[str] | None = None,
 ) -> dict[str, Any]:
-    """Evaluates a checkpoint, or a run's newest, in the scenario that it was trained in."""
+    """Evaluates a checkpoint, or a run's newest, in the scenario that it was trained in.
+
+    Plugins come from `plugin_path` and the default places. The folders that the checkpoint names
+    are not searched: whoever made it does not decide from where code is run.
+    """
     folder = resolve(path)
     meta = read_meta(folder)
+    plugin_path = plugin_path or []
+    check_plugin_path(plugin_path, "--plugin-path")
+    warn_of_plugin_path("evaluate", folder, meta["plugin_path"], plugin_path)
     if overrides is None:
         overrides = meta["overrides"] if scenario is None else []
-    environment = Environment(scenario or meta["scenario"], overrides, meta["plugin_path"])
+    environment = Environment(scenario or meta["scenario"], overrides, plugin_path)
     found = f"{environment.scenario_hash:016x}"
     if found != meta["scenario_hash"]:
         print(
@@ -149,6 +158,18 @@ def evaluate_checkpoint(
             f"{environment.name} gives {environment.observation_size}"
         )
     return {**stamps, **evaluate(environment, policy, episodes, seed, threads)}
+
+
+def warn_of_plugin_path(who: str, where: Path, recorded: list[str], given: list[str]) -> None:
+    """Names the recorded folders with plugins that are not given anew, and so not searched."""
+    searched = {os.path.realpath(folder) for folder in given}
+    for folder in recorded:
+        if os.path.realpath(folder) not in searched:
+            print(
+                f"{who}: warning: {where} was made with plugins from {folder}, which is not "
+                f"searched; if you trust it: --plugin-path {folder}",
+                file=sys.stderr,
+            )
 
 
 def check_option(option: str, value: int, low: int, high: int) -> None:
@@ -178,6 +199,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--override", action="append", metavar="PATH=VALUE", help="of the scenario; repeatable"
     )
+    parser.add_argument(
+        "--plugin-path",
+        action="append",
+        metavar="DIR",
+        help="where to look for plugins first; repeatable",
+    )
     parser.add_argument("--threads", type=int, default=0, help="of the environments; 0: all")
     parser.add_argument("--json", type=Path, help="also write every episode's figures to this file")
     options = parser.parse_args(arguments)
@@ -196,6 +223,7 @@ def main(arguments: list[str] | None = None) -> int:
             options.scenario,
             options.override,
             options.threads,
+            options.plugin_path,
         )
     except (InputError, Error, OSError, ValueError) as error:
         print(f"evaluate: {in_our_words(error)}", file=sys.stderr)

@@ -16,9 +16,10 @@ from skybody.train.checkpoint import checkpoint_folders
 class Evaluations:
     """A queue of checkpoints to be evaluated by evaluate.py."""
 
-    def __init__(self, run: Path, episodes: int, seed: int) -> None:
+    def __init__(self, run: Path, episodes: int, seed: int, plugin_path: list[str]) -> None:
         """Begins with checkpoints of before an interruption that have no evaluation yet."""
         self._episodes, self._seed = episodes, seed
+        self._plugin_path = plugin_path
         self._waiting: deque[Path] = deque()
         self._running: subprocess.Popen[str] | None = None
         self._errors: IO[str]  # of the one that runs
@@ -62,6 +63,7 @@ class Evaluations:
         command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
         command += ["--episodes", str(self._episodes), "--seed", str(self._seed)]
         command += ["--threads", "1", "--json", str(checkpoint / "evaluation.json")]
+        command += [word for folder in self._plugin_path for word in ("--plugin-path", folder)]
         return subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,

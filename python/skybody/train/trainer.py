@@ -58,7 +58,9 @@ class Trainer:
         self.first_step = self.learner.steps
         self.table = ProgressTable(run, self.first_step)
         self.events = SummaryWriter(str(run), purge_step=self.first_step)
-        self.evaluations = Evaluations(run, config.eval_episodes, config.eval_seed)
+        self.evaluations = Evaluations(
+            run, config.eval_episodes, config.eval_seed, config.plugin_path
+        )
         self._evaluated = 0
 
     def _resume(self) -> None:

@@ -5,17 +5,22 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <fstream>
+#include <thread>
+
 #include "tests/unit/plugins/small_world.h"
 
 namespace skybody {
 namespace {
 
 using std::filesystem::path;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
 TEST(PluginRegistry, ListsPluginsByKind) {
   const PluginRegistry registry({"/no/such/folder", test::good_plugins()});
+  registry.open_all();
   EXPECT_THAT(registry.names(SKYBODY_CONTROLLER),
               ElementsAre("flush_to_zero", "lane_controller", "plain_controller", "throws_error",
                           "throws_int"));
@@ -71,25 +76,177 @@ TEST(PluginRegistry, TwoFilesWithOnePluginMakeBothUnusable) {
   EXPECT_THAT(registry.names(SKYBODY_CONTROLLER), ElementsAre());
 }
 
+/// Whether the plugin `leaves_a_mark` has been loaded since this was made.
+class Mark {
+ public:
+  Mark() : file_(folder_.path() / "mark") { setenv("SKYBODY_TEST_MARK", file_.c_str(), 1); }
+  ~Mark() { unsetenv("SKYBODY_TEST_MARK"); }
+  bool is_there() const { return std::filesystem::exists(file_); }
+
+ private:
+  test::Folder folder_;
+  path file_;
+};
+
+/// A folder with `leaves_a_mark` under another name.
+class Marked : public testing::Test {
+ protected:
+  void put(const std::string& name) {
+    std::filesystem::copy_file(test::hostile_plugins() / "leaves_a_mark.so", folder.path() / name);
+  }
+  const Mark mark;
+  const test::Folder folder;
+};
+
+TEST_F(Marked, IsOpenedOnlyWhereItIsNamed) {
+  put("leaves_a_mark.so");
+  const PluginRegistry registry({folder.path(), test::good_plugins()});
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "lane_controller")->failure, "");
+  EXPECT_THAT(registry.names(SKYBODY_SENSOR), Contains("leaves_a_mark"));  // of whatever kind
+  EXPECT_FALSE(mark.is_there());
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark")->failure, "");
+  EXPECT_TRUE(mark.is_there());
+}
+
+TEST_F(Marked, IsNotOpenedWhereEverybodyMayWrite) {
+  put("leaves_a_mark.so");
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  const PluginRegistry registry({folder.path()});
+  EXPECT_THAT(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark")->failure,
+              HasSubstr("leaves_a_mark.so: is not opened: everybody may write its folder "));
+  EXPECT_EQ(registry.open_all().size(), 1u);
+  EXPECT_FALSE(mark.is_there());
+}
+
+TEST_F(Marked, IsNotOpenedThroughALinkThatEverybodyMayWrite) {
+  const test::Folder links;
+  std::filesystem::create_symlink(test::hostile_plugins() / "leaves_a_mark.so",
+                                  links.path() / "lane_controller.so");
+  std::filesystem::permissions(links.path(), std::filesystem::perms::all);
+  const PluginRegistry registry({links.path()});
+  EXPECT_THAT(registry.find(SKYBODY_CONTROLLER, "lane_controller")->failure,
+              HasSubstr("everybody may write its folder " + links.path().string()));
+  EXPECT_FALSE(mark.is_there());
+}
+
+TEST_F(Marked, MustHoldWhatItsNamePromises) {
+  put("wind.so");
+  const PluginRegistry registry({folder.path()});
+  const std::string file = (folder.path() / "wind.so").string();
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark"), nullptr);
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "wind")->failure,
+            file +
+                ": promises a plugin `wind`, but holds controller `leaves_a_mark`: write the names "
+                "of its "
+                "plugins into " +
+                (folder.path() / "wind.plugins").string() + ", one a line");
+}
+
+TEST_F(Marked, IsFoundByItsSidecar) {
+  put("wind.so");
+  std::ofstream(folder.path() / "wind.plugins") << "leaves_a_mark\n";
+  const PluginRegistry registry({folder.path()});
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "wind"), nullptr);
+  EXPECT_FALSE(mark.is_there());
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark")->failure, "");
+}
+
+TEST_F(Marked, MustHoldWhatItsSidecarPromises) {
+  put("wind.so");
+  std::ofstream(folder.path() / "wind.plugins") << "leaves_a_mark\ngust\n";
+  const PluginRegistry registry({folder.path()});
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark")->failure, "");
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "gust")->failure,
+            (folder.path() / "wind.so").string() +
+                ": promises a plugin `gust`, but holds controller `leaves_a_mark`: mend " +
+                (folder.path() / "wind.plugins").string());
+}
+
+TEST_F(Marked, MustBePromisedByASidecarToBeUsed) {
+  put("wind.so");
+  std::ofstream(folder.path() / "wind.plugins") << "# nothing yet\n";
+  const PluginRegistry registry({folder.path()});
+  ASSERT_EQ(registry.open_all().size(), 1u);
+  EXPECT_EQ(registry.open_all()[0]->failure,
+            (folder.path() / "wind.so").string() +
+                ": holds controller `leaves_a_mark`, which it does not promise: mend " +
+                (folder.path() / "wind.plugins").string());
+}
+
+/// The remedy for a file that others may write would be wrong for a device.
+TEST(PluginRegistry, RefusesDevicesAsSuch) {
+  const test::Folder folder;
+  std::filesystem::create_symlink("/dev/zero", folder.path() / "zero.so");
+  const PluginRegistry registry({folder.path()});
+  EXPECT_EQ(registry.find(SKYBODY_TASK, "zero")->failure,
+            "/dev/zero: is no regular file, but a device, a pipe or a folder");
+}
+
+TEST(PluginRegistry, ListsABrokenFileThatPromisesNothing) {
+  const test::Folder folder;
+  std::ofstream(folder.path() / "wind.so") << "no library";
+  std::ofstream(folder.path() / "wind.plugins");
+  const PluginRegistry registry({folder.path()});
+  ASSERT_EQ(registry.open_all().size(), 1u);
+  EXPECT_EQ(registry.open_all()[0]->name, "wind");
+  EXPECT_THAT(registry.open_all()[0]->failure, HasSubstr("cannot be loaded"));
+}
+
+TEST_F(Marked, IsNotOpenedWhenItIsRefused) {
+  put("leaves_a_mark.so");
+  const path file = folder.path() / "leaves_a_mark.so";
+  const PluginRegistry registry({folder.path()}, {{file, "crashes while it is loaded"}});
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark")->failure,
+            file.string() + ": crashes while it is loaded");
+  EXPECT_FALSE(mark.is_there());
+}
+
+TEST_F(Marked, DoesNotMakeATwinWhereItIsNotTrusted) {
+  put("lane_controller.so");
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  const PluginRegistry registry({folder.path(), test::good_plugins()});
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "lane_controller")->failure, "");
+  EXPECT_FALSE(mark.is_there());
+}
+
+TEST(PluginRegistry, IsOpenedByManyThreadsOnceEach) {
+  const PluginRegistry registry({test::good_plugins()});
+  std::vector<const PluginEntry*> found(8);
+  std::vector<std::thread> threads;
+  for (const PluginEntry*& entry : found) {
+    threads.emplace_back([&] { entry = registry.find(SKYBODY_CONTROLLER, "lane_controller"); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const PluginEntry* entry : found) EXPECT_EQ(entry, found[0]);
+  EXPECT_EQ(found[0]->failure, "");
+}
+
 TEST(PluginRegistry, OneFileFoundTwiceIsFine) {
   const test::Folder folder;
   std::filesystem::create_symlink(std::filesystem::canonical(test::good_plugins() / "lane_task.so"),
-                                  folder.path() / "another_name.so");
+                                  folder.path() / "lane_task.so");
   const PluginRegistry registry({test::good_plugins(), test::good_plugins() / "..", folder.path(),
                                  test::good_plugins() / ".." / "good"});
   EXPECT_EQ(registry.find(SKYBODY_TASK, "lane_task")->failure, "");
+  registry.open_all();
   EXPECT_THAT(registry.names(SKYBODY_TASK), ElementsAre("lane_task"));
 }
 
-TEST(SearchPath, HasTheEnvironmentThenTheScenarioThenTheShippedOnes) {
+TEST(SearchPath, HasTheEnvironmentThenTheShippedOnes) {
   setenv("SKYBODY_PLUGIN_PATH", "/first:relative/second::", 1);
-  const auto with = default_search_path("/lab/scenarios");
+  const auto with = default_search_path();
   unsetenv("SKYBODY_PLUGIN_PATH");
-  const auto without = default_search_path("");
-  EXPECT_THAT(with, ElementsAre(path("/first"), path("relative/second"), path("/lab/scenarios"),
-                                path("/lab/scenarios/plugins"), shipped_plugin_folder()));
+  const auto without = default_search_path();
+  EXPECT_THAT(with, ElementsAre(path("/first"), path("relative/second"), shipped_plugin_folder()));
   EXPECT_THAT(without, ElementsAre(shipped_plugin_folder()));
   EXPECT_THAT(shipped_plugin_folder().string(), HasSubstr("/skybody/plugins"));
+}
+
+TEST(SearchPath, OfAScenarioIsAbsoluteAlsoForABareName) {
+  const path here = std::filesystem::current_path();
+  EXPECT_THAT(scenario_plugin_folders("lab.yaml"), ElementsAre(here, here / "plugins"));
+  EXPECT_THAT(scenario_plugin_folders("/lab/a.yaml"),
+              ElementsAre(path("/lab"), path("/lab/plugins")));
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ void note(void* host, const std::string& line) { declared_of(host).lines.push_ba
 std::filesystem::path good_plugins() { return SKYBODY_TEST_PLUGINS "/good"; }
 std::filesystem::path bad_plugins() { return SKYBODY_TEST_PLUGINS "/bad"; }
 std::filesystem::path twin_plugins() { return SKYBODY_TEST_PLUGINS "/twins"; }
+std::filesystem::path hostile_plugins() { return SKYBODY_TEST_PLUGINS "/hostile"; }
 
 Folder::Folder() {
   std::string pattern = (std::filesystem::temp_directory_path() / "skybody-test-XXXXXX").string();

@@ -15,6 +15,7 @@ namespace skybody::test {
 std::filesystem::path good_plugins();
 std::filesystem::path bad_plugins();
 std::filesystem::path twin_plugins();
+std::filesystem::path hostile_plugins();
 /// A new empty folder, removed at the end.
 class Folder {
  public:

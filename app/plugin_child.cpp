@@ -1,0 +1,191 @@
+// A page of memory shared with the child holds the plugin whose code is running and whether the
+// work was done: after a child's end that says whose fault it was. Nothing else would: exit(0) in
+// a plugin looks like success, and a crash in it like one of ours.
+#include "app/plugin_child.h"
+
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "app/command.h"
+#include "app/report.h"
+#include "core/base/error.h"
+#include "plugins/host/breadcrumb.h"
+
+namespace skybody {
+namespace {
+
+using Work = std::function<int(const RefusedFiles&)>;
+
+/// The longest last line of a child that a message repeats.
+constexpr std::size_t kLongestLastWords = 300;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw Error("cannot open plugins in a process of their own: " + what + ": " +
+              std::strerror(errno));
+}
+
+/// What parent and child share.
+struct SharedPage {
+  Breadcrumb breadcrumb;
+  bool done;
+};
+
+class Shared {
+ public:
+  Shared()
+      : memory_(mmap(nullptr, sizeof(SharedPage), PROT_READ | PROT_WRITE,
+                     MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (memory_ == MAP_FAILED) fail("mmap");
+  }
+  ~Shared() { munmap(memory_, sizeof(SharedPage)); }
+  Shared(const Shared&) = delete;
+  Shared& operator=(const Shared&) = delete;
+  SharedPage& operator*() const { return *static_cast<SharedPage*>(memory_); }
+  SharedPage* operator->() const { return static_cast<SharedPage*>(memory_); }
+
+ private:
+  void* memory_;
+};
+
+/// A file in memory that takes what the child writes.
+class Capture {
+ public:
+  Capture() : descriptor_(memfd_create("skybody-output", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) fail("memfd_create");
+  }
+  ~Capture() { close(descriptor_); }
+  Capture(const Capture&) = delete;
+  Capture& operator=(const Capture&) = delete;
+
+  /// Everything that is written to `stream` from now on, a descriptor of this process.
+  void take(int stream) const {
+    if (dup2(descriptor_, stream) < 0) _exit(kExitBug);
+  }
+
+  std::string text() const {
+    std::string text;
+    std::array<char, 65536> buffer;
+    lseek(descriptor_, 0, SEEK_SET);
+    for (ssize_t n; (n = read(descriptor_, buffer.data(), buffer.size())) > 0;) {
+      text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    return text;
+  }
+
+ private:
+  int descriptor_;
+};
+
+/// How a child ended.
+struct End {
+  bool done = false;  ///< its work, down to the last line
+  int status = 0;     ///< as waitpid() gives it
+  std::string out, err;
+  std::string file, phase;  ///< the plugin whose code was running; empty phase: none
+};
+
+[[noreturn]] void be_the_child(const Work& work, const RefusedFiles& refused, SharedPage& page) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // does not outlive a parent that is killed
+  watch_plugins(&page.breadcrumb);
+  const int status = run_and_report([&] { return work(refused); });
+  std::fflush(nullptr);
+  page.done = true;
+  _exit(status);
+}
+
+End run_child(const Work& work, const RefusedFiles& refused) {
+  const Shared shared;
+  const Capture out, err;
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child < 0) fail("fork");
+  if (child == 0) {
+    out.take(STDOUT_FILENO);
+    err.take(STDERR_FILENO);
+    be_the_child(work, refused, *shared);
+  }
+  End end;
+  while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
+  }
+  end.done = shared->done;
+  end.out = out.text();
+  end.err = err.text();
+  end.file = shared->breadcrumb.file;
+  end.phase = shared->breadcrumb.phase;
+  return end;
+}
+
+void print(const End& end) {
+  std::fwrite(end.err.data(), 1, end.err.size(), stderr);
+  std::fwrite(end.out.data(), 1, end.out.size(), stdout);
+  std::fflush(stdout);
+}
+
+/// The last line that it wrote to stderr, such as a failed assertion.
+std::string last_words(const std::string& err) {
+  const std::size_t last = err.find_last_not_of("\r\n ");
+  if (last == std::string::npos) return {};
+  const std::size_t before = err.rfind('\n', last);
+  const std::size_t first =
+      err.find_first_not_of(" \t", before == std::string::npos ? 0 : before + 1);
+  std::string line = err.substr(first, std::min(last + 1 - first, kLongestLastWords));
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  return ", its last words are `" + line + "`";
+}
+
+/// "crashes in configure() of `x` (signal 11, Segmentation fault): take another plugin, ..."
+std::string why_refused(const End& end) {
+  const bool crashed = WIFSIGNALED(end.status);
+  const int number = crashed ? WTERMSIG(end.status) : WEXITSTATUS(end.status);
+  const std::string how = crashed ? "signal " + std::to_string(number) + ", " + strsignal(number)
+                                  : "exit status " + std::to_string(number);
+  return (crashed ? "crashes " : "ends the process ") + end.phase + " (" + how +
+         last_words(end.err) + "): mend it or take another plugin";
+}
+
+bool was_interrupted(int status) {
+  constexpr std::array kByTheUser = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+  return WIFSIGNALED(status) &&
+         std::find(kByTheUser.begin(), kByTheUser.end(), WTERMSIG(status)) != kByTheUser.end();
+}
+
+/// Ends as the child did where that was not a known plugin's doing.
+int follow(const End& end) {
+  print(end);
+  if (WIFSIGNALED(end.status)) {
+    signal(WTERMSIG(end.status), SIG_DFL);
+    raise(WTERMSIG(end.status));
+  }
+  return report_error("error: a plugin has ended the process that opened it (exit status " +
+                      std::to_string(WEXITSTATUS(end.status)) + "); none can be named");
+}
+
+}  // namespace
+
+int run_in_child(const Work& work) {
+  RefusedFiles refused;
+  while (true) {
+    const End end = run_child(work, refused);
+    if (end.done && WIFEXITED(end.status)) {
+      print(end);
+      return WEXITSTATUS(end.status);
+    }
+    if (end.phase.empty() || was_interrupted(end.status)) return follow(end);
+    const bool is_new = refused.emplace(end.file, why_refused(end)).second;
+    if (!is_new) return follow(end);
+  }
+}
+
+}  // namespace skybody

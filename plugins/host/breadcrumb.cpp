@@ -1,0 +1,22 @@
+#include "plugins/host/breadcrumb.h"
+
+#include <cstdio>
+
+namespace skybody {
+namespace {
+Breadcrumb* watched = nullptr;
+}
+
+void watch_plugins(Breadcrumb* where) { watched = where; }
+
+PluginPhase::PluginPhase(const std::filesystem::path& file, const std::string& phase) {
+  if (watched == nullptr) return;
+  std::snprintf(watched->file, sizeof watched->file, "%s", file.c_str());
+  std::snprintf(watched->phase, sizeof watched->phase, "%s", phase.c_str());
+}
+
+PluginPhase::~PluginPhase() {
+  if (watched != nullptr) watched->phase[0] = '\0';
+}
+
+}  // namespace skybody

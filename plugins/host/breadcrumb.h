@@ -1,0 +1,29 @@
+// Which plugin's code is running, for those who find the process dead: a parent process, a handler
+// of signals or of exit().
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace skybody {
+
+/// Plain memory, which may be shared with another process.
+struct Breadcrumb {
+  char file[4096];  ///< the library; Linux has no longer paths
+  char phase[256];  ///< such as "while it is loaded"; empty: no plugin's code is running
+};
+
+/// From now on phases are written to `where`, by one thread at a time. Null, as at the beginning:
+/// nobody watches, and nothing is written.
+void watch_plugins(Breadcrumb* where);
+
+/// Stands for a call into a plugin outside the step path: loading, configure(), unloading.
+class PluginPhase {
+ public:
+  PluginPhase(const std::filesystem::path& file, const std::string& phase);
+  ~PluginPhase();
+  PluginPhase(const PluginPhase&) = delete;
+  PluginPhase& operator=(const PluginPhase&) = delete;
+};
+
+}  // namespace skybody

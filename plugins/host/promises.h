@@ -1,0 +1,24 @@
+// Which plugins a library promises, known without opening it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace skybody {
+
+/// A library in a folder: X.so promises the plugin X, or where a text file X.plugins (its sidecar)
+/// lies beside it, the names in that: one a line, `#` begins a comment.
+struct PromisingFile {
+  std::filesystem::path file;      ///< as found, symbolic links not followed
+  std::filesystem::path sidecar;   ///< empty: there is none
+  std::vector<std::string> names;  ///< of plugins
+
+  bool promises(std::string_view name) const;
+};
+
+/// The *.so files of a folder, in order of their names; none if there is no such folder.
+std::vector<PromisingFile> promising_files(const std::filesystem::path& folder);
+
+}  // namespace skybody

@@ -1,0 +1,6 @@
+// Lets an exception out of its start-up code.
+#include <stdexcept>
+
+#include "tests/plugins/broken.h"
+
+SKYBODY_BROKEN_PLUGIN("throws_when_loaded", throw std::runtime_error("no licence"));

@@ -1,0 +1,56 @@
+"""Run folders name the plugins' folders that they were trained with, and do not choose them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from skybody.train import evaluate
+from skybody.train.__main__ import main
+from training import arguments
+
+PLUGINS = Path(__file__).resolve().parents[2] / "build/release/tests/plugins/hostile"
+
+pytestmark = [
+    pytest.mark.timeout(120),
+    pytest.mark.skipif(not PLUGINS.is_dir(), reason="the tests' plugins are not built"),
+]
+
+
+@pytest.fixture
+def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A file that the plugin makes when it is loaded."""
+    file = tmp_path / "mark"
+    monkeypatch.setenv("SKYBODY_TEST_MARK", str(file))
+    return file
+
+
+def test_recorded_plugin_folders_are_named_and_not_searched(
+    tmp_path: Path, mark: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run, given = tmp_path / "run", ["--plugin-path", str(PLUGINS)]
+    command = arguments("lean-ppo", run)
+    command[command.index("--total-steps") + 1] = "600"
+    command[command.index("--eval-episodes") + 1] = "1"
+    command += ["--override", "robots.quad.controllers=[{plugin: leaves_a_mark}, {plugin: ctbt}]"]
+    assert main([*command, *given]) == 0
+    assert mark.exists()
+    assert list(run.glob("checkpoints/*/evaluation.json"))  # its process was told where to look
+    longer = ["--resume", "--out", str(run), "--total-steps", "1200"]
+    calls = (
+        (main, "train", longer),
+        (evaluate.main, "evaluate", [str(run), "--episodes", "1"]),
+    )
+    for call, who, options in calls:
+        mark.unlink()
+        capsys.readouterr()
+        assert call(options) == 2
+        said = capsys.readouterr().err
+        assert said.startswith(f"{who}: warning: ")
+        assert f"was made with plugins from {PLUGINS}, which is not searched; " in said
+        assert f"if you trust it: --plugin-path {PLUGINS}\n" in said
+        assert "unknown controller `leaves_a_mark`" in said
+        assert not mark.exists()
+        assert call([*options, *given]) == 0
+        assert "warning" not in capsys.readouterr().err
+        assert mark.exists()

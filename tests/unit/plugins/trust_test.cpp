@@ -1,0 +1,94 @@
+// Whose libraries are opened.
+#include "plugins/host/trust.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "tests/unit/plugins/small_world.h"
+
+namespace skybody {
+namespace {
+
+using std::filesystem::path;
+using testing::HasSubstr;
+
+/// outer/inner/x.so in a folder of our own.
+class Trust : public testing::Test {
+ protected:
+  Trust() : outer(root.path() / "outer"), inner(outer / "inner"), file(inner / "x.so") {
+    std::filesystem::create_directories(inner);
+    std::ofstream(file) << "x";
+    set_mode(outer, 0755);
+    set_mode(inner, 0755);
+    set_mode(file, 0644);
+  }
+  static void set_mode(const path& place, mode_t mode) { ASSERT_EQ(chmod(place.c_str(), mode), 0); }
+
+  const test::Folder root;
+  const path outer, inner, file;
+};
+
+TEST_F(Trust, IsGivenToWhatOnlyTheUserMayWrite) { EXPECT_EQ(trust_problem(file), ""); }
+
+TEST_F(Trust, IsNotGivenToAFileThatEverybodyMayWrite) {
+  set_mode(file, 0666);
+  EXPECT_EQ(trust_problem(file),
+            "is not opened: everybody may write it (mode 0666); if you trust the library, chmod "
+            "go-w " +
+                file.string());
+}
+
+TEST_F(Trust, IsNotGivenToAFolderThatEverybodyMayWrite) {
+  set_mode(inner, 0777);
+  EXPECT_EQ(trust_problem(file), "is not opened: everybody may write its folder " + inner.string() +
+                                     " (mode 0777); if you trust the library, chmod go-w " +
+                                     inner.string());
+}
+
+TEST_F(Trust, IsNotGivenToAStickyFolder) {
+  set_mode(inner, 01777);
+  EXPECT_EQ(trust_problem(file), "is not opened: everybody may write its folder " + inner.string() +
+                                     " (mode 1777); if you trust the library, move it into a "
+                                     "folder of your own");
+}
+
+TEST_F(Trust, IsNotGivenBelowAFolderThatEverybodyMayWrite) {
+  set_mode(outer, 0777);
+  EXPECT_EQ(trust_problem(file),
+            "is not opened: everybody may write the folder " + outer.string() +
+                " above it (mode 0777); if you trust the library, chmod go-w " + outer.string());
+}
+
+TEST_F(Trust, IsGivenBelowAStickyFolder) {
+  set_mode(outer, 01777);
+  EXPECT_EQ(trust_problem(file), "");
+}
+
+TEST_F(Trust, IsGivenToThePrivateGroupAlone) {
+  set_mode(inner, 0775);
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give files away";
+  EXPECT_EQ(trust_problem(file), "");  // root's group has no other members
+  constexpr gid_t kDaemon = 1;
+  ASSERT_EQ(chown(inner.c_str(), 0, kDaemon), 0);
+  EXPECT_THAT(trust_problem(file), HasSubstr("` may write its folder " + inner.string()));
+}
+
+TEST_F(Trust, IsNotGivenToAnotherUsersFile) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give files away";
+  constexpr uid_t kNobodysNumber = 54321;
+  ASSERT_EQ(chown(file.c_str(), kNobodysNumber, 0), 0);
+  EXPECT_EQ(trust_problem(file),
+            "is not opened: it belongs to the user `54321`, not to you or root (mode 0644); if you "
+            "trust the library, copy it into a folder of your own");
+  ASSERT_EQ(chown(file.c_str(), 0, 0), 0);
+  ASSERT_EQ(chown(outer.c_str(), kNobodysNumber, 0), 0);
+  EXPECT_THAT(trust_problem(file),
+              HasSubstr("the folder " + outer.string() + " above it belongs to the user `54321`"));
+}
+
+}  // namespace
+}  // namespace skybody
