@@ -3,7 +3,9 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 
@@ -50,6 +52,15 @@ int print_error(const std::string& message) {
   return kExitError;
 }
 
+/// The status of a command whose output has reached the disk, or an error.
+int conclude(int status) {
+  errno = 0;
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (written || status == kExitError) return status;
+  const char* reason = errno != 0 ? std::strerror(errno) : "a write before has failed";
+  return print_error(std::string("error: cannot write the standard output: ") + reason);
+}
+
 int print_diagnostics(const InputError& error) {
   std::string text;
   for (const Diagnostic& diagnostic : error.diagnostics()) {
@@ -90,7 +101,7 @@ int run_program(int count, const char* const* arguments) {
   } catch (const CLI::ParseError& error) {
     return print_error("error: " + describe_usage_error(app, error));
   }
-  return run_chosen(chosen);
+  return conclude(run_chosen(chosen));
 }
 
 }  // namespace
