@@ -3,14 +3,13 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <string>
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/output.h"
 #include "core/io/diagnostics.h"
 #include "core/model/marked_error.h"
 #include "core/version.h"
@@ -52,15 +51,6 @@ int print_error(const std::string& message) {
   return kExitError;
 }
 
-/// The status of a command whose output has reached the disk, or an error.
-int conclude(int status) {
-  errno = 0;
-  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  if (written || status == kExitError) return status;
-  const char* reason = errno != 0 ? std::strerror(errno) : "a write before has failed";
-  return print_error(std::string("error: cannot write the standard output: ") + reason);
-}
-
 int print_diagnostics(const InputError& error) {
   std::string text;
   for (const Diagnostic& diagnostic : error.diagnostics()) {
@@ -72,7 +62,9 @@ int print_diagnostics(const InputError& error) {
 /// Runs what the command line chose; every failure becomes one message.
 int run_chosen(const Action& chosen) {
   try {
-    return chosen();
+    const int status = chosen();
+    flush_output();
+    return status;
   } catch (const InputError& error) {
     return print_diagnostics(error);
   } catch (const MarkedError& error) {
@@ -101,7 +93,7 @@ int run_program(int count, const char* const* arguments) {
   } catch (const CLI::ParseError& error) {
     return print_error("error: " + describe_usage_error(app, error));
   }
-  return conclude(run_chosen(chosen));
+  return run_chosen(chosen);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "app/command.h"
+#include "app/output.h"
 #include "app/parameter_table.h"
 #include "app/scenario_options.h"
 #include "app/text_table.h"
@@ -36,7 +37,7 @@ void print_usable(const PluginRegistry& registry) {
     table.add({entry.name, std::string(kind_name(entry.kind)), entry.version,
                entry.vectorized ? "yes" : "no", count_of(entry), entry.file.string()});
   }
-  if (!table.empty()) std::fputs(table.to_string().c_str(), stdout);
+  if (!table.empty()) print(table.to_string());
 }
 
 void print_details(const PluginRegistry& registry) {
@@ -44,7 +45,7 @@ void print_details(const PluginRegistry& registry) {
     if (!entry.failure.empty()) continue;
     std::printf("\n%s %s %s: %s\n", std::string(kind_name(entry.kind)).c_str(), entry.name.c_str(),
                 entry.version.c_str(), entry.doc.c_str());
-    if (!entry.parameters.empty()) std::fputs(parameter_lines(entry.parameters).c_str(), stdout);
+    if (!entry.parameters.empty()) print(parameter_lines(entry.parameters));
   }
 }
 
@@ -82,7 +83,7 @@ int list_plugins(const PluginsOptions& options) {
   const std::shared_ptr<const PluginRegistry> registry = find_plugins(options.load);
   if (!options.markdown.empty()) {
     const PluginEntry& entry = require_plugin(*registry, options.markdown);
-    std::fputs(parameter_markdown(entry.parameters).c_str(), stdout);
+    print(parameter_markdown(entry.parameters));
     return kExitDone;
   }
   print_usable(*registry);

@@ -81,9 +81,30 @@ def check_training(algorithm: str) -> Check:
             if done.returncode != 0:
                 return [*faults, f"exit code {done.returncode}: {done.stderr}"]
         hashes = [read_meta(checkpoint_folders(f)[-1])["parameter_hash"] for f in (run, whole)]
-        return faults if hashes[0] == hashes[1] else [*faults, "the resumed run has other bits"]
+        if hashes[0] != hashes[1]:
+            faults.append("the resumed run has other bits")
+        return faults + check_exports(disk, run)
 
     return check
+
+
+def check_exports(disk: Path, run: Path) -> list[str]:
+    """What is written from a run that is there, onto a disk without space."""
+    module = (sys.executable, "-m")
+    exports = {
+        "result.json": [*module, "skybody.train.evaluate", str(run), "--episodes", "1", "--json"],
+        "curve.png": [*module, "skybody.train.curve", str(run), "--out"],
+    }
+    filler, faults = fill(disk, 0), []
+    for name, command in exports.items():
+        done = subprocess.run(
+            [*command, str(disk / name)], capture_output=True, text=True, check=False
+        )
+        faults += [f"{name}: {fault}" for fault in message_faults(done, str(disk / name))]
+        if (disk / name).exists():
+            faults.append(f"{name} was left")
+    filler.unlink()
+    return faults
 
 
 def policy_of_format_1(disk: Path) -> list[str]:
@@ -117,6 +138,11 @@ CASES = (
             *("--record", str(disk / "run.h5")),
         ],
         free=1 << 20,
+    ),
+    Case(
+        "new",
+        lambda disk: [program(), "new", "controller", "my_law", "--dir", str(disk)],
+        free=4 << 10,
     ),
     Case(
         "schema > file",
@@ -163,8 +189,22 @@ def fill(disk: Path, free: int) -> Path:
     return filler
 
 
+def message_faults(done: subprocess.CompletedProcess[str], name: str) -> list[str]:
+    """What is wrong with how a program ended."""
+    faults, lines = [], done.stderr.strip().splitlines()
+    print(f"  exit code {done.returncode}: " + " / ".join(lines), flush=True)
+    if done.returncode != 2:
+        faults.append(f"exit code {done.returncode}, not 2")
+    if len(lines) != 1:
+        faults.append(f"{len(lines)} lines on stderr, not one")
+    for text in (name, "No space left on device"):
+        if text not in done.stderr:
+            faults.append(f"the message does not have `{text}`")
+    return faults
+
+
 def run_case(case: Case, disk: Path) -> list[str]:
-    """What is wrong; prints the message."""
+    """What is wrong."""
     command = case.command(disk)
     filler = fill(disk, case.free)
     out = (disk / case.to_file).open("w") if case.to_file else subprocess.DEVNULL
@@ -182,17 +222,7 @@ def run_case(case: Case, disk: Path) -> list[str]:
         out.close()  # type: ignore[union-attr]
     left = tuple(sorted(path.name for path in disk.iterdir() if path != filler))
     filler.unlink()
-    faults = []
-    lines = done.stderr.strip().splitlines()
-    print(f"{case.name}: exit code {done.returncode}, " + " / ".join(lines), flush=True)
-    if done.returncode != 2:
-        faults.append(f"exit code {done.returncode}, not 2")
-    if len(lines) != 1:
-        faults.append(f"{len(lines)} lines on stderr, not one")
-    if "No space left on device" not in done.stderr:
-        faults.append("the message does not say `No space left on device`")
-    if str(disk) not in done.stderr and not case.to_file:
-        faults.append("the message names no file")
+    faults = message_faults(done, "standard output" if case.to_file else str(disk))
     if left != case.left:
         faults.append(f"left {', '.join(left) or 'nothing'}")
     return faults + (case.check(disk) if case.check else [])
@@ -209,9 +239,10 @@ def inside(names: list[str]) -> int:
         for case in CASES:
             if names and case.name not in names:
                 continue
+            print(f"{case.name}:", flush=True)
             faults = run_case(case, disk)
             wrong += bool(faults)
-            print(f"{case.name}: {'; '.join(faults) or 'as it must be'}\n", flush=True)
+            print(f"  {'; '.join(faults) or 'as it must be'}", flush=True)
             for path in disk.iterdir():
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
     finally:
