@@ -9,6 +9,7 @@
 #include "app/command.h"
 #include "app/interrupt.h"
 #include "app/machine.h"
+#include "app/output.h"
 #include "app/physics_cost.h"
 #include "app/scenario_options.h"
 #include "app/text_table.h"
@@ -112,7 +113,7 @@ void print_table(const BenchOptions& options, const VecEnv& envs, const Counts& 
   table.add({"physics steps on tree [%]", fixed(100.0 * figures.tree_share, 1)});
   table.add({"resets", std::to_string(counts.resets)});
   table.add({"faults", std::to_string(counts.faults)});
-  std::fputs(table.to_string().c_str(), stdout);
+  print(table.to_string());
 }
 
 void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& counts,
@@ -143,7 +144,7 @@ void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& c
       .set_text("build", SKYBODY_BUILD_TYPE)
       .set_text("simbody", SKYBODY_SIMBODY_VERSION)
       .set("simbody_asserts", SKYBODY_SIMBODY_NDEBUG != 0 ? "false" : "true");
-  std::fputs((json_indented(json.text()) + "\n").c_str(), stdout);
+  print(json_indented(json.text()) + "\n");
 }
 
 int bench(const BenchOptions& options) {

@@ -1,4 +1,6 @@
 // skybody hash: one line that says whether two machines, builds or runs fly the same trajectory.
+#include <spdlog/spdlog.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <span>
@@ -6,6 +8,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/interrupt.h"
 #include "app/scenario_options.h"
 #include "app/vec_env_options.h"
 #include "core/assemble/replay_recorder.h"
@@ -29,6 +32,7 @@ constexpr const char* kFooter =
     "with key (seed, e), step k, stream `hash.action`. The chains are combined in the order of "
     "the\n"
     "environments. The hash does not depend on --threads, --batch and --order.\n"
+    "Ctrl-C ends a recording after the present steps; it is kept, exit status 130.\n"
     "Examples:\n"
     "  skybody hash scenarios/hover.yaml --steps 20000 --seed 7\n"
     "  skybody hash payload --envs 12 --threads 4 --batch 4 --order arrival\n"
@@ -54,9 +58,13 @@ class Run {
     ids_.reserve(taken_.size());
   }
 
+  /// Until all steps are taken, or until a first Ctrl-C where an InterruptGuard lives.
   void operator()() {
     envs_.send_reset();
-    while (envs_.in_flight() > 0) send_next(*envs_.recv());
+    while (envs_.in_flight() > 0) {
+      const auto batch = envs_.recv();
+      if (InterruptGuard::signal() == 0) send_next(*batch);
+    }
   }
 
  private:
@@ -88,6 +96,20 @@ class Run {
   std::vector<std::int32_t> ids_;
 };
 
+/// Runs with a recording; what was recorded before an interruption is kept. @returns its signal or
+/// 0
+int record(VecEnv& envs, Run& run, const HashOptions& options) {
+  skip_hdf5_cleanup_at_exit();
+  const InterruptGuard guard;
+  const auto recorder = start_recording(envs, options.record, {options.load, options.states});
+  run();
+  stop_recording(envs, *recorder);
+  if (InterruptGuard::signal() != 0) {
+    spdlog::warn("interrupted; what was done so far is in {}", options.record.string());
+  }
+  return InterruptGuard::signal();
+}
+
 int hash(const HashOptions& options) {
   if (options.states && options.record.empty()) {
     throw Error("--states is given without --record FILE, where they would be written");
@@ -99,11 +121,8 @@ int hash(const HashOptions& options) {
   Run run(envs, options.steps);
   if (options.record.empty()) {
     run();
-  } else {
-    skip_hdf5_cleanup_at_exit();
-    const auto recorder = start_recording(envs, options.record, {options.load, options.states});
-    run();
-    stop_recording(envs, *recorder);
+  } else if (const int signal = record(envs, run, options); signal != 0) {
+    return kExitSignal + signal;
   }
   std::printf("%s\n", to_hex(envs.hash()).c_str());
   return kExitDone;

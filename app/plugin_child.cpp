@@ -18,6 +18,7 @@
 #include <string>
 
 #include "app/command.h"
+#include "app/output.h"
 #include "app/report.h"
 #include "core/base/error.h"
 #include "plugins/host/breadcrumb.h"
@@ -126,10 +127,9 @@ End run_child(const Work& work, const RefusedFiles& refused) {
   return end;
 }
 
-void print(const End& end) {
+void pass_on(const End& end) {
   std::fwrite(end.err.data(), 1, end.err.size(), stderr);
-  std::fwrite(end.out.data(), 1, end.out.size(), stdout);
-  std::fflush(stdout);
+  print(end.out);
 }
 
 /// The last line that it wrote to stderr, such as a failed assertion.
@@ -163,7 +163,7 @@ bool was_interrupted(int status) {
 
 /// Ends as the child did where that was not a known plugin's doing.
 int follow(const End& end) {
-  print(end);
+  pass_on(end);
   if (WIFSIGNALED(end.status)) {
     signal(WTERMSIG(end.status), SIG_DFL);
     raise(WTERMSIG(end.status));
@@ -179,7 +179,7 @@ int run_in_child(const Work& work) {
   while (true) {
     const End end = run_child(work, refused);
     if (end.done && WIFEXITED(end.status)) {
-      print(end);
+      pass_on(end);
       return WEXITSTATUS(end.status);
     }
     if (end.phase.empty() || was_interrupted(end.status)) return follow(end);

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "app/command.h"
+#include "app/output.h"
 #include "app/parameter_table.h"
 #include "app/plugin_child.h"
 #include "app/scenario_options.h"
@@ -40,7 +41,7 @@ void print_usable(const Entries& entries) {
     table.add({entry->name, std::string(kind_name(entry->kind)), entry->version,
                entry->vectorized ? "yes" : "no", count_of(*entry), entry->file.string()});
   }
-  if (!table.empty()) std::fputs(table.to_string().c_str(), stdout);
+  if (!table.empty()) print(table.to_string());
 }
 
 void print_details(const Entries& entries) {
@@ -48,7 +49,7 @@ void print_details(const Entries& entries) {
     if (!entry->failure.empty()) continue;
     std::printf("\n%s %s %s: %s\n", std::string(kind_name(entry->kind)).c_str(),
                 entry->name.c_str(), entry->version.c_str(), entry->doc.c_str());
-    if (!entry->parameters.empty()) std::fputs(parameter_lines(entry->parameters).c_str(), stdout);
+    if (!entry->parameters.empty()) print(parameter_lines(entry->parameters));
   }
 }
 
@@ -86,7 +87,7 @@ int list_plugins(PluginsOptions options, const RefusedFiles& refused) {
   const Entries entries = registry->open_all();
   if (!options.markdown.empty()) {
     const PluginEntry& entry = require_plugin(entries, options.markdown);
-    std::fputs(parameter_markdown(entry.parameters).c_str(), stdout);
+    print(parameter_markdown(entry.parameters));
     return kExitDone;
   }
   print_usable(entries);

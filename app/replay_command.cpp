@@ -7,6 +7,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/output.h"
 #include "app/scenario_options.h"
 #include "core/assemble/replay_player.h"
 #include "core/batch/vec_env_options.h"
@@ -38,7 +39,7 @@ struct ReplayOptions {
 
 int conclude(const ReplayReport& report, const ReplayHeader& header, const std::string& first,
              const std::string& second) {
-  std::fputs(report.text(header, first, second).c_str(), stdout);
+  print(report.text(header, first, second));
   return report.identical() ? kExitDone : kExitDiffers;
 }
 

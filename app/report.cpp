@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 
+#include "app/output.h"
 #include "core/io/diagnostics.h"
 #include "core/model/marked_error.h"
 
@@ -28,7 +29,9 @@ int report_error(const std::string& message) {
 
 int run_and_report(const Action& work) {
   try {
-    return work();
+    const int status = work();
+    flush_output();
+    return status;
   } catch (const InputError& error) {
     return report_diagnostics(error);
   } catch (const MarkedError& error) {

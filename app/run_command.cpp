@@ -9,6 +9,7 @@
 #include "app/drawn_values.h"
 #include "app/flight.h"
 #include "app/flight_record.h"
+#include "app/output.h"
 #include "app/output_folder.h"
 #include "app/picture.h"
 #include "app/scenario_options.h"
@@ -69,7 +70,7 @@ FlightResult fly_and_log(const RunOptions& options, const FlightPlan& plan,
 }
 
 void print_summary(const Environment& environment, const FlightResult& result) {
-  std::fputs(summary_table(environment, result.episodes).c_str(), stdout);
+  print(summary_table(environment, result.episodes));
   const std::string drawn = drawn_values(environment, result.episodes);
   if (!drawn.empty()) std::printf("\n%s", drawn.c_str());
 }

@@ -1,7 +1,6 @@
 // skybody schema: the JSON schema of scenario files, for editors, and their keys as tables.
-#include <cstdio>
-
 #include "app/command.h"
+#include "app/output.h"
 #include "app/plugin_child.h"
 #include "app/scenario_options.h"
 #include "core/io/scenario_fields.h"
@@ -24,13 +23,13 @@ int print_schema(LoadOptions options, const RefusedFiles& refused) {
   registry->open_all();
   const auto catalog = make_catalog(registry);
   const std::string schema = scenario_schema(*catalog);
-  std::fputs(schema.c_str(), stdout);
-  if (schema.empty() || schema.back() != '\n') std::fputc('\n', stdout);
+  print(schema);
+  if (schema.empty() || schema.back() != '\n') print("\n");
   return kExitDone;
 }
 
 int print_tables() {
-  std::fputs(scenario_reference().c_str(), stdout);
+  print(scenario_reference());
   return kExitDone;
 }
 

@@ -340,9 +340,13 @@ def draw(flight: Flight):
 def save(figure, path: Path) -> None:
     """Nobody finds a half-written picture."""
     partial = path.with_name("." + path.name + ".partial")
-    figure.savefig(partial, dpi=DPI, format="png")
+    try:
+        figure.savefig(partial, dpi=DPI, format="png")
+        os.replace(partial, path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        sys.exit(f"{path}: {error.strerror}")
     plt.close(figure)
-    os.replace(partial, path)
 
 
 def main() -> int:

@@ -192,6 +192,10 @@ ReplayReport play(ReplayReader& replay, const std::shared_ptr<const Environment>
     if (!report.where) throw;
     report.remark = std::string("the replay stopped early: ") + error.what();
   }
+  if (report.identical() && report.transitions < replay.transitions()) {
+    report.remark = "the replay has " + std::to_string(report.transitions) + " of the " +
+                    std::to_string(replay.transitions()) + " recorded transitions";
+  }
   return report;
 }
 

@@ -77,7 +77,7 @@ ReplayRecorder::ReplayRecorder(const VecEnv& envs, const std::filesystem::path& 
 
 ReplayRecorder::~ReplayRecorder() = default;
 
-/// Writes where there is something to write to; a failure ends the recording.
+/// Writes where there is something to write to; a failure ends the recording and removes it.
 template <class Write>
 void ReplayRecorder::write(Write&& write) {
   if (!writer_) return;
@@ -85,6 +85,8 @@ void ReplayRecorder::write(Write&& write) {
     write(*writer_);
   } catch (...) {
     writer_.reset();
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file_, ignored)) std::filesystem::remove(file_, ignored);
     throw;
   }
 }

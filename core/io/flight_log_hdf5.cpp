@@ -1,5 +1,6 @@
 #include "core/io/flight_log_hdf5.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -46,6 +47,14 @@ Hdf5Id hdf5_text_type() {
   return type;
 }
 
+Hdf5Id hdf5_text_type(std::size_t size) {
+  Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, std::max<std::size_t>(size, 1));
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
 Hdf5Id Hdf5Writer::create_file() const {
   const Hdf5Id access(check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
   check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST));
@@ -86,6 +95,10 @@ void write_vector(const Hdf5Writer& writer, hid_t parent, const char* name, hid_
 void Hdf5Writer::write_attribute(hid_t object, const char* name, const std::string& value) const {
   const char* text = value.c_str();
   write_scalar(*this, object, name, hdf5_text_type(), static_cast<const void*>(&text));
+}
+
+void Hdf5Writer::write_text(hid_t object, const char* name, const std::string& value) const {
+  write_scalar(*this, object, name, hdf5_text_type(value.size()), value.c_str());
 }
 
 void Hdf5Writer::write_attribute(hid_t object, const char* name, double value) const {

@@ -63,6 +63,9 @@ class Hdf5Writer {
   Hdf5Id create_group(hid_t parent, const std::string& name) const;
 
   void write_attribute(hid_t object, const char* name, const std::string& value) const;
+  /// The same as a text of fixed length, which lies where it is named. Texts of any length lie in a
+  /// heap of HDF5's whose reader does not survive every damaged file.
+  void write_text(hid_t object, const char* name, const std::string& value) const;
   void write_attribute(hid_t object, const char* name, double value) const;
   void write_attribute(hid_t object, const char* name, std::int64_t value) const;
   void write_attribute(hid_t object, const char* name,
@@ -90,5 +93,7 @@ std::string hdf5_reason();
 
 /// HDF5's type of a UTF-8 text of any length.
 Hdf5Id hdf5_text_type();
+/// Of `size` bytes at most, padded with zeros.
+Hdf5Id hdf5_text_type(std::size_t size);
 
 }  // namespace skybody

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ class Hdf5Column {
     buffer_.insert(buffer_.end(), values, values + count);
   }
   std::size_t waiting_bytes() const { return buffer_.size() * sizeof(T); }
+  const T* waiting() const { return buffer_.data(); }
+  /// Rows written and waiting.
+  std::uint64_t rows() const { return rows_ + (width_ == 0 ? 0 : buffer_.size() / width_); }
 
   /// Appends what was added.
   void write() {

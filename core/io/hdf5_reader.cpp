@@ -1,5 +1,6 @@
 #include "core/io/hdf5_reader.h"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -8,27 +9,42 @@
 namespace skybody {
 namespace {
 
-/// Texts of any kind: of fixed length, padded, or of any length.
-std::vector<std::string> decode(const std::vector<char>& bytes, std::size_t size) {
-  std::vector<std::string> texts;
-  for (std::size_t at = 0; at + size <= bytes.size(); at += size) {
-    std::string text(bytes.data() + at, size);
-    texts.push_back(text.substr(0, text.find('\0')));
-  }
-  return texts;
-}
+constexpr std::size_t kMemoryIncrement = 1 << 16;  // of a file in memory, which does not grow
+// HDF5 allocates a chunk whole. Ours have 64 KiB, or one row where a row is longer.
+constexpr std::size_t kLargestChunk = 16 << 20;
 
 }  // namespace
 
 Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string what)
     : path_(std::move(path)), what_(std::move(what)) {
+  check_regular_file(path_);
   std::error_code ignored;
-  if (!std::filesystem::exists(path_, ignored)) fail("the file does not exist");
-  if (std::filesystem::is_directory(path_, ignored)) fail("this is a folder; give a file");
+  bytes_ = std::filesystem::file_size(path_, ignored);
+  open(path_, Hdf5Id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose));
+}
+
+Hdf5Reader::Hdf5Reader(std::filesystem::path path, std::string what, const std::string& bytes)
+    : path_(std::move(path)), what_(std::move(what)), bytes_(bytes.size()) {
   const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access, kMemoryIncrement, false);
+  // HDF5 copies the bytes and does not write to them.
+  H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size());
+  open(path_ / "in memory", access);  // HDF5 demands a name under which there is no file
+}
+
+void Hdf5Reader::open(const std::filesystem::path& name, hid_t access) {
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-  file_ = Hdf5Id(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
+  file_ = Hdf5Id(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
   if (file_ < 0) fail("not a " + what_ + " file, or cut short: " + hdf5_reason());
+}
+
+void check_regular_file(const std::filesystem::path& file) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+  const auto fail = [&](const char* message) { throw MarkedError({file.string(), 0, 0}, message); };
+  if (!std::filesystem::exists(status)) fail("the file does not exist");
+  if (std::filesystem::is_directory(status)) fail("this is a folder; give a file");
+  if (!std::filesystem::is_regular_file(status)) fail("this is not a regular file");
 }
 
 void Hdf5Reader::fail(const std::string& message) const {
@@ -36,6 +52,10 @@ void Hdf5Reader::fail(const std::string& message) const {
 }
 
 void Hdf5Reader::check_format(std::int64_t version, const std::string& remedy) const {
+  const Hdf5Id type(H5Aget_type(open_attribute("/", "format")), H5Tclose);
+  if (H5Tis_variable_str(type) > 0) {
+    fail("not a " + what_ + ": its format is a text of variable length, as no " + what_ + " has");
+  }
   const std::string wanted = "skybody-" + what_, found = text("/", "format");
   if (found != wanted) {
     fail("not a " + what_ + ": its format is `" + found + "`; allowed: `" + wanted + "`");
@@ -50,7 +70,12 @@ void Hdf5Reader::check_format(std::int64_t version, const std::string& remedy) c
 bool Hdf5Reader::has(const std::string& object) const {
   if (object == "/") return true;
   for (std::size_t at = object.find('/', 1);; at = object.find('/', at + 1)) {
-    if (H5Lexists(file_, object.substr(0, at).c_str(), H5P_DEFAULT) <= 0) return false;
+    const std::string link = object.substr(0, at);
+    if (H5Lexists(file_, link.c_str(), H5P_DEFAULT) <= 0) return false;
+    H5L_info_t info;
+    if (H5Lget_info(file_, link.c_str(), &info, H5P_DEFAULT) < 0 || info.type != H5L_TYPE_HARD) {
+      fail("`" + link + "` is a link to another place; a " + what_ + " holds its values itself");
+    }
     if (at == std::string::npos) return true;
   }
 }
@@ -69,55 +94,86 @@ Hdf5Id Hdf5Reader::open_dataset(const std::string& dataset) const {
   if (!has(dataset)) fail("`" + dataset + "` is missing in this " + what_ + " file");
   Hdf5Id id(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
   if (id < 0) fail("`" + dataset + "` cannot be read: " + hdf5_reason());
+  check_storage(dataset, id);
   return id;
+}
+
+/// Refuses storage that reads other files, runs other filters or needs unbounded memory.
+void Hdf5Reader::check_storage(const std::string& dataset, hid_t id) const {
+  const auto refuse = [&](const std::string& what) { fail("`" + dataset + "` " + what); };
+  const Hdf5Id properties(H5Dget_create_plist(id), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(properties);
+  const bool within = layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED;
+  if (!within || H5Pget_external_count(properties) != 0) {
+    refuse("is stored in other files; a " + what_ + " holds its values itself");
+  }
+  for (int k = 0; k < H5Pget_nfilters(properties); ++k) {
+    std::size_t values = 0;
+    unsigned flags = 0, config = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(properties, static_cast<unsigned>(k), &flags,
+                                               &values, nullptr, 0, nullptr, &config);
+    if (filter != H5Z_FILTER_FLETCHER32) refuse("is compressed or filtered; allowed: fletcher32");
+  }
+  const Hdf5Id type(H5Dget_type(id), H5Tclose);
+  const std::size_t size = H5Tget_size(type);
+  const Shape shape = shape_of(dataset, id);
+  const std::uintmax_t most = size == 0 ? 0 : bytes_ / size;
+  if (shape.columns != 0 && shape.rows > most / shape.columns) {
+    refuse("claims more values than the file has bytes for: the file is damaged");
+  }
+  hsize_t chunk[2] = {1, 1};
+  if (layout != H5D_CHUNKED) return;
+  if (H5Pget_chunk(properties, shape.rank, chunk) < 0) refuse("cannot be read: " + hdf5_reason());
+  if (chunk[0] > kLargestChunk || chunk[1] > kLargestChunk ||
+      chunk[0] * chunk[1] > kLargestChunk / std::max<std::size_t>(size, 1)) {
+    refuse("has chunks of more than " + std::to_string(kLargestChunk >> 20) + " MiB");
+  }
+}
+
+void Hdf5Reader::check_rows(const std::string& dataset, const Shape& shape, std::size_t first,
+                            std::size_t count) const {
+  if (first <= shape.rows && count <= shape.rows - first) return;
+  fail("`" + dataset + "` ends too early: it has " + std::to_string(shape.rows) + " rows, " +
+       std::to_string(count) + " are needed from row " + std::to_string(first) + " on");
+}
+
+/// The length of texts of `type`, all alike.
+std::size_t Hdf5Reader::check_text_type(const std::string& name, hid_t type) const {
+  if (H5Tget_class(type) != H5T_STRING) fail(name + " is not a text");
+  if (H5Tis_variable_str(type) != 0) {
+    fail(name + " is a text of variable length; allowed: texts of fixed length");
+  }
+  const std::size_t size = H5Tget_size(type);
+  if (size > bytes_) fail(name + " claims to be longer than the file: the file is damaged");
+  return size;
 }
 
 std::string Hdf5Reader::text(const std::string& object, const char* attribute) const {
   const Hdf5Id id = open_attribute(object, attribute);
   const Hdf5Id type(H5Aget_type(id), H5Tclose);
   const Hdf5Id space(H5Aget_space(id), H5Sclose);
-  if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1) {
-    fail("the attribute `" + std::string(attribute) + "` of `" + object + "` is not a text");
-  }
-  if (H5Tis_variable_str(type) > 0) {
-    const Hdf5Id memory = hdf5_text_type();
-    H5Tset_cset(memory, H5Tget_cset(type));
-    char* characters = nullptr;
-    if (H5Aread(id, memory, static_cast<void*>(&characters)) < 0) fail(hdf5_reason());
-    const std::string value(characters == nullptr ? "" : characters);
-    H5free_memory(characters);
-    return value;
-  }
-  std::vector<char> bytes(H5Tget_size(type));
+  const std::string name = "the attribute `" + std::string(attribute) + "` of `" + object + "`";
+  std::string bytes(check_text_type(name, type), '\0');
+  if (H5Sget_simple_extent_npoints(space) != 1) fail(name + " is not a text");
   if (H5Aread(id, type, bytes.data()) < 0) fail(hdf5_reason());
-  return decode(bytes, bytes.size()).at(0);
+  return bytes.substr(0, bytes.find('\0'));
 }
 
 std::vector<std::string> Hdf5Reader::texts(const std::string& dataset) const {
   const Hdf5Id id = open_dataset(dataset);
   const Hdf5Id type(H5Dget_type(id), H5Tclose);
-  const Hdf5Id space(H5Dget_space(id), H5Sclose);
-  if (H5Tget_class(type) != H5T_STRING) fail("`" + dataset + "` does not hold texts");
-  const auto count = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
-  if (H5Tis_variable_str(type) <= 0) {
-    const std::size_t size = H5Tget_size(type);
-    std::vector<char> bytes(count * size);
-    if (count > 0 && H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
-      fail("`" + dataset + "` cannot be read: " + hdf5_reason());
-    }
-    return decode(bytes, size);
-  }
-  std::vector<char*> list(count);
-  std::vector<std::string> values;
-  if (list.empty()) return values;
-  const Hdf5Id memory = hdf5_text_type();
-  H5Tset_cset(memory, H5Tget_cset(type));
-  if (H5Dread(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, static_cast<void*>(list.data())) < 0) {
+  const std::size_t size = check_text_type("`" + dataset + "`", type);
+  const Shape shape = shape_of(dataset, id);
+  std::string bytes(shape.rows * shape.columns * size, '\0');
+  if (!bytes.empty() && H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
     fail("`" + dataset + "` cannot be read: " + hdf5_reason());
   }
-  for (const char* characters : list) values.emplace_back(characters == nullptr ? "" : characters);
-  H5Dvlen_reclaim(memory, space, H5P_DEFAULT, static_cast<void*>(list.data()));
-  return values;
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; at < bytes.size(); at += size) {
+    const std::string text = bytes.substr(at, size);
+    texts.push_back(text.substr(0, text.find('\0')));
+  }
+  return texts;
 }
 
 void Hdf5Reader::read_number(const std::string& object, const char* attribute, hid_t type,
@@ -148,24 +204,24 @@ double Hdf5Reader::real(const std::string& object, const char* attribute) const 
 }
 
 Hdf5Reader::Shape Hdf5Reader::shape(const std::string& dataset) const {
-  const Hdf5Id id = open_dataset(dataset);
+  return shape_of(dataset, open_dataset(dataset));
+}
+
+Hdf5Reader::Shape Hdf5Reader::shape_of(const std::string& dataset, hid_t id) const {
   const Hdf5Id space(H5Dget_space(id), H5Sclose);
   const int rank = H5Sget_simple_extent_ndims(space);
   hsize_t extent[2] = {0, 1};
   if (rank < 1 || rank > 2) fail("`" + dataset + "` is not a vector or a matrix");
   H5Sget_simple_extent_dims(space, extent, nullptr);
-  return {extent[0], extent[1], rank};
+  return {static_cast<std::size_t>(extent[0]), static_cast<std::size_t>(extent[1]), rank};
 }
 
 void Hdf5Reader::read(const std::string& dataset, std::size_t first, std::size_t count, hid_t type,
                       void* out) const {
   if (count == 0) return;
-  const Shape s = shape(dataset);
-  if (first + count > s.rows) {
-    fail("`" + dataset + "` ends too early: it has " + std::to_string(s.rows) + " rows, " +
-         std::to_string(first + count) + " are needed");
-  }
   const Hdf5Id id = open_dataset(dataset);
+  const Shape s = shape_of(dataset, id);
+  check_rows(dataset, s, first, count);
   const Hdf5Id stored(H5Dget_type(id), H5Tclose);
   const H5T_class_t kind = H5Tget_class(stored);
   if (kind != H5T_INTEGER && kind != H5T_FLOAT) fail("`" + dataset + "` does not hold numbers");

@@ -13,12 +13,20 @@ namespace skybody {
 /// One file, open for reading. Objects are named by their path within it ("/" is the root). Numbers
 /// are converted to the type that is asked for. Every member throws MarkedError with the file's
 /// name where something is missing or of another kind or shape.
+///
+/// The file may be hostile. Nothing outside of it is opened: links other than hard ones, external
+/// and virtual storage and filters other than Fletcher's checksum are refused. Nothing is allocated
+/// for more values than the file has bytes for. Texts of variable length are refused: they lie in a
+/// heap whose reader in HDF5 does not survive every damaged file.
 class Hdf5Reader {
  public:
   /// @param what  the kind of file, for messages: "policy"
   Hdf5Reader(std::filesystem::path path, std::string what);
+  /// Reads the file's bytes from memory; `path` is for messages.
+  Hdf5Reader(std::filesystem::path path, std::string what, const std::string& bytes);
 
   const std::filesystem::path& path() const { return path_; }
+  /// Whether there is such an object. @throws MarkedError where a link on the way is not a hard one
   bool has(const std::string& object) const;
 
   std::string text(const std::string& object, const char* attribute) const;
@@ -49,9 +57,15 @@ class Hdf5Reader {
   /// A whole dataset.
   template <class T>
   std::vector<T> all(const std::string& dataset) const {
+    return rows<T>(dataset, 0, shape(dataset).rows);
+  }
+  /// `count` rows from `first` on.
+  template <class T>
+  std::vector<T> rows(const std::string& dataset, std::size_t first, std::size_t count) const {
     const Shape s = shape(dataset);
-    std::vector<T> values(s.rows * s.columns);
-    read_rows(dataset, 0, s.rows, values.data());
+    check_rows(dataset, s, first, count);
+    std::vector<T> values(count * s.columns);
+    read_rows(dataset, first, count, values.data());
     return values;
   }
 
@@ -59,6 +73,12 @@ class Hdf5Reader {
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
+  void open(const std::filesystem::path& name, hid_t access);
+  void check_storage(const std::string& dataset, hid_t id) const;
+  void check_rows(const std::string& dataset, const Shape& shape, std::size_t first,
+                  std::size_t count) const;
+  std::size_t check_text_type(const std::string& name, hid_t type) const;
+  Shape shape_of(const std::string& dataset, hid_t id) const;
   Hdf5Id open_attribute(const std::string& object, const char* attribute) const;
   Hdf5Id open_dataset(const std::string& dataset) const;
   void read(const std::string& dataset, std::size_t first, std::size_t count, hid_t type,
@@ -68,7 +88,11 @@ class Hdf5Reader {
   QuietHdf5 quiet_;
   std::filesystem::path path_;
   std::string what_;
+  std::uintmax_t bytes_ = 0;  ///< of the file
   Hdf5Id file_;
 };
+
+/// @throws MarkedError unless `file` is a regular file, which devices, pipes and folders are not
+void check_regular_file(const std::filesystem::path& file);
 
 }  // namespace skybody

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/io/hdf5_reader.h"
+#include "core/io/policy_seal.h"
 
 namespace skybody {
 namespace {
@@ -17,7 +18,7 @@ constexpr int kMostLayers = 64;
 
 class PolicyReader {
  public:
-  explicit PolicyReader(const fs::path& file) : file_(file, "policy") {}
+  explicit PolicyReader(const fs::path& file) : file_(file, "policy", read_sealed_policy(file)) {}
 
   PolicyFile read() {
     read_header();

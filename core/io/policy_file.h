@@ -37,9 +37,6 @@ struct PolicyFile {
   std::vector<PolicyLayer> layers;  ///< at least one
 };
 
-/// The newest format that read_policy() knows.
-inline constexpr int kPolicyFormat = 1;
-
 /// @throws MarkedError with the file's name: missing, no policy, damaged, another version, sizes
 ///         that do not fit together, values that are not finite
 PolicyFile read_policy(const std::filesystem::path& file);

@@ -83,7 +83,7 @@ class ReplayWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Reads a replay file. Actions and rows are read when asked for.
+/// Reads a replay file. Actions and rows are read when asked for; all have been hashed before.
 class ReplayReader {
  public:
   /// @throws MarkedError with the file's name: missing, no replay, another version, damaged
@@ -116,6 +116,6 @@ class ReplayReader {
 };
 
 /// The newest format.
-inline constexpr int kReplayFormat = 1;
+inline constexpr int kReplayFormat = 2;
 
 }  // namespace skybody

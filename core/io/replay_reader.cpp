@@ -4,6 +4,7 @@
 
 #include "core/base/hash.h"
 #include "core/io/hdf5_reader.h"
+#include "core/io/replay_bursts.h"
 #include "core/io/replay_file.h"
 
 namespace skybody {
@@ -26,8 +27,11 @@ struct ReplayReader::Block {
 };
 
 struct ReplayReader::File {
+  using enum ReplayColumnId::Id;
+
   explicit File(const std::filesystem::path& path) : reader(path, "replay") {
     read_header();
+    rows = check_bursts(reader, header);
     read_events();
     read_transitions();
     index_transitions();
@@ -61,22 +65,27 @@ struct ReplayReader::File {
     if (place >= block.first && place - block.first < block.count) return block;
     block.first = place / kWindow * kWindow;
     block.count = std::min(kWindow, hash.size() - block.first);
-    read_column("/transitions/episode", 1, block.episode);
-    read_column("/transitions/episode_step", 1, block.episode_step);
-    read_column("/transitions/was_reset", 1, block.was_reset);
-    read_column("/transitions/status", 1, block.status);
-    read_column("/transitions/reward", 1, block.reward);
-    read_column("/transitions/observation", header.observation_names.size(), block.observation);
-    read_column("/transitions/state", header.state_names.size(), block.state);
+    read_block(kEpisode, block.episode);
+    read_block(kEpisodeStep, block.episode_step);
+    read_block(kWasReset, block.was_reset);
+    read_block(kStatus, block.status);
+    read_block(kReward, block.reward);
+    read_block(kObservation, block.observation);
+    read_block(kState, block.state);
     return block;
   }
 
   template <class T>
-  void read_column(const char* name, std::size_t width, std::vector<T>& values) {
-    values.resize(block.count * width);
-    if (values.empty()) return;
-    if (width > 1 && reader.shape(name).columns != width) damaged();
-    reader.read_rows(name, block.first, block.count, values.data());
+  void read_block(ReplayColumnId::Id id, std::vector<T>& values) {
+    const ReplayColumn& column = kReplayColumns[id];
+    if (replay_width(header, column.width) == 0) return;
+    values = reader.rows<T>(column.path, block.first, block.count);
+  }
+
+  /// A whole column of one value a row.
+  template <class T>
+  std::vector<T> read_column(ReplayColumnId::Id id) const {
+    return reader.rows<T>(kReplayColumns[id].path, 0, rows[id]);
   }
 
   std::uint64_t number(const char* name, int base) {
@@ -99,28 +108,49 @@ struct ReplayReader::File {
   }
 
   void read_events() {
-    kind = reader.all<std::uint8_t>("/events/kind");
-    count = reader.all<std::uint64_t>("/events/count");
-    argument = reader.all<std::uint64_t>("/events/argument");
-    env_id = reader.all<std::int32_t>("/events/env_id");
-    paths = reader.all<std::uint8_t>("/events/path");
+    kind = read_column<std::uint8_t>(kKind);
+    count = read_column<std::uint64_t>(kCount);
+    argument = read_column<std::uint64_t>(kArgument);
+    env_id = read_column<std::int32_t>(kEventEnv);
+    paths = read_column<std::uint8_t>(kPath);
     check_ids(env_id);
     if (count.size() != kind.size() || argument.size() != kind.size()) damaged();
-    std::size_t ids = 0;
+    if (kind.empty() || !is_restore(0)) damaged();
+    // A saved state has several words an environment.
+    if (static_cast<std::size_t>(header.envs) > rows[kSaved]) damaged();
+    check_counts();
+  }
+
+  /// The events take exactly what the other columns have; a count may be any 64-bit number.
+  void check_counts() const {
+    std::size_t ids = env_id.size(), words = rows[kSaved], actions = rows[kAction];
+    const auto take = [this](std::size_t& left, std::uint64_t taken) {
+      if (taken > left) damaged();
+      left -= static_cast<std::size_t>(taken);
+    };
     for (std::size_t k = 0; k < kind.size(); ++k) {
       if (kind[k] > static_cast<std::uint8_t>(ReplayEventKind::kReseed)) damaged();
-      if (is_restore(k)) continue;
-      if (count[k] > env_id.size() - ids) damaged();
-      ids += static_cast<std::size_t>(count[k]);
+      take(is_restore(k) ? words : ids, count[k]);
+      if (kind_of(k) == ReplayEventKind::kSend && header.action_size > 0) take(actions, count[k]);
     }
-    if (ids != env_id.size()) damaged();
+    if (ids != 0 || words != 0 || actions != 0) damaged();
   }
 
   void read_transitions() {
-    row_env = reader.all<std::int32_t>("/transitions/env_id");
-    hash = reader.all<std::uint64_t>("/transitions/hash");
+    row_env = read_column<std::int32_t>(kRowEnv);
+    hash = read_column<std::uint64_t>(kHash);
     check_ids(row_env);
-    if (hash.size() != row_env.size()) damaged();
+    if (row_env.empty()) {
+      reader.fail("this replay has no transitions: there is nothing to compare; record a reset");
+    }
+    for (const ReplayColumnId::Id id :
+         {kHash, kEpisode, kEpisodeStep, kWasReset, kStatus, kReward}) {
+      if (rows[id] != row_env.size()) damaged();
+    }
+    for (const ReplayColumnId::Id id : {kObservation, kState}) {
+      const bool has = replay_width(header, kReplayColumns[id].width) > 0;
+      if (has && rows[id] != row_env.size()) damaged();
+    }
   }
 
   /// Which places are whose, and which action row belongs to which transition.
@@ -132,6 +162,8 @@ struct ReplayReader::File {
     sent.resize(places.size());
     std::size_t at = 0;
     std::int64_t action_row = 0;
+    // Each reset, action or reseeding gives a transition, but for those in flight at the end.
+    std::size_t left = row_env.size() + places.size();
     for (std::size_t k = 0; k < kind.size(); ++k) {
       if (is_restore(k)) continue;
       const bool is_send = kind_of(k) == ReplayEventKind::kSend;
@@ -142,6 +174,8 @@ struct ReplayReader::File {
         }
       }
       if (kind_of(k) != ReplayEventKind::kReseed) continue;
+      if (places.size() > left) damaged();
+      left -= places.size();
       for (auto& list : sent) list.push_back(-1);
     }
     for (std::size_t env = 0; env < places.size(); ++env) {
@@ -171,11 +205,11 @@ struct ReplayReader::File {
   }
 
   /// The next rows of actions, out of a window that slides over the file.
-  void read_actions(std::size_t rows, std::vector<float>& out) {
+  void read_actions(std::size_t wanted, std::vector<float>& out) {
     const auto width = static_cast<std::size_t>(header.action_size);
     out.clear();
     if (width == 0) return;
-    for (; rows > 0; --rows, ++next_action) {
+    for (; wanted > 0; --wanted, ++next_action) {
       if (next_action >= window_end) slide_window();
       const float* row = window.data() + (next_action - window_begin) * width;
       out.insert(out.end(), row, row + width);
@@ -183,18 +217,17 @@ struct ReplayReader::File {
   }
 
   void slide_window() {
-    const Hdf5Reader::Shape shape = reader.shape("/events/action");
-    const auto width = static_cast<std::size_t>(header.action_size);
-    if (shape.columns != width || next_action >= shape.rows) damaged();
+    if (next_action >= rows[kAction]) damaged();
     window_begin = next_action;
-    window_end = std::min(shape.rows, next_action + kWindow);
-    window.resize((window_end - window_begin) * width);
-    reader.read_rows("/events/action", window_begin, window_end - window_begin, window.data());
+    window_end = std::min(rows[kAction], next_action + kWindow);
+    window =
+        reader.rows<float>(kReplayColumns[kAction].path, window_begin, window_end - window_begin);
   }
 
   Hdf5Reader reader;
   Block block;  ///< of rows, read last
   ReplayHeader header;
+  ReplayRows rows{};  ///< of complete bursts
   std::vector<std::uint8_t> kind, paths;
   std::vector<std::int32_t> env_id, row_env;
   std::vector<std::uint64_t> count, argument, hash;
@@ -222,8 +255,8 @@ bool ReplayReader::next(ReplayEvent& event) {
   event.argument = f.argument[k];
   event.env_ids.clear();
   if (f.is_restore(k)) {
-    event.saved.resize(count);
-    f.reader.read_rows("/events/saved", f.next_saved, count, event.saved.data());
+    event.saved =
+        f.reader.rows<std::uint64_t>(kReplayColumns[File::kSaved].path, f.next_saved, count);
     f.next_saved += count;
     return true;
   }
@@ -271,10 +304,9 @@ ReplayRow ReplayReader::row(std::size_t place) const {
 std::vector<float> ReplayReader::action(int env, std::size_t k) const {
   const std::int64_t at = file_->sent[static_cast<std::size_t>(env)][k];
   if (at < 0) return {};
-  std::vector<float> row(static_cast<std::size_t>(header().action_size));
-  if (row.empty() || file_->reader.shape("/events/action").columns != row.size()) return {};
-  file_->reader.read_rows("/events/action", static_cast<std::size_t>(at), 1, row.data());
-  return row;
+  if (header().action_size == 0) return {};
+  return file_->reader.rows<float>(kReplayColumns[File::kAction].path, static_cast<std::size_t>(at),
+                                   1);
 }
 
 }  // namespace skybody

@@ -3,6 +3,7 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/io/hdf5_column.h"
+#include "core/io/replay_bursts.h"
 #include "core/io/replay_file.h"
 
 namespace skybody {
@@ -22,25 +23,6 @@ void hold_structure_back(const Hdf5Writer& writer, hid_t file) {
   writer.check(H5Fset_mdc_config(file, &config));
 }
 
-/// Texts of fixed length lie where they are named. Those of any length lie in a heap of HDF5's
-/// whose reader does not survive every damaged file.
-Hdf5Id text_type(const Hdf5Writer& writer, std::size_t size) {
-  Hdf5Id type(writer.check(H5Tcopy(H5T_C_S1)), H5Tclose);
-  writer.check(H5Tset_size(type, std::max<std::size_t>(size, 1)));
-  writer.check(H5Tset_strpad(type, H5T_STR_NULLPAD));
-  writer.check(H5Tset_cset(type, H5T_CSET_UTF8));
-  return type;
-}
-
-void write_text(const Hdf5Writer& writer, hid_t object, const char* name,
-                const std::string& value) {
-  const Hdf5Id type = text_type(writer, value.size());
-  const Hdf5Id space(writer.check(H5Screate(H5S_SCALAR)), H5Sclose);
-  const Hdf5Id attribute(
-      writer.check(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT)), H5Aclose);
-  writer.check(H5Awrite(attribute, type, value.c_str()));
-}
-
 void write_texts(const Hdf5Writer& writer, hid_t parent, const char* name,
                  const std::vector<std::string>& values) {
   std::size_t width = 1;
@@ -50,7 +32,7 @@ void write_texts(const Hdf5Writer& writer, hid_t parent, const char* name,
     value.resize(width, '\0');
     bytes += value;
   }
-  const Hdf5Id type = text_type(writer, width);
+  const Hdf5Id type = hdf5_text_type(width);
   const hsize_t extent = values.size();
   const Hdf5Id space(writer.check(H5Screate_simple(1, &extent, nullptr)), H5Sclose);
   const Hdf5Id set(
@@ -64,17 +46,17 @@ void write_texts(const Hdf5Writer& writer, hid_t parent, const char* name,
 Hdf5Id created(const Hdf5Writer& writer, const ReplayHeader& header) {
   Hdf5Id file = writer.create_file();
   hold_structure_back(writer, file);
-  write_text(writer, file, "format", "skybody-replay");
+  writer.write_text(file, "format", "skybody-replay");
   writer.write_attribute(file, "version", std::int64_t{kReplayFormat});
-  write_text(writer, file, "skybody_version", header.skybody_version);
-  write_text(writer, file, "scenario", header.scenario_name);
-  write_text(writer, file, "scenario_file", header.scenario_file);
-  write_text(writer, file, "scenario_text", header.scenario_text);
-  write_text(writer, file, "scenario_hash", to_hex(header.scenario_hash));
-  write_text(writer, file, "seed", std::to_string(header.seed));
-  write_text(writer, file, "first_env_id", std::to_string(header.first_env_id));
+  writer.write_text(file, "skybody_version", header.skybody_version);
+  writer.write_text(file, "scenario", header.scenario_name);
+  writer.write_text(file, "scenario_file", header.scenario_file);
+  writer.write_text(file, "scenario_text", header.scenario_text);
+  writer.write_text(file, "scenario_hash", to_hex(header.scenario_hash));
+  writer.write_text(file, "seed", std::to_string(header.seed));
+  writer.write_text(file, "first_env_id", std::to_string(header.first_env_id));
   writer.write_attribute(file, "envs", static_cast<std::int64_t>(header.envs));
-  write_text(writer, file, "autoreset", header.autoreset);
+  writer.write_text(file, "autoreset", header.autoreset);
   writer.write_attribute(file, "action_size", static_cast<std::int64_t>(header.action_size));
   write_texts(writer, file, "overrides", header.overrides);
   write_texts(writer, file, "plugin_path", header.plugin_path);
@@ -110,13 +92,28 @@ struct ReplayWriter::File {
         reward(writer, transitions, "reward", H5T_NATIVE_FLOAT),
         observation(writer, transitions, "observation", H5T_NATIVE_FLOAT,
                     static_cast<int>(observation_size)),
-        state(writer, transitions, "state", H5T_NATIVE_UINT64, static_cast<int>(state_size)) {}
+        state(writer, transitions, "state", H5T_NATIVE_UINT64, static_cast<int>(state_size)),
+        bursts(writer, file, "bursts", H5T_NATIVE_UINT64, kReplayBurstWidth),
+        chain(replay_chain(header)) {}
 
+  /// In the order of kReplayColumns.
   template <class Visit>
   void each_column(Visit&& visit) {
     visit(kind), visit(count), visit(argument), visit(env_id), visit(action), visit(path),
         visit(saved), visit(row_env), visit(hash), visit(episode), visit(episode_step),
         visit(was_reset), visit(status), visit(reward), visit(observation), visit(state);
+  }
+
+  /// Writes what waits, then the burst's row, and hands everything to the operating system.
+  void write_burst() {
+    each_column([&](const auto& column) {
+      add_burst(chain, column.rows(), column.waiting(), column.waiting_bytes());
+      bursts.add(column.rows());
+    });
+    bursts.add(chain.value());
+    each_column([](auto& column) { column.write(); });
+    bursts.write();
+    writer.check(H5Fflush(file, H5F_SCOPE_LOCAL));
   }
 
   QuietHdf5 quiet;
@@ -135,7 +132,8 @@ struct ReplayWriter::File {
   Hdf5Column<std::uint8_t> was_reset;
   Hdf5Column<std::uint64_t> status;
   Hdf5Column<float> reward, observation;
-  Hdf5Column<std::uint64_t> state;
+  Hdf5Column<std::uint64_t> state, bursts;
+  HashChain chain;
 };
 
 ReplayWriter::ReplayWriter(const std::filesystem::path& file, const ReplayHeader& header)
@@ -201,15 +199,13 @@ void ReplayWriter::flush_if_full() {
 
 void ReplayWriter::flush() {
   SKYBODY_DEMAND(file_, "flush() of a closed replay");
-  file_->each_column([](auto& column) { column.write(); });
-  file_->writer.check(H5Fflush(file_->file, H5F_SCOPE_LOCAL));
+  file_->write_burst();
 }
 
 void ReplayWriter::close() {
   if (!file_) return;
   const std::unique_ptr<File> file = std::move(file_);
-  file->each_column([](auto& column) { column.write(); });
-  file->writer.check(H5Fflush(file->file, H5F_SCOPE_LOCAL));
+  file->write_burst();
 }
 
 }  // namespace skybody

@@ -7,6 +7,7 @@ NB_MODULE(_native, m) {
   bind_errors(m);
   bind_environment(m);
   bind_batch(m);
+  bind_policy(m);
   bind_pool(m);
   bind_simulation(m);
   bind_simulation_pool(m);

@@ -12,7 +12,10 @@
 #include "core/assemble/simulation.h"
 #include "core/base/hash.h"
 #include "core/io/flight_log_hdf5.h"
+#include "core/io/policy_file.h"
+#include "core/io/policy_seal.h"
 #include "core/model/marked_error.h"
+#include "tests/integration/flips.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {
@@ -25,7 +28,7 @@ using testing::HasSubstr;
 struct Draft {
   std::string format = "skybody-policy", squash = "clip", scenario = "test",
               scenario_hash = "0123456789abcdef";
-  std::int64_t version = 1, observation_size = 2, action_size = 1;
+  std::int64_t version = 2, observation_size = 2, action_size = 1;
   struct Layer {
     hsize_t rows, columns;
     std::vector<float> weight, bias;
@@ -35,7 +38,8 @@ struct Draft {
                                {1, 2, {1.5f, -0.75f}, {0.05f}, "none"}};
   std::vector<double> mean, scale;
   double clip = 10.0;
-  std::string left_out;  ///< an attribute
+  std::string left_out;                                  ///< an attribute
+  std::function<void(const Hdf5Writer&, hid_t)> finish;  ///< called with the file at the end
 };
 
 void write_matrix(const Hdf5Writer& writer, hid_t parent, const char* name, int rank,
@@ -47,11 +51,11 @@ void write_matrix(const Hdf5Writer& writer, hid_t parent, const char* name, int 
   writer.check(H5Dwrite(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
 }
 
-fs::path write_policy(const fs::path& path, const Draft& draft) {
+fs::path write_unsealed(const fs::path& path, const Draft& draft) {
   const Hdf5Writer writer(path, "policy");
   const Hdf5Id file = writer.create_file();
   const auto text = [&](const char* name, const std::string& value) {
-    if (draft.left_out != name) writer.write_attribute(file, name, value);
+    if (draft.left_out != name) writer.write_text(file, name, value);
   };
   const auto number = [&](const char* name, std::int64_t value) {
     if (draft.left_out != name) writer.write_attribute(file, name, value);
@@ -80,8 +84,25 @@ fs::path write_policy(const fs::path& path, const Draft& draft) {
     const hsize_t shape[2] = {layer.rows, layer.columns}, bias = layer.bias.size();
     write_matrix(writer, group, "weight", 2, shape, layer.weight);
     write_matrix(writer, group, "bias", 1, &bias, layer.bias);
-    writer.write_attribute(group, "activation", layer.activation);
+    writer.write_text(group, "activation", layer.activation);
   }
+  if (draft.finish) draft.finish(writer, file);
+  return path;
+}
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void put_bytes(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+fs::path write_policy(const fs::path& path, const Draft& draft) {
+  write_unsealed(path, draft);
+  const std::string content = bytes_of(path);
+  put_bytes(path, policy_seal(content) + content);
   return path;
 }
 
@@ -144,12 +165,105 @@ TEST(NetworkPolicy, IsFoundInACheckpointAndInARunsNewestCheckpoint) {
   EXPECT_EQ(find_policy(newest / "policy.h5"), newest / "policy.h5");
 }
 
+constexpr const char* kDamaged =
+    "damaged, cut short or changed: its bytes are not those that its first lines name; take "
+    "another copy, or an earlier checkpoint";
+
+/// The message of a file that is refused, or an empty text.
+std::string refusal_of(const fs::path& file) {
+  try {
+    read_policy(file);
+  } catch (const MarkedError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PolicyFile, IsRefusedWithAnyBitTurned) {
+  const TemporaryFolder folder;
+  Draft draft;
+  draft.mean = {2.0, 0.0};
+  draft.scale = {0.5, 1.0};
+  const fs::path file = write_policy(folder.path() / "policy.h5", draft);
+  const int flips = flips_wanted(2000);
+  const FlipCounts counts = flip_bits(file, flips, [&] {
+    const PolicyFile policy = read_policy(file);
+    return std::to_string(policy.layers.size());  // every bit is guarded: nothing is read at all
+  });
+  EXPECT_EQ(counts, FlipCounts{.refused = counts.refused}) << testing::PrintToString(counts);
+  std::printf("%s\n", testing::PrintToString(counts).c_str());
+}
+
+TEST(PolicyFile, IsRefusedCutShortOrLengthenedOrWithoutAGroup) {
+  const TemporaryFolder folder;
+  Draft draft;
+  draft.mean = {2.0, 0.0};
+  draft.scale = {0.5, 1.0};
+  const fs::path file = write_policy(folder.path() / "policy.h5", draft);
+  const std::string whole = bytes_of(file);
+  for (const std::size_t size : {std::size_t{17}, kPolicySealBytes, whole.size() - 1}) {
+    put_bytes(file, whole.substr(0, size));
+    EXPECT_EQ(refusal_of(file), kDamaged) << size;
+  }
+  put_bytes(file, whole + '\0');
+  EXPECT_EQ(refusal_of(file), kDamaged);
+  put_bytes(file, whole);
+  {
+    const Hdf5Id opened(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    ASSERT_GE(H5Ldelete(opened, "/normalization", H5P_DEFAULT), 0);
+  }
+  EXPECT_EQ(refusal_of(file), kDamaged) << "flies with other numbers";
+}
+
 struct BadPolicy {
   const char* name;
   std::function<void(Draft&)> change;
   const char* message;  ///< behind the file's name
 };
 void PrintTo(const BadPolicy& bad, std::ostream* out) { *out << bad.name; }
+
+/// Adds /layers/2/weight of `rows` x 1, stored as `properties` say.
+void add_layer(const Hdf5Writer& writer, hid_t file, hsize_t rows, hid_t properties) {
+  const Hdf5Id group = writer.create_group(file, "/layers/2");
+  const hsize_t extent[2] = {rows, 1};
+  const Hdf5Id space(writer.check(H5Screate_simple(2, extent, nullptr)), H5Sclose);
+  const Hdf5Id set(writer.check(H5Dcreate2(group, "weight", H5T_IEEE_F32LE, space, H5P_DEFAULT,
+                                           properties, H5P_DEFAULT)),
+                   H5Dclose);
+}
+
+Hdf5Id chunked(const Hdf5Writer& writer, hsize_t rows) {
+  const hsize_t chunk[2] = {rows, 1};
+  Hdf5Id properties(writer.check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  writer.check(H5Pset_chunk(properties, 2, chunk));
+  return properties;
+}
+
+void add_huge_layer(const Hdf5Writer& writer, hid_t file) {
+  add_layer(writer, file, hsize_t{1} << 60, chunked(writer, 1));
+}
+
+void add_compressed_layer(const Hdf5Writer& writer, hid_t file) {
+  const Hdf5Id properties = chunked(writer, 1);
+  writer.check(H5Pset_shuffle(properties));
+  add_layer(writer, file, 1, properties);
+}
+
+void add_huge_chunk(const Hdf5Writer& writer, hid_t file) {
+  const Hdf5Id properties = chunked(writer, hsize_t{1} << 29);
+  const Hdf5Id group = writer.create_group(file, "/layers/2");
+  const hsize_t extent[2] = {1, 1}, most[2] = {H5S_UNLIMITED, 1};
+  const Hdf5Id space(writer.check(H5Screate_simple(2, extent, most)), H5Sclose);
+  const Hdf5Id set(writer.check(H5Dcreate2(group, "weight", H5T_IEEE_F32LE, space, H5P_DEFAULT,
+                                           properties, H5P_DEFAULT)),
+                   H5Dclose);
+}
+
+void add_external_layer(const Hdf5Writer& writer, hid_t file) {
+  const Hdf5Id properties(writer.check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  writer.check(H5Pset_external(properties, "/etc/hostname", 0, 4));
+  add_layer(writer, file, 1, properties);
+}
 
 class BadPolicies : public testing::TestWithParam<BadPolicy> {};
 
@@ -171,8 +285,8 @@ const BadPolicy kBadPolicies[] = {
      "not a policy: its format is `onnx`; allowed: `skybody-policy`"},
     {"no_format", [](Draft& d) { d.left_out = "format"; },
      "the attribute `format` of `/` is missing in this policy file"},
-    {"newer_version", [](Draft& d) { d.version = 2; },
-     "policy format 2; this Skybody reads format 1: export the policy anew"},
+    {"newer_version", [](Draft& d) { d.version = 3; },
+     "policy format 3; this Skybody reads format 2: export the policy anew"},
     {"no_observations", [](Draft& d) { d.observation_size = 0; },
      "`observation_size` is 0; allowed: 1..16777216"},
     {"no_layers", [](Draft& d) { d.layers.clear(); }, "`/layers/0` is missing in this policy file"},
@@ -190,6 +304,38 @@ const BadPolicy kBadPolicies[] = {
      "`activation` of `/layers/0` is `gelu`; allowed: none, tanh, relu"},
     {"unknown_squash", [](Draft& d) { d.squash = "sine"; },
      "`action_squash` is `sine`; allowed: clip, tanh"},
+    {"soft_link",
+     [](Draft& d) {
+       d.finish = [](const Hdf5Writer& writer, hid_t file) {
+         writer.check(H5Lcreate_soft("/layers/0", file, "/layers/2", H5P_DEFAULT, H5P_DEFAULT));
+       };
+     },
+     "`/layers/2` is a link to another place; a policy holds its values itself"},
+    {"external_link",
+     [](Draft& d) {
+       d.finish = [](const Hdf5Writer& writer, hid_t file) {
+         writer.check(
+             H5Lcreate_external("gone.h5", "/", file, "normalization", H5P_DEFAULT, H5P_DEFAULT));
+       };
+     },
+     "`/normalization` is a link to another place; a policy holds its values itself"},
+    {"variable_text",
+     [](Draft& d) {
+       d.left_out = "scenario";
+       d.finish = [](const Hdf5Writer& writer, hid_t file) {
+         writer.write_attribute(file, "scenario", std::string("hover"));
+       };
+     },
+     "the attribute `scenario` of `/` is a text of variable length; allowed: texts of fixed "
+     "length"},
+    {"values_without_storage", [](Draft& d) { d.finish = add_huge_layer; },
+     "`/layers/2/weight` claims more values than the file has bytes for: the file is damaged"},
+    {"external_storage", [](Draft& d) { d.finish = add_external_layer; },
+     "`/layers/2/weight` is stored in other files; a policy holds its values itself"},
+    {"compressed", [](Draft& d) { d.finish = add_compressed_layer; },
+     "`/layers/2/weight` is compressed or filtered; allowed: fletcher32"},
+    {"huge_chunk", [](Draft& d) { d.finish = add_huge_chunk; },
+     "`/layers/2/weight` has chunks of more than 16 MiB"},
     {"short_mean", [](Draft& d) { d.mean = d.scale = {1.0}; },
      "`/normalization/mean` has 1 values; needed: 2"},
 };
@@ -202,6 +348,9 @@ TEST(RunPolicy, SaysWhatIsWrongWithFilesThatAreNoPolicies) {
   std::ofstream(folder.path() / "text.h5") << "not HDF5";
   fs::create_directory(folder.path() / "empty");
   write_policy(folder.path() / "cut.h5", {});
+  write_unsealed(folder.path() / "old.h5", {});
+  put_bytes(folder.path() / "newer.h5", "skybody-policy 3\nbytes 0\n");
+  put_bytes(folder.path() / "sealed_text.h5", policy_seal("no HDF5") + "no HDF5");
   fs::resize_file(folder.path() / "cut.h5", fs::file_size(folder.path() / "cut.h5") / 2);
   const auto run = [&](const char* policy) {
     const Outcome outcome = run_skybody({"run", "hover", "--policy", policy, "--out", "out"},
@@ -210,8 +359,16 @@ TEST(RunPolicy, SaysWhatIsWrongWithFilesThatAreNoPolicies) {
     EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
     return outcome.err;
   };
-  EXPECT_THAT(run("text.h5"), HasSubstr("text.h5: error: not a policy file, or cut short: "));
-  EXPECT_THAT(run("cut.h5"), HasSubstr("cut.h5: error: not a policy file, or cut short: "));
+  EXPECT_EQ(run("text.h5"),
+            "text.h5: error: not a policy file: it does not begin with `skybody-policy 2`\n");
+  EXPECT_EQ(run("cut.h5"), std::string("cut.h5: error: ") + kDamaged + "\n");
+  EXPECT_EQ(run("old.h5"),
+            "old.h5: error: an HDF5 file without the seal of policy format 2; a policy of format 1 "
+            "is converted by `python -m skybody.train.convert_policy old.h5`\n");
+  EXPECT_EQ(run("newer.h5"),
+            "newer.h5: error: policy format 3; this Skybody reads format 2: export the policy "
+            "anew\n");
+  EXPECT_THAT(run("sealed_text.h5"), HasSubstr("error: not a policy file, or cut short: "));
   EXPECT_THAT(run("empty"), HasSubstr("error: the folder empty has neither policy.h5 nor"));
   EXPECT_THAT(run("gone.h5"), HasSubstr("there is no policy or file `gone.h5`"));
 }

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 EPILOG = """\
 A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
-run that was never interrupted. Exit codes: 0 done, 1 diverged, 2 wrong input, 130 interrupted
-(resumable)."""
+run that was never interrupted. Exit codes: 0 done, 1 diverged, 2 wrong input or a file
+that cannot be written (resumable), 130 interrupted (resumable)."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -275,16 +275,30 @@ def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Tr
     locks.enter_context(files.folder_lock(run))
     try:
         trainer = Trainer(run, config, environment)
+        config.write(run)
     except BaseException:
         if is_new:
             shutil.rmtree(run)
         raise
-    config.write(run)
     return trainer
 
 
 def train(trainer: Trainer) -> int:
     """To the end, or to an interruption; returns the exit code."""
+    try:
+        return run_to_end(trainer)
+    except OSError as error:
+        trainer.abandon()
+        print(
+            f"train: {evaluate.in_our_words(error)}; once that is mended, --resume goes on from "
+            "the newest checkpoint",
+            file=sys.stderr,
+        )
+        return 2
+
+
+def run_to_end(trainer: Trainer) -> int:
+    """train(), but for files that cannot be written."""
     try:
         complete = trainer.train()
     except KeyboardInterrupt:

@@ -54,24 +54,39 @@ def checkpoint_folders(run: Path) -> list[Path]:
 def write_checkpoint(
     run: Path, meta: dict[str, Any], state: dict[str, Any], environments: bytes, policy: Policy
 ) -> Path:
-    """Writes the checkpoint of meta["steps"] steps: after a kill it is there or not at all."""
-    import torch
+    """Writes the checkpoint of meta["steps"] steps: after a kill it is there or not at all.
 
+    The same holds where writing fails: OSError, which names the file.
+    """
     final = run / "checkpoints" / f"step_{meta['steps']:012d}"
     if final.exists():
         return final
     partial = final.with_name(f".partial-{final.name}")
     shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir(parents=True)
+    try:
+        _write_files(partial, meta, state, environments, policy)
+        files.publish_folder(partial, final)
+    except OSError:
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
+    return final
+
+
+def _write_files(
+    folder: Path, meta: dict[str, Any], state: dict[str, Any], environments: bytes, policy: Policy
+) -> None:
+    import torch
+
+    with files.naming(folder):
+        folder.mkdir(parents=True)
     buffer = io.BytesIO()
     torch.save(state, buffer)
-    (partial / "state.pt").write_bytes(buffer.getvalue())
-    (partial / "environments.bin").write_bytes(environments)
-    write_policy(partial / "policy.h5", policy)
-    hashes = {path.name: files.file_hash(path) for path in sorted(partial.iterdir())}
-    (partial / "meta.json").write_text(json.dumps({**meta, "files": hashes}, indent=2) + "\n")
-    files.publish_folder(partial, final)
-    return final
+    files.write_file(folder / "state.pt", buffer.getvalue())
+    files.write_file(folder / "environments.bin", environments)
+    write_policy(folder / "policy.h5", policy)
+    hashes = {path.name: files.file_hash(path) for path in sorted(folder.iterdir())}
+    text = json.dumps({**meta, "files": hashes}, indent=2) + "\n"
+    files.write_file(folder / "meta.json", text.encode())
 
 
 def read_meta(folder: Path) -> dict[str, Any]:

@@ -6,6 +6,7 @@ python -m skybody.train.curve RUN [RUN ...] [--out FILE]
 from __future__ import annotations
 
 import argparse
+import io
 import math
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody.train import files
 from skybody.train.requirements import demand_packages
 from skybody.train.run_folder import read_table
 
@@ -50,7 +52,9 @@ def draw_curve(runs: list[Path], out: Path) -> None:
     axes[1, 0].xaxis.set_major_formatter(EngFormatter(sep=""))
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
-    figure.savefig(out, format="png")
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png")
+    files.write_file(out, picture.getvalue())
 
 
 def _draw_run(axes: NDArray[np.object_], run: Path, color: str, several: bool) -> None:
@@ -106,7 +110,7 @@ def main(arguments: list[str] | None = None) -> int:
                 raise ValueError(f"{run / 'progress.csv'} has no rows")
         draw_curve(options.run, options.out)
     except (OSError, ValueError) as error:
-        print(f"curve: {error}", file=sys.stderr)
+        print(f"curve: {files.explain(error)}", file=sys.stderr)
         return 2
     print(options.out)
     return 0

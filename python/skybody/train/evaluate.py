@@ -184,6 +184,8 @@ def in_our_words(error: Exception) -> str:
     """Its text; the loader, which is `skybody run`'s too, calls overrides --set."""
     if isinstance(error, UsageError):  # our own: --set is a hyper-parameter's
         return str(error)
+    if isinstance(error, OSError):
+        return files.explain(error)
     return re.sub("^--set ", "--override ", str(error), flags=re.MULTILINE)
 
 
@@ -225,11 +227,11 @@ def main(arguments: list[str] | None = None) -> int:
             options.threads,
             options.plugin_path,
         )
+        if options.json:
+            files.write_file(options.json, (json.dumps(result, indent=1) + "\n").encode())
     except (InputError, Error, OSError, ValueError) as error:
         print(f"evaluate: {in_our_words(error)}", file=sys.stderr)
         return 2
-    if options.json:
-        files.write_file(options.json, (json.dumps(result, indent=1) + "\n").encode())
     print(json.dumps({k: v for k, v in result.items() if not isinstance(v, list)}, indent=2))
     return 0
 

@@ -12,14 +12,35 @@ from pathlib import Path
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Replaces `path` atomically."""
+    """Replaces `path` atomically. Raises OSError with its name; the file is then as it was."""
     partial = path.with_name(f".{path.name}.{os.getpid()}")
-    with partial.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)
-    sync_folder(path.parent)
+    with naming(path):
+        try:
+            with partial.open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            partial.replace(path)
+        except OSError:
+            partial.unlink(missing_ok=True)
+            raise
+        sync_folder(path.parent)
+
+
+@contextlib.contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Has an OSError name `path`: those of write() and fsync() name no file."""
+    try:
+        yield
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror or str(error), str(path)) from error
+
+
+def explain(error: Exception) -> str:
+    """The file and what the operating system says of it, or the text of another error."""
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
 
 
 @contextlib.contextmanager
@@ -35,12 +56,13 @@ def folder_lock(folder: Path) -> Iterator[None]:
 
 def publish_folder(partial: Path, final: Path) -> None:
     """Gives a finished folder its name, after all that is in it has reached the disk."""
-    for path in partial.iterdir():
-        with path.open("rb") as file:
-            os.fsync(file.fileno())
-    sync_folder(partial)
-    partial.rename(final)
-    sync_folder(final.parent)
+    with naming(final):
+        for path in partial.iterdir():
+            with path.open("rb") as file:
+                os.fsync(file.fileno())
+        sync_folder(partial)
+        partial.rename(final)
+        sync_folder(final.parent)
 
 
 def remove_partial_folders(parent: Path) -> None:

@@ -1,11 +1,13 @@
 """policy.h5: a trained policy as plain numbers, read by `skybody run --policy` and by evaluate.py.
 
 Root attributes say what it was trained on; /normalization and /layers/0, 1, ... hold the network.
+The first 512 bytes are a seal: the hash of all other bytes, checked before HDF5 reads the file.
 docs/policies.md has the whole format. h5py is imported where it is needed: `--help` works without.
 """
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,8 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody._native import Error, policy_seal, read_sealed_policy
+from skybody.train import files
+
 FORMAT = "skybody-policy"
-VERSION = 1
+VERSION = 2
+SEAL_BYTES = 512  # HDF5's smallest user block
+LIBVER = ("v110", "v110")  # metadata with checksums, and nothing newer than Debian's HDF5 reads
 
 
 @dataclass(frozen=True)
@@ -50,25 +57,41 @@ class Policy:
 
 
 def write_policy(path: Path, policy: Policy) -> None:
-    """Writes `policy` with its attributes to a new HDF5 file."""
+    """Writes `policy` with its attributes to `path`, atomically."""
     sizes = {
         "observation_size": policy.layers[0].weight.shape[1],
         "action_size": policy.layers[-1].weight.shape[0],
     }
+    stamp = {"format": FORMAT, "version": VERSION, "action_squash": "clip"}
     import h5py  # type: ignore[import-untyped]
 
-    with h5py.File(path, "w") as file:
-        stamp = {"format": FORMAT, "version": VERSION, "action_squash": "clip"}
-        file.attrs.update({**policy.attributes, **sizes, **stamp})
+    image = io.BytesIO()
+    with h5py.File(image, "w", libver=LIBVER, userblock_size=SEAL_BYTES) as file:
+        _put_attributes(file, {**policy.attributes, **sizes, **stamp})
         normalization = file.create_group("normalization")
         _put(normalization, "mean", policy.mean)
         _put(normalization, "scale", policy.scale)
-        normalization.attrs["clip"] = policy.clip
+        _put_attributes(normalization, {"clip": float(policy.clip)})
         for k, layer in enumerate(policy.layers):
             group = file.create_group(f"layers/{k}")
             _put(group, "weight", layer.weight)
             _put(group, "bias", layer.bias)
-            group.attrs["activation"] = layer.activation
+            _put_attributes(group, {"activation": layer.activation})
+    content = image.getvalue()[SEAL_BYTES:]
+    files.write_file(path, policy_seal(content) + content)
+
+
+def _put_attributes(place: Any, attributes: dict[str, Any]) -> None:
+    """Texts of fixed length, numbers as they are."""
+    import h5py
+
+    for name, value in attributes.items():
+        if isinstance(value, str):
+            text = value.encode()
+            kind = h5py.string_dtype("utf-8", max(len(text), 1))
+            place.attrs.create(name, np.array(text, kind), dtype=kind)
+        else:
+            place.attrs[name] = value
 
 
 def _put(group: Any, name: str, values: NDArray[Any]) -> None:
@@ -77,24 +100,56 @@ def _put(group: Any, name: str, values: NDArray[Any]) -> None:
 
 
 def read_policy(path: Path) -> Policy:
-    """Reads what write_policy() wrote. Raises ValueError for another format or version."""
+    """Reads what write_policy() wrote. Raises ValueError, which names the file, for all else."""
     import h5py
 
-    with h5py.File(path, "r") as file:
-        found = (file.attrs.get("format"), int(file.attrs.get("version", 0)))
-        if found != (FORMAT, VERSION):
-            raise ValueError(f"{path}: format {found}, expected {(FORMAT, VERSION)}")
-        if (squash := file.attrs.get("action_squash")) != "clip":
-            raise ValueError(f"{path}: action_squash {squash}; the learners write `clip` only")
-        layers = [
-            Layer(group["weight"][()], group["bias"][()], str(group.attrs["activation"]))
-            for group in (file[f"layers/{k}"] for k in range(len(file["layers"])))
-        ]
-        normalization = file["normalization"]
-        return Policy(
-            layers,
-            normalization["mean"][()],
-            normalization["scale"][()],
-            float(normalization.attrs["clip"]),
-            dict(file.attrs),
-        )
+    try:
+        with h5py.File(io.BytesIO(read_sealed_policy(str(path))), "r") as file:
+            return policy_of(file)
+    except (Error, KeyError, OSError, ValueError) as error:
+        text = str(error)
+        raise ValueError(text if text.startswith(str(path)) else f"{path}: {text}") from error
+
+
+def policy_of(file: Any) -> Policy:
+    """The policy of an open HDF5 file of any format so far."""
+    attributes = {name: _plain(value) for name, value in file.attrs.items()}
+    if attributes.get("format") != FORMAT:
+        raise ValueError(f"not a policy: its format is {attributes.get('format')}")
+    if (squash := attributes.get("action_squash")) != "clip":
+        raise ValueError(f"action_squash {squash}; the learners write `clip` only")
+    layers = [
+        Layer(_values(group, "weight"), _values(group, "bias"), _plain(group.attrs["activation"]))
+        for group in (_child(file, f"layers/{k}") for k in range(len(_child(file, "layers"))))
+    ]
+    normalization = _child(file, "normalization")
+    return Policy(
+        layers,
+        _values(normalization, "mean"),
+        _values(normalization, "scale"),
+        float(normalization.attrs["clip"]),
+        attributes,
+    )
+
+
+def _plain(value: Any) -> Any:
+    return value.decode() if isinstance(value, bytes) else value
+
+
+def _child(group: Any, name: str) -> Any:
+    """A member of a group; links to other places are not followed."""
+    import h5py
+
+    for part in name.split("/"):
+        if not isinstance(group.get(part, getlink=True), h5py.HardLink):
+            raise ValueError(f"`{name}` is missing, or a link to another place")
+        group = group[part]
+    return group
+
+
+def _values(group: Any, name: str) -> NDArray[Any]:
+    dataset = _child(group, name)
+    if dataset.external or dataset.is_virtual:
+        raise ValueError(f"`{name}` is stored in other files")
+    values: NDArray[Any] = dataset[()]
+    return values

@@ -100,7 +100,7 @@ class ProgressTable:
         """Adds a row."""
         header = not self._columns
         self._columns = self._columns or list(row)
-        with self._path.open("ab") as file:
+        with files.naming(self._path), self._path.open("ab") as file:
             file.write(_csv(self._columns, [row], header))
 
 

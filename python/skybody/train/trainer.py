@@ -22,6 +22,7 @@ from skybody.train import files
 from skybody.train.averaging import PolicyAverage
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, write_checkpoint
 from skybody.train.evaluations import Evaluations
+from skybody.train.events import EventFile
 from skybody.train.hashing import parameter_hash
 from skybody.train.learner import Learner, Report
 from skybody.train.run_folder import Config, ProgressTable, write_evaluations
@@ -45,8 +46,6 @@ class Trainer:
     """Trains until `total_steps` or a first Ctrl-C; begins at the newest checkpoint, if any."""
 
     def __init__(self, run: Path, config: Config, environment: Environment) -> None:
-        from torch.utils.tensorboard.writer import SummaryWriter
-
         self.run, self.config = run, config
         self.learner = make_learner(config, environment)
         self.average = PolicyAverage(config.hyper.averaging_steps)
@@ -57,7 +56,7 @@ class Trainer:
         self._resume()
         self.first_step = self.learner.steps
         self.table = ProgressTable(run, self.first_step)
-        self.events = SummaryWriter(str(run), purge_step=self.first_step)
+        self.events = EventFile(run, self.first_step)
         self.evaluations = Evaluations(
             run, config.eval_episodes, config.eval_seed, config.plugin_path
         )
@@ -122,7 +121,7 @@ class Trainer:
         self.table.append(row)
         for name, value in row.items():
             if name not in ("steps", "wall_clock") and not math.isnan(value):
-                self.events.add_scalar(f"train/{name}", value, self.learner.steps)
+                self.events.add(f"train/{name}", value, self.learner.steps)
         return row
 
     def _show(self, bar: tqdm[Any], row: dict[str, Any], new_steps: int) -> None:
@@ -181,7 +180,7 @@ class Trainer:
         for row in rows[self._evaluated :]:
             for name in ("return_mean", "return_cv", "position_error_median", "success_share"):
                 if row[name] is not None:
-                    self.events.add_scalar(f"evaluation/{name}", row[name], row["steps"])
+                    self.events.add(f"evaluation/{name}", row[name], row["steps"])
         self._evaluated = len(rows)
 
     def finish(self, complete: bool) -> None:
@@ -199,6 +198,12 @@ class Trainer:
         self.events.close()
         if self.learner.steps > 0:
             draw_curve([self.run], self.run / "curve.png")
+        self.learner.close()
+
+    def abandon(self) -> None:
+        """Ends everything and writes nothing more: the newest checkpoint is what is left."""
+        self.evaluations.stop()
+        self.events.abandon()
         self.learner.close()
 
     def summary(self) -> str:

@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""Kills training at random moments, resumes it, and compares the result with an unkilled run.
+
+    .venv/bin/python experiments/kill_and_resume.py [--kills 20] [--seed 1] [--out DIR]
+
+For each learner (PPO of Stable-Baselines3, and lean-ppo), a small run is trained once to its end.
+A second one gets SIGKILL at a random moment after it has begun to train, and is resumed, again and
+again; after the last kill it is resumed to its end. Moments come from the seed. Prints a table and
+writes it to kill_and_resume.md with its figures as JSON. Exit code 1 where the two runs differ in a
+bit of their parameters, in the environments' state or in the table of progress.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.run_folder import read_table
+from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
+
+KILLS = 20
+SCENARIO = "hover_learn"
+ENVS, ROLLOUT_STEPS = 6, 50
+ROLLOUT = ENVS * ROLLOUT_STEPS
+# One checkpoint a rollout. A part of a run lasts a few of them, so that kills fall into rollouts,
+# updates and checkpoints alike, and a run is long enough for all kills.
+ROLLOUTS_PER_KILL = 12
+LATEST = 0.6  # s from the first new checkpoint of a part to its kill
+EVERY_FIFTH = 5  # kill falls between the start of a part and the end of its start
+STARTING = 4.0  # s
+PATIENCE = 120.0  # s, for a part to begin or to end, on a machine that does much else
+# What differs between two runs of the same bits: times and shares of them.
+TIMES = ("wall_clock", "steps_per_second", "environment_share", "inference_share", "update_share")
+
+
+@dataclass
+class Result:
+    """What became of one learner's pair of runs."""
+
+    algorithm: str
+    kills: list[int] = field(default_factory=list)  # checkpointed steps at each
+    seconds: float = 0.0
+    steps: int = 0
+    hashes: tuple[str, str] = ("", "")  # whole, killed
+    same_environments: bool = False
+    same_progress: bool = False
+
+    def same(self) -> bool:
+        """Whether the kills left no trace."""
+        return self.hashes[0] == self.hashes[1] and self.same_environments and self.same_progress
+
+
+def command(algorithm: str, folder: Path, steps: int) -> list[str]:
+    """A small run; networks of 8 x 8, a rollout of 300 steps."""
+    words = [SCENARIO, "--algo", algorithm, "--seed", "3", "--out", str(folder)]
+    words += ["--total-steps", str(steps), "--checkpoint-every", str(ROLLOUT)]
+    words += ["--override", "stepping.horizon=40", "--eval-episodes", "0", "--threads", "1"]
+    words += ["--envs", str(ENVS), "--set", f"rollout_steps={ROLLOUT_STEPS}"]
+    for setting in ("minibatch=100", "epochs=2", "hidden=8,8"):
+        words += ["--set", setting]
+    return words
+
+
+def train(arguments: list[str]) -> subprocess.Popen[str]:
+    """Starts a part of a run."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "skybody.train", *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def to_the_end(arguments: list[str]) -> None:
+    """Runs a part to its end. Raises RunError where it fails."""
+    process = train(arguments)
+    _, said = process.communicate()
+    if process.returncode != 0:
+        raise RunError(f"exit code {process.returncode}: {said.strip()}")
+
+
+def newest(folder: Path) -> int:
+    """Steps of the newest checkpoint."""
+    found = checkpoint_folders(folder)
+    return int(found[-1].name.removeprefix("step_")) if found else 0
+
+
+def kill_once(arguments: list[str], folder: Path, pause: float, starting: bool) -> int:
+    """Kills a part `pause` seconds after its start or first new checkpoint; returns the steps."""
+    before, process = newest(folder), train(arguments)
+    try:
+        deadline = time.monotonic() + PATIENCE
+        while not starting and newest(folder) == before and process.poll() is None:
+            if time.monotonic() > deadline:
+                raise RunError(f"no checkpoint in {PATIENCE:.0f} s")
+            time.sleep(0.002)
+        time.sleep(pause)
+    finally:
+        process.kill()
+        _, said = process.communicate()
+    if process.returncode != -signal.SIGKILL:
+        raise RunError(f"ended by itself with exit code {process.returncode}: {said.strip()}")
+    return newest(folder)
+
+
+def compare(algorithm: str, out: Path, kills: int, moments: random.Random) -> Result:
+    """Both runs of a learner."""
+    result = Result(algorithm, steps=ROLLOUT * ROLLOUTS_PER_KILL * (kills + 1))
+    whole, killed = out / f"{algorithm}-whole", out / f"{algorithm}-killed"
+    for folder in (whole, killed):
+        shutil.rmtree(folder, ignore_errors=True)
+    began = time.monotonic()
+    to_the_end(command(algorithm, whole, result.steps))
+    # The whole run's pace bounds the pauses: a part must not come to the end before all kills.
+    pace = float(read_table(whole / "progress.csv")[-1]["wall_clock"]) / result.steps
+    longest = min(LATEST, 0.8 * pace * ROLLOUT * ROLLOUTS_PER_KILL)
+    arguments = command(algorithm, killed, result.steps)
+    for number in range(1, kills + 1):
+        starting = number % EVERY_FIFTH == 0
+        pause = moments.uniform(0.0, STARTING if starting else longest)
+        reached = kill_once(arguments, killed, pause, starting)
+        result.kills.append(reached)
+        print(f"{algorithm}: kill {number} of {kills} at {reached} steps", flush=True)
+        arguments = ["--resume", "--out", str(killed)]
+    to_the_end(arguments)
+    result.seconds = time.monotonic() - began
+    result.hashes = (final_hash(whole), final_hash(killed))
+    result.same_environments = environments(whole) == environments(killed)
+    result.same_progress = progress(whole) == progress(killed)
+    return result
+
+
+def final_hash(folder: Path) -> str:
+    """SHA-256 over all parameters at the end."""
+    return str(read_meta(checkpoint_folders(folder)[-1])["parameter_hash"])
+
+
+def environments(folder: Path) -> str:
+    """SHA-256 over every word of every environment at the end."""
+    content = (checkpoint_folders(folder)[-1] / "environments.bin").read_bytes()
+    return hashlib.sha256(content).hexdigest()
+
+
+def progress(folder: Path) -> list[dict[str, str]]:
+    """The table of progress without times."""
+    rows = read_table(folder / "progress.csv")
+    return [{name: text for name, text in row.items() if name not in TIMES} for row in rows]
+
+
+def row(result: dict[str, Any]) -> str:
+    """Of the report's table."""
+    cells = [result["algorithm"], f"{result['steps']:,}", str(len(result["kills"]))]
+    cells += [f"`{digits[:16]}`" for digits in result["hashes"]]
+    cells += ["the same" if result["same"] else "DIFFERENT", f"{result['seconds']:.0f}"]
+    return f"| {' | '.join(cells)} |"
+
+
+def markdown(content: dict[str, Any]) -> str:
+    """The report."""
+    rows = "\n".join(map(row, content["results"]))
+    return f"""\
+# Training that is killed
+
+Does training that gets `kill -9` and goes on by `--resume` end with the bits of one that was never
+killed? By
+
+    {content["command"]}
+
+on {machine_line(content["machine"])}.
+
+| learner | steps | kills -9 | parameters, never killed | parameters, killed | all bits | time [s] |
+| --- | ---: | ---: | --- | --- | --- | ---: |
+{rows}
+
+A run is `{SCENARIO}` in {ENVS} environments with networks of 8 x 8 and a checkpoint after every
+rollout of {ROLLOUT} steps. Moments are drawn under seed {content["seed"]}: every fifth kill falls
+into the first {STARTING} s of a resumed part, while it loads and reads the checkpoint; the others
+fall uniformly up to {LATEST} s behind the part's first new checkpoint, into rollouts, updates and
+checkpoints. Parameters: SHA-256 over all of them (16 digits; the JSON has all). `the same`: so are
+the environments' words at the end and the table of progress, but for times.
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, kills, compares, writes; returns the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("--kills", type=int, default=KILLS, help=f"of each learner; default: {KILLS}")
+    add("--seed", type=int, default=1, help="of the moments; default: 1")
+    add("--algorithms", nargs="+", default=["ppo", "lean-ppo"], help="default: ppo lean-ppo")
+    add("--out", type=Path, default=ROOT / "flights/kill_and_resume", help="folder of the runs")
+    add("--report", type=Path, help="folder of the report; default: docs")
+    options = parser.parse_args(arguments)
+    report = options.report or ROOT / "docs"
+    moments = random.Random(options.seed)
+    try:
+        results = [compare(a, options.out, options.kills, moments) for a in options.algorithms]
+    except RunError as error:
+        print(f"kill_and_resume: {error}", file=sys.stderr)
+        return 2
+    content = {
+        "experiment": "kill and resume",
+        "command": command_line(
+            "kill_and_resume.py", sys.argv[1:] if arguments is None else arguments
+        ),
+        "machine": machine(),
+        "seed": options.seed,
+        "results": [{**vars(result), "same": result.same()} for result in results],
+    }
+    write_json(report / "data/kill_and_resume.json", content)
+    text = markdown(content)
+    (report / "kill_and_resume.md").write_text(text)
+    print(f"{text}\nwritten: {shown(report / 'kill_and_resume.md')}")
+    return 0 if all(result.same() for result in results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

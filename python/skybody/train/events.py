@@ -1,0 +1,52 @@
+"""The event file of a run, for TensorBoard."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from pathlib import Path
+
+from skybody.train import files
+
+
+class EventFile:
+    """Curves by name. A thread of TensorBoard's writes them; its failure is the next call's."""
+
+    def __init__(self, run: Path, first_step: int) -> None:
+        """Begins a new file in `run`; curves of earlier ones end before `first_step`."""
+        from torch.utils.tensorboard.writer import SummaryWriter
+
+        _keep_writers_quiet()
+        self._run = run
+        with files.naming(run):
+            self._writer = SummaryWriter(str(run), purge_step=first_step)
+
+    def add(self, name: str, value: float, step: int) -> None:
+        """A point of a curve. Raises OSError, which names the run's folder."""
+        with files.naming(self._run):
+            self._writer.add_scalar(name, value, step)
+
+    def close(self) -> None:
+        """Writes what waits."""
+        with files.naming(self._run):
+            self._writer.close()
+
+    def abandon(self) -> None:
+        """Closes it where writing has failed before."""
+        with contextlib.suppress(OSError):
+            self._writer.close()
+
+
+def _keep_writers_quiet() -> None:
+    """TensorBoard's thread notes its failure for us, and then dies of it with a traceback."""
+    others = threading.excepthook
+    if getattr(others, "keeps_writers_quiet", False):
+        return
+
+    def hook(failure: threading.ExceptHookArgs) -> None:
+        is_writer = type(failure.thread).__module__.startswith("tensorboard.")
+        if not (is_writer and isinstance(failure.exc_value, OSError)):
+            others(failure)
+
+    hook.keeps_writers_quiet = True  # type: ignore[attr-defined]
+    threading.excepthook = hook

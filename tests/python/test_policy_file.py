@@ -1,0 +1,79 @@
+"""policy.h5: a seal over all its bytes, which docs/policies.md describes for other writers."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from skybody._native import policy_seal
+from skybody.train.policy_file import Layer, Policy, read_policy, write_policy
+
+LAYER = Layer(np.ones((1, 2), np.float32), np.zeros(1, np.float32), "none")
+POLICY = Policy([LAYER], np.zeros(2), np.ones(2), 10.0, {"scenario": "hover", "steps": 5})
+
+
+def written(folder: Path) -> Path:
+    path = folder / "policy.h5"
+    write_policy(path, POLICY)
+    return path
+
+
+def hash_of(content: bytes) -> int:
+    """The hash of docs/policies.md, word for word."""
+    mask = 2**64 - 1
+    words = [int.from_bytes(content[at : at + 8], "little") for at in range(0, len(content), 8)] + [
+        len(content)
+    ]
+    state = 0x243F6A8885A308D3
+    for word in words:
+        state = ((state ^ word) * 0x9E3779B97F4A7C15) & mask
+        state = ((state ^ (state >> 32)) * 0xD6E8FEB86659FD93) & mask
+        state ^= state >> 29
+    value = state ^ (len(words) * 0x9E3779B97F4A7C15 & mask)
+    value = ((value ^ (value >> 33)) * 0xFF51AFD7ED558CCD) & mask
+    value = ((value ^ (value >> 33)) * 0xC4CEB9FE1A85EC53) & mask
+    return value ^ (value >> 33)
+
+
+@pytest.mark.parametrize("size", [0, 1, 8, 1000])
+def test_the_seal_is_what_the_documentation_says(size: int) -> None:
+    content = bytes(k % 251 for k in range(size))
+    lines = f"skybody-policy 2\nbytes {size}\nhash {hash_of(content):016x}\n"
+    assert policy_seal(content) == lines.encode().ljust(512, b"\0")
+
+
+def test_other_programs_read_a_policy_as_hdf5(tmp_path: Path) -> None:
+    with h5py.File(written(tmp_path), "r") as file:
+        assert file.userblock_size == 512
+        assert bytes(file.attrs["scenario"]) == b"hover"
+        assert (file.attrs["version"], file.attrs["observation_size"]) == (2, 2)
+        np.testing.assert_array_equal(file["layers/0/weight"], [[1.0, 1.0]])
+
+
+def test_a_policy_that_was_changed_after_it_was_written_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    with h5py.File(path, "r+") as file:
+        del file["normalization"]
+    with pytest.raises(ValueError, match=r"policy\.h5: damaged, cut short or changed"):
+        read_policy(path)
+
+
+def test_a_sealed_file_that_points_elsewhere_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    with h5py.File(path, "r+") as file:
+        del file["normalization"]
+        file["normalization"] = h5py.ExternalLink("other.h5", "/")
+    content = path.read_bytes()[512:]
+    path.write_bytes(policy_seal(content) + content)
+    with pytest.raises(ValueError, match=r"`normalization` is missing, or a link"):
+        read_policy(path)
+
+
+def test_a_policy_replaces_another_as_a_whole(tmp_path: Path) -> None:
+    first = written(tmp_path).read_bytes()
+    assert written(tmp_path).read_bytes() == first
+    assert [path.name for path in tmp_path.iterdir()] == ["policy.h5"]
+    assert struct.unpack("<8B", first[512:520]) == tuple(b"\x89HDF\r\n\x1a\n")
