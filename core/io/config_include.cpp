@@ -114,8 +114,7 @@ class Loader {
                                         " files are included; put some into one file");
       return false;
     }
-    const ConfigNode* node =
-        load(resolve_path(name.scalar, name.mark), name.mark, Quoting::kNo);
+    const ConfigNode* node = load(resolve_path(name.scalar, name.mark), name.mark, Quoting::kNo);
     if (node == nullptr) return false;
     const ConfigCost cost = cost_of(*node);
     if (!budget_.take_values(cost.values, cost.bytes)) {

@@ -88,8 +88,7 @@ class Override {
       return fail("the path has " + std::to_string(steps->size()) + " steps; allowed: at most " +
                   std::to_string(InputBudget::kDeepest));
     }
-    const auto value =
-        parse_yaml(assignment.substr(equals + 1), mark_.file, diagnostics_, budget_);
+    const auto value = parse_yaml(assignment.substr(equals + 1), mark_.file, diagnostics_, budget_);
     if (!value) return false;
     ConfigNode* node = &root;
     std::string path;

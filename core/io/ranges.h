@@ -28,7 +28,7 @@ struct Range {
   double smallest;
   double largest;
   const char* unit;
-  bool zero = false;    ///< 0 is allowed, too
+  bool zero = false;   ///< 0 is allowed, too
   bool signs = false;  ///< negative numbers are allowed, too
 
   bool has(double value) const {
@@ -41,8 +41,8 @@ struct Range {
   std::string text() const {
     const std::string upper = format_number(largest) + (unit[0] == '\0' ? "" : " ") + unit;
     if (signs && smallest == 0.0) return "from -" + format_number(largest) + " to " + upper;
-    return (zero ? "0, or from " : "from ") + format_number(smallest) + " to " + upper +
-           (signs ? ", with either sign" : "");
+    return (zero && smallest > 0.0 ? "0, or from " : "from ") + format_number(smallest) + " to " +
+           upper + (signs ? ", with either sign" : "");
   }
 };
 

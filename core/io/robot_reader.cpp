@@ -178,8 +178,7 @@ void RobotReader::read_joint(const ConfigEntry& entry, Joint& joint) {
   const bool springs = joint.type == JointType::kPin || joint.type == JointType::kSlider;
   for (const char* key : {"stiffness", "rest", "limit_stiffness", "limit_damping"}) {
     const bool needs_limit = std::string(key).rfind("limit", 0) == 0;
-    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint.limit.enabled)))
-      continue;
+    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint.limit.enabled))) continue;
     diagnostics_.error(reader.mark(key),
                        "`" + std::string(key) + "` does not apply to the joint `" + entry.key +
                            "`, which " +

@@ -39,8 +39,8 @@ class RobotReader {
   const PluginCatalog& catalog_;
   InputBudget& budget_;
   Diagnostics& diagnostics_;
-  std::size_t bodies_ = 0;  ///< of all robots so far
-  std::size_t parts_ = 0;   ///< likewise links, shapes and rotors
+  std::size_t bodies_ = 0;                                   ///< of all robots so far
+  std::size_t parts_ = 0;                                    ///< likewise links, shapes and rotors
   std::map<std::string, std::optional<RobotModel>> models_;  ///< by files and options
   std::uint64_t files_hash_ = 0;
 };

@@ -93,9 +93,9 @@ class RotorsReader {
     if (length < kShortestAxis) {
       const std::string least = format_number(kShortestAxis);
       diagnostics_.error(reader.mark("axis"),
-                         length == 0.0 ? "`axis` is [0, 0, 0]; it must have a direction"
-                                       : "`axis` is too short; allowed: a length of at least " +
-                                             least);
+                         length == 0.0
+                             ? "`axis` is [0, 0, 0]; it must have a direction"
+                             : "`axis` is too short; allowed: a length of at least " + least);
       return;
     }
     const std::string name = reader.text("link");

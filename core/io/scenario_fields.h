@@ -8,7 +8,8 @@
 
 namespace skybody {
 
-/// Most entries of lists. With as many, building a world takes about a second, and nobody flies more.
+/// Most entries of lists. With as many, building a world takes about a second, and nobody flies
+/// more.
 inline constexpr std::size_t kMostRobots = 1000;
 inline constexpr std::size_t kMostObstacles = 1000;
 inline constexpr std::size_t kMostPluginUses = 1000;

@@ -282,9 +282,10 @@ class Checker {
     if (!axis || joint.type == "fixed" || joint.type == "floating") return;
     const double length = norm(Vec3<double>{(*axis)[0], (*axis)[1], (*axis)[2]});
     if (length >= kShortestAxis) return;
-    error(e, "the axis of " + where + " is " + format_numbers(*axis) +
-                 (length == 0.0 ? "; it must have a direction"
-                                : "; it must be at least " + format_number(kShortestAxis) + " long"));
+    error(e,
+          "the axis of " + where + " is " + format_numbers(*axis) +
+              (length == 0.0 ? "; it must have a direction"
+                             : "; it must be at least " + format_number(kShortestAxis) + " long"));
   }
 
   void check_limit(const XMLElement& e, const XmlJoint& joint, const std::string& where) {

@@ -1,5 +1,6 @@
-// Needs: a checked XML document (urdf_check.cpp), so that every element and number that is asked for
-// here is there. Rotations are computed by core/base, since libm's last bits depend on the processor.
+// Needs: a checked XML document (urdf_check.cpp), so that every element and number that is asked
+// for here is there. Rotations are computed by core/base, since libm's last bits depend on the
+// processor.
 #include "core/io/urdf_document.h"
 
 #include <unordered_map>
@@ -61,13 +62,19 @@ bool has_primitive_collision(const XMLElement& link) {
   return false;
 }
 
-/// What is wrong with a mesh, to follow "the mesh `x` of the link `y` ".
-std::string mesh_problem(MeshState state) {
+/// What is wrong with a mesh, to follow "the mesh `x` of the link `y` ", and what helps.
+struct MeshProblem {
+  const char* text;
+  const char* remedy;
+};
+MeshProblem problem_of(MeshState state) {
   if (state == MeshState::kOutside) {
-    return "lies outside the model's folder and the one above it; put it there";
+    return {"lies outside the model's folder and the one above it", "put it there"};
   }
-  return state == MeshState::kNoMesh ? "has no extension of a mesh, such as .stl or .dae"
-                                     : "does not exist";
+  if (state == MeshState::kNoMesh) {
+    return {"has no extension of a mesh, such as .stl or .dae", "name a mesh"};
+  }
+  return {"does not exist", "add the file"};
 }
 
 class DocumentBuilder {
@@ -140,21 +147,20 @@ class DocumentBuilder {
     const SourceMark mark = document_.mark(shape_element(e)->GetLineNum());
     const std::string what = "the mesh `" + mesh + "` of the link `" + link + "` ";
     const MeshState state = meshes_.look_up(mesh);
+    const MeshProblem problem = problem_of(state);
     const bool collision = std::string(e.Name()) == "collision";
     if (state != MeshState::kFound && collision && !primitive_collision_) {
-      diagnostics_.error(mark, what + mesh_problem(state) +
-                                   ", and the link has no other collision shape; "
-                                   "add the file, or a box, cylinder or sphere");
+      diagnostics_.error(mark, what + problem.text +
+                                   ", and the link has no other collision shape; " +
+                                   problem.remedy + ", or a box, cylinder or sphere");
       return false;
     }
     if (state != MeshState::kFound) {
-      diagnostics_.warning(
-          mark, what + mesh_problem(state) + "; it is left out, primitive shapes remain");
+      diagnostics_.warning(mark, what + problem.text + "; it is left out, primitive shapes remain");
       return false;
     }
     if (collision) {
-      diagnostics_.warning(mark,
-                           what + "takes no part in contact; add primitive collision shapes");
+      diagnostics_.warning(mark, what + "takes no part in contact; add primitive collision shapes");
     }
     return true;
   }

@@ -47,8 +47,7 @@ void derive_limit_springs(RobotModel& model) {
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
       const int parent = model.bodies[b].joint.parent;
       outboard[b] = b == k || (parent >= 0 && outboard[static_cast<std::size_t>(parent)]);
-      const double share =
-          pin ? inertia_about(masses[b], frame.position, axis) : masses[b].mass;
+      const double share = pin ? inertia_about(masses[b], frame.position, axis) : masses[b].mass;
       (outboard[b] ? moved : rest) += share;
     }
     const bool free = !model.fixed_base && rest > 0.0;

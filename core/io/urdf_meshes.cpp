@@ -11,9 +11,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Extensions of the mesh formats that URDFs name, in lower case.
-constexpr std::array<const char*, 14> kMeshExtensions = {
-    ".stl", ".stlb", ".dae", ".obj", ".ply", ".gltf", ".glb",
-    ".fbx", ".3ds",  ".off", ".msh", ".mesh", ".wrl",  ".vtk"};
+constexpr std::array<const char*, 14> kMeshExtensions = {".stl",  ".stlb", ".dae", ".obj", ".ply",
+                                                         ".gltf", ".glb",  ".fbx", ".3ds", ".off",
+                                                         ".msh",  ".mesh", ".wrl", ".vtk"};
 
 bool is_mesh_name(const fs::path& path) {
   std::string extension = path.extension().string();

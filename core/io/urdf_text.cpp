@@ -6,7 +6,7 @@
 namespace skybody {
 namespace {
 
-constexpr int kMostAttributes = 100;          // of one element; URDF has up to six
+constexpr int kMostAttributes = 100;           // of one element; URDF has up to six
 constexpr std::size_t kLongestReference = 12;  // &#x0010FFFF;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -22,7 +22,8 @@ bool is_reference(std::string_view name) {
   if (name.size() < 2 || name[0] != '#') return false;
   const bool hex = name[1] == 'x';
   const std::string_view digits = name.substr(hex ? 2 : 1);
-  return !digits.empty() && std::all_of(digits.begin(), digits.end(), hex ? is_hex_digit : is_digit);
+  return !digits.empty() &&
+         std::all_of(digits.begin(), digits.end(), hex ? is_hex_digit : is_digit);
 }
 
 /// Goes through a text once, comments and the like left out.

@@ -54,8 +54,8 @@ class TreeCheck {
       return;
     }
     error(joint.line, "the link `" + joint.child + "` is the child of `" + joint.name +
-                          "` and, in line " + std::to_string(known->line) + ", of `" +
-                          known->name + "`; a link has one parent");
+                          "` and, in line " + std::to_string(known->line) + ", of `" + known->name +
+                          "`; a link has one parent");
   }
 
   void find_root() {

@@ -12,8 +12,9 @@ using tinyxml2::XMLElement;
 
 /// "mismatched element" from tinyxml2's XML_ERROR_MISMATCHED_ELEMENT.
 std::string error_words(std::string name) {
-  const std::string prefix = "XML_ERROR_";
-  if (name.rfind(prefix, 0) == 0) name = name.substr(prefix.size());
+  for (const std::string prefix : {"XML_ERROR_", "XML_"}) {
+    if (name.rfind(prefix, 0) == 0) name = name.substr(prefix.size());
+  }
   for (char& c : name) {
     if (c == '_') c = ' ';
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

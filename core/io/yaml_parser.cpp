@@ -61,7 +61,8 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
-    if (found == anchors_.end()) fail(to_mark(mark), "the alias refers to a value that contains it");
+    if (found == anchors_.end())
+      fail(to_mark(mark), "the alias refers to a value that contains it");
     take(found->second.cost, mark);
     check_depth(static_cast<int>(stack_.size()) + found->second.cost.depth, mark);
     insert(found->second.node);

@@ -1,7 +1,9 @@
 #include "core/physics/simbody_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "core/physics/contact_spheres.h"
 
@@ -51,6 +53,33 @@ SimTK::ContactGeometry make_geometry(const Shape& shape, double largest_face,
       SimTK::PolygonalMesh::createCylinderMesh(SimTK::ZAxis, shape.radius, 0.5 * shape.length, n));
 }
 
+/// Geometries of shapes, made once for each size: the search tree of a box's mesh takes a second to
+/// build and hardly any time to copy, and robots of one model have the same shapes.
+class Geometries {
+ public:
+  Geometries(double largest_face, int largest_resolution)
+      : largest_face_(largest_face), largest_resolution_(largest_resolution) {}
+
+  const SimTK::ContactGeometry& of(const Shape& shape) {
+    const Key key{static_cast<double>(shape.type),
+                  shape.size.x,
+                  shape.size.y,
+                  shape.size.z,
+                  shape.radius,
+                  shape.length};
+    const auto known = made_.find(key);
+    if (known != made_.end()) return known->second;
+    return made_.emplace(key, make_geometry(shape, largest_face_, largest_resolution_))
+        .first->second;
+  }
+
+ private:
+  using Key = std::array<double, 6>;
+  double largest_face_;
+  int largest_resolution_;
+  std::map<Key, SimTK::ContactGeometry> made_;
+};
+
 /// The largest area with which a shape can lie flat on another [m^2].
 double largest_area(const Shape& shape) {
   const Vec3<double>& s = shape.size;
@@ -91,12 +120,12 @@ SimbodyContact::SimbodyContact(const World& world)
 }
 
 void SimbodyContact::add_obstacles(const World& world, const SimTK::ContactMaterial& material) {
+  Geometries geometries(kObstacleFace, kObstacleResolution);
   for (const Obstacle& obstacle : world.scenario.obstacles) {
     const Shape& shape = obstacle.shape;
     if (shape.type == ShapeType::kMesh) continue;
     // In series with the layer of whatever touches it, which is the softer one.
-    const SimTK::ContactSurface surface(make_geometry(shape, kObstacleFace, kObstacleResolution),
-                                        material, kReferenceRadius);
+    const SimTK::ContactSurface surface(geometries.of(shape), material, kReferenceRadius);
     surfaces_.push_back({-1, to_simbody(shape.pose), surface});
   }
 }
@@ -106,14 +135,14 @@ void SimbodyContact::add_bodies(const World& world, const SimTK::ContactMaterial
   for (std::size_t r = 0; r < world.scenario.robots.size(); ++r) {
     cliques.push_back(SimTK::ContactSurface::createNewContactClique());
   }
+  Geometries geometries(kBodyFace, kBodyResolution);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const WorldBody& body = world.bodies[i];
     for (const Shape& shape : body.model->collisions) {
       if (shape.type == ShapeType::kMesh) continue;
       const double thickness = layer_thickness(shape, material.getStiffness(),
                                                body.model->mass.mass, world.scenario.stepping.dt);
-      SimTK::ContactSurface surface(make_geometry(shape, kBodyFace, kBodyResolution), material,
-                                    thickness);
+      SimTK::ContactSurface surface(geometries.of(shape), material, thickness);
       surface.joinClique(cliques[body.robot]);
       surfaces_.push_back({static_cast<int>(i), to_simbody(shape.pose), surface});
     }
