@@ -128,13 +128,14 @@ TEST(Yaml, ManyKeysAreFine) {
   ConfigNode merged = *root;
   merge_config(merged, *root);
   EXPECT_EQ(merged.entries.size(), 90'000u);
-  EXPECT_THAT(yaml_error(text + text.substr(0, 6)), HasSubstr("values"));
+  EXPECT_THAT(yaml_error(text + "k0: 1\n"), HasSubstr("x.yaml:90001:1: error: duplicate key `k0`"));
 }
 
 TEST(Yaml, TooManyLevelsNameTheirPlace) {
   const std::string expected = "maps and lists are nested more than 64 levels deep here";
-  EXPECT_EQ(yaml_error("a:\n  " + std::string(100'000, '[')),
+  EXPECT_EQ(yaml_error("a:\n  " + std::string(65, '[') + std::string(65, ']')),
             "x.yaml:2:66: error: " + expected + "; take levels out\n");
+  EXPECT_THAT(yaml_error("a:\n  " + std::string(100'000, '[')), HasSubstr(expected));
   EXPECT_THAT(yaml_error(repeated("- ", 100'000) + "1"), HasSubstr(expected));
   EXPECT_THAT(yaml_error(repeated("? ", 100'000) + "1"), HasSubstr(expected));
   EXPECT_THAT(yaml_error(repeated("{a: ", 100'000)), HasSubstr(expected));
