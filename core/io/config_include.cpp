@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
@@ -22,33 +23,47 @@ std::string identity_of(const std::string& path) {
 
 class Loader {
  public:
-  explicit Loader(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+  Loader(InputBudget& budget, Diagnostics& diagnostics)
+      : budget_(budget), diagnostics_(diagnostics) {}
 
-  std::optional<ConfigNode> load(const std::string& path, const SourceMark& used_at) {
+  /// The file with what it includes, or null after errors. It stays the loader's.
+  ConfigNode* load(const std::string& path, const SourceMark& used_at, Quoting quoting) {
     const std::string identity = identity_of(path);
     const auto same = [&](const OpenFile& file) { return file.identity == identity; };
     if (std::any_of(chain_.begin(), chain_.end(), same)) {
       diagnostics_.error(used_at, "cyclic include: " + chain_text() + " -> " + path +
                                       "; remove one of these includes");
-      return std::nullopt;
+      return nullptr;
+    }
+    if (const auto known = loaded_.find(path); known != loaded_.end()) {
+      return known->second ? &*known->second : nullptr;
     }
     const std::optional<std::string> text = read_file(path, used_at, diagnostics_);
-    if (!text) return std::nullopt;
-    std::optional<ConfigNode> root = parse_yaml(*text, path, diagnostics_);
-    if (!root) return std::nullopt;
-    if (!root->is_map()) {
-      diagnostics_.error({path, root->mark.line, root->mark.column},
-                         "the file holds " + (root->is_null() ? "nothing" : root->describe()) +
-                             "; a map of keys and values is needed");
-      return std::nullopt;
-    }
+    if (!text) return nullptr;
     chain_.push_back({path, identity});
-    std::optional<ConfigNode> merged = merge_includes(std::move(*root));
+    std::optional<ConfigNode> merged = parse(*text, path, used_at, quoting);
     chain_.pop_back();
-    return merged;
+    std::optional<ConfigNode>& kept = loaded_[path] = std::move(merged);
+    return kept ? &*kept : nullptr;
   }
 
  private:
+  std::optional<ConfigNode> parse(const std::string& text, const std::string& path,
+                                  const SourceMark& used_at, Quoting quoting) {
+    if (!budget_.take_file(text.size())) {
+      diagnostics_.error(used_at.file.empty() ? SourceMark{path, 0, 0} : used_at, too_much_text());
+      return std::nullopt;
+    }
+    std::optional<ConfigNode> root = parse_yaml(text, path, diagnostics_, budget_, quoting);
+    if (!root) return std::nullopt;
+    if (root->is_map()) return merge_includes(std::move(*root));
+    std::string what = root->is_null() ? "nothing" : root->describe();
+    if (root->is_scalar() && quoting == Quoting::kNo) what = "a text";
+    diagnostics_.error({path, root->mark.line, root->mark.column},
+                       "the file holds " + what + "; a map of keys and values is needed");
+    return std::nullopt;
+  }
+
   std::string chain_text() const {
     std::vector<std::string> names;
     for (const OpenFile& file : chain_) names.push_back(file.path);
@@ -86,25 +101,54 @@ class Loader {
     ConfigNode merged;
     merged.kind = ConfigNode::Kind::kMap;
     bool good = true;
-    for (const ConfigNode* file : *files) {
-      const std::string path = resolve_path(file->scalar, file->mark);
-      const std::optional<ConfigNode> node = load(path, file->mark);
-      if (node) merge_config(merged, *node);
-      good = good && node.has_value();
-    }
+    for (const ConfigNode* file : *files) good = take(*file, merged) && good;
     merge_config(merged, own);
     if (!good) return std::nullopt;
     return merged;
   }
 
+  /// Merges the file that `name` says into `merged`.
+  bool take(const ConfigNode& name, ConfigNode& merged) {
+    if (!budget_.take_include()) {
+      diagnostics_.error(name.mark, "more than " + std::to_string(InputBudget::kMostIncludes) +
+                                        " files are included; put some into one file");
+      return false;
+    }
+    const ConfigNode* node = load(resolve_path(name.scalar, name.mark), name.mark, Quoting::kNo);
+    if (node == nullptr) return false;
+    const ConfigCost cost = cost_of(*node);
+    if (!budget_.take_values(cost.values, cost.bytes)) {
+      diagnostics_.error(name.mark, too_many_values());
+      return false;
+    }
+    merge_config(merged, *node);
+    return true;
+  }
+
+  InputBudget& budget_;
   Diagnostics& diagnostics_;
   std::vector<OpenFile> chain_;
+  std::map<std::string, std::optional<ConfigNode>> loaded_;  ///< by path; nothing: it has errors
 };
 
 }  // namespace
 
+std::string too_much_text() {
+  return "the files of this scenario hold more than " +
+         std::to_string(InputBudget::kMostFileText >> 20) + " MiB of text; leave some out";
+}
+
+std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics,
+                                      InputBudget& budget, Quoting quoting) {
+  Loader loader(budget, diagnostics);
+  ConfigNode* root = loader.load(file, {}, quoting);
+  if (root == nullptr) return std::nullopt;
+  return std::move(*root);
+}
+
 std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics) {
-  return Loader(diagnostics).load(file, {});
+  InputBudget budget;
+  return load_config(file, diagnostics, budget);
 }
 
 }  // namespace skybody

@@ -2,10 +2,13 @@
 
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
+#include "core/io/printable.h"
 #include "core/io/text.h"
 
 namespace skybody {
 namespace {
+
+constexpr std::size_t kLongestMark = 200;  // [bytes] of an override; every value of it has a copy
 
 /// One step of a path: a key, or an index into a list.
 struct PathStep {
@@ -48,19 +51,28 @@ std::optional<std::vector<PathStep>> split_path(const std::string& path) {
   return steps;
 }
 
-/// What an entry of a list is called in a path: its name, or else its plugin.
-std::string name_of(const ConfigNode& item) {
+/// What an entry of a list is called in a path: its name, or else its plugin; empty: nothing.
+const std::string& name_of(const ConfigNode& item) {
+  static const std::string none;
   for (const char* key : {"name", "plugin"}) {
     const ConfigNode* name = item.find(key);
     if (name != nullptr && name->is_scalar()) return name->scalar;
   }
-  return "";
+  return none;
+}
+
+std::vector<std::string> names_in(const ConfigNode& list) {
+  std::vector<std::string> names;
+  for (const ConfigNode& item : list.items) names.push_back(name_of(item));
+  return names;
 }
 
 class Override {
  public:
-  Override(const std::string& assignment, Diagnostics& diagnostics)
-      : mark_{kOverridePrefix + assignment, 0, 0}, diagnostics_(diagnostics) {}
+  Override(const std::string& assignment, Diagnostics& diagnostics, InputBudget& budget)
+      : mark_{shortened(kOverridePrefix + assignment, kLongestMark), 0, 0},
+        diagnostics_(diagnostics),
+        budget_(budget) {}
 
   bool apply(ConfigNode& root, const std::string& assignment) {
     const std::size_t equals = assignment.find('=');
@@ -72,7 +84,11 @@ class Override {
       return fail("`" + assignment.substr(0, equals) +
                   "` is not a path; write keys and indices as in `robots[0].pose.position`");
     }
-    const auto value = parse_yaml(assignment.substr(equals + 1), mark_.file, diagnostics_);
+    if (steps->size() > InputBudget::kDeepest) {
+      return fail("the path has " + std::to_string(steps->size()) + " steps; allowed: at most " +
+                  std::to_string(InputBudget::kDeepest));
+    }
+    const auto value = parse_yaml(assignment.substr(equals + 1), mark_.file, diagnostics_, budget_);
     if (!value) return false;
     ConfigNode* node = &root;
     std::string path;
@@ -107,6 +123,9 @@ class Override {
       node.mark = mark_;
     }
     if (ConfigNode* existing = node.find(step.key)) return existing;
+    if (!budget_.take_values(1, step.key.size() + 2 * mark_.file.size())) {
+      return none(too_many_values());
+    }
     ConfigNode added;
     added.mark = mark_;
     node.entries.push_back({step.key, mark_, added});
@@ -121,11 +140,9 @@ class Override {
                   (count == 1 ? " entry" : " entries") + "; there is no [" +
                   std::to_string(step.index) + "], indices start at 0");
     }
-    std::vector<std::string> names;
     ConfigNode* found = nullptr;
     for (ConfigNode& item : list.items) {
-      names.push_back(name_of(item));
-      if (names.back() != step.key) continue;
+      if (name_of(item) != step.key) continue;
       if (found != nullptr) {
         return none("`" + path + "` has several entries called `" + step.key +
                     "`; use an index such as [0]");
@@ -134,17 +151,24 @@ class Override {
     }
     if (found != nullptr) return found;
     return none("`" + path + "` has no entry called `" + step.key + "`" +
-                suggestion(step.key, names, "entries"));
+                suggestion(step.key, names_in(list), "entries"));
   }
 
   SourceMark mark_;
   Diagnostics& diagnostics_;
+  InputBudget& budget_;
 };
 
 }  // namespace
 
+bool apply_override(ConfigNode& root, const std::string& assignment, Diagnostics& diagnostics,
+                    InputBudget& budget) {
+  return Override(assignment, diagnostics, budget).apply(root, assignment);
+}
+
 bool apply_override(ConfigNode& root, const std::string& assignment, Diagnostics& diagnostics) {
-  return Override(assignment, diagnostics).apply(root, assignment);
+  InputBudget budget;
+  return apply_override(root, assignment, diagnostics, budget);
 }
 
 }  // namespace skybody

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/io/diagnostics.h"
+#include "core/io/input_budget.h"
 
 namespace skybody {
 
@@ -47,15 +48,43 @@ struct ConfigEntry {
   ConfigNode value;
 };
 
+/// Whether messages may quote a file that turns out not to be a map of keys and values. Files that
+/// a scenario names (by `include`, `rotors`) are not quoted: they may be any file of the system.
+enum class Quoting { kNo, kYes };
+
+/// What a tree costs of an InputBudget, and how many levels it has.
+struct ConfigCost {
+  long values = 0;
+  std::size_t bytes = 0;
+  int depth = 0;
+};
+ConfigCost cost_of(const ConfigNode& node);
+
+/// "the YAML holds more than ...", for messages about a budget that is spent.
+std::string too_many_values();
+/// "the files hold more than ...", likewise.
+std::string too_much_text();
+
 /// Parses YAML. Marks name `file`; with `file` starting "--set" they carry no position. Nothing and
-/// an error on bad syntax, duplicate keys, several documents, or more than a million nodes.
+/// an error on bad syntax, duplicate keys, several documents, too many levels, or where `budget` is
+/// spent; aliases count with all that they repeat.
+std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string& file,
+                                     Diagnostics& diagnostics, InputBudget& budget,
+                                     Quoting quoting = Quoting::kYes);
+
+/// The same with a budget of its own.
 std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string& file,
                                      Diagnostics& diagnostics);
 
 /// Reads `file` and what it includes by its top-level key `include` (a file or a list of files,
 /// relative to the including file). Later files override earlier ones and the including file
 /// overrides all: maps are merged deeply, everything else is replaced. Nothing and errors where a
-/// file is missing, broken or includes itself.
+/// file is missing, broken or includes itself, or where `budget` is spent. A file that is included
+/// several times is read once.
+std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics,
+                                      InputBudget& budget, Quoting quoting = Quoting::kYes);
+
+/// The same with a budget of its own.
 std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics);
 
 /// Merges `over` into `base`.
@@ -65,6 +94,8 @@ void merge_config(ConfigNode& base, const ConfigNode& over);
 /// `robots.quad.pose.position` (entries of a list by their name, or by their plugin's name) and
 /// VALUE is YAML. A key that is not there yet is added, for the reader to judge. Errors are marked
 /// with the override's text. Returns whether it was applied.
+bool apply_override(ConfigNode& root, const std::string& assignment, Diagnostics& diagnostics,
+                    InputBudget& budget);
 bool apply_override(ConfigNode& root, const std::string& assignment, Diagnostics& diagnostics);
 
 /// Writes the tree as YAML that reads back as the same tree.

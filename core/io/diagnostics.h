@@ -1,6 +1,7 @@
 // Errors and warnings about files that people write, all of them, each with its place.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -34,11 +35,17 @@ class InputError : public Error {
 };
 
 /// Collects messages while files are read, so that a user sees all of them at once.
-/// A message that was given before, word for word and at the same place, is not repeated.
+/// A message that was given before, word for word and at the same place, is not repeated. Beyond a
+/// hundred errors or warnings the rest are only counted. Messages are kept as printable() makes
+/// them, the longest without their middle: whatever a file quotes in one, it is valid UTF-8 and one
+/// line.
 class Diagnostics {
  public:
-  void error(const SourceMark& mark, std::string message);
-  void warning(const SourceMark& mark, std::string message);
+  void error(const SourceMark& mark, const std::string& message);
+  void warning(const SourceMark& mark, const std::string& message);
+
+  /// Adds all messages of another list.
+  void add(const Diagnostics& other);
 
   bool has_errors() const { return error_count_ > 0; }
   int error_count() const { return error_count_; }
@@ -51,10 +58,22 @@ class Diagnostics {
   void throw_if_errors() const;
 
  private:
-  void add(Severity severity, const SourceMark& mark, std::string message);
+  /// How many messages of one severity are in the list, and how many are not.
+  struct Shown {
+    int count = 0;
+    int left_out = 0;
+    std::size_t note = 0;  ///< where the list says how many are left out
+
+    bool is_note(std::size_t index) const { return left_out > 0 && index == note; }
+  };
+
+  void add(Severity severity, const SourceMark& mark, const std::string& message);
+  void count_only(Shown& shown, Severity severity, int count);
 
   std::vector<Diagnostic> list_;
   int error_count_ = 0;
+  Shown errors_;
+  Shown warnings_;
 };
 
 /// `file:line:column`, without what is 0.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/io/parameter_reader.h"
+#include "core/io/ranges.h"
 #include "core/io/text.h"
 
 namespace skybody {
@@ -114,11 +115,6 @@ Field required(Field field) {
   return field;
 }
 
-Field above_minimum(Field field) {
-  field.value.min_exclusive = true;
-  return field;
-}
-
 MapReader::MapReader(const ConfigNode* node, const MapSpec& spec, const SourceMark& owner,
                      Diagnostics& diagnostics)
     : node_(node),
@@ -181,10 +177,15 @@ bool MapReader::boolean(const std::string& key) const { return value(key).number
 std::string MapReader::text(const std::string& key) const {
   const std::string text = value(key).texts.at(0);
   const ConfigNode* found = node(key);
-  if (found != nullptr && found->is_scalar() && field(key).identifier && !is_identifier(text)) {
+  const bool is_name = found != nullptr && found->is_scalar() && field(key).identifier;
+  if (is_name && !is_identifier(text)) {
     diagnostics_.error(found->mark, "`" + key + "` is `" + text +
                                         "`; allowed: letters, digits, '_' and '-', starting with a "
                                         "letter or '_'");
+  } else if (is_name && text.size() > kLongestName) {
+    diagnostics_.error(found->mark, "`" + key + "` has " + std::to_string(text.size()) +
+                                        " letters; allowed: at most " +
+                                        std::to_string(kLongestName));
   }
   return text;
 }

@@ -59,7 +59,6 @@ Field vector_field(std::string name, std::string unit, std::vector<double> value
 Field map_field(std::string name, Field::Kind kind, const MapSpec& map, std::string doc);
 Field plugin_field(std::string name, Field::Kind kind, PluginKind plugin, std::string doc);
 Field required(Field field);
-Field above_minimum(Field field);
 
 /// Reads the values of one map. Asking for a key that the spec does not declare is our bug (throws
 /// std::logic_error). After an error a value is its default, so that reading goes on.

@@ -1,44 +1,87 @@
+// Needs: POSIX files, since only open() with O_NONBLOCK is sure not to wait on a pipe that takes a
+// regular file's place between a look at the name and the opening. Limits: what is read is counted,
+// because files of /proc and /sys give a size of 0 and may never end.
 #include "core/io/file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace skybody {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestFile = 64u << 20;
+constexpr std::size_t kLargestFile = 16u << 20;  // [bytes]; the largest shipped file has 8 kB
+constexpr const char* kTooLarge = "is larger than 16 MiB";
 
-/// Why `path` cannot be read, or an empty text.
-std::string obstacle_to_reading(const std::string& path) {
-  std::error_code code;
-  const fs::file_status status = fs::status(path, code);
-  if (!fs::exists(status)) return "does not exist";
-  if (fs::is_directory(status)) return "is a folder";
-  if (!fs::is_regular_file(status)) return "is not a regular file";
-  if (fs::file_size(path, code) > kLargestFile) return "is larger than 64 MiB";
-  return "";
+/// An open file, closed at the end.
+class Descriptor {
+ public:
+  explicit Descriptor(const std::string& path)
+      : number_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+  bool is_open() const { return number_ >= 0; }
+
+ private:
+  int number_;
+};
+
+std::string reason_of_errno() { return std::string("cannot be read: ") + std::strerror(errno); }
+
+/// Why what has this status is not read, or an empty text.
+std::string obstacle(const struct stat& status) {
+  if (S_ISDIR(status.st_mode)) return "is a folder";
+  if (!S_ISREG(status.st_mode)) return "is not a regular file";
+  return static_cast<std::size_t>(status.st_size) > kLargestFile ? kTooLarge : "";
+}
+
+/// Why `path` is not even opened, or an empty text.
+std::string obstacle_to_opening(const std::string& path) {
+  if (path.find('\0') != path.npos) return "cannot exist: its name has a NUL character";
+  struct stat status;
+  if (::stat(path.c_str(), &status) == 0) return obstacle(status);
+  return errno == ENOENT || errno == ENOTDIR ? "does not exist" : reason_of_errno();
+}
+
+/// Reads `path` into `text`; why not, or an empty text.
+std::string read_into(const std::string& path, std::string& text) {
+  const Descriptor file(path);
+  if (!file.is_open()) return reason_of_errno();
+  struct stat status;
+  if (::fstat(file.number(), &status) != 0) return reason_of_errno();
+  const std::string problem = obstacle(status);
+  if (!problem.empty()) return problem;
+  text.reserve(static_cast<std::size_t>(status.st_size));
+  std::array<char, 65536> buffer;
+  for (;;) {
+    const ssize_t count = ::read(file.number(), buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return reason_of_errno();
+    if (count == 0) return "";
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+    if (text.size() > kLargestFile) return kTooLarge;
+  }
 }
 
 }  // namespace
 
 std::optional<std::string> read_file(const std::string& path, const SourceMark& used_at,
                                      Diagnostics& diagnostics) {
-  std::string problem = obstacle_to_reading(path);
   std::string text;
-  if (problem.empty()) {
-    std::ifstream stream(path, std::ios::binary);
-    std::ostringstream buffer;
-    if (stream && stream.peek() != std::ifstream::traits_type::eof()) buffer << stream.rdbuf();
-    if (stream.bad() || !stream.is_open()) {
-      problem = std::string("cannot be read: ") + std::strerror(errno);
-    }
-    text = buffer.str();
-  }
+  std::string problem = obstacle_to_opening(path);
+  if (problem.empty()) problem = read_into(path, text);
   if (problem.empty()) return text;
   if (used_at.file.empty()) {
     diagnostics.error({path, 0, 0}, "the file " + problem);
@@ -56,7 +99,7 @@ std::string resolve_path(const std::string& path, const SourceMark& mark) {
 
 bool is_file(const std::string& path) {
   std::error_code code;
-  return fs::is_regular_file(path, code);
+  return path.find('\0') == path.npos && fs::is_regular_file(path, code);
 }
 
 }  // namespace skybody

@@ -12,7 +12,8 @@ namespace skybody {
 inline constexpr const char* kOverridePrefix = "--set ";
 
 /// The contents of `path`, or nothing and an error at `used_at` (or at the file, if `used_at` names
-/// none). Folders and files beyond 64 MiB are errors.
+/// none). Only regular files of up to 16 MiB are read; anything else (folders,
+/// devices, pipes) is an error, and nothing is waited for.
 std::optional<std::string> read_file(const std::string& path, const SourceMark& used_at,
                                      Diagnostics& diagnostics);
 

@@ -1,5 +1,7 @@
 #include "core/io/plugin_use_reader.h"
 
+#include <unordered_set>
+
 #include "core/io/parameter_reader.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
@@ -57,13 +59,17 @@ std::vector<PluginUse> read_plugin_uses(const ConfigNode* node, PluginKind kind,
                                       "; allowed: a list such as [{plugin: NAME}]");
     return uses;
   }
+  if (node->items.size() > kMostPluginUses) {
+    diagnostics.error(node->mark, too_many_entries(std::string(to_string(kind)) + "s",
+                                                   node->items.size(), kMostPluginUses));
+    return uses;
+  }
+  std::unordered_set<std::string> names;
   for (const ConfigNode& item : node->items) {
     PluginUse use = read_plugin_use(item, kind, catalog, diagnostics);
-    for (const PluginUse& other : uses) {
-      if (other.instance != use.instance || use.instance.empty()) continue;
+    if (!use.instance.empty() && !names.insert(use.instance).second) {
       diagnostics.error(use.mark, "a second " + std::string(to_string(kind)) + " called `" +
                                       use.instance + "`; give it another `name`");
-      break;
     }
     uses.push_back(std::move(use));
   }

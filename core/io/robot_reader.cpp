@@ -1,7 +1,7 @@
 #include "core/io/robot_reader.h"
 
-#include <algorithm>
 #include <filesystem>
+#include <unordered_map>
 
 #include "core/base/hash.h"
 #include "core/io/file.h"
@@ -13,6 +13,14 @@
 #include "core/io/urdf_reader.h"
 
 namespace skybody {
+namespace {
+
+/// Bodies of all robots: building a world of them takes half a second.
+constexpr std::size_t kMostBodies = 1000;
+/// Links, shapes and rotors of all robots.
+constexpr std::size_t kMostParts = 20'000;
+
+}  // namespace
 
 Pose read_pose(const MapReader& reader) {
   const Vec3<double> rpy = reader.vec3("rpy");
@@ -33,18 +41,33 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
   robot.disturbance_moment = load.vec3("moment");
   robot.controllers =
       read_plugin_uses(reader.node("controllers"), PluginKind::kController, catalog_, diagnostics_);
-  std::optional<RobotModel> model = read_model(reader);
-  if (!model) {
+  const RobotModel* model = read_model(reader);
+  if (model == nullptr || !take_parts(*model, reader.mark("model"))) {
     reader.real_or_word("rotor_speed");
     return std::nullopt;
   }
-  robot.model = std::move(*model);
+  robot.model = *model;
   read_joints(reader, robot.model);
   read_rotor_speed(reader, robot);
   return robot;
 }
 
-std::optional<RobotModel> RobotReader::read_model(const MapReader& reader) {
+/// Each robot has a copy of its model: all together must fit.
+bool RobotReader::take_parts(const RobotModel& model, const SourceMark& mark) {
+  const bool fitted = bodies_ <= kMostBodies && parts_ <= kMostParts;
+  bodies_ += model.bodies.size();
+  parts_ += model.links.size() + model.rotors.size();
+  for (const Body& body : model.bodies) parts_ += body.collisions.size() + body.visuals.size();
+  if (bodies_ <= kMostBodies && parts_ <= kMostParts) return true;
+  if (!fitted) return false;  // said before
+  diagnostics_.error(mark, "the robots up to this one have " + std::to_string(bodies_) +
+                               " bodies and " + std::to_string(parts_) +
+                               " links, shapes and rotors; allowed: at most " +
+                               std::to_string(kMostBodies) + " and " + std::to_string(kMostParts));
+  return false;
+}
+
+const RobotModel* RobotReader::read_model(const MapReader& reader) {
   const std::string written = reader.text("model");
   const bool fixed_base = reader.boolean("fixed_base");
   const std::string rotors = reader.text("rotors");
@@ -52,7 +75,7 @@ std::optional<RobotModel> RobotReader::read_model(const MapReader& reader) {
     if (reader.node("model") != nullptr && reader.node("model")->is_scalar()) {
       diagnostics_.error(reader.mark("model"), "`model` is empty; allowed: a URDF file");
     }
-    return std::nullopt;
+    return nullptr;
   }
   const SourceMark mark = reader.mark("model");
   std::string file = resolve_path(written, mark);
@@ -62,10 +85,16 @@ std::optional<RobotModel> RobotReader::read_model(const MapReader& reader) {
   const std::string rotors_key =
       reader.node("rotors") == nullptr ? "" : resolve_path(rotors, reader.mark("rotors"));
   const std::string key = file + '\n' + rotors_key + (fixed_base ? "\nfixed" : "\nfree");
-  if (const auto known = models_.find(key); known != models_.end()) return known->second;
+  if (const auto known = models_.find(key); known != models_.end()) {
+    return known->second ? &*known->second : nullptr;
+  }
   std::optional<RobotModel>& model = models_[key];
   const std::optional<std::string> text = read_file(file, mark, diagnostics_);
-  if (!text) return std::nullopt;
+  if (!text) return nullptr;
+  if (!budget_.take_file(text->size())) {
+    diagnostics_.error(mark, too_much_text());
+    return nullptr;
+  }
   note(*text);
   model = parse_urdf(*text, file, {fixed_base}, diagnostics_);
   if (model && !add_rotors(reader, *model)) model.reset();
@@ -74,7 +103,7 @@ std::optional<RobotModel> RobotReader::read_model(const MapReader& reader) {
     diagnostics_.error(reader.mark("fixed_base"), "`fixed_base` is false, but the root link of " +
                                                       file + " is `world`: remove one of them");
   }
-  return model;
+  return model ? &*model : nullptr;
 }
 
 bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model) {
@@ -91,7 +120,7 @@ bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model) {
     if (!is_file(file)) return true;
   }
   std::string text;
-  const bool good = read_rotors(file, used_at, model, text, diagnostics_);
+  const bool good = read_rotors(file, used_at, model, text, diagnostics_, budget_);
   note(text);
   return good;
 }
@@ -123,31 +152,33 @@ void RobotReader::read_joints(const MapReader& reader, RobotModel& model) {
                            "; allowed: a map from joint names to springs and dampers");
     return;
   }
-  for (const ConfigEntry& entry : joints->entries) read_joint(entry, model);
-}
-
-void RobotReader::read_joint(const ConfigEntry& entry, RobotModel& model) {
-  const MapReader reader(&entry.value, joint_fields(), entry.key_mark, diagnostics_);
+  std::unordered_map<std::string, Joint*> moving;
   std::vector<std::string> names;
-  Joint* joint = nullptr;
   for (Body& body : model.bodies) {
     const bool fixed_or_base = body.joint.type == JointType::kWeld ||
                                (body.joint.type == JointType::kFree && body.joint.parent < 0);
     if (fixed_or_base) continue;
     names.push_back(body.joint.name);
-    if (body.joint.name == entry.key) joint = &body.joint;
+    moving[body.joint.name] = &body.joint;
   }
-  if (joint == nullptr) {
+  for (const ConfigEntry& entry : joints->entries) {
+    const auto found = moving.find(entry.key);
+    if (found != moving.end()) {
+      read_joint(entry, *found->second);
+      continue;
+    }
     diagnostics_.error(entry.key_mark, "`" + entry.key + "` is not a moving joint of " +
                                            model.urdf_file +
                                            suggestion(entry.key, names, "joints"));
-    return;
   }
-  const bool springs = joint->type == JointType::kPin || joint->type == JointType::kSlider;
+}
+
+void RobotReader::read_joint(const ConfigEntry& entry, Joint& joint) {
+  const MapReader reader(&entry.value, joint_fields(), entry.key_mark, diagnostics_);
+  const bool springs = joint.type == JointType::kPin || joint.type == JointType::kSlider;
   for (const char* key : {"stiffness", "rest", "limit_stiffness", "limit_damping"}) {
     const bool needs_limit = std::string(key).rfind("limit", 0) == 0;
-    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint->limit.enabled)))
-      continue;
+    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint.limit.enabled))) continue;
     diagnostics_.error(reader.mark(key),
                        "`" + std::string(key) + "` does not apply to the joint `" + entry.key +
                            "`, which " +
@@ -157,11 +188,11 @@ void RobotReader::read_joint(const ConfigEntry& entry, RobotModel& model) {
     const double read = reader.real(key);
     if (reader.node(key) != nullptr) value = read;
   };
-  replace("damping", joint->damping);
-  replace("stiffness", joint->stiffness);
-  replace("rest", joint->rest);
-  replace("limit_stiffness", joint->limit.stiffness);
-  replace("limit_damping", joint->limit.damping);
+  replace("damping", joint.damping);
+  replace("stiffness", joint.stiffness);
+  replace("rest", joint.rest);
+  replace("limit_stiffness", joint.limit.stiffness);
+  replace("limit_damping", joint.limit.damping);
 }
 
 }  // namespace skybody

@@ -17,8 +17,8 @@ namespace skybody {
 /// Reads robots; models that several robots share are read once.
 class RobotReader {
  public:
-  RobotReader(const PluginCatalog& catalog, Diagnostics& diagnostics)
-      : catalog_(catalog), diagnostics_(diagnostics) {}
+  RobotReader(const PluginCatalog& catalog, InputBudget& budget, Diagnostics& diagnostics)
+      : catalog_(catalog), budget_(budget), diagnostics_(diagnostics) {}
 
   /// The robot, or nothing where its model cannot be read (other errors leave defaults).
   std::optional<RobotUse> read(const ConfigNode& node);
@@ -27,15 +27,20 @@ class RobotReader {
   std::uint64_t files_hash() const { return files_hash_; }
 
  private:
-  std::optional<RobotModel> read_model(const MapReader& reader);
+  /// The model, or null after errors; it stays the reader's.
+  const RobotModel* read_model(const MapReader& reader);
   bool add_rotors(const MapReader& reader, RobotModel& model);
   void read_joints(const MapReader& reader, RobotModel& model);
-  void read_joint(const ConfigEntry& entry, RobotModel& model);
+  void read_joint(const ConfigEntry& entry, Joint& joint);
   void read_rotor_speed(const MapReader& reader, RobotUse& robot);
   void note(const std::string& text);
+  bool take_parts(const RobotModel& model, const SourceMark& mark);
 
   const PluginCatalog& catalog_;
+  InputBudget& budget_;
   Diagnostics& diagnostics_;
+  std::size_t bodies_ = 0;                                   ///< of all robots so far
+  std::size_t parts_ = 0;                                    ///< likewise links, shapes and rotors
   std::map<std::string, std::optional<RobotModel>> models_;  ///< by files and options
   std::uint64_t files_hash_ = 0;
 };

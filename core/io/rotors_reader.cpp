@@ -1,8 +1,11 @@
 #include "core/io/rotors_reader.h"
 
+#include <unordered_set>
+
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
 #include "core/io/pose.h"
+#include "core/io/ranges.h"
 #include "core/io/scenario_fields.h"
 #include "core/io/text.h"
 
@@ -11,8 +14,8 @@ namespace {
 
 class RotorsReader {
  public:
-  RotorsReader(RobotModel& model, Diagnostics& diagnostics)
-      : model_(model), diagnostics_(diagnostics) {}
+  RotorsReader(RobotModel& model, InputBudget& budget, Diagnostics& diagnostics)
+      : model_(model), budget_(budget), diagnostics_(diagnostics) {}
 
   void read(const ConfigNode& root) {
     const MapReader file(&root, rotors_file_fields(), root.mark, diagnostics_);
@@ -32,6 +35,12 @@ class RotorsReader {
                                            "rotor (a robot without rotors: `rotors: none`)");
       return;
     }
+    if (rotors->items.size() > kMostRotors) {
+      diagnostics_.error(rotors->mark,
+                         too_many_entries("rotors", rotors->items.size(), kMostRotors));
+      return;
+    }
+    if (defaults != nullptr && !take_defaults(*defaults, rotors->items.size())) return;
     for (const ConfigNode& item : rotors->items) {
       ConfigNode merged = item;
       if (defaults != nullptr && item.is_map()) {
@@ -43,6 +52,16 @@ class RotorsReader {
   }
 
  private:
+  /// The defaults are copied for every rotor.
+  bool take_defaults(const ConfigNode& defaults, std::size_t rotors) {
+    const ConfigCost cost = cost_of(defaults);
+    if (budget_.take_values(cost.values * static_cast<long>(rotors), cost.bytes * rotors)) {
+      return true;
+    }
+    diagnostics_.error(defaults.mark, too_many_values());
+    return false;
+  }
+
   void read_rotor(const ConfigNode& node) {
     const MapReader reader(&node, rotor_fields(), node.mark, diagnostics_);
     Rotor rotor;
@@ -64,17 +83,19 @@ class RotorsReader {
   }
 
   void check_name(const std::string& name, const SourceMark& mark) {
-    for (const Rotor& other : model_.rotors) {
-      if (other.name != name || name.empty()) continue;
-      diagnostics_.error(mark, "a second rotor called `" + name + "`; names must differ");
-    }
+    if (name.empty() || names_.insert(name).second) return;
+    diagnostics_.error(mark, "a second rotor called `" + name + "`; names must differ");
   }
 
   /// Turns position and axis from the link's frame into the body's.
   void place(const MapReader& reader, Rotor& rotor) {
     const double length = norm(rotor.axis);
-    if (length == 0.0) {
-      diagnostics_.error(reader.mark("axis"), "`axis` is [0, 0, 0]; it must have a direction");
+    if (length < kShortestAxis) {
+      const std::string least = format_number(kShortestAxis);
+      diagnostics_.error(reader.mark("axis"),
+                         length == 0.0
+                             ? "`axis` is [0, 0, 0]; it must have a direction"
+                             : "`axis` is too short; allowed: a length of at least " + least);
       return;
     }
     const std::string name = reader.text("link");
@@ -98,23 +119,25 @@ class RotorsReader {
   }
 
   RobotModel& model_;
+  InputBudget& budget_;
+  std::unordered_set<std::string> names_;
   Diagnostics& diagnostics_;
 };
 
 }  // namespace
 
 bool read_rotors(const std::string& file, const SourceMark& used_at, RobotModel& model,
-                 std::string& text, Diagnostics& diagnostics) {
+                 std::string& text, Diagnostics& diagnostics, InputBudget& budget) {
   if (!is_file(file) && !used_at.file.empty()) {
     read_file(file, used_at, diagnostics);  // says why not, where the file was named
     return false;
   }
-  const std::optional<ConfigNode> root = load_config(file, diagnostics);
+  const std::optional<ConfigNode> root = load_config(file, diagnostics, budget, Quoting::kNo);
   if (!root) return false;
   const int errors_before = diagnostics.error_count();
   text = to_yaml(*root);
   model.rotors_file = file;
-  RotorsReader(model, diagnostics).read(*root);
+  RotorsReader(model, budget, diagnostics).read(*root);
   return diagnostics.error_count() == errors_before;
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "core/io/diagnostics.h"
+#include "core/io/input_budget.h"
 #include "core/model/robot_model.h"
 
 namespace skybody {
@@ -20,6 +21,6 @@ namespace skybody {
 /// receives the merged file for hashes. Returns false after errors, each with its place; `used_at`
 /// says who named the file.
 bool read_rotors(const std::string& file, const SourceMark& used_at, RobotModel& model,
-                 std::string& text, Diagnostics& diagnostics);
+                 std::string& text, Diagnostics& diagnostics, InputBudget& budget);
 
 }  // namespace skybody

@@ -1,11 +1,13 @@
 #include "core/io/scenario_fields.h"
 
 #include "core/io/parameter_reader.h"
+#include "core/io/ranges.h"
 
 namespace skybody {
 namespace {
 
-constexpr double kFar = 1e6;  // bound of positions [m] and of anything else without a natural bound
+constexpr double kWeakestRotor = 1e-18;  // [N s^2/rad^2]; a mosquito's wing has about 1e-11
+constexpr double kSlowestRotor = 1e-3;   // [rad/s]
 
 Field hover_or(Field field) {
   field.word = "hover";
@@ -78,7 +80,7 @@ const MapSpec& pose_fields() {
       "A place in the world.",
       {
           vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "origin in W"),
-          vector_field("rpy", "rad", {0, 0, 0}, -1000, 1000,
+          vector_field("rpy", "rad", {0, 0, 0}, -kMostTurned, kMostTurned,
                        "roll, pitch, yaw about the fixed axes x, y, z of W, in this order"),
       }};
   return spec;
@@ -143,11 +145,11 @@ const MapSpec& obstacle_fields() {
       "A shape that stands still in the world: one of box, sphere, cylinder.",
       {
           required(name_field("its name")),
-          above_minimum(vector_field("box", "m", {1, 1, 1}, 0, kFar, "edge lengths")),
-          above_minimum(real_field("sphere", "m", 1, 0, kFar, "radius")),
-          above_minimum(vector_field("cylinder", "m", {1, 1}, 0, kFar, "radius, length along z")),
+          vector_field("box", "m", {1, 1, 1}, kSmallestLength, kFar, "edge lengths"),
+          real_field("sphere", "m", 1, kSmallestLength, kFar, "radius"),
+          vector_field("cylinder", "m", {1, 1}, kSmallestLength, kFar, "radius, length along z"),
           vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "of its centre in W"),
-          vector_field("rpy", "rad", {0, 0, 0}, -1000, 1000,
+          vector_field("rpy", "rad", {0, 0, 0}, -kMostTurned, kMostTurned,
                        "roll, pitch, yaw about the fixed axes of W"),
       }};
   return spec;
@@ -169,7 +171,7 @@ const MapSpec& plugin_use_fields() {
 const MapSpec& scenario_fields() {
   static const MapSpec spec{
       "scenario",
-      "What one environment consists of.",
+      "The parts of one environment.",
       {
           name_field("for tables and logs; default: the file's name"),
           map_field("stepping", Field::Kind::kMap, stepping_fields(),
@@ -202,8 +204,8 @@ const MapSpec& rotor_fields() {
           vector_field("axis", "", {0, 0, 1}, -kFar, kFar,
                        "thrust direction in the link's frame, any length but 0"),
           required(choice_field("direction", {"ccw", "cw"}, "sense of rotation about the axis")),
-          required(above_minimum(
-              real_field("thrust_constant", "N s^2/rad^2", 1, 0, 1, "k_f, thrust = k_f w^2"))),
+          required(real_field("thrust_constant", "N s^2/rad^2", 1, kWeakestRotor, 1,
+                              "k_f, thrust = k_f w^2")),
           required(real_field("moment_constant", "N m s^2/rad^2", 0, 0, 1,
                               "k_m, drag torque about the axis = k_m w^2")),
           real_field("drag_constant", "N s^2/(m rad)", 0, 0, 1, "rotor drag, force = -c w v_perp"),
@@ -211,7 +213,7 @@ const MapSpec& rotor_fields() {
                      "rolling moment = -direction c w v_perp"),
           real_field("inertia", "kg m^2", 0, 0, 100,
                      "about the axis; 0 leaves gyroscopic terms out"),
-          required(above_minimum(real_field("max_speed", "rad/s", 1, 0, 1e5, "largest speed"))),
+          required(real_field("max_speed", "rad/s", 1, kSlowestRotor, 1e5, "largest speed")),
           real_field("tau_up", "s", 0, 0, 100, "time constant while speeding up; 0: immediate"),
           real_field("tau_down", "s", 0, 0, 100, "time constant while slowing down; 0: immediate"),
       }};
@@ -229,6 +231,11 @@ const MapSpec& rotors_file_fields() {
               map_field("rotors", Field::Kind::kMapList, rotor_fields(), "at least one rotor")),
       }};
   return spec;
+}
+
+std::string too_many_entries(const std::string& key, std::size_t count, std::size_t most) {
+  return "`" + key + "` has " + std::to_string(count) + " entries; allowed: at most " +
+         std::to_string(most);
 }
 
 std::string scenario_reference() {

@@ -1,9 +1,22 @@
 // The keys of a scenario file and of rotors.yaml, each with its unit, default, range and meaning.
 #pragma once
 
+#include <cstddef>
+#include <string>
+
 #include "core/io/field.h"
 
 namespace skybody {
+
+/// Most entries of lists. With as many, building a world takes about a second, and nobody flies
+/// more.
+inline constexpr std::size_t kMostRobots = 1000;
+inline constexpr std::size_t kMostObstacles = 1000;
+inline constexpr std::size_t kMostPluginUses = 1000;
+inline constexpr std::size_t kMostRotors = 1000;
+
+/// "`robots` has 2000 entries; allowed: at most 1000".
+std::string too_many_entries(const std::string& key, std::size_t count, std::size_t most);
 
 /// The whole scenario.
 const MapSpec& scenario_fields();

@@ -1,6 +1,7 @@
 #include "core/io/scenario_reader.h"
 
 #include <filesystem>
+#include <unordered_set>
 
 #include "core/base/hash.h"
 #include "core/io/config_tree.h"
@@ -27,8 +28,11 @@ Audit audit_of(IntegratorChoice integrator) {
 class ScenarioReader {
  public:
   ScenarioReader(const ConfigNode& root, const std::string& file, const PluginCatalog& catalog,
-                 Diagnostics& diagnostics)
-      : root_(root), catalog_(catalog), diagnostics_(diagnostics), robots_(catalog, diagnostics) {
+                 InputBudget& budget, Diagnostics& diagnostics)
+      : root_(root),
+        catalog_(catalog),
+        diagnostics_(diagnostics),
+        robots_(catalog, budget, diagnostics) {
     scenario_.file = file;
   }
 
@@ -143,12 +147,16 @@ class ScenarioReader {
     contact.slip_velocity = reader.real("slip_velocity");
   }
 
-  /// The maps of a list; errors for what is none.
+  /// The maps of a list; errors for what is none, and for more than `most`.
   const std::vector<ConfigNode>& list_of(const MapReader& scenario, const std::string& key,
-                                         bool may_be_empty) {
+                                         bool may_be_empty, std::size_t most) {
     static const std::vector<ConfigNode> none;
     const ConfigNode* node = scenario.node(key);
     if (node == nullptr || (may_be_empty && node->is_null())) return none;
+    if (node->is_sequence() && node->items.size() > most) {
+      diagnostics_.error(node->mark, too_many_entries(key, node->items.size(), most));
+      return none;
+    }
     if (node->is_sequence() && (may_be_empty || !node->items.empty())) return node->items;
     const std::string what = node->is_sequence() ? "an empty list" : node->describe();
     const std::string allowed = may_be_empty ? "a list of maps" : "a list of at least one map";
@@ -157,8 +165,8 @@ class ScenarioReader {
   }
 
   void read_robots(const MapReader& scenario) {
-    std::vector<std::string> names;
-    for (const ConfigNode& item : list_of(scenario, "robots", false)) {
+    std::unordered_set<std::string> names;
+    for (const ConfigNode& item : list_of(scenario, "robots", false, kMostRobots)) {
       check_unique(item, "robot", names);
       std::optional<RobotUse> robot = robots_.read(item);
       if (robot) scenario_.robots.push_back(std::move(*robot));
@@ -166,21 +174,16 @@ class ScenarioReader {
   }
 
   void check_unique(const ConfigNode& item, const std::string& what,
-                    std::vector<std::string>& names) {
+                    std::unordered_set<std::string>& names) {
     const ConfigNode* name = item.find("name");
-    if (name == nullptr || !name->is_scalar()) return;
-    for (const std::string& other : names) {
-      if (other != name->scalar) continue;
-      diagnostics_.error(name->mark,
-                         "a second " + what + " called `" + other + "`; names must differ");
-      return;
-    }
-    names.push_back(name->scalar);
+    if (name == nullptr || !name->is_scalar() || names.insert(name->scalar).second) return;
+    diagnostics_.error(name->mark,
+                       "a second " + what + " called `" + name->scalar + "`; names must differ");
   }
 
   void read_obstacles(const MapReader& scenario) {
-    std::vector<std::string> names;
-    for (const ConfigNode& item : list_of(scenario, "obstacles", true)) {
+    std::unordered_set<std::string> names;
+    for (const ConfigNode& item : list_of(scenario, "obstacles", true, kMostObstacles)) {
       check_unique(item, "obstacle", names);
       read_obstacle(item);
     }
@@ -252,10 +255,19 @@ std::optional<Scenario> read_scenario(const std::string& file,
                                       const std::vector<std::string>& overrides,
                                       const PluginCatalog& catalog, Diagnostics& diagnostics) {
   const int errors_before = diagnostics.error_count();
-  std::optional<ConfigNode> root = load_config(file, diagnostics);
+  InputBudget budget;
+  std::optional<ConfigNode> root = load_config(file, diagnostics, budget);
   if (!root) return std::nullopt;
-  for (const std::string& override : overrides) apply_override(*root, override, diagnostics);
-  Scenario scenario = ScenarioReader(*root, file, catalog, diagnostics).read();
+  if (overrides.size() > InputBudget::kMostOverrides) {
+    diagnostics.error({file, 0, 0}, std::to_string(overrides.size()) +
+                                        " overrides are given; allowed: at most " +
+                                        std::to_string(InputBudget::kMostOverrides));
+    return std::nullopt;
+  }
+  for (const std::string& override : overrides) {
+    apply_override(*root, override, diagnostics, budget);
+  }
+  Scenario scenario = ScenarioReader(*root, file, catalog, budget, diagnostics).read();
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return scenario;
 }

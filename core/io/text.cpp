@@ -4,10 +4,15 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 namespace skybody {
 namespace {
+
+constexpr std::size_t kLongestCompared = 100;  // [bytes]; beyond, nobody mistypes but makes up
+constexpr std::size_t kMostCompared = 200;     // the work grows with them
+constexpr std::size_t kMostListed = 40;        // more names help nobody
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -87,11 +92,13 @@ std::string join(const std::vector<std::string>& words, std::string_view separat
 }
 
 std::string closest(std::string_view word, const std::vector<std::string>& candidates) {
-  if (word.size() > 100) return "";
+  if (word.size() > kLongestCompared || candidates.size() > kMostCompared) return "";
   const int limit = std::max<int>(1, static_cast<int>(word.size()) / 3);
   int best = limit + 1;
   std::string found;
   for (const std::string& candidate : candidates) {
+    const auto longer = static_cast<int>(candidate.size()) - static_cast<int>(word.size());
+    if (candidate.size() > kLongestCompared || std::abs(longer) > limit) continue;
     const int distance = edit_distance(word, candidate);
     if (distance < best) {
       best = distance;
@@ -106,7 +113,10 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
   const std::string found = closest(word, candidates);
   if (!found.empty()) return "; did you mean `" + found + "`?";
   if (candidates.empty()) return "";
-  return "; " + std::string(noun) + ": " + join(candidates);
+  if (candidates.size() <= kMostListed) return "; " + std::string(noun) + ": " + join(candidates);
+  const std::vector<std::string> first(candidates.begin(), candidates.begin() + kMostListed);
+  return "; " + std::string(noun) + ": " + join(first) + " and " +
+         std::to_string(candidates.size() - kMostListed) + " more";
 }
 
 bool is_identifier(std::string_view text) {

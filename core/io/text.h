@@ -26,7 +26,8 @@ std::string join(const std::vector<std::string>& words, std::string_view separat
 /// empty if none is close.
 std::string closest(std::string_view word, const std::vector<std::string>& candidates);
 
-/// "; did you mean `x`?" where something is close, else "; <noun>: a, b, c", else "".
+/// "; did you mean `x`?" where something is close, else "; <noun>: a, b, c" (the first 40), else
+/// "". Among more than two hundred nothing is compared.
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates,
                        std::string_view noun = "allowed");
 

@@ -1,92 +1,86 @@
-// Needs: urdfdom for what URDF means, tinyxml2 for lines. urdfdom turns rpy into quaternions by
-// libm, whose last bits depend on the processor, so rotations are computed again from the text.
+// Needs: a checked XML document (urdf_check.cpp), so that every element and number that is asked
+// for here is there. Rotations are computed by core/base, since libm's last bits depend on the
+// processor.
 #include "core/io/urdf_document.h"
 
-#include <console_bridge/console.h>
-#include <urdf_model/link.h>
-#include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
+#include <unordered_map>
 
-#include <filesystem>
-#include <map>
-#include <mutex>
-
-#include "core/io/file.h"
 #include "core/io/text.h"
+#include "core/io/urdf_meshes.h"
 #include "core/io/urdf_xml.h"
 
 namespace skybody {
 namespace {
 
-/// Keeps what urdfdom writes to its console.
-class Chatter : public console_bridge::OutputHandler {
- public:
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) errors.push_back(text);
+using tinyxml2::XMLElement;
+
+UrdfJointType type_called(const std::string& name) {
+  if (name == "revolute") return UrdfJointType::kRevolute;
+  if (name == "continuous") return UrdfJointType::kContinuous;
+  if (name == "prismatic") return UrdfJointType::kPrismatic;
+  return name == "floating" ? UrdfJointType::kFloating : UrdfJointType::kFixed;
+}
+
+/// The number of an attribute, or `otherwise` where either is absent.
+double number_of(const XMLElement* e, const char* attribute, double otherwise) {
+  const auto number = e == nullptr ? std::nullopt : xml_numbers(*e, attribute, 1);
+  return number ? (*number)[0] : otherwise;
+}
+
+Vec3<double> vector_of(const XMLElement* e, const char* attribute, const Vec3<double>& otherwise) {
+  const auto list = e == nullptr ? std::nullopt : xml_numbers(*e, attribute, 3);
+  return list ? Vec3<double>{(*list)[0], (*list)[1], (*list)[2]} : otherwise;
+}
+
+MassProperties mass_of(const XMLElement& inertial) {
+  const XMLElement* i = inertial.FirstChildElement("inertia");
+  const auto moment = [&](const char* name) { return number_of(i, name, 0.0); };
+  const SymMat3<double> tensor{moment("ixx"), moment("iyy"), moment("izz"),
+                               moment("ixy"), moment("ixz"), moment("iyz")};
+  const Pose pose = xml_origin(inertial);
+  return {number_of(inertial.FirstChildElement("mass"), "value", 0.0), pose.position,
+          rotate_inertia(to_mat3(pose.rotation), tensor)};
+}
+
+Vec3<double> axis_of(const XMLElement& joint) {
+  const Vec3<double> axis = vector_of(joint.FirstChildElement("axis"), "xyz", {1.0, 0.0, 0.0});
+  return axis / norm(axis);
+}
+
+/// The element of the shape itself, such as <box>.
+const XMLElement* shape_element(const XMLElement& visual_or_collision) {
+  const XMLElement* geometry = visual_or_collision.FirstChildElement("geometry");
+  return geometry == nullptr ? nullptr : geometry->FirstChildElement();
+}
+
+bool has_primitive_collision(const XMLElement& link) {
+  for (const auto* e = link.FirstChildElement("collision"); e != nullptr;
+       e = e->NextSiblingElement("collision")) {
+    const XMLElement* shape = shape_element(*e);
+    if (shape != nullptr && std::string(shape->Name()) != "mesh") return true;
   }
-  std::vector<std::string> errors;
+  return false;
+}
+
+/// What is wrong with a mesh, to follow "the mesh `x` of the link `y` ", and what helps.
+struct MeshProblem {
+  const char* text;
+  const char* remedy;
 };
-
-/// urdfdom's view of the text. Its console is one for the whole process, hence the lock.
-urdf::ModelInterfaceSharedPtr parse_by_urdfdom(const std::string& text, Chatter& chatter) {
-  static std::mutex mutex;
-  const std::lock_guard<std::mutex> lock(mutex);
-  console_bridge::OutputHandler* before = console_bridge::getOutputHandler();
-  console_bridge::useOutputHandler(&chatter);
-  urdf::ModelInterfaceSharedPtr model;
-  try {
-    model = urdf::parseURDF(text);
-  } catch (const std::exception& error) {
-    chatter.errors.push_back(error.what());
+MeshProblem problem_of(MeshState state) {
+  if (state == MeshState::kOutside) {
+    return {"lies outside the model's folder and the one above it", "put it there"};
   }
-  console_bridge::useOutputHandler(before);
-  return model;
-}
-
-UrdfJointType type_of(const urdf::Joint& joint) {
-  switch (joint.type) {
-    case urdf::Joint::REVOLUTE:
-      return UrdfJointType::kRevolute;
-    case urdf::Joint::CONTINUOUS:
-      return UrdfJointType::kContinuous;
-    case urdf::Joint::PRISMATIC:
-      return UrdfJointType::kPrismatic;
-    case urdf::Joint::FLOATING:
-      return UrdfJointType::kFloating;
-    default:
-      return UrdfJointType::kFixed;
+  if (state == MeshState::kNoMesh) {
+    return {"has no extension of a mesh, such as .stl or .dae", "name a mesh"};
   }
-}
-
-/// The file that a mesh's name stands for, or empty. package://NAME/REST is looked for in the
-/// folders above the URDF, with and without NAME.
-std::string find_mesh(const std::string& name, const std::string& urdf_file) {
-  namespace fs = std::filesystem;
-  const std::string package = "package://", file = "file://";
-  std::string rest = name;
-  if (rest.rfind(file, 0) == 0) rest = rest.substr(file.size());
-  if (rest.rfind(package, 0) != 0) {
-    const std::string path = resolve_path(rest, {urdf_file, 0, 0});
-    return is_file(path) ? path : "";
-  }
-  rest = rest.substr(package.size());
-  const std::string inner = rest.substr(std::min(rest.find('/'), rest.size() - 1) + 1);
-  std::error_code code;
-  for (fs::path folder = fs::absolute(urdf_file, code).parent_path(); !folder.empty();
-       folder = folder.parent_path()) {
-    for (const std::string& tail : {rest, inner}) {
-      if (is_file((folder / tail).string())) return (folder / tail).string();
-    }
-    if (folder == folder.root_path()) break;
-  }
-  return "";
+  return {"does not exist", "add the file"};
 }
 
 class DocumentBuilder {
  public:
-  DocumentBuilder(const UrdfXml& xml, const urdf::ModelInterface& model, const std::string& file,
-                  Diagnostics& diagnostics)
-      : xml_(xml), model_(model), diagnostics_(diagnostics) {
+  DocumentBuilder(UrdfXml& xml, const std::string& file, Diagnostics& diagnostics)
+      : xml_(xml), meshes_(file), diagnostics_(diagnostics) {
     document_.name = xml.name;
     document_.file = file;
   }
@@ -100,143 +94,117 @@ class DocumentBuilder {
 
  private:
   void add_link(const XmlNamed& named) {
-    const urdf::Link& source = *model_.getLink(named.name);
     UrdfLink link;
     link.name = named.name;
     link.line = named.line;
-    if (source.inertial) {
-      const tinyxml2::XMLElement& inertial = *named.element->FirstChildElement("inertial");
-      const Pose pose = xml_origin(inertial);
-      const urdf::Inertial& i = *source.inertial;
-      const SymMat3<double> tensor{i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz};
+    if (const XMLElement* inertial = named.element->FirstChildElement("inertial")) {
       link.has_inertial = true;
-      link.mass = {i.mass, pose.position, rotate_inertia(to_mat3(pose.rotation), tensor)};
+      link.mass = mass_of(*inertial);
     }
-    const tinyxml2::XMLElement* e = named.element->FirstChildElement("visual");
-    for (const auto& visual : source.visual_array) {
-      std::optional<Shape> shape = make_shape(*visual->geometry, *e, named.name);
-      if (shape && visual->material) {
-        const urdf::Color& c = visual->material->color;
-        shape->rgba = {c.r, c.g, c.b, c.a};
-      }
-      if (shape) link.visuals.push_back(*shape);
-      e = e->NextSiblingElement("visual");
-    }
-    e = named.element->FirstChildElement("collision");
-    for (const auto& collision : source.collision_array) {
-      if (auto shape = make_shape(*collision->geometry, *e, named.name)) {
-        link.collisions.push_back(*shape);
-      }
-      e = e->NextSiblingElement("collision");
-    }
+    primitive_collision_ = has_primitive_collision(*named.element);
+    add_shapes(named, "visual", link.visuals);
+    add_shapes(named, "collision", link.collisions);
     index_[link.name] = static_cast<int>(document_.links.size());
     document_.links.push_back(std::move(link));
   }
 
-  std::optional<Shape> make_shape(const urdf::Geometry& geometry, const tinyxml2::XMLElement& e,
-                                  const std::string& link) {
+  void add_shapes(const XmlNamed& link, const char* kind, std::vector<Shape>& shapes) {
+    for (const auto* e = link.element->FirstChildElement(kind); e != nullptr;
+         e = e->NextSiblingElement(kind)) {
+      if (auto shape = make_shape(*e, link.name)) shapes.push_back(std::move(*shape));
+    }
+  }
+
+  std::optional<Shape> make_shape(const XMLElement& e, const std::string& link) {
+    const XMLElement* source = shape_element(e);
+    if (source == nullptr) return std::nullopt;
     Shape shape;
     shape.pose = xml_origin(e);
-    if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
+    if (std::string(e.Name()) == "visual") {
+      if (const auto rgba = xml_.materials.of(e, "the link `" + link + "`")) shape.rgba = *rgba;
+    }
+    const std::string name = source->Name();
+    if (name == "box") {
       shape.type = ShapeType::kBox;
-      shape.size = {box->dim.x, box->dim.y, box->dim.z};
-    } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
+      shape.size = vector_of(source, "size", shape.size);
+    } else if (name == "cylinder") {
       shape.type = ShapeType::kCylinder;
-      shape.radius = cylinder->radius;
-      shape.length = cylinder->length;
-    } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
+      shape.radius = number_of(source, "radius", 0.0);
+      shape.length = number_of(source, "length", 0.0);
+    } else if (name == "sphere") {
       shape.type = ShapeType::kSphere;
-      shape.radius = sphere->radius;
-    } else if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) {
+      shape.radius = number_of(source, "radius", 0.0);
+    } else {
       shape.type = ShapeType::kMesh;
-      shape.size = {mesh->scale.x, mesh->scale.y, mesh->scale.z};
-      shape.mesh = mesh->filename;
+      shape.size = vector_of(source, "scale", {1.0, 1.0, 1.0});
+      shape.mesh = source->Attribute("filename");
       if (!keep_mesh(shape.mesh, e, link)) return std::nullopt;
     }
     return shape;
   }
 
-  static bool has_primitive_collision(const tinyxml2::XMLElement& link) {
-    for (const auto* e = link.FirstChildElement("collision"); e;
-         e = e->NextSiblingElement("collision")) {
-      const tinyxml2::XMLElement* geometry = e->FirstChildElement("geometry");
-      if (std::string(geometry->FirstChildElement()->Name()) != "mesh") return true;
-    }
-    return false;
-  }
-
-  bool keep_mesh(const std::string& mesh, const tinyxml2::XMLElement& e, const std::string& link) {
-    const tinyxml2::XMLElement* element = e.FirstChildElement("geometry")->FirstChildElement();
-    const SourceMark mark = document_.mark(element->GetLineNum());
+  bool keep_mesh(const std::string& mesh, const XMLElement& e, const std::string& link) {
+    const SourceMark mark = document_.mark(shape_element(e)->GetLineNum());
+    const std::string what = "the mesh `" + mesh + "` of the link `" + link + "` ";
+    const MeshState state = meshes_.look_up(mesh);
+    const MeshProblem problem = problem_of(state);
     const bool collision = std::string(e.Name()) == "collision";
-    const bool missing = find_mesh(mesh, document_.file).empty();
-    if (missing && collision && !has_primitive_collision(*e.Parent()->ToElement())) {
-      diagnostics_.error(mark, "the mesh `" + mesh + "` of the link `" + link +
-                                   "` does not exist, and the link has no other collision shape; "
-                                   "add the file, or a box, cylinder or sphere");
+    if (state != MeshState::kFound && collision && !primitive_collision_) {
+      diagnostics_.error(mark, what + problem.text +
+                                   ", and the link has no other collision shape; " +
+                                   problem.remedy + ", or a box, cylinder or sphere");
       return false;
     }
-    if (missing) {
-      diagnostics_.warning(mark, "the mesh `" + mesh + "` of the link `" + link +
-                                     "` does not exist; it is left out, primitive shapes remain");
+    if (state != MeshState::kFound) {
+      diagnostics_.warning(mark, what + problem.text + "; it is left out, primitive shapes remain");
       return false;
     }
     if (collision) {
-      diagnostics_.warning(mark, "the mesh `" + mesh + "` of the link `" + link +
-                                     "` takes no part in contact; add primitive collision shapes");
+      diagnostics_.warning(mark, what + "takes no part in contact; add primitive collision shapes");
     }
     return true;
   }
 
   void add_joint(const XmlJoint& named) {
-    const urdf::Joint& source = *model_.getJoint(named.name);
+    const XMLElement& source = *named.element;
     UrdfJoint joint;
     joint.name = named.name;
     joint.line = named.line;
-    joint.type = type_of(source);
+    joint.type = type_called(named.type);
     joint.parent = index_.at(named.parent);
     joint.child = index_.at(named.child);
-    joint.origin = xml_origin(*named.element);
-    const Vec3<double> axis{source.axis.x, source.axis.y, source.axis.z};
-    const double length = norm(axis);
-    if (length > 0.0) joint.axis = axis / length;
-    const bool limits_count =
-        joint.type == UrdfJointType::kRevolute || joint.type == UrdfJointType::kPrismatic;
-    if (source.limits && limits_count) {
-      joint.limited = true;
-      joint.lower = source.limits->lower;
-      joint.upper = source.limits->upper;
+    joint.origin = xml_origin(source);
+    if (joint.turns() || joint.type == UrdfJointType::kPrismatic) joint.axis = axis_of(source);
+    const XMLElement* limit = source.FirstChildElement("limit");
+    joint.limited = limit != nullptr && (joint.type == UrdfJointType::kRevolute ||
+                                         joint.type == UrdfJointType::kPrismatic);
+    if (joint.limited) {
+      joint.lower = number_of(limit, "lower", 0.0);
+      joint.upper = number_of(limit, "upper", 0.0);
     }
-    if (source.dynamics) joint.damping = source.dynamics->damping;
+    joint.damping = number_of(source.FirstChildElement("dynamics"), "damping", 0.0);
     const int index = static_cast<int>(document_.joints.size());
     document_.links[static_cast<std::size_t>(joint.parent)].child_joints.push_back(index);
     document_.links[static_cast<std::size_t>(joint.child)].parent_joint = index;
     document_.joints.push_back(joint);
   }
 
-  const UrdfXml& xml_;
-  const urdf::ModelInterface& model_;
+  UrdfXml& xml_;
+  UrdfMeshes meshes_;
   Diagnostics& diagnostics_;
   UrdfDocument document_;
-  std::map<std::string, int> index_;
+  std::unordered_map<std::string, int> index_;
+  bool primitive_collision_ = false;  ///< of the link at hand
 };
 
 }  // namespace
 
 std::optional<UrdfDocument> parse_urdf_document(const std::string& text, const std::string& file,
                                                 Diagnostics& diagnostics) {
-  UrdfXml xml;
+  UrdfXml xml(file, diagnostics);
   if (!check_urdf_xml(text, file, xml, diagnostics)) return std::nullopt;
-  Chatter chatter;
-  const urdf::ModelInterfaceSharedPtr model = parse_by_urdfdom(text, chatter);
-  if (!model) {
-    const std::string reasons =
-        chatter.errors.empty() ? "no reason given" : join(chatter.errors, " ");
-    diagnostics.error({file, 0, 0}, "urdfdom refuses the file: " + reasons);
-    return std::nullopt;
-  }
   const int errors_before = diagnostics.error_count();
-  UrdfDocument document = DocumentBuilder(xml, *model, file, diagnostics).build();
+  UrdfDocument document = DocumentBuilder(xml, file, diagnostics).build();
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return document;
 }

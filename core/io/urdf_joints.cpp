@@ -1,5 +1,6 @@
 #include "core/io/urdf_joints.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -147,9 +148,10 @@ class BodyMaker {
     int parent = group(g).parent;
     while (parent >= 0 && group(parent).is_massless() && group(parent).joint >= 0 &&
            body_of_group_[static_cast<std::size_t>(parent)] < 0) {
-      chain.insert(chain.begin(), parent);
+      chain.push_back(parent);
       parent = group(parent).parent;
     }
+    std::reverse(chain.begin(), chain.end());
     return chain;
   }
 
@@ -200,6 +202,11 @@ class BodyMaker {
   }
 
   void set_chain(const std::vector<int>& chain, Joint& joint) {
+    if (chain.size() > 3) {
+      refuse_massless(group(chain[chain.size() - 2]),
+                      std::to_string(chain.size()) + " joints follow one another");
+      return;
+    }
     // Frames and axes of all joints at zero, in the first joint's frame.
     std::vector<Pose> frames = {Pose{}};
     for (std::size_t i = 1; i < chain.size(); ++i) {
@@ -225,7 +232,6 @@ class BodyMaker {
   std::string chain_problem(const std::vector<int>& chain, const std::vector<Pose>& frames,
                             const std::vector<Vec3<double>>& axes) const {
     const UrdfJoint& last = joint_of(group(chain.back()));
-    if (chain.size() > 3) return std::to_string(chain.size()) + " joints follow one another";
     if (!last.turns()) return "the joint `" + last.name + "` does not turn";
     for (std::size_t i = 0; i < chain.size(); ++i) {
       const UrdfJoint& joint = joint_of(group(chain[i]));

@@ -30,6 +30,10 @@ double inertia_about(const MassProperties& mass, const Vec3<double>& point,
 
 void derive_limit_springs(RobotModel& model) {
   const std::vector<Pose> poses = poses_at_zero(model);
+  std::vector<MassProperties> masses;  // in one frame
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    masses.push_back(transform(poses[b], model.bodies[b].mass));
+  }
   for (std::size_t k = 0; k < model.bodies.size(); ++k) {
     Joint& joint = model.bodies[k].joint;
     if (!joint.limit.enabled) continue;
@@ -43,8 +47,7 @@ void derive_limit_springs(RobotModel& model) {
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
       const int parent = model.bodies[b].joint.parent;
       outboard[b] = b == k || (parent >= 0 && outboard[static_cast<std::size_t>(parent)]);
-      const MassProperties mass = transform(poses[b], model.bodies[b].mass);
-      const double share = pin ? inertia_about(mass, frame.position, axis) : mass.mass;
+      const double share = pin ? inertia_about(masses[b], frame.position, axis) : masses[b].mass;
       (outboard[b] ? moved : rest) += share;
     }
     const bool free = !model.fixed_base && rest > 0.0;

@@ -30,9 +30,9 @@ class Merger {
     if (root.name == "world") {
       check_world(root);
       check_free_base(root);
-      for (int joint : root.child_joints) open_group(joint, -1);
+      open_groups(root.child_joints, -1);
     } else {
-      open_group(-1, -1);
+      open_groups({-1}, -1);
     }
     for (UrdfGroup& group : result_.groups) finish(group);
     return std::move(result_);
@@ -69,30 +69,69 @@ class Merger {
     }
   }
 
-  /// A group that moves by `joint_index` (-1: the free root).
-  void open_group(int joint_index, int parent) {
+  /// The groups that move by `joints` (-1: the free root) and all on them, parents first and else
+  /// in the order of the file. A stack of our own: chains may have thousands of joints.
+  void open_groups(const std::vector<int>& joints, int parent) {
+    struct Waiting {
+      int joint;
+      int parent;
+    };
+    std::vector<Waiting> stack;
+    const auto push = [&](const std::vector<int>& list, int group) {
+      for (auto it = list.rbegin(); it != list.rend(); ++it) stack.push_back({*it, group});
+    };
+    push(joints, parent);
+    while (!stack.empty()) {
+      const Waiting next = stack.back();
+      stack.pop_back();
+      const int group = open_group(next.joint, next.parent);
+      push(take_links(next.joint < 0 ? document_.root : joint(next.joint).child, group), group);
+    }
+  }
+
+  int open_group(int joint_index, int parent) {
     const int index = static_cast<int>(result_.groups.size());
     UrdfGroup group;
     group.joint = joint_index;
     group.parent = parent;
     result_.groups.push_back(group);
     if (parent >= 0) result_.groups[static_cast<std::size_t>(parent)].children.push_back(index);
-    std::vector<int> moving;
-    take_link(joint_index < 0 ? document_.root : joint(joint_index).child, Pose{}, index, moving);
-    for (int child : moving) open_group(child, index);
+    return index;
   }
 
-  void take_link(int link_index, const Pose& pose, int group, std::vector<int>& moving) {
+  /// Takes a link and what fixed joints put on it into `group`; returns the moving joints on them.
+  std::vector<int> take_links(int first_link, int group) {
+    struct Branch {
+      int link;
+      std::size_t next = 0;  ///< which of its joints is looked at next
+    };
+    std::vector<int> moving;
+    std::vector<Branch> path = {{first_link}};
+    place_link(first_link, Pose{}, group);
+    while (!path.empty()) {
+      Branch& branch = path.back();
+      const std::vector<int>& joints = link(branch.link).child_joints;
+      if (branch.next == joints.size()) {
+        path.pop_back();
+        continue;
+      }
+      const int index = joints[branch.next++];
+      const UrdfJoint& child = joint(index);
+      if (child.type != UrdfJointType::kFixed) {
+        moving.push_back(index);
+        continue;
+      }
+      const Pose& pose = result_.link_pose[static_cast<std::size_t>(branch.link)];
+      place_link(child.child, compose(pose, child.origin), group);
+      path.push_back({child.child});
+    }
+    return moving;
+  }
+
+  void place_link(int link_index, const Pose& pose, int group) {
     result_.link_pose[static_cast<std::size_t>(link_index)] = pose;
     result_.link_group[static_cast<std::size_t>(link_index)] = group;
     result_.groups[static_cast<std::size_t>(group)].links.push_back(link_index);
-    for (int child : link(link_index).child_joints) {
-      if (joint(child).type == UrdfJointType::kFixed) {
-        take_link(joint(child).child, compose(pose, joint(child).origin), group, moving);
-      } else {
-        moving.push_back(child);
-      }
-    }
   }
 
   void finish(UrdfGroup& group) {

@@ -1,6 +1,5 @@
 // Whether links and joints form one tree.
-#include <map>
-#include <set>
+#include <unordered_map>
 
 #include "core/io/text.h"
 #include "core/io/urdf_xml.h"
@@ -14,7 +13,11 @@ class TreeCheck {
       : file_(file), xml_(xml), diagnostics_(diagnostics) {}
 
   void run() {
-    for (const XmlNamed& link : xml_.links) names_.push_back(link.name);
+    for (std::size_t i = 0; i < xml_.links.size(); ++i) {
+      names_.push_back(xml_.links[i].name);
+      index_.emplace(names_.back(), i);
+    }
+    parent_joint_.assign(xml_.links.size(), nullptr);
     for (const XmlJoint& joint : xml_.joints) {
       check_end(joint, joint.parent, "parent");
       check_end(joint, joint.child, "child");
@@ -25,30 +28,41 @@ class TreeCheck {
   }
 
  private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
   void error(int line, const std::string& message) {
     diagnostics_.error({file_, line, 0}, message);
   }
 
+  std::size_t index_of(const std::string& link) const {
+    const auto found = index_.find(link);
+    return found == index_.end() ? kNone : found->second;
+  }
+
   void check_end(const XmlJoint& joint, const std::string& link, const std::string& which) {
-    for (const std::string& name : names_) {
-      if (name == link) return;
-    }
+    if (index_of(link) != kNone) return;
     error(joint.line, "the " + which + " `" + link + "` of the joint `" + joint.name +
                           "` is not a link" + suggestion(link, names_, "links"));
   }
 
   void check_parent_is_single(const XmlJoint& joint) {
-    const auto [known, is_new] = parent_joint_.emplace(joint.child, &joint);
-    if (is_new) return;
+    const std::size_t child = index_of(joint.child);
+    if (child == kNone) return;
+    const XmlJoint*& known = parent_joint_[child];
+    if (known == nullptr) {
+      known = &joint;
+      return;
+    }
     error(joint.line, "the link `" + joint.child + "` is the child of `" + joint.name +
-                          "` and, in line " + std::to_string(known->second->line) + ", of `" +
-                          known->second->name + "`; a link has one parent");
+                          "` and, in line " + std::to_string(known->line) + ", of `" + known->name +
+                          "`; a link has one parent");
   }
 
   void find_root() {
     const XmlNamed* root = nullptr;
-    for (const XmlNamed& link : xml_.links) {
-      if (parent_joint_.count(link.name) != 0) continue;
+    for (std::size_t i = 0; i < xml_.links.size(); ++i) {
+      const XmlNamed& link = xml_.links[i];
+      if (parent_joint_[i] != nullptr) continue;
       if (root == nullptr) {
         root = &link;
         continue;
@@ -68,26 +82,26 @@ class TreeCheck {
   /// Links that lead back to themselves. Without a root the message above says enough.
   void find_loops() {
     if (xml_.root.empty()) return;
-    std::set<std::string> reported;
-    for (const XmlNamed& link : xml_.links) {
-      std::set<std::string> path;
-      std::string at = link.name;
-      while (parent_joint_.count(at) != 0 && path.insert(at).second) {
-        at = parent_joint_.at(at)->parent;
+    std::vector<std::size_t> seen_from(xml_.links.size(), kNone);
+    for (std::size_t start = 0; start < xml_.links.size(); ++start) {
+      std::size_t at = start;
+      while (at != kNone && seen_from[at] == kNone) {
+        seen_from[at] = start;
+        at = parent_joint_[at] == nullptr ? kNone : index_of(parent_joint_[at]->parent);
       }
-      if (parent_joint_.count(at) == 0 || reported.count(at) != 0) continue;
-      reported.insert(path.begin(), path.end());
-      error(parent_joint_.at(at)->line, "the joint `" + parent_joint_.at(at)->name +
-                                            "` closes a loop through the link `" + at +
-                                            "`; a URDF is a tree");
+      if (at == kNone || seen_from[at] != start) continue;  // a root, or a way that was gone before
+      const XmlJoint& joint = *parent_joint_[at];
+      error(joint.line, "the joint `" + joint.name + "` closes a loop through the link `" +
+                            xml_.links[at].name + "`; a URDF is a tree");
     }
   }
 
   const std::string& file_;
   UrdfXml& xml_;
   Diagnostics& diagnostics_;
-  std::vector<std::string> names_;
-  std::map<std::string, const XmlJoint*> parent_joint_;
+  std::vector<std::string> names_;                      ///< of links
+  std::unordered_map<std::string, std::size_t> index_;  ///< of links
+  std::vector<const XmlJoint*> parent_joint_;           ///< by link
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/io/diagnostics.h"
+#include "core/io/urdf_materials.h"
 #include "core/model/robot_model.h"
 
 namespace skybody {
@@ -29,7 +30,10 @@ struct XmlJoint : XmlNamed {
 
 /// What the check of the XML found: names, lines, elements.
 struct UrdfXml {
+  UrdfXml(const std::string& file, Diagnostics& diagnostics) : materials(file, diagnostics) {}
+
   tinyxml2::XMLDocument document;
+  UrdfMaterials materials;
   std::string name;  ///< of the robot
   std::vector<XmlNamed> links;
   std::vector<XmlJoint> joints;
@@ -48,6 +52,9 @@ Pose xml_origin(const tinyxml2::XMLElement& element);
 /// ranges, and that links and joints form one tree. Returns whether there were no errors.
 bool check_urdf_xml(const std::string& text, const std::string& file, UrdfXml& xml,
                     Diagnostics& diagnostics);
+
+/// Checks the elements of the parsed document one by one and lists links and joints.
+void check_urdf_elements(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics);
 
 /// Checks that links and joints of `xml` form one tree and finds its root.
 bool check_urdf_tree(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics);

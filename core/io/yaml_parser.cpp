@@ -10,6 +10,7 @@
 
 #include <map>
 #include <sstream>
+#include <unordered_map>
 #include <utility>
 
 #include "core/io/config_tree.h"
@@ -18,24 +19,18 @@
 namespace skybody {
 namespace {
 
-constexpr int kMostNodes = 1'000'000;
-
-int count_nodes(const ConfigNode& node) {
-  int count = 1;
-  for (const ConfigNode& item : node.items) count += count_nodes(item);
-  for (const ConfigEntry& entry : node.entries) count += count_nodes(entry.value);
-  return count;
-}
+/// Ends the parsing after an error that was noted: what follows could only cost time.
+struct Stop {};
 
 class TreeBuilder : public YAML::EventHandler {
  public:
-  TreeBuilder(std::string file, Diagnostics& diagnostics)
+  TreeBuilder(std::string file, InputBudget& budget, Diagnostics& diagnostics)
       : file_(std::move(file)),
         positions_(file_.rfind(kOverridePrefix, 0) != 0),
+        budget_(budget),
         diagnostics_(diagnostics) {}
 
   ConfigNode take_root() { return std::move(root_); }
-  bool failed() const { return failed_; }
 
   SourceMark to_mark(const YAML::Mark& mark) const {
     if (!positions_ || mark.is_null()) return {file_, 0, 0};
@@ -66,15 +61,11 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
-    if (found == anchors_.end()) {
+    if (found == anchors_.end())
       fail(to_mark(mark), "the alias refers to a value that contains it");
-      add(ConfigNode{}, 0);
-      return;
-    }
-    // Too many nodes fail once; nothing is copied from there on.
-    node_count_ += found->second.count;
-    ConfigNode copy = node_count_ > kMostNodes ? ConfigNode{} : found->second.node;
-    add(std::move(copy), 0);
+    take(found->second.cost, mark);
+    check_depth(static_cast<int>(stack_.size()) + found->second.cost.depth, mark);
+    insert(found->second.node);
   }
 
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
@@ -95,18 +86,31 @@ class TreeBuilder : public YAML::EventHandler {
     bool has_key = false;
     bool drop_value = false;  ///< the key was refused: its value goes nowhere
     ConfigEntry pending;
+    std::unordered_map<std::string, std::size_t> places;  ///< of the keys among the entries
   };
   struct Anchored {
     ConfigNode node;
-    int count = 0;
+    ConfigCost cost;
   };
 
-  void fail(const SourceMark& mark, const std::string& message) {
-    if (!failed_) diagnostics_.error(mark, message);
-    failed_ = true;
+  [[noreturn]] void fail(const SourceMark& mark, const std::string& message) {
+    diagnostics_.error(mark, message);
+    throw Stop();
+  }
+
+  void take(const ConfigCost& cost, const YAML::Mark& mark) {
+    if (!budget_.take_values(cost.values, cost.bytes)) fail(to_mark(mark), too_many_values());
+  }
+
+  void check_depth(int depth, const YAML::Mark& mark) {
+    if (depth <= InputBudget::kDeepest) return;
+    fail(to_mark(mark), "maps and lists are nested more than " +
+                            std::to_string(InputBudget::kDeepest) +
+                            " levels deep here; take levels out");
   }
 
   void open(ConfigNode::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
+    check_depth(static_cast<int>(stack_.size()) + 1, mark);
     Open level;
     level.node.kind = kind;
     level.node.mark = to_mark(mark);
@@ -120,14 +124,21 @@ class TreeBuilder : public YAML::EventHandler {
     add(std::move(level.node), level.anchor);
   }
 
+  /// Takes a value that was written here; one with an anchor is kept for its aliases, too.
   void add(ConfigNode node, YAML::anchor_t anchor) {
-    if (++node_count_ > kMostNodes) {
-      fail(node.mark, "aliases expand to more than a million values");
-      return;
+    const ConfigCost own{1, node.scalar.size() + file_.size(), 0};
+    if (!budget_.take_values(own.values, own.bytes)) fail(node.mark, too_many_values());
+    if (anchor != 0) {
+      const ConfigCost cost = cost_of(node);
+      if (!budget_.take_values(cost.values, cost.bytes)) fail(node.mark, too_many_values());
+      anchors_[anchor] = {node, cost};
     }
-    if (anchor != 0) anchors_[anchor] = {node, count_nodes(node)};
+    insert(std::move(node));
+  }
+
+  void insert(ConfigNode node) {
     if (stack_.empty()) {
-      if (documents_ <= 1) root_ = std::move(node);
+      root_ = std::move(node);
       return;
     }
     Open& top = stack_.back();
@@ -151,43 +162,61 @@ class TreeBuilder : public YAML::EventHandler {
       top.drop_value = true;
       return;
     }
-    for (const ConfigEntry& entry : top.node.entries) {
-      if (entry.key != node.scalar) continue;
-      diagnostics_.error(node.mark, "duplicate key `" + node.scalar + "`; it stands at " +
-                                        to_string(entry.key_mark) + " already; remove one");
-      top.drop_value = true;
-    }
+    const auto [known, is_new] = top.places.emplace(node.scalar, top.node.entries.size());
+    if (is_new) return;
+    const SourceMark& first = top.node.entries[known->second].key_mark;
+    diagnostics_.error(node.mark, "duplicate key `" + node.scalar + "`; it stands at " +
+                                      to_string(first) + " already; remove one");
+    top.drop_value = true;
   }
 
   std::string file_;
   bool positions_;
+  InputBudget& budget_;
   Diagnostics& diagnostics_;
   ConfigNode root_;
   std::vector<Open> stack_;
   std::map<YAML::anchor_t, Anchored> anchors_;
   int documents_ = 0;
-  long node_count_ = 0;
-  bool failed_ = false;
 };
+
+/// What yaml-cpp says. Some of its messages end with a colon and a piece of the file.
+std::string message_of(const YAML::Exception& error, Quoting quoting) {
+  if (quoting == Quoting::kYes) return error.msg;
+  return error.msg.substr(0, error.msg.find(':'));
+}
+
+void parse(const std::string& text, TreeBuilder& builder) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  while (parser.HandleNextDocument(builder)) {
+  }
+}
 
 }  // namespace
 
 std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string& file,
-                                     Diagnostics& diagnostics) {
-  const int errors_before = diagnostics.error_count();
-  TreeBuilder builder(file, diagnostics);
+                                     Diagnostics& diagnostics, InputBudget& budget,
+                                     Quoting quoting) {
+  Diagnostics found;
+  TreeBuilder builder(file, budget, found);
   try {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    while (!builder.failed() && parser.HandleNextDocument(builder)) {
-    }
+    parse(text, builder);
+    if (!found.has_errors()) return builder.take_root();
+  } catch (const Stop&) {
   } catch (const YAML::Exception& error) {
-    diagnostics.error(builder.to_mark(error.mark), "not YAML: " + error.msg);
-  } catch (const std::exception& error) {
-    diagnostics.error({file, 0, 0}, std::string("not YAML: ") + error.what());
+    // What was found before may quote a file that is no YAML.
+    if (quoting == Quoting::kNo) found = Diagnostics();
+    found.error(builder.to_mark(error.mark), "not YAML: " + message_of(error, quoting));
   }
-  if (diagnostics.error_count() > errors_before) return std::nullopt;
-  return builder.take_root();
+  diagnostics.add(found);
+  return std::nullopt;
+}
+
+std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string& file,
+                                     Diagnostics& diagnostics) {
+  InputBudget budget;
+  return parse_yaml(text, file, diagnostics, budget);
 }
 
 }  // namespace skybody

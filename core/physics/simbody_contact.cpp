@@ -1,8 +1,11 @@
 #include "core/physics/simbody_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
+#include "core/base/error.h"
 #include "core/physics/contact_spheres.h"
 
 namespace skybody {
@@ -15,6 +18,8 @@ constexpr double kReferenceRadius = 0.05;
 constexpr double kBodyFace = 0.02, kObstacleFace = 0.03;
 /// Bounds on the cost of a mesh: vertices added along the longest edge.
 constexpr int kBodyResolution = 10, kObstacleResolution = 60;
+/// Bounds of all together: a face takes about 300 bytes here and in each system, a shape 50 kB.
+constexpr int kMostShapes = 2000, kMostFaces = 1'000'000;
 
 /// Hertz stiffness at which two spheres of one material and effective radius kReferenceRadius hold
 /// the heaviest robot's weight with the scenario's static penetration:
@@ -51,6 +56,55 @@ SimTK::ContactGeometry make_geometry(const Shape& shape, double largest_face,
       SimTK::PolygonalMesh::createCylinderMesh(SimTK::ZAxis, shape.radius, 0.5 * shape.length, n));
 }
 
+/// Geometries of shapes, made once for each size: the search tree of a box's mesh takes a second to
+/// build and hardly any time to copy, and robots of one model have the same shapes.
+class Geometries {
+ public:
+  using Shared = std::shared_ptr<const SimTK::ContactGeometry>;
+
+  Geometries(double largest_face, int largest_resolution)
+      : largest_face_(largest_face), largest_resolution_(largest_resolution) {}
+
+  Shared of(const Shape& shape) {
+    const Key key{static_cast<double>(shape.type),
+                  shape.size.x,
+                  shape.size.y,
+                  shape.size.z,
+                  shape.radius,
+                  shape.length};
+    Shared& made = made_[key];
+    if (made == nullptr) {
+      made = std::make_shared<const SimTK::ContactGeometry>(
+          make_geometry(shape, largest_face_, largest_resolution_));
+    }
+    count(*made);
+    return made;
+  }
+
+ private:
+  using Key = std::array<double, 6>;
+
+  void count(const SimTK::ContactGeometry& geometry) {
+    using Mesh = SimTK::ContactGeometry::TriangleMesh;
+    if (++shapes_ > kMostShapes) {
+      throw Error("more than " + std::to_string(kMostShapes) +
+                  " shapes of robots or obstacles may touch; take collision shapes out");
+    }
+    if (Mesh::isInstance(geometry)) faces_ += Mesh::getAs(geometry).getNumFaces();
+    if (faces_ > kMostFaces) {
+      throw Error("the boxes and cylinders that may touch have more than " +
+                  std::to_string(kMostFaces) +
+                  " faces in Simbody's contact; take fewer or smaller ones, or spheres");
+    }
+  }
+
+  double largest_face_;
+  int largest_resolution_;
+  int shapes_ = 0;
+  int faces_ = 0;
+  std::map<Key, Shared> made_;
+};
+
 /// The largest area with which a shape can lie flat on another [m^2].
 double largest_area(const Shape& shape) {
   const Vec3<double>& s = shape.size;
@@ -84,45 +138,45 @@ std::shared_ptr<const SimbodyContact> make_simbody_contact(const World& world) {
 }
 
 SimbodyContact::SimbodyContact(const World& world)
-    : transition_velocity_(world.scenario.contact.slip_velocity) {
-  const SimTK::ContactMaterial material = make_material(world);
-  add_obstacles(world, material);
-  add_bodies(world, material);
+    : material_(make_material(world)), transition_velocity_(world.scenario.contact.slip_velocity) {
+  add_obstacles(world);
+  add_bodies(world);
 }
 
-void SimbodyContact::add_obstacles(const World& world, const SimTK::ContactMaterial& material) {
+void SimbodyContact::add_obstacles(const World& world) {
+  Geometries geometries(kObstacleFace, kObstacleResolution);
   for (const Obstacle& obstacle : world.scenario.obstacles) {
     const Shape& shape = obstacle.shape;
     if (shape.type == ShapeType::kMesh) continue;
     // In series with the layer of whatever touches it, which is the softer one.
-    const SimTK::ContactSurface surface(make_geometry(shape, kObstacleFace, kObstacleResolution),
-                                        material, kReferenceRadius);
-    surfaces_.push_back({-1, to_simbody(shape.pose), surface});
+    surfaces_.push_back({-1, to_simbody(shape.pose), geometries.of(shape), kReferenceRadius, {}});
   }
 }
 
-void SimbodyContact::add_bodies(const World& world, const SimTK::ContactMaterial& material) {
+void SimbodyContact::add_bodies(const World& world) {
   std::vector<SimTK::ContactCliqueId> cliques;
   for (std::size_t r = 0; r < world.scenario.robots.size(); ++r) {
     cliques.push_back(SimTK::ContactSurface::createNewContactClique());
   }
+  Geometries geometries(kBodyFace, kBodyResolution);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const WorldBody& body = world.bodies[i];
     for (const Shape& shape : body.model->collisions) {
       if (shape.type == ShapeType::kMesh) continue;
-      const double thickness = layer_thickness(shape, material.getStiffness(),
+      const double thickness = layer_thickness(shape, material_.getStiffness(),
                                                body.model->mass.mass, world.scenario.stepping.dt);
-      SimTK::ContactSurface surface(make_geometry(shape, kBodyFace, kBodyResolution), material,
-                                    thickness);
-      surface.joinClique(cliques[body.robot]);
-      surfaces_.push_back({static_cast<int>(i), to_simbody(shape.pose), surface});
+      surfaces_.push_back({static_cast<int>(i), to_simbody(shape.pose), geometries.of(shape),
+                           thickness, cliques[body.robot]});
     }
   }
 }
 
 void SimbodyContact::add_surfaces(int body, SimTK::Body& rigid) const {
   for (const Surface& s : surfaces_) {
-    if (s.body == body) rigid.addContactSurface(s.pose, s.surface);
+    if (s.body != body) continue;
+    SimTK::ContactSurface surface(*s.geometry, material_, s.thickness);
+    if (s.clique.isValid()) surface.joinClique(s.clique);
+    rigid.addContactSurface(s.pose, surface);
   }
 }
 

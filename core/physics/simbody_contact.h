@@ -14,7 +14,8 @@ namespace skybody {
 /// The contact surfaces of a world, made once; systems are built from them again and again, by
 /// several threads at a time: nothing here changes after construction, and Simbody's
 /// ContactGeometry (unlike its PolygonalMesh) has no reference count; every system gets a deep
-/// copy.
+/// copy. Shapes of one size share theirs here. More shapes and faces than fit into some 500 MB are
+/// an Error.
 ///
 /// Spheres are exact (Hertz); boxes and cylinders are triangle meshes (elastic foundation). Meshes
 /// of files are ignored. Bodies of one robot do not collide among themselves. Simbody's trackers
@@ -33,11 +34,14 @@ class SimbodyContact {
   struct Surface {
     int body = -1;
     SimTK::Transform pose;
-    SimTK::ContactSurface surface;
+    std::shared_ptr<const SimTK::ContactGeometry> geometry;
+    double thickness = 0.0;         ///< of the elastic layer [m]
+    SimTK::ContactCliqueId clique;  ///< surfaces of one do not collide
   };
-  void add_obstacles(const World& world, const SimTK::ContactMaterial& material);
-  void add_bodies(const World& world, const SimTK::ContactMaterial& material);
+  void add_obstacles(const World& world);
+  void add_bodies(const World& world);
 
+  SimTK::ContactMaterial material_;
   std::vector<Surface> surfaces_;
   double transition_velocity_ = 0.0;
 };

@@ -94,6 +94,24 @@ def test_a_scenario_that_is_not_there_is_an_input_error() -> None:
         Environment("no_such_scenario")
 
 
+def test_messages_that_quote_bytes_that_are_no_text_are_text(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_bytes(b'<robot name="r"><link name="a\xff\x1b[2J"/></robot>')
+    (tmp_path / "q.urdf").write_bytes(b'<robot name="r"><link name="a\xff"/></robot>')
+    file = tmp_path / "bad.yaml"
+    file.write_text(
+        "robots: [{name: r, model: r.urdf}, {name: q, model: q.urdf}]\ntask: {plugin: hover}\n"
+    )
+    with pytest.raises(skybody.InputError) as caught:
+        Environment(file)
+    assert r"the control character `\x1b`, which XML forbids" in str(caught.value)
+    assert r"the name of this <link>, `a\xff`, holds" in str(caught.value)
+
+
+def test_an_override_that_is_nested_too_deep_is_an_input_error() -> None:
+    with pytest.raises(skybody.InputError, match="nested more than 64 levels deep"):
+        Environment("hover", ["gravity=" + "[" * 100_000])
+
+
 def test_an_environment_is_pickled_as_what_it_was_loaded_from() -> None:
     environment = Environment("hover", ["stepping.horizon=77"])
     copy = pickle.loads(pickle.dumps(environment))

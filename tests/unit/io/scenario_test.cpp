@@ -238,7 +238,8 @@ TEST(ShippedScenarios, ModelsAndRotorsAreSound) {
     auto model = read_urdf(urdf, {}, diagnostics);
     ASSERT_TRUE(model.has_value()) << diagnostics.to_string();
     std::string text;
-    read_rotors((entry.path() / "rotors.yaml").string(), {}, *model, text, diagnostics);
+    InputBudget budget;
+    read_rotors((entry.path() / "rotors.yaml").string(), {}, *model, text, diagnostics, budget);
     EXPECT_EQ(diagnostics.to_string(), "");
     EXPECT_GE(model->rotors.size(), 4u) << name;
     // It can hover, and in hover its drag torques cancel.

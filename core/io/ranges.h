@@ -1,0 +1,64 @@
+// Ranges of numbers in files.
+//
+// They are wide enough for anything that flies and narrow enough that squares and products of
+// several numbers stay well inside the range in which doubles keep all their digits (2e-308 to
+// 1.8e308). docs/scenarios.md has the table.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "core/io/text.h"
+
+namespace skybody {
+
+/// Bound of positions [m] and of anything else without a natural bound.
+inline constexpr double kFar = 1e6;
+/// Smallest edge or radius [m]: an atom has 1e-10.
+inline constexpr double kSmallestLength = 1e-9;
+/// Largest angle of a roll, pitch or yaw [rad]: beyond, digits are lost for no use.
+inline constexpr double kMostTurned = 1000.0;
+/// Shortest axis: its square must have all its digits.
+inline constexpr double kShortestAxis = 1e-6;
+/// Longest name [bytes]; names are parts of paths of parameters.
+inline constexpr std::size_t kLongestName = 200;
+
+/// Numbers whose size lies between two bounds.
+struct Range {
+  double smallest;
+  double largest;
+  const char* unit;
+  bool zero = false;   ///< 0 is allowed, too
+  bool signs = false;  ///< negative numbers are allowed, too
+
+  bool has(double value) const {
+    if (value < 0.0 && !signs) return false;
+    const double size = std::fabs(value);
+    return (zero && size == 0.0) || (size >= smallest && size <= largest);
+  }
+
+  /// "0, or from 1e-20 to 1e+12 kg".
+  std::string text() const {
+    const std::string upper = format_number(largest) + (unit[0] == '\0' ? "" : " ") + unit;
+    if (signs && smallest == 0.0) return "from -" + format_number(largest) + " to " + upper;
+    return (zero && smallest > 0.0 ? "0, or from " : "from ") + format_number(smallest) + " to " +
+           upper + (signs ? ", with either sign" : "");
+  }
+};
+
+/// Exporters give links that only mark a place masses of 1e-9 kg and less.
+inline constexpr Range kMassRange{1e-20, 1e12, "kg", true};
+/// On the diagonal. Likewise; a cubed one, as in a determinant, still has all its digits.
+inline constexpr Range kInertiaRange{1e-40, 1e24, "kg m^2", true, true};
+/// Off the diagonal exporters leave what rounding left.
+inline constexpr Range kProductRange{0.0, 1e24, "kg m^2", true, true};
+inline constexpr Range kPlaceRange{0.0, kFar, "m", true, true};
+inline constexpr Range kTurnRange{0.0, kMostTurned, "rad", true, true};
+inline constexpr Range kSizeRange{kSmallestLength, kFar, "m"};
+inline constexpr Range kScaleRange{0.0, kFar, "", true, true};
+inline constexpr Range kAxisRange{0.0, kFar, "", true, true};
+/// Exporters write 1e16 where there is no limit.
+inline constexpr Range kTravelRange{0.0, 1e18, "rad or m", true, true};
+inline constexpr Range kDampingRange{0.0, kFar, "N m s/rad or N s/m", true};
+
+}  // namespace skybody

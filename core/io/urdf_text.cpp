@@ -1,0 +1,99 @@
+#include "core/io/urdf_text.h"
+
+#include <algorithm>
+#include <string_view>
+
+namespace skybody {
+namespace {
+
+constexpr int kMostAttributes = 100;           // of one element; URDF has up to six
+constexpr std::size_t kLongestReference = 12;  // &#x0010FFFF;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_hex_digit(char c) {
+  return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
+}
+
+/// Whether `name`, between & and ;, is one of XML's references.
+bool is_reference(std::string_view name) {
+  for (const char* known : {"amp", "lt", "gt", "quot", "apos"}) {
+    if (name == known) return true;
+  }
+  if (name.size() < 2 || name[0] != '#') return false;
+  const bool hex = name[1] == 'x';
+  const std::string_view digits = name.substr(hex ? 2 : 1);
+  return !digits.empty() &&
+         std::all_of(digits.begin(), digits.end(), hex ? is_hex_digit : is_digit);
+}
+
+/// Goes through a text once, comments and the like left out.
+class Scan {
+ public:
+  Scan(std::string_view text, const std::string& file, Diagnostics& diagnostics)
+      : text_(text), file_(file), diagnostics_(diagnostics) {}
+
+  bool run() {
+    while (good_ && at_ < text_.size()) {
+      if (!skip("<!--", "-->") && !skip("<![CDATA[", "]]>") && !skip("<?", "?>")) step();
+    }
+    return good_;
+  }
+
+ private:
+  void fail(const std::string& message) {
+    diagnostics_.error({file_, line_, 0}, message);
+    good_ = false;
+  }
+
+  /// Passes what begins with `begin` here, up to `end`.
+  bool skip(std::string_view begin, std::string_view end) {
+    if (text_.substr(at_, begin.size()) != begin) return false;
+    const std::size_t found = text_.find(end, at_ + begin.size());
+    const std::size_t next = found == text_.npos ? text_.size() : found + end.size();
+    for (; at_ < next && good_; ++at_) take(text_[at_]);
+    return true;
+  }
+
+  void step() {
+    const char c = text_[at_];
+    take(c);
+    if (c == '<') attributes_ = 0;
+    if (c == '=' && ++attributes_ == kMostAttributes + 1) {
+      fail("an element with more than " + std::to_string(kMostAttributes) +
+           " attributes; URDF has none");
+    }
+    if (c == '&') check_reference();
+    ++at_;
+  }
+
+  void take(char c) {
+    if (c == '\n') ++line_;
+    const auto code = static_cast<unsigned char>(c);
+    if ((code < 0x20 && c != '\n' && c != '\t' && c != '\r') || code == 0x7f) {
+      fail("the control character `" + std::string(1, c) + "`, which XML forbids; remove it");
+    }
+  }
+
+  void check_reference() {
+    const std::string_view rest = text_.substr(at_ + 1, kLongestReference);
+    const std::size_t end = rest.find(';');
+    if (end != rest.npos && is_reference(rest.substr(0, end))) return;
+    fail("a bare `&`, which XML forbids; write `&amp;`");
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+  int attributes_ = 0;
+  bool good_ = true;
+};
+
+}  // namespace
+
+bool check_xml_text(const std::string& text, const std::string& file, Diagnostics& diagnostics) {
+  return Scan(text, file, diagnostics).run();
+}
+
+}  // namespace skybody
