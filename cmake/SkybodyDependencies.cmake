@@ -5,6 +5,7 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED CONFIG)
 find_package(Boost 1.74 REQUIRED CONFIG COMPONENTS filesystem)  # Boost.DLL is header-only on top of it
 find_package(yaml-cpp REQUIRED CONFIG)
+find_package(urdfdom REQUIRED CONFIG)
 find_package(tinyxml2 REQUIRED CONFIG)
 find_package(spdlog REQUIRED CONFIG)
 find_package(CLI11 REQUIRED CONFIG)
@@ -56,8 +57,25 @@ target_compile_definitions(skybody_hdf5 INTERFACE ${HDF5_C_DEFINITIONS})
 target_link_libraries(skybody_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
 skybody_dependency(sundials "${SKYBODY_CVODE_LIBRARY}" "${SKYBODY_ARKODE_LIBRARY}")
 target_include_directories(skybody_sundials SYSTEM INTERFACE "${SKYBODY_SUNDIALS_INCLUDE_DIR}")
+skybody_dependency(urdf)
+if(TARGET urdfdom::urdfdom_model)
+  target_link_libraries(skybody_urdf INTERFACE urdfdom::urdfdom_model)
+else()
+  target_include_directories(skybody_urdf SYSTEM INTERFACE ${urdfdom_INCLUDE_DIRS})
+  target_link_libraries(skybody_urdf INTERFACE ${urdfdom_LIBRARIES})
+endif()
+if(NOT urdfdom_VERSION)  # Debian's package leaves it out; its pkg-config file has it
+  find_file(urdfdom_pkgconfig urdfdom.pc PATH_SUFFIXES lib/pkgconfig lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig
+            PATHS /usr NO_CACHE)
+  if(urdfdom_pkgconfig)
+    file(STRINGS "${urdfdom_pkgconfig}" urdfdom_VERSION REGEX "^Version:")
+    string(REGEX REPLACE "^Version: *" "" urdfdom_VERSION "${urdfdom_VERSION}")
+  else()
+    set(urdfdom_VERSION unknown)
+  endif()
+endif()
 set(SKYBODY_LIBRARY_VERSIONS
-  "yaml-cpp ${yaml-cpp_VERSION}, tinyxml2 ${tinyxml2_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")  # stamped into files
+  "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")  # stamped into files
 
 if(SKYBODY_BUILD_TESTS)
   find_package(GTest REQUIRED CONFIG)

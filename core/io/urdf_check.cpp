@@ -7,6 +7,7 @@
 #include "core/io/printable.h"
 #include "core/io/ranges.h"
 #include "core/io/text.h"
+#include "core/io/urdf_materials.h"
 #include "core/io/urdf_xml.h"
 
 namespace skybody {
@@ -36,7 +37,7 @@ std::string attribute_of(const XMLElement& element, const char* name) {
 class Checker {
  public:
   Checker(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics)
-      : file_(file), xml_(xml), diagnostics_(diagnostics) {}
+      : file_(file), xml_(xml), diagnostics_(diagnostics), materials_(file, diagnostics) {}
 
   void check_robot(const XMLElement& robot) {
     if (std::string(robot.Name()) != "robot") {
@@ -49,7 +50,7 @@ class Checker {
     check_version(robot);
     // Links may use what is declared after them.
     for_each_child(robot, [&](const XMLElement& e) {
-      if (std::string(e.Name()) == "material") xml_.materials.declare(e);
+      if (std::string(e.Name()) == "material") materials_.declare(e);
     });
     for_each_child(robot, [&](const XMLElement& e) {
       if (!too_many_) check_top_level(e);
@@ -187,6 +188,7 @@ class Checker {
     }
     check_single(shape, {"origin", "geometry", "material"}, where);
     check_origin(shape, where);
+    if (std::string(shape.Name()) == "visual") materials_.check(shape, where);
     const XMLElement* geometry = shape.FirstChildElement("geometry");
     const XMLElement* e = geometry == nullptr ? nullptr : geometry->FirstChildElement();
     if (e == nullptr) {
@@ -363,6 +365,7 @@ class Checker {
   const std::string& file_;
   UrdfXml& xml_;
   Diagnostics& diagnostics_;
+  MaterialCheck materials_;
   std::unordered_map<std::string, int> link_lines_, joint_lines_;  ///< by name
   int shapes_ = 0;
   bool saw_gazebo_ = false;

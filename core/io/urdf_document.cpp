@@ -1,12 +1,13 @@
-// Needs: a checked XML document (urdf_check.cpp), so that every element and number that is asked
-// for here is there. Rotations are computed by core/base, since libm's last bits depend on the
-// processor.
+// Needs: a checked XML document for lines (urdf_check.cpp) and urdfdom's model of it for what it
+// means (urdf_model.cpp). urdfdom turns rpy into quaternions by libm, whose last bits depend on the
+// processor, so rotations are computed again from the text.
 #include "core/io/urdf_document.h"
 
 #include <unordered_map>
 
 #include "core/io/text.h"
 #include "core/io/urdf_meshes.h"
+#include "core/io/urdf_model.h"
 #include "core/io/urdf_xml.h"
 
 namespace skybody {
@@ -14,37 +15,25 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-UrdfJointType type_called(const std::string& name) {
-  if (name == "revolute") return UrdfJointType::kRevolute;
-  if (name == "continuous") return UrdfJointType::kContinuous;
-  if (name == "prismatic") return UrdfJointType::kPrismatic;
-  return name == "floating" ? UrdfJointType::kFloating : UrdfJointType::kFixed;
+UrdfJointType type_of(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::Joint::REVOLUTE:
+      return UrdfJointType::kRevolute;
+    case urdf::Joint::CONTINUOUS:
+      return UrdfJointType::kContinuous;
+    case urdf::Joint::PRISMATIC:
+      return UrdfJointType::kPrismatic;
+    case urdf::Joint::FLOATING:
+      return UrdfJointType::kFloating;
+    default:
+      return UrdfJointType::kFixed;
+  }
 }
 
-/// The number of an attribute, or `otherwise` where either is absent.
-double number_of(const XMLElement* e, const char* attribute, double otherwise) {
-  const auto number = e == nullptr ? std::nullopt : xml_numbers(*e, attribute, 1);
-  return number ? (*number)[0] : otherwise;
-}
-
-Vec3<double> vector_of(const XMLElement* e, const char* attribute, const Vec3<double>& otherwise) {
-  const auto list = e == nullptr ? std::nullopt : xml_numbers(*e, attribute, 3);
-  return list ? Vec3<double>{(*list)[0], (*list)[1], (*list)[2]} : otherwise;
-}
-
-MassProperties mass_of(const XMLElement& inertial) {
-  const XMLElement* i = inertial.FirstChildElement("inertia");
-  const auto moment = [&](const char* name) { return number_of(i, name, 0.0); };
-  const SymMat3<double> tensor{moment("ixx"), moment("iyy"), moment("izz"),
-                               moment("ixy"), moment("ixz"), moment("iyz")};
+MassProperties mass_of(const urdf::Inertial& i, const XMLElement& inertial) {
+  const SymMat3<double> tensor{i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz};
   const Pose pose = xml_origin(inertial);
-  return {number_of(inertial.FirstChildElement("mass"), "value", 0.0), pose.position,
-          rotate_inertia(to_mat3(pose.rotation), tensor)};
-}
-
-Vec3<double> axis_of(const XMLElement& joint) {
-  const Vec3<double> axis = vector_of(joint.FirstChildElement("axis"), "xyz", {1.0, 0.0, 0.0});
-  return axis / norm(axis);
+  return {i.mass, pose.position, rotate_inertia(to_mat3(pose.rotation), tensor)};
 }
 
 /// The element of the shape itself, such as <box>.
@@ -79,8 +68,9 @@ MeshProblem problem_of(MeshState state) {
 
 class DocumentBuilder {
  public:
-  DocumentBuilder(UrdfXml& xml, const std::string& file, Diagnostics& diagnostics)
-      : xml_(xml), meshes_(file), diagnostics_(diagnostics) {
+  DocumentBuilder(const UrdfXml& xml, const urdf::ModelInterface& model, const std::string& file,
+                  Diagnostics& diagnostics)
+      : xml_(xml), model_(model), meshes_(file), diagnostics_(diagnostics) {
     document_.name = xml.name;
     document_.file = file;
   }
@@ -94,50 +84,59 @@ class DocumentBuilder {
 
  private:
   void add_link(const XmlNamed& named) {
+    const urdf::Link& source = *model_.getLink(named.name);
     UrdfLink link;
     link.name = named.name;
     link.line = named.line;
-    if (const XMLElement* inertial = named.element->FirstChildElement("inertial")) {
+    if (source.inertial) {
       link.has_inertial = true;
-      link.mass = mass_of(*inertial);
+      link.mass = mass_of(*source.inertial, *named.element->FirstChildElement("inertial"));
     }
     primitive_collision_ = has_primitive_collision(*named.element);
-    add_shapes(named, "visual", link.visuals);
-    add_shapes(named, "collision", link.collisions);
+    add_shapes(named, "visual", source.visual_array, link.visuals);
+    add_shapes(named, "collision", source.collision_array, link.collisions);
     index_[link.name] = static_cast<int>(document_.links.size());
     document_.links.push_back(std::move(link));
   }
 
-  void add_shapes(const XmlNamed& link, const char* kind, std::vector<Shape>& shapes) {
-    for (const auto* e = link.element->FirstChildElement(kind); e != nullptr;
-         e = e->NextSiblingElement(kind)) {
-      if (auto shape = make_shape(*e, link.name)) shapes.push_back(std::move(*shape));
+  /// @param sources  urdfdom's visuals or collisions, one for each element
+  template <class Sources>
+  void add_shapes(const XmlNamed& link, const char* kind, const Sources& sources,
+                  std::vector<Shape>& shapes) {
+    const XMLElement* e = link.element->FirstChildElement(kind);
+    for (const auto& source : sources) {
+      std::optional<Shape> shape = make_shape(*source->geometry, *e, link.name);
+      if (shape) paint(*source, *shape);
+      if (shape) shapes.push_back(std::move(*shape));
+      e = e->NextSiblingElement(kind);
     }
   }
 
-  std::optional<Shape> make_shape(const XMLElement& e, const std::string& link) {
-    const XMLElement* source = shape_element(e);
-    if (source == nullptr) return std::nullopt;
+  static void paint(const urdf::Collision&, Shape&) {}
+  static void paint(const urdf::Visual& visual, Shape& shape) {
+    if (!visual.material) return;
+    const urdf::Color& c = visual.material->color;
+    shape.rgba = {c.r, c.g, c.b, c.a};
+  }
+
+  std::optional<Shape> make_shape(const urdf::Geometry& geometry, const XMLElement& e,
+                                  const std::string& link) {
     Shape shape;
     shape.pose = xml_origin(e);
-    if (std::string(e.Name()) == "visual") {
-      if (const auto rgba = xml_.materials.of(e, "the link `" + link + "`")) shape.rgba = *rgba;
-    }
-    const std::string name = source->Name();
-    if (name == "box") {
+    if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
       shape.type = ShapeType::kBox;
-      shape.size = vector_of(source, "size", shape.size);
-    } else if (name == "cylinder") {
+      shape.size = {box->dim.x, box->dim.y, box->dim.z};
+    } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
       shape.type = ShapeType::kCylinder;
-      shape.radius = number_of(source, "radius", 0.0);
-      shape.length = number_of(source, "length", 0.0);
-    } else if (name == "sphere") {
+      shape.radius = cylinder->radius;
+      shape.length = cylinder->length;
+    } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
       shape.type = ShapeType::kSphere;
-      shape.radius = number_of(source, "radius", 0.0);
-    } else {
+      shape.radius = sphere->radius;
+    } else if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) {
       shape.type = ShapeType::kMesh;
-      shape.size = vector_of(source, "scale", {1.0, 1.0, 1.0});
-      shape.mesh = source->Attribute("filename");
+      shape.size = {mesh->scale.x, mesh->scale.y, mesh->scale.z};
+      shape.mesh = mesh->filename;
       if (!keep_mesh(shape.mesh, e, link)) return std::nullopt;
     }
     return shape;
@@ -166,30 +165,32 @@ class DocumentBuilder {
   }
 
   void add_joint(const XmlJoint& named) {
-    const XMLElement& source = *named.element;
+    const urdf::Joint& source = *model_.getJoint(named.name);
     UrdfJoint joint;
     joint.name = named.name;
     joint.line = named.line;
-    joint.type = type_called(named.type);
+    joint.type = type_of(source);
     joint.parent = index_.at(named.parent);
     joint.child = index_.at(named.child);
-    joint.origin = xml_origin(source);
-    if (joint.turns() || joint.type == UrdfJointType::kPrismatic) joint.axis = axis_of(source);
-    const XMLElement* limit = source.FirstChildElement("limit");
-    joint.limited = limit != nullptr && (joint.type == UrdfJointType::kRevolute ||
-                                         joint.type == UrdfJointType::kPrismatic);
+    joint.origin = xml_origin(*named.element);
+    const Vec3<double> axis{source.axis.x, source.axis.y, source.axis.z};
+    const double length = norm(axis);
+    if (length > 0.0) joint.axis = axis / length;
+    joint.limited = source.limits && (joint.type == UrdfJointType::kRevolute ||
+                                      joint.type == UrdfJointType::kPrismatic);
     if (joint.limited) {
-      joint.lower = number_of(limit, "lower", 0.0);
-      joint.upper = number_of(limit, "upper", 0.0);
+      joint.lower = source.limits->lower;
+      joint.upper = source.limits->upper;
     }
-    joint.damping = number_of(source.FirstChildElement("dynamics"), "damping", 0.0);
+    if (source.dynamics) joint.damping = source.dynamics->damping;
     const int index = static_cast<int>(document_.joints.size());
     document_.links[static_cast<std::size_t>(joint.parent)].child_joints.push_back(index);
     document_.links[static_cast<std::size_t>(joint.child)].parent_joint = index;
     document_.joints.push_back(joint);
   }
 
-  UrdfXml& xml_;
+  const UrdfXml& xml_;
+  const urdf::ModelInterface& model_;
   UrdfMeshes meshes_;
   Diagnostics& diagnostics_;
   UrdfDocument document_;
@@ -201,10 +202,12 @@ class DocumentBuilder {
 
 std::optional<UrdfDocument> parse_urdf_document(const std::string& text, const std::string& file,
                                                 Diagnostics& diagnostics) {
-  UrdfXml xml(file, diagnostics);
+  UrdfXml xml;
   if (!check_urdf_xml(text, file, xml, diagnostics)) return std::nullopt;
+  const urdf::ModelInterfaceSharedPtr model = read_by_urdfdom(xml, file, diagnostics);
+  if (!model) return std::nullopt;
   const int errors_before = diagnostics.error_count();
-  UrdfDocument document = DocumentBuilder(xml, file, diagnostics).build();
+  UrdfDocument document = DocumentBuilder(xml, *model, file, diagnostics).build();
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return document;
 }

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/io/diagnostics.h"
-#include "core/io/urdf_materials.h"
 #include "core/model/robot_model.h"
 
 namespace skybody {
@@ -30,10 +29,7 @@ struct XmlJoint : XmlNamed {
 
 /// What the check of the XML found: names, lines, elements.
 struct UrdfXml {
-  UrdfXml(const std::string& file, Diagnostics& diagnostics) : materials(file, diagnostics) {}
-
   tinyxml2::XMLDocument document;
-  UrdfMaterials materials;
   std::string name;  ///< of the robot
   std::vector<XmlNamed> links;
   std::vector<XmlJoint> joints;

@@ -1,0 +1,127 @@
+// urdfdom has an XML reader of its own, which decodes some texts otherwise than tinyxml2: the two
+// would know one link by two names. So urdfdom gets the elements and attributes as tinyxml2 has
+// read them, written anew, and what it gives back is held against the list of links and joints.
+#include "core/io/urdf_model.h"
+
+#include <console_bridge/console.h>
+#include <urdf_model/link.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <mutex>
+#include <vector>
+
+#include "core/io/text.h"
+
+namespace skybody {
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// Keeps what urdfdom writes to its console.
+class Chatter : public console_bridge::OutputHandler {
+ public:
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) errors.push_back(text);
+  }
+  std::vector<std::string> errors;
+};
+
+/// Attributes, then `children`; of attributes that are there twice the first, as everywhere here.
+template <class Children>
+void write_element(const XMLElement& element, tinyxml2::XMLPrinter& out, Children&& children) {
+  out.OpenElement(element.Name(), true);
+  for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
+    if (element.FindAttribute(a->Name()) == a) out.PushAttribute(a->Name(), a->Value());
+  }
+  for (const XMLElement* e = element.FirstChildElement(); e != nullptr;
+       e = e->NextSiblingElement()) {
+    children(*e);
+  }
+  out.CloseElement(true);
+}
+
+void write_all(const XMLElement& element, tinyxml2::XMLPrinter& out) {
+  write_element(element, out, [&](const XMLElement& child) { write_all(child, out); });
+}
+
+/// The parts of the robot that Skybody reads.
+std::string written_anew(const XMLElement& robot) {
+  tinyxml2::XMLPrinter out(nullptr, true);
+  write_element(robot, out, [&](const XMLElement& child) {
+    const std::string name = child.Name();
+    if (name == "link" || name == "joint" || name == "material") write_all(child, out);
+  });
+  return out.CStr();
+}
+
+/// urdfdom's console is one for the whole process, hence the lock.
+urdf::ModelInterfaceSharedPtr parse(const std::string& text, Chatter& chatter) {
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
+  console_bridge::OutputHandler* before = console_bridge::getOutputHandler();
+  console_bridge::useOutputHandler(&chatter);
+  urdf::ModelInterfaceSharedPtr model;
+  try {
+    model = urdf::parseURDF(text);
+  } catch (const std::exception& error) {
+    chatter.errors.push_back(error.what());
+  }
+  console_bridge::useOutputHandler(before);
+  return model;
+}
+
+/// Whether there is one shape for each element of that name.
+template <class Shapes>
+bool has_shapes(const Shapes& shapes, const XMLElement& link, const char* name) {
+  const XMLElement* e = link.FirstChildElement(name);
+  for (const auto& shape : shapes) {
+    if (e == nullptr || !shape || !shape->geometry) return false;
+    e = e->NextSiblingElement(name);
+  }
+  return e == nullptr;
+}
+
+/// Whether urdfdom has the link with all that `named` has.
+bool has_link(const urdf::ModelInterface& model, const XmlNamed& named) {
+  const auto link = model.getLink(named.name);
+  if (!link) return false;
+  const XMLElement& e = *named.element;
+  const bool has_inertial = e.FirstChildElement("inertial") != nullptr;
+  return has_inertial == (link->inertial != nullptr) &&
+         has_shapes(link->visual_array, e, "visual") &&
+         has_shapes(link->collision_array, e, "collision");
+}
+
+/// The first element that urdfdom has lost, or null.
+const XmlNamed* lost(const UrdfXml& xml, const urdf::ModelInterface& model) {
+  for (const XmlNamed& link : xml.links) {
+    if (!has_link(model, link)) return &link;
+  }
+  for (const XmlJoint& joint : xml.joints) {
+    if (!model.getJoint(joint.name)) return &joint;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+urdf::ModelInterfaceSharedPtr read_by_urdfdom(const UrdfXml& xml, const std::string& file,
+                                              Diagnostics& diagnostics) {
+  Chatter chatter;
+  auto model = parse(written_anew(*xml.document.RootElement()), chatter);
+  if (!model) {
+    const std::string reasons =
+        chatter.errors.empty() ? "no reason given" : join(chatter.errors, " ");
+    diagnostics.error({file, 0, 0}, "urdfdom refuses the file: " + reasons);
+    return nullptr;
+  }
+  if (const XmlNamed* named = lost(xml, *model)) {
+    diagnostics.error({file, named->line, 0},
+                      "urdfdom reads <" + std::string(named->element->Name()) + "> `" +
+                          named->name + "` otherwise than it is written; write it more simply");
+    return nullptr;
+  }
+  return model;
+}
+
+}  // namespace skybody
