@@ -1,0 +1,24 @@
+// Loads a scenario as `skybody check` does and flies it for a moment.
+#pragma once
+
+#include <string>
+
+#include "core/assemble/load.h"
+#include "core/assemble/simulation.h"
+#include "tests/fuzz/area.h"
+
+namespace skybody::fuzz {
+
+/// Loads and flies.
+/// @param thorough  does everything twice; both must be the same
+/// @throws Finding if it is refused without a message that names a place and reads as one line, or
+///         accepted and rows are not finite
+Answer check_flight(const LoadOptions& options, bool thorough);
+
+/// @throws Finding if the message would not be one readable line
+void check_message(const std::string& message);
+
+/// @throws Finding if a value of the last transition is not finite, whatever its status
+void check_rows(const Simulation& simulation);
+
+}  // namespace skybody::fuzz
