@@ -25,10 +25,10 @@ const char* const kScripts[] = {
     "\nstep 0.1 0.2 -0.3 0.4\nlook\nstep 1 1 1 1\nbatch 0.5 0.5 0.5 0.5\nbatch -1 1 0 0\n",
     "\ncommand 0 100 100 100 100\nadvance 5\nevaluate\ncommand 0 0 0 0 0\nadvance 2\nlook\n",
     "\nteleport 0 0 0 2 1 0 0 0 1 2 3 0.1 0.2 0.3\nadvance 3\nlook\nevaluate\nreset\n",
-    "\nparam 0 1.1\nparam 7 0.001\nstep 0 0 0 0\nmass 0 0 1.5 0 0 0.01\nadvance 4\nevaluate\n",
+    "\nscale 0 1.1\nscale 7 0.999\nstep 0 0 0 0\nmass 0 0 1.5 0 0 0.01\nadvance 4\nevaluate\n",
     "\nrotor 0 1 0 2e-6\nrotor 0 2 2 1500\nstep 0.2 0.2 0.2 0.2\nfork 1\nstep 0 0 0 0\nseed 5\n",
     "\nsave\nstep 0.3 0.3 0.3 0.3\nrestore\nrandomize\nstep 0.1 0.1 0.1 0.1\nfork 0\nreset\n",
-    "\nbatch 0.1 0.1 0.1 0.1\nset 3 1.2\nbatch 0.2 0.2 0.2 0.2\nadopt 2 1\nbatch 0 0 0 0\nend\n",
+    "\nbatch 0.1 0.1 0.1 0.1\nset 0 1.2\nbatch 0.2 0.2 0.2 0.2\nadopt 2 1\nbatch 0 0 0 0\nend\n",
 };
 
 VecEnvOptions batch_options() {

@@ -41,7 +41,8 @@ const std::vector<FlightScript::Call>& FlightScript::calls() {
       {"advance", [](Script s, const Values& v) { s.advance(v); }},
       {"evaluate", [](Script s, const Values&) { s.simulation_.evaluate(); }},
       {"teleport", [](Script s, const Values& v) { s.teleport(v); }},
-      {"param", [](Script s, const Values& v) { s.set_param(v); }},
+      {"param", [](Script s, const Values& v) { s.set_param(v, false); }},
+      {"scale", [](Script s, const Values& v) { s.set_param(v, true); }},
       {"mass", [](Script s, const Values& v) { s.set_mass(v); }},
       {"rotor", [](Script s, const Values& v) { s.set_rotor(v); }},
       {"fork", [](Script s, const Values& v) { s.fork(v); }},
@@ -81,14 +82,18 @@ const RobotUse& FlightScript::robot(double index) const {
   return robots[index_of({index}, 0, robots.size())];
 }
 
-/// Rows of any number of values: another one than the scenario's is refused.
+/// Missing values are 0.2; more than there should be are refused.
 void FlightScript::step(const Values& values) {
-  simulation_.step(floats(values, values.empty() ? 1 : values.size()));
+  const auto size = static_cast<std::size_t>(simulation_.action_size());
+  simulation_.step(floats(values, std::max(values.size(), size)));
 }
 
 void FlightScript::command(const Values& values) {
   const std::string& name = robot(value_at(values, 0)).name;
-  simulation_.command(name, std::span(values).subspan(values.empty() ? 0 : 1));
+  Values row(values.begin() + (values.empty() ? 0 : 1), values.end());
+  const auto size = static_cast<std::size_t>(simulation_.command_size(name));
+  row.resize(std::max(row.size(), size));
+  simulation_.command(name, row);
 }
 
 void FlightScript::advance(const Values& values) {
@@ -110,10 +115,11 @@ void FlightScript::teleport(const Values& values) {
   simulation_.teleport(robot(value_at(values, 0)).name, state);
 }
 
-void FlightScript::set_param(const Values& values) {
+void FlightScript::set_param(const Values& values, bool is_factor) {
   const std::vector<EnvParam>& params = simulation_.environment().layout().param_info;
   if (params.empty()) return;
-  simulation_.set_param(params[index_of(values, 0, params.size())].path, value_at(values, 1));
+  const std::string& path = params[index_of(values, 0, params.size())].path;
+  simulation_.set_param(path, value_at(values, 1) * (is_factor ? simulation_.param(path) : 1.0));
 }
 
 void FlightScript::set_mass(const Values& values) {
@@ -123,9 +129,7 @@ void FlightScript::set_mass(const Values& values) {
   double* const places[] = {&mass.mass,       &mass.com.x,      &mass.com.y,      &mass.com.z,
                             &mass.inertia.xx, &mass.inertia.yy, &mass.inertia.zz, &mass.inertia.xy,
                             &mass.inertia.xz, &mass.inertia.yz};
-  for (std::size_t k = 0;
-       k < std::min(std::size(places), values.size() - std::min<std::size_t>(2, values.size()));
-       ++k) {
+  for (std::size_t k = 0; k < std::size(places) && k + 2 < values.size(); ++k) {
     *places[k] = values[k + 2];
   }
   simulation_.set_mass_properties(use.name, link, mass);

@@ -34,7 +34,7 @@ class FlightScript {
   void command(const Values& values);
   void advance(const Values& values);
   void teleport(const Values& values);
-  void set_param(const Values& values);
+  void set_param(const Values& values, bool is_factor);
   void set_mass(const Values& values);
   void set_rotor(const Values& values);
   void fork(const Values& values);

@@ -16,7 +16,7 @@ const char* const kSeeds[] = {
     "hover\nrobots[0].controllers=[{plugin: ctbr, parameters: {kp: [20, 20, 8]}}]\n",
     "hover\ntask.parameters.target=[0, 0, 1, 0]\nrandomization[0].parameters.yaw_max=0.5\n",
     "payload\nstepping={dt: 0.001, action_repeat: 2, integrator: rk4}\ngravity=[0, 0, -3.7]\n",
-    "payload\nrandomization.inertia.parameters.mass=[0.5, 2]\nsensors[0].parameters.rate=100\n",
+    "payload\nrandomization.inertia.parameters.mass=[0.5, 2]\nsensors[0].parameters.period=2\n",
     "collision\ncontact.friction=0.1\nrobots.left.pose.rpy=[0, 0, 3]\nrobots[1].rotor_speed=100\n",
     "boom\nrobots.quad.joints.boom_1.stiffness=1e3\nstepping.solver={max_steps: 1000}\n",
     "hover\nobstacles=[{name: wall, box: [1, 1, 1]}]\nstepping.dynamics=simbody\n",

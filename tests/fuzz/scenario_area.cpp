@@ -25,7 +25,7 @@ task: {plugin: hover}
 #file a.yaml
 stepping: &stepping {dt: 0.001, action_repeat: 2, horizon: 100}
 robots:
-  - &robot {name: one, model: models/cf2x/cf2x.urdf, controllers: [{plugin: srt}]}
+  - &robot {name: one, model: models/hummingbird/hummingbird.urdf, controllers: [{plugin: srt}]}
 #file b.yaml
 include: c.yaml
 gravity: [0, 0, -9.81]
@@ -47,15 +47,15 @@ robots:
     pose: {position: [0, 0, 1], rpy: [0.1, 0.2, 0.3]}
     rotor_speed: 100
     disturbance: {force: [0.1, 0, 0], moment: [0, 0, 0.01]}
-    controllers: [{plugin: velocity}, {plugin: attitude}, {plugin: ctbr}]
+    controllers: [{plugin: position}, {plugin: attitude}, {plugin: ctbr}]
 obstacles:
   - {name: wall, box: [1, 2, 3], position: [3, 0, 1], rpy: [0, 0, 0.1]}
   - {name: pole, cylinder: [0.1, 2], position: [0, 3, 1]}
   - {name: ball, sphere: 0.5, position: [0, -3, 1]}
 sensors:
-  - {plugin: imu, name: imu_1, parameters: {link: base_link, rate: 500}}
+  - {plugin: imu, name: imu_1, parameters: {link: base_link, period: 2, latency: 3}}
 randomization:
-  - {plugin: uniform, parameters: {path: robots.quad.links.base_link.mass, range: [0.9, 1.1]}}
+  - {plugin: uniform, parameters: {paths: [robots.quad.links.base_link.mass], scale: [0.9, 1.1]}}
   - {plugin: inertia, parameters: {inertia: [0.9, 1.1], every: 2}}
 task: {plugin: hover, parameters: {target: [0, 0, 1, 0]}}
 )"};

@@ -105,7 +105,11 @@ const std::vector<std::string>& urdf_words() {
 }
 
 constexpr const char* kScenario = R"(robots:
-  - {name: quad, model: models/fuzz/input.urdf, rotors: none, pose: {position: [0, 0, 1]}}
+  - name: quad
+    model: models/fuzz/input.urdf
+    rotors: none
+    pose: {position: [0, 0, 1]}
+    controllers: [{plugin: wrench, parameters: {max_moment: [1, 1, 1]}}]
 task: {plugin: hover}
 )";
 
