@@ -5,14 +5,16 @@
 #include <vector>
 
 #include "core/batch/vec_env.h"
+#include "tests/fuzz/flight_check.h"
 
 namespace skybody::fuzz {
 
 /// Rows of one transition of every environment, in the order of their ids.
 class BatchRows {
  public:
-  /// Receives everything that is in flight. @throws Finding if a value is not finite
-  static BatchRows receive(VecEnv& envs);
+  /// Receives everything that is in flight.
+  /// @throws Finding if a value is not finite, but for rows with a fault under Faults::kAreAnything
+  static BatchRows receive(VecEnv& envs, Faults faults = Faults::kAreFinite);
 
   /// Words of one environment's row.
   const std::vector<std::uint32_t>& of(int env) const {
@@ -20,7 +22,7 @@ class BatchRows {
   }
 
  private:
-  void add(const Batch& batch, int row);
+  void add(const Batch& batch, int row, Faults faults);
 
   std::vector<std::vector<std::uint32_t>> words_;
 };

@@ -27,9 +27,11 @@ constexpr bool kSanitized = false;
 /// Every so many inputs are run thoroughly.
 constexpr std::uint64_t kThorough = 16;
 /// So many inputs of a block are run again to see whether memory grows.
-constexpr std::uint64_t kLeakInputs = 24;
-/// Growth of the heap over a repetition, in each of two, that counts as a leak [bytes].
-constexpr std::size_t kLeak = 256;
+constexpr std::uint64_t kLeakInputs = 12;
+/// How often: what malloc keeps aside counts as used, and settles after a few times.
+constexpr int kRepetitions = 7, kSettling = 3;
+/// Growth of the heap in each repetition that counts as a leak [bytes].
+constexpr std::size_t kLeak = 16;
 
 std::uint64_t processor_ns() {
   timespec time{};
@@ -89,15 +91,15 @@ void run_again(const Block& block, std::uint64_t k, Progress& progress) {
 
 std::size_t heap_in_use() { return mallinfo2().uordblks; }
 
-/// How far the heap grows over two repetitions of some inputs: the lesser of both.
+/// How far the heap grows while some inputs are run again: the least of several repetitions.
 std::size_t growth(const Block& block, std::uint64_t first, std::uint64_t count,
                    Progress& progress) {
   std::size_t least = ~std::size_t{0};
-  for (int repetition = 0; repetition < 3; ++repetition) {
+  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
     const std::size_t before = heap_in_use();
     for (std::uint64_t k = first; k < first + count; ++k) run_again(block, k, progress);
     const std::size_t after = heap_in_use();
-    if (repetition == 0) continue;  // what is kept on purpose is kept now
+    if (repetition < kSettling) continue;
     least = std::min(least, after > before ? after - before : 0);
   }
   return least;

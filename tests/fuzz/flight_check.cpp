@@ -23,13 +23,6 @@ struct Outcome {
   bool operator==(const Outcome&) const = default;
 };
 
-void check_finite(const char* what, std::span<const float> values) {
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (std::isfinite(values[k])) continue;
-    wrong_answer(std::string(what) + " " + std::to_string(k) + " is not finite");
-  }
-}
-
 std::string check_messages(const Diagnostics& diagnostics) {
   bool names_a_place = false;
   for (const Diagnostic& diagnostic : diagnostics.all()) {
@@ -108,7 +101,15 @@ void check_message(const std::string& message) {
   if (!is_utf8(message)) wrong_answer("a message that is not UTF-8: " + message);
 }
 
-void check_rows(const Simulation& simulation) {
+void check_finite(const char* what, std::span<const float> values) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isfinite(values[k])) continue;
+    wrong_answer(std::string(what) + " " + std::to_string(k) + " is not finite");
+  }
+}
+
+void check_rows(const Simulation& simulation, Faults faults) {
+  if (faults == Faults::kAreAnything && simulation.fault()) return;
   const float reward = simulation.reward();
   check_finite("observation", simulation.observation());
   check_finite("reward", {&reward, 1});

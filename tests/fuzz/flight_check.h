@@ -1,6 +1,7 @@
 // Loads a scenario as `skybody check` does and flies it for a moment.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "core/assemble/load.h"
@@ -18,7 +19,14 @@ Answer check_flight(const LoadOptions& options, bool thorough);
 /// @throws Finding if the message would not be one readable line
 void check_message(const std::string& message);
 
-/// @throws Finding if a value of the last transition is not finite, whatever its status
-void check_rows(const Simulation& simulation);
+/// What rows with a fault may hold: a fault gives the last finite observation, which a state that
+/// somebody made up need not have.
+enum class Faults { kAreFinite, kAreAnything };
+
+/// @throws Finding if a value of the last transition is not finite
+void check_rows(const Simulation& simulation, Faults faults = Faults::kAreFinite);
+
+/// @throws Finding if a value is not finite
+void check_finite(const char* what, std::span<const float> values);
 
 }  // namespace skybody::fuzz
