@@ -23,6 +23,7 @@ std::string expand_recipe(const std::string& recipe) {
       std::string piece = text;
       replace_all(piece, "{k}", std::to_string(k));
       replace_all(piece, "{k-1}", std::to_string(k - 1));
+      replace_all(piece, "{k+1}", std::to_string(k + 1));
       input += piece;
     }
   }

@@ -1,7 +1,7 @@
 // Large inputs in a few lines, so that the corpus stays small.
 //
 // Each line of a recipe is `COUNT TEXT`: the text COUNT times. In it `\n` is a line's end, `{k}`
-// the number of the repetition from 0, and `{k-1}` the one before.
+// the number of the repetition from 0, `{k-1}` the one before and `{k+1}` the one behind.
 #pragma once
 
 #include <string>
