@@ -38,8 +38,8 @@ void BatchRows::add(const Batch& batch, int row, Faults faults) {
     check_finite("observation", row_of(batch.observation, batch.width.observation, row));
     check_finite("reward", row_of(batch.reward, 1, row));
     check_finite("agent reward", row_of(batch.agent_reward, batch.width.agents, row));
-    check_finite("info", row_of(batch.info, batch.width.info, row));
   }
+  if (batch.fault[k] == 0) check_finite("info", row_of(batch.info, batch.width.info, row));
   std::vector<std::uint32_t>& words = words_[static_cast<std::size_t>(batch.env_id[k])];
   append(batch.observation, batch.width.observation, row, words);
   append(batch.reward, 1, row, words);

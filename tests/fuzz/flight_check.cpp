@@ -92,7 +92,6 @@ bool is_utf8(const std::string& text) {
 }  // namespace
 
 void check_message(const std::string& message) {
-  if (std::getenv("TMP_NO_MESSAGES")) return;
   const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   if (message.empty()) wrong_answer("an empty message");
   if (std::any_of(message.begin(), message.end(), control)) {
@@ -114,7 +113,7 @@ void check_rows(const Simulation& simulation, Faults faults) {
   check_finite("observation", simulation.observation());
   check_finite("reward", {&reward, 1});
   check_finite("agent reward", simulation.agent_rewards());
-  check_finite("info", simulation.info());
+  if (!simulation.fault()) check_finite("info", simulation.info());
 }
 
 Answer check_flight(const LoadOptions& options, bool thorough) {

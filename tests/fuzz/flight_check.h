@@ -23,6 +23,7 @@ void check_message(const std::string& message);
 /// somebody made up need not have.
 enum class Faults { kAreFinite, kAreAnything };
 
+/// Info values of a fault are what the task says of a state that is none.
 /// @throws Finding if a value of the last transition is not finite
 void check_rows(const Simulation& simulation, Faults faults = Faults::kAreFinite);
 

@@ -26,7 +26,8 @@ std::span<const Mutator> byte_mutators();
 /// For text: numbers, words, quoted values, lines.
 std::span<const Mutator> text_mutators();
 
-/// Longer inputs are cut: the time of an input is to be the reader's, not the mutators'.
+/// Longer inputs are cut, unless their seed is as long: an input's time is to be the reader's, not
+/// the mutators'.
 inline constexpr std::size_t kMostBytes = 1 << 18;
 
 /// A seed with one or several changes.
