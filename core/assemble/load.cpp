@@ -153,9 +153,14 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
 
 std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
                                                     Diagnostics& diagnostics) {
-  const FpEnvironment guard;
   if (!check_name(options.scenario, diagnostics)) return nullptr;
-  const auto registry = find_plugins(options);
+  return load_environment(options, find_plugins(options), diagnostics);
+}
+
+std::shared_ptr<const Environment> load_environment(
+    const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
+    Diagnostics& diagnostics) {
+  const FpEnvironment guard;
   const RegistryCatalog catalog(registry, bystanders(options, *registry));
   std::optional<Scenario> scenario =
       read_scenario(scenario_file(options.scenario), options.overrides, catalog, diagnostics);

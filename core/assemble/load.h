@@ -36,6 +36,11 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
 std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
                                                     Diagnostics& diagnostics);
 
+/// The same with plugins that were found before, for callers who load many scenarios.
+std::shared_ptr<const Environment> load_environment(
+    const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
+    Diagnostics& diagnostics);
+
 /// The same for callers who want an exception.
 /// @throws InputError with all messages
 std::shared_ptr<const Environment> load_environment(const LoadOptions& options);

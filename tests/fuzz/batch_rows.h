@@ -1,0 +1,33 @@
+// What a batch of environments gave: compared bit by bit, and looked at for numbers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/batch/vec_env.h"
+#include "tests/fuzz/flight_check.h"
+
+namespace skybody::fuzz {
+
+/// Rows of one transition of every environment, in the order of their ids.
+class BatchRows {
+ public:
+  /// Receives everything that is in flight.
+  /// @throws Finding if a value is not finite, but for rows with a fault under Faults::kAreAnything
+  static BatchRows receive(VecEnv& envs, Faults faults = Faults::kAreFinite);
+
+  /// Words of one environment's row.
+  const std::vector<std::uint32_t>& of(int env) const {
+    return words_[static_cast<std::size_t>(env)];
+  }
+
+ private:
+  void add(const Batch& batch, int row, Faults faults);
+
+  std::vector<std::vector<std::uint32_t>> words_;
+};
+
+/// @throws Finding if an environment other than `changed` has another row or hash
+void check_others(const BatchRows& rows, const BatchRows& expected, int envs, int changed);
+
+}  // namespace skybody::fuzz

@@ -1,0 +1,127 @@
+#include "tests/fuzz/flight_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/io/text.h"
+#include "tests/fuzz/plugin_source.h"
+
+namespace skybody::fuzz {
+namespace {
+
+/// Physics steps of one check: the engine is to be met, not the length of an action.
+constexpr std::int64_t kPhysicsSteps = 20;
+constexpr int kTransitions = 3;
+/// More steps of SUNDIALS' own than this in a physics step may take as long as somebody asks for.
+constexpr std::int64_t kMostSolverSteps = 2000;
+
+struct Outcome {
+  Answer answer = Answer::kRefused;
+  std::string messages;
+  std::uint64_t hash = 0;
+  bool operator==(const Outcome&) const = default;
+};
+
+std::string check_messages(const Diagnostics& diagnostics) {
+  bool names_a_place = false;
+  for (const Diagnostic& diagnostic : diagnostics.all()) {
+    names_a_place |= diagnostic.severity == Severity::kError && !diagnostic.mark.file.empty();
+    check_message(diagnostic.to_string());
+  }
+  if (!names_a_place) wrong_answer("refused without a place: " + diagnostics.to_string());
+  return diagnostics.to_string();
+}
+
+bool takes_too_long(const Stepping& stepping) {
+  return is_error_controlled(stepping.integrator) && stepping.solver.max_steps > kMostSolverSteps;
+}
+
+std::uint64_t fly(std::shared_ptr<const Environment> environment) {
+  Simulation simulation(std::move(environment), 1, 0);
+  const Stepping& stepping = simulation.scenario().stepping;
+  simulation.reset();
+  check_rows(simulation);
+  if (takes_too_long(stepping)) return simulation.hash();
+  const std::vector<float> action(static_cast<std::size_t>(simulation.action_size()), 0.1f);
+  for (int k = 0; k < kTransitions && !simulation.done(); ++k) {
+    if (stepping.action_repeat <= kPhysicsSteps) {
+      simulation.step(action);
+    } else if (simulation.advance(kPhysicsSteps)) {
+      simulation.evaluate();
+    }
+    check_rows(simulation);
+  }
+  return simulation.hash();
+}
+
+Outcome load_and_fly(const LoadOptions& options) {
+  Outcome outcome;
+  Diagnostics diagnostics;
+  auto environment = load_environment(options, shipped_plugins(), diagnostics);
+  if (environment == nullptr) {
+    outcome.messages = check_messages(diagnostics);
+    return outcome;
+  }
+  outcome.answer = Answer::kAccepted;
+  outcome.messages = diagnostics.to_string();
+  outcome.hash = fly(std::move(environment));
+  return outcome;
+}
+
+/// The length of the UTF-8 sequence at `at`, by its first byte; 0 if none begins with it.
+std::size_t utf8_length(unsigned char first) {
+  if (first < 0x80) return 1;
+  if (first >= 0xc2 && first < 0xe0) return 2;
+  if (first >= 0xe0 && first < 0xf0) return 3;
+  return first >= 0xf0 && first < 0xf5 ? 4 : 0;
+}
+
+bool is_utf8(const std::string& text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_length(static_cast<unsigned char>(text[at]));
+    if (length == 0 || at + length > text.size()) return false;
+    for (std::size_t k = 1; k < length; ++k) {
+      if ((static_cast<unsigned char>(text[at + k]) & 0xc0) != 0x80) return false;
+    }
+    at += length;
+  }
+  return true;
+}
+
+}  // namespace
+
+void check_message(const std::string& message) {
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (message.empty()) wrong_answer("an empty message");
+  if (std::any_of(message.begin(), message.end(), control)) {
+    wrong_answer("a message with a control character: " + message);
+  }
+  if (!is_utf8(message)) wrong_answer("a message that is not UTF-8: " + message);
+}
+
+void check_finite(const char* what, std::span<const float> values) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isfinite(values[k])) continue;
+    wrong_answer(std::string(what) + " " + std::to_string(k) + " is not finite");
+  }
+}
+
+void check_rows(const Simulation& simulation, Faults faults) {
+  if (faults == Faults::kAreAnything && simulation.fault()) return;
+  const float reward = simulation.reward();
+  check_finite("observation", simulation.observation());
+  check_finite("reward", {&reward, 1});
+  check_finite("agent reward", simulation.agent_rewards());
+  if (!simulation.fault()) check_finite("info", simulation.info());
+}
+
+Answer check_flight(const LoadOptions& options, bool thorough) {
+  const Outcome outcome = load_and_fly(options);
+  if (thorough && load_and_fly(options) != outcome) {
+    wrong_answer("the second time another answer: " + outcome.messages);
+  }
+  return outcome.answer;
+}
+
+}  // namespace skybody::fuzz

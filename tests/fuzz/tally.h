@@ -1,0 +1,30 @@
+// What the inputs of one area came to.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "tests/fuzz/finding.h"
+
+namespace skybody::fuzz {
+
+struct Tally {
+  std::string area;
+  std::uint64_t refused = 0, accepted = 0;
+  std::array<std::uint64_t, kFindingKinds> findings{};
+  double seconds = 0.0;  ///< of the processes that ran them
+  double slowest = 0.0;  ///< processor time of the slowest input that ended [s]
+
+  std::uint64_t bad() const {
+    std::uint64_t sum = 0;
+    for (const std::uint64_t count : findings) sum += count;
+    return sum;
+  }
+  /// A leak is found by running inputs again, which were counted when they were run first.
+  std::uint64_t inputs() const {
+    return refused + accepted + bad() - findings[static_cast<std::size_t>(FindingKind::kLeak)];
+  }
+};
+
+}  // namespace skybody::fuzz
