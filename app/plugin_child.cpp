@@ -145,14 +145,19 @@ std::string last_words(const std::string& err) {
   return ", its last words are `" + line + "`";
 }
 
-/// "crashes in configure() of `x` (signal 11, Segmentation fault): take another plugin, ..."
+/// "signal 11, Segmentation fault" or "exit status 0", and its last words
+std::string how_it_ended(const End& end) {
+  const std::string how = WIFSIGNALED(end.status)
+                              ? "signal " + std::to_string(WTERMSIG(end.status)) + ", " +
+                                    strsignal(WTERMSIG(end.status))
+                              : "exit status " + std::to_string(WEXITSTATUS(end.status));
+  return how + last_words(end.err);
+}
+
+/// "crashes in configure() of `x` (signal 11, Segmentation fault): mend it or ..."
 std::string why_refused(const End& end) {
-  const bool crashed = WIFSIGNALED(end.status);
-  const int number = crashed ? WTERMSIG(end.status) : WEXITSTATUS(end.status);
-  const std::string how = crashed ? "signal " + std::to_string(number) + ", " + strsignal(number)
-                                  : "exit status " + std::to_string(number);
-  return (crashed ? "crashes " : "ends the process ") + end.phase + " (" + how +
-         last_words(end.err) + "): mend it or take another plugin";
+  return (WIFSIGNALED(end.status) ? "crashes " : "ends the process ") + end.phase + " (" +
+         how_it_ended(end) + "): mend it or take another plugin";
 }
 
 bool was_interrupted(int status) {
@@ -161,15 +166,20 @@ bool was_interrupted(int status) {
          std::find(kByTheUser.begin(), kByTheUser.end(), WTERMSIG(status)) != kByTheUser.end();
 }
 
-/// Ends as the child did where that was not a known plugin's doing.
-int follow(const End& end) {
-  pass_on(end);
-  if (WIFSIGNALED(end.status)) {
-    signal(WTERMSIG(end.status), SIG_DFL);
-    raise(WTERMSIG(end.status));
-  }
-  return report_error("error: a plugin has ended the process that opened it (exit status " +
-                      std::to_string(WEXITSTATUS(end.status)) + "); none can be named");
+/// Where no plugin's code was running: a plugin may have damaged memory before, or the fault is
+/// ours.
+int report_unexplained(const End& end) {
+  report_error("internal error: the process that opened plugins has ended early (" +
+               how_it_ended(end) + ")" +
+               (end.file.empty() ? "" : "; a plugin that it opened may have damaged its memory"));
+  return kExitBug;
+}
+
+/// Ends as the child did, which the user has interrupted.
+[[noreturn]] void follow(int status) {
+  signal(WTERMSIG(status), SIG_DFL);
+  raise(WTERMSIG(status));
+  _exit(kExitSignal + WTERMSIG(status));  // not reached: the signal has no other effect
 }
 
 }  // namespace
@@ -182,9 +192,9 @@ int run_in_child(const Work& work) {
       pass_on(end);
       return WEXITSTATUS(end.status);
     }
-    if (end.phase.empty() || was_interrupted(end.status)) return follow(end);
-    const bool is_new = refused.emplace(end.file, why_refused(end)).second;
-    if (!is_new) return follow(end);
+    if (was_interrupted(end.status)) follow(end.status);
+    const bool is_new = !end.phase.empty() && refused.emplace(end.file, why_refused(end)).second;
+    if (!is_new) return report_unexplained(end);
   }
 }
 
