@@ -55,6 +55,8 @@ inline constexpr Range kProductRange{0.0, 1e24, "kg m^2", true, true};
 inline constexpr Range kPlaceRange{0.0, kFar, "m", true, true};
 inline constexpr Range kTurnRange{0.0, kMostTurned, "rad", true, true};
 inline constexpr Range kSizeRange{kSmallestLength, kFar, "m"};
+/// A time constant: dt divided by it must stay a number.
+inline constexpr Range kLagRange{1e-9, 100.0, "s", true};
 inline constexpr Range kScaleRange{0.0, kFar, "", true, true};
 inline constexpr Range kAxisRange{0.0, kFar, "", true, true};
 /// Exporters write 1e16 where there is no limit.

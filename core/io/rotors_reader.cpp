@@ -78,8 +78,16 @@ class RotorsReader {
     rotor.tau_up = reader.real("tau_up");
     rotor.tau_down = reader.real("tau_down");
     check_name(rotor.name, reader.mark("name"));
+    check_lag("tau_up", rotor.tau_up, reader);
+    check_lag("tau_down", rotor.tau_down, reader);
     place(reader, rotor);
     model_.rotors.push_back(rotor);
+  }
+
+  void check_lag(const char* key, double value, const MapReader& reader) {
+    if (kLagRange.has(value)) return;
+    diagnostics_.error(reader.mark(key), "`" + std::string(key) + "` is " + format_number(value) +
+                                             "; allowed: " + kLagRange.text());
   }
 
   void check_name(const std::string& name, const SourceMark& mark) {

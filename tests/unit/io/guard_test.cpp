@@ -257,6 +257,24 @@ TEST(Scenario, TooManyEntriesAreAnError) {
   }
 }
 
+TEST(Rotors, RefuseTimesAndSpeedsThatNoRotorHas) {
+  TempFolder folder;
+  const std::string rotor =
+      "rotors: [{name: a, position: [0, 0, 0], direction: ccw, thrust_constant: 1e-6, "
+      "moment_constant: 1e-8, max_speed: 1000, ";
+  folder.write("r.urdf",
+               "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+               "ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link></robot>");
+  const std::string file =
+      folder.write("a.yaml", "robots: [{name: q, model: r.urdf}]\ntask: {plugin: hover}\n");
+  folder.write("rotors.yaml", rotor + "tau_up: 5e-324}]\n");
+  EXPECT_THAT(read_error(file),
+              HasSubstr("`tau_up` is 5e-324; allowed: 0, or from 1e-09 to 100 s"));
+  folder.write("rotors.yaml", rotor + "axis: [0, 0, 1e-9]}]\n");
+  EXPECT_THAT(read_error(file),
+              HasSubstr("`axis` is too short; allowed: a length of at least 1e-06"));
+}
+
 TEST(Scenario, RobotsTogetherHaveAtMostAThousandBodies) {
   TempFolder folder;
   std::string urdf = "<robot name=\"r\">\n";
