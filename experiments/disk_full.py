@@ -51,10 +51,10 @@ def program() -> str:
 
 
 def train_command(algorithm: str, out: Path) -> list[str]:
-    """A small run of 20 rollouts, with a checkpoint after each second one."""
+    """A small run of 10 rollouts, with a checkpoint after each second one."""
     words = [sys.executable, "-m", "skybody.train", "hover_learn", "--algo", algorithm]
     words += ["--seed", "3", "--out", str(out), "--override", "stepping.horizon=40"]
-    words += ["--total-steps", "6000", "--checkpoint-every", "600", "--eval-episodes", "0"]
+    words += ["--total-steps", "3000", "--checkpoint-every", "600", "--eval-episodes", "0"]
     words += ["--threads", "1", "--envs", "6"]
     for setting in ("rollout_steps=50", "minibatch=100", "epochs=2", "hidden=8,8"):
         words += ["--set", setting]
@@ -170,7 +170,7 @@ CASES = (
             left=("run",),
             check=check_training(algorithm),
         )
-        for algorithm, free in (("ppo", 320 << 10), ("lean-ppo", 320 << 10))
+        for algorithm, free in (("ppo", 160 << 10), ("lean-ppo", 160 << 10))
     ),
     Case(
         "train, no space at all",

@@ -34,7 +34,7 @@ ENVS, ROLLOUT_STEPS = 6, 50
 ROLLOUT = ENVS * ROLLOUT_STEPS
 # One checkpoint a rollout. A part of a run lasts a few of them, so that kills fall into rollouts,
 # updates and checkpoints alike, and a run is long enough for all kills.
-ROLLOUTS_PER_KILL = 12
+ROLLOUTS_PER_KILL = 6
 LATEST = 0.6  # s from the first new checkpoint of a part to its kill
 EVERY_FIFTH = 5  # kill falls between the start of a part and the end of its start
 STARTING = 4.0  # s

@@ -8,6 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from hash_chain import hash_of
 from skybody._native import policy_seal
 from skybody.train.policy_file import Layer, Policy, read_policy, write_policy
 
@@ -19,23 +20,6 @@ def written(folder: Path) -> Path:
     path = folder / "policy.h5"
     write_policy(path, POLICY)
     return path
-
-
-def hash_of(content: bytes) -> int:
-    """The hash of docs/policies.md, word for word."""
-    mask = 2**64 - 1
-    words = [int.from_bytes(content[at : at + 8], "little") for at in range(0, len(content), 8)] + [
-        len(content)
-    ]
-    state = 0x243F6A8885A308D3
-    for word in words:
-        state = ((state ^ word) * 0x9E3779B97F4A7C15) & mask
-        state = ((state ^ (state >> 32)) * 0xD6E8FEB86659FD93) & mask
-        state ^= state >> 29
-    value = state ^ (len(words) * 0x9E3779B97F4A7C15 & mask)
-    value = ((value ^ (value >> 33)) * 0xFF51AFD7ED558CCD) & mask
-    value = ((value ^ (value >> 33)) * 0xC4CEB9FE1A85EC53) & mask
-    return value ^ (value >> 33)
 
 
 @pytest.mark.parametrize("size", [0, 1, 8, 1000])

@@ -11,9 +11,11 @@ import h5py
 import numpy as np
 import pytest
 import skybody
+from hash_chain import rehash
 from numpy.typing import NDArray
 from reference import actions, short_hover
 
+DAMAGED = "this replay is damaged: its values are not those that were recorded; take another copy"
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
 NUM_ENVS = 6
 SEND = 2  # kind of an event, docs/replay.md
@@ -117,6 +119,10 @@ def test_a_changed_byte_of_an_action_is_reported_where_the_runs_part(tmp_path: P
         bits[2] ^= 0x01  # of the first value's mantissa
         events["action"][row] = bits.view(np.float32)
     done = replay(file)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"{file}: error: {DAMAGED}\n"
+    rehash(file)
+    done = replay(file)
     assert done.returncode == 1
     assert done.stdout.startswith(
         "parted: environment 4, transition 9 (episode 1, step 8); 1 of 6 environments part"
@@ -136,6 +142,8 @@ def test_rows_that_were_changed_beside_their_hashes_are_not_identical(tmp_path: 
     with h5py.File(changed, "r+") as recording:
         values = recording[f"transitions/{name}"]
         values[7 * NUM_ENVS + 2] += 1  # the eighth transition of environment 2
+    assert replay(changed).stderr == f"{changed}: error: {DAMAGED}\n"
+    rehash(changed)
     for result in (replay(changed), replay(file, "--against", str(changed))):
         assert result.returncode == 1, result.stdout + result.stderr
         assert "the hashes are the same, but not the rows beside them" in result.stdout
