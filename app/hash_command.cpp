@@ -15,6 +15,7 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/random.h"
+#include "core/batch/motion_hash.h"
 #include "core/io/flight_log.h"
 
 namespace skybody {
@@ -33,6 +34,8 @@ constexpr const char* kFooter =
     "the\n"
     "environments. The hash does not depend on --threads, --batch and --order.\n"
     "Ctrl-C ends a recording after the present steps; it is kept, exit status 130.\n"
+    "With --motion a second line follows: the same of q, u, rotor speeds, observation, reward and\n"
+    "status alone, which stays when a version of Skybody keeps other words of state.\n"
     "Examples:\n"
     "  skybody hash scenarios/hover.yaml --steps 20000 --seed 7\n"
     "  skybody hash payload --envs 12 --threads 4 --batch 4 --order arrival\n"
@@ -44,6 +47,7 @@ struct HashOptions {
   std::uint64_t steps = 1000;
   std::filesystem::path record;
   bool states = false;
+  bool motion = false;
 };
 
 /// Gives every environment its steps, as its earlier ones come back.
@@ -110,21 +114,31 @@ int record(VecEnv& envs, Run& run, const HashOptions& options) {
   return InterruptGuard::signal();
 }
 
-int hash(const HashOptions& options) {
+void check(const HashOptions& options) {
   if (options.states && options.record.empty()) {
     throw Error("--states is given without --record FILE, where they would be written");
   }
+  if (options.motion && !options.record.empty()) {
+    throw Error("--motion does not go with --record FILE: give one of them");
+  }
+}
+
+int hash(const HashOptions& options) {
+  check(options);
   const auto environment = load_and_warn(options.load);
   VecEnvOptions how = options.envs;
   how.keep_hash = true;
   VecEnv envs(environment, how);
   Run run(envs, options.steps);
+  const auto motion = std::make_shared<MotionHash>(envs);
+  if (options.motion) envs.observe(motion);
   if (options.record.empty()) {
     run();
   } else if (const int signal = record(envs, run, options); signal != 0) {
     return kExitSignal + signal;
   }
   std::printf("%s\n", to_hex(envs.hash()).c_str());
+  if (options.motion) std::printf("%s\n", to_hex(motion->value()).c_str());
   return kExitDone;
 }
 
@@ -146,6 +160,7 @@ void add_hash_command(CLI::App& app, Action& chosen) {
       ->type_name("FILE");
   command->add_flag("--states", options->states,
                     "With all state words, so that a replay which parts can name them");
+  command->add_flag("--motion", options->motion, "Print the hash of the motion alone as well");
   command->callback([options, &chosen] { chosen = [options] { return hash(*options); }; });
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
+#include "core/base/hash.h"
 #include "core/base/octets.h"
 #include "core/env/environment.h"
 #include "core/env/group_lanes.h"
@@ -25,12 +26,6 @@ void count(StateGroup& group, HeaderWord word, std::uint32_t mask) {
     for (int l = first; l < first + kOctet; ++l) ++words[l];
   });
   each_lane(mask & ~octets, [&](int lane) { ++words[lane]; });
-}
-
-/// Every NaN is one: which sign and payload it has may depend on the order of operands.
-std::uint64_t canonical(std::uint64_t word) {
-  constexpr std::uint64_t kInfinityBits = 0x7ff0000000000000u;
-  return (word & ~(std::uint64_t{1} << 63)) > kInfinityBits ? kInfinityBits + 1 : word;
 }
 
 }  // namespace
@@ -245,7 +240,7 @@ void Environment::hash(const StateGroup& group, int lane, const Rows& rows,
   const auto lanes = static_cast<std::size_t>(group.lanes());
   const std::uint64_t* words = group.bits(0) + lane;
   for (int k = 0; k < layout().words; ++k) {
-    chain.update(canonical(words[static_cast<std::size_t>(k) * lanes]));
+    chain.update(one_nan(words[static_cast<std::size_t>(k) * lanes]));
   }
   const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * observation_size();
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));

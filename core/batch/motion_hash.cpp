@@ -1,0 +1,47 @@
+#include "core/batch/motion_hash.h"
+
+#include "core/batch/fleet.h"
+#include "core/batch/vec_env.h"
+
+namespace skybody {
+namespace {
+
+void add_block(HashChain& chain, const std::vector<std::uint64_t>& words, const Block& block) {
+  for (int k = block.offset; k < block.offset + block.size; ++k) {
+    chain.update(one_nan(words[static_cast<std::size_t>(k)]));
+  }
+}
+
+void add_row(HashChain& chain, const Batch& rows, std::size_t row) {
+  const auto width = static_cast<std::size_t>(rows.width.observation);
+  for (std::size_t k = row * width; k < (row + 1) * width; ++k) {
+    chain.update(static_cast<double>(rows.observation[k]));
+  }
+  chain.update(static_cast<double>(rows.reward[row]));
+  chain.update(rows.status[row]);
+}
+
+}  // namespace
+
+MotionHash::MotionHash(const VecEnv& envs) : chains_(static_cast<std::size_t>(envs.envs())) {}
+
+void MotionHash::received(const Batch& rows, const Fleet& fleet) {
+  const Layout& layout = fleet.environment().layout();
+  for (std::size_t row = 0; row < static_cast<std::size_t>(rows.rows); ++row) {
+    const std::int32_t env = rows.env_id[row];
+    HashChain& chain = chains_[static_cast<std::size_t>(env)];
+    const std::vector<std::uint64_t> words = fleet.words(env);
+    for (const Block* block : {&layout.q, &layout.u, &layout.rotor_speed}) {
+      add_block(chain, words, *block);
+    }
+    add_row(chain, rows, row);
+  }
+}
+
+std::uint64_t MotionHash::value() const {
+  HashChain all;
+  for (const HashChain& chain : chains_) all.update(chain.value());
+  return all.value();
+}
+
+}  // namespace skybody

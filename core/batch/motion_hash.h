@@ -1,0 +1,30 @@
+// A hash of the motion alone, for tests that must hold while the layout of the state words changes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/hash.h"
+#include "core/batch/observer.h"
+
+namespace skybody {
+
+class VecEnv;
+
+/// Chains, for each environment after each transition, the coordinates q and u, the rotor speeds,
+/// the observation, the reward and the status. Every NaN counts as one. Observe a VecEnv with it
+/// (VecEnv::observe) before the first reset; not with Autoreset::kSameStep, where the state of the
+/// last transition is gone when its row arrives.
+class MotionHash : public VecEnvObserver {
+ public:
+  explicit MotionHash(const VecEnv& envs);
+
+  void received(const Batch& rows, const Fleet& fleet) override;
+  /// The chains of all environments so far, combined in the order of their ids.
+  std::uint64_t value() const;
+
+ private:
+  std::vector<HashChain> chains_;
+};
+
+}  // namespace skybody

@@ -1,0 +1,224 @@
+"""Golden hashes: the trajectory of every shipped scenario, pinned bit for bit.
+
+    .venv/bin/python tests/golden/golden.py            # compares, and says which moved
+    .venv/bin/python tests/golden/golden.py --write    # rewrites the files, and says which moved
+
+One file a flight, `tests/golden/NAME.json`. A flight has several ways: as the scenario is shipped,
+and each dynamics that its world can have with each fixed-step integrator. Each way has two hashes:
+`words` is the trajectory hash over all words of state, `motion` covers q, u, rotor speeds,
+observation, reward and status alone (`skybody hash --motion`). A version that keeps other words
+moves the first, one that moves the vehicle otherwise moves both. Every way is flown on each
+instruction set that the processor has, and all must give the same. Exit status 0: as pinned, 1:
+some moved, 2: a process failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = Path(__file__).resolve().parent
+PROGRAM = ROOT / "build/release/bin/skybody"
+SEED = 7
+ENVS = 12
+STEPS = 250  # of one environment with one robot
+LEAST_STEPS = 20
+EPISODES = 4  # at least, so that resets are among what is pinned
+DYNAMICS = ("tree", "simbody", "auto")
+INTEGRATORS = ("semi_implicit_euler", "rk4")
+INSTRUCTION_SETS = ("v2", "v3", "v4")
+TIMEOUT = 600.0  # s, of one process on a machine that does much else
+
+Hashes = dict[str, str]  # "words" and "motion"
+
+
+class FlightError(RuntimeError):
+    """A process that failed; the text is the whole message."""
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A shipped scenario, or a variant of one."""
+
+    name: str
+    scenario: str
+    robots: int = 1
+    overrides: tuple[str, ...] = ()
+
+    @property
+    def steps(self) -> int:
+        """Of each environment: fewer where a step takes longer."""
+        return max(LEAST_STEPS, STEPS // self.robots)
+
+    @property
+    def file(self) -> Path:
+        """Where its hashes are pinned."""
+        return FOLDER / f"{self.name}.json"
+
+    def options(self) -> list[str]:
+        """For `skybody hash` and hash_run.py alike."""
+        horizon = f"stepping.horizon={max(2, self.steps // EPISODES)}"
+        options = [self.scenario, f"--envs={ENVS}", f"--steps={self.steps}", f"--seed={SEED}"]
+        for override in (*self.overrides, horizon):
+            options += ["--set", override]
+        return options
+
+
+NEAR_THE_GROUND = (
+    "randomization[0].parameters.position_min=[-5,-5,0.02]",
+    "randomization[0].parameters.position_max=[5,5,0.06]",
+)
+FLIGHTS = (
+    Flight("hover", "hover"),
+    Flight("hover_crazyflie", "hover_crazyflie"),
+    Flight("hover_firefly", "hover_firefly"),
+    Flight("hover_hummingbird", "hover_hummingbird"),
+    Flight("hover_learn", "hover_learn"),
+    Flight("hover_on_ground", "hover", overrides=NEAR_THE_GROUND),
+    Flight("payload", "payload"),
+    Flight("formation", "formation", robots=5),
+    Flight("formation_2", "formation_2", robots=2),
+    Flight("formation_10", "formation_10", robots=10),
+    Flight("formation_20", "formation_20", robots=20),
+    Flight("collision", "collision", robots=2),
+    Flight("hard_landing", "hard_landing"),
+    Flight("boom", "boom"),
+)
+
+
+# --- flying -------------------------------------------------------------------------------------
+
+
+def ways(program: Path, flight: Flight) -> dict[str, list[str]]:
+    """Options of each way of a flight, by the way's name."""
+    all_ways: dict[str, list[str]] = {"as shipped": []}
+    for dynamics in DYNAMICS:
+        chosen = ["--set", f"stepping.dynamics={dynamics}"]
+        if dynamics == "tree" and not can_fly(program, flight, chosen):
+            continue
+        for integrator in INTEGRATORS:
+            way = [*chosen, "--set", f"stepping.integrator={integrator}"]
+            all_ways[f"{dynamics}, {integrator}"] = [*way, "--set", "stepping.solver=null"]
+    return all_ways
+
+
+def can_fly(program: Path, flight: Flight, options: list[str]) -> bool:
+    """Whether the scenario's world can have what the options ask for."""
+    command = [str(program), "check", flight.scenario, *options]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+def fly(program: Path, flight: Flight, way: list[str], instruction_set: str) -> Hashes:
+    """The two hashes of one way, from a process of its own."""
+    command = [str(program), "hash", "--motion", *flight.options(), *way]
+    environment = {**os.environ, "SKYBODY_ISA": instruction_set}
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=False, timeout=TIMEOUT, env=environment
+        )
+    except OSError as error:
+        raise FlightError(f"{program}: {error.strerror}; build it, or give --program") from None
+    except subprocess.TimeoutExpired:
+        raise FlightError(f"{' '.join(command)}: no result after {TIMEOUT:g} s") from None
+    if done.returncode != 0:
+        raise FlightError(f"{' '.join(command)}: exit status {done.returncode}\n{done.stderr}")
+    words, motion = done.stdout.split()
+    return {"words": words, "motion": motion}
+
+
+def instruction_sets() -> list[str]:
+    """Those that this processor has."""
+    flags = set(Path("/proc/cpuinfo").read_text().split("flags", 1)[-1].split("\n", 1)[0].split())
+    needs = {"v2": set(), "v3": {"avx2", "fma", "bmi2"}, "v4": {"avx512f", "avx512dq", "avx512vl"}}
+    return [name for name in INSTRUCTION_SETS if needs[name] <= flags]
+
+
+def fly_all(program: Path, flight: Flight) -> dict[str, Hashes]:
+    """Hashes by the way. Raises FlightError where instruction sets do not agree."""
+    flown: dict[str, Hashes] = {}
+    for name, way in ways(program, flight).items():
+        found = {isa: fly(program, flight, way, isa) for isa in instruction_sets()}
+        first = next(iter(found.values()))
+        if any(hashes != first for hashes in found.values()):
+            raise FlightError(f"{flight.name}, {name}: instruction sets differ: {found}")
+        flown[name] = first
+    return flown
+
+
+# --- files --------------------------------------------------------------------------------------
+
+
+def pinned(flight: Flight) -> dict[str, Any]:
+    """What the flight's file holds; nothing where there is none."""
+    return json.loads(flight.file.read_text()) if flight.file.is_file() else {"hashes": {}}
+
+
+def shipped_hash(flight: Flight) -> str:
+    """The pinned trajectory hash of the scenario as it is shipped."""
+    return str(pinned(flight)["hashes"]["as shipped"]["words"])
+
+
+def write(flight: Flight, flown: dict[str, Hashes]) -> None:
+    """Pins what was flown."""
+    content = {
+        "flight": f"skybody hash --motion {' '.join(flight.options())}",
+        "hashes": flown,
+    }
+    flight.file.write_text(json.dumps(content, indent=2) + "\n")
+
+
+def moves(flight: Flight, flown: dict[str, Hashes]) -> list[str]:
+    """One line for each hash that is not the pinned one."""
+    old = pinned(flight)["hashes"]
+    lines = [f"{flight.name}, {way}: no longer flown" for way in old if way not in flown]
+    for way, hashes in flown.items():
+        for kind, value in hashes.items():
+            before = old.get(way, {}).get(kind, "not pinned")
+            if value != before:
+                lines.append(f"{flight.name}, {way}: {kind} {before} -> {value}")
+    return lines
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values, checked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    names = [flight.name for flight in FLIGHTS]
+    parser.add_argument("--flights", nargs="+", metavar="NAME", help="default: all")
+    parser.add_argument("--program", type=Path, default=PROGRAM, help="skybody")
+    parser.add_argument("--write", action="store_true", help="rewrite the files")
+    options = parser.parse_args(arguments)
+    options.flights = options.flights or names
+    for name in options.flights:
+        if name not in names:
+            parser.error(f"--flights {name}: there are {', '.join(names)}")
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Flies, compares, writes if asked; returns the exit status."""
+    options = parse(arguments)
+    moved = []
+    try:
+        for flight in (f for f in FLIGHTS if f.name in options.flights):
+            flown = fly_all(options.program, flight)
+            moved += moves(flight, flown)
+            if options.write:
+                write(flight, flown)
+    except FlightError as error:
+        print(f"golden: {error}", file=sys.stderr)
+        return 2
+    print("\n".join(moved) if moved else "nothing moved")
+    return 1 if moved and not options.write else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
