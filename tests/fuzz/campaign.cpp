@@ -20,6 +20,14 @@ constexpr std::uint64_t kMostBlock = 20000;
 constexpr std::uint64_t kMostTold = 40;            // findings of one area that are told and saved
 constexpr std::chrono::milliseconds kPatience{5};  // between two looks at the workers
 
+/// For terminals: messages may hold whatever the input held.
+std::string without_controls(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return text;
+}
+
 bool is_chosen(const Options& options, const char* area) {
   return options.areas.empty() ||
          std::find(options.areas.begin(), options.areas.end(), area) != options.areas.end();
@@ -126,7 +134,8 @@ void Campaign::take(Job& job, const BlockEnd& end) {
 void Campaign::tell(Front& front, const Inputs& inputs, const Found& found) const {
   if (++front.told > kMostTold) return;
   const char* kind = kFindingNames[static_cast<std::size_t>(found.kind)];
-  std::fprintf(stderr, "%s: %s: %s\n", inputs.name(found.input).c_str(), kind, found.text.c_str());
+  std::fprintf(stderr, "%s: %s: %s\n", inputs.name(found.input).c_str(), kind,
+               without_controls(found.text).c_str());
   std::fprintf(stderr, "  again: skybody_fuzz %s\n", inputs.rerun(found.input).c_str());
   if (front.told == kMostTold) std::fprintf(stderr, "  further ones are only counted\n");
   if (options_.save.empty()) return;

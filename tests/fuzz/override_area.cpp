@@ -19,7 +19,7 @@ const char* const kSeeds[] = {
     "payload\nrandomization.inertia.parameters.mass=[0.5, 2]\nsensors[0].parameters.period=2\n",
     "collision\ncontact.friction=0.1\nrobots.left.pose.rpy=[0, 0, 3]\nrobots[1].rotor_speed=100\n",
     "boom\nrobots.quad.joints.boom_1.stiffness=1e3\nstepping.solver={max_steps: 1000}\n",
-    "hover\nobstacles=[{name: wall, box: [1, 1, 1]}]\nstepping.dynamics=simbody\n",
+    "hover\nobstacles=[{name: wall, box: [0.1, 0.1, 0.1]}]\nstepping.dynamics=simbody\n",
 };
 
 class OverrideArea : public Area {

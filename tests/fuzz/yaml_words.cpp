@@ -77,8 +77,8 @@ const std::vector<std::string>& fixed_words() {
       "bob",
       "rod_joint",
       "motors",
-      "obstacles: [{name: wall, box: [1, 1, 1], position: [0, 0, 1]}]\n",
-      "obstacles: [{name: pole, cylinder: [0.1, 2]}, {name: ball, sphere: 0.5}]\n",
+      "obstacles: [{name: wall, box: [0.1, 0.1, 0.1], position: [0, 0, 1]}]\n",
+      "obstacles: [{name: pole, cylinder: [0.1, 0.2]}, {name: ball, sphere: 0.5}]\n",
       "sensors: [{plugin: imu, parameters: {link: base_link}}]\n",
       "contact: {ground: false}\n",
       "gravity: [0, 0, 0]\n"};
