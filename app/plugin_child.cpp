@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "app/command.h"
 #include "app/output.h"
@@ -127,11 +128,6 @@ End run_child(const Work& work, const RefusedFiles& refused) {
   return end;
 }
 
-void pass_on(const End& end) {
-  std::fwrite(end.err.data(), 1, end.err.size(), stderr);
-  print(end.out);
-}
-
 /// The last line that it wrote to stderr, such as a failed assertion.
 std::string last_words(const std::string& err) {
   const std::size_t last = err.find_last_not_of("\r\n ");
@@ -168,11 +164,12 @@ bool was_interrupted(int status) {
 
 /// Where no plugin's code was running: a plugin may have damaged memory before, or the fault is
 /// ours.
-int report_unexplained(const End& end) {
-  report_error("internal error: the process that opened plugins has ended early (" +
-               how_it_ended(end) + ")" +
-               (end.file.empty() ? "" : "; a plugin that it opened may have damaged its memory"));
-  return kExitBug;
+ChildOutput unexplained(const End& end) {
+  return {
+      kExitBug, "",
+      "internal error: the process that opened plugins has ended early (" + how_it_ended(end) +
+          ")" +
+          (end.file.empty() ? "\n" : "; a plugin that it opened may have damaged its memory\n")};
 }
 
 /// Ends as the child did, which the user has interrupted.
@@ -184,18 +181,24 @@ int report_unexplained(const End& end) {
 
 }  // namespace
 
-int run_in_child(const Work& work) {
+ChildOutput output_of_child(const Work& work) {
   RefusedFiles refused;
   while (true) {
-    const End end = run_child(work, refused);
+    End end = run_child(work, refused);
     if (end.done && WIFEXITED(end.status)) {
-      pass_on(end);
-      return WEXITSTATUS(end.status);
+      return {WEXITSTATUS(end.status), std::move(end.out), std::move(end.err)};
     }
     if (was_interrupted(end.status)) follow(end.status);
     const bool is_new = !end.phase.empty() && refused.emplace(end.file, why_refused(end)).second;
-    if (!is_new) return report_unexplained(end);
+    if (!is_new) return unexplained(end);
   }
+}
+
+int run_in_child(const Work& work) {
+  const ChildOutput output = output_of_child(work);
+  std::fwrite(output.err.data(), 1, output.err.size(), stderr);
+  print(output.out);
+  return output.status;
 }
 
 }  // namespace skybody

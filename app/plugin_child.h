@@ -2,17 +2,25 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "plugins/host/registry.h"
 
 namespace skybody {
 
-/// Does `work` in a child process and writes its output when it is done. Where the code of a plugin
-/// ends the child (exit, crash, an exception that nobody catches), the output is dropped and the
-/// work is done again in a new child with that plugin's file among the refused ones. Must be called
-/// before the program has threads.
+/// What a child process has left.
+struct ChildOutput {
+  int status = 0;  ///< exit status
+  std::string out, err;
+};
+
+/// Does `work` in a child process. Where the code of a plugin ends the child (exit, crash, an
+/// exception that nobody catches), the output is dropped and the work is done again in a new child
+/// with that plugin's file among the refused ones. Must be called before the program has threads.
 /// @param work  returns the exit status; exceptions become messages, as in run_and_report()
-/// @returns the exit status
+ChildOutput output_of_child(const std::function<int(const RefusedFiles&)>& work);
+
+/// The same; writes the output when the work is done. @returns the exit status
 int run_in_child(const std::function<int(const RefusedFiles&)>& work);
 
 }  // namespace skybody

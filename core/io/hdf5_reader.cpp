@@ -100,34 +100,39 @@ Hdf5Id Hdf5Reader::open_dataset(const std::string& dataset) const {
 
 /// Refuses storage that reads other files, runs other filters or needs unbounded memory.
 void Hdf5Reader::check_storage(const std::string& dataset, hid_t id) const {
-  const auto refuse = [&](const std::string& what) { fail("`" + dataset + "` " + what); };
   const Hdf5Id properties(H5Dget_create_plist(id), H5Pclose);
+  const Hdf5Id type(H5Dget_type(id), H5Tclose);
+  const std::size_t size = std::max<std::size_t>(H5Tget_size(type), 1);
+  const Shape shape = shape_of(dataset, id);
+  check_layout(dataset, properties);
+  if (shape.columns != 0 && shape.rows > bytes_ / size / shape.columns) {
+    fail("`" + dataset + "` claims more values than the file has bytes for: the file is damaged");
+  }
+  if (H5Pget_layout(properties) == H5D_CHUNKED) check_chunks(dataset, properties, shape.rank, size);
+}
+
+void Hdf5Reader::check_layout(const std::string& dataset, hid_t properties) const {
   const H5D_layout_t layout = H5Pget_layout(properties);
   const bool within = layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED;
   if (!within || H5Pget_external_count(properties) != 0) {
-    refuse("is stored in other files; a " + what_ + " holds its values itself");
+    fail("`" + dataset + "` is stored in other files; a " + what_ + " holds its values itself");
   }
   for (int k = 0; k < H5Pget_nfilters(properties); ++k) {
     std::size_t values = 0;
     unsigned flags = 0, config = 0;
     const H5Z_filter_t filter = H5Pget_filter2(properties, static_cast<unsigned>(k), &flags,
                                                &values, nullptr, 0, nullptr, &config);
-    if (filter != H5Z_FILTER_FLETCHER32) refuse("is compressed or filtered; allowed: fletcher32");
+    if (filter == H5Z_FILTER_FLETCHER32) continue;
+    fail("`" + dataset + "` is compressed or filtered; allowed: fletcher32");
   }
-  const Hdf5Id type(H5Dget_type(id), H5Tclose);
-  const std::size_t size = H5Tget_size(type);
-  const Shape shape = shape_of(dataset, id);
-  const std::uintmax_t most = size == 0 ? 0 : bytes_ / size;
-  if (shape.columns != 0 && shape.rows > most / shape.columns) {
-    refuse("claims more values than the file has bytes for: the file is damaged");
-  }
+}
+
+void Hdf5Reader::check_chunks(const std::string& dataset, hid_t properties, int rank,
+                              std::size_t size) const {
   hsize_t chunk[2] = {1, 1};
-  if (layout != H5D_CHUNKED) return;
-  if (H5Pget_chunk(properties, shape.rank, chunk) < 0) refuse("cannot be read: " + hdf5_reason());
-  if (chunk[0] > kLargestChunk || chunk[1] > kLargestChunk ||
-      chunk[0] * chunk[1] > kLargestChunk / std::max<std::size_t>(size, 1)) {
-    refuse("has chunks of more than " + std::to_string(kLargestChunk >> 20) + " MiB");
-  }
+  if (H5Pget_chunk(properties, rank, chunk) < 0) fail(hdf5_reason());
+  if (chunk[0] <= kLargestChunk / size / std::max<hsize_t>(chunk[1], 1)) return;
+  fail("`" + dataset + "` has chunks of more than " + std::to_string(kLargestChunk >> 20) + " MiB");
 }
 
 void Hdf5Reader::check_rows(const std::string& dataset, const Shape& shape, std::size_t first,

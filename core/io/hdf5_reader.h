@@ -75,6 +75,8 @@ class Hdf5Reader {
  private:
   void open(const std::filesystem::path& name, hid_t access);
   void check_storage(const std::string& dataset, hid_t id) const;
+  void check_layout(const std::string& dataset, hid_t properties) const;
+  void check_chunks(const std::string& dataset, hid_t properties, int rank, std::size_t size) const;
   void check_rows(const std::string& dataset, const Shape& shape, std::size_t first,
                   std::size_t count) const;
   std::size_t check_text_type(const std::string& name, hid_t type) const;

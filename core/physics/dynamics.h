@@ -57,5 +57,8 @@ class Dynamics {
 /// @throws Error (naming the body where one is to blame) if nothing can be built from them
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world);
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params);
+/// Builds Simbody's system of the nominal world once, without contact: large boxes take seconds to
+/// become meshes, and no shape is refused there. @throws Error likewise
+void check_simbody(const World& world);
 
 }  // namespace skybody

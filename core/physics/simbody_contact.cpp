@@ -1,11 +1,8 @@
 #include "core/physics/simbody_contact.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
-#include "core/base/error.h"
 #include "core/physics/contact_spheres.h"
 
 namespace skybody {
@@ -14,12 +11,9 @@ namespace {
 /// Radius of curvature at which spheres and meshes are about equally stiff [m]; also the least
 /// thickness of the elastic layer on meshes.
 constexpr double kReferenceRadius = 0.05;
-/// Faces of a mesh are springs: they have to be small beside what touches them [m].
-constexpr double kBodyFace = 0.02, kObstacleFace = 0.03;
-/// Bounds on the cost of a mesh: vertices added along the longest edge.
-constexpr int kBodyResolution = 10, kObstacleResolution = 60;
-/// Bounds of all together: a face takes about 300 bytes here and in each system, a shape 50 kB.
-constexpr int kMostShapes = 2000, kMostFaces = 1'000'000;
+/// Faces of a mesh are springs: they have to be small beside what touches them. Vertices are added
+/// along the longest edge at the cost of time.
+constexpr MeshFineness kBodyMesh{0.02, 10}, kObstacleMesh{0.03, 60};
 
 /// Hertz stiffness at which two spheres of one material and effective radius kReferenceRadius hold
 /// the heaviest robot's weight with the scenario's static penetration:
@@ -36,74 +30,23 @@ SimTK::ContactMaterial make_material(const World& world) {
   return {stiffness, contact.dissipation, contact.friction, contact.friction, 0.0};
 }
 
-int resolution_of(double longest_edge, double largest_face, int most) {
-  return std::clamp(static_cast<int>(std::ceil(longest_edge / largest_face)) - 1, 0, most);
+int resolution_of(double longest_edge, const MeshFineness& fineness) {
+  return std::clamp(static_cast<int>(std::ceil(longest_edge / fineness.largest_face)) - 1, 0,
+                    fineness.most_vertices);
 }
 
-/// @param largest_face        wanted edge of a mesh's faces [m]
-/// @param largest_resolution  bound on vertices added along the longest edge
-SimTK::ContactGeometry make_geometry(const Shape& shape, double largest_face,
-                                     int largest_resolution) {
+SimTK::ContactGeometry make_geometry(const Shape& shape, const MeshFineness& fineness) {
   if (shape.type == ShapeType::kSphere) return SimTK::ContactGeometry::Sphere(shape.radius);
   if (shape.type == ShapeType::kBox) {
     const SimTK::Vec3 half(0.5 * shape.size.x, 0.5 * shape.size.y, 0.5 * shape.size.z);
-    const int n = resolution_of(2.0 * SimTK::max(half), largest_face, largest_resolution);
+    const int n = resolution_of(2.0 * SimTK::max(half), fineness);
     return SimTK::ContactGeometry::TriangleMesh(SimTK::PolygonalMesh::createBrickMesh(half, n));
   }
   // A cylinder; the base's polygon has 6 (n + 1) edges.
-  const int n = std::min(resolution_of(2.0 * shape.radius, largest_face, largest_resolution), 8);
+  const int n = std::min(resolution_of(2.0 * shape.radius, fineness), 8);
   return SimTK::ContactGeometry::TriangleMesh(
       SimTK::PolygonalMesh::createCylinderMesh(SimTK::ZAxis, shape.radius, 0.5 * shape.length, n));
 }
-
-/// Geometries of shapes, made once for each size: the search tree of a box's mesh takes a second to
-/// build and hardly any time to copy, and robots of one model have the same shapes.
-class Geometries {
- public:
-  using Shared = std::shared_ptr<const SimTK::ContactGeometry>;
-
-  Geometries(double largest_face, int largest_resolution)
-      : largest_face_(largest_face), largest_resolution_(largest_resolution) {}
-
-  Shared of(const Shape& shape) {
-    const Key key{static_cast<double>(shape.type),
-                  shape.size.x,
-                  shape.size.y,
-                  shape.size.z,
-                  shape.radius,
-                  shape.length};
-    Shared& made = made_[key];
-    if (made == nullptr) {
-      made = std::make_shared<const SimTK::ContactGeometry>(
-          make_geometry(shape, largest_face_, largest_resolution_));
-    }
-    count(*made);
-    return made;
-  }
-
- private:
-  using Key = std::array<double, 6>;
-
-  void count(const SimTK::ContactGeometry& geometry) {
-    using Mesh = SimTK::ContactGeometry::TriangleMesh;
-    if (++shapes_ > kMostShapes) {
-      throw Error("more than " + std::to_string(kMostShapes) +
-                  " shapes of robots or obstacles may touch; take collision shapes out");
-    }
-    if (Mesh::isInstance(geometry)) faces_ += Mesh::getAs(geometry).getNumFaces();
-    if (faces_ > kMostFaces) {
-      throw Error("the boxes and cylinders that may touch have more than " +
-                  std::to_string(kMostFaces) +
-                  " faces in Simbody's contact; take fewer or smaller ones, or spheres");
-    }
-  }
-
-  double largest_face_;
-  int largest_resolution_;
-  int shapes_ = 0;
-  int faces_ = 0;
-  std::map<Key, Shared> made_;
-};
 
 /// The largest area with which a shape can lie flat on another [m^2].
 double largest_area(const Shape& shape) {
@@ -144,12 +87,11 @@ SimbodyContact::SimbodyContact(const World& world)
 }
 
 void SimbodyContact::add_obstacles(const World& world) {
-  Geometries geometries(kObstacleFace, kObstacleResolution);
   for (const Obstacle& obstacle : world.scenario.obstacles) {
     const Shape& shape = obstacle.shape;
     if (shape.type == ShapeType::kMesh) continue;
     // In series with the layer of whatever touches it, which is the softer one.
-    surfaces_.push_back({-1, to_simbody(shape.pose), geometries.of(shape), kReferenceRadius, {}});
+    surfaces_.push_back({-1, shape, kObstacleMesh, kReferenceRadius, {}});
   }
 }
 
@@ -158,25 +100,41 @@ void SimbodyContact::add_bodies(const World& world) {
   for (std::size_t r = 0; r < world.scenario.robots.size(); ++r) {
     cliques.push_back(SimTK::ContactSurface::createNewContactClique());
   }
-  Geometries geometries(kBodyFace, kBodyResolution);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const WorldBody& body = world.bodies[i];
     for (const Shape& shape : body.model->collisions) {
       if (shape.type == ShapeType::kMesh) continue;
       const double thickness = layer_thickness(shape, material_.getStiffness(),
                                                body.model->mass.mass, world.scenario.stepping.dt);
-      surfaces_.push_back({static_cast<int>(i), to_simbody(shape.pose), geometries.of(shape),
-                           thickness, cliques[body.robot]});
+      surfaces_.push_back({static_cast<int>(i), shape, kBodyMesh, thickness, cliques[body.robot]});
     }
   }
+}
+
+std::shared_ptr<const SimTK::ContactGeometry> SimbodyContact::geometry_of(
+    const Surface& surface) const {
+  const Shape& shape = surface.shape;
+  const Key key{static_cast<double>(shape.type),
+                shape.size.x,
+                shape.size.y,
+                shape.size.z,
+                shape.radius,
+                shape.length,
+                surface.fineness.largest_face};
+  const std::lock_guard<std::mutex> lock(mutex_);
+  auto& made = geometries_[key];
+  if (made == nullptr) {
+    made = std::make_shared<const SimTK::ContactGeometry>(make_geometry(shape, surface.fineness));
+  }
+  return made;
 }
 
 void SimbodyContact::add_surfaces(int body, SimTK::Body& rigid) const {
   for (const Surface& s : surfaces_) {
     if (s.body != body) continue;
-    SimTK::ContactSurface surface(*s.geometry, material_, s.thickness);
+    SimTK::ContactSurface surface(*geometry_of(s), material_, s.thickness);
     if (s.clique.isValid()) surface.joinClique(s.clique);
-    rigid.addContactSurface(s.pose, surface);
+    rigid.addContactSurface(to_simbody(s.shape.pose), surface);
   }
 }
 

@@ -4,18 +4,26 @@
 
 #include <Simbody.h>
 
+#include <array>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "core/physics/world.h"
 
 namespace skybody {
 
-/// The contact surfaces of a world, made once; systems are built from them again and again, by
-/// several threads at a time: nothing here changes after construction, and Simbody's
-/// ContactGeometry (unlike its PolygonalMesh) has no reference count; every system gets a deep
-/// copy. Shapes of one size share theirs here. More shapes and faces than fit into some 500 MB are
-/// an Error.
+/// How finely a box or cylinder becomes triangles.
+struct MeshFineness {
+  double largest_face;  ///< wanted edge of its faces [m]
+  int most_vertices;    ///< at most so many are added along the longest edge
+};
+
+/// The contact surfaces of a world; systems are built from them again and again, by several threads
+/// at a time. Simbody's ContactGeometry (unlike its PolygonalMesh) has no reference count; every
+/// system gets a deep copy. The search tree of a large box's mesh takes a second to build and
+/// hardly any time to copy: a geometry is made when a system first needs it, once for each size.
 ///
 /// Spheres are exact (Hertz); boxes and cylinders are triangle meshes (elastic foundation). Meshes
 /// of files are ignored. Bodies of one robot do not collide among themselves. Simbody's trackers
@@ -33,17 +41,21 @@ class SimbodyContact {
  private:
   struct Surface {
     int body = -1;
-    SimTK::Transform pose;
-    std::shared_ptr<const SimTK::ContactGeometry> geometry;
+    Shape shape;
+    MeshFineness fineness;
     double thickness = 0.0;         ///< of the elastic layer [m]
     SimTK::ContactCliqueId clique;  ///< surfaces of one do not collide
   };
+  using Key = std::array<double, 7>;  ///< of a shape's numbers and its fineness
   void add_obstacles(const World& world);
   void add_bodies(const World& world);
+  std::shared_ptr<const SimTK::ContactGeometry> geometry_of(const Surface& surface) const;
 
   SimTK::ContactMaterial material_;
   std::vector<Surface> surfaces_;
   double transition_velocity_ = 0.0;
+  mutable std::mutex mutex_;  ///< guards geometries_
+  mutable std::map<Key, std::shared_ptr<const SimTK::ContactGeometry>> geometries_;
 };
 
 /// Simbody's rotation and transform of ours.

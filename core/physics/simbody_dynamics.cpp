@@ -271,6 +271,15 @@ class SimbodySystem {
   SimTK::Vector mobility_forces_, udot_;
 };
 
+std::unique_ptr<SimbodySystem> make_system(const World& world, const std::vector<TreeBody>& tree,
+                                           const SimbodyContact* contact, const double* params) {
+  try {
+    return std::make_unique<SimbodySystem>(world, tree, contact, params);
+  } catch (const SimTK::Exception::Base& error) {
+    throw Error(std::string("Simbody cannot build the world: ") + error.what());
+  }
+}
+
 /// Keeps a SimbodySystem for the present mass properties and builds another one when they change:
 /// in Simbody they belong to the topology.
 class SimbodyDynamics final : public Dynamics {
@@ -292,12 +301,7 @@ class SimbodyDynamics final : public Dynamics {
       return;
     }
     system_.reset();
-    try {
-      system_ =
-          std::make_unique<SimbodySystem>(world_, tree_, world_.simbody_contact.get(), params);
-    } catch (const SimTK::Exception::Base& error) {
-      throw Error(std::string("Simbody cannot build the world: ") + error.what());
-    }
+    system_ = make_system(world_, tree_, world_.simbody_contact.get(), params);
     built_from_.assign(masses, masses + count);
   }
 
@@ -336,13 +340,22 @@ class SimbodyDynamics final : public Dynamics {
   std::unique_ptr<SimbodySystem> system_;
 };
 
+std::vector<double> nominal_params(const World& world) {
+  std::vector<double> nominal;
+  for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
+  return nominal;
+}
+
 }  // namespace
 
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world) {
   // What cannot be built is said here rather than in the first step.
-  std::vector<double> nominal;
-  for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
-  return make_simbody_dynamics(world, nominal.data());
+  return make_simbody_dynamics(world, nominal_params(world).data());
+}
+
+void check_simbody(const World& world) {
+  if (world.bodies.empty()) return;
+  make_system(world, make_tree(world), nullptr, nominal_params(world).data());
 }
 
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params) {

@@ -104,8 +104,9 @@ DynamicsUse chosen_dynamics(const World& world) {
 }
 
 void check_world(const World& world) {
-  make_stepper(world);
-  if (chosen_dynamics(world) == DynamicsUse::kHandOver) make_simbody_dynamics(world);
+  const DynamicsUse use = chosen_dynamics(world);
+  if (use != DynamicsUse::kSimbody) make_stepper(world);
+  if (use != DynamicsUse::kTree) check_simbody(world);
 }
 
 std::unique_ptr<Stepper> make_stepper(const World& world) {

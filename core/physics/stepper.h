@@ -59,8 +59,8 @@ enum class DynamicsUse {
 /// @throws MarkedError at `dynamics: tree` if tree cannot do the world (message says why)
 DynamicsUse chosen_dynamics(const World& world);
 
-/// Builds once whatever steppers of this world will ever build: on a hand-over they make Simbody's
-/// system in the midst of a flight.
+/// Builds once whatever steppers of this world will ever build, but for the geometries of contact:
+/// on a hand-over they make Simbody's system in the midst of a flight.
 /// @throws as make_stepper
 void check_world(const World& world);
 

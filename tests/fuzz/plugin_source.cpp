@@ -1,5 +1,8 @@
 #include "tests/fuzz/plugin_source.h"
 
+#include <cstdio>
+
+#include "app/plugin_child.h"
 #include "plugins/host/registry.h"
 #include "tests/fuzz/finding.h"
 
@@ -13,9 +16,9 @@ std::shared_ptr<const PluginRegistry> shipped_plugins() {
 
 std::vector<std::string> plugin_words() {
   std::vector<std::string> words;
-  for (const PluginEntry& entry : shipped_plugins()->entries()) {
-    words.push_back(entry.name);
-    for (const ParameterSpec& parameter : entry.parameters) words.push_back(parameter.name);
+  for (const PluginEntry* entry : shipped_plugins()->open_all()) {
+    words.push_back(entry->name);
+    for (const ParameterSpec& parameter : entry->parameters) words.push_back(parameter.name);
   }
   return words;
 }
@@ -25,9 +28,14 @@ std::filesystem::path plugin_file(const std::string& name) {
 }
 
 std::string plugin_failure(const std::filesystem::path& folder) {
-  const PluginRegistry registry({folder});
-  if (registry.entries().size() != 1) wrong_answer("the registry does not mention the file");
-  return registry.entries().front().failure;
+  const ChildOutput child = output_of_child([&](const RefusedFiles& refused) {
+    const PluginRegistry registry({folder}, refused);
+    const auto entries = registry.open_all();
+    if (entries.size() != 1) wrong_answer("the registry does not mention the file");
+    std::fputs(entries.front()->failure.c_str(), stdout);
+    return 0;
+  });
+  return child.status == 0 ? child.out : child.err.substr(0, child.err.find('\n'));
 }
 
 }  // namespace skybody::fuzz

@@ -19,7 +19,8 @@ std::vector<std::string> plugin_words();
 /// A shipped plugin's file.
 std::filesystem::path plugin_file(const std::string& name);
 
-/// What the registry says of a folder's only library: why it cannot be used, or "".
+/// Why a folder's only library cannot be used, or "": it is opened in a child process, as by
+/// `skybody plugins`.
 std::string plugin_failure(const std::filesystem::path& folder);
 
 }  // namespace skybody::fuzz

@@ -1,7 +1,8 @@
 #include "tests/fuzz/seed_policy.h"
 
 #include "core/io/flight_log_hdf5.h"
-#include "core/io/policy_file.h"
+#include "core/io/policy_seal.h"
+#include "tests/fuzz/files.h"
 
 namespace skybody::fuzz {
 namespace {
@@ -30,12 +31,12 @@ void write_layer(const Hdf5Writer& writer, hid_t layers, const char* name, hsize
   const Hdf5Id group = writer.create_group(layers, name);
   write_values(writer, group, "weight", {outputs, inputs}, 0.01f);
   write_values(writer, group, "bias", {outputs}, 0.05f);
-  writer.write_attribute(group, "activation", std::string(activation));
+  writer.write_text(group, "activation", activation);
 }
 
 void write_header(const Hdf5Writer& writer, hid_t file) {
   const auto text = [&](const char* name, const char* value) {
-    writer.write_attribute(file, name, std::string(value));
+    writer.write_text(file, name, value);
   };
   text("format", "skybody-policy");
   writer.write_attribute(file, "version", std::int64_t{kPolicyFormat});
@@ -50,9 +51,7 @@ void write_header(const Hdf5Writer& writer, hid_t file) {
   text("action_squash", "clip");
 }
 
-}  // namespace
-
-void write_seed_policy(const std::filesystem::path& path) {
+void write_unsealed(const std::filesystem::path& path) {
   const Hdf5Writer writer(path, "policy");
   const Hdf5Id file = writer.create_file();
   write_header(writer, file);
@@ -63,6 +62,14 @@ void write_seed_policy(const std::filesystem::path& path) {
   const Hdf5Id layers = writer.create_group(file, "layers");
   write_layer(writer, layers, "0", kObservations, kHidden, "tanh");
   write_layer(writer, layers, "1", kHidden, kActions, "none");
+}
+
+}  // namespace
+
+void write_seed_policy(const std::filesystem::path& path) {
+  write_unsealed(path);
+  const std::string content = read_bytes(path);
+  write_bytes(path, policy_seal(content) + content);
 }
 
 }  // namespace skybody::fuzz

@@ -163,7 +163,7 @@ def test_checkpoints_are_stamped_with_scenario_versions_and_seed(
         state = read_checkpoint(folder).state["learner"]
         assert meta["parameter_hash"] == parameter_hash(state["parameters"])
         with h5py.File(folder / "policy.h5") as file:
-            assert file.attrs["scenario_hash"] == expected_hash
+            assert file.attrs["scenario_hash"].decode() == expected_hash
             assert (file.attrs["seed"], file.attrs["steps"]) == (3, meta["steps"])
             assert (file.attrs["observation_size"], file.attrs["action_size"]) == (22, 4)
     config = json.loads((run / "config.json").read_text())
