@@ -117,6 +117,19 @@ bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
   return false;
 }
 
+/// Whether the folders that the caller names for plugins are there.
+bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
+  const int errors_before = diagnostics.error_count();
+  for (const std::filesystem::path& folder : options.plugin_path) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(folder, ignored)) continue;
+    diagnostics.error({folder.string(), 0, 0},
+                      "the plugin path names this, which is no folder; give a folder with "
+                      "plugins, or leave it out");
+  }
+  return diagnostics.error_count() == errors_before;
+}
+
 std::vector<std::filesystem::path> folders_beside(const LoadOptions& options) {
   return scenario_plugin_folders(scenario_file(options.scenario));
 }
@@ -154,6 +167,7 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
 std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
                                                     Diagnostics& diagnostics) {
   if (!check_name(options.scenario, diagnostics)) return nullptr;
+  if (!check_plugin_path(options, diagnostics)) return nullptr;
   return load_environment(options, find_plugins(options), diagnostics);
 }
 

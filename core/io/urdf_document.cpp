@@ -3,6 +3,9 @@
 // processor, so rotations are computed again from the text.
 #include "core/io/urdf_document.h"
 
+#include <urdf_model/link.h>
+#include <urdf_model/model.h>
+
 #include <unordered_map>
 
 #include "core/io/text.h"

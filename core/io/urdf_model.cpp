@@ -5,6 +5,7 @@
 
 #include <console_bridge/console.h>
 #include <urdf_model/link.h>
+#include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <mutex>

@@ -1,7 +1,7 @@
 // urdfdom's reading of a checked URDF. Internal to core/io's URDF reader.
 #pragma once
 
-#include <urdf_model/model.h>
+#include <urdf_world/types.h>
 
 #include <string>
 

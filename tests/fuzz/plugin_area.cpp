@@ -9,12 +9,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kPlugin = "srt";
+
 class PluginArea : public Area {
  public:
   PluginArea() {
-    for (const char* name : {"srt", "rotor_speed"}) {
-      material_.seeds.push_back(read_bytes(plugin_file(name)));
-    }
+    material_.seeds.push_back(read_bytes(plugin_file(kPlugin)));
     material_.words = {
         "\x7f"
         "ELF",
@@ -27,12 +27,10 @@ class PluginArea : public Area {
 
   void begin(const fs::path& folder) override { folder_ = folder; }
 
-  /// A name of its own each time: the dynamic linker knows what is open by its file.
+  /// Under the plugin's own name, which the file promises.
   Answer run(const std::string& input, bool) override {
-    const fs::path file = folder_ / ("input_" + std::to_string(count_++) + ".so");
-    write_bytes(file, input);
+    write_bytes(folder_ / (std::string(kPlugin) + ".so"), input);
     const std::string failure = plugin_failure(folder_);
-    fs::remove(file);
     if (failure.empty()) return Answer::kAccepted;
     check_message(failure);
     return Answer::kRefused;
@@ -40,7 +38,6 @@ class PluginArea : public Area {
 
  private:
   fs::path folder_;
-  int count_ = 0;
 };
 
 }  // namespace

@@ -94,6 +94,12 @@ def test_a_scenario_that_is_not_there_is_an_input_error() -> None:
         Environment("no_such_scenario")
 
 
+def test_a_plugin_folder_that_is_missing_is_an_error_that_names_it(tmp_path: Path):
+    missing = tmp_path / "missing"
+    with pytest.raises(skybody.InputError, match=f"{missing}: error: the plugin path names this"):
+        Environment("hover", plugin_path=[missing])
+
+
 def test_messages_that_quote_bytes_that_are_no_text_are_text(tmp_path: Path) -> None:
     (tmp_path / "r.urdf").write_bytes(b'<robot name="r"><link name="a\xff\x1b[2J"/></robot>')
     (tmp_path / "q.urdf").write_bytes(b'<robot name="r"><link name="a\xff"/></robot>')
