@@ -1,0 +1,53 @@
+"""Every shipped scenario flies as it was pinned, on each dynamics, integrator, instruction set."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import skybody
+
+FOLDER = Path(__file__).resolve().parents[1] / "golden"
+SCRIPT = FOLDER / "golden.py"
+FLIGHTS = sorted(file.stem for file in FOLDER.glob("*.json"))
+
+# The pinned bits of Simbody are those of the distribution's build (docs/determinism.md).
+pytestmark = pytest.mark.skipif(
+    skybody.versions()["simbody asserts"] == "off",
+    reason="Simbody of our own gives other last bits than the distribution's",
+)
+
+
+def golden(script: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(script), *options]
+    return subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
+
+
+def test_every_shipped_scenario_is_pinned():
+    flown = {json.loads((FOLDER / f"{name}.json").read_text())["flight"] for name in FLIGHTS}
+    scenarios = {command.split()[3] for command in flown}
+    assert scenarios == {path.stem for path in (FOLDER.parents[1] / "scenarios").glob("*.yaml")}
+
+
+@pytest.mark.parametrize("flight", FLIGHTS)
+def test_a_scenario_flies_as_it_was_pinned(flight: str):
+    done = golden(SCRIPT, "--flights", flight)
+    assert (done.stdout, done.stderr, done.returncode) == ("nothing moved\n", "", 0)
+
+
+def test_a_hash_that_moved_is_named_with_its_way(tmp_path: Path):
+    root = tmp_path / "tests/golden"
+    root.mkdir(parents=True)
+    shutil.copy(SCRIPT, root)
+    pinned = json.loads((FOLDER / "hover.json").read_text())
+    before = pinned["hashes"]["tree, rk4"]["motion"]
+    pinned["hashes"]["tree, rk4"]["motion"] = "00000000deadbeef"
+    (root / "hover.json").write_text(json.dumps(pinned))
+    program = FOLDER.parents[1] / "build/release/bin/skybody"
+    done = golden(root / "golden.py", "--flights", "hover", "--program", str(program))
+    assert done.stdout == f"hover, tree, rk4: motion 00000000deadbeef -> {before}\n"
+    assert done.returncode == 1
