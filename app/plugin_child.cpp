@@ -22,6 +22,7 @@
 #include "app/output.h"
 #include "app/report.h"
 #include "core/base/error.h"
+#include "core/base/printable.h"
 #include "plugins/host/breadcrumb.h"
 
 namespace skybody {
@@ -97,16 +98,17 @@ struct End {
   std::string file, phase;  ///< the plugin whose code was running; empty phase: none
 };
 
-[[noreturn]] void be_the_child(const Work& work, const RefusedFiles& refused, SharedPage& page) {
+[[noreturn]] void be_the_child(const Work& work, const RefusedFiles& refused, unsigned patience,
+                               SharedPage& page) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // does not outlive a parent that is killed
-  watch_plugins(&page.breadcrumb);
+  watch_plugins(&page.breadcrumb, patience);
   const int status = run_and_report([&] { return work(refused); });
   std::fflush(nullptr);
   page.done = true;
   _exit(status);
 }
 
-End run_child(const Work& work, const RefusedFiles& refused) {
+End run_child(const Work& work, const RefusedFiles& refused, unsigned patience) {
   const Shared shared;
   const Capture out, err;
   std::fflush(nullptr);
@@ -115,7 +117,7 @@ End run_child(const Work& work, const RefusedFiles& refused) {
   if (child == 0) {
     out.take(STDOUT_FILENO);
     err.take(STDERR_FILENO);
-    be_the_child(work, refused, *shared);
+    be_the_child(work, refused, patience, *shared);
   }
   End end;
   while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
@@ -135,9 +137,8 @@ std::string last_words(const std::string& err) {
   const std::size_t before = err.rfind('\n', last);
   const std::size_t first =
       err.find_first_not_of(" \t", before == std::string::npos ? 0 : before + 1);
-  std::string line = err.substr(first, std::min(last + 1 - first, kLongestLastWords));
-  std::replace_if(
-      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  const std::string line =
+      printable(err.substr(first, std::min(last + 1 - first, kLongestLastWords)));
   return ", its last words are `" + line + "`";
 }
 
@@ -152,8 +153,11 @@ std::string how_it_ended(const End& end) {
 
 /// "crashes in configure() of `x` (signal 11, Segmentation fault): mend it or ..."
 std::string why_refused(const End& end) {
-  return (WIFSIGNALED(end.status) ? "crashes " : "ends the process ") + end.phase + " (" +
-         how_it_ended(end) + "): mend it or take another plugin";
+  const bool late = WIFSIGNALED(end.status) && WTERMSIG(end.status) == SIGALRM;
+  const std::string did = late                      ? "takes too long "
+                          : WIFSIGNALED(end.status) ? "crashes "
+                                                    : "ends the process ";
+  return did + end.phase + " (" + how_it_ended(end) + "): mend it or take another plugin";
 }
 
 bool was_interrupted(int status) {
@@ -181,10 +185,10 @@ ChildOutput unexplained(const End& end) {
 
 }  // namespace
 
-ChildOutput output_of_child(const Work& work) {
+ChildOutput output_of_child(const Work& work, unsigned patience) {
   RefusedFiles refused;
   while (true) {
-    End end = run_child(work, refused);
+    End end = run_child(work, refused, patience);
     if (end.done && WIFEXITED(end.status)) {
       return {WEXITSTATUS(end.status), std::move(end.out), std::move(end.err)};
     }

@@ -14,11 +14,16 @@ struct ChildOutput {
   std::string out, err;
 };
 
+/// How long a plugin may take to be loaded or configured in a child [s].
+inline constexpr unsigned kPluginPatience = 30;
+
 /// Does `work` in a child process. Where the code of a plugin ends the child (exit, crash, an
-/// exception that nobody catches), the output is dropped and the work is done again in a new child
-/// with that plugin's file among the refused ones. Must be called before the program has threads.
+/// exception that nobody catches, no return within `patience` seconds), the output is dropped and
+/// the work is done again in a new child with that plugin's file among the refused ones. Must be
+/// called before the program has threads.
 /// @param work  returns the exit status; exceptions become messages, as in run_and_report()
-ChildOutput output_of_child(const std::function<int(const RefusedFiles&)>& work);
+ChildOutput output_of_child(const std::function<int(const RefusedFiles&)>& work,
+                            unsigned patience = kPluginPatience);
 
 /// The same; writes the output when the work is done. @returns the exit status
 int run_in_child(const std::function<int(const RefusedFiles&)>& work);

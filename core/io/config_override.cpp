@@ -2,7 +2,7 @@
 
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
-#include "core/io/printable.h"
+#include "core/base/printable.h"
 #include "core/io/text.h"
 
 namespace skybody {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/io/printable.h"
+#include "core/base/printable.h"
 
 namespace skybody {
 namespace {

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "core/base/vec3.h"
-#include "core/io/printable.h"
+#include "core/base/printable.h"
 #include "core/io/ranges.h"
 #include "core/io/text.h"
 #include "core/io/urdf_materials.h"

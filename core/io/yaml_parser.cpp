@@ -28,7 +28,9 @@ class TreeBuilder : public YAML::EventHandler {
       : file_(std::move(file)),
         positions_(file_.rfind(kOverridePrefix, 0) != 0),
         budget_(budget),
-        diagnostics_(diagnostics) {}
+        diagnostics_(diagnostics) {
+    root_.mark = {file_, 0, 0};  // of a text without a document
+  }
 
   ConfigNode take_root() { return std::move(root_); }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "core/base/error.h"
 #include "core/physics/contact_spheres.h"
 
 namespace skybody {
@@ -14,6 +16,8 @@ constexpr double kReferenceRadius = 0.05;
 /// Faces of a mesh are springs: they have to be small beside what touches them. Vertices are added
 /// along the longest edge at the cost of time.
 constexpr MeshFineness kBodyMesh{0.02, 10}, kObstacleMesh{0.03, 60};
+/// Bound on a cylinder's faces: Simbody takes some 2 s to build the search tree of so many.
+constexpr double kMostFaces = 100'000;
 
 /// Hertz stiffness at which two spheres of one material and effective radius kReferenceRadius hold
 /// the heaviest robot's weight with the scenario's static penetration:
@@ -35,6 +39,26 @@ int resolution_of(double longest_edge, const MeshFineness& fineness) {
                     fineness.most_vertices);
 }
 
+/// Faces of a cylinder's side: rings of 6 (n + 1) quads as long as they are wide, two faces each.
+double cylinder_faces(const Shape& shape, int n) {
+  return 12.0 * (n + 1) * (n + 1) * shape.length / shape.radius;
+}
+
+/// Long and thin ones get fewer and longer faces.
+int cylinder_resolution(const Shape& shape, const MeshFineness& fineness) {
+  int n = std::min(resolution_of(2.0 * shape.radius, fineness), 8);
+  while (n > 0 && cylinder_faces(shape, n) > kMostFaces) --n;
+  return n;
+}
+
+/// @param whose  for the message, such as "the obstacle `pole`"
+void check_shape(const Shape& shape, const std::string& whose) {
+  if (shape.type != ShapeType::kCylinder || cylinder_faces(shape, 0) <= kMostFaces) return;
+  throw Error("the cylinder of " + whose + " is " + std::to_string(shape.length / shape.radius) +
+              " times as long as its radius; allowed where bodies may touch: at most " +
+              std::to_string(kMostFaces / 12.0) + "; write a shorter one, or a box");
+}
+
 SimTK::ContactGeometry make_geometry(const Shape& shape, const MeshFineness& fineness) {
   if (shape.type == ShapeType::kSphere) return SimTK::ContactGeometry::Sphere(shape.radius);
   if (shape.type == ShapeType::kBox) {
@@ -42,8 +66,7 @@ SimTK::ContactGeometry make_geometry(const Shape& shape, const MeshFineness& fin
     const int n = resolution_of(2.0 * SimTK::max(half), fineness);
     return SimTK::ContactGeometry::TriangleMesh(SimTK::PolygonalMesh::createBrickMesh(half, n));
   }
-  // A cylinder; the base's polygon has 6 (n + 1) edges.
-  const int n = std::min(resolution_of(2.0 * shape.radius, fineness), 8);
+  const int n = cylinder_resolution(shape, fineness);
   return SimTK::ContactGeometry::TriangleMesh(
       SimTK::PolygonalMesh::createCylinderMesh(SimTK::ZAxis, shape.radius, 0.5 * shape.length, n));
 }
@@ -90,6 +113,7 @@ void SimbodyContact::add_obstacles(const World& world) {
   for (const Obstacle& obstacle : world.scenario.obstacles) {
     const Shape& shape = obstacle.shape;
     if (shape.type == ShapeType::kMesh) continue;
+    check_shape(shape, "the obstacle `" + obstacle.name + "`");
     // In series with the layer of whatever touches it, which is the softer one.
     surfaces_.push_back({-1, shape, kObstacleMesh, kReferenceRadius, {}});
   }
@@ -104,6 +128,7 @@ void SimbodyContact::add_bodies(const World& world) {
     const WorldBody& body = world.bodies[i];
     for (const Shape& shape : body.model->collisions) {
       if (shape.type == ShapeType::kMesh) continue;
+      check_shape(shape, "the body `" + body.model->name + "`");
       const double thickness = layer_thickness(shape, material_.getStiffness(),
                                                body.model->mass.mass, world.scenario.stepping.dt);
       surfaces_.push_back({static_cast<int>(i), shape, kBodyMesh, thickness, cliques[body.robot]});

@@ -15,7 +15,8 @@ struct Breadcrumb {
 
 /// From now on phases are written to `where`, by one thread at a time. Null, as at the beginning:
 /// nobody watches, and nothing is written.
-void watch_plugins(Breadcrumb* where);
+/// @param patience  longest time of a phase [s]: then SIGALRM ends the process; 0: no limit
+void watch_plugins(Breadcrumb* where, unsigned patience = 0);
 
 /// Stands for a call into a plugin outside the step path: loading, configure(), unloading.
 class PluginPhase {

@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/base/printable.h"
 #include "plugins/host/kind.h"
 
 namespace skybody {
@@ -20,7 +21,10 @@ std::string number(double value) {
 
 std::string quoted(const char* text) { return "`" + std::string(text) + "`"; }
 
-bool is_text(const char* text) { return text != nullptr && *text != '\0'; }
+/// Printable UTF-8 in one line, perhaps empty.
+bool is_line(const char* text) { return text != nullptr && printable(text) == text; }
+
+bool is_text(const char* text) { return is_line(text) && *text != '\0'; }
 
 /// Lower-case words joined by underscores, starting with a letter.
 bool is_snake_case(const char* name) {
@@ -64,7 +68,7 @@ std::string texts_problem(const SkybodyParameter& p) {
 }
 
 std::string parameter_problem(const SkybodyParameter& p) {
-  if (p.unit == nullptr || p.doc == nullptr) return "its unit or doc is missing";
+  if (!is_line(p.unit) || !is_line(p.doc)) return "its unit or doc is missing or no line of text";
   if (p.type > SKYBODY_TEXT) return "its type " + std::to_string(p.type) + " is unknown";
   const int most = p.max_count;
   if (p.min_count < 0 || most < -1 || (most >= 0 && most < p.min_count)) {
@@ -126,7 +130,7 @@ std::string descriptor_problem(const SkybodyPlugin& plugin) {
   if (plugin.kind >= SKYBODY_KIND_COUNT) {
     return who + "is of unknown kind " + std::to_string(plugin.kind);
   }
-  if (!is_text(plugin.version)) return who + "has no version";
+  if (!is_text(plugin.version)) return who + "has no version in one line of text";
   if (!is_text(plugin.doc)) return who + "has no line of documentation";
   if (plugin.create == nullptr || plugin.destroy == nullptr) {
     return who + "has no function to make or destroy an instance";

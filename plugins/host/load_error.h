@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/printable.h"
 #include "plugins/api/abi.h"
 
 namespace skybody {
@@ -33,7 +34,7 @@ constexpr const char* kNoPluginSymbol =
 class PluginLoadError : public Error {
  public:
   PluginLoadError(LoadFailure reason, std::filesystem::path file, const std::string& message)
-      : Error(file.string() + ": " + message), reason_(reason), file_(std::move(file)) {}
+      : Error(printable(file.string() + ": " + message)), reason_(reason), file_(std::move(file)) {}
 
   LoadFailure reason() const { return reason_; }
   const std::filesystem::path& file() const { return file_; }

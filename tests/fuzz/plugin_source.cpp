@@ -7,6 +7,9 @@
 #include "tests/fuzz/finding.h"
 
 namespace skybody::fuzz {
+namespace {
+constexpr unsigned kPatience = 2;  // [s]; the fuzzer takes what lasts longer for a hang
+}
 
 std::shared_ptr<const PluginRegistry> shipped_plugins() {
   static const auto registry =
@@ -28,13 +31,15 @@ std::filesystem::path plugin_file(const std::string& name) {
 }
 
 std::string plugin_failure(const std::filesystem::path& folder) {
-  const ChildOutput child = output_of_child([&](const RefusedFiles& refused) {
-    const PluginRegistry registry({folder}, refused);
-    const auto entries = registry.open_all();
-    if (entries.size() != 1) wrong_answer("the registry does not mention the file");
-    std::fputs(entries.front()->failure.c_str(), stdout);
-    return 0;
-  });
+  const ChildOutput child = output_of_child(
+      [&](const RefusedFiles& refused) {
+        const PluginRegistry registry({folder}, refused);
+        const auto entries = registry.open_all();
+        if (entries.size() != 1) wrong_answer("the registry does not mention the file");
+        std::fputs(entries.front()->failure.c_str(), stdout);
+        return 0;
+      },
+      kPatience);
   return child.status == 0 ? child.out : child.err.substr(0, child.err.find('\n'));
 }
 

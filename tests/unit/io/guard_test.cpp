@@ -8,7 +8,7 @@
 
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
-#include "core/io/printable.h"
+#include "core/base/printable.h"
 #include "core/io/scenario_reader.h"
 #include "tests/unit/io/fake_catalog.h"
 #include "tests/unit/io/temp_folder.h"
