@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import dataclasses
 import os
 import subprocess
 import sys
@@ -24,26 +25,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import skybody
-from skybody.registration import SCENARIOS
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests/golden"))
+
+import golden  # noqa: E402
+from golden import ENVS, LEAST_STEPS, SEED, STEPS, Flight, FlightError  # noqa: E402
+
 REPORT = ROOT / "docs/determinism_matrix.md"
-SEED = 7
-ENVS = 12
-STEPS = 250  # of one environment with one robot
-LEAST_STEPS = 20
-EPISODES = 4  # at least, so that resets are among what is compared
-# Flights that no shipped scenario has: scenario and overrides by name.
-VARIANTS = {
-    "hover_on_ground": (
-        "hover",
-        (
-            "randomization[0].parameters.position_min=[-5,-5,0.02]",
-            "randomization[0].parameters.position_max=[5,5,0.06]",
-        ),
-    ),
-}
-ALL = (*SCENARIOS, *VARIANTS)
+FLIGHTS = {flight.name: flight for flight in golden.FLIGHTS}
 QUICK_SCENARIOS = ("hover", "payload")
 TIMEOUT = 600.0  # s, of one process on a machine that does much else
 PYTHON_FLIGHTS = (
@@ -53,10 +43,6 @@ PYTHON_FLIGHTS = (
     "Python, beside an environment that faults",
 )
 BURN = "import os\nparent = os.getppid()\nwhile os.getppid() == parent: sum(range(1_000_000))"
-
-
-class FlightError(RuntimeError):
-    """A process that failed; the text is the whole message."""
 
 
 @dataclass(frozen=True)
@@ -79,15 +65,14 @@ class Shape:
 class Result:
     """What the flights of one scenario gave."""
 
-    scenario: str
-    robots: int
-    steps: int  # of each environment
+    flight: Flight
+    pinned: str  # "" where the flight is not the pinned one
     hashes: dict[str, str]  # by the way of flying
 
     @property
     def hash(self) -> str:
-        """The most frequent one."""
-        return Counter(self.hashes.values()).most_common(1)[0][0]
+        """The pinned one (tests/golden), or else the most frequent."""
+        return self.pinned or Counter(self.hashes.values()).most_common(1)[0][0]
 
     @property
     def differing(self) -> list[str]:
@@ -110,11 +95,6 @@ def make_shapes(envs: int, quick: bool) -> list[Shape]:
         for batch in dict.fromkeys((envs, third, 1))
         for order in ("fixed", "arrival")
     ]
-
-
-def steps_of(steps: int, robots: int) -> int:
-    """Fewer where a step takes longer."""
-    return max(LEAST_STEPS, steps // robots)
 
 
 # --- processes ----------------------------------------------------------------------------------
@@ -150,30 +130,26 @@ def output_of(command: list[str]) -> list[str]:
     return done.stdout.split()
 
 
-def fly(program: Path, name: str, envs: int, steps: int, shape: Shape) -> dict[str, str]:
+def fly(program: Path, flight: Flight, envs: int, shape: Shape) -> dict[str, str]:
     """Hashes by the way of flying, of two processes."""
-    scenario, overrides = VARIANTS.get(name, (name, ()))
-    flight = [scenario, f"--envs={envs}", f"--steps={steps}", f"--seed={SEED}", *shape.options()]
-    for override in (*overrides, f"stepping.horizon={max(2, steps // EPISODES)}"):
-        flight += ["--set", override]
-    (by_program,) = output_of([str(program), "hash", *flight])
-    python = [sys.executable, str(ROOT / "experiments/hash_run.py"), *flight]
+    options = [*flight.options(envs), *shape.options()]
+    (by_program,) = output_of([str(program), "hash", *options])
+    python = [sys.executable, str(ROOT / "experiments/hash_run.py"), *options]
     by_python = output_of(python)
     return {"skybody hash": by_program, **dict(zip(PYTHON_FLIGHTS, by_python, strict=True))}
 
 
-def fly_all(options: argparse.Namespace, name: str, shapes: list[Shape]) -> Result:
-    """All ways of one scenario."""
-    robots = len(skybody.Environment(VARIANTS.get(name, (name,))[0]).robots)
-    steps = steps_of(options.steps, robots)
+def fly_all(options: argparse.Namespace, flight: Flight, shapes: list[Shape]) -> Result:
+    """All ways of one flight."""
     hashes: dict[str, str] = {}
     for condition, busy in (("", contextlib.nullcontext()), (", under load", load())):
         with busy:
             for shape in shapes:
-                flown = fly(options.program, name, options.envs, steps, shape)
+                flown = fly(options.program, flight, options.envs, shape)
                 for way, value in flown.items():
                     hashes[f"{way}, {shape}{condition}"] = value
-    return Result(name, robots, steps, hashes)
+    as_pinned = options.envs == ENVS and flight == FLIGHTS[flight.name]
+    return Result(flight, golden.shipped_hash(flight) if as_pinned else "", hashes)
 
 
 # --- report -------------------------------------------------------------------------------------
@@ -182,7 +158,8 @@ def fly_all(options: argparse.Namespace, name: str, shapes: list[Shape]) -> Resu
 def line(result: Result) -> str:
     """One line, and one more for each way that differs."""
     head = (
-        f"{result.scenario:<18} {result.hash}  {len(result.hashes):>4} runs of {result.steps:>3} "
+        f"{result.flight.name:<18} {result.hash}  {len(result.hashes):>4} runs of "
+        f"{result.flight.steps:>3} "
         f"steps  {result.verdict}"
     )
     return "\n".join([head, *(f"  differs: {way}" for way in result.differing)])
@@ -191,7 +168,8 @@ def line(result: Result) -> str:
 HEAD = """\
 # The determinism matrix
 
-Every shipped scenario, flown in {runs} ways: the trajectory hash that all of them gave.
+Every shipped scenario, flown in {runs} ways: the trajectory hash that `tests/golden` pins, and
+whether all of them gave it.
 
     {command}
 
@@ -235,10 +213,11 @@ def markdown(results: list[Result], shapes: list[Shape], envs: int, command: str
         orders=words(shape.order for shape in shapes),
     )
     rows = [
-        f"| `{r.scenario}` | {r.robots} | {r.steps} | `{r.hash}` | {len(r.hashes)} | {r.verdict} |"
+        f"| `{r.flight.name}` | {r.flight.robots} | {r.flight.steps} "
+        f"| `{r.hash}` | {len(r.hashes)} | {r.verdict} |"
         for r in results
     ]
-    differing = [f"- `{r.scenario}`, {way}" for r in results for way in r.differing]
+    differing = [f"- `{r.flight.name}`, {way}" for r in results for way in r.differing]
     return "\n".join(
         [head + "\n".join(rows), *(["", "Differ:", "", *differing] if differing else []), ""]
     )
@@ -267,10 +246,10 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     add("--quick", action="store_true", help="two scenarios, three shapes: a trial")
     add("--write", action="store_true", help="write docs/determinism_matrix.md")
     options = parser.parse_args(arguments)
-    options.scenarios = options.scenarios or (QUICK_SCENARIOS if options.quick else ALL)
-    unknown = sorted(set(options.scenarios) - set(ALL))
+    options.scenarios = options.scenarios or (QUICK_SCENARIOS if options.quick else tuple(FLIGHTS))
+    unknown = sorted(set(options.scenarios) - set(FLIGHTS))
     if unknown:
-        parser.error(f"--scenarios {unknown[0]}: there are {', '.join(ALL)}")
+        parser.error(f"--scenarios {unknown[0]}: there are {', '.join(FLIGHTS)}")
     if options.envs < 3:
         parser.error(f"--envs {options.envs}: at least 3")
     if options.steps < LEAST_STEPS:
@@ -284,8 +263,9 @@ def main(arguments: list[str] | None = None) -> int:
     shapes = make_shapes(options.envs, options.quick)
     results = []
     try:
-        for scenario in options.scenarios:
-            results.append(fly_all(options, scenario, shapes))
+        for name in options.scenarios:
+            flight = dataclasses.replace(FLIGHTS[name], most_steps=options.steps)
+            results.append(fly_all(options, flight, shapes))
             print(line(results[-1]), flush=True)
     except FlightError as error:
         print(f"determinism_matrix: {error}", file=sys.stderr)

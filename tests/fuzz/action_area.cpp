@@ -158,7 +158,7 @@ class ActionArea : public Area {
     return answer;
   }
 
-  bool may_leak() const override { return true; }
+  std::size_t smallest_leak() const override { return kSmallLeak; }
 
  private:
   Flock& flock_of(const std::string& name) {

@@ -21,6 +21,11 @@ struct AreaOptions {
   std::filesystem::path policy;  ///< a valid policy.h5; empty: one is made
 };
 
+/// So many inputs of a block are run again and again to see whether memory grows.
+inline constexpr std::uint64_t kLeakInputs = 12;
+/// Smallest growth that is no noise of malloc's [bytes].
+inline constexpr std::size_t kSmallLeak = 16;
+
 /// Made once in the parent process; begin() and run() are called in children.
 class Area {
  public:
@@ -32,8 +37,9 @@ class Area {
   /// @param thorough  asks for checks that take longer, such as a second run that must be the same
   /// @throws Finding if the answer is wrong; any other exception is a finding as well
   virtual Answer run(const std::string& input, bool thorough) = 0;
-  /// Whether memory that grows over repeated inputs is ours; a dynamic linker's is not.
-  virtual bool may_leak() const { return false; }
+  /// Growth of the heap that counts as a leak, per repetition of kLeakInputs inputs [bytes]; 0:
+  /// leaks are not looked for.
+  virtual std::size_t smallest_leak() const { return 0; }
 
  protected:
   Material material_;

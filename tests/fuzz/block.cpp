@@ -26,12 +26,8 @@ constexpr bool kSanitized = false;
 
 /// Every so many inputs are run thoroughly.
 constexpr std::uint64_t kThorough = 16;
-/// So many inputs of a block are run again to see whether memory grows.
-constexpr std::uint64_t kLeakInputs = 12;
 /// How often: what malloc keeps aside counts as used, and settles after a few times.
 constexpr int kRepetitions = 7, kSettling = 3;
-/// Growth of the heap in each repetition that counts as a leak [bytes].
-constexpr std::size_t kLeak = 16;
 
 std::uint64_t processor_ns() {
   timespec time{};
@@ -106,10 +102,11 @@ std::size_t growth(const Block& block, std::uint64_t first, std::uint64_t count,
 }
 
 void look_for_leaks(const Block& block, std::uint64_t count, Progress& progress) {
-  if (kSanitized || !block.area->may_leak() || count == 0) return;
+  const std::size_t smallest = block.area->smallest_leak();
+  if (kSanitized || smallest == 0 || count == 0) return;
   progress.repeating = true;
   const std::uint64_t again = std::min(count, kLeakInputs);
-  if (growth(block, block.first, again, progress) < kLeak) return;
+  if (growth(block, block.first, again, progress) < smallest) return;
   std::size_t most = 0;
   std::uint64_t worst = block.first;
   for (std::uint64_t k = block.first; k < block.first + again; ++k) {

@@ -25,7 +25,7 @@ class ModelArea : public Area {
     return check_flight(options, thorough);
   }
 
-  bool may_leak() const override { return true; }
+  std::size_t smallest_leak() const override { return kSmallLeak; }
 
  private:
   const char *file_, *scenario_;

@@ -45,7 +45,7 @@ class OverrideArea : public Area {
     return check_flight(options, thorough);
   }
 
-  bool may_leak() const override { return true; }
+  std::size_t smallest_leak() const override { return kSmallLeak; }
 
  private:
   static std::string known(const std::string& name) {

@@ -83,7 +83,7 @@ class PolicyArea : public Area {
     return Answer::kAccepted;
   }
 
-  bool may_leak() const override { return true; }
+  std::size_t smallest_leak() const override { return kSmallLeak; }
 
  private:
   fs::path file_;

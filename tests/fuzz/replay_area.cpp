@@ -116,7 +116,8 @@ class ReplayArea : public Area {
     }
   }
 
-  bool may_leak() const override { return true; }
+  /// HDF5 1.10 itself loses 424 bytes with each damaged object header (H5O_protect, by valgrind).
+  std::size_t smallest_leak() const override { return 512 * kLeakInputs; }
 
  private:
   Answer replay() const {

@@ -125,7 +125,7 @@ class ScenarioArea : public Area {
     return check_flight(options, thorough);
   }
 
-  bool may_leak() const override { return true; }
+  std::size_t smallest_leak() const override { return kSmallLeak; }
 
  private:
   fs::path folder_;

@@ -116,7 +116,7 @@ class StateArea : public Area {
     }
   }
 
-  bool may_leak() const override { return true; }
+  std::size_t smallest_leak() const override { return kSmallLeak; }
 
  private:
   void add_seed(char scenario, char kind, const Words& words) {

@@ -52,21 +52,22 @@ class Flight:
     scenario: str
     robots: int = 1
     overrides: tuple[str, ...] = ()
+    most_steps: int = STEPS
 
     @property
     def steps(self) -> int:
         """Of each environment: fewer where a step takes longer."""
-        return max(LEAST_STEPS, STEPS // self.robots)
+        return max(LEAST_STEPS, self.most_steps // self.robots)
 
     @property
     def file(self) -> Path:
         """Where its hashes are pinned."""
         return FOLDER / f"{self.name}.json"
 
-    def options(self) -> list[str]:
-        """For `skybody hash` and hash_run.py alike."""
+    def options(self, envs: int = ENVS) -> list[str]:
+        """For `skybody hash` and experiments/hash_run.py alike."""
         horizon = f"stepping.horizon={max(2, self.steps // EPISODES)}"
-        options = [self.scenario, f"--envs={ENVS}", f"--steps={self.steps}", f"--seed={SEED}"]
+        options = [self.scenario, f"--envs={envs}", f"--steps={self.steps}", f"--seed={SEED}"]
         for override in (*self.overrides, horizon):
             options += ["--set", override]
         return options
