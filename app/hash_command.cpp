@@ -130,15 +130,15 @@ int hash(const HashOptions& options) {
   how.keep_hash = true;
   VecEnv envs(environment, how);
   Run run(envs, options.steps);
-  const auto motion = std::make_shared<MotionHash>(envs);
-  if (options.motion) envs.observe(motion);
+  const auto motion = options.motion ? std::make_shared<MotionHash>(envs) : nullptr;
+  if (motion) envs.observe(motion);
   if (options.record.empty()) {
     run();
   } else if (const int signal = record(envs, run, options); signal != 0) {
     return kExitSignal + signal;
   }
   std::printf("%s\n", to_hex(envs.hash()).c_str());
-  if (options.motion) std::printf("%s\n", to_hex(motion->value()).c_str());
+  if (motion) std::printf("%s\n", to_hex(motion->value()).c_str());
   return kExitDone;
 }
 

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "app/output.h"
+#include "core/base/printable.h"
 #include "core/io/diagnostics.h"
 #include "core/model/marked_error.h"
 
@@ -37,7 +38,7 @@ int run_and_report(const Action& work) {
   } catch (const MarkedError& error) {
     return report_error(Diagnostic{Severity::kError, error.mark(), error.what()}.to_string());
   } catch (const Error& error) {
-    return report_error(std::string("error: ") + error.what());
+    return report_error("error: " + printable(error.what()));
   } catch (const std::bad_alloc&) {
     return report_error("error: out of memory");
   } catch (const std::exception& error) {

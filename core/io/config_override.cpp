@@ -1,8 +1,8 @@
 #include <charconv>
 
+#include "core/base/printable.h"
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
-#include "core/base/printable.h"
 #include "core/io/text.h"
 
 namespace skybody {

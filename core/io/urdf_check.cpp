@@ -3,8 +3,8 @@
 #include <initializer_list>
 #include <unordered_map>
 
-#include "core/base/vec3.h"
 #include "core/base/printable.h"
+#include "core/base/vec3.h"
 #include "core/io/ranges.h"
 #include "core/io/text.h"
 #include "core/io/urdf_materials.h"
@@ -134,7 +134,8 @@ class Checker {
       return false;
     }
     if (list.size() == kMostLinks) {
-      error(e, "more than " + std::to_string(kMostLinks) + " " + kind + "s; allowed: at most that");
+      error(e, "more than " + std::to_string(kMostLinks) + " " + kind +
+                   "s, which is the most that is allowed; take some out");
       too_many_ = true;
       return false;
     }
@@ -182,8 +183,10 @@ class Checker {
 
   void check_shape(const XMLElement& shape, const std::string& where) {
     if (++shapes_ == kMostShapes + 1) {
-      error(shape, "more than " + std::to_string(kMostShapes) +
-                       " shapes (<visual>, <collision>); allowed: at most that");
+      error(
+          shape,
+          "more than " + std::to_string(kMostShapes) +
+              " shapes (<visual>, <collision>), which is the most that is allowed; take some out");
       too_many_ = true;
     }
     check_single(shape, {"origin", "geometry", "material"}, where);

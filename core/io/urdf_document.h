@@ -54,8 +54,8 @@ struct UrdfDocument {
   SourceMark mark(int line) const { return {file, line, 0}; }
 };
 
-/// Reads the text of a URDF: tinyxml2 for elements with their lines and for checks, urdfdom for what
-/// they mean, rotations by core/base. Nothing and errors if anything is wrong.
+/// Reads the text of a URDF: tinyxml2 for elements with their lines and for checks, urdfdom for
+/// what they mean, rotations by core/base. Nothing and errors if anything is wrong.
 std::optional<UrdfDocument> parse_urdf_document(const std::string& text, const std::string& file,
                                                 Diagnostics& diagnostics);
 

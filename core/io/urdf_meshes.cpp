@@ -51,6 +51,10 @@ UrdfMeshes::UrdfMeshes(const std::string& urdf_file) {
     // Above a folder right below the root is everything.
     const fs::path above = inside_.back().parent_path();
     if (above != above.root_path()) inside_.push_back(above);
+    for (fs::path package = above; package != package.root_path();
+         package = package.parent_path()) {
+      if (is_file((package / "package.xml").string())) inside_.push_back(package);
+    }
   }
 }
 

@@ -14,6 +14,8 @@ bool is_hex_digit(char c) {
   return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
 }
 
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
 /// Whether `name`, between & and ;, is one of XML's references.
 bool is_reference(std::string_view name) {
   for (const char* known : {"amp", "lt", "gt", "quot", "apos"}) {
@@ -57,19 +59,30 @@ class Scan {
   void step() {
     const char c = text_[at_];
     take(c);
-    if (c == '<') attributes_ = 0;
+    if (c == '&') check_reference();
+    if (quote_ != 0) {
+      if (c == quote_) quote_ = 0;
+    } else if (c == '<' || c == '>') {
+      is_in_tag_ = c == '<';
+      attributes_ = 0;
+    } else if (is_in_tag_) {
+      step_in_tag(c);
+    }
+    ++at_;
+  }
+
+  void step_in_tag(char c) {
+    if (c == '"' || c == '\'') quote_ = c;
     if (c == '=' && ++attributes_ == kMostAttributes + 1) {
       fail("an element with more than " + std::to_string(kMostAttributes) +
-           " attributes; URDF has none");
+           " attributes; URDF knows none with more than six");
     }
-    if (c == '&') check_reference();
-    ++at_;
   }
 
   void take(char c) {
     if (c == '\n') ++line_;
     const auto code = static_cast<unsigned char>(c);
-    if ((code < 0x20 && c != '\n' && c != '\t' && c != '\r') || code == 0x7f) {
+    if (code < 0x20 && c != '\n' && c != '\t' && c != '\r') {
       fail("the control character `" + std::string(1, c) + "`, which XML forbids; remove it");
     }
   }
@@ -77,8 +90,12 @@ class Scan {
   void check_reference() {
     const std::string_view rest = text_.substr(at_ + 1, kLongestReference);
     const std::size_t end = rest.find(';');
-    if (end != rest.npos && is_reference(rest.substr(0, end))) return;
-    fail("a bare `&`, which XML forbids; write `&amp;`");
+    const std::string_view name = rest.substr(0, end == rest.npos ? 0 : end);
+    if (is_reference(name)) return;
+    const bool is_word = !name.empty() && std::all_of(name.begin(), name.end(), is_letter);
+    fail(is_word ? "the reference `&" + std::string(name) +
+                       ";`, which XML does not know; write `&amp;` for the character &"
+                 : "a bare `&`, which XML forbids; write `&amp;`");
   }
 
   std::string_view text_;
@@ -86,6 +103,8 @@ class Scan {
   Diagnostics& diagnostics_;
   std::size_t at_ = 0;
   int line_ = 1;
+  bool is_in_tag_ = false;
+  char quote_ = 0;  ///< that an attribute's value began with; 0: outside of values
   int attributes_ = 0;
   bool good_ = true;
 };

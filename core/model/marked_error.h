@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/printable.h"
 #include "core/model/scenario.h"
 
 namespace skybody {
@@ -12,7 +13,7 @@ namespace skybody {
 class MarkedError : public Error {
  public:
   MarkedError(SourceMark where, const std::string& message)
-      : Error(message), mark_(std::move(where)) {}
+      : Error(printable(message)), mark_(std::move(where)) {}
   const SourceMark& mark() const { return mark_; }
 
  private:

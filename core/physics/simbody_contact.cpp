@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "core/base/error.h"
@@ -54,9 +55,12 @@ int cylinder_resolution(const Shape& shape, const MeshFineness& fineness) {
 /// @param whose  for the message, such as "the obstacle `pole`"
 void check_shape(const Shape& shape, const std::string& whose) {
   if (shape.type != ShapeType::kCylinder || cylinder_faces(shape, 0) <= kMostFaces) return;
-  throw Error("the cylinder of " + whose + " is " + std::to_string(shape.length / shape.radius) +
-              " times as long as its radius; allowed where bodies may touch: at most " +
-              std::to_string(kMostFaces / 12.0) + "; write a shorter one, or a box");
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "%.6g times as long as its radius; allowed where bodies may touch: at most %.0f; "
+                "write a shorter one, or a box",
+                shape.length / shape.radius, kMostFaces / 12.0);
+  throw Error("the cylinder of " + whose + " is " + text);
 }
 
 SimTK::ContactGeometry make_geometry(const Shape& shape, const MeshFineness& fineness) {

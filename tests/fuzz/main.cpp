@@ -1,5 +1,6 @@
 // skybody_fuzz: mutated scenarios, models, policies, recordings, states, actions and plugins.
 // docs/fuzzing.md says how to run it, how to run a finding again, and how to add an area.
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -15,13 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// In memory where there is such a place: an input is a file of its own.
+/// In memory where plugins can be loaded from there: an input is a file of its own.
+fs::path scratch_parent() {
+  const char* memory = "/dev/shm";
+  struct statvfs found {};
+  const bool usable =
+      access(memory, W_OK) == 0 && statvfs(memory, &found) == 0 && (found.f_flag & ST_NOEXEC) == 0;
+  return usable ? fs::path(memory) : fs::temp_directory_path();
+}
+
 class ScratchFolder {
  public:
   ScratchFolder() {
-    const fs::path memory = "/dev/shm";
-    const fs::path parent = access(memory.c_str(), W_OK) == 0 ? memory : fs::temp_directory_path();
-    std::string pattern = (parent / "skybody_fuzz_XXXXXX").string();
+    std::string pattern = (scratch_parent() / "skybody_fuzz_XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a folder");
     path_ = pattern;
   }

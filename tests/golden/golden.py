@@ -176,14 +176,25 @@ def write(flight: Flight, flown: dict[str, Hashes]) -> None:
     """Pins what was flown."""
     content = {
         "flight": f"skybody hash --motion {' '.join(flight.options())}",
+        "processor": processor(),
         "hashes": flown,
     }
     flight.file.write_text(json.dumps(content, indent=2) + "\n")
 
 
+def processor() -> str:
+    """The make of this machine's processor."""
+    names = [x for x in Path("/proc/cpuinfo").read_text().splitlines() if x.startswith("vendor_id")]
+    return names[0].split(":")[1].strip() if names else "unknown"
+
+
 def moves(flight: Flight, flown: dict[str, Hashes]) -> list[str]:
-    """One line for each hash that is not the pinned one."""
-    old = pinned(flight)["hashes"]
+    """One line for each hash that is not the pinned one; of another processor's, where they must."""
+    found = pinned(flight)
+    old = found["hashes"]
+    if found.get("processor", processor()) != processor():
+        flown = {way: hashes for way, hashes in flown.items() if way.startswith("tree")}
+        old = {way: hashes for way, hashes in old.items() if way.startswith("tree")}
     lines = [f"{flight.name}, {way}: no longer flown" for way in old if way not in flown]
     for way, hashes in flown.items():
         for kind, value in hashes.items():

@@ -7,7 +7,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-#include <chrono>
 #include <fstream>
 #include <iterator>
 
@@ -117,13 +116,10 @@ long peak_kilobytes() {
 /// Holes of a file are read as zeros: 4 GiB of them must be neither read nor kept.
 TEST_F(ElfCheck, LooksAtASparseFileOfFourGigabytesWithoutReadingIt) {
   const long before = peak_kilobytes();
-  const auto start = std::chrono::steady_clock::now();
   std::filesystem::resize_file(file, std::uintmax_t{4} << 30);
   EXPECT_EQ(refusal(), "");  // an ELF file may be followed by anything
   write(static_cast<std::streamoff>(offsetof(Elf64_Ehdr, e_shoff)), std::string("\0\0\0\xf0", 4));
   EXPECT_THAT(refusal(), StartsWith("has lost its end"));
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  EXPECT_LT(seconds.count(), 1.0);                  // reading 4 GiB takes more
   EXPECT_LT(peak_kilobytes() - before, 64 * 1024);  // a few pages are needed
 }
 
