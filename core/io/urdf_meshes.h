@@ -1,10 +1,10 @@
 // Where the meshes of a URDF may lie. Internal to core/io's URDF reader.
 //
 // Meshes are only named, for pictures; nothing reads them. A name counts if it is a regular file in
-// the URDF's own folder, in the folder above it (a package with the folders `urdf` and `meshes`), in
-// any folder above that has a package.xml,
-// or, for package://NAME/REST, in the folder NAME above the URDF or beside a folder above it, if
-// that is a ROS package (it has a package.xml). No other place is looked at.
+// the URDF's own folder, in the folder above it (a package with the folders `urdf` and `meshes`),
+// in any folder above that has a package.xml, or, for package://NAME/REST, in the folder NAME above
+// the URDF or beside a folder above it, if that is a ROS package (it has a package.xml). No other
+// place is looked at.
 #pragma once
 
 #include <filesystem>

@@ -189,7 +189,7 @@ def processor() -> str:
 
 
 def moves(flight: Flight, flown: dict[str, Hashes]) -> list[str]:
-    """One line for each hash that is not the pinned one; of another processor's, where they must."""
+    """One line for each hash that is not the pinned one, of those that must be here."""
     found = pinned(flight)
     old = found["hashes"]
     if found.get("processor", processor()) != processor():
