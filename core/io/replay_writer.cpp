@@ -1,3 +1,6 @@
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 
 #include "core/base/error.h"
@@ -106,6 +109,7 @@ struct ReplayWriter::File {
 
   /// Writes what waits, then the burst's row, and hands everything to the operating system.
   void write_burst() {
+    broken = true;
     each_column([&](const auto& column) {
       add_burst(chain, column.rows(), column.waiting(), column.waiting_bytes());
       bursts.add(column.rows());
@@ -114,6 +118,19 @@ struct ReplayWriter::File {
     each_column([](auto& column) { column.write(); });
     bursts.write();
     writer.check(H5Fflush(file, H5F_SCOPE_LOCAL));
+    broken = false;
+  }
+
+  /// Leaves the file as the last whole burst left it: what HDF5 still has to write when it is
+  /// closed goes into memory that nobody sees. A burst in part would be no use to the reader.
+  void let_go_of_file() {
+    void* handle = nullptr;
+    const int nowhere = ::memfd_create("skybody replay", MFD_CLOEXEC);
+    if (nowhere < 0) return;
+    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0) {
+      ::dup2(nowhere, *static_cast<int*>(handle));
+    }
+    ::close(nowhere);
   }
 
   QuietHdf5 quiet;
@@ -134,6 +151,7 @@ struct ReplayWriter::File {
   Hdf5Column<float> reward, observation;
   Hdf5Column<std::uint64_t> state, bursts;
   HashChain chain;
+  bool broken = false;  ///< a burst was begun and could not be concluded
 };
 
 ReplayWriter::ReplayWriter(const std::filesystem::path& file, const ReplayHeader& header)
@@ -205,7 +223,13 @@ void ReplayWriter::flush() {
 void ReplayWriter::close() {
   if (!file_) return;
   const std::unique_ptr<File> file = std::move(file_);
-  file->write_burst();
+  try {
+    if (!file->broken) file->write_burst();
+  } catch (...) {
+    file->let_go_of_file();
+    throw;
+  }
+  if (file->broken) file->let_go_of_file();
 }
 
 }  // namespace skybody
