@@ -11,7 +11,8 @@ namespace {
 
 [[noreturn]] void fail(int error) {
   throw Error(std::string("cannot write the standard output: ") +
-              (error != 0 ? std::strerror(error) : "a write before has failed"));
+              (error != 0 ? std::strerror(error)
+                          : "an earlier write to it failed, and the system no longer says why"));
 }
 
 }  // namespace

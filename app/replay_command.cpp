@@ -10,6 +10,7 @@
 #include "app/output.h"
 #include "app/scenario_options.h"
 #include "core/assemble/replay_player.h"
+#include "core/base/printable.h"
 #include "core/batch/vec_env_options.h"
 #include "core/io/flight_log.h"
 #include "core/version.h"
@@ -47,7 +48,7 @@ void warn_of_version(const ReplayReader& replay) {
   const std::string& recorded = replay.header().skybody_version;
   if (recorded == version()) return;
   spdlog::warn("{} was recorded by Skybody {}; this is {}: results may differ",
-               replay.file().string(), recorded, version());
+               replay.file().string(), printable(recorded), version());
 }
 
 /// Names the recorded folders that the command line does not.
@@ -60,9 +61,9 @@ void warn_of_plugin_path(const ReplayOptions& options, const ReplayReader& repla
     };
     if (std::any_of(given.begin(), given.end(), same)) continue;
     spdlog::warn(
-        "{} was recorded with plugins from {}, which is not searched; if you trust it: "
-        "--plugin-path {}",
-        replay.file().string(), folder, folder);
+        "{} was recorded with plugins from `{}`, which is not searched; if you trust this folder, "
+        "give it with --plugin-path",
+        replay.file().string(), printable(folder));
   }
 }
 

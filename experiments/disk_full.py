@@ -266,6 +266,9 @@ def main(arguments: list[str] | None = None) -> int:
     os.environ["SKYBODY_PROGRAM"] = str(options.program.resolve())
     if options.inside:
         return inside(options.cases)
+    if shutil.which("unshare") is None:
+        print("disk_full: no file system can be mounted here: there is no program `unshare`")
+        return NOT_POSSIBLE
     words = ["unshare", "--user", "--map-root-user", "--mount"]
     probe = subprocess.run(
         [*words, "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True, check=False

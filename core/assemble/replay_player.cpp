@@ -7,6 +7,7 @@
 #include "core/assemble/replay_recorder.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
+#include "core/base/printable.h"
 #include "core/batch/fleet.h"
 #include "core/io/file.h"
 
@@ -174,7 +175,7 @@ void check_same_scenario(const ReplayReader& replay, const Environment& environm
   const ReplayHeader& header = replay.header();
   const Scenario& scenario = environment.scenario();
   if (header.scenario_hash == scenario.hash) return;
-  throw Error(replay.file().string() + " was recorded in the scenario `" + header.scenario_name +
+  throw Error(replay.file().string() + " was recorded in the scenario `" + printable(header.scenario_name) +
               "` with hash " + to_hex(header.scenario_hash) + "; " + scenario.file + " has hash " +
               to_hex(scenario.hash) + " now: " + what_changed(header, scenario));
 }

@@ -77,16 +77,40 @@ ReplayRecorder::ReplayRecorder(const VecEnv& envs, const std::filesystem::path& 
 
 ReplayRecorder::~ReplayRecorder() = default;
 
-/// Writes where there is something to write to; a failure ends the recording and removes it.
+/// Whether a file that could not be finished can be replayed, up to its last burst.
+bool can_be_replayed(const std::filesystem::path& file) {
+  try {
+    const ReplayReader reader(file);
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+/// Ends a recording whose writing failed; says what became of its file.
+std::string ReplayRecorder::give_up() {
+  writer_.reset();
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file_, ignored)) return "the recording has ended";
+  if (can_be_replayed(file_)) {
+    return "the recording has ended; the file is kept and can be replayed up to the last burst "
+           "that was written whole";
+  }
+  std::filesystem::remove(file_, ignored);
+  return "the recording has ended, and the file is removed: no burst with transitions in it can be "
+         "read";
+}
+
+/// Writes where there is something to write to; a failure ends the recording.
 template <class Write>
 void ReplayRecorder::write(Write&& write) {
   if (!writer_) return;
   try {
     write(*writer_);
+  } catch (const Error& error) {
+    throw Error(std::string(error.what()) + "; " + give_up());
   } catch (...) {
-    writer_.reset();
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(file_, ignored)) std::filesystem::remove(file_, ignored);
+    give_up();
     throw;
   }
 }

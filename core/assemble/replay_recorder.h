@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "core/assemble/load.h"
 #include "core/batch/vec_env.h"
@@ -21,7 +22,8 @@ struct RecordOptions {
 };
 
 /// A recording under way. Rows are noted when recv() gives them; what is in flight when it ends is
-/// not in it. Where writing fails, the VecEnv's call throws Error and the recording is over.
+/// not in it. Where writing fails, the VecEnv's call throws Error and the recording is over; what
+/// was written in whole bursts before is kept.
 class ReplayRecorder : public VecEnvObserver {
  public:
   ~ReplayRecorder() override;
@@ -47,6 +49,7 @@ class ReplayRecorder : public VecEnvObserver {
                                                          const RecordOptions&);
   ReplayRecorder(const VecEnv& envs, const std::filesystem::path& file,
                  const RecordOptions& options);
+  std::string give_up();
   template <class Write>
   void write(Write&& write);
   void add(ReplayEvent event);

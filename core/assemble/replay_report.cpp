@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/printable.h"
 #include "core/model/layout.h"
 
 namespace skybody {
@@ -48,7 +49,7 @@ void compare_observations(const ReplayHeader& header, const ReplayRow& a, const 
   for (std::size_t k = 0; k < std::min(a.observation.size(), b.observation.size()); ++k) {
     const float x = a.observation[k], y = b.observation[k];
     if (same_bits(x, y)) continue;
-    out.push_back({"observation " + header.observation_names.at(k),
+    out.push_back({"observation " + printable(header.observation_names.at(k)),
                    number(static_cast<double>(x), 9), number(static_cast<double>(y), 9)});
   }
 }
@@ -57,8 +58,8 @@ void compare_states(const ReplayHeader& header, const ReplayRow& a, const Replay
                     std::vector<ReplayDifference>& out) {
   for (std::size_t k = 0; k < std::min(a.state.size(), b.state.size()); ++k) {
     if (same_word(a.state[k], b.state[k])) continue;
-    out.push_back(
-        {"state " + header.state_names.at(k), word_text(a.state[k], k), word_text(b.state[k], k)});
+    out.push_back({"state " + printable(header.state_names.at(k)), word_text(a.state[k], k),
+                   word_text(b.state[k], k)});
   }
 }
 

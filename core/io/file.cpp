@@ -18,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = 16u << 20;  // [bytes]; the largest shipped file has 8 kB
-constexpr const char* kTooLarge = "is larger than 16 MiB";
 
 /// An open file, closed at the end.
 class Descriptor {
@@ -40,28 +39,33 @@ class Descriptor {
 
 std::string reason_of_errno() { return std::string("cannot be read: ") + std::strerror(errno); }
 
+std::string too_large(std::size_t most_bytes) {
+  return "is larger than " + std::to_string(most_bytes >> 20) + " MiB";
+}
+
 /// Why what has this status is not read, or an empty text.
-std::string obstacle(const struct stat& status) {
+std::string obstacle(const struct stat& status, std::size_t most_bytes) {
   if (S_ISDIR(status.st_mode)) return "is a folder";
   if (!S_ISREG(status.st_mode)) return "is not a regular file";
-  return static_cast<std::size_t>(status.st_size) > kLargestFile ? kTooLarge : "";
+  const bool fits = static_cast<std::size_t>(status.st_size) <= most_bytes;
+  return fits ? "" : too_large(most_bytes);
 }
 
 /// Why `path` is not even opened, or an empty text.
-std::string obstacle_to_opening(const std::string& path) {
+std::string obstacle_to_opening(const std::string& path, std::size_t most_bytes) {
   if (path.find('\0') != path.npos) return "cannot exist: its name has a NUL character";
   struct stat status;
-  if (::stat(path.c_str(), &status) == 0) return obstacle(status);
+  if (::stat(path.c_str(), &status) == 0) return obstacle(status, most_bytes);
   return errno == ENOENT || errno == ENOTDIR ? "does not exist" : reason_of_errno();
 }
 
 /// Reads `path` into `text`; why not, or an empty text.
-std::string read_into(const std::string& path, std::string& text) {
+std::string read_into(const std::string& path, std::size_t most_bytes, std::string& text) {
   const Descriptor file(path);
   if (!file.is_open()) return reason_of_errno();
   struct stat status;
   if (::fstat(file.number(), &status) != 0) return reason_of_errno();
-  const std::string problem = obstacle(status);
+  const std::string problem = obstacle(status, most_bytes);
   if (!problem.empty()) return problem;
   text.reserve(static_cast<std::size_t>(status.st_size));
   std::array<char, 65536> buffer;
@@ -71,17 +75,21 @@ std::string read_into(const std::string& path, std::string& text) {
     if (count < 0) return reason_of_errno();
     if (count == 0) return "";
     text.append(buffer.data(), static_cast<std::size_t>(count));
-    if (text.size() > kLargestFile) return kTooLarge;
+    if (text.size() > most_bytes) return too_large(most_bytes);
   }
 }
 
 }  // namespace
 
+std::string read_regular_file(const std::string& path, std::size_t most_bytes, std::string& text) {
+  const std::string problem = obstacle_to_opening(path, most_bytes);
+  return problem.empty() ? read_into(path, most_bytes, text) : problem;
+}
+
 std::optional<std::string> read_file(const std::string& path, const SourceMark& used_at,
                                      Diagnostics& diagnostics) {
   std::string text;
-  std::string problem = obstacle_to_opening(path);
-  if (problem.empty()) problem = read_into(path, text);
+  const std::string problem = read_regular_file(path, kLargestFile, text);
   if (problem.empty()) return text;
   if (used_at.file.empty()) {
     diagnostics.error({path, 0, 0}, "the file " + problem);

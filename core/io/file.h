@@ -1,6 +1,7 @@
 // Reading files whole, and paths relative to the file in which they are written.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -10,6 +11,10 @@ namespace skybody {
 
 /// What marks a position on the command line: the text before the override.
 inline constexpr const char* kOverridePrefix = "--set ";
+
+/// Reads a regular file of up to `most_bytes` into `text`. Nothing is waited for, also where a pipe
+/// takes the file's place meanwhile. Returns why it was not read ("is a folder"), or an empty text.
+std::string read_regular_file(const std::string& path, std::size_t most_bytes, std::string& text);
 
 /// The contents of `path`, or nothing and an error at `used_at` (or at the file, if `used_at` names
 /// none). Only regular files of up to 16 MiB are read; anything else (folders,

@@ -1,12 +1,7 @@
 #include "core/io/policy_seal.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
-#include <system_error>
-
 #include "core/base/hash.h"
+#include "core/io/file.h"
 #include "core/io/hdf5_reader.h"
 #include "core/model/marked_error.h"
 
@@ -18,23 +13,17 @@ namespace fs = std::filesystem;
 constexpr std::string_view kFirstWord = "skybody-policy ";
 constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
 // 2^26 float32 weights: a thousand times the networks of docs/training.md.
-constexpr std::uintmax_t kLargestFile = 256u << 20;
+constexpr std::size_t kLargestFile = 256u << 20;
 
 [[noreturn]] void fail(const fs::path& file, const std::string& message) {
   throw MarkedError({file.string(), 0, 0}, message);
 }
 
 std::string read_bytes(const fs::path& file) {
-  check_regular_file(file);
-  std::error_code ignored;
-  if (fs::file_size(file, ignored) > kLargestFile) {
-    fail(file, "larger than " + std::to_string(kLargestFile >> 20) + " MiB: this is no policy");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.is_open() || stream.bad()) {
-    fail(file, std::string("cannot be read: ") + std::strerror(errno));
-  }
+  check_regular_file(file);  // says what to give instead of a folder
+  std::string bytes;
+  const std::string problem = read_regular_file(file.string(), kLargestFile, bytes);
+  if (!problem.empty()) fail(file, "the file " + problem);
   return bytes;
 }
 

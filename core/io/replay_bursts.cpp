@@ -1,5 +1,8 @@
 #include "core/io/replay_bursts.h"
 
+#include <algorithm>
+#include <array>
+#include <string>
 #include <vector>
 
 #include "core/io/hdf5_reader.h"
@@ -7,67 +10,108 @@
 namespace skybody {
 namespace {
 
+constexpr std::size_t kWindowBytes = 1 << 20;  // of a column, unless a burst has more
+
+/// Rows of one column that lie in memory. Opening a dataset takes far longer than a small burst.
+struct Window {
+  std::size_t rows_in_file = 0, first = 0, count = 0;
+  std::vector<unsigned char> bytes;
+
+  bool has(std::size_t from, std::size_t rows) const {
+    return from >= first && from - first <= count && rows <= count - (from - first);
+  }
+};
+
 class BurstReader {
  public:
   BurstReader(const Hdf5Reader& reader, const ReplayHeader& header)
       : reader_(reader), header_(header), chain_(replay_chain(header)) {}
 
   ReplayRows read() {
-    for (const ReplayColumn& column : kReplayColumns) check_column(column);
+    for (std::size_t k = 0; k < kReplayColumnCount; ++k) check_column(k);
     const Hdf5Reader::Shape shape = reader_.shape(kReplayBursts);
-    if (shape.columns != kReplayBurstWidth) damaged();
+    check_width(kReplayBursts, shape.columns, kReplayBurstWidth);
     const auto bursts = reader_.all<std::uint64_t>(kReplayBursts);
-    for (std::size_t k = 0; k < shape.rows; ++k) read_burst(bursts.data() + k * shape.columns);
+    for (std::size_t k = 0; k < shape.rows; ++k) read_burst(k, bursts.data() + k * shape.columns);
     return rows_;
   }
 
  private:
-  void check_column(const ReplayColumn& column) const {
+  void check_column(std::size_t k) {
+    const ReplayColumn& column = kReplayColumns[k];
     const std::size_t width = replay_width(header_, column.width);
-    if (width > 0 && reader_.shape(column.path).columns != width) damaged();
+    if (width == 0) return;
+    const Hdf5Reader::Shape shape = reader_.shape(column.path);
+    check_width(column.path, shape.columns, width);
+    windows_[k].rows_in_file = shape.rows;
   }
 
-  void read_burst(const std::uint64_t* burst) {
+  void check_width(const char* path, std::size_t found, std::size_t wanted) const {
+    if (found == wanted) return;
+    damaged("a row of `" + std::string(path) + "` has " + std::to_string(found) +
+            " values, not the " + std::to_string(wanted) + " that were recorded");
+  }
+
+  void read_burst(std::size_t number, const std::uint64_t* burst) {
     for (std::size_t k = 0; k < kReplayColumnCount; ++k) {
-      if (burst[k] < rows_[k]) damaged();
+      if (burst[k] < rows_[k]) {
+        damaged("burst " + std::to_string(number) + " counts fewer rows of `" +
+                kReplayColumns[k].path + "` than the one before it");
+      }
       const std::size_t first = rows_[k], count = static_cast<std::size_t>(burst[k]) - first;
       rows_[k] += count;
       if (replay_width(header_, kReplayColumns[k].width) > 0) {
-        add_column(kReplayColumns[k], first, count);
+        add_column(k, first, count);
       }
     }
-    if (chain_.value() != burst[kReplayColumnCount]) damaged();
+    if (chain_.value() == burst[kReplayColumnCount]) return;
+    damaged("the values of burst " + std::to_string(number) + " are not those that were recorded");
   }
 
-  void add_column(const ReplayColumn& column, std::size_t first, std::size_t count) {
-    switch (column.type) {
+  void add_column(std::size_t k, std::size_t first, std::size_t count) {
+    switch (kReplayColumns[k].type) {
       case ReplayType::kU8:
-        return add_values<std::uint8_t>(column, first, count);
+        return add_values<std::uint8_t>(k, first, count);
       case ReplayType::kI32:
-        return add_values<std::int32_t>(column, first, count);
+        return add_values<std::int32_t>(k, first, count);
       case ReplayType::kU64:
-        return add_values<std::uint64_t>(column, first, count);
+        return add_values<std::uint64_t>(k, first, count);
       case ReplayType::kF32:
-        return add_values<float>(column, first, count);
+        return add_values<float>(k, first, count);
     }
   }
 
   template <class T>
-  void add_values(const ReplayColumn& column, std::size_t first, std::size_t count) {
+  void add_values(std::size_t k, std::size_t first, std::size_t count) {
     if (count == 0) return;
-    const std::vector<T> values = reader_.rows<T>(column.path, first, count);
-    add_burst(chain_, first + count, values.data(), values.size() * sizeof(T));
+    const std::size_t row_bytes = replay_width(header_, kReplayColumns[k].width) * sizeof(T);
+    if (!windows_[k].has(first, count)) slide<T>(k, first, count, row_bytes);
+    const Window& window = windows_[k];
+    add_burst(chain_, first + count, window.bytes.data() + (first - window.first) * row_bytes,
+              count * row_bytes);
   }
 
-  [[noreturn]] void damaged() const {
-    reader_.fail(
-        "this replay is damaged: its values are not those that were recorded; take another copy");
+  /// Has the window begin at `first`; what the file does not have is refused before it is read.
+  template <class T>
+  void slide(std::size_t k, std::size_t first, std::size_t count, std::size_t row_bytes) {
+    Window& window = windows_[k];
+    const std::size_t left = window.rows_in_file - std::min(first, window.rows_in_file);
+    window.first = first;
+    window.count = std::max(count, std::min(left, kWindowBytes / row_bytes));
+    const auto values = reader_.rows<T>(kReplayColumns[k].path, first, window.count);
+    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+    window.bytes.assign(bytes, bytes + values.size() * sizeof(T));
+  }
+
+  [[noreturn]] void damaged(const std::string& what) const {
+    reader_.fail("this replay is damaged: " + what + "; take another copy");
   }
 
   const Hdf5Reader& reader_;
   const ReplayHeader& header_;
   HashChain chain_;
   ReplayRows rows_{};
+  std::array<Window, kReplayColumnCount> windows_;
 };
 
 void add_texts(HashChain& chain, const std::vector<std::string>& texts) {

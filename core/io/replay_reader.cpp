@@ -113,43 +113,48 @@ struct ReplayReader::File {
     argument = read_column<std::uint64_t>(kArgument);
     env_id = read_column<std::int32_t>(kEventEnv);
     paths = read_column<std::uint8_t>(kPath);
-    check_ids(env_id);
-    if (count.size() != kind.size() || argument.size() != kind.size()) damaged();
-    if (kind.empty() || !is_restore(0)) damaged();
+    check_ids(kEventEnv, env_id);
+    if (count.size() != kind.size()) wrong_length(kCount);
+    if (argument.size() != kind.size()) wrong_length(kArgument);
+    if (kind.empty() || !is_restore(0)) damaged("the first event is not a saved state");
     // A saved state has several words an environment.
-    if (static_cast<std::size_t>(header.envs) > rows[kSaved]) damaged();
+    if (static_cast<std::size_t>(header.envs) > rows[kSaved]) wrong_length(kSaved);
     check_counts();
   }
 
   /// The events take exactly what the other columns have; a count may be any 64-bit number.
   void check_counts() const {
     std::size_t ids = env_id.size(), words = rows[kSaved], actions = rows[kAction];
-    const auto take = [this](std::size_t& left, std::uint64_t taken) {
-      if (taken > left) damaged();
+    std::size_t event = 0;
+    const auto take = [this, &event](std::size_t& left, std::uint64_t taken) {
+      if (taken > left) damaged_event(event);
       left -= static_cast<std::size_t>(taken);
     };
-    for (std::size_t k = 0; k < kind.size(); ++k) {
-      if (kind[k] > static_cast<std::uint8_t>(ReplayEventKind::kReseed)) damaged();
+    for (; event < kind.size(); ++event) {
+      const std::size_t k = event;
+      if (kind[k] > static_cast<std::uint8_t>(ReplayEventKind::kReseed)) damaged_event(k);
       take(is_restore(k) ? words : ids, count[k]);
       if (kind_of(k) == ReplayEventKind::kSend && header.action_size > 0) take(actions, count[k]);
     }
-    if (ids != 0 || words != 0 || actions != 0) damaged();
+    if (ids != 0) wrong_length(kEventEnv);
+    if (words != 0) wrong_length(kSaved);
+    if (actions != 0) wrong_length(kAction);
   }
 
   void read_transitions() {
     row_env = read_column<std::int32_t>(kRowEnv);
     hash = read_column<std::uint64_t>(kHash);
-    check_ids(row_env);
+    check_ids(kRowEnv, row_env);
     if (row_env.empty()) {
       reader.fail("this replay has no transitions: there is nothing to compare; record a reset");
     }
     for (const ReplayColumnId::Id id :
          {kHash, kEpisode, kEpisodeStep, kWasReset, kStatus, kReward}) {
-      if (rows[id] != row_env.size()) damaged();
+      if (rows[id] != row_env.size()) wrong_length(id);
     }
     for (const ReplayColumnId::Id id : {kObservation, kState}) {
       const bool has = replay_width(header, kReplayColumns[id].width) > 0;
-      if (has && rows[id] != row_env.size()) damaged();
+      if (has && rows[id] != row_env.size()) wrong_length(id);
     }
   }
 
@@ -174,23 +179,39 @@ struct ReplayReader::File {
         }
       }
       if (kind_of(k) != ReplayEventKind::kReseed) continue;
-      if (places.size() > left) damaged();
+      if (places.size() > left) damaged_event(k);
       left -= places.size();
       for (auto& list : sent) list.push_back(-1);
     }
     for (std::size_t env = 0; env < places.size(); ++env) {
-      if (places[env].size() > sent[env].size()) damaged();
+      if (places[env].size() > sent[env].size()) {
+        damaged("environment " + std::to_string(env) + " has more transitions than events");
+      }
     }
   }
 
-  void check_ids(const std::vector<std::int32_t>& ids) {
+  void check_ids(ReplayColumnId::Id column, const std::vector<std::int32_t>& ids) const {
     for (const std::int32_t id : ids) {
-      if (id < 0 || id >= header.envs) damaged();
+      if (id >= 0 && id < header.envs) continue;
+      damaged(name_of(column) + " has environment " + std::to_string(id) + " of " +
+              std::to_string(header.envs));
     }
   }
 
-  [[noreturn]] void damaged() const {
-    reader.fail("this replay is damaged: its events and transitions do not fit together");
+  static std::string name_of(ReplayColumnId::Id id) {
+    return "`" + std::string(kReplayColumns[id].path) + "`";
+  }
+
+  [[noreturn]] void wrong_length(ReplayColumnId::Id id) const {
+    damaged(name_of(id) + " has a wrong number of rows: " + std::to_string(rows[id]));
+  }
+
+  [[noreturn]] void damaged_event(std::size_t event) const {
+    damaged("event " + std::to_string(event) + " is of no known kind, or takes more than there is");
+  }
+
+  [[noreturn]] void damaged(const std::string& what) const {
+    reader.fail("this replay is damaged: its events and transitions do not fit together: " + what);
   }
 
   ReplayEventKind kind_of(std::size_t k) const { return static_cast<ReplayEventKind>(kind[k]); }
@@ -217,7 +238,7 @@ struct ReplayReader::File {
   }
 
   void slide_window() {
-    if (next_action >= rows[kAction]) damaged();
+    if (next_action >= rows[kAction]) wrong_length(kAction);
     window_begin = next_action;
     window_end = std::min(rows[kAction], next_action + kWindow);
     window =
@@ -267,7 +288,7 @@ bool ReplayReader::next(ReplayEvent& event) {
   if (event.kind == ReplayEventKind::kSetParam) f.read_path(event.path);
   const bool needs_one =
       event.kind == ReplayEventKind::kFork || event.kind == ReplayEventKind::kSetParam;
-  if (needs_one && count == 0) f.damaged();
+  if (needs_one && count == 0) f.damaged_event(k);
   return true;
 }
 

@@ -1,4 +1,9 @@
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstring>
 
 #include "core/base/error.h"
 #include "core/base/hash.h"
@@ -10,6 +15,8 @@ namespace skybody {
 namespace {
 
 constexpr std::size_t kFlushBytes = 4 << 20;
+constexpr std::size_t kChunkBytes = 1 << 16;        // of a column, where a row is no longer
+constexpr std::size_t kStructureBytes = 256 << 10;  // that HDF5 adds in a burst, with room to spare
 
 /// Has HDF5 write the file's structure in flushes alone, and not whenever its cache is full.
 void hold_structure_back(const Hdf5Writer& writer, hid_t file) {
@@ -68,8 +75,9 @@ Hdf5Id created(const Hdf5Writer& writer, const ReplayHeader& header) {
 }  // namespace
 
 struct ReplayWriter::File {
-  File(const std::filesystem::path& place, const ReplayHeader& header)
-      : writer(place, "replay"),
+  File(const std::filesystem::path& target, const ReplayHeader& header)
+      : place(target),
+        writer(target, "replay"),
         file(created(writer, header)),
         events(writer.create_group(file, "events")),
         transitions(writer.create_group(file, "transitions")),
@@ -106,6 +114,8 @@ struct ReplayWriter::File {
 
   /// Writes what waits, then the burst's row, and hands everything to the operating system.
   void write_burst() {
+    const haddr_t end = reserve();
+    broken = true;
     each_column([&](const auto& column) {
       add_burst(chain, column.rows(), column.waiting(), column.waiting_bytes());
       bursts.add(column.rows());
@@ -114,8 +124,54 @@ struct ReplayWriter::File {
     each_column([](auto& column) { column.write(); });
     bursts.write();
     writer.check(H5Fflush(file, H5F_SCOPE_LOCAL));
+    broken = false;
+    give_back(end);
   }
 
+  int descriptor() const {
+    void* handle = nullptr;
+    writer.check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle));
+    return *static_cast<int*>(handle);
+  }
+
+  haddr_t end_of_file() const {
+    haddr_t end = 0;
+    writer.check(H5Fget_eoa(file, &end));
+    return end;
+  }
+
+  /// Takes the space that a burst may need before any of it is written: HDF5 cannot take back a
+  /// burst that it wrote in part, and then reads none before it, either. Returns the end of that.
+  haddr_t reserve() {
+    const std::size_t row = observation_size * 4 + state_size * 8 + action_size * 4;
+    std::size_t bytes = kStructureBytes + row + (kReplayColumnCount + 1) * kChunkBytes;
+    each_column([&](const auto& column) { bytes += column.waiting_bytes(); });
+    const haddr_t end = end_of_file();
+    const int error =
+        ::posix_fallocate(descriptor(), static_cast<off_t>(end), static_cast<off_t>(bytes));
+    if (error == 0) return end + bytes;
+    throw Error("cannot write the replay " + place.string() + ": " + std::strerror(error));
+  }
+
+  /// Frees what the burst did not need. A file that stays longer is whole, too.
+  void give_back(haddr_t reserved) {
+    const haddr_t end = end_of_file();
+    if (end < reserved && ::ftruncate(descriptor(), static_cast<off_t>(end)) != 0) return;
+  }
+
+  /// Leaves the file as the last whole burst left it: what HDF5 still has to write when it is
+  /// closed goes into memory that nobody sees. A burst in part would be no use to the reader.
+  void let_go_of_file() {
+    void* handle = nullptr;
+    const int nowhere = ::memfd_create("skybody replay", MFD_CLOEXEC);
+    if (nowhere < 0) return;
+    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0) {
+      ::dup2(nowhere, *static_cast<int*>(handle));
+    }
+    ::close(nowhere);
+  }
+
+  std::filesystem::path place;
   QuietHdf5 quiet;
   Hdf5Writer writer;
   Hdf5Id file, events, transitions;
@@ -134,6 +190,7 @@ struct ReplayWriter::File {
   Hdf5Column<float> reward, observation;
   Hdf5Column<std::uint64_t> state, bursts;
   HashChain chain;
+  bool broken = false;  ///< a burst was begun and could not be concluded
 };
 
 ReplayWriter::ReplayWriter(const std::filesystem::path& file, const ReplayHeader& header)
@@ -205,7 +262,13 @@ void ReplayWriter::flush() {
 void ReplayWriter::close() {
   if (!file_) return;
   const std::unique_ptr<File> file = std::move(file_);
-  file->write_burst();
+  try {
+    if (!file->broken) file->write_burst();
+  } catch (...) {
+    file->let_go_of_file();
+    throw;
+  }
+  if (file->broken) file->let_go_of_file();
 }
 
 }  // namespace skybody

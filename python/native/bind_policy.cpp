@@ -2,9 +2,13 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "core/base/printable.h"
+#include "core/io/policy_file.h"
 #include "core/io/policy_seal.h"
 #include "core/model/marked_error.h"
+#include "python/native/arrays.h"
 #include "python/native/bindings.h"
 
 namespace skybody::python {
@@ -12,9 +16,49 @@ namespace {
 
 nb::bytes bytes_of(const std::string& text) { return nb::bytes(text.data(), text.size()); }
 
-nb::bytes read_sealed(const std::string& file) {
+const char* name_of(Activation activation) {
+  switch (activation) {
+    case Activation::kNone:
+      break;
+    case Activation::kTanh:
+      return "tanh";
+    case Activation::kRelu:
+      return "relu";
+  }
+  return "none";
+}
+
+nb::object vector_of(const std::vector<double>& values) {
+  return copy_of<double>(values, {values.size()});
+}
+
+nb::tuple layer_of(const PolicyLayer& layer) {
+  const auto rows = static_cast<std::size_t>(layer.outputs);
+  const auto columns = static_cast<std::size_t>(layer.inputs);
+  return nb::make_tuple(copy_of<double>(layer.weight, {rows, columns}), vector_of(layer.bias),
+                        name_of(layer.activation));
+}
+
+nb::dict dict_of(const PolicyFile& policy) {
+  nb::dict values;
+  values["scenario"] = policy.scenario;
+  values["scenario_hash"] = policy.scenario_hash;
+  values["algorithm"] = policy.algorithm;
+  values["steps"] = policy.steps;
+  values["observation_size"] = policy.observation_size;
+  values["action_squash"] = policy.squash == ActionSquash::kTanh ? "tanh" : "clip";
+  values["mean"] = vector_of(policy.mean);
+  values["scale"] = vector_of(policy.scale);
+  values["clip"] = policy.clip;
+  nb::list layers;
+  for (const PolicyLayer& layer : policy.layers) layers.append(layer_of(layer));
+  values["layers"] = layers;
+  return values;
+}
+
+nb::dict read_policy_file(const std::string& file) {
   try {
-    return bytes_of(read_sealed_policy(file));
+    return dict_of(read_policy(file));
   } catch (const MarkedError& error) {
     throw Error(error.mark().file + ": " + error.what());
   }
@@ -31,9 +75,18 @@ void bind_policy(nb::module_& m) {
       nb::arg("content"),
       "The first 512 bytes of a policy.h5 whose other bytes are `content`. docs/policies.md says "
       "what they hold.");
-  m.def("read_sealed_policy", &read_sealed, nb::arg("path"),
-        "All bytes of a policy.h5. Error, which names the file, where they are not those that its "
-        "seal names.");
+  m.def("read_policy_file", &read_policy_file, nb::arg("path"),
+        "What a policy.h5 holds, by the rules of `skybody run --policy`: sizes fit together and "
+        "every number is finite. `layers` are (weight, bias, activation); `mean` and `scale` are "
+        "empty without a normalization. Error, which names the file, for any other file.");
+  m.def(
+      "printable",
+      [](const nb::bytes& text) {
+        return printable({text.c_str(), text.size()});
+      },
+      nb::arg("text"),
+      "UTF-8 bytes as one line that is safe to print: control characters and bytes that are no "
+      "UTF-8 become \\xNN.");
 }
 
 }  // namespace skybody::python

@@ -126,10 +126,10 @@ TEST_F(Stranger, InAReplaysPluginPathIsNamedAndNotRun) {
   fs::remove(place() / "mark");
   const Outcome refused = run({"replay", "run.h5"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, StartsWith("warning: run.h5 was recorded with plugins from " +
+  EXPECT_THAT(refused.err, StartsWith("warning: run.h5 was recorded with plugins from `" +
                                       file.parent_path().string() +
-                                      ", which is not searched; if you trust it: --plugin-path " +
-                                      file.parent_path().string() + "\n"));
+                                      "`, which is not searched; if you trust this folder, give "
+                                      "it with --plugin-path\n"));
   EXPECT_THAT(refused.err, HasSubstr(" lies beside the scenario and is not opened"));
   EXPECT_FALSE(left_a_mark());
   const Outcome trusted = run({"replay", "run.h5", "--plugin-path", "plugins"});

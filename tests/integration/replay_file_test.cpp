@@ -1,6 +1,7 @@
 // Replay files that are damaged, or were made by somebody who means harm.
 #include "core/io/replay_file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -97,7 +98,8 @@ ReplayHeader write_small(const fs::path& file, bool with_transition = true) {
 }
 
 constexpr const char* kDamagedValues =
-    "this replay is damaged: its values are not those that were recorded; take another copy";
+    "this replay is damaged: the values of burst 0 are not those that were recorded; take another "
+    "copy";
 constexpr const char* kDamagedEvents =
     "this replay is damaged: its events and transitions do not fit together";
 
@@ -111,7 +113,7 @@ TEST(ReplayFile, RefusesAnEventCountBeyondTheFileBeforeItAsksForMemory) {
     put_value(file, "/events/count", event, H5T_NATIVE_UINT64, std::uint64_t{1} << 61);
     EXPECT_EQ(refusal_of(file), kDamagedValues);
     rehash(file, header);
-    EXPECT_EQ(refusal_of(file), kDamagedEvents);
+    EXPECT_THAT(refusal_of(file), testing::StartsWith(kDamagedEvents));
   }
 }
 
@@ -127,13 +129,17 @@ TEST(ReplayFile, RefusesEventsThatDoNotFitTheOtherColumns) {
     rehash(file, header);
     return refusal_of(file);
   };
-  EXPECT_EQ(refusal_with("/events/kind", 1, H5T_NATIVE_UINT8, std::uint8_t{9}), kDamagedEvents);
-  EXPECT_EQ(refusal_with("/events/kind", 0, H5T_NATIVE_UINT8, std::uint8_t{1}), kDamagedEvents);
-  EXPECT_EQ(refusal_with("/events/kind", 1, H5T_NATIVE_UINT8, std::uint8_t{2}), kDamagedEvents)
+  EXPECT_THAT(refusal_with("/events/kind", 1, H5T_NATIVE_UINT8, std::uint8_t{9}),
+              testing::StartsWith(kDamagedEvents));
+  EXPECT_THAT(refusal_with("/events/kind", 0, H5T_NATIVE_UINT8, std::uint8_t{1}),
+              testing::StartsWith(kDamagedEvents));
+  EXPECT_THAT(refusal_with("/events/kind", 1, H5T_NATIVE_UINT8, std::uint8_t{2}),
+              testing::StartsWith(kDamagedEvents))
       << "actions that are not there";
-  EXPECT_EQ(refusal_with("/events/env_id", 0, H5T_NATIVE_INT32, std::int32_t{1}), kDamagedEvents);
-  EXPECT_EQ(refusal_with("/transitions/env_id", 0, H5T_NATIVE_INT32, std::int32_t{-1}),
-            kDamagedEvents);
+  EXPECT_THAT(refusal_with("/events/env_id", 0, H5T_NATIVE_INT32, std::int32_t{1}),
+              testing::StartsWith(kDamagedEvents));
+  EXPECT_THAT(refusal_with("/transitions/env_id", 0, H5T_NATIVE_INT32, std::int32_t{-1}),
+              testing::StartsWith(kDamagedEvents));
 }
 
 TEST(ReplayFile, RefusesARecordingWithoutTransitions) {

@@ -1,7 +1,9 @@
 // Recordings and `skybody replay`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -143,6 +145,68 @@ TEST_F(Recorded, IsReadableUpToTheLastFlushWhateverHappensAfterwards) {
   EXPECT_TRUE(report.identical());
   EXPECT_EQ(report.transitions, 10u * kEnvs);
   stop_recording(*envs, *recorder);
+}
+
+/// Has files of this process grow no further than `bytes` while it lives, as on a full disk.
+class FileLimit {
+ public:
+  explicit FileLimit(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit now = before_;
+    now.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &now);
+  }
+  ~FileLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST_F(Recorded, IsKeptUpToItsLastWholeBurstWhereTheNextCannotBeWritten) {
+  const auto envs = make();
+  const auto recorder = start_recording(*envs, file_);
+  envs->send_reset();
+  fly(*envs, 10);
+  recorder->flush();
+  std::string message;
+  {
+    const FileLimit full(fs::file_size(file_));
+    try {
+      for (int k = 0; k < 50; ++k) {
+        fly(*envs, 50);
+        recorder->flush();
+      }
+    } catch (const Error& error) {
+      message = error.what();
+    }
+  }
+  EXPECT_THAT(message,
+              HasSubstr("; the recording has ended; the file is kept and can be replayed"));
+  EXPECT_FALSE(recorder->recording());
+  EXPECT_TRUE(replay().identical());
+  EXPECT_GE(replay().transitions, 10u * kEnvs);
+}
+
+TEST_F(Recorded, IsRemovedWhereNoBurstWithTransitionsWasWritten) {
+  const auto envs = make();
+  const auto recorder = start_recording(*envs, file_);
+  envs->send_reset();
+  std::string message;
+  {
+    const FileLimit full(fs::file_size(file_));
+    try {
+      fly(*envs, 10);
+      recorder->flush();
+    } catch (const Error& error) {
+      message = error.what();
+    }
+  }
+  EXPECT_THAT(message, HasSubstr("; the recording has ended, and the file is removed: "));
+  EXPECT_FALSE(fs::exists(file_));
 }
 
 TEST_F(Recorded, IsRefusedInAnotherScenario) {

@@ -54,7 +54,7 @@ def test_a_converted_policy_has_the_same_numbers(
     np.testing.assert_array_equal(policy.layers[0].bias, [0.5, -0.5])
     assert (policy.clip, policy.layers[0].activation) == (10.0, "tanh")
     assert policy.attributes["scenario"] == "hover"
-    assert (policy.attributes["version"], policy.attributes["steps"]) == (2, 1200)
+    assert policy.attributes["steps"] == 1200
     assert [file.name for file in tmp_path.iterdir()] == ["policy.h5"]
     content = path.read_bytes()
     assert main([str(path)]) == 0
@@ -69,6 +69,29 @@ def test_the_checkpoint_of_a_converted_policy_knows_its_new_hash(tmp_path: Path)
     assert main([str(path)]) == 0
     stamps = json.loads(meta.read_text())
     assert stamps == {"steps": 1200, "files": {"policy.h5": files.file_hash(path)}}
+
+
+def test_a_swapped_policy_of_format_2_does_not_get_its_hash_into_the_checkpoint(
+    tmp_path: Path,
+) -> None:
+    path = write_old(tmp_path / "policy.h5")
+    assert main([str(path)]) == 0
+    meta = tmp_path / "meta.json"
+    meta.write_text(json.dumps({"files": {"policy.h5": "0" * 64}}))
+    before = meta.read_bytes()
+    assert main([str(path)]) == 0
+    assert meta.read_bytes() == before
+
+
+def test_files_behind_a_bad_one_are_converted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good = write_old(tmp_path / "good.h5")
+    assert main([str(tmp_path / "absent.h5"), str(good)]) == 2
+    said = capsys.readouterr()
+    assert said.out == f"{good}: converted to format 2\n"
+    assert said.err.count("\n") == 1
+    read_policy(good)
 
 
 @pytest.mark.parametrize(

@@ -13,13 +13,20 @@ from skybody._native import policy_seal
 from skybody.train.policy_file import Layer, Policy, read_policy, write_policy
 
 LAYER = Layer(np.ones((1, 2), np.float32), np.zeros(1, np.float32), "none")
-POLICY = Policy([LAYER], np.zeros(2), np.ones(2), 10.0, {"scenario": "hover", "steps": 5})
+STAMPS = {"scenario": "hover", "scenario_hash": "0" * 16, "algorithm": "ppo", "steps": 5}
+POLICY = Policy([LAYER], np.zeros(2), np.ones(2), 10.0, STAMPS)
 
 
 def written(folder: Path) -> Path:
     path = folder / "policy.h5"
     write_policy(path, POLICY)
     return path
+
+
+def seal(path: Path) -> None:
+    """Gives a changed file a good seal."""
+    content = path.read_bytes()[512:]
+    path.write_bytes(policy_seal(content) + content)
 
 
 @pytest.mark.parametrize("size", [0, 1, 8, 1000])
@@ -50,9 +57,39 @@ def test_a_sealed_file_that_points_elsewhere_is_refused(tmp_path: Path) -> None:
     with h5py.File(path, "r+") as file:
         del file["normalization"]
         file["normalization"] = h5py.ExternalLink("other.h5", "/")
-    content = path.read_bytes()[512:]
-    path.write_bytes(policy_seal(content) + content)
-    with pytest.raises(ValueError, match=r"`normalization` is missing, or a link"):
+    seal(path)
+    with pytest.raises(ValueError, match=r"policy\.h5: `/normalization` is a link"):
+        read_policy(path)
+
+
+def test_a_sealed_file_that_claims_more_weights_than_it_has_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    with h5py.File(path, "r+") as file:
+        del file["layers/0/weight"]
+        file["layers/0"].create_dataset("weight", (2**40, 2), "f4", chunks=(1, 2))
+    seal(path)
+    with pytest.raises(ValueError, match=r"policy\.h5: `/layers/0/weight` claims more values"):
+        read_policy(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("layers/0/bias", [np.nan], "is not finite"),
+        ("normalization/mean", [0.0, np.inf], "is not finite"),
+        ("layers/0/bias", [0.0, 1.0], "needed: 1"),
+        ("layers/0/weight", [[1.0, 1.0, 1.0]], "needed: outputs x 2"),
+    ],
+)
+def test_a_sealed_file_with_bad_numbers_or_sizes_is_refused(
+    name: str, values: list[float], message: str, tmp_path: Path
+) -> None:
+    path = written(tmp_path)
+    with h5py.File(path, "r+") as file:
+        del file[name]
+        file[name] = np.array(values, np.float32)
+    seal(path)
+    with pytest.raises(ValueError, match=message):
         read_policy(path)
 
 

@@ -15,7 +15,10 @@ from hash_chain import rehash
 from numpy.typing import NDArray
 from reference import actions, short_hover
 
-DAMAGED = "this replay is damaged: its values are not those that were recorded; take another copy"
+DAMAGED = (
+    "this replay is damaged: the values of burst 1 are not those that were recorded; "
+    "take another copy"
+)
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
 NUM_ENVS = 6
 SEND = 2  # kind of an event, docs/replay.md

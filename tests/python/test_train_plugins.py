@@ -47,10 +47,31 @@ def test_recorded_plugin_folders_are_named_and_not_searched(
         assert call(options) == 2
         said = capsys.readouterr().err
         assert said.startswith(f"{who}: warning: ")
-        assert f"was made with plugins from {PLUGINS}, which is not searched; " in said
-        assert f"if you trust it: --plugin-path {PLUGINS}\n" in said
+        assert f"plugins from `{PLUGINS}`, which is not searched; if you trust this folder" in said
         assert "unknown controller `leaves_a_mark`" in said
         assert not mark.exists()
         assert call([*options, *given]) == 0
         assert "warning" not in capsys.readouterr().err
         assert mark.exists()
+
+
+def test_a_resume_without_the_recorded_folder_keeps_it_on_the_list(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = tmp_path / "run"
+    command = arguments("lean-ppo", run)
+    command[command.index("--total-steps") + 1] = "600"
+    assert main([*command, "--plugin-path", str(PLUGINS)]) == 0
+    for steps in ("1200", "1800"):
+        capsys.readouterr()
+        assert main(["--resume", "--out", str(run), "--total-steps", steps]) == 0
+        assert f"`{PLUGINS}`, which is not searched" in capsys.readouterr().err
+
+
+def test_a_recorded_folder_drives_no_terminal_and_is_no_command(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    evaluate.warn_of_plugin_path("train", Path("run"), ["/tmp/p\x1b[2J; echo pwned"], [])
+    said = capsys.readouterr().err
+    assert "from `/tmp/p\\x1b[2J; echo pwned`, which" in said
+    assert "--plugin-path /" not in said

@@ -120,6 +120,7 @@ def new_config(options: argparse.Namespace) -> Config:
         scenario=options.scenario,
         overrides=options.override or [],
         plugin_path=options.plugin_path or [],
+        searched=options.plugin_path or [],
         algorithm=algorithm,
         seed=given(options.seed, 0),
         total_steps=total,
@@ -135,12 +136,13 @@ def resumed_config(options: argparse.Namespace) -> Config:
     """That of the run folder. What changes no bits, and the number of steps, may differ.
 
     Folders with plugins must be given anew: a run folder from elsewhere does not decide from where
-    code is run.
+    code is run. Those that it names stay on its list, so that each later resume names them again.
     """
     config = Config.read(options.out)
     plugin_path = options.plugin_path or []
     evaluate.warn_of_plugin_path("train", options.out, config.plugin_path, plugin_path)
-    config = dataclasses.replace(config, plugin_path=plugin_path)
+    recorded = list(dict.fromkeys([*config.plugin_path, *plugin_path]))
+    config = dataclasses.replace(config, plugin_path=recorded, searched=plugin_path)
     fixed = {
         "scenario": options.scenario,
         "algorithm": options.algo,
@@ -210,8 +212,8 @@ def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
         if run.exists() and (not run.is_dir() or any(run.iterdir())):
             raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
         config = new_config(options)
-    check_plugin_path(config.plugin_path, "--plugin-path")
-    environment = Environment(config.scenario, config.overrides, config.plugin_path)
+    check_plugin_path(config.searched, "--plugin-path")
+    environment = Environment(config.scenario, config.overrides, config.searched)
     if options.resume:
         found = f"{environment.scenario_hash:016x}"
         if found != config.scenario_hash:

@@ -3,7 +3,8 @@
     python -m skybody.train.convert_policy FILE [FILE ...]
 
 Each file is replaced as a whole. Where it belongs to a checkpoint (meta.json beside it), the
-checkpoint's record of its hash is brought up to date. A file of format 2 stays as it is.
+checkpoint's record of its hash is brought up to date. A file of format 2 stays as it is, and so
+does what its checkpoint says of it. Where a file cannot be converted, the others still are.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import argparse
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -32,14 +34,20 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="a policy.h5")
     parser.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
-    for path in options.files:
-        try:
-            demand_packages(["h5py"])
-            print(convert(path) if options.here else convert_in_child(path))
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            print(f"convert_policy: {files.explain(error)}", file=sys.stderr)
-            return 2
-    return 0
+    work = convert if options.here else convert_in_child
+    faults = [_try(work, path) for path in options.files]
+    return 2 if any(faults) else 0
+
+
+def _try(work: Callable[[Path], str], path: Path) -> bool:
+    """Prints what was done with a file, or why it was not; whether it failed."""
+    try:
+        demand_packages(["h5py"])
+        print(work(path))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        print(f"convert_policy: {files.explain(error)}", file=sys.stderr)
+        return True
+    return False
 
 
 def convert_in_child(path: Path) -> str:
@@ -63,14 +71,12 @@ def convert(path: Path) -> str:
         raise ValueError(f"{path}: there is no such file")
     with path.open("rb") as file:
         is_old = file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
-    done = f"{path}: has format {VERSION} already"
-    if is_old:
-        write_policy(path, _read_old(path))
-        done = f"{path}: converted to format {VERSION}"
-    else:
+    if not is_old:
         read_policy(path)  # refuses what is no policy
+        return f"{path}: has format {VERSION} already"
+    write_policy(path, _read_old(path))
     _update_checkpoint(path)
-    return done
+    return f"{path}: converted to format {VERSION}"
 
 
 def _read_old(path: Path) -> Policy:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody._native import Environment, Error, InputError, Pool
+from skybody._native import Environment, Error, InputError, Pool, printable
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
@@ -165,9 +165,10 @@ def warn_of_plugin_path(who: str, where: Path, recorded: list[str], given: list[
     searched = {os.path.realpath(folder) for folder in given}
     for folder in recorded:
         if os.path.realpath(folder) not in searched:
+            name = printable(os.fsencode(folder))
             print(
-                f"{who}: warning: {where} was made with plugins from {folder}, which is not "
-                f"searched; if you trust it: --plugin-path {folder}",
+                f"{who}: warning: {where} was made with plugins from `{name}`, which is not "
+                "searched; if you trust this folder, give it with --plugin-path",
                 file=sys.stderr,
             )
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody._native import Error, policy_seal, read_sealed_policy
+from skybody._native import Error, policy_seal, read_policy_file
 from skybody.train import files
 
 FORMAT = "skybody-policy"
@@ -28,8 +28,8 @@ LIBVER = ("v110", "v110")  # metadata with checksums, and nothing newer than Deb
 class Layer:
     """activation(weight x + bias)."""
 
-    weight: NDArray[np.float32]  # (out, in)
-    bias: NDArray[np.float32]  # (out)
+    weight: NDArray[np.floating[Any]]  # (out, in)
+    bias: NDArray[np.floating[Any]]  # (out)
     activation: str  # "tanh", "relu" or "none"
 
 
@@ -100,19 +100,27 @@ def _put(group: Any, name: str, values: NDArray[Any]) -> None:
 
 
 def read_policy(path: Path) -> Policy:
-    """Reads what write_policy() wrote. Raises ValueError, which names the file, for all else."""
-    import h5py
+    """Reads a policy by the rules of `skybody run --policy`, which has the one reader.
 
+    Raises ValueError, which names the file, for whatever that refuses.
+    """
     try:
-        with h5py.File(io.BytesIO(read_sealed_policy(str(path))), "r") as file:
-            return policy_of(file)
-    except (Error, KeyError, OSError, ValueError) as error:
-        text = str(error)
-        raise ValueError(text if text.startswith(str(path)) else f"{path}: {text}") from error
+        values = read_policy_file(str(path))
+    except Error as error:
+        raise ValueError(str(error)) from error
+    if (squash := values["action_squash"]) != "clip":
+        raise ValueError(f"{path}: action_squash {squash}; the learners write `clip` only")
+    layers = [Layer(*layer) for layer in values["layers"]]
+    names = ("scenario", "scenario_hash", "algorithm", "steps")
+    attributes = {name: values[name] for name in names}
+    if len(values["mean"]) == 0:  # none: observations go into the network as they are
+        size = values["observation_size"]
+        return Policy(layers, np.zeros(size), np.ones(size), np.inf, attributes)
+    return Policy(layers, values["mean"], values["scale"], values["clip"], attributes)
 
 
 def policy_of(file: Any) -> Policy:
-    """The policy of an open HDF5 file of any format so far."""
+    """The policy of an open HDF5 file of format 1."""
     attributes = {name: _plain(value) for name, value in file.attrs.items()}
     if attributes.get("format") != FORMAT:
         raise ValueError(f"not a policy: its format is {attributes.get('format')}")

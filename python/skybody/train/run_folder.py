@@ -38,7 +38,7 @@ class Config:
 
     scenario: str  # as given: a name or a file
     overrides: list[str]  # of the scenario, PATH=VALUE
-    plugin_path: list[str]
+    plugin_path: list[str]  # folders with plugins that it ever had, to name them: not searched
     algorithm: str
     seed: int
     total_steps: int
@@ -51,10 +51,13 @@ class Config:
     scenario_hash: str = ""  # 16 hex digits
     scenario_text: str = ""  # resolved YAML
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
+    searched: list[str] = dataclasses.field(default_factory=list)  # those given now; not written
 
     def write(self, run: Path) -> None:
         """To config.json."""
-        text = json.dumps(dataclasses.asdict(self), indent=2)
+        values = dataclasses.asdict(self)
+        del values["searched"]
+        text = json.dumps(values, indent=2)
         files.write_file(run / "config.json", (text + "\n").encode())
 
     def check_trained_with(self, meta: dict[str, Any], checkpoint: Path) -> None:
@@ -79,7 +82,7 @@ class Config:
             raise UsageError(f"--resume: {path} does not exist, so there is no run to go on with")
         try:
             values: dict[str, Any] = json.loads(path.read_text())
-            return Config(**{**values, "hyper": from_dict(values["hyper"])})
+            return Config(**{**values, "hyper": from_dict(values["hyper"]), "searched": []})
         except (ValueError, TypeError, KeyError) as error:
             raise UsageError(
                 f"{path} is damaged or of another version ({error}): the run cannot go on"

@@ -57,9 +57,7 @@ class Trainer:
         self.first_step = self.learner.steps
         self.table = ProgressTable(run, self.first_step)
         self.events = EventFile(run, self.first_step)
-        self.evaluations = Evaluations(
-            run, config.eval_episodes, config.eval_seed, config.plugin_path
-        )
+        self.evaluations = Evaluations(run, config.eval_episodes, config.eval_seed, config.searched)
         self._evaluated = 0
 
     def _resume(self) -> None:
