@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <string>
 
 #include "plugins/host/breadcrumb.h"
 
@@ -31,7 +32,8 @@ void block_everything_and_loop() {
   sigset_t all;
   sigfillset(&all);
   sigprocmask(SIG_BLOCK, &all, nullptr);
-  for (volatile unsigned turns = 0; true; turns = turns + 1) {
+  const volatile bool forever = true;
+  while (forever) {
   }
 }
 
