@@ -12,10 +12,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "app/command.h"
@@ -32,6 +35,8 @@ using Work = std::function<int(const RefusedFiles&)>;
 
 /// The longest last line of a child that a message repeats.
 constexpr std::size_t kLongestLastWords = 300;
+/// Between two looks at the child: short beside the time of a command, long beside that of a look.
+constexpr std::chrono::milliseconds kRest(2);
 
 [[noreturn]] void fail(const std::string& what) {
   throw Error("cannot open plugins in a process of their own: " + what + ": " +
@@ -95,17 +100,51 @@ struct End {
   bool done = false;  ///< its work, down to the last line
   int status = 0;     ///< as waitpid() gives it
   std::string out, err;
+  bool late = false;        ///< a phase lasted longer than the patience
   std::string file, phase;  ///< the plugin whose code was running; empty phase: none
 };
 
-[[noreturn]] void be_the_child(const Work& work, const RefusedFiles& refused, unsigned patience,
-                               SharedPage& page) {
+[[noreturn]] void be_the_child(const Work& work, const RefusedFiles& refused, SharedPage& page) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // does not outlive a parent that is killed
-  watch_plugins(&page.breadcrumb, patience);
+  watch_plugins(&page.breadcrumb);
   const int status = run_and_report([&] { return work(refused); });
   std::fflush(nullptr);
   page.done = true;
   _exit(status);
+}
+
+/// How long one phase has lasted, as the parent sees it: a child may block every signal of its own.
+/// Counts the parent's rests, not the clock: time in which both are stopped is nobody's fault.
+class PhaseTime {
+ public:
+  explicit PhaseTime(const Breadcrumb& breadcrumb) : breadcrumb_(breadcrumb) {}
+
+  /// After one rest more. @returns how long the present phase has lasted; about nothing without one
+  std::chrono::milliseconds after_rest() {
+    const std::uint32_t phase = breadcrumb_.phases;
+    if (phase != phase_ || breadcrumb_.phase[0] == '\0') time_ = {};
+    phase_ = phase;
+    return time_ += kRest;
+  }
+
+ private:
+  const Breadcrumb& breadcrumb_;
+  std::uint32_t phase_ = 0;
+  std::chrono::milliseconds time_{0};
+};
+
+/// Waits until the child ends; ends it where a phase takes longer than `patience` seconds.
+void wait_for(pid_t child, unsigned patience, const SharedPage& page, End& end) {
+  PhaseTime time(page.breadcrumb);
+  while (true) {
+    const pid_t ended = waitpid(child, &end.status, end.late ? 0 : WNOHANG);
+    if (ended == child) return;
+    if (ended < 0 && errno != EINTR) fail("waitpid");
+    std::this_thread::sleep_for(kRest);
+    if (time.after_rest() <= std::chrono::seconds(patience)) continue;
+    end.late = true;
+    kill(child, SIGKILL);  // which it cannot block
+  }
 }
 
 End run_child(const Work& work, const RefusedFiles& refused, unsigned patience) {
@@ -117,11 +156,10 @@ End run_child(const Work& work, const RefusedFiles& refused, unsigned patience) 
   if (child == 0) {
     out.take(STDOUT_FILENO);
     err.take(STDERR_FILENO);
-    be_the_child(work, refused, patience, *shared);
+    be_the_child(work, refused, *shared);
   }
   End end;
-  while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
-  }
+  wait_for(child, patience, *shared, end);
   end.done = shared->done;
   end.out = out.text();
   end.err = err.text();
@@ -153,8 +191,7 @@ std::string how_it_ended(const End& end) {
 
 /// "crashes in configure() of `x` (signal 11, Segmentation fault): mend it or ..."
 std::string why_refused(const End& end) {
-  const bool late = WIFSIGNALED(end.status) && WTERMSIG(end.status) == SIGALRM;
-  const std::string did = late                      ? "takes too long "
+  const std::string did = end.late                  ? "takes too long "
                           : WIFSIGNALED(end.status) ? "crashes "
                                                     : "ends the process ";
   return did + end.phase + " (" + how_it_ended(end) + "): mend it or take another plugin";
@@ -192,7 +229,8 @@ ChildOutput output_of_child(const Work& work, unsigned patience) {
     if (end.done && WIFEXITED(end.status)) {
       return {WEXITSTATUS(end.status), std::move(end.out), std::move(end.err)};
     }
-    if (was_interrupted(end.status)) follow(end.status);
+    // An interruption by the user reaches this process as well; a plugin's is the plugin's.
+    if (end.phase.empty() && was_interrupted(end.status)) follow(end.status);
     const bool is_new = !end.phase.empty() && refused.emplace(end.file, why_refused(end)).second;
     if (!is_new) return unexplained(end);
   }

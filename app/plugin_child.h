@@ -18,9 +18,9 @@ struct ChildOutput {
 inline constexpr unsigned kPluginPatience = 30;
 
 /// Does `work` in a child process. Where the code of a plugin ends the child (exit, crash, an
-/// exception that nobody catches, no return within `patience` seconds), the output is dropped and
-/// the work is done again in a new child with that plugin's file among the refused ones. Must be
-/// called before the program has threads.
+/// exception that nobody catches, a signal, no return within `patience` seconds), the output is
+/// dropped and the work is done again in a new child with that plugin's file among the refused
+/// ones. Must be called before the program has threads.
 /// @param work  returns the exit status; exceptions become messages, as in run_and_report()
 ChildOutput output_of_child(const std::function<int(const RefusedFiles&)>& work,
                             unsigned patience = kPluginPatience);

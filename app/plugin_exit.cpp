@@ -23,12 +23,13 @@ void write_text(const char* text) {
   [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, text, std::strlen(text));
 }
 
-/// Writes "error: FILE HOW PHASE"; does nothing while no plugin's code runs.
+/// Writes "error: FILE HOW PHASE; REMEDY"; does nothing while no plugin's code runs.
 /// @returns whether one does
 bool name_plugin(const char* how) {
   if (breadcrumb.phase[0] == '\0') return false;
-  const std::array<const char*, 5> texts = {"error: ", breadcrumb.file, how, breadcrumb.phase,
-                                            "\n"};
+  const std::array texts = {"error: ", static_cast<const char*>(breadcrumb.file), how,
+                            static_cast<const char*>(breadcrumb.phase),
+                            "; `skybody check` says more\n"};
   for (const char* text : texts) write_text(text);
   return true;
 }
@@ -37,12 +38,26 @@ void at_exit() {
   if (name_plugin(": ends the program ")) _exit(kExitError);
 }
 
-/// The signal comes again after this, and does what it would have done.
-void at_crash(int signal) {
+/// Does what the signal would have done: a fault comes again after this, one that was sent would
+/// not.
+void at_crash(int signal, siginfo_t* info, void*) {
   name_plugin(": crashes ");
   for (std::size_t i = 0; i < kCrashes.size(); ++i) {
     if (kCrashes[i] == signal) sigaction(signal, &previous[i], nullptr);
   }
+  if (info->si_code <= 0) raise(signal);  // sent by a process; pending until the handler returns
+}
+
+/// Where the handler runs: the plugin may have used up the program's own stack. Sanitizers have
+/// made one for theirs.
+void make_own_stack() {
+  stack_t present{};
+  if (sigaltstack(nullptr, &present) != 0 || (present.ss_flags & SS_DISABLE) == 0) return;
+  static std::array<char, 1 << 16> memory;
+  stack_t own{};
+  own.ss_sp = memory.data();
+  own.ss_size = memory.size();
+  sigaltstack(&own, nullptr);
 }
 
 }  // namespace
@@ -50,8 +65,10 @@ void at_crash(int signal) {
 void name_plugins_that_end_the_program() {
   watch_plugins(&breadcrumb);
   std::atexit(at_exit);
+  make_own_stack();
   struct sigaction action {};
-  action.sa_handler = at_crash;
+  action.sa_sigaction = at_crash;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK;
   for (std::size_t i = 0; i < kCrashes.size(); ++i) sigaction(kCrashes[i], &action, &previous[i]);
 }
 

@@ -7,6 +7,9 @@
 #
 # Skybody opens NAME.so where a scenario names the plugin NAME. If the library holds plugins of other names, give them
 # all as PLUGINS: they are written into NAME.plugins beside it, one a line.
+#
+# Skybody opens no library that others may write: NAME.so loses the group's and others' permission, whatever the umask.
+# The folders above are the author's to keep (docs/plugins.md).
 
 include_guard(GLOBAL)
 
@@ -43,6 +46,8 @@ function(skybody_add_plugin name)
     set(folder "${CMAKE_CURRENT_BINARY_DIR}/plugins")
   endif()
   set_target_properties(${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${folder}")
+
+  add_custom_command(TARGET ${name} POST_BUILD COMMAND chmod go-w "$<TARGET_FILE:${name}>" VERBATIM)
 
   # After linking, when the library has its final name; without PLUGINS an old list must not stay.
   set(sidecar "$<TARGET_FILE_DIR:${name}>/$<TARGET_FILE_BASE_NAME:${name}>.plugins")

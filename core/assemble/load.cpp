@@ -122,10 +122,12 @@ bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
   const int errors_before = diagnostics.error_count();
   for (const std::filesystem::path& folder : options.plugin_path) {
     std::error_code ignored;
-    if (std::filesystem::is_directory(folder, ignored)) continue;
+    const bool is_folder = std::filesystem::is_directory(folder, ignored);
+    if (is_folder && folder_problem(folder).empty()) continue;
     diagnostics.error({folder.string(), 0, 0},
-                      "the plugin path names this, which is no folder; give a folder with "
-                      "plugins, or leave it out");
+                      "the plugin path names this, which is no folder" +
+                          std::string(is_folder ? " that can be read" : "") +
+                          "; give a folder with plugins, or leave it out");
   }
   return diagnostics.error_count() == errors_before;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "core/env/environment.h"
 #include "core/io/diagnostics.h"
 #include "core/io/plugin_catalog.h"
+#include "plugins/host/refused_files.h"
 
 namespace skybody {
 
@@ -21,8 +21,7 @@ struct LoadOptions {
   std::vector<std::string> overrides;              ///< "PATH=VALUE", in order
   std::vector<std::filesystem::path> plugin_path;  ///< searched before the default places
   bool trust_scenario = false;  ///< search the scenario's folder and its `plugins`, too
-  /// Library files (canonical paths) that are not opened, and why.
-  std::map<std::filesystem::path, std::string> refused_plugins = {};
+  RefusedFiles refused_plugins = {};
 };
 
 /// Plugins found on the search path of `options` (see docs/plugins.md for the order).

@@ -1,31 +1,23 @@
 #include "plugins/host/breadcrumb.h"
 
-#include <unistd.h>
-
 #include <cstdio>
 
 namespace skybody {
 namespace {
 Breadcrumb* watched = nullptr;
-unsigned longest_phase = 0;  // [s]
 }  // namespace
 
-void watch_plugins(Breadcrumb* where, unsigned patience) {
-  watched = where;
-  longest_phase = patience;
-}
+void watch_plugins(Breadcrumb* where) { watched = where; }
 
 PluginPhase::PluginPhase(const std::filesystem::path& file, const std::string& phase) {
   if (watched == nullptr) return;
   std::snprintf(watched->file, sizeof watched->file, "%s", file.c_str());
   std::snprintf(watched->phase, sizeof watched->phase, "%s", phase.c_str());
-  if (longest_phase > 0) alarm(longest_phase);
+  ++watched->phases;
 }
 
 PluginPhase::~PluginPhase() {
-  if (watched == nullptr) return;
-  watched->phase[0] = '\0';
-  if (longest_phase > 0) alarm(0);
+  if (watched != nullptr) watched->phase[0] = '\0';
 }
 
 }  // namespace skybody

@@ -2,6 +2,8 @@
 // of signals or of exit().
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -11,12 +13,12 @@ namespace skybody {
 struct Breadcrumb {
   char file[4096];  ///< the library; Linux has no longer paths
   char phase[256];  ///< such as "while it is loaded"; empty: no plugin's code is running
+  std::atomic<std::uint32_t> phases;  ///< how many have begun, which tells them apart
 };
 
 /// From now on phases are written to `where`, by one thread at a time. Null, as at the beginning:
 /// nobody watches, and nothing is written.
-/// @param patience  longest time of a phase [s]: then SIGALRM ends the process; 0: no limit
-void watch_plugins(Breadcrumb* where, unsigned patience = 0);
+void watch_plugins(Breadcrumb* where);
 
 /// Stands for a call into a plugin outside the step path: loading, configure(), unloading.
 class PluginPhase {

@@ -24,7 +24,6 @@ namespace skybody {
 namespace {
 
 constexpr const char* kAgain = "; build or copy it again";
-constexpr const char* kNoFile = "is no regular file, but a device, a pipe or a folder";
 /// Names of all symbols of one library: those of LLVM take 20 MB. More is a damaged size.
 constexpr std::uint64_t kMostNameBytes = 64u << 20;
 
@@ -33,7 +32,7 @@ class Mapping {
  public:
   explicit Mapping(const std::filesystem::path& file) {
     struct stat status {};
-    if (stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) fail(file, kNoFile);
+    if (stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) fail(file, kNoRegularFile);
     // Without blocking, should it have become a pipe meanwhile, whose other end is never opened.
     const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (descriptor < 0) fail(file, "cannot be opened: " + std::string(std::strerror(errno)));
@@ -44,7 +43,7 @@ class Mapping {
     }
     const std::string reason = std::strerror(errno);
     close(descriptor);
-    if (!is_file) fail(file, kNoFile);
+    if (!is_file) fail(file, kNoRegularFile);
     if (memory_ == MAP_FAILED) fail(file, "cannot be read: " + reason);
   }
   ~Mapping() {

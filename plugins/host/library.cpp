@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 
-#include <algorithm>
 #include <boost/dll/shared_library.hpp>
 #include <string>
 
@@ -29,9 +28,6 @@ std::string linker_message(const std::filesystem::path& file) {
   std::string message = text != nullptr ? text : "the dynamic linker gives no reason";
   const std::string prefix = file.string() + ": ";
   if (message.compare(0, prefix.size(), prefix) == 0) message.erase(0, prefix.size());
-  // It quotes names of symbols and libraries, which in a damaged file are any bytes.
-  std::replace_if(
-      message.begin(), message.end(), [](char c) { return c < 0x20 || c > 0x7e; }, '?');
   return message;
 }
 
@@ -91,7 +87,10 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file) : file_(file) {
   std::error_code not_found;
   file_ = std::filesystem::canonical(file, not_found);
   if (not_found) refuse(LoadFailure::kNotLoadable, file, "there is no such file");
-  check_library_file(file_);
+  {
+    const PluginPhase phase(file_, "while its file is checked");
+    check_library_file(file_);  // a file that shrinks meanwhile gives SIGBUS
+  }
   handle_ = std::make_unique<Handle>(file_);
 
   const PluginPhase phase(file_, "while it is loaded");

@@ -1,7 +1,14 @@
 #include "plugins/host/promises.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
+#include <system_error>
+
+#include "core/base/printable.h"
 
 namespace skybody {
 namespace {
@@ -9,13 +16,18 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A sidecar has a few names; what is longer is something else and read no further.
-constexpr std::streamsize kLongestSidecar = 65536;
+constexpr std::size_t kLongestSidecar = 65536;
 
-std::vector<std::string> read_sidecar(const fs::path& sidecar) {
-  std::string text(static_cast<std::size_t>(kLongestSidecar), '\0');
+/// @returns at most one byte more than a sidecar may have
+std::string beginning_of(const fs::path& sidecar) {
+  std::string text(kLongestSidecar + 1, '\0');
   std::ifstream in(sidecar, std::ios::binary);
-  in.read(text.data(), kLongestSidecar);
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+std::vector<std::string> names_in(const std::string& text) {
   std::vector<std::string> names;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -29,14 +41,28 @@ std::vector<std::string> read_sidecar(const fs::path& sidecar) {
   return names;
 }
 
+void read_sidecar(const fs::path& sidecar, PromisingFile& found) {
+  found.sidecar = sidecar;
+  const std::string text = beginning_of(sidecar);
+  found.names = names_in(text);
+  if (access(sidecar.c_str(), R_OK) != 0) {
+    found.problem = "its list of plugins " + sidecar.string() +
+                    " cannot be read: " + std::strerror(errno) + "; make it readable or remove it";
+  } else if (text.size() > kLongestSidecar) {
+    found.problem = "its list of plugins " + sidecar.string() + " has more than " +
+                    std::to_string(kLongestSidecar) +
+                    " bytes, which no list has; write one name a line";
+  }
+  if (!found.problem.empty()) found.names.push_back(found.file.stem().string());
+}
+
 PromisingFile promising_file(const fs::path& file) {
-  PromisingFile found{file, {}, {}};
+  PromisingFile found{file, {}, {}, {}};
   fs::path sidecar = file;
   sidecar.replace_extension(".plugins");
   std::error_code ignored;
   if (fs::is_regular_file(sidecar, ignored)) {
-    found.names = read_sidecar(sidecar);
-    found.sidecar = sidecar;
+    read_sidecar(sidecar, found);
   } else {
     found.names.push_back(file.stem().string());
   }
@@ -47,6 +73,18 @@ PromisingFile promising_file(const fs::path& file) {
 
 bool PromisingFile::promises(std::string_view name) const {
   return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string folder_problem(const fs::path& folder) {
+  std::error_code failed;
+  const fs::directory_iterator names(folder, failed);
+  if (!failed || failed == std::errc::no_such_file_or_directory ||
+      failed == std::errc::not_a_directory) {
+    return {};
+  }
+  return printable(folder.string()) +
+         ": this folder of plugins cannot be read: " + failed.message() +
+         "; make it readable or leave it out";
 }
 
 std::vector<PromisingFile> promising_files(const fs::path& folder) {

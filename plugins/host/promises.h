@@ -14,11 +14,16 @@ struct PromisingFile {
   std::filesystem::path file;      ///< as found, symbolic links not followed
   std::filesystem::path sidecar;   ///< empty: there is none
   std::vector<std::string> names;  ///< of plugins
+  std::string problem;             ///< why the sidecar cannot be used; empty: it can
 
   bool promises(std::string_view name) const;
 };
 
-/// The *.so files of a folder, in order of their names; none if there is no such folder.
+/// Why the names in a folder cannot be read; empty: they can, or there is no such folder.
+std::string folder_problem(const std::filesystem::path& folder);
+
+/// The *.so files of a folder, in order of their names; none if there is no such folder or it
+/// cannot be read.
 std::vector<PromisingFile> promising_files(const std::filesystem::path& folder);
 
 }  // namespace skybody

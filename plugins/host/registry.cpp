@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/installation.h"
 #include "plugins/host/breadcrumb.h"
 #include "plugins/host/descriptor.h"
+#include "plugins/host/elf_check.h"
 #include "plugins/host/kind.h"
 #include "plugins/host/trust.h"
 
@@ -23,7 +25,8 @@ std::string two_files(const PluginEntry& a, const PluginEntry& b) {
          "`: " + a.file.string() + " and " + b.file.string() + "; remove or rename one";
 }
 
-/// Makes plugins of one kind and name unusable.
+/// Makes plugins of one kind and name unusable. Writes where that is not known yet only: entries
+/// that find() has given away were compared with all that promise their name, and do not change.
 void refuse_twins(const std::vector<PluginEntry*>& entries) {
   for (auto first = entries.begin(); first != entries.end(); ++first) {
     for (auto second = first + 1; second != entries.end(); ++second) {
@@ -31,7 +34,7 @@ void refuse_twins(const std::vector<PluginEntry*>& entries) {
       PluginEntry& b = **second;
       if (a.kind != b.kind || a.name != b.name || a.descriptor == nullptr) continue;
       if (a.failure.empty()) a.failure = two_files(a, b);
-      b.failure = a.failure;
+      if (b.failure.empty()) b.failure = a.failure;
     }
   }
 }
@@ -87,6 +90,18 @@ std::string no_promise(const PromisingFile& found, const PluginEntry& entry) {
       .what();
 }
 
+/// Whether others may write libskybody: then they decide what runs here, whatever its plugins say.
+bool is_skybody_writable() {
+  static const bool writable = [] {
+    const fs::path library = library_folder() / "libskybody.so";
+    std::error_code failed;
+    const fs::path file =
+        fs::canonical(library, failed);  // a link to a version, or linked statically
+    return !trust_problem(failed ? library_folder() : file).empty();
+  }();
+  return writable;
+}
+
 }  // namespace
 
 bool PluginRegistry::File::promises(std::string_view name) const {
@@ -120,7 +135,18 @@ PluginRegistry::PluginRegistry(const std::vector<fs::path>& search_path, Refused
   for (const fs::path& folder : search_path_) add_folder(folder);
 }
 
+void PluginRegistry::add_unreadable(const fs::path& folder, const std::string& problem) {
+  File& file = files_.emplace_back();
+  file.path = folder;
+  file.open = true;
+  file.entries.push_back(unusable(folder, folder.filename().string(), problem));
+}
+
 void PluginRegistry::add_folder(const fs::path& folder) {
+  if (const std::string problem = folder_problem(folder); !problem.empty()) {
+    add_unreadable(folder, problem);
+    return;
+  }
   std::error_code ignored;
   const bool shipped = fs::equivalent(folder, shipped_plugin_folder(), ignored);
   for (const PromisingFile& found : promising_files(folder)) {
@@ -135,8 +161,9 @@ void PluginRegistry::add_folder(const fs::path& folder) {
     }
     file->shipped = file->shipped || shipped;
     const bool is_known =
-        std::any_of(file->found.begin(), file->found.end(),
-                    [&found](const PromisingFile& other) { return other.names == found.names; });
+        std::any_of(file->found.begin(), file->found.end(), [&found](const PromisingFile& other) {
+          return other.names == found.names && other.problem == found.problem;
+        });
     if (!is_known) file->found.push_back(found);
   }
 }
@@ -160,8 +187,16 @@ std::shared_ptr<PluginLibrary> PluginRegistry::load(const File& file) const {
   if (const auto refused = refused_.find(file.path); refused != refused_.end()) {
     throw PluginLoadError(LoadFailure::kEndsProcess, file.path, refused->second);
   }
-  std::error_code ignored;  // what is no file is refused without being opened
-  if (!file.shipped && fs::is_regular_file(file.path, ignored)) check_trust(file);
+  std::error_code ignored;  // the remedy for a file that others may write would be wrong for these
+  if (!fs::is_regular_file(file.path, ignored)) {
+    throw PluginLoadError(LoadFailure::kNotLoadable, file.path, kNoRegularFile);
+  }
+  if (!file.shipped || !is_skybody_writable()) check_trust(file);
+  for (const PromisingFile& found : file.found) {
+    if (!found.problem.empty()) {
+      throw PluginLoadError(LoadFailure::kOtherPlugin, found.file, found.problem);
+    }
+  }
   return std::make_shared<PluginLibrary>(file.path);
 }
 

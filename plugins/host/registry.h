@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -14,6 +13,7 @@
 #include "plugins/host/library.h"
 #include "plugins/host/places.h"  // IWYU pragma: export
 #include "plugins/host/promises.h"
+#include "plugins/host/refused_files.h"  // IWYU pragma: export
 
 namespace skybody {
 
@@ -31,19 +31,16 @@ struct PluginEntry {
   std::shared_ptr<PluginLibrary> library;
 };
 
-/// Library files (canonical paths) that must not be opened, and why.
-using RefusedFiles = std::map<std::filesystem::path, std::string>;
-
 /// The libraries in the folders of a search path. It lists file names at once, and opens a library
 /// when a plugin is asked for that the library promises (see PromisingFile), once each. A library
-/// that others may write (see trust_problem) is not opened, unless it lies in the folder of shipped
-/// plugins: whoever may write there may replace libskybody as well. May be used by several threads.
+/// that others may write (see trust_problem) is not opened. Shipped ones are exempt where others
+/// may write libskybody as well: then Skybody itself is theirs. May be used by several threads.
 class PluginRegistry {
  public:
   /// Folders in order of the path, files in order of their names; folders that do not exist are
   /// skipped. A file that cannot be used does not stop the others: it becomes an entry with a
-  /// `failure`. One file that is found twice counts once; two files with one plugin (kind and name)
-  /// make both unusable.
+  /// `failure`, as does a folder whose names cannot be read. One file that is found twice counts
+  /// once; two files with one plugin (kind and name) make both unusable.
   explicit PluginRegistry(const std::vector<std::filesystem::path>& search_path,
                           RefusedFiles refused = {});
 
@@ -70,6 +67,7 @@ class PluginRegistry {
 
   static std::vector<PluginEntry> compare(const File& file, std::vector<PluginEntry> held);
   void add_folder(const std::filesystem::path& folder);
+  void add_unreadable(const std::filesystem::path& folder, const std::string& problem);
   void check_trust(const File& file) const;
   std::shared_ptr<PluginLibrary> load(const File& file) const;
   void open(File& file) const;

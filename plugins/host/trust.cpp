@@ -7,8 +7,11 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <optional>
 #include <vector>
 
 namespace skybody {
@@ -20,25 +23,52 @@ namespace fs = std::filesystem;
 /// members does not fit and counts as one with other members.
 constexpr std::size_t kDatabaseEntryBytes = 16384;
 
-std::string user_name(uid_t user) {
+std::optional<std::string> find_user_name(uid_t user) {
   std::vector<char> memory(kDatabaseEntryBytes);
   passwd entry;
   passwd* found = nullptr;
   getpwuid_r(user, &entry, memory.data(), memory.size(), &found);
-  return found != nullptr ? found->pw_name : std::to_string(user);
+  if (found == nullptr) return std::nullopt;
+  return found->pw_name;
 }
+
+std::string user_name(uid_t user) { return find_user_name(user).value_or(std::to_string(user)); }
+
+/// Whether root's number means somebody in this user namespace. Without a map it does.
+bool is_root_mapped() {
+  std::ifstream map("/proc/self/uid_map");
+  std::uint64_t inside = 0, outside = 0, count = 0;
+  bool has_lines = false;
+  while (map >> inside >> outside >> count) {
+    has_lines = true;
+    if (inside == 0 && count > 0) return true;
+  }
+  return !has_lines;
+}
+
+/// As whom files of users without a number in this user namespace appear.
+uid_t overflow_user() {
+  uid_t user = 65534;  // the kernel's default
+  std::ifstream("/proc/sys/kernel/overflowuid") >> user;
+  return user;
+}
+
+/// Whether a folder above may be root's, whom a user namespace hides: `/` and `/tmp` are then owned
+/// by nobody in it.
+bool may_be_roots(uid_t owner) { return owner == overflow_user() && !is_root_mapped(); }
 
 struct Group {
   std::string name;
-  bool is_private = false;  ///< of the user's name, without other members
+  bool is_private = false;  ///< of the user's name or, without names, number; no other members
 };
 
-Group read_group(gid_t id, const std::string& user) {
+Group read_group(gid_t id, uid_t owner) {
+  const std::optional<std::string> user = find_user_name(owner);
   std::vector<char> memory(kDatabaseEntryBytes);
   group entry;
   group* found = nullptr;
   getgrgid_r(id, &entry, memory.data(), memory.size(), &found);
-  if (found == nullptr) return {std::to_string(id), false};
+  if (found == nullptr) return {std::to_string(id), !user && id == owner};
   Group result{found->gr_name, user == found->gr_name};
   for (char** member = found->gr_mem; *member != nullptr; ++member) {
     if (user != *member) result.is_private = false;
@@ -62,7 +92,7 @@ std::string other_writers(const fs::path& path, const struct stat& status) {
   if ((status.st_mode & S_IWOTH) != 0) return "everybody";
   if ((status.st_mode & S_IWGRP) == 0) return {};
   if (has_access_list(path)) return "those whom its access control list names";
-  const Group group = read_group(status.st_gid, user_name(geteuid()));
+  const Group group = read_group(status.st_gid, geteuid());
   return group.is_private ? std::string() : "the group `" + group.name + "`";
 }
 
@@ -81,7 +111,9 @@ std::string problem_at(Place place, const fs::path& path) {
     return "is not opened: who may write " + describe(place, path) +
            " cannot be found out: " + std::strerror(errno);
   }
-  if (status.st_uid != 0 && status.st_uid != geteuid()) {
+  const bool is_ours = status.st_uid == 0 || status.st_uid == geteuid() ||
+                       (place == Place::kAncestor && may_be_roots(status.st_uid));
+  if (!is_ours) {
     return "is not opened: " + describe(place, path) + " belongs to the user `" +
            user_name(status.st_uid) + "`, not to you or root (mode " + octal(status.st_mode) +
            "); if you trust the library, copy it into a folder of your own";

@@ -208,6 +208,7 @@ TEST_P(Ends, IsNamedByRunItself) {
   EXPECT_NE(outcome.exit_code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("error: " + file.string() + ": "));
   const bool loads = GetParam().how.find("while it is loaded") != std::string::npos;
+  EXPECT_THAT(outcome.err, HasSubstr("; `skybody check` says more\n"));
   EXPECT_THAT(outcome.err, HasSubstr(loads ? "while it is loaded" : "in configure() of `"));
 }
 
@@ -221,9 +222,26 @@ INSTANTIATE_TEST_SUITE_P(
                "words are `what():  no licence`)"},
         Ending{"exits_in_configure",
                "ends the process in configure() of `exits_in_configure` (exit status 0)"},
+        Ending{"overflows_in_configure",
+               "crashes in configure() of `overflows_in_configure` (signal 11, Segmentation fault"},
+        Ending{"signals_in_configure",
+               "crashes in configure() of `signals_in_configure` (signal 11, Segmentation fault)"},
         Ending{"crashes_in_configure",
                "crashes in configure() of `crashes_in_configure` (signal 6, Aborted)"}),
     [](const auto& test) { return test.param.plugin; });
+
+class Terminates : public Stranger {
+ protected:
+  Terminates() : Stranger("[{plugin: terminates_in_configure}]") {}
+};
+
+TEST_F(Terminates, IsNotTakenForTheUser) {
+  put("terminates_in_configure", "plugins");
+  const Outcome outcome = run({"check", "scenario.yaml", "--trust-scenario"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("crashes in configure() of `terminates_in_configure` (signal "
+                                     "15, Terminated): mend it"));
+}
 
 TEST_F(Stranger, ThatEndsTheProcessWhenUnloadedIsNamedByLists) {
   const std::string unloaded = ".so: ends the process while it is unloaded (exit status 0)";

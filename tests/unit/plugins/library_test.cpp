@@ -9,6 +9,7 @@
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
 #include "core/base/isa.h"
+#include "plugins/host/breadcrumb.h"
 #include "plugins/host/registry.h"
 #include "tests/unit/plugins/small_world.h"
 
@@ -30,6 +31,20 @@ void expect_refused(const path& file, LoadFailure reason, const std::string& mes
 constexpr const char* kNoSymbol =
     "is no plugin: it does not export `skybody_plugin_library`; a plugin says "
     "SKYBODY_PLUGIN(Class, name, version, doc) once";
+
+/// Where the file shrinks meanwhile, SIGBUS ends the process: the watcher must know the file.
+TEST(PluginLibrary, IsWatchedWhileItsFileIsChecked) {
+  const test::Folder folder;
+  const path file = std::filesystem::canonical(folder.path()) / "short.so";
+  std::ofstream(file) << "\x7f"
+                      << "ELF";
+  Breadcrumb found{};
+  watch_plugins(&found);
+  EXPECT_THROW(PluginLibrary{file}, PluginLoadError);
+  watch_plugins(nullptr);
+  EXPECT_EQ(found.file, file.string());
+  EXPECT_EQ(found.phases, 1u);
+}
 
 TEST(PluginLibrary, LoadsAGoodOne) {
   const PluginLibrary library(test::good_plugins() / "lane_controller.so");

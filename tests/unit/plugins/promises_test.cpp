@@ -38,6 +38,29 @@ TEST(Promises, AreTheLinesOfASidecar) {
   EXPECT_THAT(files[0].names, ElementsAre("wind", "gust", "rain"));
 }
 
+TEST(Promises, OfALongSidecarAreAProblem) {
+  const test::Folder folder;
+  std::ofstream(folder.path() / "weather.so");
+  std::ofstream(folder.path() / "weather.plugins") << "wind\n" << std::string(65536, '#');
+  const auto files = promising_files(folder.path());
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files[0].problem, "its list of plugins " +
+                                  (folder.path() / "weather.plugins").string() +
+                                  " has more than 65536 bytes, which no list has; write one name a "
+                                  "line");
+  EXPECT_TRUE(files[0].promises("wind"));
+  EXPECT_TRUE(files[0].promises("weather"));
+}
+
+TEST(Promises, OfAFolderThatCannotBeReadAreAProblem) {
+  const std::string name(300, 'x');  // longer than any file system's names
+  EXPECT_EQ(folder_problem("/" + name), "/" + name +
+                                            ": this folder of plugins cannot be read: File name "
+                                            "too long; make it readable or leave it out");
+  EXPECT_EQ(folder_problem("/no/such/folder"), "");
+  EXPECT_EQ(folder_problem("/tmp"), "");
+}
+
 TEST(Promises, OfAMissingFolderAreNone) { EXPECT_TRUE(promising_files("/no/such/folder").empty()); }
 
 }  // namespace

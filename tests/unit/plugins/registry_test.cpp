@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <thread>
@@ -171,6 +172,45 @@ TEST_F(Marked, MustBePromisedByASidecarToBeUsed) {
             (folder.path() / "wind.so").string() +
                 ": holds controller `leaves_a_mark`, which it does not promise: mend " +
                 (folder.path() / "wind.plugins").string());
+}
+
+TEST_F(Marked, IsNotOpenedWhereItsSidecarIsTooLong) {
+  put("wind.so");
+  std::ofstream(folder.path() / "wind.plugins") << "leaves_a_mark\n" << std::string(65536, '#');
+  const PluginRegistry registry({folder.path()});
+  EXPECT_THAT(registry.find(SKYBODY_CONTROLLER, "leaves_a_mark")->failure,
+              HasSubstr("wind.plugins has more than 65536 bytes"));
+  EXPECT_FALSE(mark.is_there());
+}
+
+TEST(PluginRegistry, ListsAFolderThatCannotBeRead) {
+  const path folder = "/" + std::string(300, 'x');  // longer than any file system's names
+  const PluginRegistry registry({folder});
+  ASSERT_EQ(registry.open_all().size(), 1u);
+  EXPECT_THAT(registry.open_all()[0]->failure, HasSubstr("cannot be read"));
+}
+
+/// It could become a library in the next moment, which nobody would have checked.
+TEST_F(Marked, IsRefusedAsAPipeWithoutBeingOpened) {
+  const path pipe = folder.path() / "wind.so";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  const PluginRegistry registry({folder.path()});
+  EXPECT_EQ(registry.find(SKYBODY_CONTROLLER, "wind")->failure,
+            pipe.string() + ": is no regular file, but a device, a pipe or a folder");
+}
+
+TEST(PluginRegistry, ATwinsFailureDoesNotChangeWhileOthersReadIt) {
+  const PluginRegistry registry({test::twin_plugins()});
+  std::vector<std::string> failures(8);
+  std::vector<std::thread> threads;
+  for (std::string& failure : failures) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 100; ++i) failure = registry.find(SKYBODY_CONTROLLER, "twin")->failure;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& failure : failures) EXPECT_THAT(failure, HasSubstr("two plugins"));
 }
 
 /// The remedy for a file that others may write would be wrong for a device.
