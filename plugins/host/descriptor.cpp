@@ -12,6 +12,9 @@
 namespace skybody {
 namespace {
 
+/// Bounds of what is copied: far beyond any plugin, but damaged numbers are not memory.
+constexpr std::uint32_t kMostParameters = 1000, kMostEntries = 10'000;
+
 /// The shortest decimal text that reads back as the same double.
 std::string number(double value) {
   char text[32];
@@ -70,6 +73,10 @@ std::string texts_problem(const SkybodyParameter& p) {
 std::string parameter_problem(const SkybodyParameter& p) {
   if (!is_line(p.unit) || !is_line(p.doc)) return "its unit or doc is missing or no line of text";
   if (p.type > SKYBODY_TEXT) return "its type " + std::to_string(p.type) + " is unknown";
+  if (p.default_count > kMostEntries || p.choice_count > kMostEntries) {
+    return "it has " + std::to_string(std::max(p.default_count, p.choice_count)) +
+           " defaults or choices; allowed: at most " + std::to_string(kMostEntries);
+  }
   const int most = p.max_count;
   if (p.min_count < 0 || most < -1 || (most >= 0 && most < p.min_count)) {
     return "its number of entries " + std::to_string(p.min_count) + ".." + std::to_string(most) +
@@ -139,6 +146,10 @@ std::string descriptor_problem(const SkybodyPlugin& plugin) {
   if (!kernels.empty()) return who + kernels;
   if (plugin.parameter_count > 0 && plugin.parameters == nullptr) {
     return who + "has lost its parameters";
+  }
+  if (plugin.parameter_count > kMostParameters) {
+    return who + "declares " + std::to_string(plugin.parameter_count) +
+           " parameters; allowed: at most " + std::to_string(kMostParameters);
   }
   std::set<std::string_view> names;
   for (std::uint32_t i = 0; i < plugin.parameter_count; ++i) {

@@ -15,6 +15,7 @@
 namespace skybody {
 namespace {
 
+constexpr std::uint32_t kMostPlugins = 1000;  // far beyond any library
 constexpr const char* kRebuild = ": rebuild it against this Skybody";
 
 [[noreturn]] void refuse(LoadFailure reason, const std::filesystem::path& file,
@@ -133,6 +134,11 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& file) : file_(file) {
   }
   if (found.plugin_count == 0 || found.plugins == nullptr) {
     refuse(LoadFailure::kBadDescription, file_, "describes no plugin");
+  }
+  if (found.plugin_count > kMostPlugins) {
+    refuse(LoadFailure::kBadDescription, file_,
+           "says that it holds " + std::to_string(found.plugin_count) +
+               " plugins; allowed: at most " + std::to_string(kMostPlugins));
   }
   for (std::uint32_t i = 0; i < found.plugin_count; ++i) {
     const std::string problem =

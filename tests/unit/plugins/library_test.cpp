@@ -1,6 +1,7 @@
 // The handshake: what is refused, and in which words.
 #include "plugins/host/library.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -10,6 +11,7 @@
 #include "core/base/hash.h"
 #include "core/base/isa.h"
 #include "plugins/host/breadcrumb.h"
+#include "plugins/host/descriptor.h"
 #include "plugins/host/registry.h"
 #include "tests/unit/plugins/small_world.h"
 
@@ -17,6 +19,7 @@ namespace skybody {
 namespace {
 
 using std::filesystem::path;
+using testing::HasSubstr;
 
 void expect_refused(const path& file, LoadFailure reason, const std::string& message) {
   try {
@@ -140,6 +143,19 @@ TEST(PluginLibrary, UndoesWhatStartUpCodeDoesToTheThread) {
     volatile double tiny = 0x1p-1022;
     EXPECT_GT(tiny * 0.5, 0.0);
   }).join();
+}
+
+TEST(PluginLibrary, RefusesNumbersOfParametersAndChoicesThatNoPluginHas) {
+  const PluginLibrary library(test::good_plugins() / "lane_controller.so");
+  SkybodyPlugin plugin = *library.plugins().front();
+  ASSERT_GT(plugin.parameter_count, 0u);
+  SkybodyParameter parameter = plugin.parameters[0];
+  plugin.parameter_count = 1u << 30;
+  EXPECT_THAT(descriptor_problem(plugin), HasSubstr("allowed: at most 1000"));
+  parameter.choice_count = 1u << 30;
+  plugin.parameters = &parameter;
+  plugin.parameter_count = 1;
+  EXPECT_THAT(descriptor_problem(plugin), HasSubstr("defaults or choices; allowed: at most 10000"));
 }
 
 TEST(PluginLibrary, RefusesIncompleteAndContradictoryDescriptors) {
