@@ -108,6 +108,11 @@ std::string scenario_file(const std::string& scenario) {
 
 /// Whether `scenario` is there; if not, and it looks like a name, the error says which names are.
 bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
+  if (scenario.empty()) {
+    diagnostics.error({},
+                      "no scenario is named; give a YAML file or the name of a shipped scenario");
+    return false;
+  }
   std::error_code ignored;
   if (!is_identifier(scenario) || std::filesystem::exists(scenario_file(scenario), ignored)) {
     return true;

@@ -56,12 +56,27 @@ class Loader {
     }
     std::optional<ConfigNode> root = parse_yaml(text, path, diagnostics_, budget_, quoting);
     if (!root) return std::nullopt;
-    if (root->is_map()) return merge_includes(std::move(*root));
+    if (root->is_map()) {
+      if (quoting == Quoting::kNo && !has_words_for_keys(*root)) return std::nullopt;
+      return merge_includes(std::move(*root));
+    }
     std::string what = root->is_null() ? "nothing" : root->describe();
     if (root->is_scalar() && quoting == Quoting::kNo) what = "a text";
     diagnostics_.error({path, root->mark.line, root->mark.column},
                        "the file holds " + what + "; a map of keys and values is needed");
     return std::nullopt;
+  }
+
+  /// A system file may look like a map: its lines must not come out as unknown keys.
+  bool has_words_for_keys(const ConfigNode& root) {
+    for (const ConfigEntry& entry : root.entries) {
+      if (is_identifier(entry.key)) continue;
+      diagnostics_.error(entry.key_mark,
+                         "this key is no word of letters, digits, '_' and '-': the file is no part "
+                         "of a scenario; leave it out");
+      return false;
+    }
+    return true;
   }
 
   std::string chain_text() const {

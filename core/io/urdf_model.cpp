@@ -9,6 +9,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <mutex>
+#include <string_view>
 #include <vector>
 
 #include "core/io/text.h"
@@ -27,12 +28,27 @@ class Chatter : public console_bridge::OutputHandler {
   std::vector<std::string> errors;
 };
 
-/// Attributes, then `children`; of attributes that are there twice the first, as everywhere here.
+/// Numbers with single blanks between them: urdfdom knows no other white space.
+std::string with_single_blanks(const std::string& value) {
+  if (value.find_first_not_of("0123456789+-.eE \t\r\n") != std::string::npos) {
+    return value;
+  }
+  return join(split_words(value), " ");
+}
+
+/// Whether an attribute of that name holds a name, which may be a number.
+bool is_name(std::string_view attribute) {
+  return attribute == "name" || attribute == "link" || attribute == "filename" ||
+         attribute == "joint";
+}
+
+/// Attributes, then `children`.
 template <class Children>
 void write_element(const XMLElement& element, tinyxml2::XMLPrinter& out, Children&& children) {
   out.OpenElement(element.Name(), true);
   for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
-    if (element.FindAttribute(a->Name()) == a) out.PushAttribute(a->Name(), a->Value());
+    const std::string value = a->Value();
+    out.PushAttribute(a->Name(), (is_name(a->Name()) ? value : with_single_blanks(value)).c_str());
   }
   for (const XMLElement* e = element.FirstChildElement(); e != nullptr;
        e = e->NextSiblingElement()) {

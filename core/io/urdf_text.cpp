@@ -24,8 +24,8 @@ bool is_reference(std::string_view name) {
   if (name.size() < 2 || name[0] != '#') return false;
   const bool hex = name[1] == 'x';
   const std::string_view digits = name.substr(hex ? 2 : 1);
-  return !digits.empty() &&
-         std::all_of(digits.begin(), digits.end(), hex ? is_hex_digit : is_digit);
+  const bool is_nul = digits.find_first_not_of('0') == digits.npos;  // no character of XML
+  return !is_nul && std::all_of(digits.begin(), digits.end(), hex ? is_hex_digit : is_digit);
 }
 
 /// Goes through a text once, comments and the like left out.

@@ -8,6 +8,7 @@
 #include <yaml-cpp/mark.h>
 #include <yaml-cpp/parser.h>
 
+#include <algorithm>
 #include <map>
 #include <sstream>
 #include <unordered_map>
@@ -202,6 +203,15 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
                                      Quoting quoting) {
   Diagnostics found;
   TreeBuilder builder(file, budget, found);
+  // yaml-cpp takes a NUL for the beginning of an escape, in any text.
+  if (const std::size_t nul = text.find('\0'); nul != text.npos) {
+    const auto lines =
+        std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n');
+    const bool has_lines = file.rfind(kOverridePrefix, 0) != 0;
+    diagnostics.error({file, has_lines ? static_cast<int>(lines) + 1 : 0, 0},
+                      "not YAML: a NUL character; remove it");
+    return std::nullopt;
+  }
   try {
     parse(text, builder);
     if (!found.has_errors()) return builder.take_root();

@@ -11,8 +11,9 @@ namespace fs = std::filesystem;
 fs::path shipped_plugin_folder() { return library_folder() / "skybody" / "plugins"; }
 
 std::vector<fs::path> scenario_plugin_folders(const fs::path& scenario) {
-  const fs::path given = fs::absolute(scenario).parent_path();
   std::error_code failed;
+  const fs::path given = fs::absolute(scenario, failed).parent_path();
+  if (failed) return {};
   const fs::path real = fs::canonical(given, failed);
   const fs::path& folder = failed ? given : real;
   return {folder, folder / "plugins"};

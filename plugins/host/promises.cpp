@@ -53,6 +53,15 @@ void read_sidecar(const fs::path& sidecar, PromisingFile& found) {
                     std::to_string(kLongestSidecar) +
                     " bytes, which no list has; write one name a line";
   }
+  const auto is_no_name = [](const std::string& name) {
+    return name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos;
+  };
+  if (found.problem.empty() && std::any_of(found.names.begin(), found.names.end(), is_no_name)) {
+    found.problem = "its list of plugins " + sidecar.string() +
+                    " has lines that are no plugin's name; write one name a line, in lower-case "
+                    "letters, digits and underscores";
+    found.names.clear();
+  }
   if (!found.problem.empty()) found.names.push_back(found.file.stem().string());
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/arguments.h"
 #include "app/machine.h"
 #include "tests/fuzz/area.h"
 
@@ -29,10 +30,11 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::IsMember(area_names()));
   app.add_option("--seed", options.seed, "Of all inputs (1)");
   app.add_option("--first", options.first, "Number of the first input (0)");
-  CLI::Option* count = app.add_option("--count", options.count, "Inputs of each area");
+  CLI::Option* count = app.add_option("--count", options.count, "Inputs of each area")
+                           ->check(whole_number(1, 1'000'000'000));
   app.add_option("--minutes", options.minutes, "Time for all areas together")
-      ->excludes(count)
-      ->check(CLI::PositiveNumber);
+      ->check(number_within(0.01, 100'000.0))
+      ->excludes(count);
   app.add_flag("--corpus", options.corpus, "First the valid inputs and the files of the corpus");
   app.add_option("--input", options.input, "Run this file; one area is to be named")
       ->check(CLI::ExistingFile);

@@ -6,9 +6,9 @@
 
 #include <filesystem>
 
+#include "core/base/printable.h"
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
-#include "core/base/printable.h"
 #include "core/io/scenario_reader.h"
 #include "tests/unit/io/fake_catalog.h"
 #include "tests/unit/io/temp_folder.h"
@@ -295,6 +295,12 @@ TEST(Scenario, RobotsTogetherHaveAtMostAThousandBodies) {
   const std::string error = read_error(file);
   EXPECT_THAT(error, HasSubstr("a.yaml:4:22: error: the robots up to this one have 1200 bodies"));
   EXPECT_THAT(error, Not(HasSubstr("a.yaml:5")));
+}
+
+TEST(Yaml, RefusesANulCharacterWithItsLine) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(parse_yaml(std::string("a: 1\nb: qdrone\0002\n", 18), "x.yaml", diagnostics));
+  EXPECT_EQ(diagnostics.to_string(), "x.yaml:2: error: not YAML: a NUL character; remove it\n");
 }
 
 }  // namespace

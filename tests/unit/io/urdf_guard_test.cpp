@@ -202,6 +202,21 @@ TEST(Urdf, RefusesReferencesThatXmlDoesNotKnow) {
               HasSubstr("the reference `&foo;`, which XML does not know; write `&amp;`"));
 }
 
+TEST(Urdf, TakesAnyWhiteSpaceBetweenNumbers) {
+  const std::string mass = replaced(kInertial, "value=\"1\"", "value=\" 1.0\t\"");
+  const std::string origin = replaced(mass, "<mass", "<origin xyz=\"0\n 0\t1 \"/><mass");
+  Diagnostics diagnostics;
+  const auto model = parse_urdf("<robot name=\"r\">" + link("1 2", origin) + "</robot>", "r.urdf",
+                                {}, diagnostics);
+  ASSERT_TRUE(model.has_value()) << diagnostics.to_string();
+  EXPECT_EQ(model->bodies[0].mass.mass, 1.0);
+  EXPECT_EQ(model->bodies[0].mass.com.z, 1.0);
+}
+
+TEST(Urdf, RefusesTheReferenceToNul) {
+  EXPECT_THAT(messages(link("a&#0;b")), HasSubstr("r.urdf:2: error: a bare `&`"));
+}
+
 TEST(Urdf, EveryMaterialNeedsAColour) {
   const std::string visual =
       "<visual><geometry><sphere radius=\"1\"/></geometry><material name=\"red\"/></visual>";
