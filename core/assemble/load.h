@@ -9,7 +9,7 @@
 #include "core/env/environment.h"
 #include "core/io/diagnostics.h"
 #include "core/io/plugin_catalog.h"
-#include "plugins/host/refused_files.h"
+#include "core/model/refused_files.h"
 
 namespace skybody {
 

@@ -13,7 +13,7 @@
 #include "plugins/host/library.h"
 #include "plugins/host/places.h"  // IWYU pragma: export
 #include "plugins/host/promises.h"
-#include "plugins/host/refused_files.h"  // IWYU pragma: export
+#include "core/model/refused_files.h"  // IWYU pragma: export
 
 namespace skybody {
 
