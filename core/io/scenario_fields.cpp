@@ -118,7 +118,7 @@ const MapSpec& joint_fields() {
 const MapSpec& robot_fields() {
   static const MapSpec spec{
       "robot",
-      "One robot. Entries can be any number.",
+      "One robot.",
       {
           required(name_field("its name in paths")),
           required(text_field("model", "", "URDF file, relative to the file that names it")),

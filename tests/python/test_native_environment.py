@@ -94,6 +94,11 @@ def test_a_scenario_that_is_not_there_is_an_input_error() -> None:
         Environment("no_such_scenario")
 
 
+def test_an_empty_name_of_a_scenario_is_an_input_error() -> None:
+    with pytest.raises(skybody.InputError, match="no scenario is named"):
+        Environment("")
+
+
 def test_a_plugin_folder_that_is_missing_is_an_error_that_names_it(tmp_path: Path):
     missing = tmp_path / "missing"
     with pytest.raises(skybody.InputError, match=f"{missing}: error: the plugin path names this"):
