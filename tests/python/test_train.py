@@ -194,7 +194,9 @@ def test_policy_files_give_the_actions_of_the_network(
     with learner_of(algorithm, environment, hyper=hyper) as learner:
         for _ in range(3):
             learner.iterate()
-        write_policy(tmp_path / "policy.h5", learner.policy())
+        attributes = {"scenario": "", "scenario_hash": "", "algorithm": algorithm, "steps": 300}
+        policy = dataclasses.replace(learner.policy(), attributes=attributes)
+        write_policy(tmp_path / "policy.h5", policy)
         observation = np.random.default_rng(0).normal(0.0, 2.0, (200, 22)).astype(np.float32)
         with torch.no_grad():
             if algorithm == "ppo":
