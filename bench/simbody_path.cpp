@@ -1,5 +1,5 @@
 // What the engine costs on top of Simbody, in one run, taking turns: two hand-written loops over
-// the same hover world, our physics alone (Stepper), and the whole environment step of
+// the same hover world, our physics alone (GroupStepper), and the whole environment step of
 // scenarios/hover.yaml (action, plugins, physics, observation, reward, ends) on `dynamics:
 // simbody`. Exit code 1 if the first three end in different places.
 #include <algorithm>
@@ -13,7 +13,7 @@
 #include "core/assemble/simulation.h"
 #include "core/env/group_work.h"
 #include "core/physics/default_state.h"
-#include "core/physics/stepper.h"
+#include "core/physics/group_stepper.h"
 
 namespace skybody::bench {
 namespace {
@@ -53,17 +53,31 @@ Scenario make_hover() {
 /// The engine's physics alone.
 class Physics {
  public:
-  Physics() : world_(make_hover()), stepper_(make_simbody_stepper(world_)) {
+  Physics()
+      : world_(make_hover()),
+        physics_(world_, DynamicsUse::kSimbody),
+        stepper_(physics_.make_stepper(1)),
+        scratch_(physics_.make_scratch()) {
     write_default_state(world_, state_);
     state_.rotor_command.assign(4, kHover.command);
+    group_.q = state_.q.data();
+    group_.u = state_.u.data();
+    group_.rotor_speed = state_.rotor_speed.data();
+    group_.rotor_command = state_.rotor_command.data();
+    group_.params = state_.params.data();
+    group_.bodies = reinterpret_cast<double*>(state_.bodies.data());
+    stepper_->refresh(group_, 1u, 1u, scratch_);
   }
-  void step() { ok_ = stepper_->advance(state_) && ok_; }
+  void step() { ok_ = stepper_->advance(group_, 1u, scratch_) != 0 && ok_; }
   double height() const { return ok_ ? state_.q[2] : -1.0; }
 
  private:
   World world_;
-  std::unique_ptr<Stepper> stepper_;
+  GroupPhysics physics_;
+  std::unique_ptr<GroupStepper> stepper_;
+  PhysicsScratch scratch_;
   LaneState state_;
+  GroupBlocks group_;
   bool ok_ = true;
 };
 

@@ -9,4 +9,10 @@ int Layout::find_param(const std::string& path) const {
   return -1;
 }
 
+std::vector<double> Layout::nominal_params() const {
+  std::vector<double> values;
+  for (const EnvParam& param : param_info) values.push_back(param.nominal);
+  return values;
+}
+
 }  // namespace skybody

@@ -108,6 +108,8 @@ struct Layout {
 
   /// Index of the parameter at `path`, or -1.
   int find_param(const std::string& path) const;
+  /// The parameter block of an environment that nothing has been drawn for.
+  std::vector<double> nominal_params() const;
 };
 
 }  // namespace skybody

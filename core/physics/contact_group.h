@@ -20,12 +20,14 @@ std::vector<ContactGroup> make_contact_groups(const World& world);
 
 /// What the ground does to a body.
 /// @param spheres  of the world
-/// @param body     position, axes, velocity, angular velocity
+/// @param body     position, axes, velocity
+/// @param angular_velocity  of the body, W axes
 template <class Real>
 SKYBODY_INLINE SpatialForce<Real> ground_forces(const ContactGroup& group,
                                                 const ContactSphere* spheres,
                                                 const ContactSettings& contact,
-                                                const BodyKinematics<Real>& body) {
+                                                const BodyKinematics<Real>& body,
+                                                const Vec3<Real>& angular_velocity) {
   SpatialForce<Real> sum = SpatialForce<Real>::zero();
   for (int i = group.first; i < group.first + group.count; ++i) {
     const ContactSphere& sphere = spheres[i];
@@ -34,7 +36,7 @@ SKYBODY_INLINE SpatialForce<Real> ground_forces(const ContactGroup& group,
     const auto touches = body.position.z + below < 0.0;
     if (none(touches)) continue;  // most spheres of a body that lies on the others
     const Vec3<Real> arm{dot(body.axes.row(0), center), dot(body.axes.row(1), center), below};
-    const Vec3<Real> velocity = body.velocity + cross(body.angular_velocity, arm);
+    const Vec3<Real> velocity = body.velocity + cross(angular_velocity, arm);
     // Where it is in the air this adds zeros, which change no sum: sums begin at +0, and so none is
     // -0.
     sum.add_force_at(

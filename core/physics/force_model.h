@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/physics/contact_group.h"
+#include "core/physics/force_terms.h"
 #include "core/physics/joint_force.h"
 #include "core/physics/kinematics.h"
 #include "core/physics/rotor_force.h"
@@ -50,15 +50,17 @@ class ForceModel {
     add_rotors(in, forces);
     add_disturbances(in, forces);
     add_wrenches(in, forces);
-    add_ground(in, forces);
+    add_grounds(in, forces);
     add_joints(in, joint_forces);
   }
 
  private:
+  /// Sum of the forces on body i.
   template <class Real, class Params>
-  static SKYBODY_INLINE Vec3<Real> com_arm(const BodyKinematics<Real>& body,
-                                           const Params& body_params) {
-    return body.axes * load_vec3(body_params + kCom);
+  SKYBODY_INLINE OriginLoad<Real, Params> load(const ForceInputs<Real, Params>& in, int i,
+                                               SpatialForce<Real>* forces) const {
+    return {in.bodies[i], in.params + world_.layout.body_params[static_cast<std::size_t>(i)],
+            forces[i]};
   }
 
   /// Overwrites: the first to be called.
@@ -66,11 +68,8 @@ class ForceModel {
   SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in,
                                   SpatialForce<Real>* forces) const {
     const Vec3<Real> gravity = to_real<Real>(world_.scenario.gravity);
-    for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
-      const auto params = in.params + world_.layout.body_params[i];
-      forces[i].force = gravity * params[kMass];
-      forces[i].moment = cross(com_arm(in.bodies[i], params), forces[i].force);
-    }
+    const int count = static_cast<int>(world_.bodies.size());
+    for (int i = 0; i < count; ++i) load(in, i, forces).begin(gravity);
   }
 
   template <class Real, class Params>
@@ -79,68 +78,39 @@ class ForceModel {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
       const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
-      const SpatialForce<Real> sum = rotor_forces(
-          group, rotors_.data(), in.params,
-          [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; }, velocity, body.spin);
-      forces[group.body].force += body.axes * sum.force;
-      forces[group.body].moment += body.axes * sum.moment;
+      load(in, group.body, forces)
+          .add_in_body(rotor_forces(
+              group, rotors_.data(), in.params,
+              [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; }, velocity, body.spin));
     }
   }
 
-  /// Paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
   template <class Real, class Params>
   SKYBODY_INLINE void add_disturbances(const ForceInputs<Real, Params>& in,
                                        SpatialForce<Real>* forces) const {
     for (std::size_t r = 0; r < bases_.size(); ++r) {
-      const int base = bases_[r];
-      const auto params = in.params + world_.layout.disturbance_params[r];
-      const Vec3<Real> force = load_vec3(params + kDisturbanceForce);
-      const Vec3<Real> moment = load_vec3(params + kDisturbanceMoment);
-      const auto disturbed = logical_or(is_not_zero(force), is_not_zero(moment));
-      if (none(disturbed)) continue;
-      const Vec3<Real> arm = com_arm(in.bodies[base], in.params + world_.layout.body_params[base]);
-      SpatialForce<Real> sum = forces[base];
-      sum.add_force_at(arm, force);
-      sum.moment += in.bodies[base].axes * moment;
-      // Lanes without keep their sums untouched, as if alone: adding +0 would turn a -0 round.
-      forces[base].force = select(disturbed, sum.force, forces[base].force);
-      forces[base].moment = select(disturbed, sum.moment, forces[base].moment);
+      auto sum = load(in, bases_[r], forces);
+      add_disturbance<Real>(in.params + world_.layout.disturbance_params[r], sum);
     }
   }
 
   template <class Real, class Params>
   SKYBODY_INLINE void add_wrenches(const ForceInputs<Real, Params>& in,
                                    SpatialForce<Real>* forces) const {
-    for (std::size_t s = 0; s < world_.sites.size(); ++s) {
-      const WrenchSite& site = world_.sites[s];
-      const BodyKinematics<Real>& body = in.bodies[site.body];
-      Vec3<Real> force = load_vec3(in.wrench + 6 * s);
-      Vec3<Real> moment = load_vec3(in.wrench + 6 * s + 3);
-      if (!site.world_axes) {
-        force = body.axes * force;
-        moment = body.axes * moment;
-      }
-      const Vec3<Real> arm = site.at_com
-                                 ? com_arm(body, in.params + world_.layout.body_params[site.body])
-                                 : body.axes * to_real<Real>(site.point);
-      forces[site.body].add_force_at(arm, force);
-      forces[site.body].moment += moment;
+    const Real* wrench = in.wrench;
+    for (const WrenchSite& site : world_.sites) {
+      auto sum = load(in, site.body, forces);
+      add_wrench<Real>(site, wrench, sum);
+      wrench += 6;
     }
   }
 
   template <class Real, class Params>
-  SKYBODY_INLINE void add_ground(const ForceInputs<Real, Params>& in,
-                                 SpatialForce<Real>* forces) const {
-    const ContactSettings& contact = world_.scenario.contact;
+  SKYBODY_INLINE void add_grounds(const ForceInputs<Real, Params>& in,
+                                  SpatialForce<Real>* forces) const {
     for (const ContactGroup& group : contact_groups_) {
-      const BodyKinematics<Real>& body = in.bodies[group.body];
-      const auto near_ground = body.position.z < group.reach;
-      if (none(near_ground)) continue;
-      const SpatialForce<Real> sum = ground_forces(group, world_.spheres.data(), contact, body);
-      // Lanes in the air keep their sums untouched: adding +0 would turn a -0 round.
-      SpatialForce<Real>& total = forces[group.body];
-      total.force = select(near_ground, total.force + sum.force, total.force);
-      total.moment = select(near_ground, total.moment + sum.moment, total.moment);
+      auto sum = load(in, group.body, forces);
+      add_ground(world_, group, in.bodies[group.body], sum);
     }
   }
 

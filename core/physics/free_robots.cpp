@@ -4,7 +4,7 @@
 
 #include "core/physics/force_model.h"
 #include "core/physics/pose_math.h"
-#include "core/physics/stepper.h"
+#include "core/physics/step_rules.h"
 
 namespace skybody {
 
@@ -43,8 +43,9 @@ FreeRobots::FreeRobots(const World& w)
       if (w.sites[s].body == robot.body) robot.sites.push_back(static_cast<int>(s));
     }
     const MassProperties& mass = w.bodies[static_cast<std::size_t>(robot.body)].model->mass;
-    robot.has_products = mass.inertia.xy != 0.0 || mass.inertia.xz != 0.0 || mass.inertia.yz != 0.0;
-    robot.is_axial = mass.com.x == 0.0 && mass.com.y == 0.0;
+    robot.shape.is_axial = mass.com.x == 0.0 && mass.com.y == 0.0;
+    robot.shape.has_no_products = !is_not_zero(
+        Vec3<double>{mass.inertia.xy, mass.inertia.xz, mass.inertia.yz});
     for (int k = 0; k < kDisturbanceParamCount; ++k) {
       const auto param = static_cast<std::size_t>(robot.disturbance + k);
       robot.is_disturbed |= w.layout.param_info[param].nominal != 0.0;

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/physics/body_load.h"
 #include "core/physics/contact_group.h"
 #include "core/physics/rotor_force.h"
 #include "core/physics/world.h"
@@ -16,9 +17,8 @@ struct FreeRobot {
   RotorGroup rotors;          ///< all of them; none where `count` is 0
   int disturbance = 0;        ///< first of its kDisturbanceParamCount parameters
   std::vector<int> sites;     ///< within World::sites
-  bool is_disturbed = false;  ///< by the nominal parameters
-  bool has_products = false;  ///< of inertia, or of its inverse: likewise
-  bool is_axial = false;      ///< the centre of mass is on the z axis: likewise
+  bool is_disturbed = false;  ///< likewise
+  KnownShape shape;           ///< by the nominal parameters
   ContactGroup contact;       ///< none where `count` is 0
 
   /// The commonest kind, for which kernels are made to measure.

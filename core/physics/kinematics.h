@@ -105,18 +105,26 @@ SKYBODY_INLINE JointMotion<Real> joint_motion(JointType type, const Real* q, con
   return m;
 }
 
-/// dq/dt of one joint. Quaternions: half q times (0, w), w in M axes (paper eq. 1).
+/// dq/dt times `time`, for dq/dt = q (0, w) / 2 (paper eq. 1).
+/// @param w  in the axes that q turns from
+template <class Real>
+SKYBODY_INLINE Quat<Real> quaternion_change(const Quat<Real>& q, const Vec3<Real>& w,
+                                            double time) {
+  const double half = 0.5 * time;
+  return {-half * ((q.x * w.x + q.y * w.y) + q.z * w.z),
+          half * ((q.w * w.x + q.y * w.z) - q.z * w.y),
+          half * ((q.w * w.y + q.z * w.x) - q.x * w.z),
+          half * ((q.w * w.z + q.x * w.y) - q.y * w.x)};
+}
+
+/// dq/dt of one joint.
 template <class Real>
 SKYBODY_INLINE void position_rates(JointType type, const Real* q, const Real* u, Real* qdot) {
-  const auto quaternion_rate = [](const Real* quat, const Real* w, Real* rate) {
-    const Quat<Real> half{Real(0.0), 0.5 * w[0], 0.5 * w[1], 0.5 * w[2]};
-    store(load_quat(quat) * half, rate);
-  };
   if (type == JointType::kFree) {
     for (int i = 0; i < 3; ++i) qdot[i] = u[i];
-    quaternion_rate(q + 3, u + 3, qdot + 3);
+    store(quaternion_change(load_quat(q + 3), load_vec3(u + 3), 1.0), qdot + 3);
   } else if (type == JointType::kBall) {
-    quaternion_rate(q, u, qdot);
+    store(quaternion_change(load_quat(q), load_vec3(u), 1.0), qdot);
   } else {
     for (int i = 0; i < velocity_size(type); ++i) qdot[i] = u[i];
   }

@@ -1,4 +1,4 @@
-// Values of a lane group as code on packs reads them: indexed like an array of Real.
+// Values of a lane group as code on doubles or packs reads and writes them.
 #pragma once
 
 #include "core/base/pack.h"
@@ -12,17 +12,21 @@ inline constexpr int kGroupLanes = 32;
 inline constexpr int kWidestPack = 8;
 static_assert(kGroupLanes % kWidestPack == 0 && kGroupLanes <= 32, "masks have 32 bits");
 
+/// How far apart the values of one lane lie. A double works on a group of one lane.
+template <class Real>
+inline constexpr std::ptrdiff_t kLaneStride = kLanesOf<Real> == 1 ? 1 : kGroupLanes;
+
 /// Values that each lane has of its own: value k of the lanes that `Real` holds.
 template <class Real>
 class LaneValues {
  public:
-  /// @param data  value 0 of the first of these lanes; value k lies k * kGroupLanes further on
+  /// @param data  value 0 of the first of these lanes
   explicit LaneValues(const double* data) : data_(data) {}
   SKYBODY_INLINE Real operator[](int k) const {
-    return load_lanes<Real>(data_ + static_cast<std::ptrdiff_t>(k) * kGroupLanes);
+    return load_lanes<Real>(data_ + k * kLaneStride<Real>);
   }
   SKYBODY_INLINE LaneValues operator+(int k) const {
-    return LaneValues(data_ + static_cast<std::ptrdiff_t>(k) * kGroupLanes);
+    return LaneValues(data_ + k * kLaneStride<Real>);
   }
 
  private:
@@ -39,6 +43,42 @@ class SharedValues {
 
  private:
   const double* data_;
+};
+
+/// Instead of a mask: all lanes, so that nothing that is overwritten need be read.
+struct AllLanes {};
+
+/// Where the lanes that one Real holds lie in the blocks of a group.
+template <class Real>
+class LanePlace {
+ public:
+  /// @param first  of the lanes, within the group
+  SKYBODY_INLINE explicit LanePlace(int first) : first_(first) {}
+
+  /// Where value k of a block begins, for all lanes of the group.
+  static SKYBODY_INLINE double* block(double* values, int k) {
+    return values + k * kLaneStride<Real>;
+  }
+  /// Value k of a block.
+  template <class T>
+  SKYBODY_INLINE T* at(T* block, int k) const {
+    return block + k * kLaneStride<Real> + first_;
+  }
+  SKYBODY_INLINE void load(const double* block, int count, Real* out) const {
+    for (int k = 0; k < count; ++k) out[k] = load_lanes<Real>(at(block, k));
+  }
+  /// @param mask  lanes to write, or AllLanes
+  template <class Mask>
+  SKYBODY_INLINE void store(const Real* values, int count, const Mask& mask, double* block) const {
+    for (int k = 0; k < count; ++k) put(values[k], mask, at(block, k));
+  }
+  static SKYBODY_INLINE void put(const Real& value, const MaskOf<Real>& mask, double* p) {
+    store_lanes(p, value, mask);
+  }
+  static SKYBODY_INLINE void put(const Real& value, AllLanes, double* p) { store_lanes(p, value); }
+
+ private:
+  int first_;
 };
 
 }  // namespace skybody

@@ -104,13 +104,14 @@ SKYBODY_INLINE RotorMotion<Real> rotor_at(const RotorLag<Real>& lag, const Real&
 
 /// The rotor at any time of the step by the closed form itself, for integrators that choose their
 /// own instants.
-/// @param constants the rotor's kRotorParamCount values
+/// @param constants the rotor's kRotorParamCount values: a pointer, or a view
 /// @param speed     at the start of the step [rad/s]
 /// @param command   limited command, held during the step [rad/s]
 /// @param time      since the start of the step [s]
 /// @param dt        the step: over it a time constant of 0 spreads the jump's reaction [s]
-inline RotorMotion<double> rotor_at_time(const double* constants, double speed, double command,
-                                         double time, double dt) {
+template <class Values>
+RotorMotion<double> rotor_at_time(const Values& constants, double speed, double command,
+                                  double time, double dt) {
   const double gap = command - speed;
   const double tau = gap > 0.0 ? constants[kTauUp] : constants[kTauDown];
   if (tau <= 0.0) return {command, gap / dt};

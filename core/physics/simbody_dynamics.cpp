@@ -289,8 +289,6 @@ class SimbodyDynamics final : public Dynamics {
     set_params(params);
   }
 
-  bool is_on_simbody() const override { return true; }
-
   void set_params(const double* params) override {
     if (world_.bodies.empty()) return;
     // The mass properties of all bodies lie one after another (world_layout.cpp).
@@ -340,22 +338,11 @@ class SimbodyDynamics final : public Dynamics {
   std::unique_ptr<SimbodySystem> system_;
 };
 
-std::vector<double> nominal_params(const World& world) {
-  std::vector<double> nominal;
-  for (const EnvParam& param : world.layout.param_info) nominal.push_back(param.nominal);
-  return nominal;
-}
-
 }  // namespace
-
-std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world) {
-  // What cannot be built is said here rather than in the first step.
-  return make_simbody_dynamics(world, nominal_params(world).data());
-}
 
 void check_simbody(const World& world) {
   if (world.bodies.empty()) return;
-  make_system(world, make_tree(world), nullptr, nominal_params(world).data());
+  make_system(world, make_tree(world), nullptr, world.layout.nominal_params().data());
 }
 
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params) {

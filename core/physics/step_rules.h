@@ -7,6 +7,10 @@
 
 namespace skybody {
 
+/// A state beyond this [m, rad, m/s, rad/s] has diverged: it is a thousand kilometres away, or
+/// faster than any rotor.
+inline constexpr double kLargestState = 1e6;
+
 /// A rotor's command during one step, ready to be asked how the rotor runs.
 template <class Real>
 struct RotorStep {
@@ -22,11 +26,11 @@ struct RotorStep {
   SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
     return rotor_at(lag, speed, command, time);
   }
-  /// Speed in mid-step, mean acceleration: for one evaluation a step.
-  /// @param end   speed at the end of the step
-  /// @param rate  1/dt [1/s]
-  SKYBODY_INLINE RotorMotion<Real> mean(const Real& end, double rate) const {
-    return {at(kStepMiddle).speed, (end - speed) * rate};
+  /// Speed in mid-step, and the change of speed over the step instead of an acceleration: for one
+  /// evaluation a step.
+  /// @param end  speed at the end of the step
+  SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
+    return {at(kStepMiddle).speed, end - speed};
   }
 };
 
@@ -47,50 +51,43 @@ SKYBODY_INLINE void begin_drive(DriveKind kind, const BodyKinematics<Real>& base
   drive_to_pose(q, target, dt, u);
 }
 
-/// Semi-implicit (symplectic) Euler, order 1: u += dt udot(q, u), then q += dt N(q) u. Rotors count
-/// with their speed in mid-step.
-/// @param mechanics  has mean_accelerations(q, u, udot) and position_rates(q, u, qdot)
-template <class Real, class Mechanics>
-SKYBODY_INLINE void semi_implicit_euler(Mechanics& mechanics, double dt, int q_count, int u_count,
-                                        Real* q, Real* u, Real* qdot, Real* udot) {
-  mechanics.mean_accelerations(q, u, udot);
-  for (int i = 0; i < u_count; ++i) u[i] += dt * udot[i];
-  mechanics.position_rates(q, u, qdot);
-  for (int i = 0; i < q_count; ++i) q[i] += dt * qdot[i];
+/// Semi-implicit (symplectic) Euler, order 1: u += dt udot, then q += dt N(q) u. Rotors count with
+/// their speed in mid-step.
+/// @param state  has change_velocity(rates, time) and change_position(time), by its velocity
+/// @param rates  udot at the step's start
+template <class State, class Rates>
+SKYBODY_INLINE void semi_implicit_euler(double dt, const Rates& rates, State& state) {
+  state.change_velocity(rates, dt);
+  state.change_position(dt);
 }
 
 /// Where the classical Runge-Kutta method keeps its stages.
-template <class Real>
-struct StageArrays {
-  Real *q = nullptr, *u = nullptr;    ///< a stage's point
-  Real *qdot[4] = {}, *udot[4] = {};  ///< its rates
+/// @tparam State  has set(start, rate, time): start + time rate, number by number, where start may
+///                be the state itself; and add(rate)
+template <class State>
+struct RungeKuttaWork {
+  State point;               ///< a stage's
+  State rate, inner, outer;  ///< a stage's, and sums of those in mid-step and of the others
 };
 
 /// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
-/// @param mechanics  has accelerations(q, u, time, udot) and position_rates(q, u, qdot)
-template <class Real, class Mechanics>
-SKYBODY_INLINE void runge_kutta_4(Mechanics& mechanics, double dt, int q_count, int u_count,
-                                  Real* q, Real* u, const StageArrays<Real>& stage) {
+/// @param rates  rates(state, time, rate) writes what the state changes by in a second. It is large
+///               code: the loop has it once
+/// @param state  at the step's start; written: at its end
+template <class State, class Rates>
+SKYBODY_INLINE void runge_kutta_4(double dt, const Rates& rates, State& state,
+                                  RungeKuttaWork<State>& work) {
   constexpr StageTime kTimes[4] = {kStepStart, kStepMiddle, kStepMiddle, kStepEnd};
+  State* const rate[4] = {&work.outer, &work.inner, &work.rate, &work.rate};
+#pragma GCC unroll 1
   for (int k = 0; k < 4; ++k) {
-    const Real *at_q = q, *at_u = u;
-    if (k > 0) {
-      const double h = k == 3 ? dt : 0.5 * dt;
-      for (int i = 0; i < q_count; ++i) stage.q[i] = q[i] + h * stage.qdot[k - 1][i];
-      for (int i = 0; i < u_count; ++i) stage.u[i] = u[i] + h * stage.udot[k - 1][i];
-      at_q = stage.q;
-      at_u = stage.u;
-    }
-    mechanics.accelerations(at_q, at_u, kTimes[k], stage.udot[k]);
-    mechanics.position_rates(at_q, at_u, stage.qdot[k]);
+    if (k > 0) work.point.set(state, *rate[k - 1], k == 3 ? dt : 0.5 * dt);
+    rates(k == 0 ? state : work.point, kTimes[k], *rate[k]);
+    if (k == 2) work.inner.add(work.rate);
   }
-  const auto combine = [&](Real* const(&k)[4], int count, Real* x) {
-    for (int i = 0; i < count; ++i) {
-      x[i] += (dt / 6.0) * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i]));
-    }
-  };
-  combine(stage.qdot, q_count, q);
-  combine(stage.udot, u_count, u);
+  work.outer.add(work.rate);
+  work.outer.set(work.outer, work.inner, 2.0);
+  state.set(state, work.outer, dt / 6.0);
 }
 
 }  // namespace skybody

@@ -71,9 +71,9 @@ class SundialsIntegrator : public Integrator {
         y_(demand(N_VNew_Serial(static_cast<sunindextype>(q_count_ + u_count_), context()),
                   "N_VNew_Serial")) {}
 
-  void advance(Mechanics& mechanics, double* q, double* u) override {
+  void advance(const Rates& rates, double* q, double* u) override {
     if (q_count_ + u_count_ == 0) return;
-    mechanics_ = &mechanics;
+    rates_ = &rates;
     error_ = nullptr;
     double* y = N_VGetArrayPointer(y_.get());
     std::memcpy(y, q, q_count_ * sizeof(double));
@@ -99,8 +99,7 @@ class SundialsIntegrator : public Integrator {
     const std::size_t count = me.q_count_ + me.u_count_;
     if (!are_finite(q, count)) return 1;
     try {
-      me.mechanics_->accelerations_at(q, u, time, qdot + me.q_count_);
-      me.mechanics_->position_rates(q, u, qdot);
+      (*me.rates_)(q, u, time, qdot, qdot + me.q_count_);
       if (!are_finite(qdot, count)) return 1;
     } catch (const std::runtime_error&) {  // the dynamics gives up there
       return 1;
@@ -136,7 +135,7 @@ class SundialsIntegrator : public Integrator {
   Owned<N_Vector, &N_VDestroy> y_;
   Owned<SUNMatrix, &SUNMatDestroy> matrix_;                    ///< null: explicit
   Owned<SUNLinearSolver, &free_linear_solver> linear_solver_;  ///< likewise
-  Mechanics* mechanics_ = nullptr;                             ///< of the step under way
+  const Rates* rates_ = nullptr;                               ///< of the step under way
   std::exception_ptr error_;                                   ///< thrown in `derivative`
 };
 
@@ -218,12 +217,11 @@ class Arkode final : public SundialsIntegrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_cvode(const World& world) {
-  return std::make_unique<Cvode>(world);
-}
-
-std::unique_ptr<Integrator> make_arkode(const World& world) {
-  return std::make_unique<Arkode>(world);
+std::unique_ptr<Integrator> make_integrator(const World& world) {
+  const IntegratorChoice choice = world.scenario.stepping.integrator;
+  if (choice == IntegratorChoice::kCvode) return std::make_unique<Cvode>(world);
+  if (choice == IntegratorChoice::kArkode) return std::make_unique<Arkode>(world);
+  return nullptr;
 }
 
 }  // namespace skybody

@@ -9,8 +9,8 @@
 #include "core/base/random.h"
 #include "core/model/marked_error.h"
 #include "core/physics/base_drive.h"
-#include "core/physics/tree_dynamics.h"
 #include "tests/unit/physics/random_trees.h"
+#include "tests/unit/physics/tree_dynamics.h"
 
 namespace skybody::test {
 namespace {
@@ -34,7 +34,7 @@ void put_mass(const World& world, const MassProperties& mass, std::vector<double
 TEST(FreeBody, HasTheAccelerationsThatSimbodyFinds) {
   const World world(make_scenario(make_free_body(1.0, diagonal(0.01, 0.01, 0.01))));
   const std::unique_ptr<Dynamics> tree = make_tree_dynamics(world);
-  const std::unique_ptr<Dynamics> simbody = make_simbody_dynamics(world);
+  const std::unique_ptr<Dynamics> simbody = make_nominal_simbody(world);
   std::vector<double> params = nominal_params(world);
   for (std::uint64_t k = 0; k < 10000; ++k) {
     Random<double> random = random_numbers(k);
@@ -202,7 +202,7 @@ std::string message_of(Dynamics& dynamics, const std::vector<double>& params) {
 TEST(FreeBody, RefusesDrawnMassesAsSimbodysDoes) {
   const World world(make_scenario(make_free_body(1.0, diagonal(0.01, 0.01, 0.01))));
   const std::unique_ptr<Dynamics> tree = make_tree_dynamics(world);
-  const std::unique_ptr<Dynamics> simbody = make_simbody_dynamics(world);
+  const std::unique_ptr<Dynamics> simbody = make_nominal_simbody(world);
   const auto expect_same_refusal = [&](const char* path, double value) {
     std::vector<double> params = nominal_params(world);
     params[world.layout.find_param(std::string("robots.r.links.base.") + path)] = value;
@@ -290,7 +290,7 @@ TEST(Auto, TakesTreeWhereItCan) {
   };
   const auto one = make_world(vehicle(IntegratorChoice::kRk4, DynamicsChoice::kAuto));
   const LaneState by_auto = step_once(*one, make_stepper(*one));
-  const LaneState by_tree = step_once(*one, make_stepper(*one, make_tree_dynamics(*one)));
+  const LaneState by_tree = step_once(*one, make_tree_stepper(*one));
   const LaneState by_simbody = step_once(*one, make_simbody_stepper(*one));
   EXPECT_TRUE(same_bits(by_auto, by_tree));
   EXPECT_FALSE(same_bits(by_tree, by_simbody)) << "rounding tells them apart";

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "core/physics/dynamics.h"
 #include "core/physics/kinematics.h"
 #include "tests/unit/physics/test_models.h"
+#include "tests/unit/physics/tree_dynamics.h"
 
 namespace skybody::test {
 namespace {
@@ -186,7 +186,7 @@ void put_random_coordinates(Bench& bench, unsigned seed) {
 
 TEST(Kinematics, AgreesWithSimbodyForEveryJointAndTurnedFrames) {
   Bench bench(high_up(make_chain()));
-  const std::unique_ptr<Dynamics> simbody = make_simbody_dynamics(bench.world);
+  const std::unique_ptr<Dynamics> simbody = make_nominal_simbody(bench.world);
   std::vector<BodyState> theirs(bench.world.bodies.size());
   for (unsigned seed = 1; seed <= 50; ++seed) {
     put_random_coordinates(bench, seed);

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/base/isa.h"
+#include "core/base/octets.h"
 #include "core/physics/group_stepper.h"
 #include "core/physics/lane_values.h"
-#include "core/physics/pack_world.h"
 #include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
@@ -20,10 +20,11 @@ constexpr std::uint32_t kAll = ~0u >> (32 - kGroupLanes);
 constexpr std::uint32_t kSome = 0x6bff4f6b;  // now and then a part only
 
 /// The values of a full group, and a stepper on them.
-struct Group {
-  Group(const World& w, std::unique_ptr<GroupStepper> s, std::size_t scratch_bytes)
+struct PackGroup {
+  PackGroup(const World& w, const GroupPhysics& physics)
       : world(w),
-        stepper(std::move(s)),
+        stepper(physics.make_stepper(kGroupLanes)),
+        scratch(physics.make_scratch()),
         q(size(w.layout.q.size)),
         u(size(w.layout.u.size)),
         rotor_speed(size(w.layout.rotor_speed.size)),
@@ -31,8 +32,7 @@ struct Group {
         wrench(size(w.layout.wrench.size)),
         drive(size(w.layout.drive.size)),
         params(size(w.layout.params.size)),
-        bodies(size(13 * static_cast<int>(w.bodies.size()))),
-        scratch(scratch_bytes) {}
+        bodies(size(13 * static_cast<int>(w.bodies.size()))) {}
   static std::size_t size(int values) { return static_cast<std::size_t>(values * kGroupLanes); }
 
   void set(int lane, const LaneState& state) {
@@ -58,25 +58,52 @@ struct Group {
 
   const World& world;
   std::unique_ptr<GroupStepper> stepper;
-  AlignedArray<double> q, u, rotor_speed, rotor_command, wrench, drive, params, bodies;
   PhysicsScratch scratch;
+  AlignedArray<double> q, u, rotor_speed, rotor_command, wrench, drive, params, bodies;
 };
 
-void expect_same_bits(const AlignedArray<double>& a, const AlignedArray<double>& b,
+/// The same lanes, each in a group of its own.
+struct Alone {
+  explicit Alone(const World& world) : states(kGroupLanes) {
+    for (int lane = 0; lane < kGroupLanes; ++lane) steppers.push_back(make_stepper(world));
+  }
+  void set(int lane, const LaneState& state) { states[static_cast<std::size_t>(lane)] = state; }
+  void refresh(std::uint32_t lanes) {
+    each_lane(lanes, [&](int l) {
+      const auto lane = static_cast<std::size_t>(l);
+      steppers[lane]->update_bodies(states[lane]);
+    });
+  }
+  std::uint32_t advance(std::uint32_t lanes) {
+    std::uint32_t through = 0;
+    on_simbody = 0;
+    each_lane(lanes, [&](int l) {
+      const auto lane = static_cast<std::size_t>(l);
+      if (steppers[lane]->advance(states[lane])) through |= 1u << l;
+      if (steppers[lane]->was_on_simbody()) on_simbody |= 1u << l;
+    });
+    return through;
+  }
+
+  std::vector<LaneState> states;
+  std::vector<std::unique_ptr<Stepper>> steppers;
+  std::uint32_t on_simbody = 0;
+};
+
+void expect_same_bits(const AlignedArray<double>& packs, int lane, const double* alone,
                       const std::string& what) {
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_EQ(std::memcmp(&a[i], &b[i], sizeof(double)), 0)
-        << what << ", value " << i / kGroupLanes << " of lane " << i % kGroupLanes << ": " << a[i]
-        << " in packs, " << b[i] << " alone";
+  const std::size_t count = packs.size() / kGroupLanes;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double& value = packs[k * kGroupLanes + static_cast<std::size_t>(lane)];
+    ASSERT_EQ(std::memcmp(&value, alone + k, sizeof(double)), 0)
+        << what << ", value " << k << " of lane " << lane << ": " << value << " in packs, "
+        << alone[k] << " alone";
   }
 }
 
 /// Both ways of stepping one group.
 struct TwoWays {
-  explicit TwoWays(const World& world)
-      : shared(world),
-        packs(world, make_pack_group_stepper(shared), shared.scratch_bytes),
-        alone(world, make_serial_group_stepper(world, kGroupLanes), 0) {}
+  explicit TwoWays(const World& world) : physics(world), packs(world, physics), alone(world) {}
 
   void set(int lane, const LaneState& state) {
     packs.set(lane, state);
@@ -90,16 +117,21 @@ struct TwoWays {
   std::uint32_t advance(std::uint32_t lanes, const std::string& where) {
     const std::uint32_t through = packs.advance(lanes);
     EXPECT_EQ(through, alone.advance(lanes)) << where;
-    EXPECT_EQ(packs.stepper->on_simbody(), alone.stepper->on_simbody()) << where;
-    expect_same_bits(packs.q, alone.q, where + ": q");
-    expect_same_bits(packs.u, alone.u, where + ": u");
-    expect_same_bits(packs.rotor_speed, alone.rotor_speed, where + ": rotor speed");
-    expect_same_bits(packs.bodies, alone.bodies, where + ": bodies");
+    EXPECT_EQ(packs.stepper->on_simbody(), alone.on_simbody) << where;
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      const LaneState& state = alone.states[static_cast<std::size_t>(lane)];
+      expect_same_bits(packs.q, lane, state.q.data(), where + ": q");
+      expect_same_bits(packs.u, lane, state.u.data(), where + ": u");
+      expect_same_bits(packs.rotor_speed, lane, state.rotor_speed.data(), where + ": rotor speed");
+      expect_same_bits(packs.bodies, lane, reinterpret_cast<const double*>(state.bodies.data()),
+                       where + ": bodies");
+    }
     return through;
   }
 
-  const PackWorld shared;
-  Group packs, alone;
+  const GroupPhysics physics;
+  PackGroup packs;
+  Alone alone;
 };
 
 /// With joints that are sprung and limited, and rotors with every effect on two of the bodies.

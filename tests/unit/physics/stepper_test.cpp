@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/physics/base_drive.h"
-#include "core/physics/dynamics.h"
+#include "core/physics/lane_stepper.h"
 #include "tests/unit/physics/test_models.h"
 
 namespace skybody::test {
@@ -138,12 +138,6 @@ TEST(PoseDrive, ReachesThePoseExactlyAtTheEndOfTheStep) {
   EXPECT_LT(norm(bench.state.bodies[0].velocity), 1e-10) << "arrived";
 }
 
-TEST(Drive, OfAFixedBaseIsAnError) {
-  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
-  model.bodies[0].joint.type = JointType::kWeld;
-  EXPECT_THROW(Bench(make_scenario(model), [](World& w) { w.drives = {DriveKind::kPose}; }), Error);
-}
-
 bool same_bits(const LaneState& a, const LaneState& b) {
   const auto same = [](const std::vector<double>& x, const std::vector<double>& y) {
     return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(double)) == 0;
@@ -227,6 +221,7 @@ class FailingDynamics final : public Dynamics {
                      double*) override {
     throw Failure();
   }
+  void add_contacts(const double*, const double*, std::vector<Contact>&) override {}
   void body_states(const double*, const double*, BodyState*) override {}
 };
 
@@ -239,8 +234,10 @@ struct Bug : std::logic_error {
 
 template <class Failure>
 bool advance_with_failure(Bench& bench) {
-  return make_stepper(bench.world, std::make_unique<FailingDynamics<Failure>>())
-      ->advance(bench.state);
+  const StepPlan plan(bench.world, DynamicsUse::kSimbody);
+  LaneStepper stepper(plan, std::make_unique<FailingDynamics<Failure>>());
+  const GroupBlocks lane = Stepper::blocks(bench.state);
+  return stepper.advance({&plan, &lane, nullptr, nullptr, nullptr}, true);
 }
 
 TEST(Stepper, OnlyDynamicsThatGiveUpAreAFailedStep) {

@@ -9,8 +9,8 @@
 
 #include "core/base/math.h"
 #include "core/physics/default_state.h"
-#include "core/physics/stepper.h"
 #include "core/physics/world_layout.h"
+#include "tests/unit/physics/stepper.h"
 
 namespace skybody::test {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <memory>
 
-#include "core/physics/tree_dynamics.h"
 #include "tests/unit/physics/random_trees.h"
+#include "tests/unit/physics/tree_dynamics.h"
 
 namespace skybody::test {
 namespace {
@@ -56,7 +56,7 @@ struct Pair {
   explicit Pair(Scenario scenario)
       : world(std::move(scenario)),
         tree(make_tree_dynamics(world)),
-        simbody(make_simbody_dynamics(world)) {
+        simbody(make_nominal_simbody(world)) {
     const std::vector<double> params = nominal_params(world);
     tree->set_params(params.data());
     simbody->set_params(params.data());
@@ -123,7 +123,7 @@ TEST(Tree, StepsAsSimbodyDoes) {
       std::fill(point.joint_forces.begin(), point.joint_forces.end(), 0.0);
       double difference = 0.0, allowed = 0.0;
       pair.compare(random, point, difference, allowed);
-      ASSERT_TRUE(make_stepper(world, make_tree_dynamics(world))->advance(by_tree));
+      ASSERT_TRUE(make_tree_stepper(world)->advance(by_tree));
       ASSERT_TRUE(make_simbody_stepper(world)->advance(by_simbody));
       // RK4 also passes points that are a step away: ten times the start's bound.
       const double rate = 10.0 * allowed * dt;

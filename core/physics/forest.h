@@ -7,7 +7,7 @@
 #include "core/physics/articulated_body.h"
 #include "core/physics/ball_joint.h"
 #include "core/physics/body_constants.h"
-#include "core/physics/free_body.h"
+#include "core/physics/body_load.h"
 
 namespace skybody {
 
@@ -39,9 +39,8 @@ class Forest {
     for (const Tree& tree : trees_) {
       const TreeBody& base = bodies_[static_cast<std::size_t>(tree.begin)];
       if (tree.is_free_body) {
-        free_body_accelerations(motion[tree.begin], u + base.u,
-                                constants + kBodyConstantCount * tree.begin, forces[tree.begin],
-                                joint_forces + base.u, udot + base.u);
+        accelerate_free_body(motion[tree.begin], constants + kBodyConstantCount * tree.begin,
+                             forces[tree.begin], joint_forces + base.u, udot + base.u);
         continue;
       }
       open(tree, q, u, motion, constants, forces, work);
@@ -51,6 +50,20 @@ class Forest {
   }
 
  private:
+  template <class Real, class Constants>
+  static SKYBODY_INLINE void accelerate_free_body(const BodyKinematics<Real>& body,
+                                                  const Constants& constants,
+                                                  const SpatialForce<Real>& force,
+                                                  const Real* joint_force, Real* udot) {
+    const SpatialForce<Real> none = SpatialForce<Real>::zero();
+    FreeLoad<Real, Constants> load(body, constants, {}, none.force, none);
+    load.add_about_origin({force.moment, force.force + load_vec3(joint_force)});
+    load.add_moment(load_vec3(joint_force + 3), Axes::kBody);
+    const FreeAcceleration<Real> a = load.acceleration();
+    store(a.linear, udot);
+    store(a.angular, udot + 3);
+  }
+
   /// Consecutive bodies of one robot.
   struct Tree {
     int begin = 0, end = 0;

@@ -1,4 +1,4 @@
-#include "core/physics/tree_accelerations.h"
+#include "core/physics/forest.h"
 
 namespace skybody {
 

@@ -1,0 +1,63 @@
+// One environment's physics on a LaneState of its own, for tests.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/physics/default_state.h"
+#include "core/physics/group_stepper.h"
+
+namespace skybody::test {
+
+/// A group of one lane. Whatever a test has changed in the state counts in the next call.
+class Stepper {
+ public:
+  Stepper(const World& world, DynamicsUse use)
+      : physics_(world, use), stepper_(physics_.make_stepper(1)), scratch_(physics_.make_scratch()) {}
+
+  void update_bodies(LaneState& state) { stepper_->refresh(blocks(state), 1, 1, scratch_); }
+  /// @returns false if the step failed
+  bool advance(LaneState& state) {
+    update_bodies(state);
+    return stepper_->advance(blocks(state), 1, scratch_) != 0;
+  }
+  bool was_on_simbody() const { return stepper_->on_simbody() != 0; }
+  void accelerations(LaneState& state, double* udot) {
+    update_bodies(state);
+    stepper_->accelerations(blocks(state), 0, udot);
+  }
+  void add_contacts(LaneState& state, std::vector<Contact>& out) {
+    update_bodies(state);
+    stepper_->add_contacts(blocks(state), 0, out);
+  }
+
+  static GroupBlocks blocks(LaneState& s) {
+    return {1,
+            s.q.data(),
+            s.u.data(),
+            s.rotor_speed.data(),
+            s.rotor_command.data(),
+            s.wrench.data(),
+            s.drive.data(),
+            s.params.data(),
+            reinterpret_cast<double*>(s.bodies.data())};
+  }
+
+ private:
+  GroupPhysics physics_;
+  std::unique_ptr<GroupStepper> stepper_;
+  PhysicsScratch scratch_;
+};
+
+/// With the dynamics that the scenario asks for, the tree's algorithms alone, or Simbody.
+inline std::unique_ptr<Stepper> make_stepper(const World& world) {
+  return std::make_unique<Stepper>(world, chosen_dynamics(world));
+}
+inline std::unique_ptr<Stepper> make_tree_stepper(const World& world) {
+  return std::make_unique<Stepper>(world, DynamicsUse::kTree);
+}
+inline std::unique_ptr<Stepper> make_simbody_stepper(const World& world) {
+  return std::make_unique<Stepper>(world, DynamicsUse::kSimbody);
+}
+
+}  // namespace skybody::test
