@@ -80,10 +80,10 @@ struct KnownShape {
   bool has_no_products = false;  ///< of inertia, nor of its inverse
 };
 
-/// Accelerations of a body's origin (W) and of the body (its axes).
+/// What the velocity of a body's origin (W) and its spin (body axes) change by in a second.
 template <class Real>
 struct FreeAcceleration {
-  Vec3<Real> linear, angular;
+  Vec3<Real> velocity, spin;
 };
 
 /// Newton and Euler about the centre of mass of one free body (docs/architecture.md, Dynamics).

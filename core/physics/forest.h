@@ -60,8 +60,8 @@ class Forest {
     load.add_about_origin({force.moment, force.force + load_vec3(joint_force)});
     load.add_moment(load_vec3(joint_force + 3), Axes::kBody);
     const FreeAcceleration<Real> a = load.acceleration();
-    store(a.linear, udot);
-    store(a.angular, udot + 3);
+    store(a.velocity, udot);
+    store(a.spin, udot + 3);
   }
 
   /// Consecutive bodies of one robot.

@@ -34,9 +34,11 @@ struct FreeMotion {
     velocity += rate.velocity;
     spin += rate.spin;
   }
-  SKYBODY_INLINE void change_velocity(const FreeAcceleration<Real>& a, double time) {
-    velocity += a.linear * Real(time);
-    spin += a.angular * Real(time);
+  /// @param rate  has velocity and spin
+  template <class Rate>
+  SKYBODY_INLINE void change_velocity(const Rate& rate, double time) {
+    velocity += rate.velocity * Real(time);
+    spin += rate.spin * Real(time);
   }
   SKYBODY_INLINE void change_position(double time) {
     position += velocity * Real(time);
@@ -139,11 +141,11 @@ class FreeRobotStep {
       if (time != kStepStart) renormalize(unit);
       const auto run = [&](int i) SKYBODY_INLINE_LAMBDA { return rotor_at(i, time); };
       const FreeAcceleration<Real> a = acceleration(kinematics(unit), level[time], run, 1.0);
-      rate = {at.velocity, quaternion_change(at.rotation, at.spin, 1.0), a.linear, a.angular};
+      rate = {at.velocity, quaternion_change(at.rotation, at.spin, 1.0), a.velocity, a.spin};
     };
     motion = load();
-    RungeKuttaWork<FreeMotion<Real>> work;
-    runge_kutta_4(dt(), rates, motion, work);
+    StageRates<FreeMotion<Real>> work;
+    step_by_rule(kRungeKutta4Rule, dt(), rates, motion, work);
     const Real squared = renormalize(motion);
     const Vec3<Real>& w = motion.spin;
     const Real size = (size_of(motion) + speeds) + ((abs(w.x) + abs(w.y)) + abs(w.z));

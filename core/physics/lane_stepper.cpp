@@ -63,9 +63,7 @@ bool LaneStepper::advance(const StepCall& lane, bool on_simbody) {
       };
       return mechanics.advance_by(advance, true);
     }
-    return plan_.world.scenario.stepping.integrator == IntegratorChoice::kRk4
-               ? mechanics.advance<IntegratorChoice::kRk4>(true)
-               : mechanics.advance<IntegratorChoice::kSemiImplicitEuler>(true);
+    return mechanics.advance(true);
   } catch (const std::runtime_error&) {
     return false;
   }

@@ -41,8 +41,8 @@ struct Coordinates {
 /// Work arrays of a step, laid out in a thread's scratch memory.
 template <class Real>
 struct StepArrays {
-  Coordinates<Real> now, rates;
-  RungeKuttaWork<Coordinates<Real>> stages;
+  Coordinates<Real> now;
+  StageRates<Coordinates<Real>> stages;
   Real *joint_forces, *wrench, *drive, *targets;
   RotorMotion<Real>* rotors[kStageTimeCount];
   BodyKinematics<Real>* motion;
@@ -84,7 +84,7 @@ struct StepArrays {
     const std::size_t bodies = plan.world.bodies.size();
     Arena arena{memory};
     for (Coordinates<Real>* c :
-         {&now, &rates, &stages.point, &stages.rate, &stages.inner, &stages.outer}) {
+         {&now, &stages.point, &stages.outer, &stages.inner, &stages.rate}) {
       arena.take(*c, plan);
     }
     arena.take(joint_forces, static_cast<std::size_t>(layout.u.size));
@@ -146,32 +146,17 @@ class Mechanics {
     return plan_.reach.is_within(a_.motion, a_.swept);
   }
 
-  /// One physics step of the lanes in `mask`; returns those that came through.
-  template <IntegratorChoice kIntegrator>
+  /// One physics step of the lanes in `mask` by a fixed rule; returns those that came through.
   SKYBODY_INLINE MaskOf<Real> advance(const MaskOf<Real>& mask) {
+    const StepRule& rule = step_rule(plan_.world.scenario.stepping.integrator);
     begin_step();
-    if constexpr (kIntegrator == IntegratorChoice::kRk4) {
-      each_rotor([&](int i, const RotorStep<Real>& rotor) SKYBODY_INLINE_LAMBDA {
-        for (int t = 0; t < kStageTimeCount; ++t) {
-          a_.rotors[t][i] = rotor.at(static_cast<StageTime>(t));
-        }
-      });
-      const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& out)
-                             SKYBODY_INLINE_LAMBDA {
-                               accelerate(at.q, at.u, a_.rotors[time], out.u);
-                               position_rates_of(at.q, at.u, out.q);
-                             };
-      runge_kutta_4(dt(), rates, a_.now, a_.stages);
-    } else {
-      const double rate = 1.0 / dt();
-      each_rotor([&](int i, const RotorStep<Real>& rotor) SKYBODY_INLINE_LAMBDA {
-        a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
-        const RotorMotion<Real> mean = rotor.mean(a_.rotors[kStepEnd][i].speed);
-        a_.rotors[kStepMiddle][i] = {mean.speed, mean.acceleration * rate};
-      });
-      accelerate(a_.now.q, a_.now.u, a_.rotors[kStepMiddle], a_.rates.u);
-      semi_implicit_euler(dt(), a_.rates, a_.now);
-    }
+    run_rotors(rule);
+    const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
+                           SKYBODY_INLINE_LAMBDA {
+      accelerate(at.q, at.u, a_.rotors[time], rate.u);
+      position_rates_of(at.q, at.u, rate.q);
+    };
+    step_by_rule(rule, dt(), rates, a_.now, a_.stages);
     return end_step(mask);
   }
 
@@ -254,6 +239,21 @@ class Mechanics {
                            load_lanes<Real>(lanes_.at(group_.rotor_command, i)),
                            params_[layout().rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed]));
     }
+  }
+
+  /// Of one stage only: its mean motion over the step, in mid-step's place.
+  SKYBODY_INLINE void run_rotors(const StepRule& rule) const {
+    const double rate = 1.0 / dt();
+    each_rotor([&](int i, const RotorStep<Real>& rotor) SKYBODY_INLINE_LAMBDA {
+      a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
+      if (rule.stages == 1) {
+        const RotorMotion<Real> mean = rotor.mean(a_.rotors[kStepEnd][i].speed);
+        a_.rotors[kStepMiddle][i] = {mean.speed, mean.acceleration * rate};
+        return;
+      }
+      a_.rotors[kStepStart][i] = rotor.at(kStepStart);
+      a_.rotors[kStepMiddle][i] = rotor.at(kStepMiddle);
+    });
   }
 
   SKYBODY_INLINE void accelerate(const Real* q, const Real* u, const RotorMotion<Real>* rotors,

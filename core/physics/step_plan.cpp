@@ -18,7 +18,7 @@ StepKernels make_kernels(const StepPlan& plan, int lanes) {
                       derive_kernel(lanes)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
-  kernels.advance = !plan.free_robots                      ? tree_kernel(lanes, integrator)
+  kernels.advance = !plan.free_robots                      ? tree_kernel(lanes)
                     : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes)
                                                            : free_euler_kernel(lanes);
   return kernels;

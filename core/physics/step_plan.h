@@ -87,7 +87,7 @@ struct StepKernels {
 StepKernel* refresh_kernel(int lanes);
 StepKernel* within_reach_kernel(int lanes);
 StepKernel* derive_kernel(int lanes);
-StepKernel* tree_kernel(int lanes, IntegratorChoice integrator);
+StepKernel* tree_kernel(int lanes);
 StepKernel* free_euler_kernel(int lanes);
 StepKernel* free_rk4_kernel(int lanes);
 

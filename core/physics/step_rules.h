@@ -51,40 +51,55 @@ SKYBODY_INLINE void begin_drive(DriveKind kind, const BodyKinematics<Real>& base
   drive_to_pose(q, target, dt, u);
 }
 
+/// An explicit one-step rule as its stages: where each evaluates the rates.
+struct StepRule {
+  int stages;
+  StageTime time[4];  ///< of the rotors
+  double reach[4];    ///< from the step's start with the rates of the stage before [dt]
+};
 /// Semi-implicit (symplectic) Euler, order 1: u += dt udot, then q += dt N(q) u. Rotors count with
 /// their speed in mid-step.
-/// @param state  has change_velocity(rates, time) and change_position(time), by its velocity
-/// @param rates  udot at the step's start
-template <class State, class Rates>
-SKYBODY_INLINE void semi_implicit_euler(double dt, const Rates& rates, State& state) {
-  state.change_velocity(rates, dt);
+inline constexpr StepRule kSemiImplicitEulerRule{1, {kStepMiddle}, {0.0}};
+/// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
+inline constexpr StepRule kRungeKutta4Rule{
+    4, {kStepStart, kStepMiddle, kStepMiddle, kStepEnd}, {0.0, 0.5, 0.5, 1.0}};
+
+SKYBODY_INLINE const StepRule& step_rule(IntegratorChoice integrator) {
+  return integrator == IntegratorChoice::kRk4 ? kRungeKutta4Rule : kSemiImplicitEulerRule;
+}
+
+/// What semi-implicit Euler does with the rates.
+template <class State, class Rate>
+SKYBODY_INLINE void semi_implicit_euler(double dt, const Rate& rate, State& state) {
+  state.change_velocity(rate, dt);
   state.change_position(dt);
 }
 
-/// Where the classical Runge-Kutta method keeps its stages.
-/// @tparam State  has set(start, rate, time): start + time rate, number by number, where start may
-///                be the state itself; and add(rate)
+/// Where a rule keeps its rates.
 template <class State>
-struct RungeKuttaWork {
+struct StageRates {
   State point;               ///< a stage's
-  State rate, inner, outer;  ///< a stage's, and sums of those in mid-step and of the others
+  State outer, inner, rate;  ///< of the first stage, the second, and those behind
 };
 
-/// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
-/// @param rates  rates(state, time, rate) writes what the state changes by in a second. It is large
-///               code: the loop has it once
-/// @param state  at the step's start; written: at its end
+/// One step by a rule.
+/// @tparam State  has set(start, rate, time): start + time rate, number by number, where start may
+///                be the state itself; add(rate); and change_velocity(rate, time) and
+///                change_position(time), which is by its velocity
+/// @param rates   rates(state, time, rate) writes what the state changes by in a second. It is
+///                large code: the loop has it once
+/// @param state   at the step's start; written: at its end
 template <class State, class Rates>
-SKYBODY_INLINE void runge_kutta_4(double dt, const Rates& rates, State& state,
-                                  RungeKuttaWork<State>& work) {
-  constexpr StageTime kTimes[4] = {kStepStart, kStepMiddle, kStepMiddle, kStepEnd};
+SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& rates, State& state,
+                                 StageRates<State>& work) {
   State* const rate[4] = {&work.outer, &work.inner, &work.rate, &work.rate};
 #pragma GCC unroll 1
-  for (int k = 0; k < 4; ++k) {
-    if (k > 0) work.point.set(state, *rate[k - 1], k == 3 ? dt : 0.5 * dt);
-    rates(k == 0 ? state : work.point, kTimes[k], *rate[k]);
+  for (int k = 0; k < rule.stages; ++k) {
+    if (k > 0) work.point.set(state, *rate[k - 1], dt * rule.reach[k]);
+    rates(k == 0 ? state : work.point, rule.time[k], *rate[k]);
     if (k == 2) work.inner.add(work.rate);
   }
+  if (rule.stages == 1) return semi_implicit_euler(dt, work.outer, state);
   work.outer.add(work.rate);
   work.outer.set(work.outer, work.inner, 2.0);
   state.set(state, work.outer, dt / 6.0);

@@ -49,7 +49,6 @@ struct DeriveRotors {
   }
 };
 
-template <IntegratorChoice kIntegrator>
 struct AdvanceTrees {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
@@ -58,10 +57,9 @@ struct AdvanceTrees {
         call, lanes,
         [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
             SKYBODY_INLINE_LAMBDA {
-              Mechanics<Real, std::decay_t<decltype(params)>> mechanics(call, first, params,
-                                                                        derived);
-              return bits_from_mask(
-                  mechanics.template advance<kIntegrator>(mask_from_bits<Real>(bits)));
+              using Values = std::decay_t<decltype(params)>;
+              return bits_from_mask(Mechanics<Real, Values>(call, first, params, derived)
+                                        .advance(mask_from_bits<Real>(bits)));
             });
   }
 };
@@ -71,10 +69,6 @@ struct AdvanceTrees {
 StepKernel* refresh_kernel(int lanes) { return kernel_for<Refresh>(lanes); }
 StepKernel* within_reach_kernel(int lanes) { return kernel_for<WithinReach>(lanes); }
 StepKernel* derive_kernel(int lanes) { return kernel_for<DeriveRotors>(lanes); }
-StepKernel* tree_kernel(int lanes, IntegratorChoice integrator) {
-  return integrator == IntegratorChoice::kRk4
-             ? kernel_for<AdvanceTrees<IntegratorChoice::kRk4>>(lanes)
-             : kernel_for<AdvanceTrees<IntegratorChoice::kSemiImplicitEuler>>(lanes);
-}
+StepKernel* tree_kernel(int lanes) { return kernel_for<AdvanceTrees>(lanes); }
 
 }  // namespace skybody
