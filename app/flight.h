@@ -6,8 +6,8 @@
 
 #include "app/episode_summary.h"
 #include "app/policy.h"
-#include "core/assemble/simulation.h"
 #include "core/io/flight_log.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 

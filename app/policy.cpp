@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/assemble/hold_policy.h"
-#include "core/assemble/network_policy.h"
 #include "core/base/random.h"
 #include "core/io/flight_log.h"
 #include "core/io/text.h"
+#include "core/policy/hold_policy.h"
+#include "core/policy/network_policy.h"
 
 namespace skybody {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/hold_policy.h"
-#include "core/assemble/simulation.h"
+#include "core/policy/hold_policy.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 namespace {

@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/assemble/simulation.h"
 #include "core/base/random.h"
 #include "core/batch/vec_env.h"
+#include "core/simulation/simulation.h"
 #include "tests/unit/env/in_process_factory.h"
 
 namespace skybody::test {

@@ -1,12 +1,12 @@
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 
 #include <utility>
 
-#include "core/assemble/simulation_data.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
+#include "core/simulation/simulation_data.h"
 
 namespace skybody {
 

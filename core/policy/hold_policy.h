@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 

@@ -1,11 +1,11 @@
-#include "core/assemble/hold_policy.h"
+#include "core/policy/hold_policy.h"
 
 #include <algorithm>
 
-#include "core/assemble/pseudo_inverse.h"
 #include "core/base/error.h"
 #include "core/base/math.h"
 #include "core/env/setup_tables.h"
+#include "core/policy/pseudo_inverse.h"
 
 namespace skybody {
 namespace {
