@@ -119,7 +119,7 @@ HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environmen
   }
 }
 
-void HoldPolicy::act(const Simulation& simulation, std::span<float> action) const {
+void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
   const std::vector<double> params = simulation.params();
   const std::vector<double> goals = simulation.goals();
   const std::vector<BodyState>& bodies = simulation.bodies();
