@@ -42,9 +42,9 @@ struct ControllerChain {
 /// others set the mode themselves and restore it.
 class Environment {
  public:
-  /// Configures the plugins and lays WorldState out.
+  /// Configures the plugins and builds the world.
   /// @throws MarkedError with the scenario's line if a plugin refuses or signals do not fit
-  Environment(std::unique_ptr<World> world, PluginFactory& factory);
+  Environment(Scenario scenario, PluginFactory& factory);
   ~Environment();
 
   const World& world() const { return *world_; }
@@ -144,7 +144,7 @@ class Environment {
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
   SkybodyLanes view(StateGroup&, std::uint32_t mask) const;
 
-  std::unique_ptr<World> world_;
+  std::unique_ptr<const World> world_;
   std::unique_ptr<const GroupPhysics> physics_;
   std::vector<PluginInstance> controllers_, sensors_, randomizers_;
   std::vector<ControllerChain> chains_;

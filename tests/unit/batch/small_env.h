@@ -147,7 +147,7 @@ inline std::shared_ptr<const Environment> small_env() {
   s.robots.push_back(robot);
   s.randomization.push_back(factory.use("kick", "kick"));
   s.task = factory.use("probe", "task");
-  return std::make_shared<Environment>(std::make_unique<World>(std::move(s)), factory);
+  return std::make_shared<Environment>(std::move(s), factory);
 }
 
 /// The action of an environment's k-th transition: of (env, k) and nothing else.

@@ -56,7 +56,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& opti
   if (options.kick_twice) s.randomization.push_back(factory.use("kick", "again"));
   if (options.look) s.randomization.push_back(factory.use("look", "look"));
   s.task = factory.use("watch", "task");
-  return std::make_unique<Environment>(std::make_unique<World>(std::move(s)), factory);
+  return std::make_unique<Environment>(std::move(s), factory);
 }
 
 TEST(TransitionContract, AnActionActsOnTheVeryNextPhysicsStep) {
