@@ -117,7 +117,8 @@ class Environment {
   void read_actions(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions,
                     int stride) const;
   void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  double* actuator(StateGroup&, const PluginInstance& last, const ControllerChain& chain) const;
+  double* actuator(StateGroup&, std::uint32_t mask, const PluginInstance& last,
+                   const ControllerChain& chain) const;
   std::uint32_t fly(StateGroup&, GroupWork&, SkybodyLanes lanes, std::int64_t steps) const;
   std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void sense(StateGroup&, const SkybodyLanes&, bool all) const;
@@ -142,7 +143,7 @@ class Environment {
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
-  SkybodyLanes view(StateGroup&, std::uint32_t mask) const;
+  SkybodyLanes view(const StateGroup&, std::uint32_t mask) const;
 
   std::unique_ptr<const World> world_;
   std::unique_ptr<const GroupPhysics> physics_;

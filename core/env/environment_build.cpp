@@ -275,12 +275,8 @@ struct Environment::Builder {
     env.observation_size_ = env.task_.channel_count();
     env.info_size_ = value_count(env.task_.infos);
     l.last_observation.size = env.observation_size_;
-    int words = 0;
-    for_each_plugin([&](PluginInstance& p) { words += p.state_words + p.buffer_words; });
-    l.plugin_state.size = words;
+    for_each_plugin([&](PluginInstance& p) { place_state(p, l.plugin_state.size); });
     env.world_ = std::make_unique<const World>(topology, std::move(plan));
-    int offset = env.layout().plugin_state.offset;
-    for_each_plugin([&](PluginInstance& p) { place_state(p, offset); });
   }
 
   template <class F>
@@ -291,10 +287,10 @@ struct Environment::Builder {
     f(env.task_);
   }
 
-  static void place_state(PluginInstance& p, int& offset) {
-    p.state = offset;
-    p.buffer = offset + p.state_words;
-    offset += p.state_words + p.buffer_words;
+  static void place_state(PluginInstance& p, int& next) {
+    p.state = next;
+    p.buffer = next + p.state_words;
+    next += p.state_words + p.buffer_words;
   }
 };
 
