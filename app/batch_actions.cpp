@@ -1,8 +1,8 @@
 #include "app/batch_actions.h"
 
-#include "core/assemble/hold_policy.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/policy/hold_policy.h"
 
 namespace skybody {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "app/episode_summary.h"
-#include "app/policy.h"
-#include "core/assemble/simulation.h"
 #include "core/io/flight_log.h"
+#include "core/policy/policy.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 

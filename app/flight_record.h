@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/simulation.h"
 #include "core/io/flight_log.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 

@@ -11,12 +11,12 @@
 #include "app/interrupt.h"
 #include "app/scenario_options.h"
 #include "app/vec_env_options.h"
-#include "core/assemble/replay_recorder.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/random.h"
 #include "core/batch/motion_hash.h"
 #include "core/io/flight_log.h"
+#include "core/replay/replay_recorder.h"
 
 namespace skybody {
 namespace {

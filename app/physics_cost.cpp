@@ -36,9 +36,8 @@ double physics_step_cost(const Environment& environment, int side_by_side) {
   while (seconds < kSeconds) {
     for (int l = 0; l < lanes; ++l) group.restore(l, start[static_cast<std::size_t>(l)]);
     group.refresh(all, work->physics);
-    const GroupBlocks blocks = group.blocks();
     const Clock::time_point begin = Clock::now();
-    for (int k = 0; k < kRun; ++k) group.stepper().advance(blocks, all, work->physics);
+    for (int k = 0; k < kRun; ++k) group.advance(all, work->physics);
     seconds += std::chrono::duration<double>(Clock::now() - begin).count();
     steps += static_cast<std::uint64_t>(kRun * lanes);
   }

@@ -9,10 +9,10 @@
 #include "app/command.h"
 #include "app/output.h"
 #include "app/scenario_options.h"
-#include "core/assemble/replay_player.h"
 #include "core/base/printable.h"
 #include "core/batch/vec_env_options.h"
 #include "core/io/flight_log.h"
+#include "core/replay/replay_player.h"
 #include "core/version.h"
 
 namespace skybody {

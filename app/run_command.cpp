@@ -1,6 +1,7 @@
 // skybody run: flies a scenario, writes the log, the picture and a table.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -14,6 +15,8 @@
 #include "app/picture.h"
 #include "app/scenario_options.h"
 #include "app/summary.h"
+#include "core/io/text.h"
+#include "core/policy/policy.h"
 
 namespace skybody {
 namespace {
@@ -48,6 +51,21 @@ struct RunOptions {
   std::filesystem::path out;
   bool no_picture = false;
 };
+
+/// Accepts a baseline's name, or a file or folder that exists.
+CLI::Validator policy_argument() {
+  const auto check = [](const std::string& text) -> std::string {
+    const std::vector<std::string>& names = policy_names();
+    std::error_code ignored;
+    if (std::count(names.begin(), names.end(), text) > 0) return "";
+    if (std::filesystem::exists(text, ignored)) return "";
+    const std::string near = closest(text, names);
+    return "there is no policy or file `" + text + "`" +
+           (near.empty() ? "" : "; did you mean `" + near + "`?") + "; allowed: " + join(names) +
+           ", a policy.h5, or a folder with checkpoints";
+  };
+  return {check, "", "policy"};
+}
 
 /// An episode's cap: what was asked for, else the horizon, else ten seconds.
 std::uint64_t most_steps(const FlightPlan& plan, const Stepping& stepping) {
@@ -87,6 +105,8 @@ int run(const RunOptions& options) {
   skip_hdf5_cleanup_at_exit();
   const auto environment = load_and_warn(options.load);
   const auto policy = make_policy(options.policy, *environment, options.seed);
+  const std::string warning = policy->check_fits(*environment);
+  if (!warning.empty()) spdlog::warn(warning);
   FlightPlan plan = options.plan;
   plan.most_steps = most_steps(plan, environment->scenario().stepping);
   OutputFolder folder(options.out, environment->scenario().name, options.seed);

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "bench/bare_simbody.h"
-#include "core/assemble/simulation.h"
 #include "core/env/group_work.h"
 #include "core/physics/default_state.h"
 #include "core/physics/group_stepper.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody::bench {
 namespace {

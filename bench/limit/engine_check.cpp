@@ -71,7 +71,9 @@ class Engine {
   double rotor(int lane, int k) {
     return value(environment_->layout().rotor_speed.offset + k, lane);
   }
-  double task_value(int lane, int k) { return value(environment_->task().state + k, lane); }
+  double task_value(int lane, int k) {
+    return group_.plugin_reals(environment_->task().state + k)[lane];
+  }
   int width() const { return environment_->observation_size(); }
   const float* observation(int lane) const {
     return observation_.data() + static_cast<std::ptrdiff_t>(lane) * width();

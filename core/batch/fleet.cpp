@@ -202,8 +202,8 @@ void Fleet::observation(int env, float* out) const {
 StepCounts Fleet::step_counts() const {
   StepCounts sum;
   for (const StateGroup& state : states_) {
-    sum.tree += state.stepper().counts().tree;
-    sum.simbody += state.stepper().counts().simbody;
+    sum.tree += state.step_counts().tree;
+    sum.simbody += state.step_counts().simbody;
   }
   return sum;
 }

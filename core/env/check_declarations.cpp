@@ -40,10 +40,10 @@ void check_channel(const PluginInstance& p, const Channel& c, int robots) {
 
 }  // namespace
 
-void check_declarations(const World& world, const PluginInstance& p) {
-  const auto bodies = static_cast<int>(world.bodies.size());
-  const auto robots = static_cast<int>(world.scenario.robots.size());
-  const auto params = static_cast<int>(world.layout.param_info.size());
+void check_declarations(const Topology& topology, const Layout& layout, const PluginInstance& p) {
+  const auto bodies = static_cast<int>(topology.bodies.size());
+  const auto robots = static_cast<int>(topology.scenario.robots.size());
+  const auto params = static_cast<int>(layout.param_info.size());
   if (p.kind == SKYBODY_CONTROLLER) check_controller(p);
   if (p.buffer_words < 0)
     refuse(p, "asks for a buffer of " + std::to_string(p.buffer_words) + " words");

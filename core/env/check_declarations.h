@@ -7,6 +7,7 @@
 namespace skybody {
 
 /// @throws Error that names the plugin, the declaration and what is allowed
-void check_declarations(const World& world, const PluginInstance& plugin);
+void check_declarations(const Topology& topology, const Layout& layout,
+                        const PluginInstance& plugin);
 
 }  // namespace skybody

@@ -42,9 +42,9 @@ struct ControllerChain {
 /// others set the mode themselves and restore it.
 class Environment {
  public:
-  /// Configures the plugins and lays WorldState out.
+  /// Configures the plugins and builds the world.
   /// @throws MarkedError with the scenario's line if a plugin refuses or signals do not fit
-  Environment(std::unique_ptr<World> world, PluginFactory& factory);
+  Environment(Scenario scenario, PluginFactory& factory);
   ~Environment();
 
   const World& world() const { return *world_; }
@@ -117,7 +117,8 @@ class Environment {
   void read_actions(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions,
                     int stride) const;
   void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  double* actuator(StateGroup&, const PluginInstance& last, const ControllerChain& chain) const;
+  double* actuator(StateGroup&, std::uint32_t mask, const PluginInstance& last,
+                   const ControllerChain& chain) const;
   std::uint32_t fly(StateGroup&, GroupWork&, SkybodyLanes lanes, std::int64_t steps) const;
   std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void sense(StateGroup&, const SkybodyLanes&, bool all) const;
@@ -142,9 +143,9 @@ class Environment {
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
-  SkybodyLanes view(StateGroup&, std::uint32_t mask) const;
+  SkybodyLanes view(const StateGroup&, std::uint32_t mask) const;
 
-  std::unique_ptr<World> world_;
+  std::unique_ptr<const World> world_;
   std::unique_ptr<const GroupPhysics> physics_;
   std::vector<PluginInstance> controllers_, sensors_, randomizers_;
   std::vector<ControllerChain> chains_;

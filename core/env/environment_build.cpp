@@ -37,16 +37,19 @@ bool actuates(int signal) {
 
 struct Environment::Builder {
   Environment& env;
-  World& world;
   PluginFactory& factory;
+  const Topology topology;
+  const Scenario& scenario = topology.scenario;
+  WorldPlan plan;
   std::vector<BoundUse> uses;
 
-  Builder(Environment& e, PluginFactory& f) : env(e), world(*e.world_), factory(f) {}
+  Builder(Environment& e, Scenario s, PluginFactory& f)
+      : env(e), factory(f), topology(std::move(s)), plan(topology) {}
 
   void build() {
     collect_uses();
     for (BoundUse& use : uses) add_params(use);
-    SetupTables tables(world);
+    SetupTables tables(topology, plan.layout);
     configure_kind(SKYBODY_SENSOR, tables);
     configure_kind(SKYBODY_CONTROLLER, tables);
     connect_controllers(tables);
@@ -54,16 +57,14 @@ struct Environment::Builder {
     check_writers();
     configure_kind(SKYBODY_TASK, tables);
     lay_out();
-    remember_start();
   }
 
   void collect_uses() {
-    const Scenario& s = world.scenario;
-    for (const PluginUse& use : s.sensors) {
+    for (const PluginUse& use : scenario.sensors) {
       uses.push_back({&use, SKYBODY_SENSOR, -1, "sensors." + use.instance, {}, {}});
     }
-    for (int r = 0; r < static_cast<int>(s.robots.size()); ++r) {
-      const RobotUse& robot = s.robots[static_cast<std::size_t>(r)];
+    for (int r = 0; r < static_cast<int>(scenario.robots.size()); ++r) {
+      const RobotUse& robot = scenario.robots[static_cast<std::size_t>(r)];
       for (const PluginUse& use : robot.controllers) {
         uses.push_back({&use,
                         SKYBODY_CONTROLLER,
@@ -73,10 +74,10 @@ struct Environment::Builder {
                         {}});
       }
     }
-    for (const PluginUse& use : s.randomization) {
+    for (const PluginUse& use : scenario.randomization) {
       uses.push_back({&use, SKYBODY_RANDOMIZER, -1, "randomization." + use.instance, {}, {}});
     }
-    uses.push_back({&s.task, SKYBODY_TASK, -1, "task", {}, {}});
+    uses.push_back({&scenario.task, SKYBODY_TASK, -1, "task", {}, {}});
   }
 
   /// Randomizable parameters become EnvParams; all become SkybodyValues.
@@ -103,10 +104,10 @@ struct Environment::Builder {
 
   int add_env_params(const std::string& path, const std::vector<double>& numbers,
                      const PluginFactory::Randomizable& spec) {
-    const int first = static_cast<int>(world.layout.param_info.size());
+    const int first = static_cast<int>(plan.layout.param_info.size());
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const std::string name = numbers.size() == 1 ? path : path + "[" + std::to_string(i) + "]";
-      add_param(world.layout, {name, spec.unit, numbers[i], spec.min, spec.max});
+      add_param(plan.layout, {name, spec.unit, numbers[i], spec.min, spec.max});
     }
     return first;
   }
@@ -117,8 +118,8 @@ struct Environment::Builder {
       PluginInstance made = configure(bound, tables);
       env.needs_bodies_before_ |= made.needs_bodies_before;
       if (kind == SKYBODY_SENSOR) {
-        made.output = world.layout.sensors.size;
-        world.layout.sensors.size += made.channel_count();
+        made.output = plan.layout.sensors.size;
+        plan.layout.sensors.size += made.channel_count();
         tables.add_sensor(made);
         env.sensors_.push_back(std::move(made));
       } else if (kind == SKYBODY_CONTROLLER) {
@@ -144,7 +145,7 @@ struct Environment::Builder {
       made.self = std::move(result.self);
       made.kernels = result.kernels;
       made.state_words = static_cast<int>(result.plugin->state_words);
-      check_declarations(world, made);
+      check_declarations(topology, plan.layout, made);
     } catch (const Error& e) {
       throw MarkedError(bound.use->mark, e.what());
     }
@@ -158,22 +159,21 @@ struct Environment::Builder {
         throw MarkedError(bound.use->mark, message);
       }
     }
-    throw MarkedError({world.scenario.file, 0, 0}, message);
+    throw MarkedError({scenario.file, 0, 0}, message);
   }
 
   /// Chains the controllers of each robot and gives commands, actions, sites and drives their
   /// places.
   void connect_controllers(SetupTables& tables) {
     int next = 0;
-    world.drives.assign(world.scenario.robots.size(), DriveKind::kNone);
-    for (int r = 0; r < static_cast<int>(world.scenario.robots.size()); ++r) {
+    for (int r = 0; r < static_cast<int>(scenario.robots.size()); ++r) {
       ControllerChain chain;
       chain.first = next;
       chain.count =
-          static_cast<int>(world.scenario.robots[static_cast<std::size_t>(r)].controllers.size());
-      chain.command = world.layout.command.size;
-      chain.action = world.layout.action.size;
-      chain.site = static_cast<int>(world.sites.size());
+          static_cast<int>(scenario.robots[static_cast<std::size_t>(r)].controllers.size());
+      chain.command = plan.layout.command.size;
+      chain.action = plan.layout.action.size;
+      chain.site = static_cast<int>(plan.sites.size());
       for (int i = 0; i < chain.count; ++i) check_link(chain, i);
       if (chain.count > 0) {
         add_chain(r, chain, tables);
@@ -213,7 +213,7 @@ struct Environment::Builder {
   }
 
   void check_actuator(int index, const PluginInstance& c) {
-    const int rotors = world.layout.robots[static_cast<std::size_t>(c.robot)].rotor_count;
+    const int rotors = plan.layout.robots[static_cast<std::size_t>(c.robot)].rotor_count;
     const int expected = c.output_signal == SKYBODY_ROTOR_SPEED ? rotors
                          : c.output_signal == SKYBODY_WRENCH ? 6 * static_cast<int>(c.sites.size())
                          : c.output_signal == SKYBODY_VELOCITY ? 6
@@ -223,10 +223,10 @@ struct Environment::Builder {
                         std::to_string(c.output_count) + "], this robot takes [" +
                         std::to_string(expected) + "]");
     }
-    const RobotModel& model = world.scenario.robots[static_cast<std::size_t>(c.robot)].model;
+    const RobotModel& model = scenario.robots[static_cast<std::size_t>(c.robot)].model;
     if (drives(c.output_signal) && model.fixed_base) {
       refuse(index, "controller `" + c.name + "` drives the base, but robot `" +
-                        world.scenario.robots[static_cast<std::size_t>(c.robot)].name +
+                        scenario.robots[static_cast<std::size_t>(c.robot)].name +
                         "` has a fixed one");
     }
   }
@@ -237,14 +237,14 @@ struct Environment::Builder {
         env.controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
     const int inputs = first.input_count();
     tables.set_command(robot, first.input_signal, chain.command, inputs, chain.action);
-    world.layout.command.size += inputs;
-    world.layout.action.size += inputs;
-    for (const WrenchSite& site : last.sites) world.sites.push_back(site);
-    chain.drive = count_driven(world);
+    plan.layout.command.size += inputs;
+    plan.layout.action.size += inputs;
+    for (const WrenchSite& site : last.sites) plan.sites.push_back(site);
+    chain.drive = count_driven(plan.drives);
     if (last.output_signal == SKYBODY_VELOCITY) {
-      world.drives[static_cast<std::size_t>(robot)] = DriveKind::kVelocity;
+      plan.drives[static_cast<std::size_t>(robot)] = DriveKind::kVelocity;
     } else if (last.output_signal == SKYBODY_POSE) {
-      world.drives[static_cast<std::size_t>(robot)] = DriveKind::kPose;
+      plan.drives[static_cast<std::size_t>(robot)] = DriveKind::kPose;
     }
     for (int i = 0; i < chain.count; ++i) {
       const PluginInstance& c = env.controllers_[static_cast<std::size_t>(chain.first + i)];
@@ -258,10 +258,10 @@ struct Environment::Builder {
       for (const int param : env.randomizers_[i].writes) {
         const auto [it, fresh] = writers.emplace(param, &env.randomizers_[i]);
         if (!fresh && it->second != &env.randomizers_[i]) {
-          throw MarkedError(world.scenario.randomization[i].mark,
+          throw MarkedError(scenario.randomization[i].mark,
                             "randomizers `" + it->second->name + "` and `" +
                                 env.randomizers_[i].name + "` both draw " +
-                                world.layout.param_info[static_cast<std::size_t>(param)].path +
+                                plan.layout.param_info[static_cast<std::size_t>(param)].path +
                                 ": leave it to one of them");
         }
       }
@@ -269,18 +269,14 @@ struct Environment::Builder {
   }
 
   void lay_out() {
-    Layout& l = world.layout;
+    Layout& l = plan.layout;
     l.bodies_before.size =
-        env.needs_bodies_before_ ? 13 * static_cast<int>(world.bodies.size()) : 0;
+        env.needs_bodies_before_ ? 13 * static_cast<int>(topology.bodies.size()) : 0;
     env.observation_size_ = env.task_.channel_count();
     env.info_size_ = value_count(env.task_.infos);
     l.last_observation.size = env.observation_size_;
-    int words = 0;
-    for_each_plugin([&](PluginInstance& p) { words += p.state_words + p.buffer_words; });
-    l.plugin_state.size = words;
-    finish_layout(world);
-    int offset = l.plugin_state.offset;
-    for_each_plugin([&](PluginInstance& p) { place_state(p, offset); });
+    for_each_plugin([&](PluginInstance& p) { place_state(p, l.plugin_state.size); });
+    env.world_ = std::make_unique<const World>(topology, std::move(plan));
   }
 
   template <class F>
@@ -291,23 +287,16 @@ struct Environment::Builder {
     f(env.task_);
   }
 
-  static void place_state(PluginInstance& p, int& offset) {
-    p.state = offset;
-    p.buffer = offset + p.state_words;
-    offset += p.state_words + p.buffer_words;
-  }
-
-  /// The values that every reset starts from.
-  void remember_start() {
-    write_default_state(world, env.initial_);
-    env.initial_.params.clear();
-    for (const EnvParam& p : world.layout.param_info) env.initial_.params.push_back(p.nominal);
+  static void place_state(PluginInstance& p, int& next) {
+    p.state = next;
+    p.buffer = next + p.state_words;
+    next += p.state_words + p.buffer_words;
   }
 };
 
-Environment::Environment(std::unique_ptr<World> world, PluginFactory& factory)
-    : world_(std::move(world)) {
-  Builder(*this, factory).build();
+Environment::Environment(Scenario scenario, PluginFactory& factory) {
+  Builder(*this, std::move(scenario), factory).build();
+  write_default_state(*world_, initial_);
   physics_ = std::make_unique<const GroupPhysics>(*world_);
 }
 

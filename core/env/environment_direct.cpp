@@ -14,7 +14,7 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
   update(group, work, mask);
   const std::uint32_t through = fly(group, work, view(group, mask), physics_steps);
   each_lane(mask & ~through,
-            [&](int lane) { group.bits(kStatus)[lane] = kTruncated | kFault | kBadState; });
+            [&](int lane) { group.writable(kStatus)[lane] = kTruncated | kFault | kBadState; });
   return through;
 }
 
@@ -24,7 +24,7 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
   const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
   each_lane(mask, [&](int lane) {
-    ++group.bits(kStep)[lane];
+    ++group.writable(kStep)[lane];
     // advance() has left its faults in the status.
     if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
   });
@@ -35,14 +35,14 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
 
 void Environment::accelerations(StateGroup& group, int lane, double* udot) const {
   const FpEnvironment guard;
-  group.stepper().accelerations(group.blocks(), lane, udot);
+  group.accelerations(lane, udot);
 }
 
 std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
   std::vector<Contact> out = ground_contacts(*world_, group.body_states(lane));
-  group.stepper().add_contacts(group.blocks(), lane, out);
+  group.add_contacts(lane, out);
   return out;
 }
 

@@ -11,10 +11,9 @@ namespace skybody {
 
 void Environment::initialize(StateGroup& group, int lane, std::uint64_t seed,
                              std::uint64_t stream_env) const {
-  group.occupy(1u << lane);
-  for (int k = 0; k < group.words(); ++k) group.bits(k)[lane] = 0;
-  group.bits(kSeed)[lane] = seed;
-  group.bits(kStreamEnv)[lane] = stream_env;
+  group.clear(lane);
+  group.writable(kSeed)[lane] = seed;
+  group.writable(kStreamEnv)[lane] = stream_env;
   place_at_start(group, lane);
   group.scatter(lane, layout().params, initial_.params.data());
 }
@@ -55,13 +54,13 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
 void Environment::start(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   each_lane(mask, [&](int lane) {
-    ++group.bits(kEpisode)[lane];
-    group.bits(kStep)[lane] = 0;
-    group.bits(kPhysicsStep)[lane] = 0;
-    group.bits(kStatus)[lane] = kRunning;
+    ++group.writable(kEpisode)[lane];
+    group.writable(kStep)[lane] = 0;
+    group.writable(kPhysicsStep)[lane] = 0;
+    group.writable(kStatus)[lane] = kRunning;
     place_at_start(group, lane);
     for (const Block& block : {l.wrench, l.action, l.command, l.sensors, l.last_observation}) {
-      double* values = group.reals(block);
+      double* values = group.writable(block, mask);
       for (int k = 0; k < block.size; ++k) values[k * group.lanes() + lane] = 0.0;
     }
   });
@@ -71,7 +70,7 @@ void Environment::start(StateGroup& group, std::uint32_t mask) const {
 void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) const {
   const auto clear = [&](const PluginInstance& p) {
     for (int k = p.state; k < p.state + p.state_words + p.buffer_words; ++k) {
-      std::uint64_t* words = group.bits(k);
+      std::uint64_t* words = group.plugin_bits(k);
       each_lane(mask, [&](int lane) { words[lane] = 0; });
     }
   };
@@ -84,7 +83,8 @@ void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group,
                                std::uint32_t mask) const {
   if (plugin.kernels.reset == nullptr) return;
   const SkybodyLanes v = view(group, mask);
-  plugin.kernels.reset(plugin.self.get(), &v, group.bits(plugin.state), group.reals(plugin.buffer));
+  plugin.kernels.reset(plugin.self.get(), &v, group.plugin_bits(plugin.state),
+                       group.plugin_reals(plugin.buffer));
 }
 
 /// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
@@ -94,12 +94,12 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
   const Layout& l = layout();
   SkybodyLanes v = view(group, mask);
   if (requested) v.physics_step = number_requests(group, work, mask);
-  group.moved(mask);
-  const SkybodyStart where{group.reals(l.q), group.reals(l.u), group.reals(l.rotor_speed),
-                           group.reals(l.params), requested ? 1u : 0u};
+  const SkybodyStart where{group.writable(l.q, mask), group.writable(l.u, mask),
+                           group.writable(l.rotor_speed, mask), group.writable(l.params, mask),
+                           requested ? 1u : 0u};
   for (const PluginInstance& r : randomizers_) {
-    r.kernels.randomize(r.self.get(), &v, group.bits(r.state), group.reals(r.buffer), &where);
-    if (!r.writes.empty()) group.changed(mask);
+    r.kernels.randomize(r.self.get(), &v, group.plugin_bits(r.state), group.plugin_reals(r.buffer),
+                        &where);
     for (const int param : r.writes) hold_to_bounds(group, mask, param);
   }
 }
@@ -112,11 +112,10 @@ void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
     const PluginInstance& last =
         controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
     if (last.output_signal == SKYBODY_ROTOR_SPEED) continue;
-    group.moved(mask);
     const RobotLayout& robot = layout().robots[static_cast<std::size_t>(last.robot)];
     for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
-      double* speed = group.reals(layout().rotor_speed.offset + k);
-      double* command = group.reals(layout().rotor_command.offset + k);
+      double* speed = group.writable({layout().rotor_speed.offset + k, 1}, mask);
+      double* command = group.writable({layout().rotor_command.offset + k, 1}, mask);
       each_lane(mask, [&](int lane) { speed[lane] = command[lane] = 0.0; });
     }
   }
@@ -124,7 +123,7 @@ void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
 
 void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int param) const {
   const EnvParam& info = layout().param_info[static_cast<std::size_t>(param)];
-  double* values = group.reals(layout().params.offset + param);
+  double* values = group.writable({layout().params.offset + param, 1}, mask);
   each_lane(mask, [&](int lane) {
     double& value = values[lane];
     value = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.nominal;
@@ -135,7 +134,7 @@ void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int para
 /// one another and from the reset's.
 const std::uint64_t* Environment::number_requests(StateGroup& group, GroupWork& work,
                                                   std::uint32_t mask) const {
-  std::uint64_t* requests = group.bits(kRequests);
+  std::uint64_t* requests = group.writable(kRequests);
   for (int lane = 0; lane < group.lanes(); ++lane) {
     if (((mask >> lane) & 1u) != 0) ++requests[lane];
     work.request[static_cast<std::size_t>(lane)] = (std::uint64_t{1} << 63) | requests[lane];
@@ -157,10 +156,9 @@ void Environment::randomize(StateGroup& group, GroupWork& work, std::uint32_t ma
   draw(group, work, mask, true);
   const double* from = motion.data();
   for (const Block& block : {l.q, l.u, l.rotor_speed}) {
-    std::copy(from, from + block.size * group.lanes(), group.reals(block));
+    std::copy(from, from + block.size * group.lanes(), group.writable(block, mask));
     from += block.size * group.lanes();
   }
-  group.moved(mask);
   update(group, work, mask);
 }
 

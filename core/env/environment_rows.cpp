@@ -34,7 +34,7 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
   if (mask == 0) return;
   const int lanes = group.lanes();
   const int size = observation_size();
-  double* last = group.reals(layout().last_observation);
+  double* last = group.writable(layout().last_observation, mask);
   each_lane(mask, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
     bool finite = is_finite_float(work.reward[l]);
@@ -57,7 +57,7 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
         last[k * lanes + lane] = work.observation[static_cast<std::size_t>(k * lanes + lane)];
       }
     }
-    group.bits(kStatus)[lane] = status;
+    group.writable(kStatus)[lane] = status;
     write_rows(group, work, lane, reward, rows);
   });
 }
@@ -83,8 +83,8 @@ std::uint32_t Environment::conclude_octets(StateGroup& group, GroupWork& work, s
     octets = kernels.are_finite(octets, work.robot_reward.data(), robots);
   }
   keep(group, octets, observation_size(), work.observation.data(),
-       group.reals(layout().last_observation));
-  std::uint64_t* status = group.bits(kStatus);
+       group.writable(layout().last_observation, octets));
+  std::uint64_t* status = group.writable(kStatus);
   if (is_reset) {
     each_octet(octets, [&](int first) {
       std::fill_n(status + first, kOctet, std::uint64_t{kRunning});

@@ -20,7 +20,7 @@ static_assert(kGroupLanes == SKYBODY_GROUP_LANES, "plugins are made for other gr
 
 /// Adds one to a word of the header in each lane of a mask.
 void count(StateGroup& group, HeaderWord word, std::uint32_t mask) {
-  std::uint64_t* words = group.bits(word);
+  std::uint64_t* words = group.writable(word);
   const std::uint32_t octets = octets_of(group, mask);
   each_octet(octets, [&](int first) {
     for (int l = first; l < first + kOctet; ++l) ++words[l];
@@ -59,7 +59,7 @@ void Environment::check(const StateGroup& group, const GroupWork& work, std::uin
   SKYBODY_DEMAND(group.lanes() >= 32 || (mask >> group.lanes()) == 0, "a mask beyond the group");
 }
 
-SkybodyLanes Environment::view(StateGroup& group, std::uint32_t mask) const {
+SkybodyLanes Environment::view(const StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   SkybodyLanes v{};
   v.lanes = static_cast<std::uint32_t>(group.lanes());
@@ -90,16 +90,16 @@ void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& vi
                       const float* actions, int action_stride) const {
   const Layout& l = layout();
   const std::uint32_t mask = view.active;
-  double* action = group.reals(l.action);
+  double* action = group.writable(l.action, mask);
   const RowKernels& kernels = row_kernels();
   const std::uint32_t octets = octets_of(group, mask);
   const std::uint32_t read =
       kernels.read_clipped(octets, actions, action_stride, l.action.size, action);
   if (read != mask) read_actions(group, work, mask & ~read, actions, action_stride);
-  double* command = group.reals(l.command);
+  double* command = group.writable(l.command, mask);
   if (task_.kernels.process != nullptr) {
-    task_.kernels.process(task_.self.get(), &view, group.bits(task_.state),
-                          group.reals(task_.buffer), action, command);
+    task_.kernels.process(task_.self.get(), &view, group.plugin_bits(task_.state),
+                          group.plugin_reals(task_.buffer), action, command);
     return;
   }
   const int lanes = group.lanes();
@@ -124,7 +124,7 @@ void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& vi
 void Environment::read_actions(StateGroup& group, GroupWork& work, std::uint32_t mask,
                                const float* actions, int action_stride) const {
   const int lanes = group.lanes(), size = layout().action.size;
-  double* action = group.reals(layout().action);
+  double* action = group.writable(layout().action, mask);
   each_lane(mask, [&](int lane) {
     const float* row = actions + static_cast<std::ptrdiff_t>(lane) * action_stride;
     bool finite = true;
@@ -149,11 +149,11 @@ void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes
     for (int i = 0; i < chain.count; ++i) {
       const PluginInstance& c = controllers_[static_cast<std::size_t>(chain.first + i)];
       const bool is_last = i + 1 == chain.count;
-      double* target = is_last ? actuator(group, c, chain) : nullptr;
+      double* target = is_last ? actuator(group, view.active, c, chain) : nullptr;
       // All lanes at once go where they belong; else others' commands have to be spared.
       double* output = is_last && serves_all ? target : work.signal[i & 1].data();
-      c.kernels.control(c.self.get(), &view, group.bits(c.state), group.reals(c.buffer), input,
-                        output);
+      c.kernels.control(c.self.get(), &view, group.plugin_bits(c.state),
+                        group.plugin_reals(c.buffer), input, output);
       input = output;
       if (is_last && !serves_all) keep(group, view.active, c.output_count, output, target);
     }
@@ -161,17 +161,18 @@ void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes
 }
 
 /// Where the last controller's output goes: rotors, wrench sites or the base's drive.
-double* Environment::actuator(StateGroup& group, const PluginInstance& last,
+double* Environment::actuator(StateGroup& group, std::uint32_t mask, const PluginInstance& last,
                               const ControllerChain& chain) const {
   const Layout& l = layout();
   const int lanes = group.lanes();
   if (last.output_signal == SKYBODY_ROTOR_SPEED) {
     const int first = l.robots[static_cast<std::size_t>(last.robot)].first_rotor;
-    return group.reals(l.rotor_command) + first * lanes;
+    return group.writable(l.rotor_command, mask) + first * lanes;
   }
-  if (last.output_signal == SKYBODY_WRENCH) return group.reals(l.wrench) + 6 * chain.site * lanes;
+  if (last.output_signal == SKYBODY_WRENCH)
+    return group.writable(l.wrench, mask) + 6 * chain.site * lanes;
   const int skip = last.output_signal == SKYBODY_VELOCITY ? 0 : 6;
-  return group.reals(l.drive) + (13 * chain.drive + skip) * lanes;
+  return group.writable(l.drive, mask) + (13 * chain.drive + skip) * lanes;
 }
 
 /// x_{k-1} -> x_k with the command held; lanes whose physics gives up stay in their last finite
@@ -179,7 +180,7 @@ double* Environment::actuator(StateGroup& group, const PluginInstance& last,
 /// @returns the lanes that came through
 std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
   remember_bodies(group, mask);
-  const std::uint32_t through = group.stepper().advance(group.blocks(), mask, work.physics);
+  const std::uint32_t through = group.advance(mask, work.physics);
   work.bad_state |= mask & ~through;
   count(group, kPhysicsStep, through);
   return through;
@@ -189,7 +190,7 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
 void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
   if (!needs_bodies_before_) return;
   const Block& block = layout().bodies_before;
-  keep(group, mask, block.size, group.bodies(), group.reals(block));
+  keep(group, mask, block.size, group.bodies(), group.writable(block, mask));
 }
 
 /// Sensors that are due after this physics step, each lane by its own count; all of them at a
@@ -206,8 +207,8 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool a
     if (due == 0) continue;
     SkybodyLanes v = lanes_now;
     v.active = due;
-    s.kernels.sense(s.self.get(), &v, group.bits(s.state), group.reals(s.buffer),
-                    group.reals(layout().sensors) + s.output * lanes);
+    s.kernels.sense(s.self.get(), &v, group.plugin_bits(s.state), group.plugin_reals(s.buffer),
+                    group.writable(layout().sensors, due) + s.output * lanes);
   }
 }
 
@@ -217,8 +218,8 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLane
   work.clear_outcome(wants_info);
   const SkybodyEvaluation out{work.observation.data(),  work.reward.data(), work.end.data(),
                               work.robot_reward.data(), work.info.data(),   wants_info ? 1u : 0u};
-  task_.kernels.evaluate(task_.self.get(), &view, group.bits(task_.state),
-                         group.reals(task_.buffer), &out);
+  task_.kernels.evaluate(task_.self.get(), &view, group.plugin_bits(task_.state),
+                         group.plugin_reals(task_.buffer), &out);
 }
 
 void Environment::goal(StateGroup& group, int lane, std::vector<double>& out) const {
@@ -228,8 +229,8 @@ void Environment::goal(StateGroup& group, int lane, std::vector<double>& out) co
   const auto lanes = static_cast<std::size_t>(group.lanes());
   std::vector<double> values(out.size() * lanes);
   const SkybodyLanes v = view(group, 1u << lane);
-  task_.kernels.goal(task_.self.get(), &v, group.bits(task_.state), group.reals(task_.buffer),
-                     values.data());
+  task_.kernels.goal(task_.self.get(), &v, group.plugin_bits(task_.state),
+                     group.plugin_reals(task_.buffer), values.data());
   for (std::size_t k = 0; k < out.size(); ++k) {
     out[k] = values[k * lanes + static_cast<std::size_t>(lane)];
   }

@@ -7,7 +7,7 @@
 namespace skybody {
 
 /// Notes in the parent that one more copy with a key of its own is about to be made.
-inline void count_fork(StateGroup& group, int lane) { ++group.bits(kForks)[lane]; }
+inline void count_fork(StateGroup& group, int lane) { ++group.writable(kForks)[lane]; }
 
 /// Gives a fresh copy of a parent, counted by count_fork, its own key: a function of the parent's
 /// key and of how many such copies the parent has made.
@@ -15,8 +15,8 @@ inline void give_fork_key(StateGroup& group, int lane) {
   HashChain key;
   key.update(group.bits(kStreamEnv)[lane]);
   key.update(group.bits(kForks)[lane]);
-  group.bits(kStreamEnv)[lane] = key.value();
-  group.bits(kForks)[lane] = 0;
+  group.writable(kStreamEnv)[lane] = key.value();
+  group.writable(kForks)[lane] = 0;
 }
 
 }  // namespace skybody

@@ -34,8 +34,7 @@ void set_param(const Environment& environment, StateGroup& group, int lane, cons
             << info.unit;
     throw Error(message.str());
   }
-  group.reals(environment.layout().params.offset + index)[lane] = value;
-  group.changed(1u << lane);
+  group.writable({environment.layout().params.offset + index, 1}, 1u << lane)[lane] = value;
 }
 
 }  // namespace skybody

@@ -57,10 +57,10 @@ struct PluginInstance {
   int period = 1;              ///< sensors: physics steps between calls
   bool needs_bodies_before = false;
 
-  // Where things lie, in words of WorldState:
+  // Where things lie, within the blocks plugin_state and sensors:
   int state = 0, state_words = 0;
   int buffer = 0, buffer_words = 0;
-  int output = 0;  ///< sensors: first word of the output within the sensor block
+  int output = 0;  ///< sensors: first word of the output
 
   int input_count() const { return static_cast<int>(low.size()); }
   int channel_count() const { return value_count(channels); }

@@ -19,8 +19,8 @@ void copy(const Quat<double>& q, double* out) {
   out[3] = q.z;
 }
 
-SkybodyBodyInfo body_info(const World& world, int index) {
-  const WorldBody& b = world.bodies[static_cast<std::size_t>(index)];
+SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int index) {
+  const WorldBody& b = topology.bodies[static_cast<std::size_t>(index)];
   const MassProperties& m = b.model->mass;
   SkybodyBodyInfo info{};
   info.name = b.model->name.c_str();
@@ -31,15 +31,15 @@ SkybodyBodyInfo body_info(const World& world, int index) {
   const double inertia[6] = {m.inertia.xx, m.inertia.yy, m.inertia.zz,
                              m.inertia.xy, m.inertia.xz, m.inertia.yz};
   std::copy(inertia, inertia + 6, info.inertia);
-  info.first_param = world.layout.body_params[static_cast<std::size_t>(index)];
+  info.first_param = layout.body_params[static_cast<std::size_t>(index)];
   info.first_q = b.q;
   info.first_u = b.u;
   info.joint = static_cast<int>(b.model->joint.type);
   return info;
 }
 
-SkybodyRotorInfo rotor_info(const World& world, int index) {
-  const WorldRotor& w = world.rotors[static_cast<std::size_t>(index)];
+SkybodyRotorInfo rotor_info(const Topology& topology, const Layout& layout, int index) {
+  const WorldRotor& w = topology.rotors[static_cast<std::size_t>(index)];
   const Rotor& r = *w.model;
   SkybodyRotorInfo info{};
   info.name = r.name.c_str();
@@ -52,24 +52,24 @@ SkybodyRotorInfo rotor_info(const World& world, int index) {
       r.thrust_constant, r.moment_constant, r.drag_constant, r.rolling_moment_constant,
       r.inertia,         r.max_speed,       r.tau_up,        r.tau_down};
   std::copy(constants, constants + kRotorParamCount, info.constants);
-  info.first_param = world.layout.rotor_params[static_cast<std::size_t>(index)];
+  info.first_param = layout.rotor_params[static_cast<std::size_t>(index)];
   return info;
 }
 
-SkybodyRobotInfo robot_info(const World& world, int index) {
-  const RobotUse& use = world.scenario.robots[static_cast<std::size_t>(index)];
-  const RobotLayout& layout = world.layout.robots[static_cast<std::size_t>(index)];
+SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int index) {
+  const RobotUse& use = topology.scenario.robots[static_cast<std::size_t>(index)];
+  const RobotLayout& robot = layout.robots[static_cast<std::size_t>(index)];
   SkybodyRobotInfo info{};
   info.name = use.name.c_str();
-  info.first_body = layout.first_body;
-  info.body_count = layout.body_count;
-  info.first_rotor = layout.first_rotor;
-  info.rotor_count = layout.rotor_count;
-  info.first_q = layout.first_q;
-  info.q_count = layout.q_count;
-  info.first_u = layout.first_u;
-  info.u_count = layout.u_count;
-  info.disturbance_param = world.layout.disturbance_params[static_cast<std::size_t>(index)];
+  info.first_body = robot.first_body;
+  info.body_count = robot.body_count;
+  info.first_rotor = robot.first_rotor;
+  info.rotor_count = robot.rotor_count;
+  info.first_q = robot.first_q;
+  info.q_count = robot.q_count;
+  info.first_u = robot.first_u;
+  info.u_count = robot.u_count;
+  info.disturbance_param = layout.disturbance_params[static_cast<std::size_t>(index)];
   info.fixed_base = use.model.fixed_base ? 1 : 0;
   copy(use.pose.position, info.position);
   copy(use.pose.rotation, info.rotation);
@@ -81,11 +81,12 @@ PluginInstance& instance_of(void* host) { return *static_cast<PluginInstance*>(h
 
 }  // namespace
 
-SetupTables::SetupTables(const World& world) : world_(world) {
-  for (int i = 0; i < static_cast<int>(world.scenario.robots.size()); ++i) {
-    robots_.push_back(robot_info(world, i));
-    const int first_body = world.layout.robots[static_cast<std::size_t>(i)].first_body;
-    for (const Link& link : world.scenario.robots[static_cast<std::size_t>(i)].model.links) {
+SetupTables::SetupTables(const Topology& topology, const Layout& layout)
+    : scenario_(topology.scenario) {
+  for (int i = 0; i < static_cast<int>(scenario_.robots.size()); ++i) {
+    robots_.push_back(robot_info(topology, layout, i));
+    const int first_body = layout.robots[static_cast<std::size_t>(i)].first_body;
+    for (const Link& link : scenario_.robots[static_cast<std::size_t>(i)].model.links) {
       SkybodyLinkInfo info{};
       info.name = link.name.c_str();
       info.robot = i;
@@ -96,13 +97,13 @@ SetupTables::SetupTables(const World& world) : world_(world) {
       links_.push_back(info);
     }
   }
-  for (int i = 0; i < static_cast<int>(world.bodies.size()); ++i) {
-    bodies_.push_back(body_info(world, i));
+  for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
+    bodies_.push_back(body_info(topology, layout, i));
   }
-  for (int i = 0; i < static_cast<int>(world.rotors.size()); ++i) {
-    rotors_.push_back(rotor_info(world, i));
+  for (int i = 0; i < static_cast<int>(topology.rotors.size()); ++i) {
+    rotors_.push_back(rotor_info(topology, layout, i));
   }
-  for (const EnvParam& p : world.layout.param_info) {
+  for (const EnvParam& p : layout.param_info) {
     params_.push_back({p.path.c_str(), p.nominal, p.min, p.max});
   }
 }
@@ -111,10 +112,10 @@ SkybodySetup SetupTables::setup(const std::string& instance, int robot,
                                 const std::vector<SkybodyValue>& values) const {
   SkybodySetup s{};
   s.instance = instance.c_str();
-  s.dt = world_.scenario.stepping.dt;
-  s.action_repeat = world_.scenario.stepping.action_repeat;
-  s.horizon = world_.scenario.stepping.horizon;
-  copy(world_.scenario.gravity, s.gravity);
+  s.dt = scenario_.stepping.dt;
+  s.action_repeat = scenario_.stepping.action_repeat;
+  s.horizon = scenario_.stepping.horizon;
+  copy(scenario_.gravity, s.gravity);
   s.robot = robot;
   s.robots = robots_.data();
   s.robot_count = static_cast<int>(robots_.size());

@@ -1,4 +1,4 @@
-// The world in the C form that plugins see in configure().
+// Topology and parameters of a world in the C form that plugins see in configure().
 #pragma once
 
 #include <string>
@@ -10,10 +10,12 @@
 
 namespace skybody {
 
-/// Tables behind SkybodySetup. They point into the World and stay valid as long as it does.
+/// Tables behind SkybodySetup. They point into topology and layout and stay valid as long as
+/// those do.
 class SetupTables {
  public:
-  explicit SetupTables(const World& world);
+  /// @param layout  with all EnvParams
+  SetupTables(const Topology& topology, const Layout& layout);
 
   /// The setup for one plugin use. `values` are its parameters with their EnvParam indices.
   SkybodySetup setup(const std::string& instance, int robot,
@@ -25,7 +27,7 @@ class SetupTables {
   void set_command(int robot, int signal, int first_command, int command_count, int first_action);
 
  private:
-  const World& world_;
+  const Scenario& scenario_;
   std::vector<SkybodyRobotInfo> robots_;
   std::vector<SkybodyBodyInfo> bodies_;
   std::vector<SkybodyLinkInfo> links_;

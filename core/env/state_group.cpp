@@ -14,14 +14,14 @@ StateGroup::StateGroup(const Layout& layout, int bodies, int lanes,
       words_(static_cast<std::size_t>(layout.words) * static_cast<std::size_t>(lanes)),
       bodies_(13 * static_cast<std::size_t>(bodies) * static_cast<std::size_t>(lanes)),
       blocks_{lanes,
-              reals(layout.q),
-              reals(layout.u),
-              reals(layout.rotor_speed),
+              start_of(layout.q),
+              start_of(layout.u),
+              start_of(layout.rotor_speed),
               reals(layout.rotor_command),
               reals(layout.wrench),
               reals(layout.drive),
               reals(layout.params),
-              bodies > 0 ? bodies_.data() : reals(layout.q)},
+              bodies > 0 ? bodies_.data() : start_of(layout.q)},
       stepper_(std::move(stepper)) {}
 
 void StateGroup::gather(int lane, Block block, double* out) const {
@@ -36,18 +36,18 @@ void StateGroup::gather(int lane, Block block, double* out) const {
 
 void StateGroup::scatter(int lane, Block block, const double* in) {
   if (block.size == 0) return;
-  const Block& params = layout_->params;
-  if (block.offset >= params.offset && block.offset < params.offset + params.size) {
-    changed(1u << lane);
-  } else {
-    moved(1u << lane);
-  }
-  double* values = reals(block);
+  double* values = writable(block, 1u << lane);
   if (lanes_ == 1) {
     std::memcpy(values, in, static_cast<std::size_t>(block.size) * 8);
     return;
   }
   for (int k = 0; k < block.size; ++k) values[k * lanes_ + lane] = in[k];
+}
+
+void StateGroup::clear(int lane) {
+  for (int k = 0; k < words(); ++k) at(k)[lane] = 0;
+  forget(1u << lane);
+  occupied_ |= 1u << lane;
 }
 
 std::vector<std::uint64_t> StateGroup::save(int lane) const {
@@ -59,10 +59,11 @@ std::vector<std::uint64_t> StateGroup::save(int lane) const {
 void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
   SKYBODY_DEMAND(static_cast<int>(saved.size()) == words(), "a snapshot of another layout");
   for (int k = 0; k < words(); ++k) at(k)[lane] = saved[static_cast<std::size_t>(k)];
-  changed(1u << lane);
+  forget(1u << lane);
 }
 
 std::vector<BodyState> StateGroup::body_states(int lane) const {
+  SKYBODY_DEMAND((current_ >> lane & 1u) != 0, "bodies of a lane that is not refreshed");
   const std::size_t count = bodies_.size() / 13 / static_cast<std::size_t>(lanes_);
   std::vector<BodyState> out(std::max<std::size_t>(count, 1));
   auto* values = reinterpret_cast<double*>(out.data());

@@ -12,8 +12,12 @@
 
 namespace skybody {
 
-/// Owns the words of L environments: word k of lane l is at k * L + l. A plain container; who may
-/// touch it when is the caller's business (one worker at a time).
+/// Owns the words of L environments: word k of lane l is at k * L + l. Who may touch it when is the
+/// caller's business (one worker at a time).
+///
+/// Bodies and stepper follow from q, u, rotor speeds and params. Whoever writes gets the memory
+/// from writable(), which notes for which lanes they are stale; refresh() makes those right again.
+/// The stepper moves coordinates and bodies together.
 class StateGroup {
  public:
   /// @param bodies   of the world; 0: they are q and u (GroupPhysics::bodies_are_coordinates)
@@ -23,54 +27,65 @@ class StateGroup {
 
   int lanes() const { return lanes_; }
   int words() const { return layout_->words; }
+  /// Lanes that hold an environment: those that were cleared.
+  std::uint32_t occupied() const { return occupied_; }
 
-  /// First value of a block of doubles; stride L.
-  double* reals(Block block) { return reals(block.offset); }
+  // --- reading; stride L ------------------------------------------------------------------------
+
+  /// First value of a block of doubles, or from any word on.
   const double* reals(Block block) const { return reals(block.offset); }
-  double* reals(int word) { return reinterpret_cast<double*>(at(word)); }
   const double* reals(int word) const { return reinterpret_cast<const double*>(at(word)); }
-
-  /// First value of a block of std::uint64_t; stride L.
-  std::uint64_t* bits(int word) { return at(word); }
+  /// First value of words as they are.
   const std::uint64_t* bits(int word) const { return at(word); }
-
-  /// Copies one lane's block of doubles out of, or into, the group; the latter is a change.
+  /// Copies one lane's block of doubles.
   void gather(int lane, Block block, double* out) const;
-  void scatter(int lane, Block block, const double* in);
-
   /// All words of one lane, in order.
   std::vector<std::uint64_t> save(int lane) const;
+
+  // --- writing; stride L ------------------------------------------------------------------------
+
+  /// First value of a block of doubles, or of a part of one. @param lanes  that may be written
+  double* writable(Block block, std::uint32_t lanes) {
+    note_write(block, lanes);
+    return start_of(block);
+  }
+  std::uint64_t* writable(HeaderWord word) { return at(word); }
+  /// A plugin's words. @param k  place within the block plugin_state
+  std::uint64_t* plugin_bits(int k) { return at(layout_->plugin_state.offset + k); }
+  double* plugin_reals(int k) { return reinterpret_cast<double*>(plugin_bits(k)); }
+
+  /// Copies one lane's block of doubles into the group.
+  void scatter(int lane, Block block, const double* in);
+  /// All words of a lane, which is occupied from then on, to zero.
+  void clear(int lane);
+  /// What save() gave.
   void restore(int lane, const std::vector<std::uint64_t>& saved);
 
-  // --- what follows from the words: no information of its own -----------------------------------
+  // --- physics ----------------------------------------------------------------------------------
 
-  // Everybody but the stepper who writes through reals() must say so.
-
-  /// q, u or rotor speeds of these lanes were written.
-  void moved(std::uint32_t lanes) { current_ &= ~lanes; }
-  /// Parameters were, or any of all these.
-  void changed(std::uint32_t lanes) {
-    current_ &= ~lanes;
-    derived_ &= ~lanes;
-  }
   /// Makes bodies and stepper current for these lanes.
   void refresh(std::uint32_t lanes, PhysicsScratch& scratch) {
     const std::uint32_t stale = lanes & ~current_;
     if (stale == 0) return;
-    stepper_->refresh(blocks(), stale, stale & ~derived_, scratch);
+    stepper_->refresh(blocks_, stale, stale & ~derived_, scratch);
     current_ |= stale;
     derived_ |= stale;
   }
-  /// Lanes that hold an environment: those that were initialized.
-  std::uint32_t occupied() const { return occupied_; }
-  void occupy(std::uint32_t lanes) { occupied_ |= lanes; }
+  /// One physics step. @returns the lanes that came through, see GroupStepper::advance
+  std::uint32_t advance(std::uint32_t lanes, PhysicsScratch& scratch) {
+    refresh(lanes, scratch);
+    return stepper_->advance(blocks_, lanes, scratch);
+  }
+  /// See GroupStepper.
+  void accelerations(int lane, double* udot) { stepper_->accelerations(blocks_, lane, udot); }
+  void add_contacts(int lane, std::vector<Contact>& out) {
+    stepper_->add_contacts(blocks_, lane, out);
+  }
+  const StepCounts& step_counts() const { return stepper_->counts(); }
 
-  GroupStepper& stepper() { return *stepper_; }
-  const GroupStepper& stepper() const { return *stepper_; }
-  const GroupBlocks& blocks() const { return blocks_; }
-  /// 13 per body (BodyState), stride L.
-  double* bodies() { return blocks_.bodies; }
-  /// Motion of all bodies of one lane.
+  /// 13 per body (BodyState), stride L: right for lanes that are refreshed.
+  const double* bodies() const { return blocks_.bodies; }
+  /// Motion of all bodies of one lane, which is refreshed.
   std::vector<BodyState> body_states(int lane) const;
 
  private:
@@ -80,6 +95,19 @@ class StateGroup {
   const std::uint64_t* at(int word) const {
     return words_.data() + static_cast<std::size_t>(word) * static_cast<std::size_t>(lanes_);
   }
+  double* start_of(Block block) { return reinterpret_cast<double*>(at(block.offset)); }
+
+  /// Notes what no longer holds when a block, or a part of one, is written.
+  void note_write(Block block, std::uint32_t lanes) {
+    const int begin = block.offset, end = block.offset + block.size;
+    if (begin < layout_->rotor_command.offset) current_ &= ~lanes;  // q, u, rotor speeds
+    if (begin < layout_->action.offset && end > layout_->params.offset) forget(lanes);
+  }
+  void forget(std::uint32_t lanes) {
+    current_ &= ~lanes;
+    derived_ &= ~lanes;
+  }
+
   const Layout* layout_;
   int lanes_;
   AlignedArray<std::uint64_t> words_;

@@ -3,7 +3,6 @@
 #include "core/base/math.h"
 #include "core/physics/base_drive.h"
 #include "core/physics/kinematics.h"
-#include "core/physics/world_layout.h"
 
 namespace skybody {
 namespace {
@@ -59,8 +58,8 @@ LaneState make_lane_state(const World& world) {
   state.u.assign(layout.u.size, 0.0);
   state.rotor_speed.assign(layout.rotor_speed.size, 0.0);
   state.rotor_command.assign(layout.rotor_command.size, 0.0);
-  state.wrench.assign(6 * world.sites.size(), 0.0);
-  state.drive.assign(kDriveSize * count_driven(world), 0.0);
+  state.wrench.assign(layout.wrench.size, 0.0);
+  state.drive.assign(layout.drive.size, 0.0);
   state.params.assign(layout.param_info.size(), 0.0);
   state.bodies.assign(world.bodies.size(), BodyState{});
   return state;

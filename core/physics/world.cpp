@@ -8,24 +8,39 @@
 namespace skybody {
 namespace {
 
-void number_bodies(World& world, int robot, int& next_q, int& next_u) {
-  const RobotModel& model = world.scenario.robots[robot].model;
-  const int first = static_cast<int>(world.bodies.size());
-  for (const Body& body : model.bodies) {
-    const int parent = body.joint.parent < 0 ? -1 : first + body.joint.parent;
-    world.bodies.push_back({robot, parent, &body, next_q, next_u});
-    next_q += position_size(body.joint.type);
-    next_u += velocity_size(body.joint.type);
+std::vector<WorldBody> number_bodies(const Scenario& scenario) {
+  std::vector<WorldBody> bodies;
+  int robot = 0, next_q = 0, next_u = 0;
+  for (const RobotUse& use : scenario.robots) {
+    const int first = static_cast<int>(bodies.size());
+    for (const Body& body : use.model.bodies) {
+      const int parent = body.joint.parent < 0 ? -1 : first + body.joint.parent;
+      bodies.push_back({robot, parent, &body, next_q, next_u});
+      next_q += position_size(body.joint.type);
+      next_u += velocity_size(body.joint.type);
+    }
+    ++robot;
   }
-  for (const Rotor& rotor : model.rotors) {
-    world.rotors.push_back({robot, first + rotor.body, &rotor});
+  return bodies;
+}
+
+std::vector<WorldRotor> number_rotors(const Scenario& scenario) {
+  std::vector<WorldRotor> rotors;
+  int robot = 0, first_body = 0;
+  for (const RobotUse& use : scenario.robots) {
+    for (const Rotor& rotor : use.model.rotors) {
+      rotors.push_back({robot, first_body + rotor.body, &rotor});
+    }
+    first_body += static_cast<int>(use.model.bodies.size());
+    ++robot;
   }
+  return rotors;
 }
 
 /// A free base's q is its pose in W, its u its velocity: plugins write them as such.
-void demand_plain_free_bases(const World& world) {
+void demand_plain_free_bases(const Topology& topology) {
   int robot = -1;
-  for (const WorldBody& body : world.bodies) {
+  for (const WorldBody& body : topology.bodies) {
     const bool base = body.robot != robot;
     robot = body.robot;
     const Joint& joint = body.model->joint;
@@ -39,16 +54,23 @@ void demand_plain_free_bases(const World& world) {
 
 }  // namespace
 
-World::World(Scenario scenario_in) : scenario(std::move(scenario_in)) {
-  int next_q = 0, next_u = 0;
-  const int robots = static_cast<int>(scenario.robots.size());
-  for (int robot = 0; robot < robots; ++robot) number_bodies(*this, robot, next_q, next_u);
+Topology::Topology(Scenario scenario_in)
+    : owner_(std::make_shared<const Scenario>(std::move(scenario_in))),
+      scenario(*owner_),
+      bodies(number_bodies(scenario)),
+      rotors(number_rotors(scenario)) {
   demand_plain_free_bases(*this);
-  drives.assign(robots, DriveKind::kNone);
-  if (scenario.contact.ground) spheres = make_contact_spheres(*this);
-  simbody_contact = make_simbody_contact(*this);
-  add_physics_layout(*this);
-  finish_layout(*this);
 }
+
+WorldPlan::WorldPlan(const Topology& topology)
+    : layout(physics_layout(topology)), drives(topology.scenario.robots.size(), DriveKind::kNone) {}
+
+World::World(const Topology& topology, WorldPlan plan)
+    : Topology(topology),
+      layout(finish_layout(plan)),
+      sites(std::move(plan.sites)),
+      drives(std::move(plan.drives)),
+      spheres(scenario.contact.ground ? make_contact_spheres(*this) : std::vector<ContactSphere>{}),
+      simbody_contact(make_simbody_contact(*this)) {}
 
 }  // namespace skybody

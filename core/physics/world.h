@@ -1,9 +1,13 @@
 // What never changes while environments step: the bodies, rotors and contact points of all robots
-// of a scenario in one numbering, and where each value lies in WorldState. Built once, shared by
-// all.
+// of a scenario in one numbering, and where each value lies in WorldState. Shared by all.
+//
+// Plugins are configured by the numbering and say then what the world has to hold for them. So it
+// is made in two steps: Topology, what plugins ask for (WorldPlan), World. Both classes are
+// immutable.
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/model/layout.h"
@@ -50,26 +54,46 @@ enum class DriveKind { kNone, kVelocity, kPose };
 /// Surfaces for Simbody's contact (simbody_contact.h).
 class SimbodyContact;
 
-/// Immutable description of one world. Bodies point into `scenario`, which it owns; not copyable.
-class World {
+/// The bodies and rotors of all robots in one numbering. Copies share the scenario.
+class Topology {
+  std::shared_ptr<const Scenario> owner_;
+
  public:
-  /// Numbers bodies and rotors, derives contact spheres and the physics part of the layout
-  /// (everything but sensors, plugin states, command and action, which core/env appends).
-  explicit World(Scenario scenario);
+  explicit Topology(Scenario scenario_in);
+
+  const Scenario& scenario;
+  const std::vector<WorldBody> bodies;  ///< each body's model lies in the scenario; so do rotors'
+  const std::vector<WorldRotor> rotors;
+};
+
+/// What a World gets beside its topology.
+struct WorldPlan {
+  /// The values that physics needs; no sites, no drives.
+  explicit WorldPlan(const Topology& topology);
+
+  Layout layout;  ///< without offsets, and without the sizes of wrench, drive and params
+  std::vector<WrenchSite> sites;
+  std::vector<DriveKind> drives;  ///< one per robot
+};
+
+/// Complete description of one world. Not copyable.
+class World : public Topology {
+ public:
+  World(const Topology& topology, WorldPlan plan);
+  /// Without plugins.
+  explicit World(const Topology& topology) : World(topology, WorldPlan(topology)) {}
+  explicit World(Scenario scenario_in) : World(Topology(std::move(scenario_in))) {}
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  Scenario scenario;
-  Layout layout;
-  std::vector<WorldBody> bodies;
-  std::vector<WorldRotor> rotors;
-  std::vector<ContactSphere> spheres;
-  std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: nothing but the ground to touch
-  std::vector<WrenchSite> sites;  ///< set by core/env from the controllers' declarations
-  std::vector<DriveKind> drives;  ///< one per robot, likewise
+  const Layout layout;
+  const std::vector<WrenchSite> sites;  ///< of the controllers that give wrenches, in their order
+  const std::vector<DriveKind> drives;  ///< one per robot
+  const std::vector<ContactSphere> spheres;                     ///< empty: there is no ground
+  const std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: only ground to touch
 };
 
-/// The surfaces of a world whose bodies are numbered, or null. For World's constructor.
+/// The surfaces of a world, or null. For World's constructor: it reads the topology alone.
 std::shared_ptr<const SimbodyContact> make_simbody_contact(const World& world);
 
 }  // namespace skybody

@@ -8,14 +8,13 @@ namespace {
 /// The least mass or moment of inertia that may be drawn: positive, and far below any vehicle's.
 constexpr double kLeastPositive = 1e-12;
 
-void add_body_params(World& world, const WorldBody& body) {
+void add_body_params(Layout& layout, const Scenario& scenario, const WorldBody& body) {
   const std::string path =
-      "robots." + world.scenario.robots[body.robot].name + ".links." + body.model->name;
+      "robots." + scenario.robots[body.robot].name + ".links." + body.model->name;
   const MassProperties& mass = body.model->mass;
   const std::array<double, 3> com{mass.com.x, mass.com.y, mass.com.z};
   const SymMat3<double>& i = mass.inertia;
   const std::array<double, 6> inertia{i.xx, i.yy, i.zz, i.xy, i.xz, i.yz};
-  Layout& layout = world.layout;
   layout.body_params.push_back(
       add_param(layout, {path + ".mass", "kg", mass.mass, kLeastPositive, kInfinity}));
   for (int k = 0; k < 3; ++k) {
@@ -29,11 +28,11 @@ void add_body_params(World& world, const WorldBody& body) {
   }
 }
 
-void add_rotor_params(World& world, const WorldRotor& rotor, int index) {
-  const std::string path = "robots." + world.scenario.robots[rotor.robot].name + ".rotors[" +
-                           std::to_string(index) + "].";
+void add_rotor_params(Layout& layout, const Scenario& scenario, const WorldRotor& rotor,
+                      int index) {
+  const std::string path =
+      "robots." + scenario.robots[rotor.robot].name + ".rotors[" + std::to_string(index) + "].";
   const Rotor& m = *rotor.model;
-  Layout& layout = world.layout;
   const auto add = [&](const char* name, const char* unit, double nominal, double least) {
     return add_param(layout, {path + name, unit, nominal, least, kInfinity});
   };
@@ -48,9 +47,8 @@ void add_rotor_params(World& world, const WorldRotor& rotor, int index) {
   add("tau_down", "s", m.tau_down, 0.0);
 }
 
-void add_disturbance_params(World& world, const RobotUse& robot) {
+void add_disturbance_params(Layout& layout, const RobotUse& robot) {
   const std::string path = "robots." + robot.name + ".disturbance.";
-  Layout& layout = world.layout;
   const auto add = [&](const std::string& name, const char* unit, const Vec3<double>& value) {
     const std::array<double, 3> values{value.x, value.y, value.z};
     for (int k = 0; k < 3; ++k) {
@@ -63,8 +61,8 @@ void add_disturbance_params(World& world, const RobotUse& robot) {
   add("moment", "N m", robot.disturbance_moment);
 }
 
-/// Where the coordinates of one robot lie; needs the world's numbering.
-RobotLayout make_robot_layout(const World& world, int robot) {
+/// Where the coordinates of one robot lie.
+RobotLayout make_robot_layout(const Topology& world, int robot) {
   RobotLayout out;
   bool found = false;
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
@@ -97,8 +95,8 @@ int add_param(Layout& layout, const EnvParam& param) {
   return static_cast<int>(layout.param_info.size()) - 1;
 }
 
-void add_physics_layout(World& world) {
-  Layout& layout = world.layout;
+Layout physics_layout(const Topology& world) {
+  Layout layout;
   layout.header.size = kHeaderSize;
   for (std::size_t r = 0; r < world.scenario.robots.size(); ++r) {
     layout.robots.push_back(make_robot_layout(world, static_cast<int>(r)));
@@ -107,24 +105,26 @@ void add_physics_layout(World& world) {
   }
   layout.rotor_speed.size = layout.rotor_command.size = static_cast<int>(world.rotors.size());
 
-  for (const WorldBody& body : world.bodies) add_body_params(world, body);
+  const Scenario& scenario = world.scenario;
+  for (const WorldBody& body : world.bodies) add_body_params(layout, scenario, body);
   for (std::size_t i = 0; i < world.rotors.size(); ++i) {
     const int first = layout.robots[world.rotors[i].robot].first_rotor;
-    add_rotor_params(world, world.rotors[i], static_cast<int>(i) - first);
+    add_rotor_params(layout, scenario, world.rotors[i], static_cast<int>(i) - first);
   }
-  for (const RobotUse& robot : world.scenario.robots) add_disturbance_params(world, robot);
+  for (const RobotUse& robot : scenario.robots) add_disturbance_params(layout, robot);
+  return layout;
 }
 
-int count_driven(const World& world) {
+int count_driven(const std::vector<DriveKind>& drives) {
   int count = 0;
-  for (const DriveKind kind : world.drives) count += kind != DriveKind::kNone;
+  for (const DriveKind kind : drives) count += kind != DriveKind::kNone;
   return count;
 }
 
-void finish_layout(World& world) {
-  Layout& layout = world.layout;
-  layout.wrench.size = 6 * static_cast<int>(world.sites.size());
-  layout.drive.size = 13 * count_driven(world);
+Layout finish_layout(const WorldPlan& plan) {
+  Layout layout = plan.layout;
+  layout.wrench.size = 6 * static_cast<int>(plan.sites.size());
+  layout.drive.size = 13 * count_driven(plan.drives);
   layout.params.size = static_cast<int>(layout.param_info.size());
   layout.words = 0;
   for (Block* block :
@@ -134,6 +134,7 @@ void finish_layout(World& world) {
     block->offset = layout.words;
     layout.words += block->size;
   }
+  return layout;
 }
 
 }  // namespace skybody

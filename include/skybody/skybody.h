@@ -1,5 +1,5 @@
 // Everything that lab code includes to fly scenarios in its own process.
 #pragma once
 
-#include "core/assemble/simulation.h"
-#include "core/assemble/simulation_pool.h"
+#include "core/simulation/simulation.h"
+#include "core/simulation/simulation_pool.h"

@@ -229,8 +229,8 @@ typedef struct SkybodyDeclare {
   void (*buffer)(void* host, int32_t words);
   /* Any kind: asks for SkybodyLanes::bodies_before. */
   void (*bodies_before)(void* host);
-  /* Randomizers: this parameter will be written. Two writers of one parameter are an error. What
-   * derives from a parameter that was written without a word here stays as it was. */
+  /* Randomizers: this parameter will be written, and is held to its bounds after each draw. Two
+   * writers of one parameter are an error. */
   void (*writes)(void* host, int32_t env_param);
   /* Tasks: the body of `robot` that the goal is about. */
   void (*goal)(void* host, int32_t robot, int32_t body);

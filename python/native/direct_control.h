@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody::python {
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/assemble/replay_recorder.h"
 #include "core/batch/vec_env.h"
+#include "core/replay/replay_recorder.h"
 #include "python/native/environment.h"
 #include "python/native/errors.h"
 #include "python/native/exclusive.h"

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <utility>
 
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 #include "python/native/environment.h"
 #include "python/native/exclusive.h"
 

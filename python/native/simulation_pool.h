@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/assemble/simulation_pool.h"
+#include "core/simulation/simulation_pool.h"
 #include "python/native/environment.h"
 #include "python/native/errors.h"
 #include "python/native/exclusive.h"

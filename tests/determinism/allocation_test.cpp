@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/hold_policy.h"
 #include "core/assemble/load.h"
-#include "core/assemble/simulation.h"
 #include "core/batch/vec_env.h"
+#include "core/policy/hold_policy.h"
+#include "core/simulation/simulation.h"
 
 namespace {
 
@@ -77,7 +77,7 @@ class NoAllocation : public testing::TestWithParam<const char*> {};
 
 TEST_P(NoAllocation, OfOursHappensWhileStepping) {
   Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/" + std::string(GetParam())});
-  const HoldPolicy hold(simulation.environment());
+  HoldPolicy hold(simulation.environment());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
   hold.act(simulation, action);
@@ -99,7 +99,7 @@ TEST_P(NoAllocation, OfOursHappensWhileStepping) {
 TEST(Allocation, OfOursHappensInTheFirstHandOverOnly) {
   Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/collision.yaml"});
   simulation.keep_hash(false);
-  const HoldPolicy hold(simulation.environment());
+  HoldPolicy hold(simulation.environment());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   const auto fly = [&](bool count) {  // through the collision
     simulation.reset();

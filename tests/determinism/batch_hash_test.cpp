@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/hold_policy.h"
 #include "core/assemble/load.h"
-#include "core/assemble/simulation.h"
 #include "core/base/random.h"
 #include "core/batch/vec_env.h"
+#include "core/policy/hold_policy.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 namespace {

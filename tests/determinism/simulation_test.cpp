@@ -1,5 +1,5 @@
 // Save, restore, fork and hash over shipped scenarios: sensors, drawn values, keys included.
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/hold_policy.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/policy/hold_policy.h"
 
 namespace skybody {
 namespace {

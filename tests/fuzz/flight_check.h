@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/assemble/load.h"
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 #include "tests/fuzz/area.h"
 
 namespace skybody::fuzz {

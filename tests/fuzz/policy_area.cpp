@@ -1,7 +1,7 @@
 // policy.h5: a changed file is refused, or flies exactly as the original does.
 #include <cstring>
 
-#include "core/assemble/network_policy.h"
+#include "core/policy/network_policy.h"
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/files.h"
 #include "tests/fuzz/flight_check.h"

@@ -1,8 +1,8 @@
 // Recordings: a changed file is refused, or its replay says that it differs, or every transition
 // that is read equals the original's.
-#include "core/assemble/replay_player.h"
-#include "core/assemble/replay_recorder.h"
 #include "core/base/hash.h"
+#include "core/replay/replay_player.h"
+#include "core/replay/replay_recorder.h"
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/files.h"
 #include "tests/fuzz/flight_check.h"

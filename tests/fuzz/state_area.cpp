@@ -3,8 +3,8 @@
 // sound, checksum included (`!`): whoever writes states himself can do that.
 #include <cstring>
 
-#include "core/assemble/simulation.h"
 #include "core/base/hash.h"
+#include "core/simulation/simulation.h"
 #include "tests/fuzz/areas.h"
 #include "tests/fuzz/batch_rows.h"
 #include "tests/fuzz/flight_check.h"

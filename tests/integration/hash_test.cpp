@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <set>
 
-#include "core/assemble/simulation.h"
 #include "core/base/isa.h"
 #include "core/base/random.h"
+#include "core/simulation/simulation.h"
 #include "tests/integration/process.h"
 
 namespace skybody::test {

@@ -8,13 +8,13 @@
 #include <functional>
 #include <limits>
 
-#include "core/assemble/network_policy.h"
-#include "core/assemble/simulation.h"
 #include "core/base/hash.h"
 #include "core/io/flight_log_hdf5.h"
 #include "core/io/policy_file.h"
 #include "core/io/policy_seal.h"
 #include "core/model/marked_error.h"
+#include "core/policy/network_policy.h"
+#include "core/simulation/simulation.h"
 #include "tests/integration/flips.h"
 #include "tests/integration/process.h"
 

@@ -9,10 +9,10 @@
 #include <limits>
 #include <sstream>
 
-#include "core/assemble/replay_player.h"
-#include "core/assemble/replay_recorder.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/replay/replay_player.h"
+#include "core/replay/replay_recorder.h"
 #include "tests/integration/flips.h"
 #include "tests/integration/process.h"
 

@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/assemble/simulation.h"
 #include "core/base/random.h"
 #include "core/batch/vec_env.h"
+#include "core/simulation/simulation.h"
 #include "tests/unit/env/in_process_factory.h"
 
 namespace skybody::test {
@@ -147,7 +147,7 @@ inline std::shared_ptr<const Environment> small_env() {
   s.robots.push_back(robot);
   s.randomization.push_back(factory.use("kick", "kick"));
   s.task = factory.use("probe", "task");
-  return std::make_shared<Environment>(std::make_unique<World>(std::move(s)), factory);
+  return std::make_shared<Environment>(std::move(s), factory);
 }
 
 /// The action of an environment's k-th transition: of (env, k) and nothing else.

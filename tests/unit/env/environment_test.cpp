@@ -56,7 +56,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& opti
   if (options.kick_twice) s.randomization.push_back(factory.use("kick", "again"));
   if (options.look) s.randomization.push_back(factory.use("look", "look"));
   s.task = factory.use("watch", "task");
-  return std::make_unique<Environment>(std::make_unique<World>(std::move(s)), factory);
+  return std::make_unique<Environment>(std::move(s), factory);
 }
 
 TEST(TransitionContract, AnActionActsOnTheVeryNextPhysicsStep) {
@@ -76,10 +76,11 @@ TEST(TransitionContract, ControlSeesTheLatestStateInEachOfTheKSteps) {
   flight.reset();
   flight.step({-1, -1, -1, -1});
   const PluginInstance& c = env->controllers()[0];
-  EXPECT_EQ(flight.group.reals(c.state)[0], 10.0);   // once a physics step
-  EXPECT_EQ(flight.group.bits(c.state + 2)[0], 9u);  // its last call: after 9 completed steps
+  EXPECT_EQ(flight.group.plugin_reals(c.state)[0], 10.0);  // once a physics step
+  EXPECT_EQ(flight.group.plugin_bits(c.state + 2)[0],
+            9u);  // its last call: after 9 completed steps
   // Semi-implicit Euler in free fall: z_n = z_0 - g dt^2 n (n + 1) / 2. The tenth call saw n = 9.
-  EXPECT_NEAR(flight.group.reals(c.state + 1)[0], 1.0 - 9.81e-6 * 45.0, 1e-12);
+  EXPECT_NEAR(flight.group.plugin_reals(c.state + 1)[0], 1.0 - 9.81e-6 * 45.0, 1e-12);
 }
 
 TEST(TransitionContract, AnObservationBelongsToTheFinalState) {
@@ -105,8 +106,7 @@ TEST(TransitionContract, TheHorizonTruncatesAndATaskTerminates) {
   flight.step({0, 0, 0, 0});
   EXPECT_EQ(flight.status[0], kTruncated);
   flight.reset();
-  flight.group.reals(env->layout().q)[2] = -2.0;
-  flight.group.changed(1u);
+  flight.group.writable(env->layout().q, 1u)[2] = -2.0;
   flight.step({0, 0, 0, 0});
   EXPECT_EQ(flight.status[0], kTerminated);
 }
@@ -134,8 +134,7 @@ TEST(Fault, ANonFiniteStateGivesTheLastFiniteObservationAndSparesTheNeighbours) 
   flight.step(actions);
   alone.step(actions);
   const float height = flight.observation[3 * 4];
-  flight.group.reals(env->layout().u)[3] = std::numeric_limits<double>::infinity();
-  flight.group.changed(1u << 3);
+  flight.group.writable(env->layout().u, 1u << 3)[3] = std::numeric_limits<double>::infinity();
   flight.step(actions);
   alone.step(actions);
   EXPECT_EQ(flight.status[3], kTruncated | kFault | kBadState);
@@ -271,8 +270,7 @@ TEST(Randomization, AControllerGainIsOneValuePerEnvironment) {
   Flight flight(*env, kLanes);
   flight.reset();
   const int index = env->layout().find_param("robots.quad.controllers.direct.scale");
-  flight.group.reals(env->layout().params.offset + index)[2] = 0.5;
-  flight.group.changed(1u << 2);
+  flight.group.writable({env->layout().params.offset + index, 1}, 1u << 2)[2] = 0.5;
   flight.step(std::vector<float>(4 * kLanes, 0.0f));
   // 2000 rad/s give 16 N on 1 kg; half the speed gives 4 N.
   EXPECT_NEAR(flight.observation[2 * 4 + 1], 0.001 * (4.0 - 9.81), 1e-6);

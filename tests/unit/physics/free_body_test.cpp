@@ -148,7 +148,7 @@ TEST(FreeBody, TakesOffLandsAndBouncesLikeSimbodys) {
 TEST(FreeBody, DrivenBaseIsNotAcceleratedByForces) {
   for (const DynamicsChoice dynamics : {DynamicsChoice::kTree, DynamicsChoice::kSimbody}) {
     Bench bench(vehicle(IntegratorChoice::kRk4, dynamics),
-                [](World& w) { w.drives = {DriveKind::kVelocity}; });
+                [](WorldPlan& plan) { plan.drives = {DriveKind::kVelocity}; });
     bench.state.q[2] = 5.0;
     bench.state.drive[0] = 1.5;
     bench.state.rotor_command.assign(4, 2000.0);
@@ -283,15 +283,10 @@ LaneState step_once(const World& world, std::unique_ptr<Stepper> stepper) {
 }
 
 TEST(Auto, TakesTreeWhereItCan) {
-  const auto make_world = [](Scenario scenario) {
-    auto world = std::make_unique<World>(std::move(scenario));
-    finish_layout(*world);
-    return world;
-  };
-  const auto one = make_world(vehicle(IntegratorChoice::kRk4, DynamicsChoice::kAuto));
-  const LaneState by_auto = step_once(*one, make_stepper(*one));
-  const LaneState by_tree = step_once(*one, make_tree_stepper(*one));
-  const LaneState by_simbody = step_once(*one, make_simbody_stepper(*one));
+  const World one(vehicle(IntegratorChoice::kRk4, DynamicsChoice::kAuto));
+  const LaneState by_auto = step_once(one, make_stepper(one));
+  const LaneState by_tree = step_once(one, make_tree_stepper(one));
+  const LaneState by_simbody = step_once(one, make_simbody_stepper(one));
   EXPECT_TRUE(same_bits(by_auto, by_tree));
   EXPECT_FALSE(same_bits(by_tree, by_simbody)) << "rounding tells them apart";
 }

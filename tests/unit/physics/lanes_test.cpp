@@ -35,10 +35,10 @@ void expect_same_bits(const Vec3<Lanes>& pack, int lane, const Vec3<double>& v, 
 
 /// A vehicle with every force there is, at the ground, with a chain of all joints.
 struct BusyWorld {
-  BusyWorld() : world(make()) {
-    world.sites = {{0, {0.1, 0, 0}, true, false}, {1, {0, 0, 0}, false, true}};
-    finish_layout(world);
-  }
+  BusyWorld()
+      : world(make_world(make(), [](WorldPlan& plan) {
+          plan.sites = {{0, {0.1, 0, 0}, true, false}, {1, {0, 0, 0}, false, true}};
+        })) {}
 
   static Scenario make() {
     RobotModel model = make_vehicle(qdrone2());
@@ -67,7 +67,7 @@ struct BusyWorld {
     return scenario;
   }
 
-  World world;
+  const World world;
 };
 
 class Random {

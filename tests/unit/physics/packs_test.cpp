@@ -198,9 +198,11 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOne) {
     Random<double> random{RandomKey{2026, 11}, k, 0, derive_stream("packs_test")};
     const auto integrator =
         k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
-    World world(make_scenario(busy(random_tree(random), random), integrator));
-    if (k % 4 == 0) world.sites = {{0, {0.1, 0, 0}, true, false}, {0, {0, 0, 0.1}, false, true}};
-    finish_layout(world);
+    const World world = make_world(
+        make_scenario(busy(random_tree(random), random), integrator), [k](WorldPlan& plan) {
+          if (k % 4 == 0)
+            plan.sites = {{0, {0.1, 0, 0}, true, false}, {0, {0, 0, 0.1}, false, true}};
+        });
     TwoWays ways(world);
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       ways.set(lane, random_lane(random, world, k % 2 == 0 && lane % 3 != 0));
@@ -219,8 +221,7 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOne) {
 
 TEST_P(Packs, LeaveALaneThatFailsAsItWasAndTheOthersGoOn) {
   Random<double> random{RandomKey{2026, 12}, 0, 0, derive_stream("packs_test")};
-  World world(make_scenario(make_vehicle(qdrone2())));
-  finish_layout(world);
+  const World world(make_scenario(make_vehicle(qdrone2())));
   TwoWays ways(world);
   for (int lane = 0; lane < kGroupLanes; ++lane) ways.set(lane, random_lane(random, world, false));
   LaneState broken = random_lane(random, world, false);
@@ -262,8 +263,7 @@ TEST_P(Packs, HaveTheSameBitsWhetherALaneSharesItsConstantsOrNot) {
   Random<double> random{RandomKey{2026, 13}, 0, 0, derive_stream("packs_test")};
   for (const bool is_busy : {false, true}) {  // four level rotors; more, of any kind
     const RobotModel vehicle = make_vehicle(qdrone2());
-    World world(make_scenario(is_busy ? busy(vehicle, random) : vehicle));
-    finish_layout(world);
+    const World world(make_scenario(is_busy ? busy(vehicle, random) : vehicle));
     expect_same_bits_shared_or_not(world, random);
   }
 }
@@ -299,9 +299,8 @@ TEST_P(Packs, HandLanesOverToSimbodyEachForItself) {
   int mixed = 0, changes = 0;
   for (std::uint64_t k = 0; k < 4; ++k) {
     Random<double> random{RandomKey{2026, 14}, k, 0, derive_stream("packs_test")};
-    World world(several(
+    const World world(several(
         random, k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler));
-    finish_layout(world);
     TwoWays ways(world);
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       ways.set(lane, scattered_lane(random, world, k % 2 == 0 && lane % 3 != 0, lane % 3 == 1));
@@ -329,8 +328,7 @@ TEST_P(Packs, LeaveTheOthersAloneWhereOneFailsOnSimbody) {
   Scenario scenario = make_scenario(make_vehicle(qdrone2()));
   scenario.robots.push_back(scenario.robots[0]);
   scenario.robots[1].name = "s";
-  World world(std::move(scenario));
-  finish_layout(world);
+  const World world(std::move(scenario));
   TwoWays ways(world);
   for (int lane = 0; lane < kGroupLanes; ++lane) {
     LaneState state = random_lane(random, world, false);

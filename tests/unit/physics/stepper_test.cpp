@@ -57,7 +57,7 @@ TEST(Wrench, ActsAtItsPointInItsAxes) {
        {(0.1 + 1.2) / 0.01, 0.2 / 0.02, (0.3 - 0.4) / 0.03}},
   };
   for (const Case& c : cases) {
-    Bench bench(turned_body(), [&](World& world) { world.sites = {c.site}; });
+    Bench bench(turned_body(), [&](WorldPlan& plan) { plan.sites = {c.site}; });
     ASSERT_EQ(bench.world.layout.wrench.size, 6);
     bench.state.wrench = {1, 2, 3, 0.1, 0.2, 0.3};
     const Response r = respond(bench);
@@ -67,7 +67,7 @@ TEST(Wrench, ActsAtItsPointInItsAxes) {
 }
 
 TEST(Wrench, AtTheCentreOfMassFollowsADrawnCentreOfMass) {
-  Bench bench(turned_body(), [](World& world) { world.sites = {{0, {0, 0, 0}, true, true}}; });
+  Bench bench(turned_body(), [](WorldPlan& plan) { plan.sites = {{0, {0, 0, 0}, true, true}}; });
   bench.state.wrench = {1, 2, 3, 0, 0, 0};
   bench.param("robots.r.links.base.com[0]") = -0.2;
   expect_near(respond(bench).angular, {0, 0, 0});
@@ -98,7 +98,7 @@ Scenario driven_payload() {
 TEST(VelocityDrive, MovesTheBaseInItsOwnAxesAndLetsThePayloadSwing) {
   Scenario scenario = driven_payload();
   scenario.robots[0].pose.rotation = from_rpy(0.0, 0.0, kHalfPi);
-  Bench bench(std::move(scenario), [](World& w) { w.drives = {DriveKind::kVelocity}; });
+  Bench bench(std::move(scenario), [](WorldPlan& plan) { plan.drives = {DriveKind::kVelocity}; });
   ASSERT_EQ(bench.world.layout.drive.size, 13);
   bench.state.drive[0] = 1.5;
   ASSERT_TRUE(bench.run(1000));
@@ -117,7 +117,7 @@ TEST(VelocityDrive, MovesTheBaseInItsOwnAxesAndLetsThePayloadSwing) {
 }
 
 TEST(VelocityDrive, TurnsTheBase) {
-  Bench bench(driven_payload(), [](World& w) { w.drives = {DriveKind::kVelocity}; });
+  Bench bench(driven_payload(), [](WorldPlan& plan) { plan.drives = {DriveKind::kVelocity}; });
   bench.state.drive[5] = 0.5;
   ASSERT_TRUE(bench.run(1000));
   // Each step turns by atan(w h / 2) 2 rather than w h at most: (w h)^3 / 12 a step.
@@ -125,7 +125,7 @@ TEST(VelocityDrive, TurnsTheBase) {
 }
 
 TEST(PoseDrive, ReachesThePoseExactlyAtTheEndOfTheStep) {
-  Bench bench(driven_payload(), [](World& w) { w.drives = {DriveKind::kPose}; });
+  Bench bench(driven_payload(), [](WorldPlan& plan) { plan.drives = {DriveKind::kPose}; });
   const Quat<double> target = from_rpy(0.1, -0.2, 0.3);
   store(Vec3<double>{0.01, 0.02, 5.03}, bench.state.drive.data() + kDrivePosition);
   store(target, bench.state.drive.data() + kDriveRotation);

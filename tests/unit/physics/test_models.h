@@ -9,7 +9,7 @@
 
 #include "core/base/math.h"
 #include "core/physics/default_state.h"
-#include "core/physics/world_layout.h"
+#include "core/physics/world.h"
 #include "tests/unit/physics/stepper.h"
 
 namespace skybody::test {
@@ -162,12 +162,18 @@ inline Scenario make_scenario(RobotModel model,
   return scenario;
 }
 
-/// A world with its stepper and state. `prepare` may set sites and drives.
+/// A world as controllers would have it: `prepare` may set sites and drives.
+inline World make_world(Scenario scenario, const std::function<void(WorldPlan&)>& prepare = {}) {
+  const Topology topology(std::move(scenario));
+  WorldPlan plan(topology);
+  if (prepare) prepare(plan);
+  return World(topology, std::move(plan));
+}
+
+/// A world with its stepper and state.
 struct Bench {
-  explicit Bench(Scenario scenario, const std::function<void(World&)>& prepare = {})
-      : world(std::move(scenario)) {
-    if (prepare) prepare(world);
-    finish_layout(world);
+  explicit Bench(Scenario scenario, const std::function<void(WorldPlan&)>& prepare = {})
+      : world(make_world(std::move(scenario), prepare)) {
     stepper = make_stepper(world);
     write_default_state(world, state);
   }
@@ -183,7 +189,7 @@ struct Bench {
   }
   bool run_seconds(double seconds) { return run(static_cast<int>(std::lround(seconds / dt()))); }
 
-  World world;
+  const World world;
   std::unique_ptr<Stepper> stepper;
   LaneState state;
 };

@@ -110,8 +110,7 @@ TEST(Tree, StepsAsSimbodyDoes) {
     for (const auto integrator : {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
       const Pair pair(make_scenario(model, integrator, dt));
       if (pair.world.layout.u.size == 0) break;
-      World world(make_scenario(model, integrator, dt));
-      finish_layout(world);
+      const World world(make_scenario(model, integrator, dt));
       LaneState by_tree;
       write_default_state(world, by_tree);
       Point point(world);

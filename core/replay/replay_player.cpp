@@ -1,15 +1,15 @@
-#include "core/assemble/replay_player.h"
+#include "core/replay/replay_player.h"
 
 #include <algorithm>
 #include <cstring>
 #include <sstream>
 
-#include "core/assemble/replay_recorder.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/printable.h"
 #include "core/batch/fleet.h"
 #include "core/io/file.h"
+#include "core/replay/replay_recorder.h"
 
 namespace skybody {
 namespace {
@@ -175,9 +175,10 @@ void check_same_scenario(const ReplayReader& replay, const Environment& environm
   const ReplayHeader& header = replay.header();
   const Scenario& scenario = environment.scenario();
   if (header.scenario_hash == scenario.hash) return;
-  throw Error(replay.file().string() + " was recorded in the scenario `" + printable(header.scenario_name) +
-              "` with hash " + to_hex(header.scenario_hash) + "; " + scenario.file + " has hash " +
-              to_hex(scenario.hash) + " now: " + what_changed(header, scenario));
+  throw Error(replay.file().string() + " was recorded in the scenario `" +
+              printable(header.scenario_name) + "` with hash " + to_hex(header.scenario_hash) +
+              "; " + scenario.file + " has hash " + to_hex(scenario.hash) +
+              " now: " + what_changed(header, scenario));
 }
 
 ReplayReport play(ReplayReader& replay, const std::shared_ptr<const Environment>& environment,

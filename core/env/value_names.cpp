@@ -1,4 +1,4 @@
-#include "core/assemble/value_names.h"
+#include "core/env/value_names.h"
 
 #include "core/base/error.h"
 

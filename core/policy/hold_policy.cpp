@@ -1,11 +1,11 @@
-#include "core/assemble/hold_policy.h"
+#include "core/policy/hold_policy.h"
 
 #include <algorithm>
 
-#include "core/assemble/pseudo_inverse.h"
 #include "core/base/error.h"
 #include "core/base/math.h"
 #include "core/env/setup_tables.h"
+#include "core/policy/pseudo_inverse.h"
 
 namespace skybody {
 namespace {
@@ -119,7 +119,7 @@ HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environmen
   }
 }
 
-void HoldPolicy::act(const Simulation& simulation, std::span<float> action) const {
+void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
   const std::vector<double> params = simulation.params();
   const std::vector<double> goals = simulation.goals();
   const std::vector<BodyState>& bodies = simulation.bodies();

@@ -1,4 +1,4 @@
-#include "core/assemble/simulation_pool.h"
+#include "core/simulation/simulation_pool.h"
 
 #include <condition_variable>
 #include <exception>

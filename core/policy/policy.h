@@ -1,14 +1,13 @@
-// What flies: baselines where nothing has been learned, and trained networks.
+// Who chooses actions: baselines where nothing has been learned, and trained networks.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 
@@ -18,18 +17,17 @@ class Policy {
   virtual ~Policy() = default;
   /// Writes action_size() values in [-1, 1].
   virtual void act(const Simulation& simulation, std::span<float> action) = 0;
+  /// @returns a warning if the policy was made for another scenario, else ""
+  /// @throws Error if its sizes are not the environment's
+  virtual std::string check_fits(const Environment&) const { return ""; }
 };
 
 /// The baselines: zero, random, hold.
 const std::vector<std::string>& policy_names();
 
-/// Accepts a baseline's name, or a file or folder that exists.
-CLI::Validator policy_argument();
-
-/// @param name  one of policy_names(), or where a trained policy lies (see find_policy); a warning
-///              is logged where that was trained on another scenario
+/// @param name  one of policy_names(), or where a trained policy lies (see find_policy)
 /// @param seed  of `random`
-/// @throws Error if the policy cannot be read or cannot fly the environment
+/// @throws Error if the policy cannot be read; baselines also if they cannot fly the environment
 std::unique_ptr<Policy> make_policy(const std::string& name, const Environment& environment,
                                     std::uint64_t seed);
 

@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "core/env/environment.h"
 #include "core/io/policy_file.h"
+#include "core/policy/policy.h"
 
 namespace skybody {
 
 /// The deterministic policy: the mean of the action distribution. Evaluated in double with sums
 /// from left to right and bit-stable functions: equal observations give equal actions on every
 /// machine, within 1e-6 of what the training library gives in float.
-class NetworkPolicy {
+class NetworkPolicy : public Policy {
  public:
   /// @param path  policy.h5, a checkpoint folder or a training run's folder (see find_policy)
   /// @throws Error as find_policy() and read_policy()
@@ -26,13 +26,14 @@ class NetworkPolicy {
   /// Where it was read from.
   const std::filesystem::path& file() const { return file_; }
 
-  /// @returns a warning if it was trained on another scenario, else ""
-  /// @throws Error if its sizes are not the environment's
-  std::string check_fits(const Environment& environment) const;
+  std::string check_fits(const Environment& environment) const override;
 
   /// Allocates nothing. A value of the observation that is not finite gives actions that are not.
   /// @param observation  observation_size values   @param action  action_size values in [-1, 1]
   void act(std::span<const float> observation, std::span<float> action);
+  void act(const Simulation& simulation, std::span<float> action) override {
+    act(simulation.observation(), action);
+  }
 
  private:
   void prepare();

@@ -1,4 +1,4 @@
-#include "core/assemble/pseudo_inverse.h"
+#include "core/policy/pseudo_inverse.h"
 
 #include <array>
 #include <cmath>

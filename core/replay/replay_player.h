@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "core/assemble/load.h"
-#include "core/assemble/replay_report.h"
 #include "core/env/environment.h"
 #include "core/io/replay_file.h"
+#include "core/replay/replay_report.h"
 
 namespace skybody {
 

@@ -1,13 +1,13 @@
-#include "core/assemble/replay_recorder.h"
+#include "core/replay/replay_recorder.h"
 
 #include <cstring>
 #include <numeric>
 #include <system_error>
 #include <utility>
 
-#include "core/assemble/value_names.h"
 #include "core/base/error.h"
 #include "core/batch/fleet.h"
+#include "core/env/value_names.h"
 #include "core/version.h"
 
 namespace skybody {

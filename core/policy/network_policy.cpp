@@ -1,4 +1,4 @@
-#include "core/assemble/network_policy.h"
+#include "core/policy/network_policy.h"
 
 #include <algorithm>
 #include <utility>

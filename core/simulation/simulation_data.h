@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/assemble/simulation.h"
 #include "core/env/group_work.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 

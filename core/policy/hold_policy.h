@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/assemble/simulation.h"
+#include "core/policy/policy.h"
 
 namespace skybody {
 
@@ -19,13 +19,12 @@ namespace skybody {
 /// thrusts and rotor speeds by the pseudo-inverse of the rotors' geometry, a wrench by rotation to
 /// W, velocity and pose directly. A goal about a body that hangs from the base is reached by
 /// placing the four poles of a pendulum on an accelerated pivot.
-class HoldPolicy {
+class HoldPolicy : public Policy {
  public:
   /// @throws Error naming the robot if its command is none of the above
   explicit HoldPolicy(const Environment& environment);
 
-  /// Writes action_size() values in [-1, 1].
-  void act(const Simulation& simulation, std::span<float> action) const;
+  void act(const Simulation& simulation, std::span<float> action) override;
 
  private:
   struct Robot {

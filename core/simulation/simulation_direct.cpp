@@ -5,12 +5,12 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/assemble/simulation.h"
-#include "core/assemble/simulation_data.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/param_access.h"
 #include "core/physics/checked_mass.h"
+#include "core/simulation/simulation.h"
+#include "core/simulation/simulation_data.h"
 
 namespace skybody {
 namespace {

@@ -1,5 +1,5 @@
 // Worlds on threads of their own: the same bits as alone, errors with the world's number, no hang.
-#include "core/assemble/simulation_pool.h"
+#include "core/simulation/simulation_pool.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

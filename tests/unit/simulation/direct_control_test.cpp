@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/assemble/simulation.h"
 #include "core/base/error.h"
+#include "core/simulation/simulation.h"
 
 namespace skybody {
 namespace {

@@ -1,12 +1,12 @@
-#include "core/assemble/simulation.h"
+#include "core/simulation/simulation.h"
 
 #include <utility>
 
-#include "core/assemble/simulation_data.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
+#include "core/simulation/simulation_data.h"
 
 namespace skybody {
 
@@ -62,7 +62,7 @@ std::uint64_t Simulation::status() const { return data_->status; }
 bool Simulation::fault() const { return (data_->status & kFault) != 0; }
 int Simulation::action_size() const { return environment_->action_size(); }
 int Simulation::observation_size() const { return environment_->observation_size(); }
-const StepCounts& Simulation::step_counts() const { return data_->group.stepper().counts(); }
+const StepCounts& Simulation::step_counts() const { return data_->group.step_counts(); }
 std::uint64_t Simulation::episode() const { return data_->group.bits(kEpisode)[0]; }
 std::uint64_t Simulation::steps() const { return data_->group.bits(kStep)[0]; }
 std::uint64_t Simulation::physics_steps() const { return data_->group.bits(kPhysicsStep)[0]; }

@@ -1,4 +1,4 @@
-#include "core/assemble/replay_report.h"
+#include "core/replay/replay_report.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,74 @@
+#include "core/policy/policy.h"
+
+#include <algorithm>
+
+#include "core/base/random.h"
+#include "core/policy/hold_policy.h"
+#include "core/policy/network_policy.h"
+
+namespace skybody {
+namespace {
+
+/// The middle of every command's range.
+class ZeroPolicy : public Policy {
+ public:
+  void act(const Simulation&, std::span<float> action) override {
+    std::fill(action.begin(), action.end(), 0.0f);
+  }
+};
+
+/// Uniform in [-1, 1]: a function of seed, episode and step alone.
+class RandomPolicy : public Policy {
+ public:
+  explicit RandomPolicy(std::uint64_t seed) : seed_(seed) {}
+
+  void act(const Simulation& simulation, std::span<float> action) override {
+    Random<double> random(RandomKey{seed_, 0}, simulation.episode(), simulation.steps(),
+                          derive_stream("policy.random"));
+    for (float& value : action) value = static_cast<float>(random.uniform(-1.0, 1.0));
+  }
+
+ private:
+  std::uint64_t seed_;
+};
+
+struct Baseline {
+  const char* name;
+  std::unique_ptr<Policy> (*make)(const Environment& environment, std::uint64_t seed);
+};
+
+constexpr Baseline kBaselines[] = {
+    {"zero",
+     [](const Environment&, std::uint64_t) -> std::unique_ptr<Policy> {
+       return std::make_unique<ZeroPolicy>();
+     }},
+    {"random",
+     [](const Environment&, std::uint64_t seed) -> std::unique_ptr<Policy> {
+       return std::make_unique<RandomPolicy>(seed);
+     }},
+    {"hold",
+     [](const Environment& environment, std::uint64_t) -> std::unique_ptr<Policy> {
+       return std::make_unique<HoldPolicy>(environment);
+     }},
+};
+
+}  // namespace
+
+const std::vector<std::string>& policy_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Baseline& baseline : kBaselines) all.emplace_back(baseline.name);
+    return all;
+  }();
+  return names;
+}
+
+std::unique_ptr<Policy> make_policy(const std::string& name, const Environment& environment,
+                                    std::uint64_t seed) {
+  for (const Baseline& baseline : kBaselines) {
+    if (name == baseline.name) return baseline.make(environment, seed);
+  }
+  return std::make_unique<NetworkPolicy>(name);
+}
+
+}  // namespace skybody
