@@ -12,6 +12,7 @@
 #include "core/env/setup_tables.h"
 #include "core/model/marked_error.h"
 #include "core/physics/default_state.h"
+#include "core/physics/lane_values.h"
 #include "core/physics/world_layout.h"
 
 namespace skybody {
@@ -314,6 +315,7 @@ Environment::Environment(std::unique_ptr<World> world, PluginFactory& factory)
 Environment::~Environment() = default;
 
 StateGroup Environment::make_state(int lanes) const {
+  SKYBODY_DEMAND(lanes == 1 || lanes == kGroupLanes, "a group has one lane or kGroupLanes");
   const int bodies =
       physics_->bodies_are_coordinates() ? 0 : static_cast<int>(world_->bodies.size());
   return {layout(), bodies, lanes, physics_->make_stepper(lanes)};
@@ -329,6 +331,7 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   work->observation = values(static_cast<std::size_t>(observation_size()));
   work->reward = values(1);
   work->robot_reward = values(scenario().robots.size());
+  work->agent_reward = values(agents_.size());
   work->info = values(static_cast<std::size_t>(info_size()));
   work->end = AlignedArray<std::uint64_t>(n);
   work->request = AlignedArray<std::uint64_t>(n);
