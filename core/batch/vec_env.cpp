@@ -122,8 +122,8 @@ void VecEnv::observations(std::span<float> observation) const {
   engine_->check_idle("observations()");
   const FpEnvironment guard;
   const auto width = static_cast<std::size_t>(environment().observation_size());
-  SKYBODY_DEMAND(observation.size() == width * static_cast<std::size_t>(envs()),
-                 "observations() into an array of another size");
+  check_values("observation", observation.size(), static_cast<std::size_t>(envs()),
+               environment().observation_size());
   for (int env = 0; env < envs(); ++env) {
     engine_->fleet.observation(env, observation.data() + static_cast<std::size_t>(env) * width);
   }
