@@ -1,7 +1,7 @@
 // How a transition ends: horizon and faults, and the rows that the learner gets.
 //
-// All lanes are served as if there were no fault. What a fault changes is then put right lane by
-// lane: it is rare, and the same then holds for all rows.
+// Every lane is concluded as if it had no fault. Faults are rare; they are corrected afterwards,
+// lane by lane.
 #include <algorithm>
 
 #include "core/base/octets.h"

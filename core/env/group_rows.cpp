@@ -1,9 +1,10 @@
-// Needs: a batch moves every row in every step, so rows must go at the speed of memory; and one
-// rule must serve all, for a lane has the bits that it has alone.
-// Idea: whole octets (core/base/octets.h) go in packs, and of what is left each lane goes alone, by
-// the same template with Real = double. Only the transposition of floats is for packs alone.
-// Limits: groups have 1 or kGroupLanes lanes; packs occur in the latter only, where the distance
-// from value to value is a constant.
+// Needs: a batch moves every row in every step, so whole groups must be quick. A lane must get the
+// same bits whether it goes alone or beside others.
+// Idea: whole octets (core/base/octets.h) go in packs. Every other lane goes alone, by the same
+// template with Real = double. Only rows of floats need code of their own for packs: there four
+// values of several lanes are transposed in registers.
+// Limits: groups have 1 or kGroupLanes lanes. Only the latter have octets, so that the distance from
+// value to value is a constant wherever packs are used.
 #include "core/env/group_rows.h"
 
 #include <algorithm>
