@@ -72,16 +72,13 @@ class RegistryFactory : public PluginFactory {
   Made make(SkybodyKind kind, const std::string& plugin, const SkybodySetup& setup,
             const SkybodyDeclare& declare) override {
     const PluginEntry& entry = require(kind, plugin);
-    return {create_instance(entry, setup, declare), entry.descriptor,
-            kernels_for(*entry.descriptor, best_isa())};
+    return {create_instance(entry, setup, declare), kernels_for(*entry.descriptor, best_isa()),
+            static_cast<int>(entry.descriptor->state_words)};
   }
 
-  std::vector<Randomizable> randomizable(SkybodyKind kind, const std::string& plugin) override {
-    std::vector<Randomizable> list;
-    for (const ParameterSpec& p : require(kind, plugin).parameters) {
-      if (p.randomizable) list.push_back({p.name, p.unit, p.min, p.max});
-    }
-    return list;
+  const std::vector<ParameterSpec>& parameters(SkybodyKind kind,
+                                               const std::string& plugin) override {
+    return require(kind, plugin).parameters;
   }
 
  private:

@@ -10,6 +10,7 @@ namespace skybody {
 
 /// Levels of the x86-64 psABI: v2 has SSE4.2, v3 AVX2 and FMA, v4 AVX-512 (F, BW, CD, DQ, VL).
 enum class Isa { v2, v3, v4 };
+inline constexpr int kIsaCount = 3;
 
 /// "v2", "v3" or "v4".
 inline const char* name(Isa isa) { return isa == Isa::v4 ? "v4" : isa == Isa::v3 ? "v3" : "v2"; }

@@ -8,13 +8,15 @@
 //   kernel<Scale>(best_isa())(count, values);
 #pragma once
 
+#include <utility>
+
 #include "core/base/isa.h"
 #include "core/base/kernel_target.h"
 
 namespace skybody {
 
-/// Number of instruction sets: v2, v3, v4, in the order of Isa.
-inline constexpr int kIsaCount = 3;
+/// Lanes of a pack of doubles on each instruction set, in the order of Isa.
+using PackWidths = std::integer_sequence<int, 2, 4, 8>;
 
 namespace detail {
 
@@ -31,7 +33,8 @@ struct Kernel<Body, Result(Args...)> {
   SKYBODY_KERNEL("arch=x86-64-v4")
   static Result v4(Args... args) { return Body::template run<8>(args...); }
 
-  static constexpr Result (*kTable[kIsaCount])(Args...) = {&v2, &v3, &v4};
+  static constexpr Result (*kTable[])(Args...) = {&v2, &v3, &v4};
+  static_assert(sizeof(kTable) / sizeof(*kTable) == kIsaCount && PackWidths::size() == kIsaCount);
 };
 
 }  // namespace detail

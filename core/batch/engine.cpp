@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/arguments.h"
 #include "core/base/error.h"
 #include "core/base/process_id.h"
 #include "core/base/processors.h"
@@ -69,9 +70,7 @@ void VecEnv::Engine::check_idle(const char* what) {
 }
 
 void VecEnv::Engine::check_id(std::int32_t env) const {
-  if (env >= 0 && env < fleet.envs()) return;
-  throw Error("there is no environment " + std::to_string(env) + "; allowed: 0 ... " +
-              std::to_string(fleet.envs() - 1));
+  check_index("environment", env, fleet.envs());
 }
 
 void VecEnv::Engine::send_reset(std::span<const std::uint8_t> mask) {
@@ -135,11 +134,7 @@ void VecEnv::Engine::send_all_steps(std::span<const float> actions) {
 }
 
 void VecEnv::Engine::check_size(std::span<const float> actions, std::size_t count) const {
-  const auto width = static_cast<std::size_t>(fleet.environment().action_size());
-  if (actions.size() == count * width) return;
-  throw Error("actions of " + std::to_string(actions.size()) + " values for " +
-              std::to_string(count) + " environments; this scenario takes " +
-              std::to_string(width) + " each");
+  check_values("actions", actions.size(), count, fleet.environment().action_size());
 }
 
 void VecEnv::Engine::check_steps(std::span<const float> actions,
@@ -163,8 +158,8 @@ void VecEnv::Engine::check_steps(std::span<const float> actions,
 /// May this environment be stepped now? `marked_` are those of the same send().
 void VecEnv::Engine::check_step(std::int32_t env) {
   check_id(env);
+  if (marked_[static_cast<std::size_t>(env)] != 0) refuse_twice("environment", env);
   const auto name = [env] { return "environment " + std::to_string(env); };  // only where it failed
-  if (marked_[static_cast<std::size_t>(env)] != 0) throw Error(name() + " is there twice");
   if (in_flight(env)) throw Error(name() + " is still in flight: recv() it before the next send()");
   if (!fleet.started(env)) throw Error(name() + " has not begun an episode: reset it first");
   if (options.autoreset == Autoreset::kDisabled && fleet.ended(env)) {

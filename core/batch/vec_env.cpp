@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/base/arguments.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
@@ -12,12 +13,6 @@ namespace {
 
 std::uint64_t checksum(std::span<const std::uint64_t> words) {
   return hash_bytes(words.data(), words.size_bytes());
-}
-
-void check_range(const char* what, int value, int low, int high, const char* remedy) {
-  if (value >= low && value <= high) return;
-  throw Error(std::string(what) + " is " + std::to_string(value) +
-              "; allowed: " + std::to_string(low) + " ... " + std::to_string(high) + "; " + remedy);
 }
 
 const VecEnvOptions& checked(const VecEnvOptions& options) {
@@ -60,10 +55,7 @@ void VecEnv::send_reset() {
 }
 
 void VecEnv::send_reset(std::span<const std::uint8_t> mask) {
-  if (static_cast<int>(mask.size()) != envs()) {
-    throw Error("a reset mask of " + std::to_string(mask.size()) + " values for " +
-                std::to_string(envs()) + " environments");
-  }
+  check_values("mask", mask.size(), 1, envs());
   engine_->send_reset(mask);
   if (engine_->observer) engine_->observer->reset_sent(mask);
 }
@@ -130,8 +122,8 @@ void VecEnv::observations(std::span<float> observation) const {
   engine_->check_idle("observations()");
   const FpEnvironment guard;
   const auto width = static_cast<std::size_t>(environment().observation_size());
-  SKYBODY_DEMAND(observation.size() == width * static_cast<std::size_t>(envs()),
-                 "observations() into an array of another size");
+  check_values("observation", observation.size(), static_cast<std::size_t>(envs()),
+               environment().observation_size());
   for (int env = 0; env < envs(); ++env) {
     engine_->fleet.observation(env, observation.data() + static_cast<std::size_t>(env) * width);
   }

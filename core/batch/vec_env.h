@@ -95,7 +95,7 @@ class VecEnv {
   void fork(int source, std::span<const std::int32_t> targets, bool rekey);
 
   /// Last observation of every environment.
-  /// @param observation  N_E x observation_size()
+  /// @param observation  N_E x observation_size(). @throws Error on another number of values
   void observations(std::span<float> observation) const;
   /// Value of a randomizable parameter. @throws Error as Simulation::param
   double param(int env, const std::string& path) const;

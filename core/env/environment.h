@@ -64,6 +64,7 @@ class Environment {
   /// Lanes of the groups in which this scenario is best stepped: kGroupLanes where its physics goes
   /// in packs, if only while nothing is within reach (core/physics/reach.h), else 1.
   int preferred_lanes() const { return physics_->preferred_lanes(); }
+  /// @param lanes  1 or kGroupLanes
   StateGroup make_state(int lanes) const;
   /// Scratch for groups of that size. Results never depend on which groups it served.
   std::unique_ptr<GroupWork> make_work(int lanes) const;
@@ -114,8 +115,6 @@ class Environment {
  private:
   struct Builder;
   void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;
-  void read_actions(StateGroup&, GroupWork&, std::uint32_t mask, const float* actions,
-                    int stride) const;
   void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
   double* actuator(StateGroup&, std::uint32_t mask, const PluginInstance& last,
                    const ControllerChain& chain) const;
@@ -123,15 +122,10 @@ class Environment {
   std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void sense(StateGroup&, const SkybodyLanes&, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
-  std::uint64_t ended(const StateGroup&, const GroupWork&, int lane) const;
-  std::uint32_t conclude_octets(StateGroup&, GroupWork&, std::uint32_t octets, bool is_reset,
-                                const Rows&) const;
-  void write_agent_rewards(const GroupWork&, std::uint32_t octets, bool is_reset,
-                           const Rows&) const;
-  void write_agent_rewards(const StateGroup&, const GroupWork&, int lane, double reward,
-                           const Rows&) const;
-  void write_rows(const StateGroup&, const GroupWork&, int lane, double reward,
-                  const Rows& rows) const;
+  std::uint32_t finite_robot_rewards(const GroupWork&, std::uint32_t mask) const;
+  void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,
+                       const Rows&) const;
+  void write_agent_rewards(GroupWork&, std::uint32_t mask, const Rows&) const;
   void evaluate(StateGroup&, GroupWork&, const SkybodyLanes&, bool wants_info) const;
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
   void place_at_start(StateGroup&, int lane) const;

@@ -12,6 +12,7 @@
 #include "core/env/setup_tables.h"
 #include "core/model/marked_error.h"
 #include "core/physics/default_state.h"
+#include "core/physics/lane_values.h"
 #include "core/physics/world_layout.h"
 
 namespace skybody {
@@ -19,12 +20,13 @@ namespace {
 
 /// A plugin use with its values in C form.
 struct BoundUse {
-  const PluginUse* use = nullptr;
-  SkybodyKind kind = SKYBODY_CONTROLLER;
-  int robot = -1;
+  BoundUse(const PluginUse& u, SkybodyKind k, int r, std::string p)
+      : use(&u), kind(k), robot(r), path(std::move(p)), values(u.parameters) {}
+  const PluginUse* use;
+  SkybodyKind kind;
+  int robot;
   std::string path;  ///< of its parameters, such as robots.quad.controllers.rate_pd
-  std::vector<std::vector<const char*>> texts;
-  std::vector<SkybodyValue> values;
+  BoundValues values;
 };
 
 bool drives(int signal) { return signal == SKYBODY_VELOCITY || signal == SKYBODY_POSE; }
@@ -61,55 +63,39 @@ struct Environment::Builder {
 
   void collect_uses() {
     for (const PluginUse& use : scenario.sensors) {
-      uses.push_back({&use, SKYBODY_SENSOR, -1, "sensors." + use.instance, {}, {}});
+      uses.emplace_back(use, SKYBODY_SENSOR, -1, "sensors." + use.instance);
     }
     for (int r = 0; r < static_cast<int>(scenario.robots.size()); ++r) {
       const RobotUse& robot = scenario.robots[static_cast<std::size_t>(r)];
       for (const PluginUse& use : robot.controllers) {
-        uses.push_back({&use,
-                        SKYBODY_CONTROLLER,
-                        r,
-                        "robots." + robot.name + ".controllers." + use.instance,
-                        {},
-                        {}});
+        uses.emplace_back(use, SKYBODY_CONTROLLER, r,
+                          "robots." + robot.name + ".controllers." + use.instance);
       }
     }
     for (const PluginUse& use : scenario.randomization) {
-      uses.push_back({&use, SKYBODY_RANDOMIZER, -1, "randomization." + use.instance, {}, {}});
+      uses.emplace_back(use, SKYBODY_RANDOMIZER, -1, "randomization." + use.instance);
     }
-    uses.push_back({&scenario.task, SKYBODY_TASK, -1, "task", {}, {}});
+    uses.emplace_back(scenario.task, SKYBODY_TASK, -1, "task");
   }
 
-  /// Randomizable parameters become EnvParams; all become SkybodyValues.
+  /// Randomizable parameters become EnvParams.
   void add_params(BoundUse& bound) {
-    std::map<std::string, PluginFactory::Randomizable> randomizable;
-    for (auto& r : factory.randomizable(bound.kind, bound.use->plugin)) randomizable[r.name] = r;
-    bound.texts.reserve(bound.use->parameters.size());
-    for (const ParameterValue& p : bound.use->parameters) {
-      SkybodyValue value{};
-      value.env_param = -1;
-      value.numbers = p.numbers.data();
-      auto& texts = bound.texts.emplace_back();
-      for (const std::string& t : p.texts) texts.push_back(t.c_str());
-      value.texts = texts.data();
-      value.count = static_cast<std::uint32_t>(p.type == ParameterType::kText ? texts.size()
-                                                                              : p.numbers.size());
-      const auto found = randomizable.find(p.name);
-      if (found != randomizable.end() && !p.numbers.empty()) {
-        value.env_param = add_env_params(bound.path + "." + p.name, p.numbers, found->second);
-      }
-      bound.values.push_back(value);
+    const std::vector<ParameterSpec>& specs = factory.parameters(bound.kind, bound.use->plugin);
+    const std::vector<ParameterValue>& values = bound.use->parameters;
+    SKYBODY_DEMAND(specs.size() == values.size(), "parameters of another plugin");
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+      if (!specs[i].randomizable || values[i].numbers.empty()) continue;
+      bound.values.set_env_param(i, static_cast<int>(plan.layout.param_info.size()));
+      add_env_params(bound.path + "." + specs[i].name, values[i].numbers, specs[i]);
     }
   }
 
-  int add_env_params(const std::string& path, const std::vector<double>& numbers,
-                     const PluginFactory::Randomizable& spec) {
-    const int first = static_cast<int>(plan.layout.param_info.size());
+  void add_env_params(const std::string& path, const std::vector<double>& numbers,
+                      const ParameterSpec& spec) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const std::string name = numbers.size() == 1 ? path : path + "[" + std::to_string(i) + "]";
       add_param(plan.layout, {name, spec.unit, numbers[i], spec.min, spec.max});
     }
-    return first;
   }
 
   void configure_kind(SkybodyKind kind, SetupTables& tables) {
@@ -139,12 +125,12 @@ struct Environment::Builder {
     made.plugin = bound.use->plugin;
     made.robot = bound.robot;
     const SkybodyDeclare declare = declare_into(made);
-    const SkybodySetup setup = tables.setup(bound.path, bound.robot, bound.values);
+    const SkybodySetup setup = tables.setup(bound.path, bound.robot, bound.values.table());
     try {
       PluginFactory::Made result = factory.make(bound.kind, bound.use->plugin, setup, declare);
       made.self = std::move(result.self);
       made.kernels = result.kernels;
-      made.state_words = static_cast<int>(result.plugin->state_words);
+      made.state_words = result.state_words;
       check_declarations(topology, plan.layout, made);
     } catch (const Error& e) {
       throw MarkedError(bound.use->mark, e.what());
@@ -303,6 +289,7 @@ Environment::Environment(Scenario scenario, PluginFactory& factory) {
 Environment::~Environment() = default;
 
 StateGroup Environment::make_state(int lanes) const {
+  SKYBODY_DEMAND(lanes == 1 || lanes == kGroupLanes, "a group has one lane or kGroupLanes");
   const int bodies =
       physics_->bodies_are_coordinates() ? 0 : static_cast<int>(world_->bodies.size());
   return {layout(), bodies, lanes, physics_->make_stepper(lanes)};
@@ -318,6 +305,7 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   work->observation = values(static_cast<std::size_t>(observation_size()));
   work->reward = values(1);
   work->robot_reward = values(scenario().robots.size());
+  work->agent_reward = values(agents_.size());
   work->info = values(static_cast<std::size_t>(info_size()));
   work->end = AlignedArray<std::uint64_t>(n);
   work->request = AlignedArray<std::uint64_t>(n);

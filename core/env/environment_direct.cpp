@@ -3,6 +3,7 @@
 #include "core/base/fp_environment.h"
 #include "core/base/octets.h"
 #include "core/env/environment.h"
+#include "core/env/group_lanes.h"
 #include "core/env/group_work.h"
 
 namespace skybody {
@@ -23,9 +24,8 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
   check(group, work, mask);
   const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
-  each_lane(mask, [&](int lane) {
-    ++group.writable(kStep)[lane];
-    // advance() has left its faults in the status.
+  count(group, kStep, mask);
+  each_lane(mask, [&](int lane) {  // advance() has left its faults in the status
     if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
   });
   update(group, work, mask);

@@ -1,8 +1,5 @@
 // One transition, phase by phase (paper eq. 3): act, K times (control, advance, sense), conclude.
 // Under direct control the phases are called one by one.
-#include <cmath>
-#include <cstring>
-
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
@@ -17,16 +14,6 @@ namespace skybody {
 namespace {
 
 static_assert(kGroupLanes == SKYBODY_GROUP_LANES, "plugins are made for other groups");
-
-/// Adds one to a word of the header in each lane of a mask.
-void count(StateGroup& group, HeaderWord word, std::uint32_t mask) {
-  std::uint64_t* words = group.writable(word);
-  const std::uint32_t octets = octets_of(group, mask);
-  each_octet(octets, [&](int first) {
-    for (int l = first; l < first + kOctet; ++l) ++words[l];
-  });
-  each_lane(mask & ~octets, [&](int lane) { ++words[lane]; });
-}
 
 }  // namespace
 
@@ -89,55 +76,24 @@ void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask)
 void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
                       const float* actions, int action_stride) const {
   const Layout& l = layout();
+  const int lanes = group.lanes();
   const std::uint32_t mask = view.active;
-  double* action = group.writable(l.action, mask);
   const RowKernels& kernels = row_kernels();
-  const std::uint32_t octets = octets_of(group, mask);
-  const std::uint32_t read =
-      kernels.read_clipped(octets, actions, action_stride, l.action.size, action);
-  if (read != mask) read_actions(group, work, mask & ~read, actions, action_stride);
+  double* action = group.writable(l.action, mask);
+  work.bad_action =
+      mask & ~kernels.read_clipped(mask, lanes, actions, action_stride, l.action.size, action);
   double* command = group.writable(l.command, mask);
   if (task_.kernels.process != nullptr) {
     task_.kernels.process(task_.self.get(), &view, group.plugin_bits(task_.state),
                           group.plugin_reals(task_.buffer), action, command);
     return;
   }
-  const int lanes = group.lanes();
   for (const ControllerChain& chain : chains_) {
     if (chain.count == 0) continue;
     const PluginInstance& first = controllers_[static_cast<std::size_t>(chain.first)];
-    const double *low = first.low.data(), *high = first.high.data();
-    const double* from = action + chain.action * lanes;
-    double* to = command + chain.command * lanes;
-    kernels.scale(octets, from, first.input_count(), low, high, to);
-    if (octets == mask) continue;
-    for (int k = 0; k < first.input_count(); ++k) {
-      each_lane(mask & ~octets, [&](int lane) {
-        const double a = from[k * lanes + lane];
-        to[k * lanes + lane] = low[k] + 0.5 * (a + 1.0) * (high[k] - low[k]);
-      });
-    }
+    kernels.scale(mask, lanes, action + chain.action * lanes, first.input_count(), first.low.data(),
+                  first.high.data(), command + chain.command * lanes);
   }
-}
-
-/// Lane by lane.
-void Environment::read_actions(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                               const float* actions, int action_stride) const {
-  const int lanes = group.lanes(), size = layout().action.size;
-  double* action = group.writable(layout().action, mask);
-  each_lane(mask, [&](int lane) {
-    const float* row = actions + static_cast<std::ptrdiff_t>(lane) * action_stride;
-    bool finite = true;
-    for (int k = 0; k < size; ++k) finite = finite && std::isfinite(row[k]);
-    if (!finite) {
-      work.bad_action |= 1u << lane;
-      return;
-    }
-    for (int k = 0; k < size; ++k) {
-      const double a = row[k];
-      action[k * lanes + lane] = a < -1.0 ? -1.0 : (a > 1.0 ? 1.0 : a);
-    }
-  });
 }
 
 /// C_i: every robot's controllers in order, from the latest state.

@@ -1,4 +1,4 @@
-// Lanes of a group by octets where row kernels can serve them.
+// Values and counters of the lanes of a group.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace skybody {
 
-/// The lanes of a mask that row kernels may serve.
-std::uint32_t octets_of(const StateGroup& group, std::uint32_t mask);
+/// Adds one to a word of the header in each lane of a mask.
+void count(StateGroup& group, HeaderWord word, std::uint32_t mask);
 
 /// Copies `count` values of the lanes of a mask. May overwrite other lanes, too, where no
 /// environment was made (StateGroup::occupied).

@@ -1,9 +1,16 @@
+// Needs: a batch moves every row in every step, so whole groups must be quick. A lane must get the
+// same bits whether it goes alone or beside others.
+// Idea: whole octets (core/base/octets.h) go in packs. Every other lane goes alone, by the same
+// template with Real = double. Only rows of floats need code of their own for packs: there four
+// values of several lanes are transposed in registers.
+// Limits: groups have 1 or kGroupLanes lanes. Only the latter have octets, so that the distance from
+// value to value is a constant wherever packs are used.
 #include "core/env/group_rows.h"
 
+#include <algorithm>
 #include <cstring>
 
-#include "core/base/isa.h"
-#include "core/base/kernel_target.h"
+#include "core/base/kernels.h"
 #include "core/base/math_basic.h"
 #include "core/base/octets.h"
 #include "core/base/pack.h"
@@ -27,6 +34,9 @@ struct FloatPack<8> {
 };
 template <int W>
 using Floats = typename FloatPack<W>::Native;
+/// Lanes of a piece, on an instruction set with packs of W doubles.
+template <int W>
+inline constexpr int kPiece = std::max(4, W);
 
 template <class Vector>
 SKYBODY_INLINE void load(const float* p, Vector& v) {
@@ -35,6 +45,31 @@ SKYBODY_INLINE void load(const float* p, Vector& v) {
 template <class Vector>
 SKYBODY_INLINE void store(float* p, const Vector& v) {
   std::memcpy(p, &v, sizeof(v));
+}
+
+/// Calls f(first lane, Real) for the lanes of a mask: whole octets in packs of W, what is left lane
+/// by lane, as double.
+template <int W, class F>
+SKYBODY_INLINE void serve(std::uint32_t mask, F&& f) {
+  const std::uint32_t octets = whole_octets(mask);
+  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+    for (int l = first; l < first + kOctet; l += W) f(l, Pack<W>());
+  });
+  each_lane(mask & ~octets, [&](int lane) SKYBODY_INLINE_LAMBDA { f(lane, 0.0); });
+}
+
+/// The lanes of a mask of which something holds: of whole octets if octet(first lane) says so, of
+/// all others if lane(lane) does.
+template <class Octet, class Lane>
+SKYBODY_INLINE std::uint32_t lanes_where(std::uint32_t mask, Octet&& octet, Lane&& lane) {
+  std::uint32_t those = 0;
+  each_octet(whole_octets(mask), [&](int first) SKYBODY_INLINE_LAMBDA {
+    if (octet(first)) those |= 0xffu << first;
+  });
+  each_lane(mask & ~those, [&](int l) SKYBODY_INLINE_LAMBDA {
+    if (lane(l)) those |= 1u << l;
+  });
+  return those;
 }
 
 // Columns a, b, c, d of four lanes become rows a0 b0 c0 d0, a1 b1 c1 d1, ...; and back. Of eight
@@ -80,8 +115,9 @@ SKYBODY_INLINE void to_floats(const double* lanes, Vector& v) {
   v = __builtin_convertvector(load_lanes<Pack<W>>(lanes).v, Vector);
 }
 
-/// Whether all lanes of a sum are finite: if so, all its terms were. (Finite ones whose sum is not
-/// are rare, and whoever asks has a slower way to be sure.)
+/// Whether a float, or each of a vector, is finite. Of a sum: if it is, all its terms were. (Finite
+/// ones whose sum is not are rare: then each is looked at.)
+SKYBODY_INLINE bool is_finite(float value) { return value - value == 0.0f; }
 template <class Vector>
 SKYBODY_INLINE bool is_finite(const Vector& sum) {
   float lanes[sizeof(Vector) / sizeof(float)];
@@ -91,12 +127,7 @@ SKYBODY_INLINE bool is_finite(const Vector& sum) {
   return faults == 0.0f;
 }
 
-SKYBODY_INLINE double clipped(float value) {
-  const double a = value;
-  return a < -1.0 ? -1.0 : (a > 1.0 ? 1.0 : a);
-}
-
-/// Whether all values of eight rows are finite (see is_finite).
+/// Whether the sum of all values of eight rows is finite.
 SKYBODY_INLINE bool are_rows_finite(const float* rows, std::ptrdiff_t stride, int count) {
   Floats<4> sum{};
   float rest = 0.0f;
@@ -109,13 +140,29 @@ SKYBODY_INLINE bool are_rows_finite(const float* rows, std::ptrdiff_t stride, in
     }
     for (; k < count; ++k) rest += rows[k];
   }
-  return is_finite(sum) && rest - rest == 0.0f;
+  return is_finite(sum) && is_finite(rest);
+}
+
+SKYBODY_INLINE bool is_row_finite(const float* row, int count) {
+  for (int k = 0; k < count; ++k) {
+    if (!is_finite(row[k])) return false;
+  }
+  return true;
+}
+
+template <class Real>
+SKYBODY_INLINE Real clipped(const Real& value) {
+  return clamp(value, Real(-1.0), Real(1.0));
+}
+
+/// One lane's values, from the k-th on.
+SKYBODY_INLINE void read_row(const float* row, int lanes, int k, int count, double* values) {
+  for (; k < count; ++k) values[k * lanes] = clipped(static_cast<double>(row[k]));
 }
 
 template <int W>
-SKYBODY_INLINE bool read_octet(const float* rows, std::ptrdiff_t stride, int count,
+SKYBODY_INLINE void read_octet(const float* rows, std::ptrdiff_t stride, int count,
                                double* values) {
-  if (!are_rows_finite(rows, stride, count)) return false;
   for (int first = 0; first < kOctet; first += W) {
     const float* row = rows + first * stride;
     double* out = values + first;
@@ -126,82 +173,116 @@ SKYBODY_INLINE bool read_octet(const float* rows, std::ptrdiff_t stride, int cou
       transpose(v);
       for (int i = 0; i < 4; ++i) {
         const Pack<W> a(__builtin_convertvector(v[i], typename Pack<W>::Native));
-        store_lanes(out + (k + i) * kGroupLanes, clamp(a, Pack<W>(-1.0), Pack<W>(1.0)));
+        store_lanes(out + (k + i) * kGroupLanes, clipped(a));
       }
     }
-    for (; k < count; ++k) {
-      for (int i = 0; i < W; ++i) out[k * kGroupLanes + i] = clipped(row[i * stride + k]);
-    }
+    for (int i = 0; i < W; ++i) read_row(row + i * stride, kGroupLanes, k, count, out + i);
   }
-  return true;
 }
 
-template <int W>
-SKYBODY_INLINE std::uint32_t read_clipped(std::uint32_t octets, const float* rows,
+struct ReadClipped {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, int lanes, const float* rows,
                                           std::ptrdiff_t stride, int count, double* values) {
-  std::uint32_t read = 0;
-  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
-    if (read_octet<W>(rows + first * stride, stride, count, values + first)) read |= 0xffu << first;
-  });
-  return read;
-}
-
-template <int W>
-SKYBODY_INLINE void scale(std::uint32_t octets, const double* action, int count, const double* low,
-                          const double* high, double* command) {
-  for (int k = 0; k < count; ++k, action += kGroupLanes, command += kGroupLanes) {
-    const Pack<W> from(low[k]), range(high[k] - low[k]);
-    each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
-      for (int l = first; l < first + kOctet; l += W) {
-        const Pack<W> a = load_lanes<Pack<W>>(action + l);
-        store_lanes(command + l, from + 0.5 * (a + 1.0) * range);
-      }
-    });
+    const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
+      const float* row = rows + first * stride;
+      const bool finite = are_rows_finite(row, stride, count);
+      if (finite) read_octet<kPiece<W>>(row, stride, count, values + first);
+      return finite;
+    };
+    const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
+      const float* row = rows + l * stride;
+      const bool finite = is_row_finite(row, count);
+      if (finite) read_row(row, lanes, 0, count, values + l);
+      return finite;
+    };
+    return lanes_where(mask, octet, lane);
   }
-}
+};
 
-/// The usual case: without masks, value after value, as memory has them.
-template <int W>
-SKYBODY_INLINE void copy_octets(std::uint32_t octets, const double* from, int count, double* to) {
-  for (int k = 0; k < count; ++k, from += kGroupLanes, to += kGroupLanes) {
-    each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
-      for (int l = first; l < first + kOctet; l += W) {
-        store_lanes(to + l, load_lanes<Pack<W>>(from + l));
-      }
-    });
-  }
-}
-
-template <int W>
-SKYBODY_INLINE void copy(std::uint32_t lanes, const double* from, int count, double* to) {
-  if (lanes == whole_octets(lanes)) return copy_octets<W>(lanes, from, count, to);
-  for (int first = 0; first < kGroupLanes; first += W) {
-    const std::uint32_t bits = (lanes >> first) & ((1u << W) - 1u);
-    if (bits == 0) continue;
-    const Mask<W> mask = mask_from_bits<Pack<W>>(bits);
-    for (int k = 0; k < count; ++k) {
-      const int at = k * kGroupLanes + first;
-      store_lanes(to + at, load_lanes<Pack<W>>(from + at), mask);
+struct Scale {
+  template <int W>
+  static SKYBODY_INLINE void run(std::uint32_t mask, int lanes, const double* action, int count,
+                                 const double* low, const double* high, double* command) {
+    for (int k = 0; k < count; ++k, action += lanes, command += lanes) {
+      const double from = low[k], range = high[k] - low[k];
+      serve<W>(mask, [&]<class Real>(int l, const Real&) SKYBODY_INLINE_LAMBDA {
+        const Real a = load_lanes<Real>(action + l);
+        store_lanes(command + l, Real(from) + 0.5 * (a + 1.0) * Real(range));
+      });
     }
   }
-}
+};
 
-template <int W>
-SKYBODY_INLINE std::uint32_t are_finite(std::uint32_t octets, const double* values, int count) {
-  std::uint32_t finite = 0;
-  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
-    Floats<W> sum{};
-    for (int k = 0; k < count; ++k) {
-      for (int l = first; l < first + kOctet; l += W) {
-        Floats<W> v;
-        to_floats(values + k * kGroupLanes + l, v);
-        sum += v;
+struct Copy {
+  template <int W>
+  static SKYBODY_INLINE void run(std::uint32_t mask, const double* from, int count, double* to) {
+    const std::uint32_t octets = whole_octets(mask);
+    if (mask == octets) return copy_octets<W>(octets, from, count, to);
+    for (int first = 0; first < kGroupLanes; first += W) {
+      const std::uint32_t bits = (mask >> first) & ((1u << W) - 1u);
+      if (bits == 0) continue;
+      const Mask<W> some = mask_from_bits<Pack<W>>(bits);
+      for (int k = 0; k < count; ++k) {
+        const int at = k * kGroupLanes + first;
+        store_lanes(to + at, load_lanes<Pack<W>>(from + at), some);
       }
     }
-    if (is_finite(sum)) finite |= 0xffu << first;
-  });
-  return finite;
+  }
+
+ private:
+  /// The usual case: without masks, value after value, as memory has them.
+  template <int W>
+  static SKYBODY_INLINE void copy_octets(std::uint32_t octets, const double* from, int count,
+                                         double* to) {
+    for (int k = 0; k < count; ++k, from += kGroupLanes, to += kGroupLanes) {
+      each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
+        for (int l = first; l < first + kOctet; l += W) {
+          store_lanes(to + l, load_lanes<Pack<W>>(from + l));
+        }
+      });
+    }
+  }
+};
+
+struct Count {
+  template <int W>
+  static SKYBODY_INLINE void run(std::uint32_t mask, std::uint64_t* words) {
+    serve<W>(mask, [&]<class Real>(int l, const Real&) SKYBODY_INLINE_LAMBDA {
+      store_words(words + l, load_words<Real>(words + l) + 1);
+    });
+  }
+};
+
+template <int W>
+SKYBODY_INLINE bool is_octet_finite(const double* values, int count) {
+  Floats<W> sum{};
+  for (int k = 0; k < count; ++k) {
+    for (int l = 0; l < kOctet; l += W) {
+      Floats<W> v;
+      to_floats(values + k * kGroupLanes + l, v);
+      sum += v;
+    }
+  }
+  return is_finite(sum);
 }
+
+struct AreFinite {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, int lanes, const double* values,
+                                          int count) {
+    const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
+      return is_octet_finite<kPiece<W>>(values + first, count);
+    };
+    const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
+      for (int k = 0; k < count; ++k) {
+        if (!is_finite(static_cast<float>(values[k * lanes + l]))) return false;
+      }
+      return true;
+    };
+    return lanes_where(mask, octet, lane);
+  }
+};
 
 template <int W>
 SKYBODY_INLINE bool write_octet(const double* values, int count, float* rows) {
@@ -238,78 +319,50 @@ SKYBODY_INLINE bool write_octet(const double* values, int count, float* rows) {
   return is_finite(sum);
 }
 
-template <int W>
-SKYBODY_INLINE std::uint32_t write(std::uint32_t octets, const double* values, int count,
-                                   float* rows) {
-  std::uint32_t finite = 0;
-  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
-    float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
-    if (write_octet<W>(values + first, count, row)) finite |= 0xffu << first;
-  });
-  return finite;
-}
+struct Write {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, int lanes, const double* values,
+                                          int count, float* rows) {
+    const auto octet = [&](int first) SKYBODY_INLINE_LAMBDA {
+      float* row = rows + static_cast<std::ptrdiff_t>(first) * count;
+      return write_octet<kPiece<W>>(values + first, count, row);
+    };
+    const auto lane = [&](int l) SKYBODY_INLINE_LAMBDA {
+      float* row = rows + static_cast<std::ptrdiff_t>(l) * count;
+      for (int k = 0; k < count; ++k) row[k] = static_cast<float>(values[k * lanes + l]);
+      return is_row_finite(row, count);
+    };
+    return lanes_where(mask, octet, lane);
+  }
+};
 
-template <int W>
-SKYBODY_INLINE void end(std::uint32_t octets, const std::uint64_t* by_task,
-                        const std::uint64_t* step, std::uint64_t horizon, std::uint64_t* status,
-                        std::uint64_t* rows) {
-  using Words = Word<Pack<W>>;
-  const Words last(horizon > 0 ? horizon : std::uint64_t{1} << 62), truncated(int{kTruncated});
-  each_octet(octets, [&](int first) SKYBODY_INLINE_LAMBDA {
-    for (int l = first; l < first + kOctet; l += W) {
+struct End {
+  template <int W>
+  static SKYBODY_INLINE void run(std::uint32_t mask, const std::uint64_t* by_task,
+                                 const std::uint64_t* step, std::uint64_t horizon,
+                                 std::uint64_t* status, std::uint64_t* rows) {
+    const std::uint64_t last = horizon > 0 ? horizon : std::uint64_t{1} << 62;
+    serve<W>(mask, [&]<class Real>(int l, const Real&) SKYBODY_INLINE_LAMBDA {
+      using Words = Word<Real>;
       // All ones where the step is not below the last: their difference has no sign then.
-      const Words over = ((load_words<Pack<W>>(step + l) - last) >> 63) - 1;
-      const Words result =
-          (load_words<Pack<W>>(by_task + l) & int{kTerminated | kTruncated}) | (over & truncated);
+      const Words over = ((load_words<Real>(step + l) - Words(last)) >> 63) - 1;
+      const Words result = (load_words<Real>(by_task + l) & int{kTerminated | kTruncated}) |
+                           (over & Words(int{kTruncated}));
       store_words(status + l, result);
       store_words(rows + l, result);
-    }
-  });
-}
-
-// One set of functions per instruction set. A macro, because the target is an attribute.
-#define SKYBODY_ROW_KERNELS(NAME, TARGET, W)                                                       \
-  SKYBODY_KERNEL(TARGET)                                                                           \
-  std::uint32_t read_clipped_##NAME(std::uint32_t octets, const float* rows,                       \
-                                    std::ptrdiff_t stride, int count, double* values) {            \
-    return read_clipped<W>(octets, rows, stride, count, values);                                   \
-  }                                                                                                \
-  SKYBODY_KERNEL(TARGET)                                                                           \
-  void scale_##NAME(std::uint32_t octets, const double* action, int count, const double* low,      \
-                    const double* high, double* command) {                                         \
-    scale<W>(octets, action, count, low, high, command);                                           \
-  }                                                                                                \
-  SKYBODY_KERNEL(TARGET)                                                                           \
-  void copy_##NAME(std::uint32_t lanes, const double* from, int count, double* to) {               \
-    copy<W>(lanes, from, count, to);                                                               \
-  }                                                                                                \
-  SKYBODY_KERNEL(TARGET)                                                                           \
-  std::uint32_t are_finite_##NAME(std::uint32_t octets, const double* values, int count) {         \
-    return are_finite<W>(octets, values, count);                                                   \
-  }                                                                                                \
-  SKYBODY_KERNEL(TARGET)                                                                           \
-  std::uint32_t write_##NAME(std::uint32_t octets, const double* values, int count, float* rows) { \
-    return write<W>(octets, values, count, rows);                                                  \
-  }                                                                                                \
-  SKYBODY_KERNEL(TARGET)                                                                           \
-  void end_##NAME(std::uint32_t octets, const std::uint64_t* by_task, const std::uint64_t* step,   \
-                  std::uint64_t horizon, std::uint64_t* status, std::uint64_t* rows) {             \
-    end<W>(octets, by_task, step, horizon, status, rows);                                          \
-  }                                                                                                \
-  constexpr RowKernels k_##NAME{&read_clipped_##NAME, &scale_##NAME, &copy_##NAME,                 \
-                                &are_finite_##NAME,   &write_##NAME, &end_##NAME};
-SKYBODY_ROW_KERNELS(v2, "arch=x86-64-v2", 4)
-SKYBODY_ROW_KERNELS(v3, "arch=x86-64-v3", 4)
-SKYBODY_ROW_KERNELS(v4, "arch=x86-64-v4", 8)
-#undef SKYBODY_ROW_KERNELS
+    });
+  }
+};
 
 }  // namespace
 
+RowKernels row_kernels(Isa isa) {
+  return {kernel<ReadClipped>(isa), kernel<Scale>(isa), kernel<Copy>(isa), kernel<Count>(isa),
+          kernel<AreFinite>(isa),   kernel<Write>(isa), kernel<End>(isa)};
+}
+
 const RowKernels& row_kernels() {
-  static const RowKernels chosen = [] {
-    const Isa isa = best_isa();
-    return isa == Isa::v4 ? k_v4 : isa == Isa::v3 ? k_v3 : k_v2;
-  }();
+  static const RowKernels chosen = row_kernels(best_isa());
   return chosen;
 }
 

@@ -14,10 +14,15 @@ class GroupWork {
  public:
   /// Before the task speaks: what it leaves out is 0.
   void clear_outcome(bool wants_info) {
+    clear_verdict();
+    if (wants_info) info.fill_zero();
+  }
+
+  /// Rewards and end to 0.
+  void clear_verdict() {
     reward.fill_zero();
     end.fill_zero();
     robot_reward.fill_zero();
-    if (wants_info) info.fill_zero();
   }
 
   int lanes = 1;
@@ -26,6 +31,7 @@ class GroupWork {
   AlignedArray<double> observation;     ///< in lanes
   AlignedArray<double> reward;          ///< 1 per lane
   AlignedArray<double> robot_reward;    ///< 1 per robot, in lanes
+  AlignedArray<double> agent_reward;    ///< 1 per agent, in lanes
   AlignedArray<double> info;            ///< in lanes
   AlignedArray<std::uint64_t> end;      ///< 1 per lane
   AlignedArray<std::uint64_t> request;  ///< counters of requested draws, 1 per lane

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/parameter_spec.h"
 #include "core/physics/world.h"
 #include "plugins/api/abi.h"
 
@@ -74,18 +75,15 @@ class PluginFactory {
 
   struct Made {
     std::shared_ptr<const void> self;
-    const SkybodyPlugin* plugin = nullptr;
     SkybodyKernels kernels{};
+    int state_words = 0;
   };
   /// @throws Error with the plugin's own text if it refuses
   virtual Made make(SkybodyKind kind, const std::string& plugin, const SkybodySetup& setup,
                     const SkybodyDeclare& declare) = 0;
-  /// Which of a plugin's parameters are randomizable, with unit and bounds, by name.
-  struct Randomizable {
-    std::string name, unit;
-    double min, max;
-  };
-  virtual std::vector<Randomizable> randomizable(SkybodyKind kind, const std::string& plugin) = 0;
+  /// The parameters that a plugin declares, in order. Live as long as the factory.
+  virtual const std::vector<ParameterSpec>& parameters(SkybodyKind kind,
+                                                       const std::string& plugin) = 0;
 };
 
 }  // namespace skybody

@@ -79,7 +79,23 @@ SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int 
 
 PluginInstance& instance_of(void* host) { return *static_cast<PluginInstance*>(host); }
 
+Channel to_channel(const SkybodyChannel& c) {
+  return {c.name, c.unit, c.count, c.low, c.high, c.robot};
+}
+
 }  // namespace
+
+BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
+  texts_.reserve(values.size());
+  for (const ParameterValue& value : values) {
+    std::vector<const char*>& texts = texts_.emplace_back();
+    for (const std::string& text : value.texts) texts.push_back(text.c_str());
+    const bool is_text = value.type == ParameterType::kText;
+    table_.push_back({value.numbers.data(), texts.data(),
+                      static_cast<std::uint32_t>(is_text ? texts.size() : value.numbers.size()),
+                      -1});
+  }
+}
 
 SetupTables::SetupTables(const Topology& topology, const Layout& layout)
     : scenario_(topology.scenario) {
@@ -175,7 +191,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
                                        site->world_axes != 0});
   };
   d.channel = [](void* host, const SkybodyChannel* c) {
-    instance_of(host).channels.push_back({c->name, c->unit, c->count, c->low, c->high, c->robot});
+    instance_of(host).channels.push_back(to_channel(*c));
   };
   d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
   d.buffer = [](void* host, int32_t words) { instance_of(host).buffer_words = words; };
@@ -186,7 +202,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   };
   d.robot_rewards = [](void* host) { instance_of(host).robot_rewards = true; };
   d.info = [](void* host, const SkybodyChannel* c) {
-    instance_of(host).infos.push_back({c->name, c->unit, c->count, c->low, c->high, c->robot});
+    instance_of(host).infos.push_back(to_channel(*c));
   };
   return d;
 }

@@ -10,6 +10,19 @@
 
 namespace skybody {
 
+/// Values of parameters in C form. Points into them.
+class BoundValues {
+ public:
+  explicit BoundValues(const std::vector<ParameterValue>& values);
+  const std::vector<SkybodyValue>& table() const { return table_; }
+  /// Says that a value is the EnvParams from `param` on.
+  void set_env_param(std::size_t index, int param) { table_[index].env_param = param; }
+
+ private:
+  std::vector<std::vector<const char*>> texts_;
+  std::vector<SkybodyValue> table_;
+};
+
 /// Tables behind SkybodySetup. They point into topology and layout and stay valid as long as
 /// those do.
 class SetupTables {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/arguments.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/fork_key.h"
@@ -37,10 +38,7 @@ void Simulation::reset(std::uint64_t seed) {
 
 void Simulation::step(std::span<const float> action) {
   demand_started("step");
-  if (static_cast<int>(action.size()) != action_size()) {
-    throw Error("an action of " + std::to_string(action.size()) + " values; this scenario takes " +
-                std::to_string(action_size()));
-  }
+  check_values("action", action.size(), 1, action_size());
   const FpEnvironment guard;
   environment_->step(data_->group, *data_->work, 1u, action.data(), action_size(), data_->rows());
   add_to_hash();

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/base/arguments.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/param_access.h"
@@ -77,11 +78,7 @@ void Simulation::command(const std::string& robot, std::span<const double> value
   const int size = command_size(robot);
   const auto r = static_cast<std::size_t>(robot_index(robot));
   const ControllerChain& chain = environment_->chains()[r];
-  if (static_cast<int>(values.size()) != size) {
-    throw Error("a command of " + std::to_string(values.size()) + " values; controller `" +
-                environment_->controllers()[static_cast<std::size_t>(chain.first)].name +
-                "` of robot `" + scenario().robots[r].name + "` takes " + std::to_string(size));
-  }
+  check_values("command", values.size(), 1, size);
   demand_finite("command", values);
   const Block block{environment_->layout().command.offset + chain.command, size};
   data_->group.scatter(0, block, values.data());
@@ -89,10 +86,7 @@ void Simulation::command(const std::string& robot, std::span<const double> value
 
 bool Simulation::advance(std::int64_t physics_steps) {
   demand_started("advance");
-  if (physics_steps < 0) {
-    throw Error("advance() by " + std::to_string(physics_steps) +
-                " physics steps; it must be 0 or more");
-  }
+  check_physics_steps(physics_steps);
   if ((data_->status & kBadState) != 0) return false;  // ended: in parts as at once
   const bool through = environment_->advance(data_->group, *data_->work, 1u, physics_steps) != 0;
   data_->status = data_->group.bits(kStatus)[0];

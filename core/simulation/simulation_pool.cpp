@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/arguments.h"
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/base/processors.h"
@@ -84,10 +85,8 @@ SimulationPool::SimulationPool(std::shared_ptr<const Environment> environment,
                                const SimulationPoolOptions& options)
     : environment_(std::move(environment)) {
   constexpr int kMostWorlds = 4096;  // each is a thread
-  if (options.worlds < 1 || options.worlds > kMostWorlds) {
-    throw Error("a pool of " + std::to_string(options.worlds) + " worlds; allowed: 1.." +
-                std::to_string(kMostWorlds) + ", for each has a thread; VecEnv has no such limit");
-  }
+  check_range("number of worlds", options.worlds, 1, kMostWorlds,
+              "each has a thread; VecEnv has no such limit");
   all_.resize(static_cast<std::size_t>(options.worlds));
   std::iota(all_.begin(), all_.end(), 0);
   const std::vector<int> processors =
@@ -114,16 +113,7 @@ void SimulationPool::close() { workers_.clear(); }
 
 void SimulationPool::check(std::span<const int> worlds) const {
   if (closed()) throw Error("this pool of simulations is closed: make a new one");
-  std::vector<bool> seen(all_.size());
-  for (const int i : worlds) {
-    if (i < 0 || i >= size()) {
-      throw Error("no world " + std::to_string(i) + ": there are 0.." + std::to_string(size() - 1));
-    }
-    if (seen[static_cast<std::size_t>(i)]) {
-      throw Error("world " + std::to_string(i) + " is named twice in one call");
-    }
-    seen[static_cast<std::size_t>(i)] = true;
-  }
+  check_indices("world", worlds, size());
 }
 
 Simulation& SimulationPool::world(int index) {
@@ -154,13 +144,6 @@ void SimulationPool::run(std::span<const int> worlds, const Work& work) {
   }
 }
 
-void SimulationPool::demand_rows(const char* what, std::size_t given, std::size_t rows,
-                                 int width) const {
-  if (given == rows * static_cast<std::size_t>(width)) return;
-  throw Error(std::to_string(given) + " " + what + " for " + std::to_string(rows) +
-              " worlds; each takes " + std::to_string(width));
-}
-
 void SimulationPool::reset(std::span<const int> worlds) {
   run(worlds, [](Simulation& world, int) { world.reset(); });
 }
@@ -183,7 +166,7 @@ std::vector<std::size_t> rows_of(std::span<const int> worlds, int size) {
 void SimulationPool::step(std::span<const int> worlds, std::span<const float> actions) {
   check(worlds);
   const int width = environment_->action_size();
-  demand_rows("action values", actions.size(), worlds.size(), width);
+  check_values("actions", actions.size(), worlds.size(), width);
   const auto row = rows_of(worlds, size());
   const auto count = static_cast<std::size_t>(width);
   run(worlds, [&](Simulation& world, int i) {
@@ -199,7 +182,7 @@ void SimulationPool::command(std::span<const int> worlds, const std::string& rob
     return workers_[static_cast<std::size_t>(i)]->simulation();
   };
   const int width = simulation(worlds.front()).command_size(robot);
-  demand_rows("command values", values.size(), worlds.size(), width);
+  check_values("values", values.size(), worlds.size(), width);
   const auto count = static_cast<std::size_t>(width);
   for (std::size_t k = 0; k < worlds.size(); ++k) {
     try {  // too little work for a thread

@@ -79,7 +79,6 @@ class SimulationPool {
  private:
   class Worker;
   void check(std::span<const int> worlds) const;
-  void demand_rows(const char* what, std::size_t given, std::size_t rows, int width) const;
 
   std::shared_ptr<const Environment> environment_;
   std::vector<int> all_;

@@ -7,6 +7,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/base/fp_environment.h"
@@ -71,9 +72,8 @@ class Description {
     plugin_.vectorized = kVectorized<T> ? 1 : 0;
     plugin_.create = &create<T>;
     plugin_.destroy = &destroy<T>;
-    plugin_.kernels[0] = KernelsV2<T>::table();
-    plugin_.kernels[1] = KernelsV3<T>::table();
-    plugin_.kernels[2] = KernelsV4<T>::table();
+    static_assert(std::extent_v<decltype(SkybodyPlugin::kernels)> == kIsaCount);
+    for (int i = 0; i < kIsaCount; ++i) plugin_.kernels[i] = kernels_of<T>(static_cast<Isa>(i));
   }
   Description(const Description&) = delete;
   Description& operator=(const Description&) = delete;

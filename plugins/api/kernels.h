@@ -1,17 +1,17 @@
-// The step functions of a plugin class, for three instruction sets.
+// The step functions of a plugin class, for every instruction set.
 //
-// Each step method is compiled for double and for packs as wide as the vectors of x86-64-v2, v3 and
-// v4. `flatten` pulls the author's code into functions of that target; the arithmetic is the same
-// everywhere, so all give the same bits. None of the functions below is always_inline: g++ inlines
-// into a flattened function only what it has seen before, and it does not look through
-// always_inline functions when it orders them, so that the author's code would stay outside,
-// compiled for the baseline. tests/unit/plugins/codegen_test.cpp watches this.
+// Each step method is compiled for double and for packs as wide as the vectors of an instruction
+// set (core/base/kernels.h). `flatten` pulls the author's code into functions of that target; the
+// arithmetic is the same everywhere, so all give the same bits. None of the functions below is
+// always_inline: g++ inlines into a flattened function only what it has seen before, and it does
+// not look through always_inline functions when it orders them, so that the author's code would
+// stay outside, compiled for the baseline. tests/unit/plugins/codegen_test.cpp watches this.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "core/base/kernel_target.h"
+#include "core/base/kernels.h"
 #include "plugins/api/methods.h"
 #include "plugins/api/plugin.h"
 #include "plugins/api/state.h"
@@ -52,127 +52,119 @@ inline void for_lanes(const SkybodyLanes& lanes, std::uint64_t* words, Function&
   }
 }
 
-/// The step functions of one class, shared by the instruction sets. W: lanes of a pack.
-template <class T, int W>
-struct Steps {
-  static const T& self(const void* p) { return *static_cast<const T*>(p); }
+/// What `p` points to: an instance of a plugin class.
+template <class T>
+const T& self(const void* p) {
+  return *static_cast<const T*>(p);
+}
 
-  static void reset(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer) {
+// The functions of SkybodyKernels for one class. W: lanes of a pack.
+
+template <class T>
+struct Reset {
+  template <int W>
+  static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_reset(self(p), env, state, env.values(buffer, first, mask));
+      call_reset(self<T>(p), env, state, env.values(buffer, first, mask));
     });
   }
-  static void control(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
-                      const double* in, double* out) {
+};
+
+template <class T>
+struct Control {
+  template <int W>
+  static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                  const double* in, double* out) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
-      call_control(self(p), env, state, env.const_values(in, first), env.values(out, first, all),
+      call_control(self<T>(p), env, state, env.const_values(in, first), env.values(out, first, all),
                    env.values(buffer, first, mask));
     });
   }
-  static void sense(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
-                    double* out) {
+};
+
+template <class T>
+struct Sense {
+  template <int W>
+  static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                  double* out) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_sense(self(p), env, state, env.values(out, first, mask),
+      call_sense(self<T>(p), env, state, env.values(out, first, mask),
                  env.values(buffer, first, mask));
     });
   }
-  static void randomize(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
-                        const SkybodyStart* start) {
+};
+
+template <class T>
+struct Randomize {
+  template <int W>
+  static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                  const SkybodyStart* start) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       Start<RealOf<decltype(env)>> where(
           env.values(start->q, first, mask), env.values(start->u, first, mask),
           env.values(start->rotor_speed, first, mask), env.values(start->params, first, mask),
           start->requested != 0);
-      call_randomize(self(p), env, state, where, env.values(buffer, first, mask));
+      call_randomize(self<T>(p), env, state, where, env.values(buffer, first, mask));
     });
   }
-  static void process(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
-                      const double* action, double* command) {
+};
+
+template <class T>
+struct Process {
+  template <int W>
+  static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                  const double* action, double* command) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_process(self(p), env, state, env.const_values(action, first),
+      call_process(self<T>(p), env, state, env.const_values(action, first),
                    env.values(command, first, mask), env.values(buffer, first, mask));
     });
   }
-  static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
-                       const SkybodyEvaluation* result) {
+};
+
+template <class T>
+struct Evaluate {
+  template <int W>
+  static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                  const SkybodyEvaluation* result) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
       Evaluation<RealOf<decltype(env)>> out(
           env.values(result->observation, first, all), env.values(result->info, first, all),
           env.values(result->reward, first, all), env.values(result->robot_reward, first, all),
           result->end + first, mask, result->wants_info != 0);
-      call_evaluate(self(p), env, state, out, env.values(buffer, first, mask));
+      call_evaluate(self<T>(p), env, state, out, env.values(buffer, first, mask));
     });
-  }
-  /// Reads the state only: a goal can be asked for at any time.
-  static void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double*,
-                   double* goal) {
-    for (std::uint32_t first = 0; first < l->lanes; ++first) {
-      if (((l->active >> first) & 1u) == 0) continue;
-      const Lanes<double> env(*l, first, true);
-      StateOf<T, double> state;
-      load_state<double>(state, s, first, l->lanes);
-      self(p).goal(env, static_cast<const StateOf<T, double>&>(state),
-                   env.values(goal, first, true));
-    }
   }
 };
 
-// One set of functions per instruction set. A macro, because the target is an attribute.
-#define SKYBODY_KERNEL_SET(NAME, TARGET, WIDTH)                                              \
-  template <class T>                                                                         \
-  struct NAME {                                                                              \
-    using S = Steps<T, WIDTH>;                                                               \
-    SKYBODY_KERNEL(TARGET)                                                                   \
-    static void reset(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b) {   \
-      if constexpr (kHasReset<T, double>) S::reset(p, l, s, b);                              \
-    }                                                                                        \
-    SKYBODY_KERNEL(TARGET)                                                                   \
-    static void control(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,   \
-                        const double* in, double* out) {                                     \
-      if constexpr (T::kKind == SKYBODY_CONTROLLER) S::control(p, l, s, b, in, out);         \
-    }                                                                                        \
-    SKYBODY_KERNEL(TARGET)                                                                   \
-    static void sense(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,     \
-                      double* out) {                                                         \
-      if constexpr (T::kKind == SKYBODY_SENSOR) S::sense(p, l, s, b, out);                   \
-    }                                                                                        \
-    SKYBODY_KERNEL(TARGET)                                                                   \
-    static void randomize(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b, \
-                          const SkybodyStart* start) {                                       \
-      if constexpr (T::kKind == SKYBODY_RANDOMIZER) S::randomize(p, l, s, b, start);         \
-    }                                                                                        \
-    SKYBODY_KERNEL(TARGET)                                                                   \
-    static void process(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,   \
-                        const double* action, double* command) {                             \
-      if constexpr (kHasProcess<T, double>) S::process(p, l, s, b, action, command);         \
-    }                                                                                        \
-    SKYBODY_KERNEL(TARGET)                                                                   \
-    static void evaluate(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* b,  \
-                         const SkybodyEvaluation* out) {                                     \
-      if constexpr (T::kKind == SKYBODY_TASK) S::evaluate(p, l, s, b, out);                  \
-    }                                                                                        \
-    static void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s,           \
-                     const double* b, double* out) {                                         \
-      if constexpr (kHasGoal<T>) S::goal(p, l, s, b, out);                                   \
-    }                                                                                        \
-    static constexpr SkybodyKernels table() {                                                \
-      SkybodyKernels k{};                                                                    \
-      if constexpr (kHasReset<T, double>) k.reset = &reset;                                  \
-      if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = &control;                    \
-      if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = &sense;                            \
-      if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = &randomize;                \
-      if constexpr (kHasProcess<T, double>) k.process = &process;                            \
-      if constexpr (T::kKind == SKYBODY_TASK) k.evaluate = &evaluate;                        \
-      if constexpr (kHasGoal<T>) k.goal = &goal;                                             \
-      return k;                                                                              \
-    }                                                                                        \
+/// Lane by lane on every instruction set. Reads the state only: a goal can be asked for at any
+/// time.
+template <class T>
+void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double*,
+          double* goal) {
+  for (std::uint32_t first = 0; first < l->lanes; ++first) {
+    if (((l->active >> first) & 1u) == 0) continue;
+    const Lanes<double> env(*l, first, true);
+    StateOf<T, double> state;
+    load_state<double>(state, s, first, l->lanes);
+    self<T>(p).goal(env, static_cast<const StateOf<T, double>&>(state),
+                    env.values(goal, first, true));
   }
+}
 
-SKYBODY_KERNEL_SET(KernelsV2, "arch=x86-64-v2", 2);
-SKYBODY_KERNEL_SET(KernelsV3, "arch=x86-64-v3", 4);
-SKYBODY_KERNEL_SET(KernelsV4, "arch=x86-64-v4", 8);
-#undef SKYBODY_KERNEL_SET
+/// The functions that a class has.
+template <class T>
+constexpr SkybodyKernels kernels_of(Isa isa) {
+  SkybodyKernels k{};
+  if constexpr (kHasReset<T, double>) k.reset = kernel<Reset<T>>(isa);
+  if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = kernel<Control<T>>(isa);
+  if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = kernel<Sense<T>>(isa);
+  if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = kernel<Randomize<T>>(isa);
+  if constexpr (kHasProcess<T, double>) k.process = kernel<Process<T>>(isa);
+  if constexpr (T::kKind == SKYBODY_TASK) k.evaluate = kernel<Evaluate<T>>(isa);
+  if constexpr (kHasGoal<T>) k.goal = &goal<T>;
+  return k;
+}
 
 }  // namespace skybody::plugin_export

@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "core/base/kernels.h"
 #include "plugins/api/plugin.h"
 #include "plugins/api/state.h"
 
@@ -67,16 +68,18 @@ inline constexpr bool kCanStep =
     : T::kKind == SKYBODY_RANDOMIZER ? CanRandomize<T, Real> || CanRandomize<T, Real, Values<Real>>
                                      : CanEvaluate<T, Real> || CanEvaluate<T, Real, Values<Real>>;
 
-/// The same for the packs of every instruction set (kernels.h).
-template <class T, int... Widths>
-inline constexpr bool kCanStepPacks = (kCanStep<T, Pack<Widths>> && ...);
-template <class T, int... Widths>
-inline constexpr bool kHasResetPacks = (kHasReset<T, Pack<Widths>> && ...);
-template <class T, int... Widths>
-inline constexpr bool kHasProcessPacks = (kHasProcess<T, Pack<Widths>> && ...);
+/// The same for the packs of every instruction set.
+template <class T, class Widths = PackWidths>
+struct InPacks;
+template <class T, int... W>
+struct InPacks<T, std::integer_sequence<int, W...>> {
+  static constexpr bool kStep = (kCanStep<T, Pack<W>> && ...);
+  static constexpr bool kReset = (kHasReset<T, Pack<W>> && ...);
+  static constexpr bool kProcess = (kHasProcess<T, Pack<W>> && ...);
+};
 
 template <class T, bool = HasStateTemplate<T>>
-inline constexpr bool kVectorizedImpl = kCanStepPacks<T, 2, 4, 8>;
+inline constexpr bool kVectorizedImpl = InPacks<T>::kStep;
 template <class T>
 inline constexpr bool kVectorizedImpl<T, false> = false;
 /// Serves several lanes at a time, in packs of every width that the kernels use. Otherwise lane
@@ -108,9 +111,9 @@ constexpr void check_class() {
                 "const`, public and const");
   if constexpr (kVectorized<T>) {
     static_assert(
-        !kHasReset<T, double> || kHasResetPacks<T, 2, 4, 8>,
+        !kHasReset<T, double> || InPacks<T>::kReset,
         "reset() is written for double, the step method for any Real: make both templates");
-    static_assert(!kHasProcess<T, double> || kHasProcessPacks<T, 2, 4, 8>,
+    static_assert(!kHasProcess<T, double> || InPacks<T>::kProcess,
                   "process() is written for double, evaluate() for any Real: make both templates");
   }
 }

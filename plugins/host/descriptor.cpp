@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/base/isa.h"
 #include "core/base/printable.h"
 #include "plugins/host/kind.h"
 
@@ -92,23 +93,22 @@ std::string parameter_problem(const SkybodyParameter& p) {
 }
 
 std::string kernels_problem(const SkybodyPlugin& plugin) {
-  constexpr const char* kIsaNames[] = {"v2", "v3", "v4"};
   constexpr const char* kFunctions[] = {"control", "sense", "randomize", "evaluate"};
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < kIsaCount; ++i) {
+    const std::string isa = name(static_cast<Isa>(i));
     const SkybodyKernels& k = plugin.kernels[i];
     const bool there = plugin.kind == SKYBODY_CONTROLLER   ? k.control != nullptr
                        : plugin.kind == SKYBODY_SENSOR     ? k.sense != nullptr
                        : plugin.kind == SKYBODY_RANDOMIZER ? k.randomize != nullptr
                                                            : k.evaluate != nullptr;
     if (!there) {
-      return "has no " + std::string(kFunctions[plugin.kind]) + " function for x86-64-" +
-             kIsaNames[i];
+      return "has no " + std::string(kFunctions[plugin.kind]) + " function for x86-64-" + isa;
     }
     const SkybodyKernels& first = plugin.kernels[0];
     if ((k.reset == nullptr) != (first.reset == nullptr) ||
         (k.process == nullptr) != (first.process == nullptr) ||
         (k.goal == nullptr) != (first.goal == nullptr)) {
-      return "has other functions for x86-64-" + std::string(kIsaNames[i]) + " than for x86-64-v2";
+      return "has other functions for x86-64-" + isa + " than for x86-64-v2";
     }
   }
   return {};

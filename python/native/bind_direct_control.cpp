@@ -93,9 +93,7 @@ void command(S& s, nb::handle values, const std::string& robot) {
 
 bool advance(S& s, std::int64_t steps) {
   return advance_in_pieces(steps, [&](std::int64_t piece) {
-    return s.call([&](Simulation& sim) {
-      return piece < 0 ? blame_argument([&] { return sim.advance(piece); }) : sim.advance(piece);
-    });
+    return s.call([piece](Simulation& sim) { return sim.advance(piece); });
   });
 }
 

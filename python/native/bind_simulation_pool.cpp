@@ -30,18 +30,7 @@ std::vector<int> read_worlds(const WorldPool& pool, nb::handle worlds) {
 
 /// The first mistake in the numbers is the argument's, whatever comes later is the engine's.
 void check_worlds(const WorldPool& pool, const std::vector<int>& worlds) {
-  std::vector<bool> seen(static_cast<std::size_t>(pool.size()));
-  for (const int i : worlds) {
-    if (i < 0 || i >= pool.size()) {
-      throw nb::value_error(
-          ("worlds has " + std::to_string(i) + "; there are 0.." + std::to_string(pool.size() - 1))
-              .c_str());
-    }
-    if (seen[static_cast<std::size_t>(i)]) {
-      throw nb::value_error(("worlds has " + std::to_string(i) + " twice").c_str());
-    }
-    seen[static_cast<std::size_t>(i)] = true;
-  }
+  blame_argument([&] { check_indices("world", worlds, pool.size()); });
 }
 
 std::vector<int> chosen(const WorldPool& pool, nb::handle worlds) {
@@ -81,10 +70,6 @@ void command(WorldPool& pool, nb::handle values, const std::string& robot, nb::h
 
 void advance(WorldPool& pool, std::int64_t steps, nb::handle worlds) {
   const auto ids = chosen(pool, worlds);
-  if (steps < 0) {
-    throw nb::value_error(
-        ("physics_steps is " + std::to_string(steps) + "; it must be 0 or more").c_str());
-  }
   advance_in_pieces(steps, [&](std::int64_t piece) {
     pool.call([&](SimulationPool& p) { p.advance(ids, piece); });
     return true;

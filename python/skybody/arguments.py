@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from ._native import Environment
 
@@ -81,6 +81,32 @@ def integer_within(name: str, value: Any, low: int, high: int) -> int:
     if not low <= number <= high:
         raise ValueError(f"{name} is {number}; it must be from {low} to {high}")
     return number
+
+
+def shape_error(name: str, array: NDArray[Any], shape: object) -> ValueError:
+    """The error for an array of another shape than `shape`, worded as the native module does."""
+    return ValueError(f"{name} has shape {array.shape}; expected {shape}")
+
+
+def check_array(
+    name: str, values: ArrayLike, shape: tuple[int, ...], dtype: DTypeLike | None = None
+) -> NDArray[Any]:
+    """`values` as an array of that shape, and of that dtype: nothing is converted silently.
+
+    Raises:
+        TypeError: another dtype.
+        ValueError: another shape.
+    """
+    array = np.asarray(values)
+    if dtype is not None and array.dtype != dtype:
+        wanted = np.dtype(dtype).name
+        raise TypeError(
+            f"{name} has dtype {array.dtype}; expected {wanted}: convert with "
+            f".astype(numpy.{wanted})"
+        )
+    if array.shape != shape:
+        raise shape_error(name, array, shape)
+    return array
 
 
 def check_seed(seed: Any) -> int | None:

@@ -12,7 +12,7 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from . import _native, spaces
-from .arguments import Scenario, check_seed, integer, load
+from .arguments import Scenario, check_seed, integer, load, shape_error
 from .infos import InfoChannels
 from .pooled import drain, make_native, refuse_interrupted
 
@@ -109,9 +109,7 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         """
         row = np.ascontiguousarray(action)
         if row.shape != self.action_space.shape:
-            raise ValueError(
-                f"the action has shape {row.shape}; it must be {self.action_space.shape}"
-            )
+            raise shape_error("action", row, self.action_space.shape)
         refuse_interrupted(self._pool)
         self._pool.send(row[np.newaxis], None)
         batch = self._pool.recv()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import spaces
 from .agents import commanded_by, observed_by
-from .arguments import Scenario
+from .arguments import Scenario, check_array
 from .env import SkybodyEnv
 from .extras import missing_package
 
@@ -138,17 +138,8 @@ class ParallelEnv(
                     f"no action for agent `{agent}`; there must be one for each of "
                     f"{', '.join(self.possible_agents)}"
                 )
-            action = np.asarray(actions[agent])
-            if action.shape != commanded.shape:
-                raise ValueError(
-                    f"the action of agent `{agent}` has shape {action.shape}; it must be "
-                    f"{commanded.shape}"
-                )
-            if action.dtype != np.float32:
-                raise TypeError(
-                    f"the action of agent `{agent}` is {action.dtype}; it must be float32"
-                )
-            row[commanded] = action
+            name = f"the action of agent `{agent}`"
+            row[commanded] = check_array(name, actions[agent], commanded.shape, np.float32)
         return row
 
     def _observations(self) -> dict[str, NDArray[np.float32]]:

@@ -18,7 +18,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
 from . import spaces
-from .arguments import Scenario, check_seed
+from .arguments import Scenario, check_array, check_seed, shape_error
 from .simulation import SimulationPool, WorldStates
 from .vector import autoreset_mode, reset_mask
 
@@ -152,6 +152,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         self.single_action_space = task.action_space
         self.observation_space = spaces.batch(task.observation_space, num_envs)
         self.action_space = spaces.batch(task.action_space, num_envs)
+        self._action_shape = (num_envs, *task.action_space.shape)
         self._low, self._high = task.action_space.low, task.action_space.high
         self._steps = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, np.bool_)
@@ -214,14 +215,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         """
         if not self._ready:
             raise gymnasium.error.ResetNeeded("call reset() first: nothing is under way")
-        given = np.asarray(actions)
-        if given.dtype != np.float32:
-            raise TypeError(
-                f"actions has dtype {given.dtype}; expected float32: convert with "
-                ".astype(numpy.float32)"
-            )
-        if given.shape != self.action_space.shape:
-            raise ValueError(f"actions are {given.shape}; they must be {self.action_space.shape}")
+        given = check_array("actions", actions, self._action_shape, np.float32)
         if self._mode is AutoresetMode.DISABLED and self._ended.any():
             raise ValueError(
                 f"the episode of world {np.argmax(self._ended)} has ended: reset it by "
@@ -249,7 +243,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
     def _fly(self, actions: NDArray[np.float32], flying: NDArray[np.bool_]) -> None:
         commands = np.asarray(self.task.command(actions, self.pool.states()), np.float64)
         if len(commands) != self.num_envs:
-            raise ValueError(f"command() gave {commands.shape}; {self.num_envs} rows are needed")
+            raise shape_error("command()", commands, f"({self.num_envs}, n)")
         self.pool.command(commands[flying], worlds=flying)
         self.pool.advance(self.task.physics_steps, flying)
         self._steps[flying] += 1
@@ -261,7 +255,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         observation, unseen = self._observation(states, np.ones(self.num_envs, np.bool_))
         _demand_finite(unseen & ~flying)
         reward = self._float32("reward", self.task.reward(states, actions), (self.num_envs,))
-        ends = self._array("terminated", self.task.terminated(states), (self.num_envs,))
+        ends = check_array("terminated()", self.task.terminated(states), (self.num_envs,))
         fault = flying & (bad | unseen | ~np.isfinite(reward) | self.pool.faults)
         reward = np.where(flying & ~fault, reward, np.float32(0))
         terminated = ends.astype(np.bool_) & flying & ~fault
@@ -305,18 +299,11 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         rows[~mask | bad] = self._last[~mask | bad]
         return rows, bad
 
-    @classmethod
-    def _float32(cls, name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    @staticmethod
+    def _float32(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
         """A new array; what float32 cannot hold becomes infinite, and so a fault."""
         with np.errstate(over="ignore"):
-            return cls._array(name, values, shape).astype(np.float32)
-
-    @staticmethod
-    def _array(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[Any]:
-        array = np.asarray(values)
-        if array.shape != shape:
-            raise ValueError(f"{name}() gave an array of shape {array.shape}; it must be {shape}")
-        return array
+            return check_array(name + "()", values, shape).astype(np.float32)
 
     def _infos(
         self,

@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._native import Environment
-from .arguments import MOST_WORLDS, Scenario, check_seed, env_ids, integer_within, load
+from .arguments import (
+    MOST_WORLDS,
+    Scenario,
+    check_array,
+    check_seed,
+    env_ids,
+    integer_within,
+    load,
+)
 
 CONTROL_MODES: dict[str, str] = {
     "rotor_speed": "[{plugin: rotor_speed}]",
@@ -240,11 +248,8 @@ class SimulationPool(_native.SimulationPool):
         given = np.asarray(worlds)
         if given.dtype != np.bool_:
             return env_ids(given)
-        if given.shape != (self.num_worlds,):
-            raise ValueError(
-                f"the mask of worlds has shape {given.shape}; it must be ({self.num_worlds},)"
-            )
-        return np.flatnonzero(given).astype(np.int32)
+        mask = check_array("worlds", given, (self.num_worlds,))
+        return np.flatnonzero(mask).astype(np.int32)
 
     def reset(self, worlds: ArrayLike | None = None, seed: int | None = None) -> None:
         """Begins the next episode of some worlds, or with a seed episode 1 under that seed."""

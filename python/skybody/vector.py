@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import _native, spaces
 from .agents import JointLayout
-from .arguments import Scenario, check_seed, load
+from .arguments import Scenario, check_array, check_seed, load, shape_error
 from .infos import InfoChannels
 from .pool import Autoreset, Order
 from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
@@ -51,13 +51,11 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
     if unknown:
         raise ValueError(f"unknown reset option `{unknown[0]}`; there is `reset_mask`")
     mask = options["reset_mask"]
-    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-        kind = mask.dtype if isinstance(mask, np.ndarray) else type(mask).__name__
-        raise TypeError(f"`reset_mask` is {kind}; it must be a NumPy array of bool")
-    if mask.shape != (num_envs,):
-        raise ValueError(f"`reset_mask` has shape {mask.shape}; it must be ({num_envs},)")
+    if not isinstance(mask, np.ndarray):
+        raise TypeError(f"reset_mask is {type(mask).__name__}; it must be a NumPy array of bool")
+    check_array("reset_mask", mask, (num_envs,), np.bool_)
     if not mask.any():
-        raise ValueError("`reset_mask` has no True; leave it out to reset all environments")
+        raise ValueError("reset_mask has no True; leave it out to reset all environments")
     return mask
 
 
@@ -212,7 +210,7 @@ class SkybodyVectorEnv(
         """
         rows = np.ascontiguousarray(actions)
         if rows.shape != self._action_shape:
-            raise ValueError(f"actions have shape {rows.shape}; it must be {self._action_shape}")
+            raise shape_error("actions", rows, self._action_shape)
         pool = self.native
         refuse_interrupted(pool)
         pool.send(rows if self._joint is None else rows.reshape(self.num_envs, -1), None)

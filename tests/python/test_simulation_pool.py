@@ -95,7 +95,7 @@ def test_misuse_is_refused_before_anything_is_done():
             pool.command([[1, 0, 0, 0], [1, np.nan, 0, 0], [1, 0, 0, 0]])
         with pytest.raises(ValueError, match="-2"):
             pool.advance(-2)
-        with pytest.raises(ValueError, match="worlds has 5"):
+        with pytest.raises(ValueError, match="there is no world 5; allowed"):
             pool.set_param(5, "x", 1.0)
         assert (pool.states().times == 0).all()
     with pytest.raises(ValueError, match="num_worlds is 2147483648; it must be from 1 to 4096"):

@@ -14,6 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "core/env/setup_tables.h"
+#include "core/io/parameter_reader.h"
+#include "plugins/host/descriptor.h"
 #include "tests/unit/plugin_world.h"
 
 namespace skybody::testing {
@@ -31,24 +34,17 @@ struct Given {
 };
 using Parameters = std::map<std::string, Given>;
 
-/// What configure() declared.
-struct Declared {
-  int input = -1, output = -1, output_count = 0, period = 1, buffer = 0;
-  bool bodies_before = false, robot_rewards = false;
-  int info = 0;                         ///< values
-  std::vector<std::string> info_names;  ///< in order
-  std::vector<int> channel_robots;      ///< of each channel
-  std::vector<double> low, high;
-  std::vector<SkybodySite> sites;
-  std::vector<std::string> channels;
-  std::vector<int> counts, writes;
-  std::vector<std::pair<int, int>> goals;
-  int channel_size() const {
-    int sum = 0;
-    for (const int c : counts) sum += c;
-    return sum;
-  }
-};
+/// Names of channels, and whose observation each belongs to.
+inline std::vector<std::string> channel_names(const std::vector<Channel>& channels) {
+  std::vector<std::string> out;
+  for (const Channel& c : channels) out.push_back(c.name);
+  return out;
+}
+inline std::vector<int> channel_robots(const std::vector<Channel>& channels) {
+  std::vector<int> out;
+  for (const Channel& c : channels) out.push_back(c.robot);
+  return out;
+}
 
 /// Values of a group of environments, scalar k of lane l at [k * lanes + l].
 struct Group {
@@ -118,8 +114,8 @@ class Instance {
         static_cast<const SkybodyPluginLibrary*>(dlsym(library_.get(), SKYBODY_LIBRARY_SYMBOL));
     plugin_ = exported->plugins[0];
     bind(given);
-    const SkybodyDeclare declare = declaration();
-    const SkybodySetup setup = world.setup(name_.c_str(), values_);
+    const SkybodyDeclare declare = declare_into(declared);
+    const SkybodySetup setup = world.setup(name_.c_str(), values_.table());
     char error[1024] = "";
     self_ = plugin_->create(&setup, &declare, error, sizeof(error));
     if (self_ == nullptr) throw std::runtime_error(error);
@@ -130,7 +126,7 @@ class Instance {
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  Declared declared;
+  PluginInstance declared;  ///< by configure()
   const SkybodyPlugin& plugin() const { return *plugin_; }
   int env_param(const std::string& parameter) const { return env_params_.at(parameter); }
 
@@ -150,13 +146,13 @@ class Instance {
     g.rotor_speed.assign(n(static_cast<int>(world_.rotors.size())), 0.0);
     g.action.assign(n(world_.actions), 0.0);
     g.command.assign(n(world_.actions), 0.0);
-    g.buffer.assign(n(declared.buffer), 0.0);
+    g.buffer.assign(n(declared.buffer_words), 0.0);
     g.input.assign(n(static_cast<int>(declared.low.size())), 0.0);
-    g.output.assign(n(std::max(declared.output_count, declared.channel_size())), 0.0);
-    g.observation.assign(n(declared.channel_size()), 0.0);
+    g.output.assign(n(std::max(declared.output_count, declared.channel_count())), 0.0);
+    g.observation.assign(n(declared.channel_count()), 0.0);
     g.reward.assign(n(1), 0.0);
     g.robot_reward.assign(n(static_cast<int>(world_.robots.size())), 0.0);
-    g.info.assign(n(declared.info), 0.0);
+    g.info.assign(n(value_count(declared.infos)), 0.0);
     g.bodies.assign(n(13 * static_cast<int>(world_.bodies.size())), 0.0);
     g.params.assign(n(static_cast<int>(world_.params.size())), 0.0);
     for (int l = 0; l < lanes; ++l) {
@@ -239,67 +235,32 @@ class Instance {
   }
 
   void bind(const Parameters& given) {
+    const std::vector<ParameterSpec> specs = parameter_specs(*plugin_);
     std::size_t used = 0;
-    for (std::uint32_t i = 0; i < plugin_->parameter_count; ++i) {
-      const SkybodyParameter& p = plugin_->parameters[i];
-      const auto found = given.find(p.name);
-      used += found != given.end() ? 1u : 0u;
-      auto& numbers = *numbers_.emplace_back(std::make_unique<std::vector<double>>());
-      auto& words = *words_.emplace_back(std::make_unique<std::vector<const char*>>());
-      if (found != given.end()) {
-        numbers = found->second.numbers;
-        for (const auto& t : found->second.texts) words.push_back(world_.keep(t));
-      } else if (p.type == SKYBODY_TEXT) {
-        words.assign(p.default_texts, p.default_texts + p.default_count);
-      } else {
-        numbers.assign(p.default_numbers, p.default_numbers + p.default_count);
-      }
-      SkybodyValue v{
-          numbers.data(), words.data(),
-          static_cast<std::uint32_t>(p.type == SKYBODY_TEXT ? words.size() : numbers.size()), -1};
-      if (p.randomizable != 0) {
-        v.env_param = static_cast<std::int32_t>(world_.params.size());
-        env_params_[p.name] = v.env_param;
-        for (std::size_t k = 0; k < numbers.size(); ++k) {
-          world_.add_param(name_ + "." + p.name + "[" + std::to_string(k) + "]", numbers[k], p.min,
-                           p.max);
-        }
-      }
-      values_.push_back(v);
+    for (const ParameterSpec& spec : specs) {
+      ParameterValue& value = parameters_.emplace_back(default_value(spec, {}));
+      const auto found = given.find(spec.name);
+      if (found == given.end()) continue;
+      ++used;
+      value.numbers = found->second.numbers;
+      value.texts = found->second.texts;
     }
     if (used != given.size()) throw std::logic_error("a parameter in the test is not declared");
+    values_ = BoundValues(parameters_);
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+      if (specs[i].randomizable) add_params(i, specs[i]);
+    }
   }
 
-  SkybodyDeclare declaration() {
-    SkybodyDeclare d{};
-    d.host = &declared;
-    const auto me = [](void* host) -> Declared& { return *static_cast<Declared*>(host); };
-    static const auto self = me;
-    d.input = [](void* h, int32_t signal, int32_t n, const double* low, const double* high) {
-      self(h).input = signal;
-      self(h).low.assign(low, low + n);
-      self(h).high.assign(high, high + n);
-    };
-    d.output = [](void* h, int32_t signal, int32_t n) {
-      self(h).output = signal, self(h).output_count = n;
-    };
-    d.site = [](void* h, const SkybodySite* s) { self(h).sites.push_back(*s); };
-    d.channel = [](void* h, const SkybodyChannel* c) {
-      self(h).channels.push_back(c->name);
-      self(h).counts.push_back(c->count);
-      self(h).channel_robots.push_back(c->robot);
-    };
-    d.period = [](void* h, int32_t n) { self(h).period = n; };
-    d.buffer = [](void* h, int32_t n) { self(h).buffer = n; };
-    d.bodies_before = [](void* h) { self(h).bodies_before = true; };
-    d.writes = [](void* h, int32_t p) { self(h).writes.push_back(p); };
-    d.goal = [](void* h, int32_t r, int32_t b) { self(h).goals.push_back({r, b}); };
-    d.robot_rewards = [](void* h) { self(h).robot_rewards = true; };
-    d.info = [](void* h, const SkybodyChannel* c) {
-      self(h).info += c->count;
-      self(h).info_names.push_back(c->name);
-    };
-    return d;
+  void add_params(std::size_t index, const ParameterSpec& spec) {
+    const auto first = static_cast<int>(world_.params.size());
+    values_.set_env_param(index, first);
+    env_params_[spec.name] = first;
+    const std::vector<double>& numbers = parameters_[index].numbers;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      world_.add_param(name_ + "." + spec.name + "[" + std::to_string(k) + "]", numbers[k],
+                       spec.min, spec.max);
+    }
   }
 
   PluginWorld& world_;
@@ -307,9 +268,8 @@ class Instance {
   std::shared_ptr<void> library_;
   const SkybodyPlugin* plugin_ = nullptr;
   void* self_ = nullptr;
-  std::vector<std::unique_ptr<std::vector<double>>> numbers_;
-  std::vector<std::unique_ptr<std::vector<const char*>>> words_;
-  std::vector<SkybodyValue> values_;
+  std::vector<ParameterValue> parameters_;
+  BoundValues values_{parameters_};
   std::map<std::string, int> env_params_;
 };
 
@@ -324,7 +284,7 @@ inline std::string refusal(const std::string& plugin, PluginWorld& world, const 
 }
 
 /// Random but plausible motion, counters, actions and inputs (beyond the declared range by half).
-inline void scatter(Group& g, const Declared& declared, std::mt19937_64& generator) {
+inline void scatter(Group& g, const PluginInstance& declared, std::mt19937_64& generator) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(generator() >> 11) * 0x1p-53;
   };

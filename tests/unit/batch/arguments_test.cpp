@@ -84,7 +84,7 @@ TEST_F(Refusal, OfOneIdSendsNothing) {
 TEST_F(Refusal, ActionsOfAnotherSize) {
   begin(envs_);
   EXPECT_THAT([&] { envs_.send(std::vector<float>(15)); },
-              ThrowsMessage<Error>(HasSubstr("actions of 15 values for 4 environments")));
+              ThrowsMessage<Error>(HasSubstr("actions has 15 values; expected 4 x 4")));
   EXPECT_THROW(envs_.send({}), Error);
   expect_usable();
 }

@@ -63,7 +63,7 @@ TEST_F(Modes, VelocityHoldsItsLimitsAndThePositionFormIsLevel) {
   EXPECT_EQ(control(velocity, g, {5, -5, 5, -1, 0.5, 9}),
             (std::vector<double>{1, -2, 3, -1, 0.5, 3}));
   const Instance position("velocity", world, {{"form", "position"}});
-  EXPECT_EQ(position.declared.output, SKYBODY_POSE);
+  EXPECT_EQ(position.declared.output_signal, SKYBODY_POSE);
   Group h = position.group(1);
   const std::vector<double> pose = control(position, h, {9.0, 1.0, 1.0, 3.0});
   EXPECT_EQ(pose[0], 5.0);
@@ -77,7 +77,7 @@ TEST_F(Modes, WrenchActsAtTheNamedLinksInWorldAxes) {
   const Instance instance("wrench", world, {{"links", std::vector<std::string>{"base", "bob"}}});
   ASSERT_EQ(instance.declared.sites.size(), 2u);
   EXPECT_EQ(instance.declared.sites[1].body, bob);
-  EXPECT_EQ(instance.declared.sites[1].world_axes, 1);
+  EXPECT_TRUE(instance.declared.sites[1].world_axes);
   EXPECT_NEAR(instance.declared.high[2], 2.0 * (1.54 + 0.205) * 9.81, 1e-12);
   Group g = instance.group(1);
   std::vector<double> input(12, 0.1);

@@ -145,8 +145,8 @@ TEST_F(ThrustTorqueTest, BodyLagFollowsEquationTwo) {
   const Instance instance(
       "ctbt", world, {{"apply", "body"}, {"time_constant_up", 0.02}, {"time_constant_down", 0.05}});
   ASSERT_EQ(instance.declared.sites.size(), 1u);
-  EXPECT_EQ(instance.declared.sites[0].at_com, 1);
-  EXPECT_EQ(instance.declared.sites[0].world_axes, 0);
+  EXPECT_TRUE(instance.declared.sites[0].at_com);
+  EXPECT_FALSE(instance.declared.sites[0].world_axes);
   Group g = instance.group(1);
   g.input = {20.0, 0.5, -0.4, 0.05};
   for (int n = 1; n <= 40; ++n) {

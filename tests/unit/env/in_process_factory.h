@@ -13,7 +13,10 @@
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_instance.h"
+#include "core/io/parameter_reader.h"
 #include "plugins/api/export.h"
+#include "plugins/host/descriptor.h"
+#include "plugins/host/instance.h"
 
 namespace skybody::test {
 
@@ -22,29 +25,22 @@ class InProcessFactory : public PluginFactory {
   template <class T>
   void add(const std::string& name) {
     auto description = std::make_shared<plugin_export::Description<T>>("test", "0", "test");
-    plugins_[name] = std::shared_ptr<const SkybodyPlugin>(description, description->plugin());
+    const SkybodyPlugin* plugin = description->plugin();
+    plugins_[name] = {{description, plugin}, parameter_specs(*plugin)};
   }
 
   Made make(SkybodyKind, const std::string& plugin, const SkybodySetup& setup,
             const SkybodyDeclare& declare) override {
-    const auto& p = plugins_.at(plugin);
+    const SkybodyPlugin& p = *plugins_.at(plugin).descriptor;
     char error[512] = "";
-    void* self = p->create(&setup, &declare, error, sizeof error);
+    void* self = p.create(&setup, &declare, error, sizeof error);
     if (self == nullptr) throw Error(error);
-    return {std::shared_ptr<const void>(self, p->destroy), p.get(),
-            p->kernels[static_cast<int>(best_isa())]};
+    return {std::shared_ptr<const void>(self, p.destroy), kernels_for(p, best_isa()),
+            static_cast<int>(p.state_words)};
   }
 
-  std::vector<Randomizable> randomizable(SkybodyKind, const std::string& plugin) override {
-    std::vector<Randomizable> list;
-    const SkybodyPlugin& p = *plugins_.at(plugin);
-    for (std::uint32_t i = 0; i < p.parameter_count; ++i) {
-      if (p.parameters[i].randomizable != 0) {
-        list.push_back(
-            {p.parameters[i].name, p.parameters[i].unit, p.parameters[i].min, p.parameters[i].max});
-      }
-    }
-    return list;
+  const std::vector<ParameterSpec>& parameters(SkybodyKind, const std::string& plugin) override {
+    return plugins_.at(plugin).parameters;
   }
 
   /// A use with all defaults, as the scenario reader would fill them in.
@@ -53,24 +49,18 @@ class InProcessFactory : public PluginFactory {
     u.plugin = plugin;
     u.instance = instance;
     u.mark = {"test.yaml", 1, 1};
-    const SkybodyPlugin& p = *plugins_.at(plugin);
-    for (std::uint32_t i = 0; i < p.parameter_count; ++i) {
-      const SkybodyParameter& d = p.parameters[i];
-      ParameterValue v;
-      v.name = d.name;
-      v.type = static_cast<ParameterType>(d.type);
-      if (d.type == SKYBODY_TEXT) {
-        v.texts.assign(d.default_texts, d.default_texts + d.default_count);
-      } else {
-        v.numbers.assign(d.default_numbers, d.default_numbers + d.default_count);
-      }
-      u.parameters.push_back(v);
+    for (const ParameterSpec& spec : plugins_.at(plugin).parameters) {
+      u.parameters.push_back(default_value(spec, u.mark));
     }
     return u;
   }
 
  private:
-  std::map<std::string, std::shared_ptr<const SkybodyPlugin>> plugins_;
+  struct Plugin {
+    std::shared_ptr<const SkybodyPlugin> descriptor;
+    std::vector<ParameterSpec> parameters;
+  };
+  std::map<std::string, Plugin> plugins_;
 };
 
 /// A quadrotor cross of 1 kg with 4 rotors at 0.1 m, k_f = 1e-6 N s^2, no rotor lag.

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "core/base/isa.h"
 #include "tests/unit/plugins/small_world.h"
 
 namespace skybody {
@@ -29,6 +30,12 @@ bool kernels_are_inlined() {
 #else
   return false;
 #endif
+}
+
+/// Whether a disassembled function is a kernel of an instruction set (core/base/kernels.h).
+bool is_kernel(const std::string& function, Isa isa) {
+  return function.find("::detail::Kernel<") != std::string::npos &&
+         function.find(">::" + std::string(name(isa)) + "(") != std::string::npos;
 }
 
 std::vector<std::filesystem::path> plugin_files() {
@@ -64,11 +71,11 @@ TEST(Codegen, WideKernelsUseWideRegisters) {
   if (lines.empty()) GTEST_SKIP() << "no objdump";
   for (const std::string& line : lines) {
     if (line.find(">:") != std::string::npos) function = line;
-    if (function.find("::control(") == std::string::npos) continue;
+    if (function.find("::Control<") == std::string::npos) continue;
     const bool product = line.find("vmulpd") != std::string::npos;
-    const bool v3 = function.find("KernelsV3<") != std::string::npos;
-    const bool v4 = function.find("KernelsV4<") != std::string::npos;
-    const bool v2 = function.find("KernelsV2<") != std::string::npos;
+    const bool v3 = is_kernel(function, Isa::v3);
+    const bool v4 = is_kernel(function, Isa::v4);
+    const bool v2 = is_kernel(function, Isa::v2);
     ymm += v3 && product && line.find("%ymm") != std::string::npos;
     zmm += v4 && product && line.find("%zmm") != std::string::npos;
     ymm_in_v2 += v2 && line.find("%ymm") != std::string::npos;
@@ -90,8 +97,8 @@ TEST(Codegen, WideKernelsOfShippedPluginsAreNotTakenApart) {
         output_of("objdump -d -C --no-show-raw-insn '" + file.string() + "'");
     if (code.empty()) GTEST_SKIP() << "no objdump";
     for (const std::string& line : code) {
-      if (line.find(">:") != std::string::npos) function = line.substr(0, 120);
-      if (function.find("KernelsV4<") == std::string::npos) continue;
+      if (line.find(">:") != std::string::npos) function = line;
+      if (!is_kernel(function, Isa::v4)) continue;
       joined[function] +=
           line.find("unpcklpd") != std::string::npos || line.find("pinsrq") != std::string::npos;
     }

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/base/hash.h"
+#include "core/io/parameter_reader.h"
 
 namespace skybody::test {
 namespace {
@@ -13,6 +14,12 @@ constexpr int kWidth = 16;  // values per block, enough for every test plugin
 
 Declared& declared_of(void* host) { return *static_cast<Declared*>(host); }
 void note(void* host, const std::string& line) { declared_of(host).lines.push_back(line); }
+
+std::vector<ParameterValue> default_values(const std::vector<ParameterSpec>& specs) {
+  std::vector<ParameterValue> values;
+  for (const ParameterSpec& spec : specs) values.push_back(default_value(spec, {}));
+  return values;
+}
 
 }  // namespace
 
@@ -55,15 +62,10 @@ SkybodyDeclare Declared::table() {
   return d;
 }
 
-SmallWorld::SmallWorld(const PluginEntry& entry) : entry_(entry), texts_(entry.parameters.size()) {
-  for (std::size_t i = 0; i < entry.parameters.size(); ++i) {
-    const ParameterSpec& p = entry.parameters[i];
-    for (const std::string& text : p.default_texts) texts_[i].push_back(text.c_str());
-    const bool is_text = p.type == ParameterType::kText;
-    values_.push_back(
-        {p.default_numbers.data(), texts_[i].data(),
-         static_cast<std::uint32_t>(is_text ? p.default_texts.size() : p.default_numbers.size()),
-         p.randomizable ? 0 : -1});
+SmallWorld::SmallWorld(const PluginEntry& entry)
+    : entry_(entry), defaults_(default_values(entry.parameters)), values_(defaults_) {
+  for (std::size_t i = 0; i < defaults_.size(); ++i) {
+    if (entry.parameters[i].randomizable) values_.set_env_param(i, 0);
   }
   robot_.name = "quad";
   robot_.body_count = 1;
@@ -87,8 +89,8 @@ SmallWorld::SmallWorld(const PluginEntry& entry) : entry_(entry), texts_(entry.p
   setup_.rotor_count = 4;
   setup_.params = &param_;
   setup_.param_count = 1;
-  setup_.values = values_.data();
-  setup_.value_count = static_cast<int>(values_.size());
+  setup_.values = values_.table().data();
+  setup_.value_count = static_cast<int>(defaults_.size());
 }
 
 std::shared_ptr<const void> SmallWorld::create() {

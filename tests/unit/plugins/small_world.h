@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/env/setup_tables.h"
 #include "plugins/host/instance.h"
 
 namespace skybody::test {
@@ -48,8 +49,8 @@ class SmallWorld {
 
  private:
   const PluginEntry& entry_;
-  std::vector<SkybodyValue> values_;
-  std::vector<std::vector<const char*>> texts_;
+  std::vector<ParameterValue> defaults_;
+  BoundValues values_;
   SkybodyRobotInfo robot_{};
   SkybodyBodyInfo body_{};
   std::vector<SkybodyRotorInfo> rotors_;

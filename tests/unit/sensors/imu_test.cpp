@@ -182,8 +182,8 @@ TEST_F(ImuTest, SamplesAtItsRateAndDeliversLater) {
 TEST_F(ImuTest, RunsAtEveryPeriodOnly) {
   const Instance imu("imu", world, {{"period", 5}});
   EXPECT_EQ(imu.declared.period, 5);
-  EXPECT_EQ(imu.declared.buffer, 0);
-  EXPECT_TRUE(imu.declared.bodies_before);
+  EXPECT_EQ(imu.declared.buffer_words, 0);
+  EXPECT_TRUE(imu.declared.needs_bodies_before);
 }
 
 TEST_F(ImuTest, BadConfigurationNamesValueAndRemedy) {

@@ -154,7 +154,8 @@ TEST(DirectControl, PhysicsThatGivesUpEndsTheEpisodeAsAFaultUntilAReset) {
 TEST(DirectControl, RefusesCommandsThatCannotBe) {
   Simulation world = hover();
   const std::vector<double> three(3), four(4), bad = {1, 2, kNone, 4};
-  EXPECT_THAT(refusal([&] { world.command("", three); }), HasSubstr("takes 4"));
+  EXPECT_THAT(refusal([&] { world.command("", three); }),
+              HasSubstr("command has 3 values; expected 4"));
   EXPECT_THAT(refusal([&] { world.command("", bad); }), HasSubstr("value 2 is nan"));
   EXPECT_THAT(refusal([&] { world.command("nobody", four); }), HasSubstr("there are quad"));
   EXPECT_THAT(refusal([&] { world.advance(-1); }), HasSubstr("-1"));

@@ -109,9 +109,9 @@ TEST(SimulationPool, RefusesMisuseBeforeAnythingIsDone) {
     EXPECT_THROW(pool.advance(*worlds, 1), Error);
   }
   EXPECT_THAT(refusal([&] { pool.step(pool.all(), std::vector<float>(11)); }),
-              HasSubstr("each takes 4"));
+              HasSubstr("actions has 11 values; expected 3 x 4"));
   EXPECT_THAT(refusal([&] { pool.command(pool.all(), "", std::vector<double>(4)); }),
-              HasSubstr("each takes 4"));
+              HasSubstr("values has 4 values; expected 3 x 4"));
   EXPECT_EQ(pool.world(0).physics_steps(), 0u);
   pool.advance({}, 5);  // nobody is somebody
 }

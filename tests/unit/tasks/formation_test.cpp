@@ -84,10 +84,11 @@ TEST_F(FormationTask, ObservesEighteenValuesAndSixteenForEveryOther) {
     world.add_quad("quad" + std::to_string(robots), robots, 0, 1);
     if (robots < 2) continue;
     const Instance task("formation", world);
-    ASSERT_EQ(task.declared.channel_size(), robots * (18 + 16 * (robots - 1)));
+    ASSERT_EQ(task.declared.channel_count(), robots * (18 + 16 * (robots - 1)));
     Numbers own(static_cast<std::size_t>(robots), 0.0);
-    for (std::size_t c = 0; c < task.declared.counts.size(); ++c)
-      own.at(static_cast<std::size_t>(task.declared.channel_robots[c])) += task.declared.counts[c];
+    for (std::size_t c = 0; c < task.declared.channels.size(); ++c)
+      own.at(static_cast<std::size_t>(task.declared.channels[c].robot)) +=
+          task.declared.channels[c].count;
     ASSERT_EQ(own, Numbers(static_cast<std::size_t>(robots), 18.0 + 16.0 * (robots - 1)));
   }
 }
@@ -95,10 +96,10 @@ TEST_F(FormationTask, ObservesEighteenValuesAndSixteenForEveryOther) {
 TEST_F(FormationTask, ObservesItselfThenTheOthersInOrder) {
   add_team(3);
   const Instance task("formation", world, fixed);
-  EXPECT_EQ(task.declared.channels[0], "quad1.target_error");
-  EXPECT_EQ(task.declared.channels[4], "quad1.quad2.offset");
-  EXPECT_EQ(task.declared.channels[12], "quad2.target_error");
-  EXPECT_EQ(task.declared.channels[16], "quad2.quad1.offset");
+  EXPECT_EQ(task.declared.channels[0].name, "quad1.target_error");
+  EXPECT_EQ(task.declared.channels[4].name, "quad1.quad2.offset");
+  EXPECT_EQ(task.declared.channels[12].name, "quad2.target_error");
+  EXPECT_EQ(task.declared.channels[16].name, "quad2.quad1.offset");
   Group g = begin(task);
   const double angle = 0.6;
   turn(g, 1, angle, 3);  // the second robot faces left

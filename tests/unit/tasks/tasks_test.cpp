@@ -38,7 +38,7 @@ TEST_F(HoverTask, GivesTheBitsOfDouble) {
 
 TEST_F(HoverTask, ObservesTwentyTwoValues) {
   const Instance task("hover", world, {{"target", Numbers{1.0, -2.0, 2.5, 0.3}}});
-  EXPECT_EQ(task.declared.channel_size(), 22);
+  EXPECT_EQ(task.declared.channel_count(), 22);
   Group g = begin(task);
   EXPECT_EQ(Numbers(g.observation.begin(), g.observation.begin() + 4),
             (Numbers{1.0, -2.0, 1.5, 0.3}));
@@ -129,24 +129,25 @@ TEST_F(HoverTask, DrawsTargetsInTheirBoxAndNamesThemAsGoals) {
 TEST_F(HoverTask, ATeamKeepsItsPlacesAndSharesTheReward) {
   world.add_quad("left", 0, 2, 1);
   const Instance task("hover", world, {{"target", Numbers{0, 0, 1, 0}}});
-  EXPECT_EQ(task.declared.channel_size(), 44);
-  EXPECT_EQ(task.declared.channels[6], "left.position_error");
+  EXPECT_EQ(task.declared.channel_count(), 44);
+  EXPECT_EQ(task.declared.channels[6].name, "left.position_error");
   Group g = begin(task);
   EXPECT_EQ(task.goal(g), (Numbers{0, -1, 1, 0, 0, 1, 1, 0}));
   step(task, g, Numbers(8, 0.0));
   EXPECT_NEAR(g.reward[0], 1.0 / (1.0 + 2.56) + 0.01, 1e-15);  // both are 1 m off
   const Instance one("hover", world, {{"robot", "left"}, {"target", Numbers{0, 0, 1, 0}}});
-  EXPECT_EQ(one.declared.channel_size(), 22);
+  EXPECT_EQ(one.declared.channel_count(), 22);
   EXPECT_FALSE(one.declared.robot_rewards);  // the other robot's would be nothing
-  EXPECT_EQ(one.declared.channel_robots, std::vector<int>(6, 1));
+  EXPECT_EQ(channel_robots(one.declared.channels), std::vector<int>(6, 1));
 }
 
 TEST_F(HoverTask, InATeamEveryRobotHasItsOwnObservationAndReward) {
   world.add_quad("left", 0, 2, 1);
   const Instance task("hover", world, {{"target", Numbers{0, 0, 1, 0}}});
-  EXPECT_EQ(task.declared.channel_robots, (std::vector<int>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(channel_robots(task.declared.channels),
+            (std::vector<int>{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}));
   EXPECT_TRUE(task.declared.robot_rewards);
-  EXPECT_EQ(task.declared.info_names[4], "left.position_error");
+  EXPECT_EQ(task.declared.infos[4].name, "left.position_error");
   Group g = begin(task);
   g.bodies[1] = -1.0;  // the first robot's place
   step(task, g, Numbers(8, 0.0));
@@ -157,7 +158,7 @@ TEST_F(HoverTask, InATeamEveryRobotHasItsOwnObservationAndReward) {
 
 TEST_F(HoverTask, InformsOfErrorsTiltAndSpeed) {
   const Instance task("hover", world, {{"target", Numbers{0.3, 0, 1.4, -0.2}}});
-  EXPECT_EQ(task.declared.info_names,
+  EXPECT_EQ(channel_names(task.declared.infos),
             (std::vector<std::string>{"position_error", "yaw_error", "tilt", "speed"}));
   Group g = begin(task);
   g.bodies[3] = std::cos(0.35);
@@ -213,7 +214,7 @@ TEST_F(PayloadTask, GivesTheBitsOfDouble) { expect_same_bits("payload", world); 
 
 TEST_F(PayloadTask, ObservesTwentySixValues) {
   const Instance task("payload", world);
-  EXPECT_EQ(task.declared.channel_size(), 26);
+  EXPECT_EQ(task.declared.channel_count(), 26);
   Group g = at_rest(task);
   EXPECT_NEAR(g.observation[2], 0.53 - 0.5, 1e-15);
   EXPECT_NEAR(g.observation[5], 0.53 - 1.5, 1e-15);
@@ -241,8 +242,9 @@ TEST_F(PayloadTask, RewardsAsThePaperDoesAndPunishesFailure) {
 
 TEST_F(PayloadTask, InformsOfErrorTiltAndSpeed) {
   const Instance task("payload", world);
-  EXPECT_EQ(task.declared.info_names, (std::vector<std::string>{"payload_error", "tilt", "speed"}));
-  EXPECT_EQ(task.declared.channel_robots, std::vector<int>(8, 0));
+  EXPECT_EQ(channel_names(task.declared.infos),
+            (std::vector<std::string>{"payload_error", "tilt", "speed"}));
+  EXPECT_EQ(channel_robots(task.declared.channels), std::vector<int>(8, 0));
   Group g = at_rest(task);
   g.bodies[3] = std::cos(0.1);
   g.bodies[5] = std::sin(0.1);
@@ -255,7 +257,7 @@ TEST_F(PayloadTask, InformsOfErrorTiltAndSpeed) {
 TEST_F(PayloadTask, TheGoalPutsTheCentreOfMassOnTheTarget) {
   const Instance task("payload", world);
   ASSERT_EQ(task.declared.goals.size(), 1u);
-  EXPECT_EQ(task.declared.goals[0].second, bob);
+  EXPECT_EQ(task.declared.goals[0].body, bob);
   Group g = at_rest(task);
   const Numbers goal = task.goal(g);
   EXPECT_NEAR(goal[2], 0.57, 1e-15);
