@@ -1,7 +1,6 @@
 // What flies: baselines where nothing has been learned, and trained networks.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -9,6 +8,10 @@
 #include <vector>
 
 #include "core/assemble/simulation.h"
+
+namespace CLI {
+class Validator;
+}
 
 namespace skybody {
 
