@@ -1,4 +1,5 @@
 // skybody check: reads a scenario with everything it names, and says what is wrong.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "app/command.h"

@@ -21,7 +21,7 @@
 #include <thread>
 #include <utility>
 
-#include "app/command.h"
+#include "app/action.h"
 #include "app/output.h"
 #include "app/report.h"
 #include "core/base/error.h"

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "app/command.h"
+#include "app/action.h"
 #include "plugins/host/breadcrumb.h"
 
 namespace skybody {

@@ -1,4 +1,5 @@
 // skybody plugins: what was found on the search path.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <set>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/command.h"
+#include "app/action.h"
 
 namespace skybody {
 

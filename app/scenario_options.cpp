@@ -1,5 +1,6 @@
 #include "app/scenario_options.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 
 namespace skybody {

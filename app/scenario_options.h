@@ -1,10 +1,13 @@
 // The arguments that name a scenario, shared by the commands that load one.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "core/assemble/load.h"
+
+namespace CLI {
+class App;
+}
 
 namespace skybody {
 

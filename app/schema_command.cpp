@@ -1,4 +1,6 @@
 // skybody schema: the JSON schema of scenario files, for editors, and their keys as tables.
+#include <CLI/CLI.hpp>
+
 #include "app/command.h"
 #include "app/output.h"
 #include "app/plugin_child.h"

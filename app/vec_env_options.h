@@ -1,9 +1,11 @@
 // The arguments of a batch of environments, shared by the commands that step one.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "core/batch/vec_env.h"
+
+namespace CLI {
+class App;
+}
 
 namespace skybody {
 

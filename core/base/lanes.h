@@ -9,13 +9,13 @@
 #include <cstring>
 
 /// SKYBODY_INLINE before a function, SKYBODY_INLINE_LAMBDA after a lambda's parameters: inlines
-/// into every caller at every optimisation level, so that a pack operation takes the instruction
+/// into every caller at every level of optimisation, so that a pack operation takes the instruction
 /// set of the function that uses it (`__attribute__((target(...), flatten))`). That set must
-/// contain the file's own -march: compile files that hold variants for the lowest one. Not under
-/// AddressSanitizer, whose checks make functions of that size take minutes to compile: there all
+/// contain the file's own -march: compile files that hold variants for the lowest one. Not at -O0
+/// and not under AddressSanitizer, where functions of that size take minutes to compile: there all
 /// kernels have the file's own instruction set (core/base/kernel_target.h), and calls between them
 /// give the same bits.
-#ifdef __SANITIZE_ADDRESS__
+#if !defined(__OPTIMIZE__) || defined(__SANITIZE_ADDRESS__)
 #define SKYBODY_INLINE inline
 #define SKYBODY_INLINE_LAMBDA
 #else

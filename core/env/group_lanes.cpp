@@ -8,7 +8,7 @@
 namespace skybody {
 
 void count(StateGroup& group, HeaderWord word, std::uint32_t mask) {
-  row_kernels().count(mask, group.bits(word));
+  row_kernels().count(mask, group.writable(word));
 }
 
 void keep(const StateGroup& group, std::uint32_t mask, int count, const double* from, double* to) {

@@ -15,7 +15,7 @@ namespace skybody {
 namespace {
 
 constexpr std::size_t kFlushBytes = 4 << 20;
-constexpr std::size_t kChunkBytes = 1 << 16;        // of a column, where a row is no longer
+constexpr std::size_t kColumnChunkBytes = 1 << 16;  // of a column, where a row is no longer
 constexpr std::size_t kStructureBytes = 256 << 10;  // that HDF5 adds in a burst, with room to spare
 
 /// Has HDF5 write the file's structure in flushes alone, and not whenever its cache is full.
@@ -144,7 +144,7 @@ struct ReplayWriter::File {
   /// burst that it wrote in part, and then reads none before it, either. Returns the end of that.
   haddr_t reserve() {
     const std::size_t row = observation_size * 4 + state_size * 8 + action_size * 4;
-    std::size_t bytes = kStructureBytes + row + (kReplayColumnCount + 1) * kChunkBytes;
+    std::size_t bytes = kStructureBytes + row + (kReplayColumnCount + 1) * kColumnChunkBytes;
     each_column([&](const auto& column) { bytes += column.waiting_bytes(); });
     const haddr_t end = end_of_file();
     const int error =

@@ -9,6 +9,10 @@
 
 #include "core/simulation/simulation.h"
 
+namespace CLI {
+class Validator;
+}
+
 namespace skybody {
 
 /// Chooses actions.

@@ -1,0 +1,42 @@
+// Prints the trajectory hash of each scenario that is named: build_types.sh compares those of two
+// builds.
+#include <cstdio>
+#include <vector>
+
+#include "core/assemble/load.h"
+#include "core/base/hash.h"
+#include "core/base/random.h"
+#include "core/batch/vec_env.h"
+
+namespace {
+
+using namespace skybody;
+
+constexpr int kEnvs = 9;  // side by side in lanes, and one left over
+constexpr int kSteps = 300;
+
+/// With actions all over what is allowed.
+std::uint64_t hash_of(const std::string& scenario) {
+  LoadOptions options;
+  options.scenario = scenario;
+  VecEnv envs(load_environment(options),
+              {.envs = kEnvs, .threads = 1, .seed = 7, .keep_hash = true});
+  std::vector<float> actions(static_cast<std::size_t>(kEnvs * envs.environment().action_size()));
+  Random<double> random({7, 0}, 0, 0, derive_stream("hash.action"));
+  envs.send_reset();
+  envs.recv();
+  for (int k = 0; k < kSteps; ++k) {
+    for (float& value : actions) value = static_cast<float>(random.uniform(-1.0, 1.0));
+    envs.send(actions);
+    envs.recv();
+  }
+  return envs.hash();
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  for (int i = 1; i < count; ++i) {
+    std::printf("%s %s\n", arguments[i], to_hex(hash_of(arguments[i])).c_str());
+  }
+}
