@@ -101,7 +101,7 @@ class Environment {
   /// last physics step.
   /// @param udot  one per u
   /// @throws std::runtime_error if the dynamics gives up
-  void accelerations(StateGroup& group, int lane, double* udot) const;
+  void accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const;
 
   /// What the bodies of one lane touch: the ground, obstacles and one another.
   std::vector<Contact> contacts(StateGroup& group, GroupWork& work, int lane) const;

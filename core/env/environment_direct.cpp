@@ -33,16 +33,17 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
   conclude(group, work, mask, false, rows);
 }
 
-void Environment::accelerations(StateGroup& group, int lane, double* udot) const {
+void Environment::accelerations(StateGroup& group, GroupWork& work, int lane,
+                                double* udot) const {
   const FpEnvironment guard;
-  group.accelerations(lane, udot);
+  group.accelerations(lane, work.physics, udot);
 }
 
 std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
   std::vector<Contact> out = ground_contacts(*world_, group.body_states(lane));
-  group.add_contacts(lane, out);
+  group.add_contacts(lane, work.physics, out);
   return out;
 }
 

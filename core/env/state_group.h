@@ -77,9 +77,13 @@ class StateGroup {
     return stepper_->advance(blocks_, lanes, scratch);
   }
   /// See GroupStepper.
-  void accelerations(int lane, double* udot) { stepper_->accelerations(blocks_, lane, udot); }
-  void add_contacts(int lane, std::vector<Contact>& out) {
-    stepper_->add_contacts(blocks_, lane, out);
+  void accelerations(int lane, PhysicsScratch& scratch, double* udot) {
+    refresh(1u << lane, scratch);
+    stepper_->accelerations(blocks_, lane, scratch, udot);
+  }
+  void add_contacts(int lane, PhysicsScratch& scratch, std::vector<Contact>& out) {
+    refresh(1u << lane, scratch);
+    stepper_->add_contacts(blocks_, lane, scratch, out);
   }
   const StepCounts& step_counts() const { return stepper_->counts(); }
 

@@ -140,24 +140,30 @@ void GroupStepper::note_step(std::uint32_t lanes, std::uint32_t on_simbody) {
   counts_.tree += static_cast<std::uint64_t>(std::popcount(lanes)) - simbody;
 }
 
-void GroupStepper::accelerations(const GroupBlocks& group, int lane, double* udot) {
-  PhysicsScratch scratch(plan_.scratch_bytes);
+void GroupStepper::accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
+                                 double* udot) {
+  if (((broken_ >> lane) & 1u) != 0) throw Error("no rigid body has these mass properties");
   const StepCall all = call(group, scratch);
   alone().accelerations(group, lane, all.derived, on_simbody_of(all, 1u << lane) != 0, udot);
 }
 
-void GroupStepper::add_contacts(const GroupBlocks& group, int lane, std::vector<Contact>& out) {
-  PhysicsScratch scratch(plan_.scratch_bytes);
+void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
+                                std::vector<Contact>& out) {
   if (on_simbody_of(call(group, scratch), 1u << lane) == 0) return;
   alone().add_contacts(group, lane, out);
 }
 
-/// What follows from a lane's parameters where they are not the nominal ones, but for rotors.
-/// @returns whether they are not, and bodies can have them
+/// What follows from a lane's parameters where they are new and not the nominal ones, but for
+/// rotors.
+/// @returns whether they are, and bodies can have them
 bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch) {
   const std::uint32_t bit = 1u << lane;
+  const double* mine = group.params + lane;
+  if ((drawn_ & ~broken_ & bit) != 0 && are_params(mine, made_from_.data() + lane, lanes_)) {
+    return false;
+  }
   broken_ &= ~bit;
-  if (is_nominal(group, lane)) {
+  if (are_params(mine, plan_.nominal_params.data(), 1)) {
     drawn_ &= ~bit;
     if ((placed_ & bit) == 0 && derived_.size() > 0) put_nominal(lane);
     return false;
@@ -167,7 +173,10 @@ bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScra
   placed_ &= ~bit;
   auto* params = reinterpret_cast<double*>(scratch.data());
   double* derived = params + plan_.physics_params;
-  for (int k = 0; k < plan_.physics_params; ++k) params[k] = group.params[k * lanes_ + lane];
+  for (int k = 0; k < plan_.physics_params; ++k) {
+    params[k] = mine[k * lanes_];
+    made_from_[static_cast<std::size_t>(k * lanes_ + lane)] = params[k];
+  }
   try {
     make_body_constants(plan_.world, params, derived + plan_.derived.bodies);
   } catch (const std::runtime_error&) {  // no body has such masses: this lane's steps fail
@@ -178,10 +187,12 @@ bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScra
   return true;
 }
 
-bool GroupStepper::is_nominal(const GroupBlocks& group, int lane) const {
-  for (int k = 0; k < plan_.physics_params; ++k) {
-    const double* nominal = &plan_.nominal_params[static_cast<std::size_t>(k)];
-    if (std::memcmp(group.params + k * lanes_ + lane, nominal, sizeof(double)) != 0) return false;
+/// Whether parameters that physics reads have the same bits.
+/// @param mine    of one lane of a group
+/// @param stride  of `others`
+bool GroupStepper::are_params(const double* mine, const double* others, int stride) const {
+  for (int k = 0; k < plan_.physics_params; ++k, mine += lanes_, others += stride) {
+    if (std::memcmp(mine, others, sizeof(double)) != 0) return false;
   }
   return true;
 }
@@ -190,6 +201,7 @@ bool GroupStepper::is_nominal(const GroupBlocks& group, int lane) const {
 void GroupStepper::make_derived() {
   if (derived_.size() > 0) return;
   derived_ = AlignedArray<double>(static_cast<std::size_t>(plan_.derived.size * lanes_));
+  made_from_ = AlignedArray<double>(static_cast<std::size_t>(plan_.physics_params * lanes_));
   for (int l = 0; l < lanes_; ++l) put_nominal(l);
 }
 

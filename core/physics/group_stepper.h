@@ -64,13 +64,14 @@ class GroupStepper {
   ///          or where the dynamics gave up, are as they were before the call
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
 
-  /// Generalised accelerations of one lane at the present state and t = 0 of the step, one per u.
+  /// Generalised accelerations of one lane, which is refreshed, at the present state and t = 0 of the step, one per u.
   /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
-  void accelerations(const GroupBlocks& group, int lane, double* udot);
+  void accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch, double* udot);
 
-  /// Appends the contacts of one lane's bodies with one another and with obstacles.
+  /// Appends the contacts of one refreshed lane's bodies with one another and with obstacles.
   /// @throws as accelerations
-  void add_contacts(const GroupBlocks& group, int lane, std::vector<Contact>& out);
+  void add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
+                    std::vector<Contact>& out);
 
   /// The lanes whose last advance went on Simbody, whether they came through or not.
   std::uint32_t on_simbody() const { return on_simbody_; }
@@ -84,7 +85,7 @@ class GroupStepper {
   std::uint32_t advance_alone(const StepCall& all, std::uint32_t lanes, std::uint32_t on_simbody);
   void note_step(std::uint32_t lanes, std::uint32_t on_simbody);
   bool derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch);
-  bool is_nominal(const GroupBlocks& group, int lane) const;
+  bool are_params(const double* mine, const double* others, int stride) const;
   void make_derived();
   void put_nominal(int lane);
   void put_derived(const double* derived, int first, int lane);
@@ -96,6 +97,7 @@ class GroupStepper {
   AlignedArray<double> spins_;    ///< per body: angular velocity (W), in lanes; unless the world
                                   ///< has free robots only
   AlignedArray<double> derived_;  ///< of all lanes; empty: none was ever drawn
+  AlignedArray<double> made_from_;  ///< parameters that drawn lanes' numbers follow from
   std::uint32_t drawn_ = 0;       ///< lanes whose parameters are not the nominal ones
   std::uint32_t placed_ = 0;      ///< lanes of `derived_` that hold what is nominal
   std::uint32_t broken_ = 0;      ///< lanes with parameters that no body has

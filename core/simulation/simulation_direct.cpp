@@ -105,7 +105,7 @@ Accelerations Simulation::accelerations() const {
   Accelerations out;
   out.udot.resize(static_cast<std::size_t>(layout.u.size));
   try {
-    environment_->accelerations(data_->group, 0, out.udot.data());
+    environment_->accelerations(data_->group, *data_->work, 0, out.udot.data());
   } catch (const std::runtime_error& error) {
     throw Error(std::string("the dynamics has no accelerations at this state: ") + error.what());
   }

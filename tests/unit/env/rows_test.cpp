@@ -182,7 +182,7 @@ std::unique_ptr<Environment> two_robots(test::InProcessFactory& factory) {
     s.robots.push_back(robot);
   }
   s.task = factory.use("team", "task");
-  return std::make_unique<Environment>(std::make_unique<World>(std::move(s)), factory);
+  return std::make_unique<Environment>(std::move(s), factory);
 }
 
 /// A flight with all kinds of rows, guards in them, and guards behind.
@@ -251,13 +251,12 @@ TEST(Rows, OfAMaskAreThoseOfLanesAloneAndNoOthersAreTouched) {
         const std::vector<float> row = actions_of(l, step);
         std::copy(row.begin(), row.end(), actions.begin() + 8 * l);
         GuardedFlight& one = *alone[static_cast<std::size_t>(l)];
-        if (step == 3 && l == 17) one.group.reals(env->layout().u)[2] = 1e200;
-        one.group.changed(1u);
+        if (step == 3 && l == 17) one.group.writable(env->layout().u, 1u)[2] = 1e200;
         env->step(one.group, *one.work, 1u, row.data(), 8, one.guarded());
       }
-      if (step == 3 && holds(mask, 17))
-        group.group.reals(env->layout().u)[2 * kGroupLanes + 17] = 1e200;
-      group.group.changed(mask);
+      if (step == 3 && holds(mask, 17)) {
+        group.group.writable(env->layout().u, 1u << 17)[2 * kGroupLanes + 17] = 1e200;
+      }
       env->step(group.group, *group.work, mask, actions.data(), 8, group.guarded());
       compare(step);
     }

@@ -24,11 +24,11 @@ class Stepper {
   bool was_on_simbody() const { return stepper_->on_simbody() != 0; }
   void accelerations(LaneState& state, double* udot) {
     update_bodies(state);
-    stepper_->accelerations(blocks(state), 0, udot);
+    stepper_->accelerations(blocks(state), 0, scratch_, udot);
   }
   void add_contacts(LaneState& state, std::vector<Contact>& out) {
     update_bodies(state);
-    stepper_->add_contacts(blocks(state), 0, out);
+    stepper_->add_contacts(blocks(state), 0, scratch_, out);
   }
 
   static GroupBlocks blocks(LaneState& s) {
