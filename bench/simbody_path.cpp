@@ -11,8 +11,8 @@
 
 #include "bench/bare_simbody.h"
 #include "core/env/group_work.h"
-#include "core/physics/default_state.h"
-#include "core/physics/group_stepper.h"
+#include "core/physics/bodies/default_state.h"
+#include "core/physics/step/group_stepper.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody::bench {

@@ -10,7 +10,7 @@
 #include "core/io/shipped_files.h"
 #include "core/io/text.h"
 #include "core/model/marked_error.h"
-#include "core/physics/group_stepper.h"
+#include "core/physics/step/group_stepper.h"
 #include "plugins/host/instance.h"
 #include "plugins/host/registry.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/env/plugin_instance.h"
-#include "core/physics/world.h"
+#include "core/physics/world/world.h"
 
 namespace skybody {
 

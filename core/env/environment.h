@@ -10,9 +10,9 @@
 #include "core/base/hash.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
-#include "core/physics/contact.h"
-#include "core/physics/lane_state.h"
-#include "core/physics/world.h"
+#include "core/physics/forces/contact.h"
+#include "core/physics/world/lane_state.h"
+#include "core/physics/world/world.h"
 
 namespace skybody {
 
@@ -62,7 +62,7 @@ class Environment {
   const std::vector<int>& agents() const { return agents_; }
 
   /// Lanes of the groups in which this scenario is best stepped: kGroupLanes where its physics goes
-  /// in packs, if only while nothing is within reach (core/physics/reach.h), else 1.
+  /// in packs, if only while nothing is within reach (core/physics/step/reach.h), else 1.
   int preferred_lanes() const { return physics_->preferred_lanes(); }
   /// @param lanes  1 or kGroupLanes
   StateGroup make_state(int lanes) const;

@@ -11,9 +11,9 @@
 #include "core/env/group_work.h"
 #include "core/env/setup_tables.h"
 #include "core/model/marked_error.h"
-#include "core/physics/default_state.h"
-#include "core/physics/lane_values.h"
-#include "core/physics/world_layout.h"
+#include "core/physics/bodies/default_state.h"
+#include "core/physics/step/lane_values.h"
+#include "core/physics/world/world_layout.h"
 
 namespace skybody {
 namespace {

@@ -33,8 +33,7 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
   conclude(group, work, mask, false, rows);
 }
 
-void Environment::accelerations(StateGroup& group, GroupWork& work, int lane,
-                                double* udot) const {
+void Environment::accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const {
   const FpEnvironment guard;
   group.accelerations(lane, work.physics, udot);
 }

@@ -8,7 +8,7 @@
 #include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
-#include "core/physics/lane_values.h"
+#include "core/physics/step/lane_values.h"
 
 namespace skybody {
 namespace {

@@ -3,8 +3,8 @@
 // Idea: whole octets (core/base/octets.h) go in packs. Every other lane goes alone, by the same
 // template with Real = double. Only rows of floats need code of their own for packs: there four
 // values of several lanes are transposed in registers.
-// Limits: groups have 1 or kGroupLanes lanes. Only the latter have octets, so that the distance from
-// value to value is a constant wherever packs are used.
+// Limits: groups have 1 or kGroupLanes lanes. Only the latter have octets, so that the distance
+// from value to value is a constant wherever packs are used.
 #include "core/env/group_rows.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 #include "core/base/octets.h"
 #include "core/base/pack.h"
 #include "core/model/layout.h"
-#include "core/physics/lane_values.h"
+#include "core/physics/step/lane_values.h"
 
 namespace skybody {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/model/parameter_spec.h"
-#include "core/physics/world.h"
+#include "core/physics/world/world.h"
 #include "plugins/api/abi.h"
 
 namespace skybody {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/env/plugin_instance.h"
-#include "core/physics/world.h"
+#include "core/physics/world/world.h"
 #include "plugins/api/abi.h"
 
 namespace skybody {

@@ -8,7 +8,7 @@
 
 #include "core/base/aligned_array.h"
 #include "core/model/layout.h"
-#include "core/physics/group_stepper.h"
+#include "core/physics/step/group_stepper.h"
 
 namespace skybody {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/physics/world.h"
+#include "core/physics/world/world.h"
 
 namespace skybody {
 

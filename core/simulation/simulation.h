@@ -10,9 +10,9 @@
 
 #include "core/assemble/load.h"
 #include "core/env/environment.h"
-#include "core/physics/body_accelerations.h"
-#include "core/physics/contact.h"
-#include "core/physics/lane_state.h"
+#include "core/physics/bodies/body_accelerations.h"
+#include "core/physics/forces/contact.h"
+#include "core/physics/world/lane_state.h"
 
 namespace skybody {
 

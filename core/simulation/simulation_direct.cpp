@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/env/param_access.h"
-#include "core/physics/checked_mass.h"
+#include "core/physics/bodies/checked_mass.h"
 #include "core/simulation/simulation.h"
 #include "core/simulation/simulation_data.h"
 

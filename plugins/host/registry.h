@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "core/model/parameter_spec.h"
+#include "core/model/refused_files.h"  // IWYU pragma: export
 #include "plugins/api/abi.h"
 #include "plugins/host/library.h"
 #include "plugins/host/places.h"  // IWYU pragma: export
 #include "plugins/host/promises.h"
-#include "core/model/refused_files.h"  // IWYU pragma: export
 
 namespace skybody {
 

@@ -30,10 +30,16 @@ TEST(Arguments, OutOfRangeAreNamedWithWhatIsAllowed) {
 
 TEST(Arguments, IndicesAreThereOnce) {
   check_indices("world", std::vector<int>{2, 0, 1}, 3);
-  EXPECT_THAT([] { check_indices("world", std::vector<int>{2, 0, 2}, 3); },
-              ThrowsMessage<Error>("world 2 is there twice"));
-  EXPECT_THAT([] { check_indices("world", std::vector<int>{2, 3}, 3); },
-              ThrowsMessage<Error>("there is no world 3; allowed: 0 ... 2"));
+  EXPECT_THAT(
+      [] {
+        check_indices("world", std::vector<int>{2, 0, 2}, 3);
+      },
+      ThrowsMessage<Error>("world 2 is there twice"));
+  EXPECT_THAT(
+      [] {
+        check_indices("world", std::vector<int>{2, 3}, 3);
+      },
+      ThrowsMessage<Error>("there is no world 3; allowed: 0 ... 2"));
 }
 
 TEST(Arguments, ValuesAreCountedByRows) {

@@ -1,5 +1,5 @@
 // Accelerations of bodies against the difference of forward kinematics, over every kind of joint.
-#include "core/physics/body_accelerations.h"
+#include "core/physics/bodies/body_accelerations.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/physics/kinematics.h"
+#include "core/physics/bodies/kinematics.h"
 #include "tests/unit/physics/test_models.h"
 #include "tests/unit/physics/tree_dynamics.h"
 

@@ -3,8 +3,8 @@
 
 #include <cstring>
 
-#include "core/physics/base_drive.h"
-#include "core/physics/force_model.h"
+#include "core/physics/forces/base_drive.h"
+#include "core/physics/forces/force_model.h"
 #include "tests/unit/physics/test_models.h"
 
 namespace skybody::test {

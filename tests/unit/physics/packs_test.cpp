@@ -9,8 +9,8 @@
 
 #include "core/base/isa.h"
 #include "core/base/octets.h"
-#include "core/physics/group_stepper.h"
-#include "core/physics/lane_values.h"
+#include "core/physics/step/group_stepper.h"
+#include "core/physics/step/lane_values.h"
 #include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {

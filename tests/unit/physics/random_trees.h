@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/physics/kinematics.h"
+#include "core/physics/bodies/kinematics.h"
 #include "tests/unit/physics/test_models.h"
 
 namespace skybody::test {

@@ -1,5 +1,5 @@
 // Bounding volumes: when bodies count as near each other or an obstacle.
-#include "core/physics/reach.h"
+#include "core/physics/step/reach.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/physics/default_state.h"
-#include "core/physics/group_stepper.h"
+#include "core/physics/bodies/default_state.h"
+#include "core/physics/step/group_stepper.h"
 
 namespace skybody::test {
 
@@ -13,7 +13,9 @@ namespace skybody::test {
 class Stepper {
  public:
   Stepper(const World& world, DynamicsUse use)
-      : physics_(world, use), stepper_(physics_.make_stepper(1)), scratch_(physics_.make_scratch()) {}
+      : physics_(world, use),
+        stepper_(physics_.make_stepper(1)),
+        scratch_(physics_.make_scratch()) {}
 
   void update_bodies(LaneState& state) { stepper_->refresh(blocks(state), 1, 1, scratch_); }
   /// @returns false if the step failed

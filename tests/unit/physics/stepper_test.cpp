@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "core/base/error.h"
-#include "core/physics/base_drive.h"
-#include "core/physics/lane_stepper.h"
+#include "core/physics/forces/base_drive.h"
+#include "core/physics/step/lane_stepper.h"
 #include "tests/unit/physics/test_models.h"
 
 namespace skybody::test {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/math.h"
-#include "core/physics/default_state.h"
-#include "core/physics/world.h"
+#include "core/physics/bodies/default_state.h"
+#include "core/physics/world/world.h"
 #include "tests/unit/physics/stepper.h"
 
 namespace skybody::test {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/physics/dynamics.h"
-#include "core/physics/forest.h"
+#include "core/physics/simbody/dynamics.h"
+#include "core/physics/tree/forest.h"
 
 namespace skybody::test {
 

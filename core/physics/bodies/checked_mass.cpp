@@ -1,0 +1,38 @@
+#include "core/physics/bodies/checked_mass.h"
+
+#include <cstdio>
+
+#include "core/base/error.h"
+#include "core/base/inertia.h"
+#include "core/model/layout.h"
+#include "core/physics/bodies/kinematics.h"
+
+namespace skybody {
+
+MassProperties checked_mass(const std::string& name, const double* params) {
+  const double mass = params[kMass];
+  const Vec3<double> com = load_vec3(params + kCom);
+  const double* i = params + kInertia;
+  SymMat3<double> inertia{i[0], i[1], i[2], i[3], i[4], i[5]};
+  if (!(mass > 0.0) || !is_finite(mass) || !is_finite(com)) {
+    char value[32];
+    std::snprintf(value, sizeof(value), "%g", mass);
+    throw Error("body '" + name + "' has mass " + value +
+                " kg; it must be positive, and the centre of mass finite");
+  }
+  if (!is_physical_inertia(inertia)) {
+    throw Error("body '" + name +
+                "' has an inertia that no rigid body can have: principal moments " +
+                "must be positive, none above the sum of the other two");
+  }
+  // Simbody refuses what lies beyond the bound at all.
+  const Vec3<double> moments = eigenvalues(inertia);
+  const double excess = moments.z - (moments.x + moments.y);
+  if (excess > 0.0) {
+    const double more = 1.001 * excess;
+    inertia = inertia + SymMat3<double>{more, more, more, 0.0, 0.0, 0.0};
+  }
+  return {mass, com, inertia};
+}
+
+}  // namespace skybody

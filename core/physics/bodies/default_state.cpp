@@ -1,0 +1,82 @@
+#include "core/physics/bodies/default_state.h"
+
+#include "core/base/math.h"
+#include "core/physics/bodies/kinematics.h"
+#include "core/physics/forces/base_drive.h"
+
+namespace skybody {
+namespace {
+
+/// Joints at zero; the base's frame B at the scenario's pose.
+void write_positions(const World& world, LaneState& state) {
+  for (const WorldBody& body : world.bodies) {
+    const JointType type = body.model->joint.type;
+    double* q = state.q.data() + body.q;
+    if (type == JointType::kBall) q[0] = 1.0;
+    if (type != JointType::kFree) continue;
+    const Pose pose = body.parent < 0 ? world.scenario.robots[body.robot].pose : Pose{};
+    store(pose.position, q);
+    store(pose.rotation, q + 3);
+  }
+}
+
+void write_rotors(const World& world, LaneState& state) {
+  for (std::size_t i = 0; i < world.rotors.size(); ++i) {
+    const WorldRotor& rotor = world.rotors[i];
+    const double wanted = world.scenario.robots[rotor.robot].rotor_speed;
+    const double speed = wanted < 0.0 ? hover_rotor_speed(world, rotor.robot) : wanted;
+    state.rotor_speed[i] = state.rotor_command[i] = min(speed, rotor.model->max_speed);
+  }
+}
+
+/// Velocity drives stand still, pose drives stay where the scenario has the base.
+void write_drives(const World& world, LaneState& state) {
+  double* drive = state.drive.data();
+  for (std::size_t r = 0; r < world.drives.size(); ++r) {
+    if (world.drives[r] == DriveKind::kNone) continue;
+    const Pose& pose = world.scenario.robots[r].pose;
+    store(pose.position, drive + kDrivePosition);
+    store(pose.rotation, drive + kDriveRotation);
+    drive += kDriveSize;
+  }
+}
+
+}  // namespace
+
+double hover_rotor_speed(const World& world, int robot) {
+  const RobotModel& model = world.scenario.robots[robot].model;
+  double lift = 0.0;
+  for (const Rotor& rotor : model.rotors) lift += rotor.thrust_constant * rotor.axis.z;
+  if (!(lift > 0.0)) return 0.0;
+  return sqrt(model.total_mass() * norm(world.scenario.gravity) / lift);
+}
+
+LaneState make_lane_state(const World& world) {
+  const Layout& layout = world.layout;
+  LaneState state;
+  state.q.assign(layout.q.size, 0.0);
+  state.u.assign(layout.u.size, 0.0);
+  state.rotor_speed.assign(layout.rotor_speed.size, 0.0);
+  state.rotor_command.assign(layout.rotor_command.size, 0.0);
+  state.wrench.assign(layout.wrench.size, 0.0);
+  state.drive.assign(layout.drive.size, 0.0);
+  state.params.assign(layout.param_info.size(), 0.0);
+  state.bodies.assign(world.bodies.size(), BodyState{});
+  return state;
+}
+
+void write_default_state(const World& world, LaneState& state) {
+  state = make_lane_state(world);
+  for (std::size_t i = 0; i < state.params.size(); ++i) {
+    state.params[i] = world.layout.param_info[i].nominal;
+  }
+  write_positions(world, state);
+  write_rotors(world, state);
+  write_drives(world, state);
+
+  std::vector<BodyKinematics<double>> motion(world.bodies.size());
+  forward_kinematics(make_tree(world), state.q.data(), state.u.data(), motion.data());
+  for (std::size_t i = 0; i < motion.size(); ++i) state.bodies[i] = to_body_state(motion[i]);
+}
+
+}  // namespace skybody

@@ -1,0 +1,48 @@
+// Kinematic drives: a robot's free base moves as it is told, whatever the forces. Its u is set when
+// a physics step begins and stays; its accelerations are zero, so joints further out react to it.
+#pragma once
+
+#include "core/base/math.h"
+#include "core/physics/bodies/kinematics.h"
+
+namespace skybody {
+
+/// The 13 values of a drive: velocity of the base's origin and angular velocity in base axes, then
+/// the base's pose in W (quaternion w x y z).
+enum DriveValue : int {
+  kDriveVelocity = 0,
+  kDriveAngularVelocity = 3,
+  kDrivePosition = 6,
+  kDriveRotation = 9,
+  kDriveSize = 13
+};
+
+/// The rotation vector of a unit quaternion: axis times angle [rad], the short way round.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> rotation_vector(const Quat<Real>& q) {
+  const Real sine = sqrt((q.x * q.x + q.y * q.y) + q.z * q.z);
+  const Real sign = select(q.w < 0.0, Real(-1.0), Real(1.0));
+  const auto small = sine < 1e-9;
+  const Real angle = 2.0 * atan2(sine, q.w * sign);
+  const Real scale = sign * select(small, Real(2.0), angle / select(small, Real(1.0), sine));
+  return {q.x * scale, q.y * scale, q.z * scale};
+}
+
+/// Velocity drive: u of a free base from the velocity and angular velocity asked for, base axes.
+/// @param base  the base's present motion
+template <class Real>
+SKYBODY_INLINE void drive_velocity(const BodyKinematics<Real>& base, const Real* drive, Real* u) {
+  store(base.axes * load_vec3(drive + kDriveVelocity), u);
+  store(load_vec3(drive + kDriveAngularVelocity), u + 3);
+}
+
+/// Pose drive: the constant u that brings a free base from q to `target` within `dt` seconds.
+/// @param target  pose in W: position (3), unit quaternion (4)
+template <class Real>
+SKYBODY_INLINE void drive_to_pose(const Real* q, const Real* target, double dt, Real* u) {
+  store((load_vec3(target) - load_vec3(q)) / Real(dt), u);
+  const Quat<Real> turn = conjugate(load_quat(q + 3)) * load_quat(target + 3);
+  store(rotation_vector(turn) / Real(dt), u + 3);
+}
+
+}  // namespace skybody

@@ -1,0 +1,27 @@
+#include "core/physics/forces/contact.h"
+
+#include "core/base/math.h"
+#include "core/physics/forces/ground_contact.h"
+
+namespace skybody {
+
+std::vector<Contact> ground_contacts(const World& world, const std::vector<BodyState>& bodies) {
+  std::vector<Contact> out;
+  const ContactSettings& settings = world.scenario.contact;
+  for (const ContactSphere& sphere : world.spheres) {
+    const BodyState& body = bodies[static_cast<std::size_t>(sphere.body)];
+    const Mat3<double> axes = to_mat3(body.rotation);
+    Vec3<double> arm = axes * sphere.center;
+    arm.z -= sphere.radius;
+    const Vec3<double> point = body.position + arm;
+    if (!(point.z < 0.0)) continue;
+    const Vec3<double> velocity = body.velocity + cross(axes * body.angular_velocity, arm);
+    const Vec3<double> force =
+        ground_force(point, velocity, sphere.stiffness, sphere.most_damping, settings.dissipation,
+                     settings.friction, settings.slip_velocity);
+    out.push_back({sphere.body, kGround, point, {0.0, 0.0, 1.0}, -point.z, force});
+  }
+  return out;
+}
+
+}  // namespace skybody

@@ -1,0 +1,75 @@
+#include "core/physics/forces/force_model.h"
+
+namespace skybody {
+namespace {
+
+bool has_force(const Joint& joint) {
+  return joint.damping != 0.0 || joint.stiffness != 0.0 || joint.limit.enabled;
+}
+
+}  // namespace
+
+RotorPlace make_rotor_place(const World& world, std::size_t index) {
+  const Rotor& rotor = *world.rotors[index].model;
+  const Vec3<double>& p = rotor.position;
+  return {p, rotor.axis, static_cast<double>(rotor.direction), p.x * p.x + p.y * p.y,
+          world.layout.rotor_params[index]};
+}
+
+std::vector<RotorPlace> make_rotor_places(const World& world) {
+  std::vector<RotorPlace> places;
+  for (std::size_t i = 0; i < world.rotors.size(); ++i) {
+    places.push_back(make_rotor_place(world, i));
+  }
+  return places;
+}
+
+std::vector<RotorGroup> make_rotor_groups(const World& world) {
+  std::vector<RotorGroup> groups;
+  for (std::size_t i = 0; i < world.rotors.size(); ++i) {
+    const WorldRotor& rotor = world.rotors[i];
+    if (groups.empty() || groups.back().body != rotor.body) {
+      groups.push_back({rotor.body, static_cast<int>(i), 0, true});
+    }
+    RotorGroup& group = groups.back();
+    ++group.count;
+    const Vec3<double>& n = rotor.model->axis;
+    const double height = world.rotors[static_cast<std::size_t>(group.first)].model->position.z;
+    group.is_level &= n.x == 0.0 && n.y == 0.0 && n.z == 1.0 && rotor.model->position.z == height;
+  }
+  return groups;
+}
+
+std::vector<ContactGroup> make_contact_groups(const World& world) {
+  std::vector<ContactGroup> groups;
+  for (std::size_t i = 0; i < world.spheres.size(); ++i) {
+    const ContactSphere& sphere = world.spheres[i];
+    if (groups.empty() || groups.back().body != sphere.body) {
+      groups.push_back({sphere.body, static_cast<int>(i), 0, 0.0});
+    }
+    ContactGroup& group = groups.back();
+    ++group.count;
+    // A little more than the exact distance: rounding must never leave out a sphere that touches.
+    group.reach = max(group.reach, 1.000001 * (norm(sphere.center) + sphere.radius));
+  }
+  return groups;
+}
+
+std::vector<int> joints_with_forces(const World& world) {
+  std::vector<int> bodies;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    if (has_force(world.bodies[i].model->joint)) bodies.push_back(static_cast<int>(i));
+  }
+  return bodies;
+}
+
+ForceModel::ForceModel(const World& world)
+    : world_(world),
+      rotors_(make_rotor_places(world)),
+      rotor_groups_(make_rotor_groups(world)),
+      contact_groups_(make_contact_groups(world)),
+      stiff_joints_(joints_with_forces(world)) {
+  for (const RobotLayout& robot : world.layout.robots) bases_.push_back(robot.first_body);
+}
+
+}  // namespace skybody

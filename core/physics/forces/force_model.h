@@ -1,0 +1,133 @@
+// Every force of ours on the bodies of a world: gravity, rotors, disturbances, wrenches of
+// controllers, ground contact, joints. Evaluated inside the derivative, one code for all dynamics,
+// for double and packs.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/bodies/kinematics.h"
+#include "core/physics/forces/force_terms.h"
+#include "core/physics/forces/joint_force.h"
+#include "core/physics/forces/rotor_force.h"
+#include "core/physics/forces/spatial_force.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// What forces depend on at one instant. Pointers to the values of one environment (or one pack),
+/// in the order of the layout's blocks.
+/// @tparam Params  how parameters are read: a pointer, or a view (lane_values.h)
+template <class Real, class Params = const Real*>
+struct ForceInputs {
+  const Real* q = nullptr;
+  const Real* u = nullptr;
+  const BodyKinematics<Real>* bodies = nullptr;
+  const RotorMotion<Real>* rotors = nullptr;
+  Params params;
+  const Real* wrench = nullptr;
+};
+
+/// A rotor of a world on its body; every one; and the groups that they form.
+RotorPlace make_rotor_place(const World& world, std::size_t index);
+std::vector<RotorPlace> make_rotor_places(const World& world);
+std::vector<RotorGroup> make_rotor_groups(const World& world);
+
+/// Bodies whose joint has damping, a spring or limits.
+std::vector<int> joints_with_forces(const World& world);
+
+/// Immutable; refers to the world, which must outlive it.
+class ForceModel {
+ public:
+  explicit ForceModel(const World& world);
+
+  /// @param forces        one per body, overwritten
+  /// @param joint_forces  one per u; only those of joints with damping, springs or limits are
+  ///                      written, the others must be zero
+  template <class Real, class Params>
+  SKYBODY_INLINE void evaluate(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces,
+                               Real* joint_forces) const {
+    add_gravity(in, forces);
+    add_rotors(in, forces);
+    add_disturbances(in, forces);
+    add_wrenches(in, forces);
+    add_grounds(in, forces);
+    add_joints(in, joint_forces);
+  }
+
+ private:
+  /// Sum of the forces on body i.
+  template <class Real, class Params>
+  SKYBODY_INLINE OriginLoad<Real, Params> load(const ForceInputs<Real, Params>& in, int i,
+                                               SpatialForce<Real>* forces) const {
+    return {in.bodies[i], in.params + world_.layout.body_params[static_cast<std::size_t>(i)],
+            forces[i]};
+  }
+
+  /// Overwrites: the first to be called.
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in,
+                                  SpatialForce<Real>* forces) const {
+    const Vec3<Real> gravity = to_real<Real>(world_.scenario.gravity);
+    const int count = static_cast<int>(world_.bodies.size());
+    for (int i = 0; i < count; ++i) load(in, i, forces).begin(gravity);
+  }
+
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_rotors(const ForceInputs<Real, Params>& in,
+                                 SpatialForce<Real>* forces) const {
+    for (const RotorGroup& group : rotor_groups_) {
+      const BodyKinematics<Real>& body = in.bodies[group.body];
+      const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+      load(in, group.body, forces)
+          .add_in_body(rotor_forces(
+              group, rotors_.data(), in.params,
+              [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; }, velocity, body.spin));
+    }
+  }
+
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_disturbances(const ForceInputs<Real, Params>& in,
+                                       SpatialForce<Real>* forces) const {
+    for (std::size_t r = 0; r < bases_.size(); ++r) {
+      auto sum = load(in, bases_[r], forces);
+      add_disturbance<Real>(in.params + world_.layout.disturbance_params[r], sum);
+    }
+  }
+
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_wrenches(const ForceInputs<Real, Params>& in,
+                                   SpatialForce<Real>* forces) const {
+    const Real* wrench = in.wrench;
+    for (const WrenchSite& site : world_.sites) {
+      auto sum = load(in, site.body, forces);
+      add_wrench<Real>(site, wrench, sum);
+      wrench += 6;
+    }
+  }
+
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_grounds(const ForceInputs<Real, Params>& in,
+                                  SpatialForce<Real>* forces) const {
+    for (const ContactGroup& group : contact_groups_) {
+      auto sum = load(in, group.body, forces);
+      add_ground(world_, group, in.bodies[group.body], sum);
+    }
+  }
+
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_joints(const ForceInputs<Real, Params>& in, Real* joint_forces) const {
+    for (const int i : stiff_joints_) {
+      const WorldBody& body = world_.bodies[i];
+      joint_force(body.model->joint, in.q + body.q, in.u + body.u, joint_forces + body.u);
+    }
+  }
+
+  const World& world_;
+  std::vector<RotorPlace> rotors_;
+  std::vector<RotorGroup> rotor_groups_;
+  std::vector<ContactGroup> contact_groups_;
+  std::vector<int> bases_;         ///< per robot: world body index of its base
+  std::vector<int> stiff_joints_;  ///< bodies whose joint has damping, a spring or limits
+};
+
+}  // namespace skybody

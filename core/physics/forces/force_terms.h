@@ -1,0 +1,51 @@
+// The forces of ours on one body but for its weight and its rotors, each once: every term adds to
+// an OriginLoad or a FreeLoad (body_load.h). On double and packs.
+#pragma once
+
+#include "core/physics/forces/body_load.h"
+#include "core/physics/forces/contact_group.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// Paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
+/// @param disturbance  kDisturbanceParamCount values: a pointer, or a view
+template <class Real, class Params, class Load>
+SKYBODY_INLINE void add_disturbance(const Params& disturbance, Load& load) {
+  const Vec3<Real> force = load_vec3(disturbance + kDisturbanceForce);
+  const Vec3<Real> moment = load_vec3(disturbance + kDisturbanceMoment);
+  const auto disturbed = logical_or(is_not_zero(force), is_not_zero(moment));
+  if (none(disturbed)) return;
+  load.add_where(disturbed, [&](Load& sum) SKYBODY_INLINE_LAMBDA {
+    sum.add_at_com(force, Axes::kWorld);
+    sum.add_moment(moment, Axes::kBody);
+  });
+}
+
+/// A controller's wrench.
+/// @param wrench  force, then moment: a pointer to six values, or a view
+template <class Real, class Values, class Load>
+SKYBODY_INLINE void add_wrench(const WrenchSite& site, const Values& wrench, Load& load) {
+  const Axes axes = site.world_axes ? Axes::kWorld : Axes::kBody;
+  const Vec3<Real> force = load_vec3(wrench);
+  load.add_moment(load_vec3(wrench + 3), axes);
+  if (site.at_com) {
+    load.add_at_com(force, axes);
+  } else {
+    load.add_at_point(to_real<Real>(site.point), force, axes);
+  }
+}
+
+/// Contact with the ground of all spheres of a body.
+template <class Real, class Load>
+SKYBODY_INLINE void add_ground(const World& world, const ContactGroup& group,
+                               const BodyKinematics<Real>& body, Load& load) {
+  const auto near_ground = body.position.z < group.reach;
+  if (none(near_ground)) return;
+  const SpatialForce<Real> ground = ground_forces<Real>(
+      group, world.spheres.data(), world.scenario.contact, body, load.angular_velocity());
+  load.add_where(near_ground,
+                 [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_about_origin(ground); });
+}
+
+}  // namespace skybody

@@ -1,0 +1,190 @@
+// What a spinning rotor does to its body. F. Furrer, M. Burri, M. Achtelik, R. Siegwart, "RotorS -
+// A modular Gazebo MAV simulator framework", 2016, section "Rotor dynamics", after P. Martin and E.
+// Salaun, "The true role of accelerometer feedback in quadrotor control", ICRA 2010. Collective
+// thrust and torque of paper eq. 1 are the sums over a robot's rotors.
+//
+// With w >= 0 the speed, n the axis, s = +1 for counter-clockwise about n, and v' the hub's
+// velocity across the axis (still air):
+//   thrust            F = k_f w^2 n
+//   reaction          M = -s k_m w^2 n
+//   rotor drag        F = -c_d w v'
+//   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; which side the advancing
+//                                         blade is on, so the sign, goes with the direction)
+//   gyroscopic        M = -omega x (s J w n)
+//   spin-up           M = -s J (dw/dt) n
+// The last two vanish for rotor inertia J = 0.
+#pragma once
+
+#include "core/base/vec3.h"
+#include "core/model/layout.h"
+#include "core/physics/forces/rotor_lag.h"
+#include "core/physics/forces/spatial_force.h"
+
+namespace skybody {
+
+/// A rotor on its body.
+struct RotorPlace {
+  Vec3<double> position, axis;  ///< hub [m] and thrust direction, body axes
+  double direction = 1.0;       ///< +1 or -1
+  double squared_radius = 0.0;  ///< of the hub from the body's z axis [m^2]
+  int params = 0;               ///< first of its kRotorParamCount values
+};
+
+/// Adds one rotor's forces to `sum`, which is about the body's origin like any SpatialForce but in
+/// the axes of the body.
+/// @param constants  the rotor's kRotorParamCount values
+/// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
+template <class Real, class Constants>
+SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace& place,
+                                    const RotorMotion<Real>& rotor, const Vec3<Real>& velocity,
+                                    const Vec3<Real>& spin, SpatialForce<Real>& sum) {
+  const Vec3<Real> position = to_real<Real>(place.position), axis = to_real<Real>(place.axis);
+  const Real w = rotor.speed, signed_w = place.direction * w;
+  const Vec3<Real> hub = velocity + cross(spin, position);
+  const Vec3<Real> across = hub - axis * dot(hub, axis);
+  const Vec3<Real> force =
+      axis * (constants[kThrustConstant] * (w * w)) - across * (constants[kDragConstant] * w);
+  const Real momentum = constants[kRotorInertia] * signed_w;
+  const Real about_axis = constants[kMomentConstant] * (signed_w * w) +
+                          constants[kRotorInertia] * (place.direction * rotor.acceleration);
+  sum.add_force_at(position, force);
+  sum.moment -= across * (constants[kRollingMomentConstant] * signed_w) +
+                cross(spin, axis * momentum) + axis * about_axis;
+}
+
+/// A rotor's constants times its place: what LevelRotors ask of it. [x], [y]: hub, body axes.
+enum RotorFactor : int {
+  kThrustFactor = 0,    ///< 3: k_f, k_f x, k_f y
+  kMomentFactor = 3,    ///< s k_m
+  kDragFactor = 4,      ///< 4: c_d, c_d x, c_d y, c_d (x^2 + y^2)
+  kRollingFactor = 8,   ///< 3: s c_r, s c_r x, s c_r y
+  kInertiaFactor = 11,  ///< s J
+  kSpeedLimit = 12,     ///< the rotor's own, as it is
+  kRotorFactorCount = 13
+};
+
+/// @param constants  the rotor's kRotorParamCount values
+/// @param out        kRotorFactorCount values
+template <class Constants, class Real>
+SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPlace& place,
+                                       Real* out) {
+  const double x = place.position.x, y = place.position.y;
+  const Real thrust = constants[kThrustConstant], drag = constants[kDragConstant];
+  const Real rolling = constants[kRollingMomentConstant] * place.direction;
+  out[kThrustFactor] = thrust;
+  out[kThrustFactor + 1] = thrust * x;
+  out[kThrustFactor + 2] = thrust * y;
+  out[kMomentFactor] = constants[kMomentConstant] * place.direction;
+  out[kDragFactor] = drag;
+  out[kDragFactor + 1] = drag * x;
+  out[kDragFactor + 2] = drag * y;
+  out[kDragFactor + 3] = drag * place.squared_radius;
+  out[kRollingFactor] = rolling;
+  out[kRollingFactor + 1] = rolling * x;
+  out[kRollingFactor + 2] = rolling * y;
+  out[kInertiaFactor] = constants[kRotorInertia] * place.direction;
+  out[kSpeedLimit] = constants[kMaxSpeed];
+}
+
+/// Rotors of one body with the body's z as their axis and their hubs at one height: what they do
+/// together, from sums over the rotors that know nothing of the body's motion.
+template <class Real>
+class LevelRotors {
+ public:
+  LevelRotors() = default;  ///< not set
+
+  /// The first rotor.
+  /// @param factors  its kRotorFactorCount values
+  /// @param w        its speed [rad/s]
+  /// @param gain     its acceleration, in any unit that force() is told
+  template <class Factors>
+  SKYBODY_INLINE LevelRotors(const Factors& factors, const Real& w, const Real& gain) {
+    const Real squared = w * w;
+    for (int k = 0; k < 3; ++k) thrust_[k] = factors[kThrustFactor + k] * squared;
+    moment_ = factors[kMomentFactor] * squared;
+    for (int k = 0; k < 4; ++k) drag_[k] = factors[kDragFactor + k] * w;
+    for (int k = 0; k < 3; ++k) rolling_[k] = factors[kRollingFactor + k] * w;
+    momentum_ = factors[kInertiaFactor] * w;
+    spin_up_ = factors[kInertiaFactor] * gain;
+  }
+
+  /// Another rotor.
+  SKYBODY_INLINE LevelRotors& operator+=(const LevelRotors& other) {
+    for (int k = 0; k < 3; ++k) thrust_[k] += other.thrust_[k];
+    moment_ += other.moment_;
+    for (int k = 0; k < 4; ++k) drag_[k] += other.drag_[k];
+    for (int k = 0; k < 3; ++k) rolling_[k] += other.rolling_[k];
+    momentum_ += other.momentum_;
+    spin_up_ += other.spin_up_;
+    return *this;
+  }
+
+  /// @param height  of the hubs above the body's origin [m]
+  /// @param unit    of the accelerations [rad/s^2]
+  /// @param velocity, spin  as for add_rotor_force
+  /// @returns about the body's origin, body axes
+  SKYBODY_INLINE SpatialForce<Real> force(double height, double unit, const Vec3<Real>& velocity,
+                                          const Vec3<Real>& spin) const {
+    // Velocity across the axis of a hub at x, y: (hub_x - spin_z y, hub_y + spin_z x).
+    const Real hub_x = velocity.x + spin.y * height, hub_y = velocity.y - spin.x * height;
+    const Vec3<Real> f{spin.z * drag_[2] - hub_x * drag_[0],
+                       -(hub_y * drag_[0] + spin.z * drag_[1]), thrust_[0]};
+    const Real roll_x = hub_x * rolling_[0] - spin.z * rolling_[2];
+    const Real roll_y = hub_y * rolling_[0] + spin.z * rolling_[1];
+    return {
+        {(thrust_[2] - height * f.y) - (roll_x + spin.y * momentum_),
+         (height * f.x - thrust_[1]) - (roll_y - spin.x * momentum_),
+         ((hub_x * drag_[2] - hub_y * drag_[1]) - spin.z * drag_[3]) - (moment_ + spin_up_ * unit)},
+        f};
+  }
+
+ private:
+  Real thrust_[3];   ///< k_f w^2 [N], times x, y [N m]
+  Real moment_;      ///< s k_m w^2 [N m]
+  Real drag_[4];     ///< c_d w [N s/m], times x, y, x^2 + y^2
+  Real rolling_[3];  ///< s c_r w [N s], times x, y
+  Real momentum_;    ///< s J w [kg m^2/s]
+  Real spin_up_;     ///< s J dw/dt [N m], over the unit of dw/dt
+};
+
+/// Consecutive rotors on one body.
+struct RotorGroup {
+  int body = 0, first = 0, count = 0;
+  bool is_level = false;  ///< they go as LevelRotors
+};
+
+/// What the rotors of any group do to their body, one by one.
+/// @param places    of all rotors of the world
+/// @param params    of the environment
+/// @param motion    motion(i) says how rotor i of the world moves
+/// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
+/// @returns about the body's origin, body axes
+template <class Real, class Params, class Motion>
+SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const RotorPlace* places,
+                                             const Params& params, Motion&& motion,
+                                             const Vec3<Real>& velocity, const Vec3<Real>& spin) {
+  SpatialForce<Real> sum = SpatialForce<Real>::zero();
+  for (int i = group.first; i < group.first + group.count; ++i) {
+    add_rotor_force(params + places[i].params, places[i], motion(i), velocity, spin, sum);
+  }
+  return sum;
+}
+
+/// The same by the quicker way where there is one.
+template <class Real, class Params, class Motion>
+SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
+                                               const Params& params, Motion&& motion,
+                                               const Vec3<Real>& velocity, const Vec3<Real>& spin) {
+  if (!group.is_level) return sum_rotors<Real>(group, places, params, motion, velocity, spin);
+  const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
+    Real factors[kRotorFactorCount];
+    make_rotor_factors(params + places[i].params, places[i], factors);
+    const RotorMotion<Real> rotor = motion(i);
+    return LevelRotors<Real>(factors, rotor.speed, rotor.acceleration);
+  };
+  LevelRotors<Real> rotors = alone(group.first);
+  for (int i = group.first + 1; i < group.first + group.count; ++i) rotors += alone(i);
+  return rotors.force(places[group.first].position.z, 1.0, velocity, spin);
+}
+
+}  // namespace skybody

@@ -1,9 +1,0 @@
-#include "core/physics/free_kernels.h"
-
-namespace skybody {
-
-StepKernel* free_euler_kernel(int lanes) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler>>(lanes);
-}
-
-}  // namespace skybody

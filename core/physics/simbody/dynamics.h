@@ -1,0 +1,51 @@
+// Simbody behind the equations of motion: accelerations of a world's bodies under given forces, and
+// contact of bodies with one another and with obstacles. C++17, without Simbody's types.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/physics/forces/contact.h"
+#include "core/physics/forces/spatial_force.h"
+#include "core/physics/world/lane_state.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// Dynamics of one environment. Coordinates are ours throughout (JointType). Not thread-safe.
+class Dynamics {
+ public:
+  virtual ~Dynamics() = default;
+
+  /// Takes the mass properties over from the parameter block; cheap if they are as before.
+  /// @throws Error (naming the body where one is to blame) if nothing can be built from them
+  virtual void set_params(const double* params) = 0;
+
+  /// Generalised accelerations [per u]. Contact of bodies with one another and with obstacles comes
+  /// on top of the forces given. Bases of driven robots get zero.
+  /// @param q             quaternions need not be of norm 1
+  /// @param body_forces   one per body
+  /// @param joint_forces  one per u
+  /// @throws std::runtime_error if the dynamics gives up
+  virtual void accelerations(const double* q, const double* u,
+                             const SpatialForce<double>* body_forces, const double* joint_forces,
+                             double* udot) = 0;
+
+  /// Appends the contacts of bodies with one another and with obstacles, at the mass properties of
+  /// the last set_params.
+  /// @throws std::runtime_error if the dynamics gives up
+  virtual void add_contacts(const double* q, const double* u, std::vector<Contact>& out) = 0;
+
+  /// Motion of all bodies as the dynamics itself has it; for tests against our kinematics.
+  virtual void body_states(const double* q, const double* u, BodyState* bodies) = 0;
+};
+
+/// Simbody's dynamics. Drives are read from `world.drives`.
+/// @param params  with which it begins
+/// @throws Error (naming the body where one is to blame) if nothing can be built from them
+std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params);
+/// Builds Simbody's system of the nominal world once, without contact: large boxes take seconds to
+/// become meshes, and no shape is refused there. @throws Error likewise
+void check_simbody(const World& world);
+
+}  // namespace skybody

@@ -1,0 +1,352 @@
+// Dynamics by Simbody. Forces do not go through Simbody's force subsystems: they are handed to its
+// operator calcAccelerationIgnoringConstraints, which costs little more than half of what
+// realize(Acceleration) with Force::DiscreteForces does, and gives the same accelerations.
+//
+// Simbody's coordinates differ from ours (JointType) for two joints:
+//   Free  q = quaternion, position   where ours has position, quaternion
+//         u = angular velocity in F axes, velocity   where ours has velocity, angular velocity in M
+//   Ball  u in F axes                where ours is in M axes
+// With R = F from M: w_F = R w_M, and so dw_M/dt = R^T dw_F/dt exactly, since R^T (w_F x w_F) = 0.
+// Generalised forces go like velocities: power is the same in both axes.
+//
+// Compiled as C++17 and as the Simbody library was (NDEBUG): see cmake/SkybodySimbody.cmake.
+#include <Simbody.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/physics/bodies/checked_mass.h"
+#include "core/physics/bodies/kinematics.h"
+#include "core/physics/simbody/dynamics.h"
+#include "core/physics/simbody/simbody_contact.h"
+
+namespace skybody {
+namespace {
+
+using SimTK::SpatialVec;
+
+SimTK::Vec3 to_simbody(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
+Vec3<double> from_simbody(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
+
+/// Mass properties about the body's origin from one body's parameters.
+/// @throws Error if no rigid body can have them
+SimTK::MassProperties make_mass(const std::string& name, const double* params) {
+  const MassProperties mass = checked_mass(name, params);
+  const SymMat3<double> o = mass.inertia + point_inertia(mass.mass, mass.com);
+  return {mass.mass, to_simbody(mass.com), SimTK::Inertia(o.xx, o.yy, o.zz, o.xy, o.xz, o.yz)};
+}
+
+/// One body's Simbody coordinates.
+struct Slot {
+  JointType type = JointType::kFree;
+  int q = 0, u = 0;  ///< ours
+  int simbody_q = 0, simbody_u = 0;
+  Quat<double> rotation{1.0, 0.0, 0.0, 0.0};  ///< F from M at the present q, for Free and Ball
+};
+
+/// A Simbody system with its state. Built for one set of mass properties.
+class SimbodySystem {
+ public:
+  SimbodySystem(const World& world, const std::vector<TreeBody>& tree,
+                const SimbodyContact* contact, const double* params)
+      : matter_(system_) {
+    system_.setUseUniformBackground(true);  // no ground plane for a visualizer that is never there
+    if (contact != nullptr) {
+      tracker_ = std::make_unique<SimTK::ContactTrackerSubsystem>(system_);
+      contact_ = std::make_unique<SimTK::CompliantContactSubsystem>(system_, *tracker_);
+      contact_->setTransitionVelocity(contact->transition_velocity());
+      contact->add_surfaces(-1, matter_.updGround().updBody());
+    }
+    for (std::size_t i = 0; i < tree.size(); ++i) {
+      SimTK::Body::Rigid body(
+          make_mass(world.bodies[i].model->name, params + world.layout.body_params[i]));
+      if (contact != nullptr) contact->add_surfaces(static_cast<int>(i), body);
+      add_body(tree[i], body);
+    }
+    state_ = system_.realizeTopology();
+    lock_driven_bases(world);
+    system_.realize(state_, SimTK::Stage::Instance);
+    make_slots(tree);
+    body_forces_.resize(matter_.getNumBodies());
+    body_forces_ = SpatialVec(SimTK::Vec3(0));
+    mobility_forces_.resize(state_.getNU());
+    mobility_forces_ = 0.0;
+  }
+
+  void accelerations(const double* q, const double* u, const SpatialForce<double>* body_forces,
+                     const double* joint_forces, double* udot) {
+    put_coordinates(q, u);
+    system_.realize(state_, SimTK::Stage::Dynamics);
+    put_forces(body_forces, joint_forces);
+    matter_.calcAccelerationIgnoringConstraints(state_, mobility_forces_, body_forces_, udot_,
+                                                body_accelerations_);
+    get_accelerations(udot);
+  }
+
+  void add_contacts(const double* q, const double* u, std::vector<Contact>& out) {
+    if (contact_ == nullptr) return;
+    put_coordinates(q, u);
+    system_.realize(state_, SimTK::Stage::Dynamics);
+    const SimTK::ContactSnapshot& active = tracker_->getActiveContacts(state_);
+    for (int n = 0; n < contact_->getNumContactForces(state_); ++n) {
+      const SimTK::ContactId id = contact_->getContactForce(state_, n).getContactId();
+      SimTK::ContactPatch patch;
+      if (!contact_->calcContactPatchDetailsById(state_, id, patch)) continue;
+      const SimTK::Contact& pair = active.getContactById(id);
+      out.push_back(make_contact(patch, body_of(pair.getSurface1()), body_of(pair.getSurface2())));
+    }
+  }
+
+  void body_states(const double* q, const double* u, BodyState* bodies) {
+    put_coordinates(q, u);
+    system_.realize(state_, SimTK::Stage::Velocity);
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      const SimTK::MobilizedBody& body = mobilized(i);
+      const SimTK::Quaternion rotation = body.getBodyRotation(state_).convertRotationToQuaternion();
+      bodies[i] = {
+          from_simbody(body.getBodyOriginLocation(state_)),
+          {rotation[0], rotation[1], rotation[2], rotation[3]},
+          from_simbody(body.getBodyOriginVelocity(state_)),
+          from_simbody(~body.getBodyRotation(state_) * body.getBodyAngularVelocity(state_))};
+    }
+  }
+
+ private:
+  /// World body index, or kObstacle: only those are surfaces of Simbody's ground.
+  int body_of(SimTK::ContactSurfaceIndex surface) const {
+    const int body = tracker_->getMobilizedBody(surface).getMobilizedBodyIndex();
+    return body == 0 ? kObstacle : body - 1;
+  }
+
+  /// A mesh touches in many elements: their normals are weighted by the forces that they carry.
+  static Contact make_contact(const SimTK::ContactPatch& patch, int body_1, int body_2) {
+    const double sign = body_2 == kObstacle ? -1.0 : 1.0;  // Simbody tells the force on body 2
+    const SimTK::ContactForce& sum = patch.getContactForce();
+    SimTK::Vec3 normal(0.0);
+    double depth = 0.0;
+    for (int i = 0; i < patch.getNumDetails(); ++i) {
+      const SimTK::ContactDetail& element = patch.getContactDetail(i);
+      const SimTK::Vec3& direction = element.getContactNormal().asVec3();
+      normal += SimTK::dot(element.getForceOnSurface2(), direction) * direction;
+      depth = std::max(depth, static_cast<double>(element.getDeformation()));
+    }
+    const double length = normal.norm();
+    if (length > 0.0) normal *= sign / length;
+    return {body_2 == kObstacle ? body_1 : body_2,
+            body_2 == kObstacle ? body_2 : body_1,
+            from_simbody(sum.getContactPoint()),
+            from_simbody(normal),
+            depth,
+            from_simbody(sign * sum.getForceOnSurface2()[1])};
+  }
+
+  /// Bodies are added in our order; 0 is Simbody's ground.
+  const SimTK::MobilizedBody& mobilized(std::size_t body) const {
+    return matter_.getMobilizedBody(SimTK::MobilizedBodyIndex(static_cast<int>(body) + 1));
+  }
+
+  void add_body(const TreeBody& tree, const SimTK::Body& body) {
+    SimTK::MobilizedBody& parent =
+        matter_.updMobilizedBody(SimTK::MobilizedBodyIndex(tree.parent + 1));
+    const SimTK::Transform f = to_simbody(tree.frame_in_parent);
+    const SimTK::Transform m = to_simbody(tree.frame_in_body);
+    switch (tree.type) {
+      case JointType::kWeld:
+        SimTK::MobilizedBody::Weld(parent, f, body, m);
+        break;
+      case JointType::kFree:
+        SimTK::MobilizedBody::Free(parent, f, body, m);
+        break;
+      case JointType::kPin:
+        SimTK::MobilizedBody::Pin(parent, f, body, m);
+        break;
+      case JointType::kSlider:
+        SimTK::MobilizedBody::Slider(parent, f, body, m);
+        break;
+      case JointType::kUniversal:
+        SimTK::MobilizedBody::Universal(parent, f, body, m);
+        break;
+      case JointType::kBall:
+        SimTK::MobilizedBody::Ball(parent, f, body, m);
+        break;
+    }
+  }
+
+  /// Zero acceleration is prescribed to driven bases; what hangs on them still moves.
+  void lock_driven_bases(const World& world) {
+    for (std::size_t r = 0; r < world.drives.size(); ++r) {
+      if (world.drives[r] == DriveKind::kNone) continue;
+      mobilized(world.layout.robots[r].first_body).lock(state_, SimTK::Motion::Acceleration);
+    }
+  }
+
+  void make_slots(const std::vector<TreeBody>& tree) {
+    for (std::size_t i = 0; i < tree.size(); ++i) {
+      Slot slot;
+      slot.type = tree[i].type;
+      slot.q = tree[i].q;
+      slot.u = tree[i].u;
+      if (slot.type != JointType::kWeld) {
+        slot.simbody_q = static_cast<int>(mobilized(i).getFirstQIndex(state_));
+        slot.simbody_u = static_cast<int>(mobilized(i).getFirstUIndex(state_));
+      }
+      slots_.push_back(slot);
+    }
+  }
+
+  void put_coordinates(const double* q, const double* u) {
+    if (slots_.empty() || state_.getNU() == 0) return;
+    double* to_q = &state_.updQ()[0];
+    double* to_u = &state_.updU()[0];
+    for (Slot& slot : slots_) {
+      const double *from_q = q + slot.q, *from_u = u + slot.u;
+      double *sq = to_q + slot.simbody_q, *su = to_u + slot.simbody_u;
+      if (slot.type == JointType::kFree) {
+        std::memcpy(sq, from_q + 3, 4 * sizeof(double));
+        std::memcpy(sq + 4, from_q, 3 * sizeof(double));
+        slot.rotation = normalized(load_quat(from_q + 3));
+        store(rotate(slot.rotation, load_vec3(from_u + 3)), su);
+        std::memcpy(su + 3, from_u, 3 * sizeof(double));
+      } else if (slot.type == JointType::kBall) {
+        std::memcpy(sq, from_q, 4 * sizeof(double));
+        slot.rotation = normalized(load_quat(from_q));
+        store(rotate(slot.rotation, load_vec3(from_u)), su);
+      } else {
+        std::memcpy(sq, from_q, position_size(slot.type) * sizeof(double));
+        std::memcpy(su, from_u, velocity_size(slot.type) * sizeof(double));
+      }
+    }
+  }
+
+  void put_forces(const SpatialForce<double>* body_forces, const double* joint_forces) {
+    static_assert(sizeof(SpatialForce<double>) == sizeof(SpatialVec), "moment, then force");
+    std::memcpy(static_cast<void*>(&body_forces_[1]), body_forces,
+                slots_.size() * sizeof(SpatialVec));
+    if (contact_ != nullptr)
+      body_forces_ += system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics);
+    if (mobility_forces_.size() == 0) return;
+    double* to = &mobility_forces_[0];
+    for (const Slot& slot : slots_) {
+      const double* from = joint_forces + slot.u;
+      double* force = to + slot.simbody_u;
+      if (slot.type == JointType::kFree) {
+        store(rotate(slot.rotation, load_vec3(from + 3)), force);
+        std::memcpy(force + 3, from, 3 * sizeof(double));
+      } else if (slot.type == JointType::kBall) {
+        store(rotate(slot.rotation, load_vec3(from)), force);
+      } else {
+        std::memcpy(force, from, velocity_size(slot.type) * sizeof(double));
+      }
+    }
+  }
+
+  void get_accelerations(double* udot) const {
+    if (udot_.size() == 0) return;
+    const double* from = &udot_[0];
+    for (const Slot& slot : slots_) {
+      const double* rate = from + slot.simbody_u;
+      double* to = udot + slot.u;
+      if (slot.type == JointType::kFree) {
+        std::memcpy(to, rate + 3, 3 * sizeof(double));
+        store(rotate_inverse(slot.rotation, load_vec3(rate)), to + 3);
+      } else if (slot.type == JointType::kBall) {
+        store(rotate_inverse(slot.rotation, load_vec3(rate)), to);
+      } else {
+        std::memcpy(to, rate, velocity_size(slot.type) * sizeof(double));
+      }
+    }
+  }
+
+  SimTK::MultibodySystem system_;
+  SimTK::SimbodyMatterSubsystem matter_;
+  std::unique_ptr<SimTK::ContactTrackerSubsystem> tracker_;
+  std::unique_ptr<SimTK::CompliantContactSubsystem> contact_;
+  SimTK::State state_;
+  std::vector<Slot> slots_;
+  SimTK::Vector_<SpatialVec> body_forces_, body_accelerations_;
+  SimTK::Vector mobility_forces_, udot_;
+};
+
+std::unique_ptr<SimbodySystem> make_system(const World& world, const std::vector<TreeBody>& tree,
+                                           const SimbodyContact* contact, const double* params) {
+  try {
+    return std::make_unique<SimbodySystem>(world, tree, contact, params);
+  } catch (const SimTK::Exception::Base& error) {
+    throw Error(std::string("Simbody cannot build the world: ") + error.what());
+  }
+}
+
+/// Keeps a SimbodySystem for the present mass properties and builds another one when they change:
+/// in Simbody they belong to the topology.
+class SimbodyDynamics final : public Dynamics {
+ public:
+  SimbodyDynamics(const World& world, const double* params)
+      : world_(world), tree_(make_tree(world)) {
+    set_params(params);
+  }
+
+  void set_params(const double* params) override {
+    if (world_.bodies.empty()) return;
+    // The mass properties of all bodies lie one after another (world_layout.cpp).
+    const double* masses = params + world_.layout.body_params.front();
+    const std::size_t count = kBodyParamCount * world_.bodies.size();
+    if (system_ != nullptr &&
+        std::memcmp(masses, built_from_.data(), count * sizeof(double)) == 0) {
+      return;
+    }
+    system_.reset();
+    system_ = make_system(world_, tree_, world_.simbody_contact.get(), params);
+    built_from_.assign(masses, masses + count);
+  }
+
+  void accelerations(const double* q, const double* u, const SpatialForce<double>* body_forces,
+                     const double* joint_forces, double* udot) override {
+    if (system_ == nullptr) return;
+    try {
+      system_->accelerations(q, u, body_forces, joint_forces, udot);
+    } catch (const SimTK::Exception::Base& error) {
+      system_.reset();  // left half-way: the next step starts from a new one
+      throw std::runtime_error(error.what());
+    } catch (...) {
+      system_.reset();
+      throw;
+    }
+  }
+
+  void add_contacts(const double* q, const double* u, std::vector<Contact>& out) override {
+    if (system_ == nullptr) return;
+    try {
+      system_->add_contacts(q, u, out);
+    } catch (const SimTK::Exception::Base& error) {
+      system_.reset();
+      throw std::runtime_error(error.what());
+    }
+  }
+
+  void body_states(const double* q, const double* u, BodyState* bodies) override {
+    if (system_ != nullptr) system_->body_states(q, u, bodies);
+  }
+
+ private:
+  const World& world_;
+  std::vector<TreeBody> tree_;
+  std::vector<double> built_from_;  ///< parameters of all bodies
+  std::unique_ptr<SimbodySystem> system_;
+};
+
+}  // namespace
+
+void check_simbody(const World& world) {
+  if (world.bodies.empty()) return;
+  make_system(world, make_tree(world), nullptr, world.layout.nominal_params().data());
+}
+
+std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params) {
+  return std::make_unique<SimbodyDynamics>(world, params);
+}
+
+}  // namespace skybody

@@ -1,0 +1,9 @@
+#include "core/physics/step/free_kernels.h"
+
+namespace skybody {
+
+StepKernel* free_euler_kernel(int lanes) {
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler>>(lanes);
+}
+
+}  // namespace skybody

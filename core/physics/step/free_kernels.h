@@ -1,0 +1,137 @@
+// Kernels of worlds whose robots are one free body each (free_robot_step.h).
+#pragma once
+
+#include "core/physics/step/free_robot_step.h"
+#include "core/physics/step/group_kernels.h"
+
+namespace skybody {
+
+/// A physics step of all robots of the lanes that one Real holds.
+template <class Real, class Values, IntegratorChoice kIntegrator>
+class FreeLanes {
+ public:
+  SKYBODY_INLINE FreeLanes(const StepCall& call, int first, const Values& params,
+                           const Values& derived)
+      : robots_(*call.plan->free_robots),
+        group_(*call.group),
+        lanes_(first),
+        in_{LaneValues<Real>(group_.rotor_speed + first),
+            LaneValues<Real>(group_.rotor_command + first),
+            LaneValues<Real>(group_.wrench + first),
+            params,
+            derived + call.plan->derived.lags,
+            derived + call.plan->derived.factors,
+            derived + call.plan->derived.bodies},
+        motions_(reinterpret_cast<FreeMotion<Real>*>(call.scratch)),
+        end_speeds_(reinterpret_cast<Real*>(motions_ + robots_.robots.size())) {}
+
+  /// @returns those of `lanes` that came through; the others are as they were
+  SKYBODY_INLINE std::uint32_t advance(std::uint32_t lanes) const {
+    const std::vector<FreeRobot>& robots = robots_.robots;
+    if (robots.size() > 1) return advance_all(lanes);
+    if (!robots[0].has_four_level_rotors()) return advance_one<0>(robots[0], end_speeds_, lanes);
+    Real end_speeds[4];
+    return advance_one<4>(robots[0], end_speeds, lanes);
+  }
+
+ private:
+  static constexpr std::uint32_t kAll = (1u << kLanesOf<Real>)-1u;
+
+  /// The only robot of its world.
+  template <int kLevelRotors>
+  SKYBODY_INLINE std::uint32_t advance_one(const FreeRobot& robot, Real* end_speeds,
+                                           std::uint32_t lanes) const {
+    FreeMotion<Real> motion;
+    const MaskOf<Real> sound = advance<kLevelRotors>(robot, motion, end_speeds);
+    if (lanes == kAll && all(sound)) {  // the usual case, without a mask
+      write<kLevelRotors>(robot, motion, end_speeds, AllLanes());
+      return lanes;
+    }
+    const MaskOf<Real> through = sound & mask_from_bits<Real>(lanes);
+    write<kLevelRotors>(robot, motion, end_speeds, through);
+    return bits_from_mask(through);
+  }
+
+  /// Nothing is written before it is known which lanes came through with all their robots.
+  SKYBODY_INLINE std::uint32_t advance_all(std::uint32_t lanes) const {
+    MaskOf<Real> through = mask_from_bits<Real>(lanes);
+    FreeMotion<Real>* at_end = motions_;
+    for (const FreeRobot& robot : robots_.robots) {
+      FreeMotion<Real> motion;
+      Real* end_speeds = end_speeds_ + robot.rotors.first;
+      through &= robot.has_four_level_rotors() ? advance<4>(robot, motion, end_speeds)
+                                               : advance<0>(robot, motion, end_speeds);
+      *at_end++ = motion;
+    }
+    if (all(through)) {
+      write_all(AllLanes());
+    } else {
+      write_all(through);
+    }
+    return bits_from_mask(through);
+  }
+
+  template <int kLevelRotors>
+  SKYBODY_INLINE MaskOf<Real> advance(const FreeRobot& robot, FreeMotion<Real>& motion,
+                                      Real* end_speeds) const {
+    const LaneValues<Real> q(lanes_.at(group_.q, robot.q)), u(lanes_.at(group_.u, robot.u));
+    const auto load = [&]() SKYBODY_INLINE_LAMBDA {
+      return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
+    };
+    using Step = FreeRobotStep<Real, Values, kLevelRotors>;
+    return Step(robots_, robot, in_).template advance<kIntegrator>(load, motion, end_speeds);
+  }
+
+  template <class Mask>
+  SKYBODY_INLINE void write_all(const Mask& mask) const {
+    const FreeMotion<Real>* motion = motions_;
+    for (const FreeRobot& robot : robots_.robots) {
+      write<0>(robot, *motion++, end_speeds_ + robot.rotors.first, mask);
+    }
+  }
+
+  /// @param mask  lanes to write, or AllLanes
+  template <int kLevelRotors, class Mask>
+  SKYBODY_INLINE void write(const FreeRobot& robot, const FreeMotion<Real>& m,
+                            const Real* end_speeds, const Mask& mask) const {
+    const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
+                             m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
+                             m.spin.x,     m.spin.y,     m.spin.z};
+    // All places first: nothing needs to be looked up again between the stores.
+    double *q = lanes_.at(group_.q, robot.q), *u = lanes_.at(group_.u, robot.u);
+    double* bodies =
+        group_.bodies == group_.q ? nullptr : lanes_.at(group_.bodies, 13 * robot.body);
+    double* rotor_speed = lanes_.at(group_.rotor_speed, robot.rotors.first);
+    const int rotors = kLevelRotors > 0 ? kLevelRotors : robot.rotors.count;
+    const LanePlace<Real> here(0);
+    here.store(values, 7, mask, q);
+    here.store(values + 7, 6, mask, u);
+    if (bodies != nullptr) here.store(values, 13, mask, bodies);
+#pragma GCC unroll 4
+    for (int i = 0; i < rotors; ++i) here.put(end_speeds[i], mask, here.at(rotor_speed, i));
+  }
+
+  const FreeRobots& robots_;
+  GroupBlocks group_;  ///< copied: the compiler sees that stores cannot change it
+  LanePlace<Real> lanes_;
+  FreeStepInputs<Real, Values> in_;
+  FreeMotion<Real>* motions_;  ///< at the step's end; only where there are several robots
+  Real* end_speeds_;           ///< of all rotors
+};
+
+template <IntegratorChoice kIntegrator>
+struct AdvanceFreeRobots {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    return for_packs<W>(call, lanes,
+                        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+                            SKYBODY_INLINE_LAMBDA {
+                              using Values = std::decay_t<decltype(params)>;
+                              return FreeLanes<RealOf<W>, Values, kIntegrator>(call, first, params,
+                                                                               derived)
+                                  .advance(bits);
+                            });
+  }
+};
+
+}  // namespace skybody

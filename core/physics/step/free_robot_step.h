@@ -1,0 +1,248 @@
+// One step of a robot that is one free body, from its coordinates to its coordinates, with nothing
+// stored in between. On double and packs. The laws are those of every robot (rotor_force.h,
+// force_terms.h, body_load.h, step_rules.h); here they are put together in the axes of the body.
+#pragma once
+
+#include "core/physics/forces/force_terms.h"
+#include "core/physics/step/free_robots.h"
+#include "core/physics/step/lane_values.h"
+#include "core/physics/step/step_rules.h"
+
+namespace skybody {
+
+/// Coordinates of a free body, as its q and u have them and, in this order, its BodyState; or the
+/// rates of these.
+template <class Real>
+struct FreeMotion {
+  Vec3<Real> position;
+  Quat<Real> rotation;  ///< W from B, unit
+  Vec3<Real> velocity;  ///< of the origin, W axes
+  Vec3<Real> spin;      ///< body axes
+
+  /// start + time rate, number by number.
+  SKYBODY_INLINE void set(const FreeMotion& start, const FreeMotion& rate, double time) {
+    const Real t(time);
+    const Quat<Real>&q = start.rotation, &r = rate.rotation;
+    position = start.position + rate.position * t;
+    rotation = {q.w + r.w * t, q.x + r.x * t, q.y + r.y * t, q.z + r.z * t};
+    velocity = start.velocity + rate.velocity * t;
+    spin = start.spin + rate.spin * t;
+  }
+  SKYBODY_INLINE void add(const FreeMotion& rate) {
+    position += rate.position;
+    add(rate.rotation);
+    velocity += rate.velocity;
+    spin += rate.spin;
+  }
+  /// @param rate  has velocity and spin
+  template <class Rate>
+  SKYBODY_INLINE void change_velocity(const Rate& rate, double time) {
+    velocity += rate.velocity * Real(time);
+    spin += rate.spin * Real(time);
+  }
+  SKYBODY_INLINE void change_position(double time) {
+    position += velocity * Real(time);
+    add(quaternion_change(rotation, spin, time));
+  }
+
+ private:
+  SKYBODY_INLINE void add(const Quat<Real>& q) {
+    rotation = {rotation.w + q.w, rotation.x + q.x, rotation.y + q.y, rotation.z + q.z};
+  }
+};
+
+/// What such a step holds.
+/// @tparam Values   how parameters and what derives from them are read: LaneValues, SharedValues
+template <class Real, class Values>
+struct FreeStepInputs {
+  LaneValues<Real> rotor_speed, rotor_command, wrench;
+  Values params;
+  Values lags, factors, bodies;  ///< of the whole world
+};
+
+/// @tparam kLevelRotors 0: any rotors; else the robot has so many, all of them level
+template <class Real, class Values, int kLevelRotors>
+class FreeRobotStep {
+ public:
+  using Inputs = FreeStepInputs<Real, Values>;
+
+  SKYBODY_INLINE FreeRobotStep(const FreeRobots& world, const FreeRobot& robot, const Inputs& in)
+      : world_(world),
+        robot_(robot),
+        in_(in),
+        lags_(in.lags + kLagSize * robot.rotors.first),
+        factors_(in.factors + kRotorFactorCount * robot.rotors.first),
+        constants_(in.bodies + kBodyConstantCount * robot.body) {}
+
+  /// Moves the robot on by dt.
+  /// @param load       load() gives the motion at the start of the step
+  /// @param motion     at its end, written
+  /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
+  /// @returns where all of it is finite and below kLargestState: the rates of turn, and the
+  ///          magnitudes of all else added up (rk4: of all)
+  template <IntegratorChoice kIntegrator, class Load>
+  SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
+                                      Real* end_speed) const {
+    if constexpr (kIntegrator == IntegratorChoice::kRk4) {
+      return advance_by_rk4(load, motion, end_speed);
+    } else {
+      return advance_by_euler(load, motion, end_speed);
+    }
+  }
+
+ private:
+  /// Parameters are the nominal ones: what FreeRobot knows of them holds.
+  static constexpr bool kIsNominal = std::is_same_v<Values, SharedValues<Real>>;
+
+  // What is read again after forget() need not be kept in registers, of which there are too few.
+  static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
+
+  template <class Load>
+  SKYBODY_INLINE MaskOf<Real> advance_by_euler(const Load& load, FreeMotion<Real>& motion,
+                                               Real* end_speed) const {
+    Real speeds(0.0);
+    const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
+      const RotorStep<Real> rotor = rotor_step(i);
+      end_speed[i] = rotor.at(kStepEnd).speed;
+      speeds += end_speed[i];
+      return rotor.mean(end_speed[i]);
+    };
+    LevelRotors<Real> level;
+    if (is_level()) level = level_rotors(run);
+    forget();  // the sums need no motion
+    const FreeAcceleration<Real> a = acceleration(kinematics(load()), level, run, world_.rate);
+    forget();
+    motion = load();
+    semi_implicit_euler(dt(), a, motion);
+    // How long the quaternion has become says how quick the turn was.
+    const Real squared = renormalize(motion);
+    const auto turns = logical_and(squared > 0.0, squared < world_.largest_square);
+    return logical_and(turns, size_of(motion) + speeds < kLargestState);
+  }
+
+  template <class Load>
+  SKYBODY_INLINE MaskOf<Real> advance_by_rk4(const Load& load, FreeMotion<Real>& motion,
+                                             Real* end_speed) const {
+    const auto rotor_at = [&](int i, StageTime time)
+                              SKYBODY_INLINE_LAMBDA { return rotor_step(i).at(time); };
+    LevelRotors<Real> level[kStageTimeCount];
+    for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
+      const auto run = [&](int i) SKYBODY_INLINE_LAMBDA { return rotor_at(i, time); };
+      if (is_level()) level[time] = level_rotors(run);
+    }
+    Real speeds(0.0);
+    for (int i = 0; i < rotor_count(); ++i) {
+      end_speed[i] = rotor_at(i, kStepEnd).speed;
+      speeds += end_speed[i];
+    }
+    const auto rates = [&](const FreeMotion<Real>& at, StageTime time,
+                           FreeMotion<Real>& rate) SKYBODY_INLINE_LAMBDA {
+      FreeMotion<Real> unit = at;
+      if (time != kStepStart) renormalize(unit);
+      const auto run = [&](int i) SKYBODY_INLINE_LAMBDA { return rotor_at(i, time); };
+      const FreeAcceleration<Real> a = acceleration(kinematics(unit), level[time], run, 1.0);
+      rate = {at.velocity, quaternion_change(at.rotation, at.spin, 1.0), a.velocity, a.spin};
+    };
+    motion = load();
+    StageRates<FreeMotion<Real>> work;
+    step_by_rule(kRungeKutta4Rule, dt(), rates, motion, work);
+    const Real squared = renormalize(motion);
+    const Vec3<Real>& w = motion.spin;
+    const Real size = (size_of(motion) + speeds) + ((abs(w.x) + abs(w.y)) + abs(w.z));
+    return logical_and(logical_and(squared > 0.0, squared < kInfinity), size < kLargestState);
+  }
+
+  double dt() const { return world_.world.scenario.stepping.dt; }
+  bool is_level() const { return kLevelRotors > 0 || robot_.rotors.is_level; }
+  int rotor_count() const { return kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count; }
+
+  /// @param i  of the robot's rotors
+  SKYBODY_INLINE RotorStep<Real> rotor_step(int i) const {
+    const int rotor = robot_.rotors.first + i;
+    return {load_lag<Real>(lags_ + kLagSize * i), in_.rotor_speed[rotor], in_.rotor_command[rotor],
+            factors_[kRotorFactorCount * i + kSpeedLimit]};
+  }
+
+  /// @param run  run(i) says how rotor i of the robot moves
+  template <class Run>
+  SKYBODY_INLINE LevelRotors<Real> level_rotors(const Run& run) const {
+    const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
+      const RotorMotion<Real> rotor = run(i);
+      return LevelRotors<Real>(factors_ + kRotorFactorCount * i, rotor.speed, rotor.acceleration);
+    };
+    LevelRotors<Real> rotors = alone(0);
+    const int count = rotor_count();
+#pragma GCC unroll 4
+    for (int i = 1; i < count; ++i) rotors += alone(i);
+    return rotors;
+  }
+
+  static SKYBODY_INLINE BodyKinematics<Real> kinematics(const FreeMotion<Real>& m) {
+    BodyKinematics<Real> body;
+    body.position = m.position;
+    body.rotation = m.rotation;
+    body.axes = to_mat3(body.rotation);
+    body.velocity = m.velocity;
+    body.spin = m.spin;
+    return body;
+  }
+
+  /// @param level  the rotors, where they are level; else run(i) says how each moves
+  /// @param unit   of the rotors' accelerations [rad/s^2]
+  template <class Run>
+  SKYBODY_INLINE FreeAcceleration<Real> acceleration(const BodyKinematics<Real>& body,
+                                                     const LevelRotors<Real>& level, const Run& run,
+                                                     double unit) const {
+    const RotorGroup& group = robot_.rotors;
+    const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+    SpatialForce<Real> rotors = SpatialForce<Real>::zero();
+    if (is_level()) {
+      const double height = world_.rotors[static_cast<std::size_t>(group.first)].position.z;
+      rotors = level.force(height, unit, velocity, body.spin);
+    } else {
+      const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA {
+        const RotorMotion<Real> rotor = run(i - group.first);
+        return RotorMotion<Real>{rotor.speed, rotor.acceleration * unit};
+      };
+      rotors = sum_rotors<Real>(group, world_.rotors.data(), in_.params, run_of_world, velocity,
+                                body.spin);
+    }
+    FreeLoad<Real, Values> load(body, constants_, kIsNominal ? robot_.shape : KnownShape(),
+                                to_real<Real>(world_.world.scenario.gravity), rotors);
+    add_outer_forces(body, load);
+    return load.acceleration();
+  }
+
+  /// Forces that only some robots have.
+  template <class Load>
+  SKYBODY_INLINE void add_outer_forces(const BodyKinematics<Real>& body, Load& load) const {
+    if (!kIsNominal || robot_.is_disturbed) {
+      add_disturbance<Real>(in_.params + robot_.disturbance, load);
+    }
+    for (const int site : robot_.sites) {
+      add_wrench<Real>(world_.world.sites[static_cast<std::size_t>(site)], in_.wrench + 6 * site,
+                       load);
+    }
+    if (robot_.contact.count > 0) add_ground(world_.world, robot_.contact, body, load);
+  }
+
+  /// Scales the quaternion to norm 1. @returns the square of its norm before
+  static SKYBODY_INLINE Real renormalize(FreeMotion<Real>& motion) {
+    const Real squared = squared_norm(motion.rotation);
+    motion.rotation = renormalized(motion.rotation, squared);
+    return squared;
+  }
+
+  /// Magnitudes of position and velocity, added up.
+  static SKYBODY_INLINE Real size_of(const FreeMotion<Real>& m) {
+    const auto size = [](const Vec3<Real>& v) { return (abs(v.x) + abs(v.y)) + abs(v.z); };
+    return size(m.position) + size(m.velocity);
+  }
+
+  const FreeRobots& world_;
+  const FreeRobot& robot_;
+  const Inputs& in_;
+  Values lags_, factors_, constants_;  ///< of the robot
+};
+
+}  // namespace skybody

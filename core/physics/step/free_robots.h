@@ -1,0 +1,44 @@
+// Robots that are one free body each, with what their quick step reads: worlds of such robots need
+// neither a tree nor an intermediate array.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/forces/body_load.h"
+#include "core/physics/forces/contact_group.h"
+#include "core/physics/forces/rotor_force.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// One robot. Places are within the blocks of WorldState.
+struct FreeRobot {
+  int body = 0, q = 0, u = 0;
+  RotorGroup rotors;          ///< all of them; none where `count` is 0
+  int disturbance = 0;        ///< first of its kDisturbanceParamCount parameters
+  std::vector<int> sites;     ///< within World::sites
+  bool is_disturbed = false;  ///< likewise
+  KnownShape shape;           ///< by the nominal parameters
+  ContactGroup contact;       ///< none where `count` is 0
+
+  /// The commonest kind, for which kernels are made to measure.
+  bool has_four_level_rotors() const { return rotors.is_level && rotors.count == 4; }
+};
+
+/// All robots of a world. Immutable; refers to the world, which must outlive it.
+struct FreeRobots {
+  /// @param world  is_possible
+  explicit FreeRobots(const World& world);
+
+  /// Whether every robot is one free body that no drive moves and whose joint has no force of its
+  /// own, and the integrator's steps are fixed.
+  static bool is_possible(const World& world);
+
+  const World& world;
+  double rate = 0.0;            ///< physics steps a second: 1/dt
+  double largest_square = 0.0;  ///< of a quaternion that has turned for a step by kLargestState
+  std::vector<FreeRobot> robots;
+  std::vector<RotorPlace> rotors;  ///< of the world
+};
+
+}  // namespace skybody

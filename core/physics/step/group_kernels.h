@@ -1,0 +1,51 @@
+// How kernels go through the lanes of a group: pack by pack, or one lane as a double.
+#pragma once
+
+#include "core/base/kernels.h"
+#include "core/physics/step/group_stepper.h"
+#include "core/physics/step/step_plan.h"
+
+namespace skybody {
+
+/// A pack of W lanes; of one: a double.
+template <int W>
+using RealOf = std::conditional_t<W == 1, double, Pack<W == 1 ? 2 : W>>;
+
+/// Calls f(first, bits) for every pack of W lanes that holds any of `lanes`.
+/// @returns what f returns for each pack, together: bit i is lane i of the group
+template <int W, class F>
+SKYBODY_INLINE std::uint32_t each_pack(std::uint32_t lanes, const F& f) {
+  constexpr int kLanes = W == 1 ? 1 : kGroupLanes;
+  std::uint32_t result = 0;
+  for (int first = 0; first < kLanes; first += W) {
+    const std::uint32_t bits = (lanes >> first) & ((1u << W) - 1u);
+    if (bits != 0) result |= f(first, bits) << first;
+  }
+  return result;
+}
+
+/// The same with f(first, bits, params, derived): views of the parameters and of what derives from
+/// them, shared where all lanes are nominal.
+template <int W, class F>
+SKYBODY_INLINE std::uint32_t for_packs(const StepCall& call, std::uint32_t lanes, const F& f) {
+  using Real = RealOf<W>;
+  if (call.derived == nullptr) {
+    const SharedValues<Real> params(call.plan->nominal_params.data());
+    const SharedValues<Real> derived(call.plan->nominal_derived.data());
+    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+      return f(first, bits, params, derived);
+    });
+  }
+  return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+    return f(first, bits, LaneValues<Real>(call.group->params + first),
+             LaneValues<Real>(call.derived + first));
+  });
+}
+
+/// The kernel for groups of a size: of one lane, or of kGroupLanes on this processor.
+template <class Body>
+StepKernel* kernel_for(int lanes) {
+  return lanes == 1 ? &Body::template run<1> : kernel<Body>(best_isa());
+}
+
+}  // namespace skybody

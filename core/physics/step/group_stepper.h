@@ -1,0 +1,142 @@
+// Physics of a lane group: environments side by side, one physics step at a time.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/aligned_array.h"
+#include "core/physics/forces/contact.h"
+#include "core/physics/step/dynamics_choice.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// Where the values of a group lie: value k of lane l at k * lanes + l.
+struct GroupBlocks {
+  int lanes = 1;
+  double* q = nullptr;
+  double* u = nullptr;
+  double* rotor_speed = nullptr;
+  const double* rotor_command = nullptr;
+  const double* wrench = nullptr;
+  const double* drive = nullptr;
+  const double* params = nullptr;
+  /// 13 per body (BodyState): follows from q and u. Of one free body it is q and u themselves: then
+  /// it may be the same memory.
+  double* bodies = nullptr;
+};
+
+/// Work space of one thread that steps groups of a world. Holds nothing between two calls.
+using PhysicsScratch = AlignedArray<std::byte>;
+
+struct StepCall;
+struct StepKernels;
+struct StepPlan;
+
+/// Physics steps of environments, failed ones included, by the dynamics that took them.
+struct StepCounts {
+  std::uint64_t tree = 0;
+  std::uint64_t simbody = 0;
+};
+
+/// The physics of one group. Holds only what can be derived from World and the group's values (a
+/// cache): results never depend on which states it saw before. Not thread-safe.
+class GroupStepper {
+ public:
+  /// @param plan   must outlive it
+  /// @param lanes  1, or kGroupLanes where kernels take the steps (StepPlan::has_kernels)
+  GroupStepper(const StepPlan& plan, int lanes);
+  ~GroupStepper();
+
+  /// Brings quaternions to norm 1 and makes `bodies`, and all else that follows from the values,
+  /// current for these lanes after the values were changed from outside. Every lane is refreshed
+  /// before it is first stepped.
+  /// @param drawn  those of the lanes whose parameters may have been changed, too
+  void refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,
+               PhysicsScratch& scratch);
+
+  /// Advances q, u, rotor speeds and bodies of these lanes by exactly dt, commands, wrenches and
+  /// drives held.
+  /// @returns the lanes that came through; the others, whose step gave a value that is not finite
+  ///          or beyond 1e6 (free robots: rates of turn, and the magnitudes of all else added up),
+  ///          or where the dynamics gave up, are as they were before the call
+  std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
+
+  /// Generalised accelerations of one lane, which is refreshed, at the present state and t = 0 of
+  /// the step, one per u.
+  /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
+  void accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch, double* udot);
+
+  /// Appends the contacts of one refreshed lane's bodies with one another and with obstacles.
+  /// @throws as accelerations
+  void add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
+                    std::vector<Contact>& out);
+
+  /// The lanes whose last advance went on Simbody, whether they came through or not.
+  std::uint32_t on_simbody() const { return on_simbody_; }
+  /// All steps since it was made. For looking at: nothing depends on them.
+  const StepCounts& counts() const { return counts_; }
+
+ private:
+  class Alone;
+  StepCall call(const GroupBlocks& group, PhysicsScratch& scratch);
+  std::uint32_t on_simbody_of(const StepCall& all, std::uint32_t lanes) const;
+  std::uint32_t advance_alone(const StepCall& all, std::uint32_t lanes, std::uint32_t on_simbody);
+  void note_step(std::uint32_t lanes, std::uint32_t on_simbody);
+  bool derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch);
+  bool are_params(const double* mine, const double* others, int stride) const;
+  void make_derived();
+  void put_nominal(int lane);
+  void put_derived(const double* derived, int first, int lane);
+  Alone& alone();
+  const StepKernels& kernels() const;
+
+  const StepPlan& plan_;
+  int lanes_;
+  AlignedArray<double> spins_;      ///< per body: angular velocity (W), in lanes; unless the world
+                                    ///< has free robots only
+  AlignedArray<double> derived_;    ///< of all lanes; empty: none was ever drawn
+  AlignedArray<double> made_from_;  ///< parameters that drawn lanes' numbers follow from
+  std::uint32_t drawn_ = 0;         ///< lanes whose parameters are not the nominal ones
+  std::uint32_t placed_ = 0;        ///< lanes of `derived_` that hold what is nominal
+  std::uint32_t broken_ = 0;        ///< lanes with parameters that no body has
+  std::uint32_t on_simbody_ = 0;
+  StepCounts counts_;
+  std::unique_ptr<Alone> alone_;  ///< null: never needed so far
+};
+
+/// Makes steppers for the groups of a world, with what they share. Immutable, thread-safe.
+class GroupPhysics {
+ public:
+  /// @param world  must outlive it
+  /// @throws MarkedError as chosen_dynamics
+  /// @throws Error (naming the body) if no rigid body can have the nominal mass properties
+  explicit GroupPhysics(const World& world);
+  GroupPhysics(const World& world, DynamicsUse use);
+  ~GroupPhysics();
+
+  /// Lanes in which the world is best stepped: kGroupLanes where that goes in packs, else 1.
+  int preferred_lanes() const;
+
+  /// Whether `bodies` is q, then u, value by value (one robot, a free body).
+  bool bodies_are_coordinates() const;
+
+  /// Work space for any group of the world.
+  PhysicsScratch make_scratch() const;
+
+  /// @param lanes  1, or preferred_lanes(); the bits are the same
+  std::unique_ptr<GroupStepper> make_stepper(int lanes) const;
+
+ private:
+  std::unique_ptr<const StepPlan> plan_;
+};
+
+/// Builds once whatever steppers of this world will ever build, but for the geometries of contact:
+/// on a hand-over they make Simbody's system in the midst of a flight.
+/// @throws as GroupPhysics, and Error (naming the body and the reason) where Simbody cannot build
+/// it
+void check_world(const World& world);
+
+}  // namespace skybody

@@ -1,0 +1,351 @@
+// The equations of motion of the environments that one Real holds, and a physics step of theirs: of
+// one (double) or of some of a group side by side (a pack), with the same operations in the same
+// order.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/physics/step/group_stepper.h"
+#include "core/physics/step/step_plan.h"
+
+namespace skybody {
+
+/// Coordinates q and u of a world, one after another, for the integration rules; or their rates.
+template <class Real>
+struct Coordinates {
+  const std::vector<TreeBody>* tree = nullptr;
+  Real *q = nullptr, *u = nullptr;  ///< u behind q
+  int q_count = 0, u_count = 0;
+
+  /// start + time rate, number by number.
+  SKYBODY_INLINE void set(const Coordinates& start, const Coordinates& rate, double time) {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] = start.q[i] + time * rate.q[i];
+  }
+  SKYBODY_INLINE void add(const Coordinates& rate) {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] += rate.q[i];
+  }
+  SKYBODY_INLINE void change_velocity(const Coordinates& rate, double time) {
+    for (int i = 0; i < u_count; ++i) u[i] += time * rate.u[i];
+  }
+  SKYBODY_INLINE void change_position(double time) {
+    for (const TreeBody& body : *tree) {
+      Real rates[7];
+      position_rates(body.type, q + body.q, u + body.u, rates);
+      for (int i = 0; i < position_size(body.type); ++i) q[body.q + i] += time * rates[i];
+    }
+  }
+};
+
+/// Work arrays of a step, laid out in a thread's scratch memory.
+template <class Real>
+struct StepArrays {
+  Coordinates<Real> now;
+  StageRates<Coordinates<Real>> stages;
+  Real *joint_forces, *wrench, *drive, *targets;
+  RotorMotion<Real>* rotors[kStageTimeCount];
+  BodyKinematics<Real>* motion;
+  SpatialForce<Real>* forces;
+  typename Forest::template Work<Real> forest;
+  SweptSphere<Real>* swept;
+
+  SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
+  static std::size_t bytes(const StepPlan& plan) {
+    StepArrays sizes;
+    return sizes.lay_out(plan, nullptr);
+  }
+
+ private:
+  StepArrays() = default;
+
+  /// Takes arrays one after another.
+  struct Arena {
+    std::byte* memory;
+    std::size_t used = 0;
+    template <class T>
+    SKYBODY_INLINE void take(T*& array, std::size_t count) {
+      static_assert(std::is_trivially_copyable_v<T>);
+      array = reinterpret_cast<T*>(memory + used);
+      used += count * sizeof(T);
+    }
+    SKYBODY_INLINE void take(Coordinates<Real>& c, const StepPlan& plan) {
+      c.tree = &plan.forest.bodies();
+      c.q_count = plan.world.layout.q.size;
+      c.u_count = plan.world.layout.u.size;
+      take(c.q, static_cast<std::size_t>(c.q_count + c.u_count));
+      c.u = c.q + c.q_count;
+    }
+  };
+
+  /// @returns the bytes that it takes
+  SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
+    const Layout& layout = plan.world.layout;
+    const std::size_t bodies = plan.world.bodies.size();
+    Arena arena{memory};
+    for (Coordinates<Real>* c : {&now, &stages.point, &stages.outer, &stages.inner, &stages.rate}) {
+      arena.take(*c, plan);
+    }
+    arena.take(joint_forces, static_cast<std::size_t>(layout.u.size));
+    arena.take(wrench, static_cast<std::size_t>(layout.wrench.size));
+    arena.take(drive, static_cast<std::size_t>(layout.drive.size));
+    arena.take(targets, 7 * plan.drives.size());
+    for (auto& r : rotors) arena.take(r, plan.world.rotors.size());
+    arena.take(motion, bodies);
+    arena.take(forces, bodies);
+    arena.take(forest.body, bodies);
+    arena.take(forest.ball, bodies);
+    arena.take(forest.acceleration, bodies);
+    arena.take(swept, plan.reach.sphere_count());
+    return arena.used;
+  }
+};
+
+/// Accelerations by the tree's algorithms.
+struct TreeAccelerations {
+  template <class Real, class Values>
+  SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& derived,
+                                 const StepArrays<Real>& a, const Real* q, const Real* u,
+                                 Real* udot) const {
+    plan.forest.accelerations(q, u, a.motion, derived + plan.derived.bodies, a.forces,
+                              a.joint_forces, a.forest, udot);
+  }
+};
+
+/// @tparam Values         how parameters and what derives from them are read: LaneValues,
+///                        SharedValues
+/// @tparam Accelerations  what turns forces into accelerations
+template <class Real, class Values, class Accelerations = TreeAccelerations>
+class Mechanics {
+ public:
+  /// @param first  of the lanes that Real holds
+  SKYBODY_INLINE Mechanics(const StepCall& call, int first, const Values& params,
+                           const Values& derived, const Accelerations& accelerations = {})
+      : plan_(*call.plan),
+        group_(*call.group),
+        spins_(call.spins),
+        lanes_(first),
+        params_(params),
+        derived_(derived),
+        accelerations_(accelerations),
+        a_(*call.plan, call.scratch) {}
+
+  /// Bodies and spins from q and u.
+  SKYBODY_INLINE void refresh() {
+    load_coordinates();
+    for (const TreeBody& body : tree()) make_unit(body.type, a_.now.q + body.q);
+    update_motion(a_.now.q, a_.now.u);
+    lanes_.store(a_.now.q, layout().q.size, AllLanes(), group_.q);
+    store_motion(AllLanes());
+  }
+
+  /// Lanes where something is within reach of something else.
+  SKYBODY_INLINE MaskOf<Real> is_within_reach() {
+    begin_motion();
+    return plan_.reach.is_within(a_.motion, a_.swept);
+  }
+
+  /// One physics step of the lanes in `mask` by a fixed rule; returns those that came through.
+  SKYBODY_INLINE MaskOf<Real> advance(const MaskOf<Real>& mask) {
+    const StepRule& rule = step_rule(plan_.world.scenario.stepping.integrator);
+    begin_step();
+    run_rotors(rule);
+    const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
+                           SKYBODY_INLINE_LAMBDA {
+                             accelerate(at.q, at.u, a_.rotors[time], rate.u);
+                             position_rates_of(at.q, at.u, rate.q);
+                           };
+    step_by_rule(rule, dt(), rates, a_.now, a_.stages);
+    return end_step(mask);
+  }
+
+  /// The same with an integrator that chooses its own times.
+  /// @param advance  advance(rates, q, u), with rates as integrator.h has them
+  template <class Advance>
+  SKYBODY_INLINE MaskOf<Real> advance_by(const Advance& advance, const MaskOf<Real>& mask) {
+    begin_step();
+    each_rotor(
+        [&](int i, const RotorStep<Real>& rotor) { a_.rotors[kStepEnd][i] = rotor.at(kStepEnd); });
+    const auto rates = [&](const Real* q, const Real* u, double time, Real* qdot, Real* udot) {
+      each_rotor([&](int i, const RotorStep<Real>& rotor) {
+        a_.rotors[kStepMiddle][i] =
+            rotor_at_time(params_ + layout().rotor_params[static_cast<std::size_t>(i)], rotor.speed,
+                          rotor.command, time, dt());
+      });
+      has_motion_ = false;  // its points are not ours
+      accelerate(q, u, a_.rotors[kStepMiddle], udot);
+      position_rates_of(q, u, qdot);
+    };
+    advance(rates, a_.now.q, a_.now.u);
+    return end_step(mask);
+  }
+
+  /// Accelerations at the step's start.
+  SKYBODY_INLINE void accelerations(Real* udot) {
+    begin_step();
+    each_rotor([&](int i, const RotorStep<Real>& rotor) {
+      a_.rotors[kStepStart][i] = rotor.at(kStepStart);
+    });
+    accelerate(a_.now.q, a_.now.u, a_.rotors[kStepStart], udot);
+  }
+
+ private:
+  double dt() const { return plan_.world.scenario.stepping.dt; }
+  const Layout& layout() const { return plan_.world.layout; }
+  const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
+  int body_count() const { return static_cast<int>(plan_.world.bodies.size()); }
+
+  /// Coordinates, commands and motion as the step finds them.
+  SKYBODY_INLINE void begin_step() {
+    begin_motion();
+    lanes_.load(group_.wrench, layout().wrench.size, a_.wrench);
+    for (int i = 0; i < layout().u.size; ++i) a_.joint_forces[i] = Real(0.0);
+    if (plan_.drives.empty()) return;
+    lanes_.load(group_.drive, layout().drive.size, a_.drive);
+    Real* target = a_.targets;
+    for (const DrivenBase& drive : plan_.drives) {
+      const TreeBody& base = tree()[static_cast<std::size_t>(drive.body)];
+      begin_drive(drive.kind, a_.motion[drive.body], a_.drive + drive.value, dt(),
+                  a_.now.q + base.q, a_.now.u + base.u, target);
+      target += 7;
+    }
+    has_motion_ = false;
+  }
+
+  /// Coordinates, and the motion that belongs to them.
+  SKYBODY_INLINE void begin_motion() {
+    load_coordinates();
+    if (spins_ != nullptr) {
+      load_motion();
+    } else {
+      update_motion(a_.now.q, a_.now.u);
+    }
+    has_motion_ = true;
+  }
+
+  SKYBODY_INLINE void load_coordinates() {
+    lanes_.load(group_.q, layout().q.size, a_.now.q);
+    lanes_.load(group_.u, layout().u.size, a_.now.u);
+  }
+
+  /// Calls f(i, rotor's step) for every rotor of the world.
+  template <class F>
+  SKYBODY_INLINE void each_rotor(const F& f) const {
+    for (int i = 0; i < static_cast<int>(plan_.world.rotors.size()); ++i) {
+      f(i,
+        RotorStep<Real>(load_lag<Real>(derived_ + (plan_.derived.lags + kLagSize * i)),
+                        load_lanes<Real>(lanes_.at(group_.rotor_speed, i)),
+                        load_lanes<Real>(lanes_.at(group_.rotor_command, i)),
+                        params_[layout().rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed]));
+    }
+  }
+
+  /// Of one stage only: its mean motion over the step, in mid-step's place.
+  SKYBODY_INLINE void run_rotors(const StepRule& rule) const {
+    const double rate = 1.0 / dt();
+    each_rotor([&](int i, const RotorStep<Real>& rotor) SKYBODY_INLINE_LAMBDA {
+      a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
+      if (rule.stages == 1) {
+        const RotorMotion<Real> mean = rotor.mean(a_.rotors[kStepEnd][i].speed);
+        a_.rotors[kStepMiddle][i] = {mean.speed, mean.acceleration * rate};
+        return;
+      }
+      a_.rotors[kStepStart][i] = rotor.at(kStepStart);
+      a_.rotors[kStepMiddle][i] = rotor.at(kStepMiddle);
+    });
+  }
+
+  SKYBODY_INLINE void accelerate(const Real* q, const Real* u, const RotorMotion<Real>* rotors,
+                                 Real* udot) {
+    if (!has_motion_) update_motion(q, u);
+    has_motion_ = false;
+    const ForceInputs<Real, Values> in{q, u, a_.motion, rotors, params_, a_.wrench};
+    plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
+    accelerations_(plan_, derived_, a_, q, u, udot);
+  }
+
+  SKYBODY_INLINE void position_rates_of(const Real* q, const Real* u, Real* qdot) const {
+    for (const TreeBody& body : tree()) {
+      position_rates(body.type, q + body.q, u + body.u, qdot + body.q);
+    }
+  }
+
+  /// Quaternions to norm 1, pose-driven bases exactly where they were told to be; writes the lanes
+  /// whose values are bounded.
+  SKYBODY_INLINE MaskOf<Real> end_step(const MaskOf<Real>& mask) {
+    for (const TreeBody& body : tree()) normalize_position(body.type, a_.now.q + body.q);
+    const Real* target = a_.targets;
+    for (const DrivenBase& drive : plan_.drives) {
+      Real* q = a_.now.q + tree()[static_cast<std::size_t>(drive.body)].q;
+      for (int k = 0; drive.kind == DriveKind::kPose && k < 7; ++k) q[k] = target[k];
+      target += 7;
+    }
+    MaskOf<Real> through = mask;
+    for (int i = 0; i < a_.now.q_count + a_.now.u_count; ++i) through &= is_bounded(a_.now.q[i]);
+    for (int i = 0; i < layout().rotor_speed.size; ++i) {
+      through &= is_bounded(a_.rotors[kStepEnd][i].speed);
+    }
+    update_motion(a_.now.q, a_.now.u);
+    if (all(through)) {  // the usual case, without reading what is overwritten
+      store_step(AllLanes());
+    } else {
+      store_step(through);
+    }
+    return through;
+  }
+  static SKYBODY_INLINE MaskOf<Real> is_bounded(const Real& x) { return abs(x) < kLargestState; }
+
+  template <class Mask>
+  SKYBODY_INLINE void store_step(const Mask& mask) {
+    lanes_.store(a_.now.q, layout().q.size, mask, group_.q);
+    lanes_.store(a_.now.u, layout().u.size, mask, group_.u);
+    for (int i = 0; i < layout().rotor_speed.size; ++i) {
+      lanes_.put(a_.rotors[kStepEnd][i].speed, mask, lanes_.at(group_.rotor_speed, i));
+    }
+    store_motion(mask);
+  }
+
+  SKYBODY_INLINE void update_motion(const Real* q, const Real* u) {
+    forward_kinematics(tree(), q, u, a_.motion);
+  }
+
+  /// The motion that the step before left: that of q and u.
+  SKYBODY_INLINE void load_motion() {
+    for (int i = 0; i < body_count(); ++i) {
+      const LaneValues<Real> b(lanes_.at(group_.bodies, 13 * i));
+      BodyKinematics<Real>& m = a_.motion[i];
+      m.position = load_vec3(b);
+      m.rotation = load_quat(b + 3);
+      m.axes = to_mat3(m.rotation);
+      m.velocity = load_vec3(b + 7);
+      m.spin = load_vec3(b + 10);
+      m.angular_velocity = load_vec3(LaneValues<Real>(lanes_.at(spins_, 3 * i)));
+    }
+  }
+
+  template <class Mask>
+  SKYBODY_INLINE void store_motion(const Mask& mask) {
+    for (int i = 0; i < body_count(); ++i) {
+      const BodyKinematics<Real>& m = a_.motion[i];
+      const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
+                               m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
+                               m.spin.x,     m.spin.y,     m.spin.z};
+      lanes_.store(values, 13, mask, lanes_.block(group_.bodies, 13 * i));
+      if (spins_ == nullptr) continue;
+      const Vec3<Real>& w = m.angular_velocity;
+      const Real spins[3] = {w.x, w.y, w.z};
+      lanes_.store(spins, 3, mask, lanes_.block(spins_, 3 * i));
+    }
+  }
+
+  const StepPlan& plan_;
+  const GroupBlocks& group_;
+  double* spins_;
+  LanePlace<Real> lanes_;
+  Values params_, derived_;
+  Accelerations accelerations_;
+  StepArrays<Real> a_;
+  bool has_motion_ = false;  ///< `motion` belongs to the point that is evaluated next
+};
+
+}  // namespace skybody

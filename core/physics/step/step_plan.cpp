@@ -1,0 +1,56 @@
+#include "core/physics/step/step_plan.h"
+
+#include <algorithm>
+
+#include "core/physics/step/mechanics.h"
+
+namespace skybody {
+
+DerivedLayout::DerivedLayout(const World& world)
+    : factors(kLagSize * static_cast<int>(world.rotors.size())),
+      bodies(factors + kRotorFactorCount * static_cast<int>(world.rotors.size())),
+      size(bodies + kBodyConstantCount * static_cast<int>(world.bodies.size())) {}
+
+namespace {
+
+StepKernels make_kernels(const StepPlan& plan, int lanes) {
+  StepKernels kernels{refresh_kernel(lanes), nullptr, within_reach_kernel(lanes),
+                      derive_kernel(lanes)};
+  if (!plan.has_kernels()) return kernels;
+  const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
+  kernels.advance = !plan.free_robots                      ? tree_kernel(lanes)
+                    : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes)
+                                                           : free_euler_kernel(lanes);
+  return kernels;
+}
+
+}  // namespace
+
+StepPlan::StepPlan(const World& w, DynamicsUse u)
+    : world(w),
+      use(u),
+      forest(w),
+      forces(w),
+      reach(w),
+      derived(w),
+      physics_params(w.layout.disturbance_params.back() + kDisturbanceParamCount),
+      nominal_params(w.layout.nominal_params()),
+      nominal_derived(static_cast<std::size_t>(derived.size)) {
+  const double* nominal = nominal_params.data();
+  derive_rotors(w, derived, nominal,
+                [&](int k, double value) { nominal_derived[static_cast<std::size_t>(k)] = value; });
+  make_body_constants(w, nominal, nominal_derived.data() + derived.bodies);
+  int value = 0;
+  for (std::size_t r = 0; r < w.drives.size(); ++r) {
+    if (w.drives[r] == DriveKind::kNone) continue;
+    drives.push_back({w.drives[r], w.layout.robots[r].first_body, value});
+    value += kDriveSize;
+  }
+  if (FreeRobots::is_possible(w)) free_robots.emplace(w);
+  const auto one_lane = static_cast<std::size_t>(physics_params + derived.size) * sizeof(double);
+  scratch_bytes = std::max(StepArrays<Pack<kWidestPack>>::bytes(*this), one_lane);
+  kernels_of_all = make_kernels(*this, kGroupLanes);
+  kernels_of_one = make_kernels(*this, 1);
+}
+
+}  // namespace skybody

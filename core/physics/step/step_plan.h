@@ -1,0 +1,124 @@
+// What stepping a world needs besides the values of a group: made once, shared by all groups of the
+// world.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/physics/forces/force_model.h"
+#include "core/physics/step/dynamics_choice.h"
+#include "core/physics/step/free_robots.h"
+#include "core/physics/step/lane_values.h"
+#include "core/physics/step/reach.h"
+#include "core/physics/step/step_rules.h"
+#include "core/physics/tree/forest.h"
+
+namespace skybody {
+
+/// A driven base.
+struct DrivenBase {
+  DriveKind kind = DriveKind::kNone;
+  int body = 0;
+  int value = 0;  ///< first of its values within the drive block
+};
+
+/// Numbers derived from the parameters of one environment: the rotors' lags (kLagSize each) and
+/// factors (kRotorFactorCount each), then the bodies' constants (kBodyConstantCount each).
+struct DerivedLayout {
+  explicit DerivedLayout(const World& world);
+  int lags = 0;
+  int factors = 0;
+  int bodies = 0;
+  int size = 0;
+};
+
+/// The rotors' part of them, the rest being the bodies'.
+/// @param params  of one environment, or of as many as Real has lanes: a pointer, or a view
+/// @param store   store(k, value) for every place k of the rotors
+template <class Values, class Store>
+SKYBODY_INLINE void derive_rotors(const World& world, const DerivedLayout& layout,
+                                  const Values& params, Store&& store) {
+  using Real = std::decay_t<decltype(params[0])>;
+  for (int r = 0; r < static_cast<int>(world.rotors.size()); ++r) {
+    const auto rotor = static_cast<std::size_t>(r);
+    const auto constants = params + world.layout.rotor_params[rotor];
+    const RotorLag<Real> lag = make_rotor_lag(constants, world.scenario.stepping.dt);
+    for (int k = 0; k < kLagSize; ++k) {
+      store(layout.lags + kLagSize * r + k, reinterpret_cast<const Real*>(&lag)[k]);
+    }
+    Real factors[kRotorFactorCount];
+    make_rotor_factors(constants, make_rotor_place(world, rotor), factors);
+    for (int k = 0; k < kRotorFactorCount; ++k) {
+      store(layout.factors + kRotorFactorCount * r + k, factors[k]);
+    }
+  }
+}
+
+struct StepPlan;
+struct GroupBlocks;
+
+/// One call of a kernel on a group.
+struct StepCall {
+  const StepPlan* plan;
+  const GroupBlocks* group;
+  double* spins;       ///< per body: angular velocity (W), in lanes; null: recomputed
+  double* derived;     ///< DerivedLayout::size values in lanes; null: all lanes are nominal
+  std::byte* scratch;  ///< StepPlan::scratch_bytes
+};
+
+/// What a kernel does to some lanes of a group. @returns the lanes of which it is true
+using StepKernel = std::uint32_t(const StepCall& call, std::uint32_t lanes);
+
+/// The kernels for groups of one size.
+struct StepKernels {
+  /// Bodies and spins from q and u.
+  StepKernel* refresh = nullptr;
+  /// One physics step; the lanes that came through: the others are as they were.
+  StepKernel* advance = nullptr;
+  /// The lanes where something is within reach of something else (Reach).
+  StepKernel* within_reach = nullptr;
+  /// Derives what belongs to the rotors, into memory that StepCall::derived points to.
+  StepKernel* derive = nullptr;
+};
+
+/// Kernels of one kind, for groups of kGroupLanes lanes with the best instruction set at hand, or
+/// of one lane.
+StepKernel* refresh_kernel(int lanes);
+StepKernel* within_reach_kernel(int lanes);
+StepKernel* derive_kernel(int lanes);
+StepKernel* tree_kernel(int lanes);
+StepKernel* free_euler_kernel(int lanes);
+StepKernel* free_rk4_kernel(int lanes);
+
+/// Immutable; refers to the world, which must outlive it.
+struct StepPlan {
+  /// @throws Error (naming the body) if no rigid body can have the nominal mass properties
+  StepPlan(const World& world, DynamicsUse use);
+
+  /// Whether tree's steps are taken by kernels: an error-controlled integrator's steps depend on
+  /// the state, so that lanes part.
+  bool has_kernels() const {
+    return !is_error_controlled(world.scenario.stepping.integrator) && use != DynamicsUse::kSimbody;
+  }
+  /// Those for groups of kGroupLanes lanes, or of one.
+  const StepKernels& kernels(int lanes) const {
+    return lanes == 1 ? kernels_of_one : kernels_of_all;
+  }
+
+  const World& world;
+  DynamicsUse use;
+  Forest forest;
+  ForceModel forces;
+  Reach reach;
+  std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
+  std::vector<DrivenBase> drives;
+  DerivedLayout derived;
+  int physics_params = 0;              ///< the first so many words of the parameter block
+  std::vector<double> nominal_params;  ///< the whole block
+  std::vector<double> nominal_derived;
+  std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for deriving
+  StepKernels kernels_of_all, kernels_of_one;
+};
+
+}  // namespace skybody

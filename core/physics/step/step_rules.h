@@ -1,0 +1,108 @@
+// What happens within one physics step whoever computes it: how rotors run, how drives set a base's
+// coordinates, and the two explicit integration rules. On double and packs.
+#pragma once
+
+#include "core/physics/forces/base_drive.h"
+#include "core/physics/forces/rotor_lag.h"
+
+namespace skybody {
+
+/// A state beyond this [m, rad, m/s, rad/s] has diverged: it is a thousand kilometres away, or
+/// faster than any rotor.
+inline constexpr double kLargestState = 1e6;
+
+/// A rotor's command during one step, ready to be asked how the rotor runs.
+template <class Real>
+struct RotorStep {
+  RotorLag<Real> lag;
+  Real speed;    ///< at the start of the step [rad/s]
+  Real command;  ///< held, and what the rotor can do [rad/s]
+
+  /// @param command    as held; @param max_speed  what the rotor can do
+  SKYBODY_INLINE RotorStep(const RotorLag<Real>& l, const Real& start, const Real& held,
+                           const Real& max_speed)
+      : lag(l), speed(start), command(limit_command(held, max_speed)) {}
+
+  SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
+    return rotor_at(lag, speed, command, time);
+  }
+  /// Speed in mid-step, and the change of speed over the step instead of an acceleration: for one
+  /// evaluation a step.
+  /// @param end  speed at the end of the step
+  SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
+    return {at(kStepMiddle).speed, end - speed};
+  }
+};
+
+/// Sets the rates of a driven base for the step that begins.
+/// @param values  the drive's kDriveSize values
+/// @param q, u    the base's own
+/// @param target  pose drives: the base's coordinates at the step's end, seven, written
+template <class Real>
+SKYBODY_INLINE void begin_drive(DriveKind kind, const BodyKinematics<Real>& base,
+                                const Real* values, double dt, const Real* q, Real* u,
+                                Real* target) {
+  if (kind == DriveKind::kVelocity) {
+    drive_velocity(base, values, u);
+    return;
+  }
+  store(load_vec3(values + kDrivePosition), target);
+  store(normalized(load_quat(values + kDriveRotation)), target + 3);
+  drive_to_pose(q, target, dt, u);
+}
+
+/// An explicit one-step rule as its stages: where each evaluates the rates.
+struct StepRule {
+  int stages;
+  StageTime time[4];  ///< of the rotors
+  double reach[4];    ///< from the step's start with the rates of the stage before [dt]
+};
+/// Semi-implicit (symplectic) Euler, order 1: u += dt udot, then q += dt N(q) u. Rotors count with
+/// their speed in mid-step.
+inline constexpr StepRule kSemiImplicitEulerRule{1, {kStepMiddle}, {0.0}};
+/// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
+inline constexpr StepRule kRungeKutta4Rule{
+    4, {kStepStart, kStepMiddle, kStepMiddle, kStepEnd}, {0.0, 0.5, 0.5, 1.0}};
+
+SKYBODY_INLINE const StepRule& step_rule(IntegratorChoice integrator) {
+  return integrator == IntegratorChoice::kRk4 ? kRungeKutta4Rule : kSemiImplicitEulerRule;
+}
+
+/// What semi-implicit Euler does with the rates.
+template <class State, class Rate>
+SKYBODY_INLINE void semi_implicit_euler(double dt, const Rate& rate, State& state) {
+  state.change_velocity(rate, dt);
+  state.change_position(dt);
+}
+
+/// Where a rule keeps its rates.
+template <class State>
+struct StageRates {
+  State point;               ///< a stage's
+  State outer, inner, rate;  ///< of the first stage, the second, and those behind
+};
+
+/// One step by a rule.
+/// @tparam State  has set(start, rate, time): start + time rate, number by number, where start may
+///                be the state itself; add(rate); and change_velocity(rate, time) and
+///                change_position(time), which is by its velocity
+/// @param rates   rates(state, time, rate) writes what the state changes by in a second. It is
+///                large code: the loop has it once
+/// @param state   at the step's start; written: at its end
+template <class State, class Rates>
+SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& rates, State& state,
+                                 StageRates<State>& work) {
+  State* const rate[4] = {&work.outer, &work.inner, &work.rate, &work.rate};
+#pragma GCC unroll 1
+  for (int k = 0; k < rule.stages; ++k) {
+    if (k > 0) work.point.set(state, *rate[k - 1], dt * rule.reach[k]);
+    rates(k == 0 ? state : work.point, rule.time[k], *rate[k]);
+    if (k == 2) work.inner.add(work.rate);
+  }
+  if (rule.stages == 1) return semi_implicit_euler(dt, work.outer, state);
+  work.outer.add(work.rate);
+  work.outer.set(work.outer, work.inner, 2.0);
+  state.set(state, work.outer, dt / 6.0);
+}
+
+}  // namespace skybody

@@ -1,0 +1,73 @@
+// Kernels of any world on the tree's algorithms.
+#include "core/physics/step/group_kernels.h"
+#include "core/physics/step/mechanics.h"
+
+namespace skybody {
+namespace {
+
+/// For what asks for no parameters.
+template <class Real>
+SKYBODY_INLINE Mechanics<Real, SharedValues<Real>> motion_of(const StepCall& call, int first) {
+  const SharedValues<Real> none(nullptr);
+  return {call, first, none, none};
+}
+
+struct Refresh {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+      motion_of<RealOf<W>>(call, first).refresh();
+      return bits;
+    });
+  }
+};
+
+struct WithinReach {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+      return bits_from_mask(motion_of<RealOf<W>>(call, first).is_within_reach()) & bits;
+    });
+  }
+};
+
+/// The exponentials of the rotors' lags are most of what a reset with drawn constants costs.
+struct DeriveRotors {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    using Real = RealOf<W>;
+    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+      const LanePlace<Real> place(first);
+      const MaskOf<Real> mask = mask_from_bits<Real>(bits);
+      derive_rotors(
+          call.plan->world, call.plan->derived, LaneValues<Real>(call.group->params + first),
+          [&](int k, const Real& value)
+              SKYBODY_INLINE_LAMBDA { place.put(value, mask, place.at(call.derived, k)); });
+      return bits;
+    });
+  }
+};
+
+struct AdvanceTrees {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    using Real = RealOf<W>;
+    return for_packs<W>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              return bits_from_mask(Mechanics<Real, Values>(call, first, params, derived)
+                                        .advance(mask_from_bits<Real>(bits)));
+            });
+  }
+};
+
+}  // namespace
+
+StepKernel* refresh_kernel(int lanes) { return kernel_for<Refresh>(lanes); }
+StepKernel* within_reach_kernel(int lanes) { return kernel_for<WithinReach>(lanes); }
+StepKernel* derive_kernel(int lanes) { return kernel_for<DeriveRotors>(lanes); }
+StepKernel* tree_kernel(int lanes) { return kernel_for<AdvanceTrees>(lanes); }
+
+}  // namespace skybody

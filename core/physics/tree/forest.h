@@ -1,0 +1,212 @@
+// Generalised accelerations of robots that are trees of rigid bodies, under given forces, on double
+// and packs: by the articulated-body algorithm, or in closed form for a robot of one free body.
+#pragma once
+
+#include <vector>
+
+#include "core/physics/bodies/body_constants.h"
+#include "core/physics/forces/body_load.h"
+#include "core/physics/tree/articulated_body.h"
+#include "core/physics/tree/ball_joint.h"
+
+namespace skybody {
+
+/// The trees of a world. Immutable.
+class Forest {
+ public:
+  /// Drives are read from `world.drives`.
+  explicit Forest(const World& world);
+
+  const std::vector<TreeBody>& bodies() const { return bodies_; }
+
+  /// What an evaluation works on: arrays with a place per body of the world.
+  template <class Real>
+  struct Work {
+    TreeBodyWork<Real>* body = nullptr;
+    BallJointWork<Real>* ball = nullptr;
+    SpatialAcceleration<Real>* acceleration = nullptr;
+  };
+
+  /// @param motion        of all bodies at q, u
+  /// @param constants     kBodyConstantCount values per body: a pointer, or a view
+  /// @param forces        per body; @param joint_forces  per u
+  /// @param udot          per u, overwritten; zero for driven bases
+  template <class Real, class Constants>
+  SKYBODY_INLINE void accelerations(const Real* q, const Real* u,
+                                    const BodyKinematics<Real>* motion, const Constants& constants,
+                                    const SpatialForce<Real>* forces, const Real* joint_forces,
+                                    const Work<Real>& work, Real* udot) const {
+    for (const Tree& tree : trees_) {
+      const TreeBody& base = bodies_[static_cast<std::size_t>(tree.begin)];
+      if (tree.is_free_body) {
+        accelerate_free_body(motion[tree.begin], constants + kBodyConstantCount * tree.begin,
+                             forces[tree.begin], joint_forces + base.u, udot + base.u);
+        continue;
+      }
+      open(tree, q, u, motion, constants, forces, work);
+      gather(tree, motion, joint_forces, work);
+      spread(tree, motion, joint_forces, work, udot);
+    }
+  }
+
+ private:
+  template <class Real, class Constants>
+  static SKYBODY_INLINE void accelerate_free_body(const BodyKinematics<Real>& body,
+                                                  const Constants& constants,
+                                                  const SpatialForce<Real>& force,
+                                                  const Real* joint_force, Real* udot) {
+    const SpatialForce<Real> none = SpatialForce<Real>::zero();
+    FreeLoad<Real, Constants> load(body, constants, {}, none.force, none);
+    load.add_about_origin({force.moment, force.force + load_vec3(joint_force)});
+    load.add_moment(load_vec3(joint_force + 3), Axes::kBody);
+    const FreeAcceleration<Real> a = load.acceleration();
+    store(a.velocity, udot);
+    store(a.spin, udot + 3);
+  }
+
+  /// Consecutive bodies of one robot.
+  struct Tree {
+    int begin = 0, end = 0;
+    bool is_free_body = false;
+    bool is_driven = false;  ///< the base's coordinates are prescribed, with no acceleration
+    bool floats = false;     ///< the base moves freely, its joint's frames being W's and its own
+  };
+
+  /// Calls f with the JointColumns of a joint that is neither ball nor weld.
+  template <class F>
+  static SKYBODY_INLINE void with_columns(const TreeBody& body, F&& f) {
+    switch (body.type) {
+      case JointType::kFree:
+        return f(JointColumns<6, false>());
+      case JointType::kPin:
+        return body.plain_body ? f(JointColumns<1, true>()) : f(JointColumns<1, false>());
+      case JointType::kSlider:
+        return f(JointColumns<1, false>());
+      case JointType::kUniversal:
+        return body.plain_body ? f(JointColumns<2, true>()) : f(JointColumns<2, false>());
+      case JointType::kBall:
+      case JointType::kWeld:
+        return;
+    }
+  }
+  static bool is_held(const Tree& tree, int i) { return tree.is_driven && i == tree.begin; }
+
+  /// Every body by itself, with its joint's columns.
+  template <class Real, class Constants>
+  SKYBODY_INLINE void open(const Tree& tree, const Real* q, const Real* u,
+                           const BodyKinematics<Real>* motion, const Constants& constants,
+                           const SpatialForce<Real>* forces, const Work<Real>& work) const {
+    for (int i = tree.begin; i < tree.end; ++i) {
+      const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
+      const BodyKinematics<Real>& b = motion[i];
+      const Constants c = constants + kBodyConstantCount * i;
+      TreeBodyWork<Real>& w = work.body[i];
+      const BodyKinematics<Real>* parent = body.parent < 0 ? nullptr : motion + body.parent;
+      if (body.type == JointType::kBall) {
+        open_ball(body, parent, b, w, work.ball[i]);
+      } else if (i > tree.begin || !tree.floats) {
+        open_joint(body, parent, frame_axes(body, motion),
+                   joint_motion(body.type, q + body.q, u + body.u), b, u + body.u, w);
+      }
+      const Vec3<Real> com = b.axes * load_vec3(c + kBodyCom);
+      w.inertia = rigid_inertia(Real(c[kBodyMass]), com,
+                                rotate_inertia(b.axes, load_sym_mat3(c + kBodyInertia)));
+      w.bias = velocity_force(Real(c[kBodyMass]), com, w.inertia.angular, b.angular_velocity);
+      w.bias.moment -= forces[i].moment;
+      w.bias.force -= forces[i].force;
+    }
+  }
+
+  /// From the leaves to the base: what each body and all that hangs on it asks of its parent.
+  template <class Real>
+  SKYBODY_INLINE void gather(const Tree& tree, const BodyKinematics<Real>* motion,
+                             const Real* joint_forces, const Work<Real>& work) const {
+    for (int i = tree.end; i-- > tree.begin;) {
+      if (i == tree.begin && tree.floats) continue;  // spread() takes it as it is
+      const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
+      TreeBodyWork<Real>& w = work.body[i];
+      if (body.type == JointType::kBall) {
+        SymMat3<Real> linear;
+        SpatialForce<Real> bias;
+        take_out_ball(body, motion[i], joint_forces + body.u, w, work.ball[i], linear, bias);
+        if (body.parent >= 0)
+          load_parent(carried(linear, w.arm), bias, w.arm, work.body[body.parent]);
+        continue;
+      }
+      ArticulatedInertia<Real> inertia = w.inertia;
+      SpatialForce<Real> bias = w.bias;
+      if (!is_held(tree, i) && body.type != JointType::kWeld) {
+        with_columns(body, [&](auto columns) SKYBODY_INLINE_LAMBDA {
+          using Columns = decltype(columns);
+          eliminate<Columns>(joint_forces + body.u, w);
+          if (body.parent >= 0) reduce<Columns>(w, inertia, bias);
+        });
+      } else {
+        const SpatialForce<Real> drifting = inertia * w.drift;
+        bias.moment += drifting.moment;
+        bias.force += drifting.force;
+      }
+      if (body.parent >= 0)
+        load_parent(shifted(inertia, w.arm), bias, w.arm, work.body[body.parent]);
+    }
+  }
+
+  /// @param inertia  about the parent's O; @param bias  about the point that is `arm` from it
+  template <class Real>
+  static SKYBODY_INLINE void load_parent(const ArticulatedInertia<Real>& inertia,
+                                         const SpatialForce<Real>& bias, const Vec3<Real>& arm,
+                                         TreeBodyWork<Real>& parent) {
+    parent.inertia = {parent.inertia.angular + inertia.angular,
+                      parent.inertia.coupling + inertia.coupling,
+                      parent.inertia.linear + inertia.linear};
+    const SpatialForce<Real> there = shifted(bias, arm);
+    parent.bias.moment += there.moment;
+    parent.bias.force += there.force;
+  }
+
+  /// From the base to the leaves: what each body does, its parent's acceleration known.
+  template <class Real>
+  SKYBODY_INLINE void spread(const Tree& tree, const BodyKinematics<Real>* motion,
+                             const Real* joint_forces, const Work<Real>& work, Real* udot) const {
+    int first = tree.begin;
+    if (tree.floats) {
+      const int u = bodies_[static_cast<std::size_t>(first)].u;
+      const Mat3<Real>& axes = motion[first].axes;
+      const SpatialForce<Real>& bias = work.body[first].bias;
+      SpatialAcceleration<Real>& a = work.acceleration[first];
+      a = free_acceleration(work.body[first].inertia,
+                            {axes * load_vec3(joint_forces + u + 3) - bias.moment,
+                             load_vec3(joint_forces + u) - bias.force});
+      store(a.linear, udot + u);
+      store(transpose_times(axes, a.angular), udot + u + 3);
+      ++first;
+    }
+    for (int i = first; i < tree.end; ++i) {
+      const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
+      TreeBodyWork<Real>& w = work.body[i];
+      SpatialAcceleration<Real>& a = work.acceleration[i];
+      a = w.drift;
+      if (body.parent >= 0) {
+        const SpatialAcceleration<Real>& parent = work.acceleration[body.parent];
+        a.angular += parent.angular;
+        a.linear += parent.linear + cross(parent.angular, w.arm);
+      }
+      if (is_held(tree, i)) {
+        for (int k = 0; k < velocity_size(body.type); ++k) udot[body.u + k] = Real(0.0);
+        continue;
+      }
+      if (body.type == JointType::kBall) {
+        follow_ball(body, motion[i], work.ball[i], a, udot + body.u);
+        continue;
+      }
+      with_columns(body, [&](auto columns) SKYBODY_INLINE_LAMBDA {
+        substitute<decltype(columns)>(w, a, udot + body.u);
+      });
+    }
+  }
+
+  std::vector<TreeBody> bodies_;
+  std::vector<Tree> trees_;
+};
+
+}  // namespace skybody

@@ -1,0 +1,22 @@
+// Makes the layout of a world: the physics' blocks first; what plugins need is added by core/env.
+#pragma once
+
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// Sizes of the blocks header, q, u, rotor_speed and rotor_command, the layout of each robot, and
+/// the EnvParams of bodies, rotors and disturbances.
+Layout physics_layout(const Topology& topology);
+
+/// Appends one randomizable value. @returns its index within the parameter block.
+int add_param(Layout& layout, const EnvParam& param);
+
+/// The plan's layout with the sizes of wrench, drive and params, the offsets of all blocks and the
+/// number of words. World's constructor calls it.
+Layout finish_layout(const WorldPlan& plan);
+
+/// Number of robots whose base is driven; their 13 values lie in the drive block in robot order.
+int count_driven(const std::vector<DriveKind>& drives);
+
+}  // namespace skybody
