@@ -2,10 +2,11 @@
 
     .venv/bin/python experiments/old_and_new.py --old ../old
 
-`--old` is another clone, built (`./dev build`). Each turn runs the same short measurement on both, the old one
-first in every other turn, on one thread. The ratio new over old of each turn is kept; the table has
-its median and the 95 % interval of the median (order statistics, binomial). A case is slower where
-the whole interval lies below --least. Exit status 0: none is, 1: some are, 2: a process failed.
+`--old` is another clone, built (`./dev build`). Each turn runs the same short measurement on both,
+the old one first in every other turn, on one thread. The ratio new over old of each turn is kept;
+the table has its median and the 95 % interval of the median (order statistics, binomial). A case is
+slower where the whole interval lies below --least. Exit status 0: none is, 1: some are, 2: a
+process failed. `--markdown docs/old_and_new.md` writes the page.
 """
 
 from __future__ import annotations
@@ -14,13 +15,12 @@ import argparse
 import json
 import math
 import os
-import platform
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+from training_runs import ROOT, machine, machine_line
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ CASES = (
     Case("Python, N = 1", python_envs=1),
 )
 
-# Run with the build's own module: what `make_vec` gives a learner, steps a second of processor time.
+# Run with the project's own module: what `make_vec` gives a learner, in steps a second.
 PYTHON = """
 import sys, time
 import numpy as np
@@ -112,6 +112,29 @@ def turns(old: Path, new: Path, case: Case, count: int, seconds: float) -> list[
     return ratios
 
 
+def revision(project: Path) -> str:
+    done = subprocess.run(
+        ["git", "-C", str(project), "rev-parse", "--short", "HEAD"], capture_output=True, text=True
+    )
+    return done.stdout.strip() or "no commit"
+
+
+def page(options: argparse.Namespace, rows: list[str]) -> str:
+    return f"""# Old against new
+
+Steps a second of one build over another, in turns, by
+
+    python experiments/old_and_new.py --old OTHER_CLONE --markdown docs/old_and_new.md
+
+on {machine_line(machine())}. Old: {revision(options.old)}, new: {revision(options.new)};
+{options.turns} turns of {options.seconds} s, one thread; median of the ratios, its 95 % interval.
+
+| case | new / old | 95 % interval |
+| --- | ---: | --- |
+{chr(10).join(rows)}
+"""
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--old", type=Path, required=True, help="project folder")
@@ -120,19 +143,20 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=0.5, help="of one measurement")
     parser.add_argument("--least", type=float, default=0.97)
     parser.add_argument("--case", action="append", help="only the cases with this in their name")
+    parser.add_argument("--markdown", type=Path, help="the page to write")
     options = parser.parse_args()
-    print(f"{platform.machine()}, {os.cpu_count()} cores; {options.turns} turns\n")
-    print("| case | new / old | 95 % interval |\n| --- | --- | --- |")
-    slower = 0
+    rows, slower = [], 0
     for case in CASES:
         if options.case and not any(part in case.name for part in options.case):
             continue
         ratios = turns(options.old, options.new, case, options.turns, options.seconds)
         median, low, high = interval(ratios)
-        is_slower = high < options.least
-        slower += is_slower
-        verdict = " slower" if is_slower else ""
-        print(f"| {case.name} | {median:.3f} | {low:.3f} ... {high:.3f}{verdict} |", flush=True)
+        slower += high < options.least
+        verdict = " slower" if high < options.least else ""
+        rows.append(f"| {case.name} | {median:.3f} | {low:.3f} ... {high:.3f}{verdict} |")
+        print(rows[-1], flush=True)
+    if options.markdown:
+        options.markdown.write_text(page(options, rows))
     return 1 if slower else 0
 
 
