@@ -99,7 +99,7 @@ def interval(values: list[float]) -> tuple[float, float, float]:
         if below > 0.025:
             break
         outside = k
-    first = outside + 1
+    first = max(outside, 0)
     return values[n // 2], values[first], values[n - 1 - first]
 
 

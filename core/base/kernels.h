@@ -1,5 +1,5 @@
-// Kernels: functions that exist once for each instruction set, with the same bits in each. This is
-// the one table of these sets; one more is a line here, and one in Isa.
+// Kernels: functions that are compiled once for each instruction set, with the same bits in each.
+// The sets are listed here and in isa.h.
 //
 //   struct Scale {
 //     template <int W>  // lanes of a pack of doubles

@@ -107,7 +107,7 @@ class Environment {
   std::vector<Contact> contacts(StateGroup& group, GroupWork& work, int lane) const;
 
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
-  void goal(StateGroup& group, int lane, std::vector<double>& out) const;
+  void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
 
   /// Adds one transition of a lane to a trajectory hash: state words, observation, reward, status.
   void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;

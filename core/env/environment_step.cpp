@@ -178,8 +178,10 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLane
                          group.plugin_reals(task_.buffer), &out);
 }
 
-void Environment::goal(StateGroup& group, int lane, std::vector<double>& out) const {
+void Environment::goal(StateGroup& group, GroupWork& work, int lane,
+                       std::vector<double>& out) const {
   const FpEnvironment guard;
+  update(group, work, 1u << lane);
   out.assign(task_.goals.size() * 4, 0.0);
   if (task_.kernels.goal == nullptr || out.empty()) return;
   const auto lanes = static_cast<std::size_t>(group.lanes());

@@ -9,10 +9,6 @@
 
 #include "core/simulation/simulation.h"
 
-namespace CLI {
-class Validator;
-}
-
 namespace skybody {
 
 /// Chooses actions.

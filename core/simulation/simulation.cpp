@@ -117,7 +117,7 @@ std::vector<double> Simulation::params() const {
 std::vector<double> Simulation::goals() const {
   touch();
   std::vector<double> out;
-  environment_->goal(data_->group, 0, out);
+  environment_->goal(data_->group, *data_->work, 0, out);
   return out;
 }
 

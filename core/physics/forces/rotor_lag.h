@@ -41,7 +41,7 @@ struct RotorLag {
 /// @param tau [s] >= 0
 /// @param dt  physics step [s]
 template <class Real>
-LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
+SKYBODY_INLINE LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
   const auto immediate = tau <= 0.0;
   const Real safe_tau = select(immediate, Real(1.0), tau);
   const Real zero(0.0), one(1.0);
@@ -62,7 +62,7 @@ LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
 
 /// @param constants the rotor's kRotorParamCount values: a pointer, or a view
 template <class Values>
-auto make_rotor_lag(const Values& constants, double dt) {
+SKYBODY_INLINE auto make_rotor_lag(const Values& constants, double dt) {
   using Real = std::decay_t<decltype(constants[kTauUp])>;
   return RotorLag<Real>{make_lag_factors<Real>(constants[kTauUp], dt),
                         make_lag_factors<Real>(constants[kTauDown], dt)};

@@ -11,7 +11,7 @@ struct SpatialForce {
   Vec3<Real> moment;  ///< [N m]
   Vec3<Real> force;   ///< [N]
 
-  static SpatialForce zero() {
+  static SKYBODY_INLINE SpatialForce zero() {
     const Vec3<Real> none{Real(0.0), Real(0.0), Real(0.0)};
     return {none, none};
   }

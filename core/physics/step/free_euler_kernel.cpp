@@ -2,8 +2,8 @@
 
 namespace skybody {
 
-StepKernel* free_euler_kernel(int lanes) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler>>(lanes);
+StepKernel* free_euler_kernel(int lanes, Isa isa) {
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler>>(lanes, isa);
 }
 
 }  // namespace skybody

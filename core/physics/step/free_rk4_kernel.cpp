@@ -3,8 +3,8 @@
 
 namespace skybody {
 
-StepKernel* free_rk4_kernel(int lanes) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4>>(lanes);
+StepKernel* free_rk4_kernel(int lanes, Isa isa) {
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4>>(lanes, isa);
 }
 
 }  // namespace skybody

@@ -19,7 +19,7 @@ struct FreeMotion {
   Vec3<Real> velocity;  ///< of the origin, W axes
   Vec3<Real> spin;      ///< body axes
 
-  /// start + time rate, number by number.
+  /// start + time rate, element by element.
   SKYBODY_INLINE void set(const FreeMotion& start, const FreeMotion& rate, double time) {
     const Real t(time);
     const Quat<Real>&q = start.rotation, &r = rate.rotation;

@@ -1,6 +1,8 @@
 // How kernels go through the lanes of a group: pack by pack, or one lane as a double.
 #pragma once
 
+#include <type_traits>
+
 #include "core/base/kernels.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/step/step_plan.h"
@@ -42,10 +44,10 @@ SKYBODY_INLINE std::uint32_t for_packs(const StepCall& call, std::uint32_t lanes
   });
 }
 
-/// The kernel for groups of a size: of one lane, or of kGroupLanes on this processor.
+/// The kernel for groups of a size: of one lane, or of kGroupLanes.
 template <class Body>
-StepKernel* kernel_for(int lanes) {
-  return lanes == 1 ? &Body::template run<1> : kernel<Body>(best_isa());
+StepKernel* kernel_for(int lanes, Isa isa) {
+  return lanes == 1 ? &Body::template run<1> : kernel<Body>(isa);
 }
 
 }  // namespace skybody

@@ -3,6 +3,7 @@
 // only while something is within reach, and with integrators that choose their own times.
 #include "core/physics/step/group_stepper.h"
 
+#include <bit>
 #include <cstring>
 
 #include "core/base/error.h"
@@ -81,7 +82,8 @@ GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
       lanes_(lanes),
       spins_(plan.free_robots ? 0
                               : 3 * plan.world.bodies.size() * static_cast<std::size_t>(lanes)) {
-  SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()), "such a group");
+  SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()),
+                 "a group has 1 or 32 lanes");
 }
 
 GroupStepper::~GroupStepper() = default;
@@ -98,6 +100,7 @@ void GroupStepper::refresh(const GroupBlocks& group, std::uint32_t lanes, std::u
   });
   const StepCall all = call(group, scratch);
   if (own != 0) kernels().derive(all, own);
+  each_lane(own, [&](int l) { remember_params(group, l); });
   kernels().refresh(all, lanes);
 }
 
@@ -142,7 +145,7 @@ void GroupStepper::note_step(std::uint32_t lanes, std::uint32_t on_simbody) {
 
 void GroupStepper::accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                                  double* udot) {
-  if (((broken_ >> lane) & 1u) != 0) throw Error("no rigid body has these mass properties");
+  if (((broken_ >> lane) & 1u) != 0) make_bodies(group, lane, scratch);  // throws
   const StepCall all = call(group, scratch);
   alone().accelerations(group, lane, all.derived, on_simbody_of(all, 1u << lane) != 0, udot);
 }
@@ -153,15 +156,13 @@ void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScrat
   alone().add_contacts(group, lane, out);
 }
 
-/// What follows from a lane's parameters where they are new and not the nominal ones, but for
-/// rotors.
-/// @returns whether they are, and bodies can have them
+/// Recomputes a lane's body constants if its parameters have changed and are not nominal.
+/// @returns true if the rotors' must follow
 bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch) {
   const std::uint32_t bit = 1u << lane;
   const double* mine = group.params + lane;
-  if ((drawn_ & ~broken_ & bit) != 0 && are_params(mine, made_from_.data() + lane, lanes_)) {
-    return false;
-  }
+  if ((known_ & bit) != 0 && are_params(mine, made_from_.data() + lane, lanes_)) return false;
+  known_ &= ~bit;
   broken_ &= ~bit;
   if (are_params(mine, plan_.nominal_params.data(), 1)) {
     drawn_ &= ~bit;
@@ -171,20 +172,32 @@ bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScra
   make_derived();
   drawn_ |= bit;
   placed_ &= ~bit;
-  auto* params = reinterpret_cast<double*>(scratch.data());
-  double* derived = params + plan_.physics_params;
-  for (int k = 0; k < plan_.physics_params; ++k) {
-    params[k] = mine[k * lanes_];
-    made_from_[static_cast<std::size_t>(k * lanes_ + lane)] = params[k];
-  }
   try {
-    make_body_constants(plan_.world, params, derived + plan_.derived.bodies);
+    put_derived(make_bodies(group, lane, scratch), plan_.derived.bodies, lane);
   } catch (const std::runtime_error&) {  // no body has such masses: this lane's steps fail
     broken_ |= bit;
     return false;
   }
-  put_derived(derived, plan_.derived.bodies, lane);
   return true;
+}
+
+/// @returns DerivedLayout::size values in scratch, of which the bodies' are made
+/// @throws Error (naming the body) if no rigid body can have the lane's mass properties
+const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
+                                        PhysicsScratch& scratch) const {
+  auto* params = reinterpret_cast<double*>(scratch.data());
+  double* derived = params + plan_.physics_params;
+  for (int k = 0; k < plan_.physics_params; ++k) params[k] = group.params[k * lanes_ + lane];
+  make_body_constants(plan_.world, params, derived + plan_.derived.bodies);
+  return derived;
+}
+
+/// Says that the lane's numbers follow from its present parameters.
+void GroupStepper::remember_params(const GroupBlocks& group, int lane) {
+  known_ |= 1u << lane;
+  for (int k = 0; k < plan_.physics_params; ++k) {
+    made_from_[static_cast<std::size_t>(k * lanes_ + lane)] = group.params[k * lanes_ + lane];
+  }
 }
 
 /// Whether parameters that physics reads have the same bits.

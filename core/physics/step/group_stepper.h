@@ -1,7 +1,6 @@
 // Physics of a lane group: environments side by side, one physics step at a time.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -86,6 +85,8 @@ class GroupStepper {
   std::uint32_t advance_alone(const StepCall& all, std::uint32_t lanes, std::uint32_t on_simbody);
   void note_step(std::uint32_t lanes, std::uint32_t on_simbody);
   bool derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch);
+  const double* make_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch) const;
+  void remember_params(const GroupBlocks& group, int lane);
   bool are_params(const double* mine, const double* others, int stride) const;
   void make_derived();
   void put_nominal(int lane);
@@ -98,7 +99,8 @@ class GroupStepper {
   AlignedArray<double> spins_;      ///< per body: angular velocity (W), in lanes; unless the world
                                     ///< has free robots only
   AlignedArray<double> derived_;    ///< of all lanes; empty: none was ever drawn
-  AlignedArray<double> made_from_;  ///< parameters that drawn lanes' numbers follow from
+  AlignedArray<double> made_from_;  ///< parameters, of known lanes
+  std::uint32_t known_ = 0;         ///< lanes whose numbers follow from `made_from_`
   std::uint32_t drawn_ = 0;         ///< lanes whose parameters are not the nominal ones
   std::uint32_t placed_ = 0;        ///< lanes of `derived_` that hold what is nominal
   std::uint32_t broken_ = 0;        ///< lanes with parameters that no body has

@@ -45,7 +45,7 @@ class SharedValues {
   const double* data_;
 };
 
-/// Instead of a mask: all lanes, so that nothing that is overwritten need be read.
+/// Stands for a mask with all lanes set: stores need not read what they overwrite.
 struct AllLanes {};
 
 /// Where the lanes that one Real holds lie in the blocks of a group.

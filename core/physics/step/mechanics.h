@@ -3,9 +3,9 @@
 // order.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
+#include <type_traits>
+#include <vector>
 
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/step/step_plan.h"
@@ -19,7 +19,7 @@ struct Coordinates {
   Real *q = nullptr, *u = nullptr;  ///< u behind q
   int q_count = 0, u_count = 0;
 
-  /// start + time rate, number by number.
+  /// start + time rate, element by element.
   SKYBODY_INLINE void set(const Coordinates& start, const Coordinates& rate, double time) {
     for (int i = 0; i < q_count + u_count; ++i) q[i] = start.q[i] + time * rate.q[i];
   }
@@ -130,13 +130,13 @@ class Mechanics {
         accelerations_(accelerations),
         a_(*call.plan, call.scratch) {}
 
-  /// Bodies and spins from q and u.
-  SKYBODY_INLINE void refresh() {
+  /// Quaternions to norm 1; bodies and spins from q and u.
+  SKYBODY_INLINE void refresh(const MaskOf<Real>& mask) {
     load_coordinates();
     for (const TreeBody& body : tree()) make_unit(body.type, a_.now.q + body.q);
     update_motion(a_.now.q, a_.now.u);
-    lanes_.store(a_.now.q, layout().q.size, AllLanes(), group_.q);
-    store_motion(AllLanes());
+    lanes_.store(a_.now.q, layout().q.size, mask, group_.q);
+    store_motion(mask);
   }
 
   /// Lanes where something is within reach of something else.
@@ -245,7 +245,7 @@ class Mechanics {
     const double rate = 1.0 / dt();
     each_rotor([&](int i, const RotorStep<Real>& rotor) SKYBODY_INLINE_LAMBDA {
       a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
-      if (rule.stages == 1) {
+      if (rule.is_symplectic) {
         const RotorMotion<Real> mean = rotor.mean(a_.rotors[kStepEnd][i].speed);
         a_.rotors[kStepMiddle][i] = {mean.speed, mean.acceleration * rate};
         return;

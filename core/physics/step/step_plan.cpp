@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/physics/step/free_robot_step.h"
 #include "core/physics/step/mechanics.h"
 
 namespace skybody {
@@ -13,14 +14,14 @@ DerivedLayout::DerivedLayout(const World& world)
 
 namespace {
 
-StepKernels make_kernels(const StepPlan& plan, int lanes) {
-  StepKernels kernels{refresh_kernel(lanes), nullptr, within_reach_kernel(lanes),
-                      derive_kernel(lanes)};
+StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
+  StepKernels kernels{refresh_kernel(lanes, isa), nullptr, within_reach_kernel(lanes, isa),
+                      derive_kernel(lanes, isa)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
-  kernels.advance = !plan.free_robots                      ? tree_kernel(lanes)
-                    : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes)
-                                                           : free_euler_kernel(lanes);
+  kernels.advance = !plan.free_robots                      ? tree_kernel(lanes, isa)
+                    : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes, isa)
+                                                           : free_euler_kernel(lanes, isa);
   return kernels;
 }
 
@@ -48,9 +49,13 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   }
   if (FreeRobots::is_possible(w)) free_robots.emplace(w);
   const auto one_lane = static_cast<std::size_t>(physics_params + derived.size) * sizeof(double);
-  scratch_bytes = std::max(StepArrays<Pack<kWidestPack>>::bytes(*this), one_lane);
-  kernels_of_all = make_kernels(*this, kGroupLanes);
-  kernels_of_one = make_kernels(*this, 1);
+  using Widest = Pack<kWidestPack>;
+  const std::size_t free_robots_bytes =
+      w.layout.robots.size() * sizeof(FreeMotion<Widest>) + w.rotors.size() * sizeof(Widest);
+  scratch_bytes = std::max({StepArrays<Widest>::bytes(*this), one_lane, free_robots_bytes});
+  const Isa isa = best_isa();
+  kernels_of_all = make_kernels(*this, kGroupLanes, isa);
+  kernels_of_one = make_kernels(*this, 1, isa);
 }
 
 }  // namespace skybody

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/isa.h"
 #include "core/physics/forces/force_model.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
@@ -67,7 +68,7 @@ struct StepCall {
   std::byte* scratch;  ///< StepPlan::scratch_bytes
 };
 
-/// What a kernel does to some lanes of a group. @returns the lanes of which it is true
+/// Does one thing to the lanes in `lanes`. @returns the lanes where it succeeded or holds
 using StepKernel = std::uint32_t(const StepCall& call, std::uint32_t lanes);
 
 /// The kernels for groups of one size.
@@ -82,14 +83,13 @@ struct StepKernels {
   StepKernel* derive = nullptr;
 };
 
-/// Kernels of one kind, for groups of kGroupLanes lanes with the best instruction set at hand, or
-/// of one lane.
-StepKernel* refresh_kernel(int lanes);
-StepKernel* within_reach_kernel(int lanes);
-StepKernel* derive_kernel(int lanes);
-StepKernel* tree_kernel(int lanes);
-StepKernel* free_euler_kernel(int lanes);
-StepKernel* free_rk4_kernel(int lanes);
+/// Kernels of one kind, for groups of kGroupLanes lanes by an instruction set, or of one lane.
+StepKernel* refresh_kernel(int lanes, Isa isa);
+StepKernel* within_reach_kernel(int lanes, Isa isa);
+StepKernel* derive_kernel(int lanes, Isa isa);
+StepKernel* tree_kernel(int lanes, Isa isa);
+StepKernel* free_euler_kernel(int lanes, Isa isa);
+StepKernel* free_rk4_kernel(int lanes, Isa isa);
 
 /// Immutable; refers to the world, which must outlive it.
 struct StepPlan {

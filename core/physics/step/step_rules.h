@@ -54,15 +54,17 @@ SKYBODY_INLINE void begin_drive(DriveKind kind, const BodyKinematics<Real>& base
 /// An explicit one-step rule as its stages: where each evaluates the rates.
 struct StepRule {
   int stages;
+  bool
+      is_symplectic;  ///< one stage; else the weights are those of the classical Runge-Kutta method
   StageTime time[4];  ///< of the rotors
   double reach[4];    ///< from the step's start with the rates of the stage before [dt]
 };
 /// Semi-implicit (symplectic) Euler, order 1: u += dt udot, then q += dt N(q) u. Rotors count with
 /// their speed in mid-step.
-inline constexpr StepRule kSemiImplicitEulerRule{1, {kStepMiddle}, {0.0}};
+inline constexpr StepRule kSemiImplicitEulerRule{1, true, {kStepMiddle}, {0.0}};
 /// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
 inline constexpr StepRule kRungeKutta4Rule{
-    4, {kStepStart, kStepMiddle, kStepMiddle, kStepEnd}, {0.0, 0.5, 0.5, 1.0}};
+    4, false, {kStepStart, kStepMiddle, kStepMiddle, kStepEnd}, {0.0, 0.5, 0.5, 1.0}};
 
 SKYBODY_INLINE const StepRule& step_rule(IntegratorChoice integrator) {
   return integrator == IntegratorChoice::kRk4 ? kRungeKutta4Rule : kSemiImplicitEulerRule;
@@ -83,11 +85,12 @@ struct StageRates {
 };
 
 /// One step by a rule.
-/// @tparam State  has set(start, rate, time): start + time rate, number by number, where start may
+/// @tparam State  has set(start, rate, time): start + time rate, element by element, where start
+/// may
 ///                be the state itself; add(rate); and change_velocity(rate, time) and
 ///                change_position(time), which is by its velocity
 /// @param rates   rates(state, time, rate) writes what the state changes by in a second. It is
-///                large code: the loop has it once
+///                evaluated at one place in the loop, since its code is large
 /// @param state   at the step's start; written: at its end
 template <class State, class Rates>
 SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& rates, State& state,
@@ -99,7 +102,7 @@ SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& r
     rates(k == 0 ? state : work.point, rule.time[k], *rate[k]);
     if (k == 2) work.inner.add(work.rate);
   }
-  if (rule.stages == 1) return semi_implicit_euler(dt, work.outer, state);
+  if (rule.is_symplectic) return semi_implicit_euler(dt, work.outer, state);
   work.outer.add(work.rate);
   work.outer.set(work.outer, work.inner, 2.0);
   state.set(state, work.outer, dt / 6.0);

@@ -16,7 +16,7 @@ struct Refresh {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-      motion_of<RealOf<W>>(call, first).refresh();
+      motion_of<RealOf<W>>(call, first).refresh(mask_from_bits<RealOf<W>>(bits));
       return bits;
     });
   }
@@ -65,9 +65,9 @@ struct AdvanceTrees {
 
 }  // namespace
 
-StepKernel* refresh_kernel(int lanes) { return kernel_for<Refresh>(lanes); }
-StepKernel* within_reach_kernel(int lanes) { return kernel_for<WithinReach>(lanes); }
-StepKernel* derive_kernel(int lanes) { return kernel_for<DeriveRotors>(lanes); }
-StepKernel* tree_kernel(int lanes) { return kernel_for<AdvanceTrees>(lanes); }
+StepKernel* refresh_kernel(int lanes, Isa isa) { return kernel_for<Refresh>(lanes, isa); }
+StepKernel* within_reach_kernel(int lanes, Isa isa) { return kernel_for<WithinReach>(lanes, isa); }
+StepKernel* derive_kernel(int lanes, Isa isa) { return kernel_for<DeriveRotors>(lanes, isa); }
+StepKernel* tree_kernel(int lanes, Isa isa) { return kernel_for<AdvanceTrees>(lanes, isa); }
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// One environment's physical values, contiguous: what the one-by-one path works on.
+// One environment's physical values, contiguous: the state that a reset starts from.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ static_assert(sizeof(BodyState) == 13 * sizeof(double));
 /// Values of one lane gathered from WorldState, in the order of the layout's blocks.
 struct LaneState {
   std::vector<double> q, u, rotor_speed, rotor_command, wrench, drive, params;
-  std::vector<BodyState> bodies;  ///< derived from q, u; kept current by the stepper
+  std::vector<BodyState> bodies;  ///< those of q and u
 };
 
 }  // namespace skybody

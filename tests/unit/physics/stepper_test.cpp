@@ -153,6 +153,27 @@ Scenario payload_flight() {
   return scenario;
 }
 
+TEST(Stepper, DrawnParametersCountHoweverOftenTheyChange) {
+  // The same values twice, broken ones between, and nominal ones between: each state goes on as
+  // that of a stepper that has seen nothing else.
+  Bench bench(payload_flight());
+  const std::vector<double> nominal = bench.state.params;
+  std::vector<double> heavy = nominal, broken = nominal;
+  heavy[static_cast<std::size_t>(bench.world.layout.body_params[0] + kMass)] *= 1.5;
+  broken[static_cast<std::size_t>(bench.world.layout.body_params[0] + kMass)] = -1.0;
+  const auto expect_fresh = [&](const std::vector<double>& params) {
+    bench.state.params = params;
+    LaneState alone = bench.state;
+    const bool through = make_stepper(bench.world)->advance(alone);
+    EXPECT_EQ(bench.stepper->advance(bench.state), through);
+    EXPECT_TRUE(same_bits(bench.state, alone));
+  };
+  for (const auto& params :
+       {nominal, heavy, heavy, broken, heavy, broken, nominal, heavy, nominal, broken, nominal}) {
+    expect_fresh(params);
+  }
+}
+
 TEST(Stepper, AfterAMassChangeIsTheSameAsAFreshWorldOfThatMass) {
   Scenario heavy = payload_flight();
   heavy.robots[0].model.bodies[0].mass.mass = 2.0;
