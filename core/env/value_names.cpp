@@ -1,6 +1,7 @@
 #include "core/env/value_names.h"
 
 #include "core/base/error.h"
+#include "core/model/held_inputs.h"
 
 namespace skybody {
 namespace {
@@ -33,12 +34,18 @@ class StateNames {
     name_rotors(layout_.rotor_command, "rotor_command ");
     name_block(layout_.wrench, "wrench");
     name_block(layout_.drive, "drive");
+    name_block(layout_.joint_command, "joint_command");
+    name_block(layout_.joint_state, "joint_state");
+    for (std::size_t i = 0; i < layout_.held.size(); ++i) {
+      name_block(layout_.held[i], std::string("held ") + kHeldInputs[i].name);
+    }
     name_block(layout_.bodies_before, "bodies_before");
     expect(layout_.params);
     for (const EnvParam& param : layout_.param_info) names_.push_back("params " + param.path);
     name_block(layout_.action, "action");
     name_block(layout_.command, "command");
     name_sensors();
+    name_block(layout_.contacts, "contacts");
     name_block(layout_.plugin_state, "plugin_state");
     expect(layout_.last_observation);
     append(names_, "last_observation ", environment_.task().channels);
@@ -79,7 +86,7 @@ class StateNames {
 
   void name_sensors() {
     expect(layout_.sensors);
-    for (const PluginInstance& sensor : environment_.sensors()) {
+    for (const PluginInstance& sensor : environment_.plugins(SKYBODY_SENSOR)) {
       append(names_, "sensors " + sensor.name + ".", sensor.channels);
     }
   }

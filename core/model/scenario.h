@@ -109,6 +109,7 @@ struct Scenario {
   std::vector<RobotUse> robots;
   std::vector<Obstacle> obstacles;
   std::vector<PluginUse> sensors;
+  std::vector<PluginUse> effects;
   std::vector<PluginUse> randomization;
   PluginUse task;
 };
