@@ -58,7 +58,7 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
 
 RowWidths Fleet::widths() const {
   return {environment_->observation_size(), static_cast<int>(environment_->agents().size()),
-          has_info_ ? environment_->info_size() : 0};
+          has_info_ ? environment_->info_size() : 0, environment_->privileged_size()};
 }
 
 void Fleet::initialize(std::uint64_t seed) {
@@ -94,9 +94,12 @@ void Fleet::transition(int group, std::uint32_t mask, Batch& rows, int thread) {
 /// Where the rows of the group's lanes lie.
 Rows Fleet::rows_of(int first, Batch& rows) const {
   const std::size_t at = index(first);
-  return {rows.observation.data() + at * index(rows.width.observation), rows.reward.data() + at,
-          rows.status.data() + at, rows.agent_reward.data() + at * index(rows.width.agents),
-          has_info_ ? rows.info.data() + at * index(rows.width.info) : nullptr};
+  return {rows.observation.data() + at * index(rows.width.observation),
+          rows.reward.data() + at,
+          rows.status.data() + at,
+          rows.agent_reward.data() + at * index(rows.width.agents),
+          has_info_ ? rows.info.data() + at * index(rows.width.info) : nullptr,
+          rows.privileged.data() + at * index(rows.width.privileged)};
 }
 
 void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
@@ -119,15 +122,8 @@ void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 /// kSameStep: keeps the last row of episodes that have ended and begins the next; reward, status
 /// and step count of the row stay those of the end.
 void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
-  const auto observation = index(rows.width.observation), info = index(rows.width.info);
   const std::uint32_t over = mask & ended_[index(group)];
-  each_lane(over, [&](int l) {
-    const std::size_t env = index(env_of(group, l));
-    std::copy_n(rows.observation.data() + env * observation, observation,
-                rows.final_observation.data() + env * observation);
-    if (info > 0)
-      std::copy_n(rows.info.data() + env * info, info, rows.final_info.data() + env * info);
-  });
+  each_lane(over, [&](int l) { rows.keep_final(env_of(group, l)); });
   if (over == 0) return;
   float reward[kGroupLanes];
   std::uint64_t status[kGroupLanes];
@@ -191,11 +187,19 @@ bool Fleet::describe_running(int first, const std::uint64_t* steps, bool is_rese
 }
 
 void Fleet::observation(int env, float* out) const {
-  const Block block = environment_->layout().last_observation;
-  const double* values = state(env).reals(block);
+  last_values(env, 0, environment_->observation_size(), out);
+}
+
+void Fleet::privileged(int env, float* out) const {
+  last_values(env, environment_->observation_size(), environment_->privileged_size(), out);
+}
+
+/// Values of the last finite observation, from the `first` on.
+void Fleet::last_values(int env, int first, int count, float* out) const {
+  const double* values = state(env).reals(environment_->layout().last_observation);
   const int lanes = state(env).lanes();
-  for (int k = 0; k < block.size; ++k) {
-    out[k] = static_cast<float>(values[k * lanes + lane_of(env)]);
+  for (int k = 0; k < count; ++k) {
+    out[k] = static_cast<float>(values[(first + k) * lanes + lane_of(env)]);
   }
 }
 

@@ -65,7 +65,9 @@ class Fleet {
   /// @throws Error likewise
   void restore(std::span<const std::uint64_t> saved);
   void fork(int source, int target, bool rekey);
+  /// An environment's last row of observations, and its privileged row.
   void observation(int env, float* out) const;
+  void privileged(int env, float* out) const;
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }
@@ -83,6 +85,7 @@ class Fleet {
   static std::size_t index(int env) { return static_cast<std::size_t>(env); }
   StateGroup& state(int env) { return states_[index(group_of(env))]; }
   const StateGroup& state(int env) const { return states_[index(group_of(env))]; }
+  void last_values(int env, int first, int count, float* out) const;
   Rows rows_of(int first, Batch& rows) const;
   void step(int group, std::uint32_t mask, Batch& rows, GroupWork& work);
   void reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work);

@@ -121,11 +121,20 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
 void VecEnv::observations(std::span<float> observation) const {
   engine_->check_idle("observations()");
   const FpEnvironment guard;
-  const auto width = static_cast<std::size_t>(environment().observation_size());
-  check_values("observation", observation.size(), static_cast<std::size_t>(envs()),
-               environment().observation_size());
+  const int width = environment().observation_size();
+  check_values("observation", observation.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
-    engine_->fleet.observation(env, observation.data() + static_cast<std::size_t>(env) * width);
+    engine_->fleet.observation(env, observation.data() + static_cast<std::ptrdiff_t>(env) * width);
+  }
+}
+
+void VecEnv::privileged(std::span<float> privileged) const {
+  engine_->check_idle("privileged()");
+  const FpEnvironment guard;
+  const int width = environment().privileged_size();
+  check_values("privileged", privileged.size(), static_cast<std::size_t>(envs()), width);
+  for (int env = 0; env < envs(); ++env) {
+    engine_->fleet.privileged(env, privileged.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 

@@ -1,7 +1,9 @@
 #include "core/env/check_declarations.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <unordered_set>
 
 #include "core/base/error.h"
 
@@ -38,6 +40,20 @@ void check_channel(const PluginInstance& p, const Channel& c, int robots) {
   }
 }
 
+void check_names(const PluginInstance& p, const std::vector<Channel>& channels) {
+  std::unordered_set<std::string> names;
+  for (const Channel& c : channels) {
+    if (!names.insert(c.name).second) refuse(p, "declares two channels `" + c.name + "`");
+  }
+}
+
+/// A policy must see something.
+void check_observation(const PluginInstance& p) {
+  const bool sees = std::any_of(p.channels.begin(), p.channels.end(),
+                                [](const Channel& c) { return !c.privileged; });
+  if (!sees) refuse(p, "declares no observation for a policy");
+}
+
 }  // namespace
 
 void check_declarations(const Topology& topology, const Layout& layout, const PluginInstance& p) {
@@ -65,10 +81,10 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   }
   for (const Channel& c : p.channels) check_channel(p, c, robots);
   for (const Channel& c : p.infos) check_channel(p, c, robots);
-  const bool gives = p.kind == SKYBODY_SENSOR || p.kind == SKYBODY_TASK;
-  if (gives && p.channels.empty()) {
-    refuse(p, p.kind == SKYBODY_TASK ? "declares no observation" : "declares no output");
-  }
+  check_names(p, p.channels);
+  check_names(p, p.infos);
+  if (p.kind == SKYBODY_SENSOR && p.channels.empty()) refuse(p, "declares no output");
+  if (p.kind == SKYBODY_TASK) check_observation(p);
 }
 
 }  // namespace skybody

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/hash.h"
+#include "core/env/observation_plan.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
 #include "core/physics/forces/contact.h"
@@ -25,6 +26,7 @@ struct Rows {
   std::uint64_t* status = nullptr;  ///< EpisodeStatus bits, 1 wide
   float* agent_reward = nullptr;    ///< agents().size() wide; optional
   float* info = nullptr;            ///< info_size() wide; optional
+  float* privileged = nullptr;      ///< privileged_size() wide; optional
 };
 
 /// A robot's controllers and where their signals lie.
@@ -56,7 +58,12 @@ class Environment {
   const std::vector<PluginInstance>& randomizers() const { return randomizers_; }
   const PluginInstance& task() const { return task_; }
   int action_size() const { return layout().action.size; }
-  int observation_size() const { return observation_size_; }
+  /// The parts of the observation: the task's in order, then those that `observe` adds.
+  const std::vector<ObservationColumn>& columns() const { return plan_.columns; }
+  /// Values of a row of observations, which a policy sees.
+  int observation_size() const { return plan_.observation_size; }
+  /// Values of a privileged row, which only a critic sees.
+  int privileged_size() const { return plan_.privileged_size; }
   int info_size() const { return info_size_; }
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
@@ -125,6 +132,9 @@ class Environment {
   std::uint32_t finite_robot_rewards(const GroupWork&, std::uint32_t mask) const;
   void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,
                        const Rows&) const;
+  std::uint32_t write_observation(GroupWork&, std::uint32_t mask, const Rows&) const;
+  void write_last_observation(const StateGroup&, std::uint32_t mask, const Rows&) const;
+  void gather_observation(const StateGroup&, GroupWork&) const;
   void write_agent_rewards(GroupWork&, std::uint32_t mask, const Rows&) const;
   void evaluate(StateGroup&, GroupWork&, const SkybodyLanes&, bool wants_info) const;
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
@@ -146,7 +156,7 @@ class Environment {
   PluginInstance task_;
   bool needs_bodies_before_ = false;
   int scratch_size_ = 0;  ///< of the widest signal between two controllers
-  int observation_size_ = 0;
+  ObservationPlan plan_;
   int info_size_ = 0;
   std::vector<int> agents_;
   LaneState initial_;  ///< what every reset starts from; nominal parameters

@@ -258,9 +258,9 @@ struct Environment::Builder {
     Layout& l = plan.layout;
     l.bodies_before.size =
         env.needs_bodies_before_ ? 13 * static_cast<int>(topology.bodies.size()) : 0;
-    env.observation_size_ = env.task_.channel_count();
+    env.plan_ = plan_observation(env.task_, env.sensors_, scenario.observe);
     env.info_size_ = value_count(env.task_.infos);
-    l.last_observation.size = env.observation_size_;
+    l.last_observation.size = env.plan_.size();
     for_each_plugin([&](PluginInstance& p) { place_state(p, l.plugin_state.size); });
     env.world_ = std::make_unique<const World>(topology, std::move(plan));
   }
@@ -302,7 +302,10 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   work->lanes = lanes;
   work->physics = physics_->make_scratch();
   for (auto& signal : work->signal) signal = values(static_cast<std::size_t>(scratch_size_));
-  work->observation = values(static_cast<std::size_t>(observation_size()));
+  work->observation = values(static_cast<std::size_t>(plan_.size()));
+  if (!plan_.is_task_in_place) {
+    work->task_values = values(static_cast<std::size_t>(task_.channel_count()));
+  }
   work->reward = values(1);
   work->robot_reward = values(scenario().robots.size());
   work->agent_reward = values(agents_.size());

@@ -1,5 +1,7 @@
 // One transition, phase by phase (paper eq. 3): act, K times (control, advance, sense), conclude.
 // Under direct control the phases are called one by one.
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
@@ -172,10 +174,24 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool a
 void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
                            bool wants_info) const {
   work.clear_outcome(wants_info);
-  const SkybodyEvaluation out{work.observation.data(),  work.reward.data(), work.end.data(),
-                              work.robot_reward.data(), work.info.data(),   wants_info ? 1u : 0u};
+  AlignedArray<double>& values = plan_.is_task_in_place ? work.observation : work.task_values;
+  const SkybodyEvaluation out{values.data(),    work.reward.data(),
+                              work.end.data(),  work.robot_reward.data(),
+                              work.info.data(), wants_info ? 1u : 0u};
   task_.kernels.evaluate(task_.self.get(), &view, group.plugin_bits(task_.state),
                          group.plugin_reals(task_.buffer), &out);
+  gather_observation(group, work);
+}
+
+/// Puts the observation together where the task has not written all of it to its place.
+void Environment::gather_observation(const StateGroup& group, GroupWork& work) const {
+  const int lanes = group.lanes();
+  for (const ObservationPart& part : plan_.parts) {
+    const double* values =
+        part.is_of_task ? work.task_values.data() : group.reals(layout().sensors);
+    std::copy_n(values + part.from * lanes, part.count * lanes,
+                work.observation.data() + part.to * lanes);
+  }
 }
 
 void Environment::goal(StateGroup& group, GroupWork& work, int lane,
@@ -203,6 +219,8 @@ void Environment::hash(const StateGroup& group, int lane, const Rows& rows,
   }
   const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * observation_size();
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));
+  const float* critic = rows.privileged + static_cast<std::ptrdiff_t>(lane) * privileged_size();
+  for (int k = 0; k < privileged_size(); ++k) chain.update(static_cast<double>(critic[k]));
   chain.update(static_cast<double>(rows.reward[lane]));
   chain.update(rows.status[lane]);
 }

@@ -28,7 +28,8 @@ class GroupWork {
   int lanes = 1;
   PhysicsScratch physics;
   AlignedArray<double> signal[2];       ///< between controllers, in lanes
-  AlignedArray<double> observation;     ///< in lanes
+  AlignedArray<double> observation;     ///< in lanes, the privileged values last
+  AlignedArray<double> task_values;     ///< of the task, where they have other places there
   AlignedArray<double> reward;          ///< 1 per lane
   AlignedArray<double> robot_reward;    ///< 1 per robot, in lanes
   AlignedArray<double> agent_reward;    ///< 1 per agent, in lanes

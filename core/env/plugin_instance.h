@@ -18,7 +18,8 @@ struct Channel {
   int count = 0;
   double low = 0.0;  ///< bounds of the values, may be infinite
   double high = 0.0;
-  int robot = -1;  ///< whose own observation it belongs to, -1: every robot's
+  int robot = -1;           ///< whose own observation it belongs to, -1: every robot's
+  bool privileged = false;  ///< of an observation: for a critic only
 };
 
 /// Number of values of some channels.

@@ -80,7 +80,7 @@ SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int 
 PluginInstance& instance_of(void* host) { return *static_cast<PluginInstance*>(host); }
 
 Channel to_channel(const SkybodyChannel& c) {
-  return {c.name, c.unit, c.count, c.low, c.high, c.robot};
+  return {c.name, c.unit, c.count, c.low, c.high, c.robot, c.privileged != 0};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "core/base/hash.h"
 #include "core/io/config_tree.h"
 #include "core/io/field.h"
+#include "core/io/observed_reader.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/robot_reader.h"
 #include "core/io/scenario_fields.h"
@@ -46,6 +47,7 @@ class ScenarioReader {
     read_robots(reader);
     read_obstacles(reader);
     scenario_.sensors = uses(reader, "sensors", PluginKind::kSensor);
+    scenario_.observe = read_observed(reader.node("observe"), diagnostics_);
     scenario_.randomization = uses(reader, "randomization", PluginKind::kRandomizer);
     if (const ConfigNode* task = reader.node("task")) {
       scenario_.task = read_plugin_use(*task, PluginKind::kTask, catalog_, diagnostics_);

@@ -50,6 +50,7 @@ void Simulation::add_to_hash() {
   if (data_->keeps_hash) environment_->hash(data_->group, 0, data_->rows(), data_->chain);
 }
 
+std::span<const float> Simulation::privileged() const { return data_->privileged; }
 std::span<const float> Simulation::observation() const { return data_->observation; }
 std::span<const float> Simulation::agent_rewards() const { return data_->agent_reward; }
 std::span<const float> Simulation::info() const { return data_->info; }
@@ -141,6 +142,7 @@ Snapshot Simulation::save() const {
   s.observation = data_->observation;
   s.agent_rewards = data_->agent_reward;
   s.info = data_->info;
+  s.privileged = data_->privileged;
   s.reward = data_->reward;
   s.trajectory = data_->chain;
   s.started = data_->started;
@@ -158,6 +160,7 @@ void Simulation::restore(const Snapshot& snapshot) {
   data_->observation = snapshot.observation;
   data_->agent_reward = snapshot.agent_rewards;
   data_->info = snapshot.info;
+  data_->privileged = snapshot.privileged;
   data_->reward = snapshot.reward;
   data_->chain = snapshot.trajectory;
   data_->started = snapshot.started;

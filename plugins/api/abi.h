@@ -204,6 +204,7 @@ typedef struct SkybodyChannel {
   double low; /* bounds of the values; -inf, inf where there are none */
   double high;
   int32_t robot; /* whose observation it belongs to where each robot has its own; -1: everyone's */
+  uint32_t privileged; /* 1: of an observation, for a critic only: the policy does not see it */
 } SkybodyChannel;
 
 /* Where a wrench acts. */

@@ -93,6 +93,9 @@ class Setup {
   /// @param robot  tasks: whose own observation it belongs to, -1: every robot's
   void channel(const std::string& name, const std::string& unit, int count, double low, double high,
                int robot = -1) const;
+  /// The same for a critic only: an observed value that the policy does not see.
+  void privileged_channel(const std::string& name, const std::string& unit, int count, double low,
+                          double high, int robot = -1) const;
   /// Tasks: values beside the observation (Evaluation::info), in order: what an evaluation asks
   /// for.
   void info(const std::string& name, const std::string& unit, int count) const;

@@ -109,13 +109,19 @@ inline void Setup::output(Signal signal, int count) const {
 
 inline void Setup::channel(const std::string& name, const std::string& unit, int count, double low,
                            double high, int robot) const {
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot};
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 0};
+  declare_.channel(declare_.host, &channel);
+}
+
+inline void Setup::privileged_channel(const std::string& name, const std::string& unit, int count,
+                                      double low, double high, int robot) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 1};
   declare_.channel(declare_.host, &channel);
 }
 
 inline void Setup::info(const std::string& name, const std::string& unit, int count) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, -infinity, infinity, -1};
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0};
   declare_.info(declare_.host, &channel);
 }
 

@@ -62,6 +62,14 @@ void bind_outcome(Class& c) {
                 "(n, I) float32: like final_observation.");
 }
 
+void bind_privileged(Class& c) {
+  c.def_prop_ro("privileged", &rows<&Batch::privileged, &RowWidths::privileged>,
+                "(n, P) float32: what a critic sees besides, as Environment.observation_columns\n"
+                "names it.");
+  c.def_prop_ro("final_privileged", &final_rows<&Batch::final_privileged, &RowWidths::privileged>,
+                "(n, P) float32: like final_observation.");
+}
+
 void bind_flags(Class& c) {
   c.def_prop_ro("terminated", &values<&Batch::terminated, bool>,
                 "(n,) bool: the task ended the episode.");
@@ -88,6 +96,7 @@ void bind_batch(nb::module_& m) {
           "memory, no copy: its values stay until the second next recv(), and for as long as the\n"
           "Batch or a view of it is referred to. Views are writable.");
   bind_outcome(c);
+  bind_privileged(c);
   bind_flags(c);
   c.def("__len__", [](const ReceivedBatch& b) { return b.core->rows; });
   c.def("__repr__",

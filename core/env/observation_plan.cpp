@@ -1,0 +1,148 @@
+#include "core/env/observation_plan.h"
+
+#include <string>
+
+#include "core/base/suggestion.h"
+#include "core/model/marked_error.h"
+
+namespace skybody {
+namespace {
+
+ObservationColumn to_column(const Channel& channel, ColumnSource source) {
+  ObservationColumn column;
+  column.name = channel.name;
+  column.unit = channel.unit;
+  column.shape = {channel.count};
+  column.low = channel.low;
+  column.high = channel.high;
+  column.robot = channel.robot;
+  column.privileged = channel.privileged;
+  column.source = source;
+  return column;
+}
+
+class Planner {
+ public:
+  Planner(const PluginInstance& task, const std::vector<PluginInstance>& sensors)
+      : task_(task), sensors_(sensors) {
+    for (std::size_t k = 0; k < task.channels.size(); ++k) {
+      plan.columns.push_back(to_column(task.channels[k], {-1, static_cast<int>(k)}));
+    }
+  }
+
+  void add(const ObservedChannel& observed) {
+    const ColumnSource source = find(observed);
+    ObservationColumn column = to_column(channel_of(source), source);
+    column.name = observed.name;
+    column.privileged |= observed.privileged;
+    column.low = observed.low.value_or(column.low);
+    column.high = observed.high.value_or(column.high);
+    check(observed, column);
+    plan.columns.push_back(std::move(column));
+  }
+
+  /// Gives every column its place, the policy's before the privileged ones.
+  void place() {
+    for (ObservationColumn& column : plan.columns) {
+      int& size = column.privileged ? plan.privileged_size : plan.observation_size;
+      column.first = size;
+      size += column.count();
+    }
+    int next = 0;
+    for (const ObservationColumn& column : plan.columns) {
+      if (column.source.sensor >= 0) continue;
+      plan.is_task_in_place &= place_of(column) == next;
+      next += column.count();
+    }
+    for (const ObservationColumn& column : plan.columns) add_part(column);
+  }
+
+  ObservationPlan plan;
+
+ private:
+  const Channel& channel_of(ColumnSource source) const {
+    const PluginInstance& owner =
+        source.sensor < 0 ? task_ : sensors_[static_cast<std::size_t>(source.sensor)];
+    return owner.channels[static_cast<std::size_t>(source.channel)];
+  }
+
+  /// @throws MarkedError if no sensor has such a channel
+  ColumnSource find(const ObservedChannel& observed) const {
+    std::vector<std::string> known;
+    for (std::size_t s = 0; s < sensors_.size(); ++s) {
+      const std::vector<Channel>& channels = sensors_[s].channels;
+      for (std::size_t k = 0; k < channels.size(); ++k) {
+        known.push_back(sensors_[s].name + "." + channels[k].name);
+        if (known.back() == observed.channel) return {static_cast<int>(s), static_cast<int>(k)};
+      }
+    }
+    const std::string hint = suggestion(observed.channel, known, "there are");
+    throw MarkedError(observed.mark, "no sensor has a channel `" + observed.channel + "`" +
+                                         (hint.empty() ? "; the scenario has no sensors" : hint));
+  }
+
+  void check(const ObservedChannel& observed, const ObservationColumn& column) const {
+    for (const ObservationColumn& other : plan.columns) {
+      if (other.name != column.name) continue;
+      throw MarkedError(observed.mark, "the observation has a column `" + column.name +
+                                           "` already; give this one another `name`");
+    }
+    if (column.low <= column.high) return;
+    throw MarkedError(observed.mark, "the bounds of `" + column.name +
+                                         "` are upside down: the sensor declares " +
+                                         std::to_string(channel_of(column.source).low) + " to " +
+                                         std::to_string(channel_of(column.source).high));
+  }
+
+  /// A column's first value among all of the observation.
+  int place_of(const ObservationColumn& column) const {
+    return column.first + (column.privileged ? plan.observation_size : 0);
+  }
+
+  /// The first value of a column at its source.
+  int origin_of(const ObservationColumn& column) const {
+    const bool is_of_task = column.source.sensor < 0;
+    const PluginInstance& owner =
+        is_of_task ? task_ : sensors_[static_cast<std::size_t>(column.source.sensor)];
+    int first = is_of_task ? 0 : owner.output;
+    for (int k = 0; k < column.source.channel; ++k) {
+      first += owner.channels[static_cast<std::size_t>(k)].count;
+    }
+    return first;
+  }
+
+  /// Runs that follow one another are one part.
+  void add_part(const ObservationColumn& column) {
+    const bool is_of_task = column.source.sensor < 0;
+    if (is_of_task && plan.is_task_in_place) return;
+    const ObservationPart part{is_of_task, origin_of(column), place_of(column), column.count()};
+    if (!plan.parts.empty()) {
+      ObservationPart& last = plan.parts.back();
+      const bool follows = last.is_of_task == is_of_task && last.from + last.count == part.from &&
+                           last.to + last.count == part.to;
+      if (follows) {
+        last.count += part.count;
+        return;
+      }
+    }
+    plan.parts.push_back(part);
+  }
+
+  const PluginInstance& task_;
+  const std::vector<PluginInstance>& sensors_;
+};
+
+}  // namespace
+
+const char* column_type_name(ColumnType) { return "float32"; }
+
+ObservationPlan plan_observation(const PluginInstance& task,
+                                 const std::vector<PluginInstance>& sensors,
+                                 const std::vector<ObservedChannel>& observe) {
+  Planner planner(task, sensors);
+  for (const ObservedChannel& observed : observe) planner.add(observed);
+  planner.place();
+  return std::move(planner.plan);
+}
+
+}  // namespace skybody
