@@ -1,5 +1,6 @@
 #include "core/env/observation_plan.h"
 
+#include <cstdio>
 #include <string>
 
 #include "core/base/suggestion.h"
@@ -19,6 +20,12 @@ ObservationColumn to_column(const Channel& channel, ColumnSource source) {
   column.privileged = channel.privileged;
   column.source = source;
   return column;
+}
+
+std::string range_text(double low, double high) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%g to %g", low, high);
+  return text;
 }
 
 class Planner {
@@ -88,10 +95,11 @@ class Planner {
                                            "` already; give this one another `name`");
     }
     if (column.low <= column.high) return;
-    throw MarkedError(observed.mark, "the bounds of `" + column.name +
-                                         "` are upside down: the sensor declares " +
-                                         std::to_string(channel_of(column.source).low) + " to " +
-                                         std::to_string(channel_of(column.source).high));
+    const Channel& own = channel_of(column.source);
+    throw MarkedError(observed.mark, "the bounds of `" + column.name + "` are " +
+                                         range_text(column.low, column.high) +
+                                         "; give `low` and `high` that fit (the sensor declares " +
+                                         range_text(own.low, own.high) + ")");
   }
 
   /// A column's first value among all of the observation.
