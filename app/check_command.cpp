@@ -68,7 +68,7 @@ std::string parameter_table(const Environment& environment) {
 std::string column_table(const Environment& environment) {
   TextTable table({"column", "unit", "type", "shape", "low", "high", "from", "for"});
   for (const ObservationColumn& column : environment.columns()) {
-    table.add({column.name, column.unit, column_type_name(column.type), shape_text(column),
+    table.add({column.name, column.unit, info_of(column.type).name, shape_text(column),
                format_number(column.low), format_number(column.high),
                source_of(environment, column), owner_text(environment, column)});
   }

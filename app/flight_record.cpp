@@ -67,7 +67,7 @@ void append(std::vector<LogColumn>& columns, const std::string& name, const std:
 void describe_observation(const Environment& environment, FlightLogHeader& header) {
   for (const bool privileged : {false, true}) {
     for (const ObservationColumn& column : environment.columns()) {
-      if (column.privileged != privileged) continue;
+      if (column.privileged != privileged || column.image >= 0) continue;
       append(header.observation, column.name, column.unit, column.count());
     }
   }
@@ -98,6 +98,7 @@ void describe_signals(const Environment& environment, FlightLogHeader& header) {
   }
   for (const PluginInstance& sensor : environment.sensors()) {
     for (const Channel& channel : sensor.channels) {
+      if (channel.is_image()) continue;
       append(header.sensors, sensor.name + "." + channel.name, channel.unit, channel.count);
     }
   }

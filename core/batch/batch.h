@@ -31,6 +31,7 @@ struct RowWidths {
   int agents = 0;
   int info = 0;
   int privileged = 0;
+  std::vector<int> images;  ///< bytes of each
 };
 
 /// Rows of up to `capacity` transitions. Row i of a column of width w begins at i * w.
@@ -62,6 +63,8 @@ struct Batch {
   Column<float> final_info;           ///< likewise
   Column<float> privileged;           ///< for a critic only, `width.privileged` wide
   Column<float> final_privileged;     ///< like final_observation
+  std::vector<Column<std::uint8_t>> images;        ///< `width.images` bytes wide
+  std::vector<Column<std::uint8_t>> final_images;  ///< like final_observation
 };
 
 }  // namespace skybody

@@ -138,6 +138,16 @@ void VecEnv::privileged(std::span<float> privileged) const {
   }
 }
 
+void VecEnv::image(int image, std::span<std::uint8_t> pixels) const {
+  engine_->check_idle("image()");
+  check_index("image", image, static_cast<int>(environment().images().size()));
+  const int width = environment().images()[static_cast<std::size_t>(image)].bytes;
+  check_values("pixels", pixels.size(), static_cast<std::size_t>(envs()), width);
+  for (int env = 0; env < envs(); ++env) {
+    engine_->fleet.image(env, image, pixels.data() + static_cast<std::ptrdiff_t>(env) * width);
+  }
+}
+
 double VecEnv::param(int env, const std::string& path) const {
   engine_->check_idle("param()");
   engine_->check_id(env);

@@ -29,7 +29,29 @@ void check_controller(const PluginInstance& p) {
   }
 }
 
+constexpr double kMostImageBytes = 1 << 28;
+
+/// An image's type, extents and size. Only sensors give images.
+void check_image(const PluginInstance& p, const Channel& c) {
+  const std::string what = "declares image `" + c.name + "` ";
+  if (p.kind != SKYBODY_SENSOR) refuse(p, what + "and is no sensor");
+  if (static_cast<std::size_t>(c.type) >= kColumnTypes.size()) {
+    refuse(p,
+           what + "of type " + std::to_string(static_cast<int>(c.type)) + ", which there is not");
+  }
+  double count = 1.0;
+  for (const int extent : c.shape) {
+    if (extent < 1) refuse(p, what + "with an extent of " + std::to_string(extent));
+    count *= extent;
+  }
+  if (count * info_of(c.type).bytes > kMostImageBytes) refuse(p, what + "of more than 256 MiB");
+  if (count != c.count) {
+    refuse(p, what + "with " + std::to_string(c.count) + " values, not the product of its extents");
+  }
+}
+
 void check_channel(const PluginInstance& p, const Channel& c, int robots) {
+  if (c.is_image()) check_image(p, c);
   if (c.count < 1 || !(c.low <= c.high)) {
     refuse(p, "declares channel `" + c.name + "` with " + std::to_string(c.count) +
                   " values or bounds upside down");

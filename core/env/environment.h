@@ -21,12 +21,13 @@ class GroupWork;
 
 /// Rows that a transition writes: the row of lane l lies l times its width further on.
 struct Rows {
-  float* observation = nullptr;     ///< observation_size() wide
-  float* reward = nullptr;          ///< 1 wide
-  std::uint64_t* status = nullptr;  ///< EpisodeStatus bits, 1 wide
-  float* agent_reward = nullptr;    ///< agents().size() wide; optional
-  float* info = nullptr;            ///< info_size() wide; optional
-  float* privileged = nullptr;      ///< privileged_size() wide; optional
+  float* observation = nullptr;           ///< observation_size() wide
+  float* reward = nullptr;                ///< 1 wide
+  std::uint64_t* status = nullptr;        ///< EpisodeStatus bits, 1 wide
+  float* agent_reward = nullptr;          ///< agents().size() wide; optional
+  float* info = nullptr;                  ///< info_size() wide; optional
+  float* privileged = nullptr;            ///< privileged_size() wide; optional
+  std::uint8_t* const* images = nullptr;  ///< of each of images(), in its bytes; optional
 };
 
 /// A robot's controllers and where their signals lie.
@@ -64,7 +65,13 @@ class Environment {
   int observation_size() const { return plan_.observation_size; }
   /// Values of a privileged row, which only a critic sees.
   int privileged_size() const { return plan_.privileged_size; }
+  /// The images of the observation, in the order of their columns.
+  const std::vector<ObservedImage>& images() const { return plan_.images; }
   int info_size() const { return info_size_; }
+  /// Words of what a StateGroup saves of an environment: WorldState, then images.
+  std::size_t saved_words() const {
+    return static_cast<std::size_t>(layout().words) + image_words_;
+  }
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
@@ -133,6 +140,7 @@ class Environment {
   void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,
                        const Rows&) const;
   std::uint32_t write_observation(GroupWork&, std::uint32_t mask, const Rows&) const;
+  void write_images(const StateGroup&, std::uint32_t mask, const Rows&) const;
   void write_last_observation(const StateGroup&, std::uint32_t mask, const Rows&) const;
   void gather_observation(const StateGroup&, GroupWork&) const;
   void write_agent_rewards(GroupWork&, std::uint32_t mask, const Rows&) const;
@@ -157,6 +165,7 @@ class Environment {
   bool needs_bodies_before_ = false;
   int scratch_size_ = 0;  ///< of the widest signal between two controllers
   ObservationPlan plan_;
+  std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
   int info_size_ = 0;
   std::vector<int> agents_;
   LaneState initial_;  ///< what every reset starts from; nominal parameters

@@ -106,6 +106,8 @@ struct Environment::Builder {
       if (kind == SKYBODY_SENSOR) {
         made.output = plan.layout.sensors.size;
         plan.layout.sensors.size += made.channel_count();
+        made.images = static_cast<int>(8 * env.image_words_);
+        env.image_words_ += static_cast<std::size_t>(image_bytes(made.channels)) / 8;
         tables.add_sensor(made);
         env.sensors_.push_back(std::move(made));
       } else if (kind == SKYBODY_CONTROLLER) {
@@ -292,7 +294,7 @@ StateGroup Environment::make_state(int lanes) const {
   SKYBODY_DEMAND(lanes == 1 || lanes == kGroupLanes, "a group has one lane or kGroupLanes");
   const int bodies =
       physics_->bodies_are_coordinates() ? 0 : static_cast<int>(world_->bodies.size());
-  return {layout(), bodies, lanes, physics_->make_stepper(lanes)};
+  return {layout(), bodies, lanes, static_cast<int>(image_words_), physics_->make_stepper(lanes)};
 }
 
 std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
@@ -310,6 +312,7 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   work->robot_reward = values(scenario().robots.size());
   work->agent_reward = values(agents_.size());
   work->info = values(static_cast<std::size_t>(info_size()));
+  work->image_rows.resize(plan_.images.size());
   work->end = AlignedArray<std::uint64_t>(n);
   work->request = AlignedArray<std::uint64_t>(n);
   return work;

@@ -3,6 +3,7 @@
 // Every lane is concluded as if it had no fault. Faults are rare; they are corrected afterwards,
 // lane by lane.
 #include <algorithm>
+#include <cstring>
 
 #include "core/base/octets.h"
 #include "core/env/environment.h"
@@ -44,6 +45,7 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
   const std::uint32_t faults = mask & (work.bad_action | work.bad_state | ~finite);
   if (faults != 0) conclude_faults(group, work, faults, finite, rows);
   if (rows.info != nullptr) kernels.write(mask, lanes, work.info.data(), info_size_, rows.info);
+  if (rows.images != nullptr) write_images(group, mask, rows);
   if (rows.agent_reward != nullptr) write_agent_rewards(work, mask, rows);
 }
 
@@ -60,6 +62,20 @@ std::uint32_t Environment::write_observation(GroupWork& work, std::uint32_t mask
     return finite & kernels.are_finite(mask, lanes, privileged, privileged_size());
   }
   return finite & kernels.write(mask, lanes, privileged, privileged_size(), rows.privileged);
+}
+
+/// Images as the sensors last made them, at a fault, too: none of their values can be a NaN that
+/// stands for one, but of float32 images, whose makers answer for them.
+void Environment::write_images(const StateGroup& group, std::uint32_t mask,
+                               const Rows& rows) const {
+  for (std::size_t k = 0; k < plan_.images.size(); ++k) {
+    const ObservedImage& image = plan_.images[k];
+    each_lane(mask, [&](int lane) {
+      std::memcpy(rows.images[k] + static_cast<std::ptrdiff_t>(lane) * image.bytes,
+                  group.images().bytes_of(lane) + image.from,
+                  static_cast<std::size_t>(image.bytes));
+    });
+  }
 }
 
 /// The rows of the last finite observation.

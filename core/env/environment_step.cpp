@@ -165,6 +165,8 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool a
     if (due == 0) continue;
     SkybodyLanes v = lanes_now;
     v.active = due;
+    v.images = group.images().bytes() + s.images;
+    v.image_stride = 8 * image_words_;
     s.kernels.sense(s.self.get(), &v, group.plugin_bits(s.state), group.plugin_reals(s.buffer),
                     group.writable(layout().sensors, due) + s.output * lanes);
   }
@@ -221,6 +223,7 @@ void Environment::hash(const StateGroup& group, int lane, const Rows& rows,
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));
   const float* critic = rows.privileged + static_cast<std::ptrdiff_t>(lane) * privileged_size();
   for (int k = 0; k < privileged_size(); ++k) chain.update(static_cast<double>(critic[k]));
+  for (const std::uint64_t word : group.images().of(lane)) chain.update(word);
   chain.update(static_cast<double>(rows.reward[lane]));
   chain.update(rows.status[lane]);
 }

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace skybody {
+#include "core/env/column_type.h"
 
-/// What the values of a column are. Doubles never leave the engine: learners take these.
-enum class ColumnType { kFloat32 };
+namespace skybody {
 
 /// Whether the task or a sensor gives a column's values.
 struct ColumnSource {
@@ -21,13 +20,14 @@ struct ObservationColumn {
   std::string name;  ///< unique within the observation
   std::string unit;  ///< SI; empty for a pure number
   ColumnType type = ColumnType::kFloat32;
-  std::vector<int> shape;  ///< {3}: a vector of three values
+  std::vector<int> shape;  ///< {3}: a vector of three values; {48, 64, 3}: an image
   double low = 0.0;        ///< bounds of the values, may be infinite
   double high = 0.0;
   int robot = -1;           ///< whose own observation it belongs to; -1: every robot's
   bool privileged = false;  ///< for a critic only: not in the policy's observation
   ColumnSource source;
-  int first = 0;  ///< its first value within the row of observations, or the privileged row
+  int first = 0;   ///< its first value within the row of observations, or the privileged row
+  int image = -1;  ///< an image's place among Environment::images(); -1: part of a row
 
   int count() const {
     int product = 1;
@@ -35,8 +35,5 @@ struct ObservationColumn {
     return product;
   }
 };
-
-/// The word for a type, as NumPy has it.
-const char* column_type_name(ColumnType type);
 
 }  // namespace skybody

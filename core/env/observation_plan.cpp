@@ -13,7 +13,8 @@ ObservationColumn to_column(const Channel& channel, ColumnSource source) {
   ObservationColumn column;
   column.name = channel.name;
   column.unit = channel.unit;
-  column.shape = {channel.count};
+  column.type = channel.type;
+  column.shape = channel.is_image() ? channel.shape : std::vector<int>{channel.count};
   column.low = channel.low;
   column.high = channel.high;
   column.robot = channel.robot;
@@ -51,6 +52,10 @@ class Planner {
   /// Gives every column its place, the policy's before the privileged ones.
   void place() {
     for (ObservationColumn& column : plan.columns) {
+      if (channel_of(column.source).is_image()) {
+        place_image(column);
+        continue;
+      }
       int& size = column.privileged ? plan.privileged_size : plan.observation_size;
       column.first = size;
       size += column.count();
@@ -61,7 +66,9 @@ class Planner {
       plan.is_task_in_place &= place_of(column) == next;
       next += column.count();
     }
-    for (const ObservationColumn& column : plan.columns) add_part(column);
+    for (const ObservationColumn& column : plan.columns) {
+      if (column.image < 0) add_part(column);
+    }
   }
 
   ObservationPlan plan;
@@ -94,12 +101,27 @@ class Planner {
       throw MarkedError(observed.mark, "the observation has a column `" + column.name +
                                            "` already; give this one another `name`");
     }
+    if (column.privileged && channel_of(column.source).is_image()) {
+      throw MarkedError(observed.mark, "`" + column.name +
+                                           "` is an image and cannot be privileged: privileged "
+                                           "columns are vectors; leave `privileged` out");
+    }
     if (column.low <= column.high) return;
     const Channel& own = channel_of(column.source);
     throw MarkedError(observed.mark, "the bounds of `" + column.name + "` are " +
                                          range_text(column.low, column.high) +
                                          "; give `low` and `high` that fit (the sensor declares " +
                                          range_text(own.low, own.high) + ")");
+  }
+
+  void place_image(ObservationColumn& column) {
+    const PluginInstance& sensor = sensors_[static_cast<std::size_t>(column.source.sensor)];
+    const auto first = sensor.channels.begin();
+    const std::vector<Channel> before(first, first + column.source.channel);
+    column.image = static_cast<int>(plan.images.size());
+    const auto index = static_cast<int>(&column - plan.columns.data());
+    plan.images.push_back(
+        {index, sensor.images + image_bytes(before), channel_of(column.source).bytes()});
   }
 
   /// A column's first value among all of the observation.
@@ -112,11 +134,9 @@ class Planner {
     const bool is_of_task = column.source.sensor < 0;
     const PluginInstance& owner =
         is_of_task ? task_ : sensors_[static_cast<std::size_t>(column.source.sensor)];
-    int first = is_of_task ? 0 : owner.output;
-    for (int k = 0; k < column.source.channel; ++k) {
-      first += owner.channels[static_cast<std::size_t>(k)].count;
-    }
-    return first;
+    const auto first = owner.channels.begin();
+    const std::vector<Channel> before(first, first + column.source.channel);
+    return (is_of_task ? 0 : owner.output) + value_count(before);
   }
 
   /// Runs that follow one another are one part.
@@ -141,8 +161,6 @@ class Planner {
 };
 
 }  // namespace
-
-const char* column_type_name(ColumnType) { return "float32"; }
 
 ObservationPlan plan_observation(const PluginInstance& task,
                                  const std::vector<PluginInstance>& sensors,

@@ -17,6 +17,13 @@ struct ObservationPart {
   int count = 0;
 };
 
+/// An image of the observation, one buffer of a batch.
+struct ObservedImage {
+  int column = 0;  ///< index within the columns
+  int from = 0;    ///< first byte within an environment's image memory
+  int bytes = 0;
+};
+
 /// The columns of an observation: the task's channels in order, then those that `observe` adds.
 ///
 /// The values of an environment are the row of observations, which the policy sees, and after it
@@ -25,6 +32,7 @@ struct ObservationPart {
 struct ObservationPlan {
   std::vector<ObservationColumn> columns;
   std::vector<ObservationPart> parts;
+  std::vector<ObservedImage> images;
   bool is_task_in_place = true;  ///< the task's values are the first of the observation
   int observation_size = 0;      ///< values of a row of observations
   int privileged_size = 0;       ///< values of a privileged row
@@ -32,8 +40,8 @@ struct ObservationPlan {
   int size() const { return observation_size + privileged_size; }
 };
 
-/// @throws MarkedError at the entry of `observe` that names no channel of a sensor, or gives a
-///         column the name of another one, or bounds upside down
+/// @throws MarkedError at the entry of `observe` that names no channel of a sensor, gives a column
+///         the name of another one or bounds upside down, or makes an image privileged
 ObservationPlan plan_observation(const PluginInstance& task,
                                  const std::vector<PluginInstance>& sensors,
                                  const std::vector<ObservedChannel>& observe);

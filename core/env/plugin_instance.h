@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/env/column_type.h"
 #include "core/model/parameter_spec.h"
 #include "core/physics/world/world.h"
 #include "plugins/api/abi.h"
@@ -20,12 +21,24 @@ struct Channel {
   double high = 0.0;
   int robot = -1;           ///< whose own observation it belongs to, -1: every robot's
   bool privileged = false;  ///< of an observation: for a critic only
+  ColumnType type = ColumnType::kFloat32;
+  std::vector<int> shape = {};  ///< of an image; empty: a vector, whose values lie in lanes
+
+  bool is_image() const { return !shape.empty(); }
+  int bytes() const { return count * info_of(type).bytes; }
 };
 
-/// Number of values of some channels.
+/// Number of values of some channels, without images.
 inline int value_count(const std::vector<Channel>& channels) {
   int sum = 0;
-  for (const Channel& c : channels) sum += c.count;
+  for (const Channel& c : channels) sum += c.is_image() ? 0 : c.count;
+  return sum;
+}
+
+/// Bytes of the images among some channels; each begins at a multiple of 8 (abi.h).
+inline int image_bytes(const std::vector<Channel>& channels) {
+  int sum = 0;
+  for (const Channel& c : channels) sum += c.is_image() ? (c.bytes() + 7) / 8 * 8 : 0;
   return sum;
 }
 
@@ -63,6 +76,7 @@ struct PluginInstance {
   int state = 0, state_words = 0;
   int buffer = 0, buffer_words = 0;
   int output = 0;  ///< sensors: first word of the output
+  int images = 0;  ///< sensors: first byte within an environment's image memory
 
   int input_count() const { return static_cast<int>(low.size()); }
   int channel_count() const { return value_count(channels); }

@@ -16,6 +16,7 @@ void append(std::vector<std::string>& names, const std::string& name, int count)
 void append_observation(std::vector<std::string>& names, const std::string& prefix,
                         const Environment& environment, bool privileged) {
   for (const ObservationColumn& column : environment.columns()) {
+    if (column.image >= 0) continue;
     if (column.privileged == privileged) append(names, prefix + column.name, column.count());
   }
 }
@@ -85,6 +86,7 @@ class StateNames {
     expect(layout_.sensors);
     for (const PluginInstance& sensor : environment_.sensors()) {
       for (const Channel& channel : sensor.channels) {
+        if (channel.is_image()) continue;
         append(names_, "sensors " + sensor.name + "." + channel.name, channel.count);
       }
     }

@@ -1,5 +1,6 @@
 #include "core/io/observed_reader.h"
 
+#include <optional>
 #include <unordered_set>
 
 #include "core/io/field.h"
@@ -24,6 +25,13 @@ bool is_path(const std::string& text) {
   return dot != text.npos && dot + 1 < text.size() && is_identifier(text.substr(0, dot));
 }
 
+/// The number of a key, or nothing where it is left out or wrong.
+std::optional<double> bound(const MapReader& reader, const std::string& key) {
+  if (reader.node(key) == nullptr) return std::nullopt;
+  const std::vector<double> numbers = reader.numbers(key);
+  return numbers.empty() ? std::nullopt : std::optional(numbers[0]);
+}
+
 class ObservedReader {
  public:
   explicit ObservedReader(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
@@ -38,8 +46,8 @@ class ObservedReader {
     observed.name = reader.text("name");
     if (observed.name.empty()) observed.name = observed.channel;
     observed.privileged = reader.boolean("privileged");
-    if (reader.node("low") != nullptr) observed.low = reader.real("low");
-    if (reader.node("high") != nullptr) observed.high = reader.real("high");
+    observed.low = bound(reader, "low");
+    observed.high = bound(reader, "high");
     check(observed, reader);
     list.push_back(std::move(observed));
   }

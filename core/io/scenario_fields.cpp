@@ -15,6 +15,11 @@ Field hover_or(Field field) {
   return field;
 }
 
+Field no_default(Field field) {
+  field.value.default_numbers.clear();
+  return field;
+}
+
 }  // namespace
 
 const MapSpec& solver_fields() {
@@ -164,10 +169,11 @@ const MapSpec& observed_fields() {
           required(text_field("channel", "", "the sensor and its channel: SENSOR.CHANNEL")),
           name_field("of the column; default: SENSOR.CHANNEL"),
           boolean_field("privileged", false, "for a critic only: not in the policy's observation"),
-          real_field("low", "of the channel", 0, -kMostObservedValue, kMostObservedValue,
-                     "least value of the space; default: as the sensor declares"),
-          real_field("high", "of the channel", 0, -kMostObservedValue, kMostObservedValue,
-                     "greatest value of the space; default: as the sensor declares"),
+          no_default(real_field("low", "", 0, -kMostObservedValue, kMostObservedValue,
+                                "least value of the space, in the channel's unit; else as the "
+                                "sensor declares")),
+          no_default(real_field("high", "", 0, -kMostObservedValue, kMostObservedValue,
+                                "greatest value, likewise")),
       }};
   return spec;
 }

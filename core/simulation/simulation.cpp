@@ -51,6 +51,11 @@ void Simulation::add_to_hash() {
 }
 
 std::span<const float> Simulation::privileged() const { return data_->privileged; }
+std::span<const std::uint8_t> Simulation::image(int image) const {
+  check_index("image", image, static_cast<int>(environment_->images().size()));
+  const ObservedImage& place = environment_->images()[static_cast<std::size_t>(image)];
+  return {data_->group.images().bytes_of(0) + place.from, static_cast<std::size_t>(place.bytes)};
+}
 std::span<const float> Simulation::observation() const { return data_->observation; }
 std::span<const float> Simulation::agent_rewards() const { return data_->agent_reward; }
 std::span<const float> Simulation::info() const { return data_->info; }
@@ -151,7 +156,7 @@ Snapshot Simulation::save() const {
 
 void Simulation::restore(const Snapshot& snapshot) {
   if (snapshot.scenario_hash != scenario().hash ||
-      static_cast<int>(snapshot.words.size()) != environment_->layout().words) {
+      snapshot.words.size() != environment_->saved_words()) {
     throw Error("this snapshot is of another scenario than " + scenario().file +
                 ": restore it where it was saved");
   }

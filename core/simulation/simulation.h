@@ -99,6 +99,9 @@ class Simulation {
 
   std::span<const float> observation() const;  ///< after the last reset or step
   std::span<const float> privileged() const;   ///< likewise: what a critic sees besides
+  /// One of the observation's images (Environment::images), as its sensor last made it.
+  /// @throws Error if there is no such image
+  std::span<const std::uint8_t> image(int image) const;
   float reward() const;
   std::span<const float> agent_rewards() const;  ///< one per agent; the team's where it has no own
   std::span<const float> info() const;           ///< the task's info values, as declared

@@ -153,6 +153,7 @@ nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t>
 
 template nb::object copy_of(std::span<const float>, std::initializer_list<std::size_t>);
 template nb::object copy_of(std::span<const double>, std::initializer_list<std::size_t>);
+template nb::object copy_of(std::span<const std::uint8_t>, std::initializer_list<std::size_t>);
 template nb::object copy_of(std::span<const std::uint64_t>, std::initializer_list<std::size_t>);
 
 }  // namespace skybody::python

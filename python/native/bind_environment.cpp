@@ -46,7 +46,7 @@ std::vector<PlacedChannel> placed(const std::vector<Channel>& channels) {
 std::vector<PlacedChannel> observation_channels(const Environment& environment) {
   std::vector<PlacedChannel> list;
   for (const ObservationColumn& c : environment.columns()) {
-    if (c.privileged) continue;
+    if (c.privileged || c.image >= 0) continue;
     list.push_back({c.name, c.unit, c.first, c.count(), c.low, c.high, c.robot});
   }
   return list;
@@ -97,8 +97,8 @@ void bind_column(nb::module_& m) {
       .def_prop_ro(
           "unit", [](const C& c) { return c.column.unit; }, "SI unit; empty for a pure number.")
       .def_prop_ro(
-          "dtype", [](const C& c) { return column_type_name(c.column.type); },
-          "NumPy's name of the type: `float32`.")
+          "dtype", [](const C& c) { return info_of(c.column.type).name; },
+          "NumPy's name of the type: `float32`, or of an image `uint8`, `uint16` as well.")
       .def_prop_ro(
           "shape", [](const C& c) { return nb::tuple(nb::cast(c.column.shape)); },
           nb::sig("def shape(self) -> tuple[int, ...]"), "Shape of one environment's value.")
@@ -116,6 +116,9 @@ void bind_column(nb::module_& m) {
       .def_prop_ro(
           "first", [](const C& c) { return c.column.first; },
           "Index of its first value within the row of observations, or the privileged row.")
+      .def_prop_ro(
+          "image", [](const C& c) { return c.column.image; },
+          "An image's index for Batch.image(); -1: it is part of a row.")
       .def("__repr__", [](const C& c) {
         return "ObservationColumn(" + c.column.name + " from " + c.source +
                (c.column.privileged ? ", privileged)" : ")");

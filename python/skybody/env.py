@@ -34,7 +34,8 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name.
+        dict_observations: observations are dictionaries with an array for each column, by name;
+            with images they always are.
         render_mode: None; `skybody run` draws pictures.
 
     Raises:
@@ -131,6 +132,11 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if len(self.environment.agents) > 1:
             info["agent_reward"] = batch.agent_reward[0].copy()
         return info
+
+    def row(self) -> NDArray[np.float32]:
+        """The last row of observations (observation_size,), without images; a copy."""
+        row: NDArray[np.float32] = self._pool.observations()[0]
+        return row
 
     def save(self) -> bytes:
         """Everything of the environment: motion, drawn values, counters, random key."""

@@ -42,7 +42,8 @@ class ParallelEnv(
         env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name.
+        dict_observations: observations are dictionaries with an array for each column, by name;
+            with images they always are.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -59,7 +60,12 @@ class ParallelEnv(
         dict_observations: bool = False,
     ) -> None:
         self._env = SkybodyEnv(
-            scenario, seed=seed, env_id=env_id, overrides=overrides, plugin_path=plugin_path
+            scenario,
+            seed=seed,
+            env_id=env_id,
+            overrides=overrides,
+            plugin_path=plugin_path,
+            dict_observations=dict_observations,
         )
         self.environment = self._env.environment
         self.metadata: dict[str, Any] = {"name": self.environment.name, "render_modes": []}
@@ -67,11 +73,11 @@ class ParallelEnv(
         robots, agents = self.environment.robots, self.environment.agents
         self.possible_agents = [robots[robot] for robot in agents]
         self.agents: list[str] = []
-        self._row = np.zeros(self.environment.observation_size, np.float32)
+        self._observation: Any = None
         self._seen = {robots[r]: observed_by(self.environment, r) for r in agents}
         self._commanded = {robots[r]: commanded_by(self.environment, r) for r in agents}
         self._columns = None
-        if dict_observations:
+        if isinstance(self._env.observation_space, Dict):
             columns = policy_columns(self.environment)
             self._columns = {
                 robots[r]: [column for column in columns if column.robot in (r, -1)] for r in agents
@@ -103,7 +109,7 @@ class ParallelEnv(
         Args:
             options: not used; PettingZoo's own tests pass some.
         """
-        self._row, info = self._env.reset(seed=seed)
+        self._observation, info = self._env.reset(seed=seed)
         info.pop("agent_reward", None)
         self.agents = list(self.possible_agents)
         return self._observations(), self._infos(info)
@@ -124,7 +130,9 @@ class ParallelEnv(
             ValueError: an agent's action is missing or of another shape; an action of no
                 agent; not yet reset, or the episode has ended.
         """
-        self._row, reward, terminated, truncated, info = self._env.step(self._joined(actions))
+        self._observation, reward, terminated, truncated, info = self._env.step(
+            self._joined(actions)
+        )
         if terminated or truncated:
             self.agents = []
         rewards = info.pop("agent_reward", [reward])
@@ -156,9 +164,9 @@ class ParallelEnv(
 
     def _observations(self) -> dict[str, NDArray[np.float32]]:
         if self._columns is None:
-            return {agent: self._row[seen] for agent, seen in self._seen.items()}
+            return {agent: self._observation[seen] for agent, seen in self._seen.items()}
         return {
-            agent: {key_of(c): self._row[c.first : c.first + c.shape[0]].copy() for c in columns}
+            agent: {key_of(c): self._observation[key_of(c)].copy() for c in columns}
             for agent, columns in self._columns.items()
         }
 
@@ -166,8 +174,8 @@ class ParallelEnv(
         return {agent: dict(info) for agent in self.possible_agents}
 
     def state(self) -> NDArray[np.float32]:
-        """The whole observation row (observation_size,), for a centralised critic."""
-        return self._row.copy()
+        """The whole row of observations (observation_size,), for a centralised critic."""
+        return self._env.row()
 
     def close(self) -> None:
         """Gives the memory back. Further calls raise."""

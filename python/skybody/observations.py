@@ -36,29 +36,42 @@ def policy_columns(environment: Environment) -> list[ObservationColumn]:
 class Observations:
     """From batches to what `reset` and `step` return, without a copy.
 
-    `columns` are those of a dictionary; None: observations are rows.
+    `columns` are those of a dictionary; None: observations are rows (n, observation_size). Where a
+    column is an image, they are always dictionaries.
     """
 
     def __init__(self, environment: Environment, as_dict: bool) -> None:
-        self.columns = policy_columns(environment) if as_dict else None
-
-    def of_rows(self, rows: NDArray[np.float32]) -> Any:
-        """Rows (n, observation_size) as an array, or as a dictionary of views of it."""
-        if self.columns is None:
-            return rows
-        return {key_of(c): rows[:, c.first : c.first + c.shape[0]] for c in self.columns}
+        has_images = any(column.image >= 0 for column in environment.observation_columns)
+        self.columns = policy_columns(environment) if as_dict or has_images else None
 
     def of(self, batch: Batch) -> Any:
         """Observations after the transition."""
-        return self.of_rows(batch.observation)
+        return self._arranged(batch.observation, batch.image)
 
     def final_of(self, batch: Batch) -> Any:
         """Observations before the reset, with same-step autoreset."""
-        return self.of_rows(batch.final_observation)
+        return self._arranged(batch.final_observation, batch.final_image)
 
     def now(self, pool: Pool) -> Any:
         """The last observation of every environment, in new arrays."""
-        return self.of_rows(pool.observations())
+        return self._arranged(pool.observations(), pool.image)
+
+    def _arranged(
+        self, rows: NDArray[np.float32], image: Callable[[int], NDArray[np.uint8]]
+    ) -> Any:
+        if self.columns is None:
+            return rows
+        return {key_of(c): values_of(c, rows, image) for c in self.columns}
+
+
+def values_of(
+    column: ObservationColumn, rows: NDArray[np.float32], image: Callable[[int], NDArray[np.uint8]]
+) -> NDArray[Any]:
+    """A column's values (n, *shape), a view."""
+    if column.image < 0:
+        return rows[:, column.first : column.first + column.shape[0]]
+    pixels: NDArray[Any] = image(column.image).view(column.dtype)
+    return pixels.reshape(len(pixels), *column.shape)
 
 
 def apply(change: Callable[[NDArray[Any]], NDArray[Any]], observation: Any) -> Any:

@@ -43,7 +43,8 @@ class Pool(PooledEnvironments):
             observation is in info["final_obs"]; "disabled": the caller resets.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name.
+        dict_observations: observations are dictionaries with an array for each column, by name;
+            with images they always are.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
         infos: whether infos hold the task's info values; without, tasks need not compute them.

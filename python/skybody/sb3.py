@@ -51,7 +51,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
         dict_observations: observations are dictionaries with an array for each column, by name,
-            for `MultiInputPolicy`.
+            for `MultiInputPolicy`; with images they always are.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
 

@@ -91,7 +91,7 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         joint: several robots that are alike: observations are (num_envs, agents, width) and
             actions (num_envs, agents, width), views of the same memory, with the team's reward.
         dict_observations: observations are dictionaries with an array (num_envs, *shape) for each
-            column, by name: views of the same memory.
+            column, by name: views of the same memory; with images they always are.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
         infos: whether infos hold the task's info values; without, tasks need not compute them.
@@ -100,8 +100,8 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, joint for agents that are not alike, or joint and
-            dict_observations.
+        ValueError: a number is out of range, joint for agents that are not alike, or joint with
+            dictionaries.
     """
 
     def __init__(
@@ -124,8 +124,6 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
     ) -> None:
         if order not in get_args(Order):
             raise ValueError(f"order is {order!r}; it must be one of {', '.join(get_args(Order))}")
-        if joint and dict_observations:
-            raise ValueError("joint and dict_observations exclude one another: leave one out")
         self.environment = load(scenario, overrides, plugin_path)
         self._mode = autoreset_mode(autoreset)
         names = {mode: name for name, mode in _MODES.items()}
@@ -145,6 +143,8 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
         self._observations = Observations(self.environment, dict_observations)
         self._channels = InfoChannels(self.environment, infos)
+        if joint and self._observations.columns is not None:
+            raise ValueError("joint and dict_observations exclude one another: leave one out")
         self._joint = JointLayout(self.environment) if joint else None
         self._team = len(self.environment.agents) > 1
         self._all = np.ones(num_envs, np.bool_)
