@@ -49,11 +49,7 @@ Array2<float> final_rows(nb::handle_t<ReceivedBatch> self) {
 Array2<std::uint8_t> image_rows(nb::handle_t<ReceivedBatch> self,
                                 const std::vector<Column<std::uint8_t>>& images, int index) {
   const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
-  const auto count = static_cast<int>(batch.width.images.size());
-  if (index < 0 || index >= count) {
-    throw nb::index_error(
-        ("image " + std::to_string(index) + " of " + std::to_string(count)).c_str());
-  }
+  check_image(index, batch.width.images.size());
   const auto k = static_cast<std::size_t>(index);
   if (images.empty()) {
     throw Error("images from before a reset are kept with autoreset='same_step' only");

@@ -109,7 +109,7 @@ nb::object privileged(Pool& pool) {
 
 nb::object image(Pool& pool, int index) {
   const auto& images = pool.environment()->images();
-  check_index("image", index, static_cast<int>(images.size()));
+  check_image(index, images.size());
   const auto rows = static_cast<std::size_t>(pool.envs());
   const auto width = static_cast<std::size_t>(images[static_cast<std::size_t>(index)].bytes);
   std::vector<std::uint8_t> pixels(rows * width);

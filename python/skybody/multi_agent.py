@@ -162,7 +162,7 @@ class ParallelEnv(
             row[commanded] = check_array(name, actions[agent], commanded.shape, np.float32)
         return row
 
-    def _observations(self) -> dict[str, NDArray[np.float32]]:
+    def _observations(self) -> Observations:
         if self._columns is None:
             return {agent: self._observation[seen] for agent, seen in self._seen.items()}
         return {

@@ -51,7 +51,8 @@ def space_of(environment: Environment, observations: Observations) -> Box[np.flo
 def batched(space: Box[np.float32] | Dict, count: int) -> Box[np.float32] | Dict:
     """The space of `count` observations: each Box is (count, *shape)."""
     if isinstance(space, Dict):
-        return Dict({key: batch(box, count) for key, box in space.items()})
+        boxes = {key: box for key, box in space.items() if isinstance(box, Box)}
+        return Dict({key: batch(box, count) for key, box in boxes.items()})
     return batch(space, count)
 
 
