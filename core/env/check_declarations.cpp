@@ -1,7 +1,9 @@
 #include "core/env/check_declarations.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <unordered_set>
 
 #include "core/base/error.h"
 #include "core/env/controller_chains.h"
@@ -56,7 +58,29 @@ void check_controller(const PluginInstance& p) {
   }
 }
 
+constexpr double kMostImageBytes = 1 << 28;
+
+/// An image's type, extents and size. Only sensors give images.
+void check_image(const PluginInstance& p, const Channel& c) {
+  const std::string what = "declares image `" + c.name + "` ";
+  if (p.kind != SKYBODY_SENSOR) refuse(p, what + "and is no sensor");
+  if (static_cast<std::size_t>(c.type) >= kColumnTypes.size()) {
+    refuse(p,
+           what + "of type " + std::to_string(static_cast<int>(c.type)) + ", which there is not");
+  }
+  double count = 1.0;
+  for (const int extent : c.shape) {
+    if (extent < 1) refuse(p, what + "with an extent of " + std::to_string(extent));
+    count *= extent;
+  }
+  if (count * info_of(c.type).bytes > kMostImageBytes) refuse(p, what + "of more than 256 MiB");
+  if (count != c.count) {
+    refuse(p, what + "with " + std::to_string(c.count) + " values, not the product of its extents");
+  }
+}
+
 void check_channel(const PluginInstance& p, const Channel& c, int robots) {
+  if (c.is_image()) check_image(p, c);
   if (c.count < 1 || !(c.low <= c.high)) {
     refuse(p, "declares channel `" + c.name + "` with " + std::to_string(c.count) +
                   " values or bounds upside down");
@@ -116,6 +140,20 @@ void check_reports(const PluginInstance& p) {
   }
 }
 
+void check_names(const PluginInstance& p, const std::vector<Channel>& channels) {
+  std::unordered_set<std::string> names;
+  for (const Channel& c : channels) {
+    if (!names.insert(c.name).second) refuse(p, "declares two channels `" + c.name + "`");
+  }
+}
+
+/// A policy must see something.
+void check_observation(const PluginInstance& p) {
+  const bool sees = std::any_of(p.channels.begin(), p.channels.end(),
+                                [](const Channel& c) { return !c.privileged; });
+  if (!sees) refuse(p, "declares no observation for a policy");
+}
+
 }  // namespace
 
 void check_declarations(const Topology& topology, const Layout& layout, const PluginInstance& p) {
@@ -156,10 +194,10 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   }
   for (const Channel& c : p.channels) check_channel(p, c, robots);
   for (const Channel& c : p.infos) check_channel(p, c, robots);
-  const bool gives = p.kind == SKYBODY_SENSOR || p.kind == SKYBODY_TASK;
-  if (gives && p.channels.empty()) {
-    refuse(p, p.kind == SKYBODY_TASK ? "declares no observation" : "declares no output");
-  }
+  check_names(p, p.channels);
+  check_names(p, p.infos);
+  if (p.kind == SKYBODY_SENSOR && p.channels.empty()) refuse(p, "declares no output");
+  if (p.kind == SKYBODY_TASK) check_observation(p);
 }
 
 }  // namespace skybody

@@ -10,6 +10,7 @@
 
 #include "core/base/hash.h"
 #include "core/env/controller_chains.h"
+#include "core/env/observation_plan.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
 #include "core/physics/forces/contact.h"
@@ -22,11 +23,13 @@ class GroupWork;
 
 /// Rows that a transition writes: the row of lane l lies l times its width further on.
 struct Rows {
-  float* observation = nullptr;     ///< observation_size() wide
-  float* reward = nullptr;          ///< 1 wide
-  std::uint64_t* status = nullptr;  ///< EpisodeStatus bits, 1 wide
-  float* agent_reward = nullptr;    ///< agents().size() wide; optional
-  float* info = nullptr;            ///< info_size() wide; optional
+  float* observation = nullptr;           ///< observation_size() wide
+  float* reward = nullptr;                ///< 1 wide
+  std::uint64_t* status = nullptr;        ///< EpisodeStatus bits, 1 wide
+  float* agent_reward = nullptr;          ///< agents().size() wide; optional
+  float* info = nullptr;                  ///< info_size() wide; optional
+  float* privileged = nullptr;            ///< privileged_size() wide; optional
+  std::uint8_t* const* images = nullptr;  ///< of each of images(), in its bytes; optional
 };
 
 /// A part of the action row: of a task that has its own, or the command of a chain.
@@ -63,8 +66,19 @@ class Environment {
   /// In the order of the row.
   const std::vector<ActionChannel>& action_channels() const { return action_channels_; }
   int action_size() const { return layout().action.size; }
-  int observation_size() const { return observation_size_; }
+  /// The parts of the observation: the task's in order, then those that `observe` adds.
+  const std::vector<ObservationColumn>& columns() const { return plan_.columns; }
+  /// Values of a row of observations, which a policy sees.
+  int observation_size() const { return plan_.observation_size; }
+  /// Values of a privileged row, which only a critic sees.
+  int privileged_size() const { return plan_.privileged_size; }
+  /// The images of the observation, in the order of their columns.
+  const std::vector<ObservedImage>& images() const { return plan_.images; }
   int info_size() const { return value_count(info_channels_); }
+  /// Words of what a StateGroup saves of an environment: WorldState, then images.
+  std::size_t saved_words() const {
+    return static_cast<std::size_t>(layout().words) + image_words_;
+  }
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
@@ -143,6 +157,10 @@ class Environment {
   std::uint32_t finite_robot_rewards(const GroupWork&, std::uint32_t mask) const;
   void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,
                        const Rows&) const;
+  std::uint32_t write_observation(GroupWork&, std::uint32_t mask, const Rows&) const;
+  void write_images(const StateGroup&, std::uint32_t mask, const Rows&) const;
+  void write_last_observation(const StateGroup&, std::uint32_t mask, const Rows&) const;
+  void gather_observation(const StateGroup&, GroupWork&) const;
   void write_agent_rewards(GroupWork&, std::uint32_t mask, const Rows&) const;
   void evaluate(StateGroup&, GroupWork&, const SkybodyLanes&, bool wants_info) const;
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
@@ -169,7 +187,8 @@ class Environment {
   bool needs_contacts_ = false;
   int signal_size_ = 0;   ///< of the widest output of a controller
   int scratch_size_ = 0;  ///< of the plugin that asks for most
-  int observation_size_ = 0;
+  ObservationPlan plan_;
+  std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
   std::vector<int> agents_;
   LaneState initial_;  ///< what every reset starts from; nominal parameters
 };

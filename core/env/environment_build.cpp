@@ -111,6 +111,8 @@ struct Environment::Builder {
       if (kind == SKYBODY_SENSOR) {
         made.output = plan.layout.sensors.size;
         plan.layout.sensors.size += made.channel_count();
+        made.images = static_cast<int>(8 * env.image_words_);
+        env.image_words_ += static_cast<std::size_t>(image_bytes(made.channels)) / 8;
         tables.add_sensor(made);
       }
       env.plugins_[kind].push_back(std::move(made));
@@ -190,8 +192,8 @@ struct Environment::Builder {
         env.needs_bodies_before_ ? 13 * static_cast<int>(topology.bodies.size()) : 0;
     l.contacts.size =
         env.needs_contacts_ ? kContactValues * static_cast<int>(topology.bodies.size()) : 0;
-    env.observation_size_ = env.task().channel_count();
-    l.last_observation.size = env.observation_size_;
+    env.plan_ = plan_observation(env.task(), env.plugins_[SKYBODY_SENSOR], scenario.observe);
+    l.last_observation.size = env.plan_.size();
     for (auto& list : env.plugins_) {
       for (PluginInstance& p : list) {
         for (std::size_t i = 0; i < p.holds.size(); ++i) plan.holds[i] |= p.holds[i];
@@ -289,7 +291,7 @@ StateGroup Environment::make_state(int lanes) const {
   SKYBODY_DEMAND(lanes == 1 || lanes == kGroupLanes, "a group has one lane or kGroupLanes");
   const int bodies =
       physics_->bodies_are_coordinates() ? 0 : static_cast<int>(world_->bodies.size());
-  return {layout(), bodies, lanes, physics_->make_stepper(lanes)};
+  return {layout(), bodies, lanes, static_cast<int>(image_words_), physics_->make_stepper(lanes)};
 }
 
 std::unique_ptr<GroupWork> Environment::make_checked_work() const {
@@ -320,11 +322,15 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   const int moving = task().interpolates ? layout().command.size : 0;
   work->command_from = values(static_cast<std::size_t>(moving));
   work->command_to = values(static_cast<std::size_t>(moving));
-  work->observation = values(static_cast<std::size_t>(observation_size()));
+  work->observation = values(static_cast<std::size_t>(plan_.size()));
+  if (!plan_.is_task_in_place) {
+    work->task_values = values(static_cast<std::size_t>(task().channel_count()));
+  }
   work->reward = values(1);
   work->robot_reward = values(scenario().robots.size());
   work->agent_reward = values(agents_.size());
   work->info = values(static_cast<std::size_t>(info_size()));
+  work->image_rows.resize(plan_.images.size());
   work->end = AlignedArray<std::uint64_t>(n);
   work->request = AlignedArray<std::uint64_t>(n);
   return work;

@@ -231,6 +231,8 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool a
     SkybodyLanes v = lanes_now;
     v.active = all ? lanes_now.active : due(s, group, lanes_now.active);
     if (v.active == 0) continue;
+    v.images = group.images().bytes() + s.images;
+    v.image_stride = 8 * image_words_;
     call_plugin(s.kernels.sense, s, group, v, {0, s.channel_count(), 0},
                 group.writable(layout().sensors, v.active) + s.output * lanes);
   }
@@ -240,11 +242,14 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool a
 void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
                            bool wants_info) const {
   work.clear_outcome(wants_info);
-  const SkybodyEvaluation out{work.observation.data(),  work.reward.data(), work.end.data(),
-                              work.robot_reward.data(), work.info.data(),   wants_info ? 1u : 0u};
+  AlignedArray<double>& values = plan_.is_task_in_place ? work.observation : work.task_values;
+  const SkybodyEvaluation out{values.data(),    work.reward.data(),
+                              work.end.data(),  work.robot_reward.data(),
+                              work.info.data(), wants_info ? 1u : 0u};
   call_plugin(task().kernels.evaluate, task(), group, view,
-              {0, observation_size(), value_count(task().infos)}, &out);
+              {0, task().channel_count(), value_count(task().infos)}, &out);
   if (wants_info) write_reports(group, work);
+  gather_observation(group, work);
 }
 
 /// Values beside the observation that other plugins keep in their buffers, behind the task's.
@@ -258,6 +263,17 @@ void Environment::write_reports(const StateGroup& group, GroupWork& work) const 
         to = std::copy_n(from, report.info.count * lanes, to);
       }
     }
+  }
+}
+
+/// Puts the observation together where the task has not written all of it to its place.
+void Environment::gather_observation(const StateGroup& group, GroupWork& work) const {
+  const int lanes = group.lanes();
+  for (const ObservationPart& part : plan_.parts) {
+    const double* values =
+        part.is_of_task ? work.task_values.data() : group.reals(layout().sensors);
+    std::copy_n(values + part.from * lanes, part.count * lanes,
+                work.observation.data() + part.to * lanes);
   }
 }
 
@@ -286,6 +302,9 @@ void Environment::hash(const StateGroup& group, int lane, const Rows& rows,
   }
   const float* row = rows.observation + static_cast<std::ptrdiff_t>(lane) * observation_size();
   for (int k = 0; k < observation_size(); ++k) chain.update(static_cast<double>(row[k]));
+  const float* critic = rows.privileged + static_cast<std::ptrdiff_t>(lane) * privileged_size();
+  for (int k = 0; k < privileged_size(); ++k) chain.update(static_cast<double>(critic[k]));
+  for (const std::uint64_t word : group.images().of(lane)) chain.update(word);
   chain.update(static_cast<double>(rows.reward[lane]));
   chain.update(rows.status[lane]);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/env/column_type.h"
 #include "core/model/parameter_spec.h"
 #include "core/physics/world/world.h"
 #include "plugins/api/abi.h"
@@ -20,13 +21,26 @@ struct Channel {
   int count = 0;
   double low = 0.0;  ///< bounds of the values, may be infinite
   double high = 0.0;
-  int robot = -1;  ///< whose own observation it belongs to, -1: every robot's
+  int robot = -1;           ///< whose own observation it belongs to, -1: every robot's
+  bool privileged = false;  ///< of an observation: for a critic only
+  ColumnType type = ColumnType::kFloat32;
+  std::vector<int> shape = {};  ///< of an image; empty: a vector, whose values lie in lanes
+
+  bool is_image() const { return !shape.empty(); }
+  int bytes() const { return count * info_of(type).bytes; }
 };
 
-/// Number of values of some channels.
+/// Number of values of some channels, without images.
 inline int value_count(const std::vector<Channel>& channels) {
   int sum = 0;
-  for (const Channel& c : channels) sum += c.count;
+  for (const Channel& c : channels) sum += c.is_image() ? 0 : c.count;
+  return sum;
+}
+
+/// Bytes of the images among some channels; each begins at a multiple of 8 (abi.h).
+inline int image_bytes(const std::vector<Channel>& channels) {
+  int sum = 0;
+  for (const Channel& c : channels) sum += c.is_image() ? (c.bytes() + 7) / 8 * 8 : 0;
   return sum;
 }
 
@@ -86,6 +100,7 @@ struct PluginInstance {
   /// called in every physics step; and, per held input, what this effect adds.
   Block last_output;
   std::array<Block, SKYBODY_HELD_COUNT> held;
+  int images = 0;  ///< sensors: first byte within an environment's image memory
 
   int input_count() const { return static_cast<int>(low.size()); }
   int channel_count() const { return value_count(channels); }

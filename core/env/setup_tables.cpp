@@ -107,7 +107,10 @@ SkybodyShapeInfo shape_info(const Shape& shape, const char* name, int body) {
 PluginInstance& instance_of(void* host) { return *static_cast<PluginInstance*>(host); }
 
 Channel to_channel(const SkybodyChannel& c) {
-  return {c.name, c.unit, c.count, c.low, c.high, c.robot};
+  Channel channel{c.name, c.unit, c.count, c.low, c.high, c.robot, c.privileged != 0};
+  channel.type = static_cast<ColumnType>(c.type);
+  channel.shape.assign(c.shape, c.shape + std::clamp(c.rank, 0, 3));
+  return channel;
 }
 
 }  // namespace
@@ -193,6 +196,7 @@ SkybodySetup SetupTables::setup(const std::string& instance, int robot,
 void SetupTables::add_sensor(const PluginInstance& sensor) {
   int first = sensor.output;
   for (const Channel& channel : sensor.channels) {
+    if (channel.is_image()) continue;
     names_.push_back(std::make_unique<std::string>(sensor.name));
     const char* instance = names_.back()->c_str();
     names_.push_back(std::make_unique<std::string>(channel.name));

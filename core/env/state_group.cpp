@@ -7,12 +7,13 @@
 
 namespace skybody {
 
-StateGroup::StateGroup(const Layout& layout, int bodies, int lanes,
+StateGroup::StateGroup(const Layout& layout, int bodies, int lanes, int image_words,
                        std::unique_ptr<GroupStepper> stepper)
     : layout_(&layout),
       lanes_(lanes),
       words_(static_cast<std::size_t>(layout.words) * static_cast<std::size_t>(lanes)),
       bodies_(13 * static_cast<std::size_t>(bodies) * static_cast<std::size_t>(lanes)),
+      images_(image_words, lanes),
       blocks_{lanes,
               start_of(layout.q),
               start_of(layout.u),
@@ -46,6 +47,7 @@ void StateGroup::scatter(int lane, Block block, const double* in) {
 
 void StateGroup::clear(int lane) {
   for (int k = 0; k < words(); ++k) at(k)[lane] = 0;
+  images_.clear(lane);
   forget(1u << lane);
   occupied_ |= 1u << lane;
 }
@@ -53,12 +55,16 @@ void StateGroup::clear(int lane) {
 std::vector<std::uint64_t> StateGroup::save(int lane) const {
   std::vector<std::uint64_t> saved(static_cast<std::size_t>(words()));
   for (int k = 0; k < words(); ++k) saved[static_cast<std::size_t>(k)] = at(k)[lane];
+  const auto images = images_.of(lane);
+  saved.insert(saved.end(), images.begin(), images.end());
   return saved;
 }
 
 void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
-  SKYBODY_DEMAND(static_cast<int>(saved.size()) == words(), "a snapshot of another layout");
-  for (int k = 0; k < words(); ++k) at(k)[lane] = saved[static_cast<std::size_t>(k)];
+  const auto count = static_cast<std::size_t>(words());
+  SKYBODY_DEMAND(saved.size() == count + images_.words(), "a snapshot of another layout");
+  for (std::size_t k = 0; k < count; ++k) at(static_cast<int>(k))[lane] = saved[k];
+  images_.set(lane, saved.data() + count);
   forget(1u << lane);
 }
 

@@ -101,6 +101,11 @@ Field required(Field field) {
   return field;
 }
 
+Field short_form(std::string key, Field field) {
+  field.short_key = std::move(key);
+  return field;
+}
+
 MapReader::MapReader(const ConfigNode* node, const MapSpec& spec, const SourceMark& owner,
                      Diagnostics& diagnostics)
     : node_(node),

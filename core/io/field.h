@@ -33,6 +33,7 @@ struct Field {
   const MapSpec* map = nullptr;
   SkybodyKind plugin = SKYBODY_TASK;
   std::string word;         ///< kValue: this text is allowed in place of the number
+  std::string short_key;    ///< kMapList: a text in place of a map is the value of this key
   bool identifier = false;  ///< kValue: a text that can be part of a path
 };
 
@@ -59,6 +60,8 @@ Field vector_field(std::string name, std::string unit, std::vector<double> value
 Field map_field(std::string name, Field::Kind kind, const MapSpec& map, std::string doc);
 Field plugin_field(std::string name, Field::Kind kind, SkybodyKind plugin, std::string doc);
 Field required(Field field);
+/// A list of maps whose entries may be texts, which are the values of `key`.
+Field short_form(std::string key, Field field);
 
 /// Reads the values of one map. Asking for a key that the spec does not declare is our bug (throws
 /// std::logic_error). After an error a value is its default, so that reading goes on.

@@ -6,11 +6,17 @@
 namespace skybody {
 namespace {
 
-constexpr double kWeakestRotor = 1e-18;  // [N s^2/rad^2]; a mosquito's wing has about 1e-11
-constexpr double kSlowestRotor = 1e-3;   // [rad/s]
+constexpr double kWeakestRotor = 1e-18;      // [N s^2/rad^2]; a mosquito's wing has about 1e-11
+constexpr double kSlowestRotor = 1e-3;       // [rad/s]
+constexpr double kMostObservedValue = 1e30;  // far inside the range of a float
 
 Field hover_or(Field field) {
   field.word = "hover";
+  return field;
+}
+
+Field no_default(Field field) {
+  field.value.default_numbers.clear();
   return field;
 }
 
@@ -155,6 +161,23 @@ const MapSpec& obstacle_fields() {
   return spec;
 }
 
+const MapSpec& observed_fields() {
+  static const MapSpec spec{
+      "observed",
+      "A sensor's channel that joins the task's observation.",
+      {
+          required(text_field("channel", "", "the sensor and its channel: SENSOR.CHANNEL")),
+          name_field("of the column; default: SENSOR.CHANNEL"),
+          boolean_field("privileged", false, "for a critic only: not in the policy's observation"),
+          no_default(real_field("low", "", 0, -kMostObservedValue, kMostObservedValue,
+                                "least value of the space, in the channel's unit; else as the "
+                                "sensor declares")),
+          no_default(real_field("high", "", 0, -kMostObservedValue, kMostObservedValue,
+                                "greatest value, likewise")),
+      }};
+  return spec;
+}
+
 const MapSpec& plugin_use_fields() {
   static const MapSpec parameters{"parameters", "As the plugin declares them.", {}};
   static const MapSpec spec{
@@ -186,6 +209,9 @@ const MapSpec& scenario_fields() {
                        "what measures, in the order of evaluation"),
           plugin_field("effects", Field::Kind::kPluginList, SKYBODY_EFFECT,
                        "what acts on bodies and rotors beside the controllers, in order"),
+          short_form("channel", map_field("observe", Field::Kind::kMapList, observed_fields(),
+                                          "channels of sensors that join the task's observation, "
+                                          "in order")),
           plugin_field("randomization", Field::Kind::kPluginList, SKYBODY_RANDOMIZER,
                        "what draws values at a reset, in order"),
           required(plugin_field("task", Field::Kind::kPlugin, SKYBODY_TASK,
@@ -241,10 +267,11 @@ std::string too_many_entries(const std::string& key, std::size_t count, std::siz
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(),    &solver_fields(),
-                            &contact_fields(),     &robot_fields(),       &pose_fields(),
-                            &disturbance_fields(), &joint_fields(),       &obstacle_fields(),
-                            &plugin_use_fields(),  &rotors_file_fields(), &rotor_fields()};
+  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(),   &solver_fields(),
+                            &contact_fields(),     &robot_fields(),      &pose_fields(),
+                            &disturbance_fields(), &joint_fields(),      &obstacle_fields(),
+                            &observed_fields(),    &plugin_use_fields(), &rotors_file_fields(),
+                            &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {
     text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";
@@ -255,6 +282,7 @@ std::string scenario_reference() {
       std::string allowed = describe_allowed(field.value);
       if (field.kind == Field::Kind::kMap) allowed = "a map: " + field.map->name;
       if (field.kind == Field::Kind::kMapList) allowed = "a list of maps: " + field.map->name;
+      if (!field.short_key.empty()) allowed += ", or their `" + field.short_key + "` alone";
       if (field.kind == Field::Kind::kNamedMaps) allowed = "maps by name: " + field.map->name;
       if (field.kind == Field::Kind::kPlugin) allowed = "a plugin use";
       if (field.kind == Field::Kind::kPluginList) allowed = "a list of plugin uses";

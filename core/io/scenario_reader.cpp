@@ -6,6 +6,7 @@
 #include "core/base/hash.h"
 #include "core/io/config_tree.h"
 #include "core/io/field.h"
+#include "core/io/observed_reader.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/robot_reader.h"
 #include "core/io/scenario_fields.h"
@@ -47,6 +48,7 @@ class ScenarioReader {
     read_obstacles(reader);
     scenario_.sensors = uses(reader, "sensors", SKYBODY_SENSOR);
     scenario_.effects = uses(reader, "effects", SKYBODY_EFFECT);
+    scenario_.observe = read_observed(reader.node("observe"), diagnostics_);
     scenario_.randomization = uses(reader, "randomization", SKYBODY_RANDOMIZER);
     if (const ConfigNode* task = reader.node("task")) {
       scenario_.task = read_plugin_use(*task, SKYBODY_TASK, catalog_, diagnostics_);

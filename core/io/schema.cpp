@@ -144,6 +144,14 @@ std::string plugin_schema(SkybodyKind kind, const PluginCatalog& catalog) {
   return schema.text();
 }
 
+/// One entry of a list of maps.
+std::string item_schema(const Field& field) {
+  const std::string map = reference(field.map->name);
+  if (field.short_key.empty()) return map;
+  const std::string text = value_schema(field.map->find(field.short_key)->value, "", false);
+  return JsonObject().set("anyOf", json_array({text, map})).text();
+}
+
 std::string field_schema(const Field& field) {
   JsonObject schema;
   schema.set_text("description", field.value.doc);
@@ -153,7 +161,7 @@ std::string field_schema(const Field& field) {
     case Field::Kind::kMap:
       return schema.set("allOf", json_array({reference(field.map->name)})).text();
     case Field::Kind::kMapList:
-      return schema.set_text("type", "array").set("items", reference(field.map->name)).text();
+      return schema.set_text("type", "array").set("items", item_schema(field)).text();
     case Field::Kind::kNamedMaps:
       return schema.set_text("type", "object")
           .set("additionalProperties", reference(field.map->name))
@@ -195,7 +203,7 @@ std::string definitions(const PluginCatalog& catalog) {
   JsonObject list;
   const MapSpec* specs[] = {&stepping_fields(), &contact_fields(),     &pose_fields(),
                             &robot_fields(),    &disturbance_fields(), &joint_fields(),
-                            &obstacle_fields()};
+                            &obstacle_fields(), &observed_fields()};
   for (const MapSpec* spec : specs) list.set(spec->name, map_schema(*spec));
   for (int k = 0; k < SKYBODY_KIND_COUNT; ++k) {
     const auto kind = static_cast<SkybodyKind>(k);

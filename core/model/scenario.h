@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,16 @@ struct Obstacle {
   Shape shape;  ///< its pose is in W
 };
 
+/// A sensor's channel that the scenario adds to the task's observation.
+struct ObservedChannel {
+  std::string channel;        ///< `sensor.channel`
+  std::string name;           ///< of its column; never empty
+  bool privileged = false;    ///< for a critic only
+  std::optional<double> low;  ///< least value, in place of what the sensor declares
+  std::optional<double> high;
+  SourceMark mark;
+};
+
 /// One robot of a scenario.
 struct RobotUse {
   std::string name;
@@ -111,6 +122,7 @@ struct Scenario {
   std::vector<PluginUse> sensors;
   std::vector<PluginUse> effects;
   std::vector<PluginUse> randomization;
+  std::vector<ObservedChannel> observe;  ///< in the order of the observation
   PluginUse task;
 };
 

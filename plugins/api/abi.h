@@ -205,7 +205,16 @@ typedef struct SkybodySetup {
   int32_t value_count;
 } SkybodySetup;
 
-/* A vector that a plugin declares while it is configured: with bounds, for the spaces. */
+/* What the values of an image are. Vectors are doubles in lanes, and float32 for learners. */
+enum SkybodyColumnType {
+  SKYBODY_FLOAT32 = 0,
+  SKYBODY_UINT8 = 1,
+  SKYBODY_UINT16 = 2,
+  SKYBODY_COLUMN_TYPE_COUNT = 3
+};
+
+/* A vector that a plugin declares while it is configured, with bounds, for the spaces; or an image
+ * of a sensor. */
 typedef struct SkybodyChannel {
   const char* name;
   const char* unit;
@@ -213,6 +222,10 @@ typedef struct SkybodyChannel {
   double low; /* bounds of the values; -inf, inf where there are none */
   double high;
   int32_t robot; /* whose observation it belongs to where each robot has its own; -1: everyone's */
+  uint32_t privileged; /* 1: of an observation, for a critic only: the policy does not see it */
+  uint32_t type;       /* SkybodyColumnType; of a vector SKYBODY_FLOAT32 */
+  int32_t rank;        /* 0: a vector; 1 to 3: an image of `count` values, the product of extents */
+  int32_t shape[3];    /* its first `rank` are the extents, the last one varies fastest */
 } SkybodyChannel;
 
 /* Where a wrench acts. */
@@ -321,6 +334,9 @@ typedef struct SkybodyLanes {
   const double* contacts;    /* 7 per body, or NULL: force and moment about the body's origin of all
                                 that touches it (W) [N, N m], and 1 or 0: whether anything does */
   double* scratch;           /* of this call, see SkybodyDeclare::scratch */
+  unsigned char* images;     /* in sense: the images of this sensor in lane 0, in the order of their
+                                declaration, each at a multiple of 8 bytes; elsewhere NULL */
+  uint64_t image_stride;     /* bytes from lane to lane */
   SkybodyChecks* checks;     /* NULL: not checked */
 } SkybodyLanes;
 

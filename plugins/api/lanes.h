@@ -1,9 +1,12 @@
 // What a plugin sees of its environment while it steps.
 #pragma once
 
+#include <type_traits>
+
 #include "core/base/quat.h"
 #include "core/base/vec3.h"
 #include "plugins/api/abi.h"
+#include "plugins/api/image.h"
 #include "plugins/api/values.h"
 
 namespace skybody {
@@ -86,6 +89,15 @@ class Lanes {
   Values<Real> scratch() const {
     return values(raw_.scratch, first_, mask_, "scratch",
                   [](const SkybodyChecks& c) { return c.scratch; });
+  }
+
+  /// Sensors in sense(), written for plain double: the values of an image of this environment, in
+  /// C order. They keep what they had at the sense() before; at a reset they begin as 0.
+  template <class T>
+  T* pixels(const Image<T>& image) const {
+    static_assert(std::is_same_v<Real, double>,
+                  "images are written environment by environment: write sense() for plain double");
+    return reinterpret_cast<T*>(raw_.images + first_ * raw_.image_stride + image.offset);
   }
 
   Word<Real> seed() const { return word(raw_.key, 0); }

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "plugins/api/abi.h"
-#include "plugins/api/text.h"  // IWYU pragma: export
+#include "plugins/api/image.h"  // IWYU pragma: export
+#include "plugins/api/text.h"   // IWYU pragma: export
 
 namespace skybody {
 
@@ -107,6 +108,17 @@ class Setup {
   /// @param robot  tasks: whose own observation it belongs to, -1: every robot's
   void channel(const std::string& name, const std::string& unit, int count, double low, double high,
                int robot = -1) const;
+  /// The same for a critic only: an observed value that the policy does not see.
+  void privileged_channel(const std::string& name, const std::string& unit, int count, double low,
+                          double high, int robot = -1) const;
+  /// Sensors: an image, which is written through Lanes::pixels(). It is no value of
+  /// Lanes::sensor().
+  /// @tparam T     std::uint8_t, std::uint16_t or float
+  /// @param shape  one to three extents, such as {height, width, channels}; the last varies fastest
+  /// @param low, high  bounds for the space; by default those of T
+  template <class T>
+  Image<T> image(const std::string& name, const std::vector<int>& shape, int robot = -1,
+                 double low = kLeast<T>, double high = kGreatest<T>) const;
   /// Tasks: values beside the observation (Evaluation::info), in order: what an evaluation asks
   /// for.
   void info(const std::string& name, const std::string& unit, int count) const;
@@ -143,6 +155,7 @@ class Setup {
  private:
   const SkybodySetup& raw_;
   const SkybodyDeclare& declare_;
+  mutable std::size_t image_bytes_ = 0;  ///< of the images declared so far
 };
 
 }  // namespace skybody
