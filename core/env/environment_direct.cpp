@@ -41,7 +41,9 @@ void Environment::accelerations(StateGroup& group, GroupWork& work, int lane, do
 std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
-  std::vector<Contact> out = ground_contacts(*world_, group.body_states(lane));
+  std::vector<double> params(static_cast<std::size_t>(layout().params.size));
+  group.gather(lane, layout().params, params.data());
+  std::vector<Contact> out = ground_contacts(*world_, params.data(), group.body_states(lane));
   group.add_contacts(lane, work.physics, out);
   return out;
 }

@@ -61,27 +61,6 @@ struct EnvParam {
   double max = 0.0;
 };
 
-/// Indices, within the parameter block, of one body's mass properties (10 values:
-/// mass, com x y z, inertia xx yy zz xy xz yz) and of one rotor's constants.
-enum BodyParam : int { kMass = 0, kCom = 1, kInertia = 4, kBodyParamCount = 10 };
-enum RotorParam : int {
-  kThrustConstant = 0,
-  kMomentConstant,
-  kDragConstant,
-  kRollingMomentConstant,
-  kRotorInertia,
-  kMaxSpeed,
-  kTauUp,
-  kTauDown,
-  kRotorParamCount
-};
-/// Per robot: disturbance force (3, W axes) and moment (3, base axes).
-enum DisturbanceParam : int {
-  kDisturbanceForce = 0,
-  kDisturbanceMoment = 3,
-  kDisturbanceParamCount = 6
-};
-
 /// The order of WorldState. Blocks follow one another in the order of the members.
 struct Layout {
   Block header;         ///< kHeaderSize words
@@ -101,10 +80,13 @@ struct Layout {
   int words = 0;           ///< total
 
   std::vector<RobotLayout> robots;
-  std::vector<EnvParam> param_info;     ///< one per word of `params`
-  std::vector<int> body_params;         ///< per body: first of its kBodyParamCount words
-  std::vector<int> rotor_params;        ///< per rotor: first of its kRotorParamCount words
-  std::vector<int> disturbance_params;  ///< per robot: first of its kDisturbanceParamCount words
+  std::vector<EnvParam> param_info;  ///< one per word of `params`
+  int physics_params = 0;            ///< the first so many of them are physical constants
+  int world_params = 0;              ///< first of the kWorldParamCount words
+  std::vector<int> robot_params;     ///< per robot: first of its kRobotParamCount words
+  std::vector<int> body_params;      ///< per body: first of its kBodyParamCount words
+  std::vector<int> joint_params;  ///< per body: first of its joint's joint_constant_count() words
+  std::vector<int> rotor_params;  ///< per rotor: first of its kRotorParamCount words
 
   /// Index of the parameter at `path`, or -1.
   int find_param(const std::string& path) const;

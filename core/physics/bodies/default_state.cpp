@@ -25,7 +25,7 @@ void write_rotors(const World& world, LaneState& state) {
     const WorldRotor& rotor = world.rotors[i];
     const double wanted = world.scenario.robots[rotor.robot].rotor_speed;
     const double speed = wanted < 0.0 ? hover_rotor_speed(world, rotor.robot) : wanted;
-    state.rotor_speed[i] = state.rotor_command[i] = min(speed, rotor.model->max_speed);
+    state.rotor_speed[i] = state.rotor_command[i] = min(speed, rotor.model->constants[kMaxSpeed]);
   }
 }
 
@@ -46,9 +46,9 @@ void write_drives(const World& world, LaneState& state) {
 double hover_rotor_speed(const World& world, int robot) {
   const RobotModel& model = world.scenario.robots[robot].model;
   double lift = 0.0;
-  for (const Rotor& rotor : model.rotors) lift += rotor.thrust_constant * rotor.axis.z;
+  for (const Rotor& rotor : model.rotors) lift += rotor.constants[kThrustConstant] * rotor.axis.z;
   if (!(lift > 0.0)) return 0.0;
-  return sqrt(model.total_mass() * norm(world.scenario.gravity) / lift);
+  return sqrt(model.total_mass() * norm(world.scenario.gravity()) / lift);
 }
 
 LaneState make_lane_state(const World& world) {

@@ -32,17 +32,14 @@ RotorPlace make_rotor_place(const World& world, std::size_t index);
 std::vector<RotorPlace> make_rotor_places(const World& world);
 std::vector<RotorGroup> make_rotor_groups(const World& world);
 
-/// Bodies whose joint has damping, a spring or limits.
-std::vector<int> joints_with_forces(const World& world);
-
 /// Immutable; refers to the world, which must outlive it.
 class ForceModel {
  public:
   explicit ForceModel(const World& world);
 
   /// @param forces        one per body, overwritten
-  /// @param joint_forces  one per u; only those of joints with damping, springs or limits are
-  ///                      written, the others must be zero
+  /// @param joint_forces  one per u; only those of joints that have constants are written, the
+  ///                      others must be zero
   template <class Real, class Params>
   SKYBODY_INLINE void evaluate(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces,
                                Real* joint_forces) const {
@@ -67,7 +64,7 @@ class ForceModel {
   template <class Real, class Params>
   SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in,
                                   SpatialForce<Real>* forces) const {
-    const Vec3<Real> gravity = to_real<Real>(world_.scenario.gravity);
+    const Vec3<Real> gravity = load_vec3(in.params + (world_.layout.world_params + kGravity));
     const int count = static_cast<int>(world_.bodies.size());
     for (int i = 0; i < count; ++i) load(in, i, forces).begin(gravity);
   }
@@ -90,7 +87,7 @@ class ForceModel {
                                        SpatialForce<Real>* forces) const {
     for (std::size_t r = 0; r < bases_.size(); ++r) {
       auto sum = load(in, bases_[r], forces);
-      add_disturbance<Real>(in.params + world_.layout.disturbance_params[r], sum);
+      add_disturbance<Real>(in.params + world_.layout.robot_params[r], sum);
     }
   }
 
@@ -110,15 +107,16 @@ class ForceModel {
                                   SpatialForce<Real>* forces) const {
     for (const ContactGroup& group : contact_groups_) {
       auto sum = load(in, group.body, forces);
-      add_ground(world_, group, in.bodies[group.body], sum);
+      add_ground(world_, in.params + world_.layout.world_params, group, in.bodies[group.body], sum);
     }
   }
 
   template <class Real, class Params>
   SKYBODY_INLINE void add_joints(const ForceInputs<Real, Params>& in, Real* joint_forces) const {
-    for (const int i : stiff_joints_) {
+    for (const int i : joints_) {
       const WorldBody& body = world_.bodies[i];
-      joint_force(body.model->joint, in.q + body.q, in.u + body.u, joint_forces + body.u);
+      joint_force(body.model->joint, in.params + world_.layout.joint_params[i], in.q + body.q,
+                  in.u + body.u, joint_forces + body.u);
     }
   }
 
@@ -126,8 +124,8 @@ class ForceModel {
   std::vector<RotorPlace> rotors_;
   std::vector<RotorGroup> rotor_groups_;
   std::vector<ContactGroup> contact_groups_;
-  std::vector<int> bases_;         ///< per robot: world body index of its base
-  std::vector<int> stiff_joints_;  ///< bodies whose joint has damping, a spring or limits
+  std::vector<int> bases_;   ///< per robot: world body index of its base
+  std::vector<int> joints_;  ///< bodies whose joint has constants
 };
 
 }  // namespace skybody

@@ -153,6 +153,7 @@ class FreeRobotStep {
   }
 
   double dt() const { return world_.world.scenario.stepping.dt; }
+  Values world_constants() const { return in_.params + world_.world.layout.world_params; }
   bool is_level() const { return kLevelRotors > 0 || robot_.rotors.is_level; }
   int rotor_count() const { return kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count; }
 
@@ -208,7 +209,7 @@ class FreeRobotStep {
                                 body.spin);
     }
     FreeLoad<Real, Values> load(body, constants_, kIsNominal ? robot_.shape : KnownShape(),
-                                to_real<Real>(world_.world.scenario.gravity), rotors);
+                                load_vec3(world_constants() + kGravity), rotors);
     add_outer_forces(body, load);
     return load.acceleration();
   }
@@ -217,13 +218,15 @@ class FreeRobotStep {
   template <class Load>
   SKYBODY_INLINE void add_outer_forces(const BodyKinematics<Real>& body, Load& load) const {
     if (!kIsNominal || robot_.is_disturbed) {
-      add_disturbance<Real>(in_.params + robot_.disturbance, load);
+      add_disturbance<Real>(in_.params + robot_.constants, load);
     }
     for (const int site : robot_.sites) {
       add_wrench<Real>(world_.world.sites[static_cast<std::size_t>(site)], in_.wrench + 6 * site,
                        load);
     }
-    if (robot_.contact.count > 0) add_ground(world_.world, robot_.contact, body, load);
+    if (robot_.contact.count > 0) {
+      add_ground(world_.world, world_constants(), robot_.contact, body, load);
+    }
   }
 
   /// Scales the quaternion to norm 1. @returns the square of its norm before

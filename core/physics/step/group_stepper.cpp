@@ -186,8 +186,9 @@ bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScra
 const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
                                         PhysicsScratch& scratch) const {
   auto* params = reinterpret_cast<double*>(scratch.data());
-  double* derived = params + plan_.physics_params;
-  for (int k = 0; k < plan_.physics_params; ++k) params[k] = group.params[k * lanes_ + lane];
+  double* derived = params + plan_.world.layout.physics_params;
+  for (int k = 0; k < plan_.world.layout.physics_params; ++k)
+    params[k] = group.params[k * lanes_ + lane];
   make_body_constants(plan_.world, params, derived + plan_.derived.bodies);
   return derived;
 }
@@ -195,7 +196,7 @@ const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
 /// Says that the lane's numbers follow from its present parameters.
 void GroupStepper::remember_params(const GroupBlocks& group, int lane) {
   known_ |= 1u << lane;
-  for (int k = 0; k < plan_.physics_params; ++k) {
+  for (int k = 0; k < plan_.world.layout.physics_params; ++k) {
     made_from_[static_cast<std::size_t>(k * lanes_ + lane)] = group.params[k * lanes_ + lane];
   }
 }
@@ -204,7 +205,7 @@ void GroupStepper::remember_params(const GroupBlocks& group, int lane) {
 /// @param mine    of one lane of a group
 /// @param stride  of `others`
 bool GroupStepper::are_params(const double* mine, const double* others, int stride) const {
-  for (int k = 0; k < plan_.physics_params; ++k, mine += lanes_, others += stride) {
+  for (int k = 0; k < plan_.world.layout.physics_params; ++k, mine += lanes_, others += stride) {
     if (std::memcmp(mine, others, sizeof(double)) != 0) return false;
   }
   return true;
@@ -214,7 +215,8 @@ bool GroupStepper::are_params(const double* mine, const double* others, int stri
 void GroupStepper::make_derived() {
   if (derived_.size() > 0) return;
   derived_ = AlignedArray<double>(static_cast<std::size_t>(plan_.derived.size * lanes_));
-  made_from_ = AlignedArray<double>(static_cast<std::size_t>(plan_.physics_params * lanes_));
+  made_from_ =
+      AlignedArray<double>(static_cast<std::size_t>(plan_.world.layout.physics_params * lanes_));
   for (int l = 0; l < lanes_; ++l) put_nominal(l);
 }
 

@@ -114,7 +114,6 @@ struct StepPlan {
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
   DerivedLayout derived;
-  int physics_params = 0;              ///< the first so many words of the parameter block
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;
   std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for deriving

@@ -6,7 +6,7 @@
 namespace skybody {
 
 /// Sizes of the blocks header, q, u, rotor_speed and rotor_command, the layout of each robot, and
-/// the EnvParams of bodies, rotors and disturbances.
+/// the EnvParams of the physical constants.
 Layout physics_layout(const Topology& topology);
 
 /// Appends one randomizable value. @returns its index within the parameter block.

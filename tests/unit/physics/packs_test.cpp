@@ -139,9 +139,11 @@ RobotModel busy(RobotModel model, Random<double>& random) {
   for (Body& body : model.bodies) {
     if (random.uniform() < 0.5) body.collisions.push_back(make_box(0.2, 0.1, 0.15));
     if (body.joint.parent < 0 || random.uniform() < 0.5) continue;
-    body.joint.damping = 0.01;
-    body.joint.stiffness = 2.0;
-    body.joint.limit = {true, -0.2, 0.2, 50.0, 0.1};
+    body.joint.constants[kJointDamping] = 0.01;
+    body.joint.constants[kJointStiffness] = 2.0;
+    body.joint.limit = {true, -0.2, 0.2};
+    body.joint.constants[kLimitStiffness] = 50.0;
+    body.joint.constants[kLimitDamping] = 0.1;
   }
   for (int i = 0; i < 4; ++i) {
     Rotor rotor;
@@ -151,14 +153,14 @@ RobotModel busy(RobotModel model, Random<double>& random) {
     rotor.axis = random.uniform() < 0.5 ? Vec3<double>{0, 0, 1}
                                         : rotate(random.quaternion(), Vec3<double>{0, 0, 1});
     rotor.direction = i % 2 == 0 ? 1 : -1;
-    rotor.thrust_constant = 2e-6;
-    rotor.moment_constant = 3e-8;
-    rotor.drag_constant = random.uniform() < 0.5 ? 2e-5 : 0.0;
-    rotor.rolling_moment_constant = random.uniform() < 0.5 ? 1e-6 : 0.0;
-    rotor.inertia = random.uniform() < 0.5 ? 5e-6 : 0.0;
-    rotor.max_speed = 2200.0;
-    rotor.tau_up = random.uniform() < 0.2 ? 0.0 : 0.0125;
-    rotor.tau_down = 0.025;
+    rotor.constants[kThrustConstant] = 2e-6;
+    rotor.constants[kMomentConstant] = 3e-8;
+    rotor.constants[kDragConstant] = random.uniform() < 0.5 ? 2e-5 : 0.0;
+    rotor.constants[kRollingMomentConstant] = random.uniform() < 0.5 ? 1e-6 : 0.0;
+    rotor.constants[kRotorInertia] = random.uniform() < 0.5 ? 5e-6 : 0.0;
+    rotor.constants[kMaxSpeed] = 2200.0;
+    rotor.constants[kTauUp] = random.uniform() < 0.2 ? 0.0 : 0.0125;
+    rotor.constants[kTauDown] = 0.025;
     model.rotors.push_back(rotor);
   }
   return model;
@@ -177,6 +179,13 @@ LaneState random_lane(Random<double>& random, const World& world, bool drawn) {
   for (double& f : state.wrench) f = random.uniform(-1.0, 1.0);
   if (!drawn) return state;
   for (double& p : state.params) p *= random.uniform(0.95, 1.05);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {  // some are 0
+    const int count = joint_constant_count(world.bodies[i].model->joint);
+    for (int k = 0; k < count; ++k) {
+      state.params[static_cast<std::size_t>(world.layout.joint_params[i] + k)] +=
+          max(0.0, random.uniform(-0.5, 0.5));
+    }
+  }
   return state;
 }
 
