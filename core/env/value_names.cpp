@@ -33,6 +33,11 @@ class StateNames {
     name_rotors(layout_.rotor_command, "rotor_command ");
     name_block(layout_.wrench, "wrench");
     name_block(layout_.drive, "drive");
+    name_block(layout_.held_wind, "held_wind");
+    name_block(layout_.held_wrench, "held_wrench");
+    name_block(layout_.held_rotor_gain, "held_rotor_gain");
+    name_block(layout_.held_rotor_limit, "held_rotor_limit");
+    name_block(layout_.held_rotor_rate, "held_rotor_rate");
     name_block(layout_.bodies_before, "bodies_before");
     expect(layout_.params);
     for (const EnvParam& param : layout_.param_info) names_.push_back("params " + param.path);

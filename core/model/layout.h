@@ -69,6 +69,12 @@ struct Layout {
   Block rotor_command;  ///< the reference held during the physics step [rad/s]
   Block wrench;         ///< 6 per wrench site (force, moment), held during the physics step
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
+  // What effects hold during a physics step; of size 0 where nothing holds it.
+  Block held_wind;         ///< 3 per body: velocity of the air at its origin, W [m/s]
+  Block held_wrench;       ///< 6 per body: force at its centre of mass, moment; W axes [N, N m]
+  Block held_rotor_gain;   ///< 4 per rotor: on thrust, reaction, rotor drag, rolling moment
+  Block held_rotor_limit;  ///< 2 per rotor: lower and upper limit of its speed [rad/s]
+  Block held_rotor_rate;   ///< 1 per rotor: its acceleration [rad/s^2]; NaN: its lag holds
   Block
       bodies_before;   ///< 13 per body at the start of the last physics step; size 0 if nobody asks
   Block params;        ///< EnvParams: every randomizable value

@@ -1,6 +1,6 @@
 // Every force of ours on the bodies of a world: gravity, rotors, disturbances, wrenches of
-// controllers, ground contact, joints. Evaluated inside the derivative, one code for all dynamics,
-// for double and packs.
+// controllers and effects, ground contact, joints. Evaluated inside the derivative, one code for
+// all dynamics, for double and packs.
 #pragma once
 
 #include <vector>
@@ -25,6 +25,10 @@ struct ForceInputs {
   const RotorMotion<Real>* rotors = nullptr;
   Params params;
   const Real* wrench = nullptr;
+  // Of effects; null: there are none.
+  const Real* held_wind = nullptr;
+  const Real* held_wrench = nullptr;
+  const Real* held_rotor_gain = nullptr;
 };
 
 /// A rotor of a world on its body; every one; and the groups that they form.
@@ -47,6 +51,7 @@ class ForceModel {
     add_rotors(in, forces);
     add_disturbances(in, forces);
     add_wrenches(in, forces);
+    add_held_wrenches(in, forces);
     add_grounds(in, forces);
     add_joints(in, joint_forces);
   }
@@ -74,11 +79,30 @@ class ForceModel {
                                  SpatialForce<Real>* forces) const {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
-      const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+      const Vec3<Real> velocity = transpose_times(body.axes, air_velocity(in, group.body));
+      const auto motion = [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; };
       load(in, group.body, forces)
-          .add_in_body(rotor_forces(
-              group, rotors_.data(), in.params,
-              [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; }, velocity, body.spin));
+          .add_in_body(gained_rotor_forces<Real>(group, rotors_.data(), in.params,
+                                                 in.held_rotor_gain != nullptr, in.held_rotor_gain,
+                                                 motion, 1.0, velocity, body.spin));
+    }
+  }
+
+  /// Velocity of a body's origin through the air, W.
+  template <class Real, class Params>
+  static SKYBODY_INLINE Vec3<Real> air_velocity(const ForceInputs<Real, Params>& in, int body) {
+    const Vec3<Real>& velocity = in.bodies[body].velocity;
+    return in.held_wind == nullptr ? velocity : velocity - load_vec3(in.held_wind + 3 * body);
+  }
+
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_held_wrenches(const ForceInputs<Real, Params>& in,
+                                        SpatialForce<Real>* forces) const {
+    if (in.held_wrench == nullptr) return;
+    const Real* wrench = in.held_wrench;
+    for (int i = 0; i < static_cast<int>(world_.bodies.size()); ++i, wrench += 6) {
+      auto sum = load(in, i, forces);
+      add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, sum);
     }
   }
 

@@ -19,7 +19,8 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
                       derive_kernel(lanes, isa)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
-  kernels.advance = !plan.free_robots                      ? tree_kernel(lanes, isa)
+  kernels.advance = !plan.free_robots       ? tree_kernel(lanes, isa)
+                    : plan.world.held.any() ? free_held_kernel(integrator, lanes, isa)
                     : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes, isa)
                                                            : free_euler_kernel(lanes, isa);
   return kernels;

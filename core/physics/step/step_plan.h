@@ -90,6 +90,7 @@ StepKernel* derive_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
 StepKernel* free_euler_kernel(int lanes, Isa isa);
 StepKernel* free_rk4_kernel(int lanes, Isa isa);
+StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa);
 
 /// Immutable; refers to the world, which must outlive it.
 struct StepPlan {
