@@ -38,11 +38,11 @@ Scenario make_hover() {
     Rotor rotor;
     rotor.position = {kHover.hub[i][0], kHover.hub[i][1], 0};
     rotor.direction = kHover.direction[i];
-    rotor.thrust_constant = kHover.kf;
-    rotor.moment_constant = kHover.km;
-    rotor.max_speed = kHover.max_speed;
-    rotor.tau_up = kHover.tau_up;
-    rotor.tau_down = kHover.tau_down;
+    rotor.constants[kThrustConstant] = kHover.kf;
+    rotor.constants[kMomentConstant] = kHover.km;
+    rotor.constants[kMaxSpeed] = kHover.max_speed;
+    rotor.constants[kTauUp] = kHover.tau_up;
+    rotor.constants[kTauDown] = kHover.tau_down;
     robot.model.rotors.push_back(rotor);
   }
   Scenario scenario;

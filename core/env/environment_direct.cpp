@@ -60,7 +60,15 @@ void Environment::accelerations(StateGroup& group, GroupWork& work, int lane, do
 std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
-  std::vector<Contact> out = ground_contacts(*world_, group.body_states(lane));
+  return present_contacts(group, work, lane);
+}
+
+/// Of a lane that is refreshed.
+std::vector<Contact> Environment::present_contacts(StateGroup& group, GroupWork& work,
+                                                   int lane) const {
+  std::vector<double> params(static_cast<std::size_t>(layout().params.size));
+  group.gather(lane, layout().params, params.data());
+  std::vector<Contact> out = ground_contacts(*world_, params.data(), group.body_states(lane));
   group.add_contacts(lane, work.physics, out);
   return out;
 }
@@ -71,10 +79,8 @@ void Environment::sense_contacts(StateGroup& group, GroupWork& work, std::uint32
   const int lanes = group.lanes();
   double* sums = group.writable(layout().contacts, mask);
   each_lane(mask, [&](int lane) {
-    std::vector<Contact> contacts = ground_contacts(*world_, group.body_states(lane));
-    group.add_contacts(lane, work.physics, contacts);
     for (int k = 0; k < layout().contacts.size; ++k) sums[k * lanes + lane] = 0.0;
-    for (const Contact& contact : contacts) {
+    for (const Contact& contact : present_contacts(group, work, lane)) {
       add_contact(contact, contact.body, 1.0, group, lane, sums);
       if (contact.other >= 0) add_contact(contact, contact.other, -1.0, group, lane, sums);
     }

@@ -28,10 +28,11 @@ SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int in
   info.parent = b.parent;
   info.mass = m.mass;
   copy(m.com, info.com);
-  const double inertia[6] = {m.inertia.xx, m.inertia.yy, m.inertia.zz,
-                             m.inertia.xy, m.inertia.xz, m.inertia.yz};
-  std::copy(inertia, inertia + 6, info.inertia);
+  const std::array<double, kBodyParamCount> constants = body_constants(m);
+  std::copy(constants.begin() + kInertia, constants.end(), info.inertia);
   info.first_param = layout.body_params[static_cast<std::size_t>(index)];
+  info.first_joint_param = layout.joint_params[static_cast<std::size_t>(index)];
+  info.joint_param_count = joint_constant_count(b.model->joint);
   info.first_q = b.q;
   info.first_u = b.u;
   info.joint = static_cast<int>(b.model->joint.type);
@@ -48,10 +49,7 @@ SkybodyRotorInfo rotor_info(const Topology& topology, const Layout& layout, int 
   copy(r.position, info.position);
   copy(r.axis, info.axis);
   info.direction = r.direction;
-  const double constants[kRotorParamCount] = {
-      r.thrust_constant, r.moment_constant, r.drag_constant, r.rolling_moment_constant,
-      r.inertia,         r.max_speed,       r.tau_up,        r.tau_down};
-  std::copy(constants, constants + kRotorParamCount, info.constants);
+  std::copy(r.constants.begin(), r.constants.end(), info.constants);
   info.first_param = layout.rotor_params[static_cast<std::size_t>(index)];
   return info;
 }
@@ -69,7 +67,7 @@ SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int 
   info.q_count = robot.q_count;
   info.first_u = robot.first_u;
   info.u_count = robot.u_count;
-  info.disturbance_param = layout.disturbance_params[static_cast<std::size_t>(index)];
+  info.first_param = layout.robot_params[static_cast<std::size_t>(index)];
   info.fixed_base = use.model.fixed_base ? 1 : 0;
   copy(use.pose.position, info.position);
   copy(use.pose.rotation, info.rotation);
@@ -128,7 +126,7 @@ BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
 }
 
 SetupTables::SetupTables(const Topology& topology, const Layout& layout)
-    : scenario_(topology.scenario) {
+    : scenario_(topology.scenario), layout_(layout) {
   for (int i = 0; i < static_cast<int>(scenario_.robots.size()); ++i) {
     robots_.push_back(robot_info(topology, layout, i));
     const int first_body = layout.robots[static_cast<std::size_t>(i)].first_body;
@@ -170,7 +168,8 @@ SkybodySetup SetupTables::setup(const std::string& instance, int robot,
   s.dt = scenario_.stepping.dt;
   s.action_repeat = scenario_.stepping.action_repeat;
   s.horizon = scenario_.stepping.horizon;
-  copy(scenario_.gravity, s.gravity);
+  copy(scenario_.gravity(), s.gravity);
+  s.first_world_param = layout_.world_params;
   s.robot = robot;
   s.robots = robots_.data();
   s.robot_count = static_cast<int>(robots_.size());

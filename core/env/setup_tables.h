@@ -42,6 +42,7 @@ class SetupTables {
 
  private:
   const Scenario& scenario_;
+  const Layout& layout_;
   std::vector<SkybodyRobotInfo> robots_;
   std::vector<SkybodyBodyInfo> bodies_;
   std::vector<SkybodyLinkInfo> links_;

@@ -4,6 +4,8 @@
 #include <cstring>
 
 #include "core/base/error.h"
+#include "core/base/octets.h"
+#include "core/physics/world/held_inputs.h"
 
 namespace skybody {
 
@@ -14,16 +16,12 @@ StateGroup::StateGroup(const Layout& layout, int bodies, int lanes, int image_wo
       words_(static_cast<std::size_t>(layout.words) * static_cast<std::size_t>(lanes)),
       bodies_(13 * static_cast<std::size_t>(bodies) * static_cast<std::size_t>(lanes)),
       images_(image_words, lanes),
-      blocks_{lanes,
-              start_of(layout.q),
-              start_of(layout.u),
-              start_of(layout.rotor_speed),
-              reals(layout.rotor_command),
-              reals(layout.wrench),
-              reals(layout.drive),
-              reals(layout.params),
-              bodies > 0 ? bodies_.data() : start_of(layout.q)},
-      stepper_(std::move(stepper)) {}
+      stepper_(std::move(stepper)) {
+  blocks_.lanes = lanes;
+  blocks_.bodies = bodies > 0 ? bodies_.data() : start_of(layout.q);
+  for (const StateBlock& b : kStateBlocks) blocks_.*b.values = start_of(layout.*b.place);
+  for (const InputBlock& b : kInputBlocks) blocks_.*b.values = reals(layout.*b.place);
+}
 
 void StateGroup::gather(int lane, Block block, double* out) const {
   if (block.size == 0) return;
@@ -43,6 +41,13 @@ void StateGroup::scatter(int lane, Block block, const double* in) {
     return;
   }
   for (int k = 0; k < block.size; ++k) values[k * lanes_ + lane] = in[k];
+}
+
+void StateGroup::write_neutral_inputs(std::uint32_t lanes) {
+  each_neutral_input(*layout_, [&](Block Layout::*place, int k, double value) {
+    double* values = writable({(layout_->*place).offset + k, 1}, lanes);
+    each_lane(lanes, [&](int l) { values[l] = value; });
+  });
 }
 
 void StateGroup::clear(int lane) {

@@ -81,6 +81,8 @@ class MapReader {
   /// The number, or nothing where the field's word stands instead.
   std::optional<double> real_or_word(const std::string& key) const;
 
+  /// Whether the map has such a key.
+  bool knows(const std::string& key) const { return spec_.find(key) != nullptr; }
   /// The node of `key`, or null.
   const ConfigNode* node(const std::string& key) const;
   /// Where `key` was written, or else the map.

@@ -37,8 +37,7 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
   robot.name = reader.text("name");
   robot.pose = read_pose(MapReader(reader.node("pose"), pose_fields(), node.mark, diagnostics_));
   const MapReader load(reader.node("disturbance"), disturbance_fields(), node.mark, diagnostics_);
-  robot.disturbance_force = load.vec3("force");
-  robot.disturbance_moment = load.vec3("moment");
+  read_constants(load, kRobotConstants, robot.constants.data());
   robot.controllers =
       read_plugin_uses(reader.node("controllers"), SKYBODY_CONTROLLER, catalog_, diagnostics_);
   const RobotModel* model = read_model(reader);
@@ -135,10 +134,10 @@ void RobotReader::read_rotor_speed(const MapReader& reader, RobotUse& robot) {
                                  "` has no rotors; add a rotors file or remove the key");
   }
   for (const Rotor& rotor : rotors) {
-    if (robot.rotor_speed <= rotor.max_speed) continue;
+    if (robot.rotor_speed <= rotor.constants[kMaxSpeed]) continue;
     diagnostics_.error(mark, "`rotor_speed` is " + format_number(robot.rotor_speed) +
                                  " rad/s; the rotor `" + rotor.name + "` turns at most at " +
-                                 format_number(rotor.max_speed) + " rad/s");
+                                 format_number(rotor.constants[kMaxSpeed]) + " rad/s");
     break;
   }
 }
@@ -176,23 +175,16 @@ void RobotReader::read_joints(const MapReader& reader, RobotModel& model) {
 void RobotReader::read_joint(const ConfigEntry& entry, Joint& joint) {
   const MapReader reader(&entry.value, joint_fields(), entry.key_mark, diagnostics_);
   const bool springs = joint.type == JointType::kPin || joint.type == JointType::kSlider;
-  for (const char* key : {"stiffness", "rest", "limit_stiffness", "limit_damping"}) {
-    const bool needs_limit = std::string(key).rfind("limit", 0) == 0;
-    if (reader.node(key) == nullptr || (springs && (!needs_limit || joint.limit.enabled))) continue;
-    diagnostics_.error(reader.mark(key),
-                       "`" + std::string(key) + "` does not apply to the joint `" + entry.key +
+  for (const ConstantRow& row : kJointConstants) {
+    const double read = reader.real(row.key);
+    if (reader.node(row.key) == nullptr) continue;
+    joint.constants[static_cast<std::size_t>(row.place)] = read;
+    if (row.place < joint_constant_count(joint)) continue;
+    diagnostics_.error(reader.mark(row.key),
+                       "`" + std::string(row.key) + "` does not apply to the joint `" + entry.key +
                            "`, which " +
                            (springs ? "has no limits" : "is not revolute or prismatic"));
   }
-  const auto replace = [&](const char* key, double& value) {
-    const double read = reader.real(key);
-    if (reader.node(key) != nullptr) value = read;
-  };
-  replace("damping", joint.damping);
-  replace("stiffness", joint.stiffness);
-  replace("rest", joint.rest);
-  replace("limit_stiffness", joint.limit.stiffness);
-  replace("limit_damping", joint.limit.damping);
 }
 
 }  // namespace skybody

@@ -69,24 +69,19 @@ class RotorsReader {
     rotor.position = reader.vec3("position");
     rotor.axis = reader.vec3("axis");
     rotor.direction = reader.text("direction") == "ccw" ? 1 : -1;
-    rotor.thrust_constant = reader.real("thrust_constant");
-    rotor.moment_constant = reader.real("moment_constant");
-    rotor.drag_constant = reader.real("drag_constant");
-    rotor.rolling_moment_constant = reader.real("rolling_moment_constant");
-    rotor.inertia = reader.real("inertia");
-    rotor.max_speed = reader.real("max_speed");
-    rotor.tau_up = reader.real("tau_up");
-    rotor.tau_down = reader.real("tau_down");
+    read_constants(reader, kRotorConstants, rotor.constants.data());
     check_name(rotor.name, reader.mark("name"));
-    check_lag("tau_up", rotor.tau_up, reader);
-    check_lag("tau_down", rotor.tau_down, reader);
+    check_lag(kTauUp, rotor, reader);
+    check_lag(kTauDown, rotor, reader);
     place(reader, rotor);
     model_.rotors.push_back(rotor);
   }
 
-  void check_lag(const char* key, double value, const MapReader& reader) {
+  void check_lag(RotorParam lag, const Rotor& rotor, const MapReader& reader) {
+    const double value = rotor.constants[lag];
     if (kLagRange.has(value)) return;
-    diagnostics_.error(reader.mark(key), "`" + std::string(key) + "` is " + format_number(value) +
+    const std::string key = row_at(kRotorConstants, lag).key;
+    diagnostics_.error(reader.mark(key), "`" + key + "` is " + format_number(value) +
                                              "; allowed: " + kLagRange.text());
   }
 

@@ -1,13 +1,14 @@
 #include "core/io/scenario_fields.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "core/io/parameter_reader.h"
 #include "core/io/ranges.h"
 
 namespace skybody {
 namespace {
 
-constexpr double kWeakestRotor = 1e-18;      // [N s^2/rad^2]; a mosquito's wing has about 1e-11
-constexpr double kSlowestRotor = 1e-3;       // [rad/s]
 constexpr double kMostObservedValue = 1e30;  // far inside the range of a float
 
 Field hover_or(Field field) {
@@ -20,7 +21,40 @@ Field no_default(Field field) {
   return field;
 }
 
+/// The key of a row within its map.
+std::string own_key(const ConstantRow& row) {
+  const std::string key = row.key;
+  return key.substr(key.rfind('.') + 1);
+}
+
+Field constant_field(const ConstantRow& row) {
+  Field field =
+      row.count == 1
+          ? real_field(own_key(row), row.unit, row.fallback[0], row.least, row.greatest, row.doc)
+          : vector_field(own_key(row), row.unit, {row.fallback, row.fallback + row.count},
+                         row.least, row.greatest, row.doc);
+  return row.is_required ? required(std::move(field)) : field;
+}
+
+/// Fields, then those of the rows of a map: their keys begin with `prefix`.
+std::vector<Field> with_constants(std::vector<Field> fields, std::span<const ConstantRow> rows,
+                                  const std::string& prefix = "") {
+  for (const ConstantRow& row : rows) {
+    if (prefix + own_key(row) == row.key) fields.push_back(constant_field(row));
+  }
+  return fields;
+}
+
 }  // namespace
+
+void read_constants(const MapReader& reader, std::span<const ConstantRow> rows, double* values) {
+  for (const ConstantRow& row : rows) {
+    const std::string key = own_key(row);
+    if (!reader.knows(key)) continue;
+    const std::vector<double> numbers = reader.numbers(key);
+    std::copy(numbers.begin(), numbers.end(), values + row.place);
+  }
+}
 
 const MapSpec& solver_fields() {
   static const MapSpec spec{
@@ -63,20 +97,15 @@ const MapSpec& stepping_fields() {
 
 const MapSpec& contact_fields() {
   static const MapSpec spec{
-      "contact",
-      "Contact of the robots with the ground plane z = 0.",
-      {
-          boolean_field("ground", true, "whether the ground carries robots"),
-          real_field(
-              "penetration", "m", 0.001, 1e-6, 1.0,
-              "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
-          real_field("dissipation", "s/m", 3.0, 0.0, 100.0,
-                     "Hunt-Crossley dissipation; damping and friction are at most m/dt times the "
-                     "velocity, unless the integrator is cvode or arkode"),
-          real_field("friction", "", 0.6, 0.0, 10.0, "Coulomb coefficient"),
-          real_field("slip_velocity", "m/s", 0.02, 1e-6, 10.0,
-                     "below it friction is proportional to the velocity"),
-      }};
+      "contact", "Contact of the robots with the ground plane z = 0.",
+      with_constants(
+          {
+              boolean_field("ground", true, "whether the ground carries robots"),
+              real_field(
+                  "penetration", "m", 0.001, 1e-6, 1.0,
+                  "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
+          },
+          kWorldConstants, "contact.")};
   return spec;
 }
 
@@ -93,31 +122,15 @@ const MapSpec& pose_fields() {
 }
 
 const MapSpec& disturbance_fields() {
-  static const MapSpec spec{
-      "disturbance",
-      "A steady load on the base.",
-      {
-          vector_field("force", "N", {0, 0, 0}, -kFar, kFar,
-                       "on the base's centre of mass, axes of W"),
-          vector_field("moment", "N m", {0, 0, 0}, -kFar, kFar, "on the base, its own axes"),
-      }};
+  static const MapSpec spec{"disturbance", "A steady load on the base.",
+                            with_constants({}, kRobotConstants, "disturbance.")};
   return spec;
 }
 
 const MapSpec& joint_fields() {
   static const MapSpec spec{
-      "joint",
-      "What replaces or completes the URDF's values of one joint; what is left out stays.",
-      {
-          real_field("damping", "N m s/rad or N s/m", 0.0, 0.0, kFar, "viscous, every coordinate"),
-          real_field("stiffness", "N m/rad or N/m", 0.0, 0.0, kFar,
-                     "spring to `rest`; revolute and prismatic joints"),
-          real_field("rest", "rad or m", 0.0, -kFar, kFar, "where the spring is relaxed"),
-          real_field("limit_stiffness", "N m/rad or N/m", 0.0, 0.0, 1e9,
-                     "of the spring beyond the limits"),
-          real_field("limit_damping", "N m s/rad or N s/m", 0.0, 0.0, 1e9,
-                     "of the damper beyond the limits"),
-      }};
+      "joint", "What replaces or completes the URDF's values of one joint; what is left out stays.",
+      with_constants({}, kJointConstants)};
   return spec;
 }
 
@@ -199,7 +212,7 @@ const MapSpec& scenario_fields() {
           name_field("for tables and logs; default: the file's name"),
           map_field("stepping", Field::Kind::kMap, stepping_fields(),
                     "the time grid and how it is advanced"),
-          vector_field("gravity", "m/s^2", {0, 0, -9.81}, -1000, 1000, "axes of W"),
+          constant_field(row_at(kWorldConstants, kGravity)),
           map_field("contact", Field::Kind::kMap, contact_fields(), "contact with the ground"),
           required(
               map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
@@ -222,29 +235,19 @@ const MapSpec& scenario_fields() {
 
 const MapSpec& rotor_fields() {
   static const MapSpec spec{
-      "rotor",
-      "One rotor; `defaults` has the same keys.",
-      {
-          required(name_field("its name in paths")),
-          text_field("link", "", "the link that carries it; default: the base"),
-          required(
-              vector_field("position", "m", {0, 0, 0}, -1000, 1000, "hub in the link's frame")),
-          vector_field("axis", "", {0, 0, 1}, -kFar, kFar,
-                       "thrust direction in the link's frame, any length but 0"),
-          required(choice_field("direction", {"ccw", "cw"}, "sense of rotation about the axis")),
-          required(real_field("thrust_constant", "N s^2/rad^2", 1, kWeakestRotor, 1,
-                              "k_f, thrust = k_f w^2")),
-          required(real_field("moment_constant", "N m s^2/rad^2", 0, 0, 1,
-                              "k_m, drag torque about the axis = k_m w^2")),
-          real_field("drag_constant", "N s^2/(m rad)", 0, 0, 1, "rotor drag, force = -c w v_perp"),
-          real_field("rolling_moment_constant", "N m s^2/(m rad)", 0, 0, 1,
-                     "rolling moment = -direction c w v_perp"),
-          real_field("inertia", "kg m^2", 0, 0, 100,
-                     "about the axis; 0 leaves gyroscopic terms out"),
-          required(real_field("max_speed", "rad/s", 1, kSlowestRotor, 1e5, "largest speed")),
-          real_field("tau_up", "s", 0, 0, 100, "time constant while speeding up; 0: immediate"),
-          real_field("tau_down", "s", 0, 0, 100, "time constant while slowing down; 0: immediate"),
-      }};
+      "rotor", "One rotor; `defaults` has the same keys.",
+      with_constants(
+          {
+              required(name_field("its name in paths")),
+              text_field("link", "", "the link that carries it; default: the base"),
+              required(
+                  vector_field("position", "m", {0, 0, 0}, -1000, 1000, "hub in the link's frame")),
+              vector_field("axis", "", {0, 0, 1}, -kFar, kFar,
+                           "thrust direction in the link's frame, any length but 0"),
+              required(
+                  choice_field("direction", {"ccw", "cw"}, "sense of rotation about the axis")),
+          },
+          kRotorConstants)};
   return spec;
 }
 

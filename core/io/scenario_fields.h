@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 
 #include "core/io/field.h"
+#include "core/model/constants.h"
 
 namespace skybody {
 
@@ -41,6 +43,10 @@ const MapSpec& plugin_use_fields();
 const MapSpec& rotors_file_fields();
 /// One entry of `rotors` in it; `defaults` has the same keys.
 const MapSpec& rotor_fields();
+
+/// Reads those constants whose keys the reader's map has.
+/// @param values  of the thing that has them: each constant goes to its place
+void read_constants(const MapReader& reader, std::span<const ConstantRow> rows, double* values);
 
 /// Every map above with its keys as Markdown tables.
 std::string scenario_reference();

@@ -42,7 +42,7 @@ class ScenarioReader {
     scenario_.name = reader.text("name");
     if (scenario_.name.empty()) scenario_.name = stem_of(scenario_.file);
     read_stepping(reader);
-    scenario_.gravity = reader.vec3("gravity");
+    read_constants(reader, kWorldConstants, scenario_.constants.data());
     read_contact(reader);
     read_robots(reader);
     read_obstacles(reader);
@@ -145,9 +145,7 @@ class ScenarioReader {
     ContactSettings& contact = scenario_.contact;
     contact.ground = reader.boolean("ground");
     contact.penetration = reader.real("penetration");
-    contact.dissipation = reader.real("dissipation");
-    contact.friction = reader.real("friction");
-    contact.slip_velocity = reader.real("slip_velocity");
+    read_constants(reader, kWorldConstants, scenario_.constants.data());
   }
 
   /// The maps of a list; errors for what is none, and for more than `most`.

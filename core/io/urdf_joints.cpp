@@ -160,7 +160,7 @@ class BodyMaker {
     const UrdfJoint& last = joint_of(group(g));
     Joint joint;
     joint.name = last.name;
-    joint.damping = last.damping;
+    joint.constants[kJointDamping] = last.damping;
     const int parent = group(chain[0]).parent;
     joint.parent = parent < 0 ? -1 : body_of_group_[static_cast<std::size_t>(parent)];
     if (chain.size() == 1) {

@@ -52,8 +52,8 @@ void derive_limit_springs(RobotModel& model) {
     }
     const bool free = !model.fixed_base && rest > 0.0;
     const double inertia = free ? moved * rest / (moved + rest) : moved;
-    joint.limit.stiffness = inertia * kStopFrequency * kStopFrequency;
-    joint.limit.damping = 2.0 * inertia * kStopFrequency;
+    joint.constants[kLimitStiffness] = inertia * kStopFrequency * kStopFrequency;
+    joint.constants[kLimitDamping] = 2.0 * inertia * kStopFrequency;
   }
 }
 

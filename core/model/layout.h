@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "core/base/held_inputs.h"
 #include "core/model/scenario.h"
 
 namespace skybody {
@@ -63,27 +62,6 @@ struct EnvParam {
   double max = 0.0;
 };
 
-/// Indices, within the parameter block, of one body's mass properties (10 values:
-/// mass, com x y z, inertia xx yy zz xy xz yz) and of one rotor's constants.
-enum BodyParam : int { kMass = 0, kCom = 1, kInertia = 4, kBodyParamCount = 10 };
-enum RotorParam : int {
-  kThrustConstant = 0,
-  kMomentConstant,
-  kDragConstant,
-  kRollingMomentConstant,
-  kRotorInertia,
-  kMaxSpeed,
-  kTauUp,
-  kTauDown,
-  kRotorParamCount
-};
-/// Per robot: disturbance force (3, W axes) and moment (3, base axes).
-enum DisturbanceParam : int {
-  kDisturbanceForce = 0,
-  kDisturbanceMoment = 3,
-  kDisturbanceParamCount = 6
-};
-
 /// The order of WorldState. Blocks follow one another in the order of the members.
 struct Layout {
   Block header;         ///< kHeaderSize words
@@ -94,7 +72,12 @@ struct Layout {
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
   Block joint_command;  ///< 1 per joint drive, held during the physics step
   Block joint_state;    ///< 1 per joint drive: the command behind its lag
-  std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
+  // What effects hold during a physics step; of size 0 where nothing holds it.
+  Block held_wind;         ///< 3 per body: velocity of the air at its origin, W [m/s]
+  Block held_wrench;       ///< 6 per body: force at its centre of mass, moment; W axes [N, N m]
+  Block held_rotor_gain;   ///< 4 per rotor: on thrust, reaction, rotor drag, rolling moment
+  Block held_rotor_limit;  ///< 2 per rotor: lower and upper limit of its speed [rad/s]
+  Block held_rotor_rate;   ///< 1 per rotor: its acceleration [rad/s^2]; NaN: its lag holds
   Block
       bodies_before;   ///< 13 per body at the start of the last physics step; size 0 if nobody asks
   Block params;        ///< EnvParams: every randomizable value
@@ -107,10 +90,13 @@ struct Layout {
   int words = 0;           ///< total
 
   std::vector<RobotLayout> robots;
-  std::vector<EnvParam> param_info;     ///< one per word of `params`
-  std::vector<int> body_params;         ///< per body: first of its kBodyParamCount words
-  std::vector<int> rotor_params;        ///< per rotor: first of its kRotorParamCount words
-  std::vector<int> disturbance_params;  ///< per robot: first of its kDisturbanceParamCount words
+  std::vector<EnvParam> param_info;  ///< one per word of `params`
+  int physics_params = 0;            ///< the first so many of them are physical constants
+  int world_params = 0;              ///< first of the kWorldParamCount words
+  std::vector<int> robot_params;     ///< per robot: first of its kRobotParamCount words
+  std::vector<int> body_params;      ///< per body: first of its kBodyParamCount words
+  std::vector<int> joint_params;  ///< per body: first of its joint's joint_constant_count() words
+  std::vector<int> rotor_params;  ///< per rotor: first of its kRotorParamCount words
 
   /// Index of the parameter at `path`, or -1.
   int find_param(const std::string& path) const;

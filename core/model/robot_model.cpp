@@ -36,6 +36,32 @@ int velocity_size(JointType type) {
   return 0;
 }
 
+int joint_constant_count(const Joint& joint) {
+  switch (joint.type) {
+    case JointType::kWeld:
+    case JointType::kFree:
+      return 0;
+    case JointType::kUniversal:
+    case JointType::kBall:
+      return kJointStiffness;
+    case JointType::kPin:
+    case JointType::kSlider:
+      return joint.limit.enabled ? kJointParamCount : kLimitStiffness;
+  }
+  return 0;
+}
+
+std::array<double, kBodyParamCount> body_constants(const MassProperties& mass) {
+  const Vec3<double>& c = mass.com;
+  const SymMat3<double>& i = mass.inertia;
+  return {mass.mass, c.x, c.y, c.z, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz};
+}
+
+MassProperties mass_properties(const double* constants) {
+  const double *c = constants + kCom, *i = constants + kInertia;
+  return {constants[kMass], {c[0], c[1], c[2]}, {i[0], i[1], i[2], i[3], i[4], i[5]}};
+}
+
 double RobotModel::total_mass() const {
   double sum = 0.0;
   for (const Body& body : bodies) sum += body.mass.mass;

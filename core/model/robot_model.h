@@ -9,6 +9,7 @@
 #include "core/base/mat3.h"
 #include "core/base/quat.h"
 #include "core/base/vec3.h"
+#include "core/model/constants.h"
 
 namespace skybody {
 
@@ -27,6 +28,10 @@ struct MassProperties {
                           0.0, 0.0, 0.0};  ///< about the centre of mass, B axes [kg m^2]
 };
 
+/// The same as values of kBodyConstants, and back.
+std::array<double, kBodyParamCount> body_constants(const MassProperties& mass);
+MassProperties mass_properties(const double* constants);
+
 /// How a body moves relative to its parent. F is the joint's frame on the parent, M the one on the
 /// body; q and u below are the coordinates of M in F, in this order.
 enum class JointType {
@@ -44,27 +49,29 @@ int position_size(JointType type);
 /// Number of velocity coordinates of a joint.
 int velocity_size(JointType type);
 
-/// A travel limit of a pin or slider joint: a one-sided spring and damper beyond the bounds.
+/// A travel limit of a pin or slider joint: beyond the bounds acts a one-sided spring and damper
+/// (kLimitStiffness, kLimitDamping).
 struct JointLimit {
   bool enabled = false;
-  double lower = 0.0;      ///< [rad] or [m]
-  double upper = 0.0;      ///< [rad] or [m], > lower
-  double stiffness = 0.0;  ///< [N m/rad] or [N/m]
-  double damping = 0.0;    ///< [N m s/rad] or [N s/m], acts beyond the bounds only
+  double lower = 0.0;  ///< [rad] or [m]
+  double upper = 0.0;  ///< [rad] or [m], > lower
 };
 
 /// The inboard joint of a body.
 struct Joint {
   std::string name;
   JointType type = JointType::kFree;
-  int parent = -1;         ///< body index in the same robot; -1: the world
-  Pose frame_in_parent;    ///< X_PF: joint frame F in the parent body's frame; free base: identity
-  Pose frame_in_body;      ///< X_BM: joint frame M in this body's frame; free base: identity
-  double damping = 0.0;    ///< viscous, every coordinate [N m s/rad] or [N s/m], >= 0
-  double stiffness = 0.0;  ///< spring to `rest` on pin and slider [N m/rad] or [N/m], >= 0
-  double rest = 0.0;       ///< where the spring is relaxed [rad] or [m]
+  int parent = -1;       ///< body index in the same robot; -1: the world
+  Pose frame_in_parent;  ///< X_PF: joint frame F in the parent body's frame; free base: identity
+  Pose frame_in_body;    ///< X_BM: joint frame M in this body's frame; free base: identity
+  std::array<double, kJointParamCount> constants{};  ///< values of kJointConstants
   JointLimit limit;
 };
+
+/// How many of kJointConstants, from the first on, apply to a joint: none to a weld or a free base,
+/// damping to ball and universal joints, the spring as well to pins and sliders, and all to those
+/// with limits.
+int joint_constant_count(const Joint& joint);
 
 enum class ShapeType { kBox, kCylinder, kSphere, kMesh };
 
@@ -96,21 +103,14 @@ struct Body {
   std::vector<Shape> visuals;
 };
 
-/// One rotor with its nominal constants (RotorS, Furrer et al. 2016, "Rotor dynamics").
+/// One rotor with its nominal constants.
 struct Rotor {
   std::string name;
   int body = 0;                          ///< index into RobotModel::bodies
   Vec3<double> position{0.0, 0.0, 0.0};  ///< hub in the body's frame [m]
   Vec3<double> axis{0.0, 0.0, 1.0};      ///< thrust direction in the body's frame, unit
-  int direction = 1;             ///< +1: turns counter-clockwise about `axis`; -1: clockwise
-  double thrust_constant = 0.0;  ///< k_f [N s^2/rad^2], thrust = k_f w^2
-  double moment_constant = 0.0;  ///< k_m [N m s^2/rad^2], reaction = -direction k_m w^2
-  double drag_constant = 0.0;    ///< rotor drag [N s^2/(m rad)], F = -c w v_perp
-  double rolling_moment_constant = 0.0;  ///< [N m s^2/(m rad)], M = -direction c w v_perp (RotorS)
-  double inertia = 0.0;                  ///< about the axis [kg m^2]; 0 leaves gyroscopic terms out
-  double max_speed = 0.0;                ///< [rad/s], > 0
-  double tau_up = 0.0;                   ///< time constant while speeding up [s], 0: immediate
-  double tau_down = 0.0;                 ///< time constant while slowing down [s], 0: immediate
+  int direction = 1;  ///< +1: turns counter-clockwise about `axis`; -1: clockwise
+  std::array<double, kRotorParamCount> constants{};  ///< values of kRotorConstants
 };
 
 /// A robot: bodies in an order in which parents come before children.

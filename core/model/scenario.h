@@ -69,14 +69,12 @@ struct Stepping {
   SourceMark dynamics_mark;  ///< of `dynamics`: not every world can have every choice
 };
 
-/// Contact law. Stiffness is not given: it follows from `penetration` and the robots' masses.
+/// Contact law, beside the world's constants. Stiffness is not given: it follows from `penetration`
+/// and the robots' masses.
 struct ContactSettings {
   bool ground = true;  ///< the plane z = 0 of W carries robots
   double penetration =
       0.001;  ///< static penetration under the robot's own weight [m]; fixes stiffness by mass
-  double dissipation = 3.0;     ///< Hunt-Crossley c [s/m]
-  double friction = 0.6;        ///< Coulomb coefficient
-  double slip_velocity = 0.02;  ///< regularisation of friction [m/s]
 };
 
 /// A shape that stands still in the world; robots collide with it through Simbody's contact.
@@ -101,11 +99,8 @@ struct RobotUse {
   RobotModel model;
   Pose pose;                 ///< of the base at reset [W]
   double rotor_speed = 0.0;  ///< of every rotor at reset [rad/s]; negative: hover speed
-  Vec3<double> disturbance_force{
-      0.0, 0.0, 0.0};  ///< F_W on the base's centre of mass [N], W axes (paper eq. 1)
-  Vec3<double> disturbance_moment{0.0, 0.0,
-                                  0.0};  ///< M_B on the base [N m], base axes (paper eq. 1)
-  std::vector<PluginUse> controllers;    ///< in the order in which they are evaluated
+  std::array<double, kRobotParamCount> constants{};  ///< values of kRobotConstants
+  std::vector<PluginUse> controllers;                ///< in the order in which they are evaluated
 };
 
 /// Everything that an environment is made from.
@@ -115,7 +110,7 @@ struct Scenario {
   std::string text;  ///< the fully merged scenario as YAML, for logs; its hash identifies runs
   std::uint64_t hash = 0;  ///< over text, model files and plugin parameters
   Stepping stepping;
-  Vec3<double> gravity{0.0, 0.0, -9.81};  ///< [m/s^2], W axes
+  std::array<double, kWorldParamCount> constants = fallbacks<kWorldParamCount>(kWorldConstants);
   ContactSettings contact;
   std::vector<RobotUse> robots;
   std::vector<Obstacle> obstacles;
@@ -124,6 +119,11 @@ struct Scenario {
   std::vector<PluginUse> randomization;
   std::vector<ObservedChannel> observe;  ///< in the order of the observation
   PluginUse task;
+
+  /// Nominal [m/s^2], W axes.
+  Vec3<double> gravity() const {
+    return {constants[kGravity], constants[kGravity + 1], constants[kGravity + 2]};
+  }
 };
 
 }  // namespace skybody

@@ -28,11 +28,6 @@ V limited(const V& v, double most) {
   return n > most ? v * (most / n) : v;
 }
 
-SymMat3<double> inertia_at(const double* p) {
-  return {p[kInertia],     p[kInertia + 1], p[kInertia + 2],
-          p[kInertia + 3], p[kInertia + 4], p[kInertia + 5]};
-}
-
 /// Attitude whose z axis lies along `up` and whose heading is `yaw`.
 Quat<double> attitude_along(const V& up, double yaw) {
   const V z = up / norm(up);
@@ -130,8 +125,13 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
   const std::vector<int>& first = environment_.layout().body_params;
   for (const Robot& robot : robots_) {
     const double* base = params.data() + first[static_cast<std::size_t>(robot.base)];
-    View view{bodies, params,      goals,           bodies[static_cast<std::size_t>(robot.base)],
-              0.0,    base[kMass], inertia_at(base)};
+    View view{bodies,
+              params,
+              goals,
+              bodies[static_cast<std::size_t>(robot.base)],
+              0.0,
+              base[kMass],
+              mass_properties(base).inertia};
     for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
       view.mass += params[static_cast<std::size_t>(first[static_cast<std::size_t>(b)] + kMass)];
     }
@@ -143,6 +143,12 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
           static_cast<float>(std::clamp(a, -1.0, 1.0));
     }
   }
+}
+
+/// As it is drawn [m/s^2], W.
+Vec3<double> HoldPolicy::gravity_of(const View& view) const {
+  const double* g = view.params.data() + environment_.layout().world_params + kGravity;
+  return {g[0], g[1], g[2]};
 }
 
 /// Goal -> force -> attitude -> rates -> torque.
@@ -158,10 +164,11 @@ HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
     wish.yaw = g[3];
   }
   // Thrust carries weight, the wanted acceleration, and what disturbs.
+  const V gravity = gravity_of(view);
   const double* disturbance =
       view.params.data() +
-      environment_.layout().disturbance_params[static_cast<std::size_t>(robot.index)];
-  wish.force = view.mass * (acceleration(robot, view, wish) - world.scenario.gravity) -
+      environment_.layout().robot_params[static_cast<std::size_t>(robot.index)];
+  wish.force = view.mass * (acceleration(robot, view, wish) - gravity) -
                V{disturbance[0], disturbance[1], disturbance[2]};
   wish.attitude = attitude_along(wish.force, wish.yaw);
   wish.thrust = std::max(0.0, dot(wish.force, body_z(view.base.rotation)));
@@ -180,7 +187,7 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
   if (robot.hangs) {
     // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
     const BodyState& bob = view.bodies[static_cast<std::size_t>(robot.goal_body)];
-    const double w2 = norm(environment_.scenario().gravity) / robot.cable, p = kSwingPole;
+    const double w2 = norm(gravity_of(view)) / robot.cable, p = kSwingPole;
     const V offset = base.position - bob.position, slip = base.velocity - bob.velocity;
     const V error = bob.position - wish.position;
     a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
@@ -240,7 +247,7 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return values;
     }
     case SKYBODY_ACCELERATION: {
-      const V a = wish.force / view.mass + environment_.scenario().gravity;
+      const V a = wish.force / view.mass + gravity_of(view);
       return {a.x, a.y, a.z, wish.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {

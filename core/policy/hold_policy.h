@@ -42,6 +42,7 @@ class HoldPolicy : public Policy {
   };
   struct Wish;
   struct View;
+  Vec3<double> gravity_of(const View& view) const;
   Wish wish(const Robot& robot, const View& view) const;
   Vec3<double> acceleration(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> command(const Robot& robot, const View& view, const Wish& wish) const;

@@ -52,7 +52,8 @@ std::vector<double> allocation_of(const World& world, int robot) {
     if (r.body != 0) return {};
     const Vec3<double> arm = r.position - model.bodies[0].mass.com;
     const Vec3<double> torque =
-        cross(arm, r.axis) - (r.direction * r.moment_constant / r.thrust_constant) * r.axis;
+        cross(arm, r.axis) -
+        (r.direction * r.constants[kMomentConstant] / r.constants[kThrustConstant]) * r.axis;
     columns.push_back({r.axis.z, torque.x, torque.y, torque.z});
   }
   // Torques are a tenth of thrusts: scaled rows keep the singularity test meaningful.

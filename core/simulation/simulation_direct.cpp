@@ -154,18 +154,13 @@ MassProperties Simulation::mass_properties(const std::string& robot,
   const int first = layout.body_params[static_cast<std::size_t>(body_index(robot, link))];
   std::array<double, kBodyParamCount> p;
   data_->group.gather(0, {layout.params.offset + first, kBodyParamCount}, p.data());
-  return {p[kMass],
-          {p[kCom], p[kCom + 1], p[kCom + 2]},
-          {p[kInertia], p[kInertia + 1], p[kInertia + 2], p[kInertia + 3], p[kInertia + 4],
-           p[kInertia + 5]}};
+  return skybody::mass_properties(p.data());
 }
 
 void Simulation::set_mass_properties(const std::string& robot, const std::string& link,
                                      const MassProperties& mass) {
   const int body = body_index(robot, link);
-  const SymMat3<double>& i = mass.inertia;
-  const std::array<double, kBodyParamCount> p{mass.mass, mass.com.x, mass.com.y, mass.com.z, i.xx,
-                                              i.yy,      i.zz,       i.xy,       i.xz,       i.yz};
+  const std::array<double, kBodyParamCount> p = body_constants(mass);
   demand_finite("mass property", p);
   const auto& model = *environment_->world().bodies[static_cast<std::size_t>(body)].model;
   checked_mass(model.name, p.data());

@@ -17,6 +17,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/base/constants.h"
 #include "core/base/held_inputs.h"
 #include "core/base/plugin_kinds.h"
 #include "plugins/api/signals.h"
@@ -35,27 +36,6 @@ enum SkybodyParameterType {
   SKYBODY_INTEGER = 1, /* handed over as double, exact */
   SKYBODY_BOOLEAN = 2, /* 0 or 1 as double */
   SKYBODY_TEXT = 3
-};
-
-/* Places in a body's EnvParams, from SkybodyBodyInfo::first_param on. */
-enum SkybodyBodyConstant {
-  SKYBODY_BODY_MASS = 0,    /* kg */
-  SKYBODY_BODY_COM = 1,     /* 3: x y z, body frame [m] */
-  SKYBODY_BODY_INERTIA = 4, /* 6: about com, xx yy zz xy xz yz [kg m^2] */
-  SKYBODY_BODY_CONSTANT_COUNT = 10
-};
-
-/* Places in SkybodyRotorInfo::constants, and in a rotor's EnvParams from first_param on. */
-enum SkybodyRotorConstant {
-  SKYBODY_ROTOR_THRUST_CONSTANT = 0,
-  SKYBODY_ROTOR_MOMENT_CONSTANT = 1,
-  SKYBODY_ROTOR_DRAG = 2,
-  SKYBODY_ROTOR_ROLLING_MOMENT = 3,
-  SKYBODY_ROTOR_INERTIA = 4,
-  SKYBODY_ROTOR_MAX_SPEED = 5,
-  SKYBODY_ROTOR_TAU_UP = 6,
-  SKYBODY_ROTOR_TAU_DOWN = 7,
-  SKYBODY_ROTOR_CONSTANT_COUNT = 8
 };
 
 /* One declared parameter. A vector has min_count != 1 or max_count != 1; max_count -1: any length.
@@ -89,14 +69,16 @@ typedef struct SkybodyValue {
 typedef struct SkybodyBodyInfo {
   const char* name;
   int32_t robot;
-  int32_t parent;      /* world body index or -1 */
-  double mass;         /* nominal [kg] */
-  double com[3];       /* [m], body frame */
-  double inertia[6];   /* about com: xx yy zz xy xz yz [kg m^2] */
-  int32_t first_param; /* EnvParams, at the places of SkybodyBodyConstant */
-  int32_t first_q;     /* within the q block */
-  int32_t first_u;     /* within the u block */
-  int32_t joint;       /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
+  int32_t parent;            /* world body index or -1 */
+  double mass;               /* nominal [kg] */
+  double com[3];             /* [m], body frame */
+  double inertia[6];         /* about com: xx yy zz xy xz yz [kg m^2] */
+  int32_t first_param;       /* EnvParams, at the places of SkybodyBodyConstant */
+  int32_t first_q;           /* within the q block */
+  int32_t first_u;           /* within the u block */
+  int32_t joint;             /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
+  int32_t first_joint_param; /* EnvParams of that joint, at the places of SkybodyJointConstant */
+  int32_t joint_param_count; /* as many of them, from the first on, as apply to it */
 } SkybodyBodyInfo;
 
 typedef struct SkybodyLinkInfo {
@@ -116,7 +98,7 @@ typedef struct SkybodyRotorInfo {
   double axis[3];     /* body frame, unit */
   double direction;   /* +1 counter-clockwise about the axis, -1 clockwise */
   double constants[SKYBODY_ROTOR_CONSTANT_COUNT]; /* at the places of SkybodyRotorConstant */
-  int32_t first_param;                            /* as many EnvParams, in the same order */
+  int32_t first_param;                            /* EnvParams, at the same places */
 } SkybodyRotorInfo;
 
 typedef struct SkybodyRobotInfo {
@@ -125,7 +107,7 @@ typedef struct SkybodyRobotInfo {
   int32_t first_rotor, rotor_count;
   int32_t first_q, q_count;
   int32_t first_u, u_count;
-  int32_t disturbance_param; /* 6 EnvParams: force (W), moment (base axes) */
+  int32_t first_param; /* EnvParams, at the places of SkybodyRobotConstant */
   int32_t fixed_base;
   double position[3];   /* of the base at reset [m], W */
   double rotation[4];   /* W from B, w x y z */
@@ -182,9 +164,10 @@ typedef struct SkybodySetup {
   const char* instance; /* unique in the world: names this instance's random numbers */
   double dt;            /* physics step [s] */
   int32_t action_repeat;
-  int32_t horizon; /* steps until truncation, 0: none */
-  double gravity[3];
-  int32_t robot; /* the robot a controller belongs to, else -1 */
+  int32_t horizon;           /* steps until truncation, 0: none */
+  double gravity[3];         /* nominal [m/s^2], W */
+  int32_t first_world_param; /* EnvParams, at the places of SkybodyWorldConstant */
+  int32_t robot;             /* the robot a controller belongs to, else -1 */
   const SkybodyRobotInfo* robots;
   int32_t robot_count;
   const SkybodyBodyInfo* bodies;

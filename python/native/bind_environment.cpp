@@ -195,7 +195,7 @@ void bind_time_and_spaces(nb::class_<LoadedEnvironment>& c) {
   c.def_prop_ro(
       "gravity",
       [](const E& e) {
-        const Vec3<double>& g = e->scenario().gravity;
+        const Vec3<double> g = e->scenario().gravity();
         return std::make_tuple(g.x, g.y, g.z);
       },
       "Acceleration of gravity, world axes (z up) [m/s^2].");

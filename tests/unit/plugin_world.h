@@ -53,7 +53,7 @@ class PluginWorld {
     r.position[1] = y;
     r.position[2] = z;
     r.rotation[0] = 1.0;
-    r.disturbance_param = static_cast<int>(params.size());
+    r.first_param = static_cast<int>(params.size());
     for (int k = 0; k < 6; ++k)
       add_param("robots." + name + ".disturbance[" + std::to_string(k) + "]", 0.0);
     r.first_action = actions;
@@ -95,8 +95,8 @@ class PluginWorld {
   void add_rotor(int owner, const double (&position)[3], double direction) {
     SkybodyRotorInfo r{};
     const std::string name = "rotor" + std::to_string(robots[at(owner)].rotor_count);
-    const double constants[8] = {1.9533e-6, 2.8401e-8, 2.0673e-5, 1e-9,
-                                 4.92e-6,   2246.0,    0.0125,    0.025};
+    const double constants[SKYBODY_ROTOR_CONSTANT_COUNT] = {1.9533e-6, 2.8401e-8, 2.0673e-5, 1e-9,
+                                                            4.92e-6,   2246.0,    0.0125,    0.025};
     r.name = keep(name);
     r.robot = owner;
     r.body = robots[at(owner)].first_body;
@@ -104,7 +104,7 @@ class PluginWorld {
     r.direction = direction;
     r.first_param = static_cast<int>(params.size());
     for (int k = 0; k < 3; ++k) r.position[k] = position[k];
-    for (int k = 0; k < 8; ++k) {
+    for (int k = 0; k < SKYBODY_ROTOR_CONSTANT_COUNT; ++k) {
       r.constants[k] = constants[k];
       add_param(std::string("robots.") + robots[at(owner)].name + ".rotors[" +
                     std::to_string(robots[at(owner)].rotor_count) + "].constant" +

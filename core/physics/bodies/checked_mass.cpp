@@ -4,19 +4,15 @@
 
 #include "core/base/error.h"
 #include "core/base/inertia.h"
-#include "core/model/layout.h"
-#include "core/physics/bodies/kinematics.h"
 
 namespace skybody {
 
 MassProperties checked_mass(const std::string& name, const double* params) {
-  const double mass = params[kMass];
-  const Vec3<double> com = load_vec3(params + kCom);
-  const double* i = params + kInertia;
-  SymMat3<double> inertia{i[0], i[1], i[2], i[3], i[4], i[5]};
-  if (!(mass > 0.0) || !is_finite(mass) || !is_finite(com)) {
+  MassProperties out = mass_properties(params);
+  SymMat3<double>& inertia = out.inertia;
+  if (!(out.mass > 0.0) || !is_finite(out.mass) || !is_finite(out.com)) {
     char value[32];
-    std::snprintf(value, sizeof(value), "%g", mass);
+    std::snprintf(value, sizeof(value), "%g", out.mass);
     throw Error("body '" + name + "' has mass " + value +
                 " kg; it must be positive, and the centre of mass finite");
   }
@@ -32,7 +28,7 @@ MassProperties checked_mass(const std::string& name, const double* params) {
     const double more = 1.001 * excess;
     inertia = inertia + SymMat3<double>{more, more, more, 0.0, 0.0, 0.0};
   }
-  return {mass, com, inertia};
+  return out;
 }
 
 }  // namespace skybody

@@ -25,7 +25,7 @@ void write_rotors(const World& world, LaneState& state) {
     const WorldRotor& rotor = world.rotors[i];
     const double wanted = world.scenario.robots[rotor.robot].rotor_speed;
     const double speed = wanted < 0.0 ? hover_rotor_speed(world, rotor.robot) : wanted;
-    state.rotor_speed[i] = state.rotor_command[i] = min(speed, rotor.model->max_speed);
+    state.rotor_speed[i] = state.rotor_command[i] = min(speed, rotor.model->constants[kMaxSpeed]);
   }
 }
 
@@ -46,21 +46,17 @@ void write_drives(const World& world, LaneState& state) {
 double hover_rotor_speed(const World& world, int robot) {
   const RobotModel& model = world.scenario.robots[robot].model;
   double lift = 0.0;
-  for (const Rotor& rotor : model.rotors) lift += rotor.thrust_constant * rotor.axis.z;
+  for (const Rotor& rotor : model.rotors) lift += rotor.constants[kThrustConstant] * rotor.axis.z;
   if (!(lift > 0.0)) return 0.0;
-  return sqrt(model.total_mass() * norm(world.scenario.gravity) / lift);
+  return sqrt(model.total_mass() * norm(world.scenario.gravity()) / lift);
 }
 
 LaneState make_lane_state(const World& world) {
   const Layout& layout = world.layout;
   LaneState state;
-  state.q.assign(layout.q.size, 0.0);
-  state.u.assign(layout.u.size, 0.0);
-  state.rotor_speed.assign(layout.rotor_speed.size, 0.0);
-  state.rotor_command.assign(layout.rotor_command.size, 0.0);
-  state.wrench.assign(layout.wrench.size, 0.0);
-  state.drive.assign(layout.drive.size, 0.0);
-  state.params.assign(layout.param_info.size(), 0.0);
+  for (const LaneBlock& b : kLaneBlocks) {
+    (state.*b.values).assign(static_cast<std::size_t>((layout.*b.place).size), 0.0);
+  }
   state.bodies.assign(world.bodies.size(), BodyState{});
   return state;
 }
@@ -73,6 +69,9 @@ void write_default_state(const World& world, LaneState& state) {
   write_positions(world, state);
   write_rotors(world, state);
   write_drives(world, state);
+  each_neutral_input(world.layout, [&](Block Layout::*place, int k, double value) {
+    values_of(state, place)[static_cast<std::size_t>(k)] = value;
+  });
 
   std::vector<BodyKinematics<double>> motion(world.bodies.size());
   forward_kinematics(make_tree(world), state.q.data(), state.u.data(), motion.data());

@@ -5,9 +5,9 @@
 
 namespace skybody {
 
-std::vector<Contact> ground_contacts(const World& world, const std::vector<BodyState>& bodies) {
+std::vector<Contact> ground_contacts(const World& world, const double* params,
+                                     const std::vector<BodyState>& bodies) {
   std::vector<Contact> out;
-  const ContactSettings& settings = world.scenario.contact;
   for (const ContactSphere& sphere : world.spheres) {
     const BodyState& body = bodies[static_cast<std::size_t>(sphere.body)];
     const Mat3<double> axes = to_mat3(body.rotation);
@@ -16,9 +16,8 @@ std::vector<Contact> ground_contacts(const World& world, const std::vector<BodyS
     const Vec3<double> point = body.position + arm;
     if (!(point.z < 0.0)) continue;
     const Vec3<double> velocity = body.velocity + cross(axes * body.angular_velocity, arm);
-    const Vec3<double> force =
-        ground_force(point, velocity, sphere.stiffness, sphere.most_damping, settings.dissipation,
-                     settings.friction, settings.slip_velocity);
+    const Vec3<double> force = ground_force(params + world.layout.world_params, point, velocity,
+                                            sphere.stiffness, sphere.most_damping);
     out.push_back({sphere.body, kGround, point, {0.0, 0.0, 1.0}, -point.z, force});
   }
   return out;

@@ -24,6 +24,8 @@ struct Contact {
 };
 
 /// The contact spheres that are in the ground, with the forces of ground_contact.h.
-std::vector<Contact> ground_contacts(const World& world, const std::vector<BodyState>& bodies);
+/// @param params  the parameter block
+std::vector<Contact> ground_contacts(const World& world, const double* params,
+                                     const std::vector<BodyState>& bodies);
 
 }  // namespace skybody

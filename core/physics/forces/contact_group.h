@@ -19,13 +19,14 @@ struct ContactGroup {
 std::vector<ContactGroup> make_contact_groups(const World& world);
 
 /// What the ground does to a body.
-/// @param spheres  of the world
-/// @param body     position, axes, velocity
+/// @param spheres    of the world
+/// @param constants  its kWorldParamCount values: a pointer, or a view
+/// @param body       position, axes, velocity
 /// @param angular_velocity  of the body, W axes
-template <class Real>
+template <class Real, class Params>
 SKYBODY_INLINE SpatialForce<Real> ground_forces(const ContactGroup& group,
                                                 const ContactSphere* spheres,
-                                                const ContactSettings& contact,
+                                                const Params& constants,
                                                 const BodyKinematics<Real>& body,
                                                 const Vec3<Real>& angular_velocity) {
   SpatialForce<Real> sum = SpatialForce<Real>::zero();
@@ -39,9 +40,8 @@ SKYBODY_INLINE SpatialForce<Real> ground_forces(const ContactGroup& group,
     const Vec3<Real> velocity = body.velocity + cross(angular_velocity, arm);
     // Where it is in the air this adds zeros, which change no sum: sums begin at +0, and so none is
     // -0.
-    sum.add_force_at(
-        arm, ground_force(body.position + arm, velocity, sphere.stiffness, sphere.most_damping,
-                          contact.dissipation, contact.friction, contact.slip_velocity));
+    sum.add_force_at(arm, ground_force(constants, body.position + arm, velocity, sphere.stiffness,
+                                       sphere.most_damping));
   }
   return sum;
 }

@@ -1,13 +1,6 @@
 #include "core/physics/forces/force_model.h"
 
 namespace skybody {
-namespace {
-
-bool has_force(const Joint& joint) {
-  return joint.damping != 0.0 || joint.stiffness != 0.0 || joint.limit.enabled;
-}
-
-}  // namespace
 
 RotorPlace make_rotor_place(const World& world, std::size_t index) {
   const Rotor& rotor = *world.rotors[index].model;
@@ -55,21 +48,17 @@ std::vector<ContactGroup> make_contact_groups(const World& world) {
   return groups;
 }
 
-std::vector<int> joints_with_forces(const World& world) {
-  std::vector<int> bodies;
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    if (has_force(world.bodies[i].model->joint)) bodies.push_back(static_cast<int>(i));
-  }
-  return bodies;
-}
-
 ForceModel::ForceModel(const World& world)
     : world_(world),
       rotors_(make_rotor_places(world)),
       rotor_groups_(make_rotor_groups(world)),
-      contact_groups_(make_contact_groups(world)),
-      stiff_joints_(joints_with_forces(world)) {
+      contact_groups_(make_contact_groups(world)) {
   for (const RobotLayout& robot : world.layout.robots) bases_.push_back(robot.first_body);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    if (joint_constant_count(world.bodies[i].model->joint) > 0) {
+      joints_.push_back(static_cast<int>(i));
+    }
+  }
 }
 
 }  // namespace skybody

@@ -1,6 +1,6 @@
 // Every force of ours on the bodies of a world: gravity, rotors, disturbances, wrenches of
-// controllers, ground contact, joints. Evaluated inside the derivative, one code for all dynamics,
-// for double and packs.
+// controllers and effects, ground contact, joints. Evaluated inside the derivative, one code for
+// all dynamics, for double and packs.
 #pragma once
 
 #include <vector>
@@ -25,6 +25,10 @@ struct ForceInputs {
   const RotorMotion<Real>* rotors = nullptr;
   Params params;
   const Real* wrench = nullptr;
+  // Of effects; null: there are none.
+  const Real* held_wind = nullptr;
+  const Real* held_wrench = nullptr;
+  const Real* held_rotor_gain = nullptr;
 };
 
 /// A rotor of a world on its body; every one; and the groups that they form.
@@ -32,17 +36,14 @@ RotorPlace make_rotor_place(const World& world, std::size_t index);
 std::vector<RotorPlace> make_rotor_places(const World& world);
 std::vector<RotorGroup> make_rotor_groups(const World& world);
 
-/// Bodies whose joint has damping, a spring or limits.
-std::vector<int> joints_with_forces(const World& world);
-
 /// Immutable; refers to the world, which must outlive it.
 class ForceModel {
  public:
   explicit ForceModel(const World& world);
 
   /// @param forces        one per body, overwritten
-  /// @param joint_forces  one per u; only those of joints with damping, springs or limits are
-  ///                      written, the others must be zero
+  /// @param joint_forces  one per u; only those of joints that have constants are written, the
+  ///                      others must be zero
   template <class Real, class Params>
   SKYBODY_INLINE void evaluate(const ForceInputs<Real, Params>& in, SpatialForce<Real>* forces,
                                Real* joint_forces) const {
@@ -50,6 +51,7 @@ class ForceModel {
     add_rotors(in, forces);
     add_disturbances(in, forces);
     add_wrenches(in, forces);
+    add_held_wrenches(in, forces);
     add_grounds(in, forces);
     add_joints(in, joint_forces);
   }
@@ -67,7 +69,7 @@ class ForceModel {
   template <class Real, class Params>
   SKYBODY_INLINE void add_gravity(const ForceInputs<Real, Params>& in,
                                   SpatialForce<Real>* forces) const {
-    const Vec3<Real> gravity = to_real<Real>(world_.scenario.gravity);
+    const Vec3<Real> gravity = load_vec3(in.params + (world_.layout.world_params + kGravity));
     const int count = static_cast<int>(world_.bodies.size());
     for (int i = 0; i < count; ++i) load(in, i, forces).begin(gravity);
   }
@@ -77,11 +79,30 @@ class ForceModel {
                                  SpatialForce<Real>* forces) const {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
-      const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+      const Vec3<Real> velocity = transpose_times(body.axes, air_velocity(in, group.body));
+      const auto motion = [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; };
       load(in, group.body, forces)
-          .add_in_body(rotor_forces(
-              group, rotors_.data(), in.params,
-              [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; }, velocity, body.spin));
+          .add_in_body(gained_rotor_forces<Real>(group, rotors_.data(), in.params,
+                                                 in.held_rotor_gain != nullptr, in.held_rotor_gain,
+                                                 motion, 1.0, velocity, body.spin));
+    }
+  }
+
+  /// Velocity of a body's origin through the air, W.
+  template <class Real, class Params>
+  static SKYBODY_INLINE Vec3<Real> air_velocity(const ForceInputs<Real, Params>& in, int body) {
+    const Vec3<Real>& velocity = in.bodies[body].velocity;
+    return in.held_wind == nullptr ? velocity : velocity - load_vec3(in.held_wind + 3 * body);
+  }
+
+  template <class Real, class Params>
+  SKYBODY_INLINE void add_held_wrenches(const ForceInputs<Real, Params>& in,
+                                        SpatialForce<Real>* forces) const {
+    if (in.held_wrench == nullptr) return;
+    const Real* wrench = in.held_wrench;
+    for (int i = 0; i < static_cast<int>(world_.bodies.size()); ++i, wrench += 6) {
+      auto sum = load(in, i, forces);
+      add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, sum);
     }
   }
 
@@ -90,7 +111,7 @@ class ForceModel {
                                        SpatialForce<Real>* forces) const {
     for (std::size_t r = 0; r < bases_.size(); ++r) {
       auto sum = load(in, bases_[r], forces);
-      add_disturbance<Real>(in.params + world_.layout.disturbance_params[r], sum);
+      add_disturbance<Real>(in.params + world_.layout.robot_params[r], sum);
     }
   }
 
@@ -110,15 +131,16 @@ class ForceModel {
                                   SpatialForce<Real>* forces) const {
     for (const ContactGroup& group : contact_groups_) {
       auto sum = load(in, group.body, forces);
-      add_ground(world_, group, in.bodies[group.body], sum);
+      add_ground(world_, in.params + world_.layout.world_params, group, in.bodies[group.body], sum);
     }
   }
 
   template <class Real, class Params>
   SKYBODY_INLINE void add_joints(const ForceInputs<Real, Params>& in, Real* joint_forces) const {
-    for (const int i : stiff_joints_) {
+    for (const int i : joints_) {
       const WorldBody& body = world_.bodies[i];
-      joint_force(body.model->joint, in.q + body.q, in.u + body.u, joint_forces + body.u);
+      joint_force(body.model->joint, in.params + world_.layout.joint_params[i], in.q + body.q,
+                  in.u + body.u, joint_forces + body.u);
     }
   }
 
@@ -126,8 +148,8 @@ class ForceModel {
   std::vector<RotorPlace> rotors_;
   std::vector<RotorGroup> rotor_groups_;
   std::vector<ContactGroup> contact_groups_;
-  std::vector<int> bases_;         ///< per robot: world body index of its base
-  std::vector<int> stiff_joints_;  ///< bodies whose joint has damping, a spring or limits
+  std::vector<int> bases_;   ///< per robot: world body index of its base
+  std::vector<int> joints_;  ///< bodies whose joint has constants
 };
 
 }  // namespace skybody

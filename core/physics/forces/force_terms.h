@@ -8,18 +8,24 @@
 
 namespace skybody {
 
+/// A force at the centre of mass, W axes, and a moment; sums stay untouched where both are zero.
+template <class Real, class Load>
+SKYBODY_INLINE void add_at_com_where_any(const Vec3<Real>& force, const Vec3<Real>& moment,
+                                         Axes moment_axes, Load& load) {
+  const auto any = logical_or(is_not_zero(force), is_not_zero(moment));
+  if (none(any)) return;
+  load.add_where(any, [&](Load& sum) SKYBODY_INLINE_LAMBDA {
+    sum.add_at_com(force, Axes::kWorld);
+    sum.add_moment(moment, moment_axes);
+  });
+}
+
 /// Paper eq. 1: F_W at the base's centre of mass in W axes, M_B in base axes.
-/// @param disturbance  kDisturbanceParamCount values: a pointer, or a view
+/// @param disturbance  the robot's kRobotParamCount values: a pointer, or a view
 template <class Real, class Params, class Load>
 SKYBODY_INLINE void add_disturbance(const Params& disturbance, Load& load) {
-  const Vec3<Real> force = load_vec3(disturbance + kDisturbanceForce);
-  const Vec3<Real> moment = load_vec3(disturbance + kDisturbanceMoment);
-  const auto disturbed = logical_or(is_not_zero(force), is_not_zero(moment));
-  if (none(disturbed)) return;
-  load.add_where(disturbed, [&](Load& sum) SKYBODY_INLINE_LAMBDA {
-    sum.add_at_com(force, Axes::kWorld);
-    sum.add_moment(moment, Axes::kBody);
-  });
+  add_at_com_where_any(load_vec3(disturbance + kDisturbanceForce),
+                       load_vec3(disturbance + kDisturbanceMoment), Axes::kBody, load);
 }
 
 /// A controller's wrench.
@@ -37,13 +43,15 @@ SKYBODY_INLINE void add_wrench(const WrenchSite& site, const Values& wrench, Loa
 }
 
 /// Contact with the ground of all spheres of a body.
-template <class Real, class Load>
-SKYBODY_INLINE void add_ground(const World& world, const ContactGroup& group,
-                               const BodyKinematics<Real>& body, Load& load) {
+/// @param constants  the world's kWorldParamCount values: a pointer, or a view
+template <class Real, class Params, class Load>
+SKYBODY_INLINE void add_ground(const World& world, const Params& constants,
+                               const ContactGroup& group, const BodyKinematics<Real>& body,
+                               Load& load) {
   const auto near_ground = body.position.z < group.reach;
   if (none(near_ground)) return;
-  const SpatialForce<Real> ground = ground_forces<Real>(
-      group, world.spheres.data(), world.scenario.contact, body, load.angular_velocity());
+  const SpatialForce<Real> ground =
+      ground_forces<Real>(group, world.spheres.data(), constants, body, load.angular_velocity());
   load.add_where(near_ground,
                  [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_about_origin(ground); });
 }

@@ -11,18 +11,22 @@
 
 #include "core/base/math.h"
 #include "core/base/vec3.h"
+#include "core/model/constants.h"
 
 namespace skybody {
 
+/// @param constants  the world's kWorldParamCount values, of which kDissipation c, kFriction mu and
+///                   kSlipVelocity v_s count: a pointer, or a view
 /// @param point, velocity  the sphere's lowest point [m] and its velocity [m/s], W
 /// @param stiffness k [N/m^1.5]  @param most_damping m/dt [N s/m]
-/// @param dissipation c [s/m]  @param friction mu  @param slip_velocity v_s [m/s], > 0
 /// @returns the force on the body [N], W axes
-template <class Real>
-SKYBODY_INLINE Vec3<Real> ground_force(const Vec3<Real>& point, const Vec3<Real>& velocity,
-                                       double stiffness, double most_damping, double dissipation,
-                                       double friction, double slip_velocity) {
+template <class Real, class Params>
+SKYBODY_INLINE Vec3<Real> ground_force(const Params& constants, const Vec3<Real>& point,
+                                       const Vec3<Real>& velocity, double stiffness,
+                                       double most_damping) {
   const Real zero(0.0);
+  const Real dissipation = constants[kDissipation], friction = constants[kFriction];
+  const Real slip_velocity = constants[kSlipVelocity];
   const Real penetration = select(point.z < zero, -point.z, zero);
   const Real elastic = stiffness * pow_3_2(penetration);
   const Real damping = min(1.5 * dissipation * elastic, Real(most_damping));

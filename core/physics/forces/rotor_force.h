@@ -4,7 +4,7 @@
 // thrust and torque of paper eq. 1 are the sums over a robot's rotors.
 //
 // With w >= 0 the speed, n the axis, s = +1 for counter-clockwise about n, and v' the hub's
-// velocity across the axis (still air):
+// velocity across the axis, through the air:
 //   thrust            F = k_f w^2 n
 //   reaction          M = -s k_m w^2 n
 //   rotor drag        F = -c_d w v'
@@ -19,6 +19,7 @@
 #include "core/model/layout.h"
 #include "core/physics/forces/rotor_lag.h"
 #include "core/physics/forces/spatial_force.h"
+#include "core/physics/world/held_inputs.h"
 
 namespace skybody {
 
@@ -28,6 +29,22 @@ struct RotorPlace {
   double direction = 1.0;       ///< +1 or -1
   double squared_radius = 0.0;  ///< of the hub from the body's z axis [m^2]
   int params = 0;               ///< first of its kRotorParamCount values
+};
+
+/// A rotor's constants, the first ones of which effects scale.
+/// @tparam Constants, Gains  pointers, or views
+template <class Constants, class Gains>
+class GainedConstants {
+ public:
+  SKYBODY_INLINE GainedConstants(const Constants& constants, const Gains& gains)
+      : constants_(constants), gains_(gains) {}
+  SKYBODY_INLINE auto operator[](int k) const {
+    return k < kGainedConstants ? constants_[k] * gains_[k] : constants_[k];
+  }
+
+ private:
+  Constants constants_;
+  Gains gains_;
 };
 
 /// Adds one rotor's forces to `sum`, which is about the body's origin like any SpatialForce but in
@@ -154,37 +171,60 @@ struct RotorGroup {
 };
 
 /// What the rotors of any group do to their body, one by one.
-/// @param places    of all rotors of the world
-/// @param params    of the environment
-/// @param motion    motion(i) says how rotor i of the world moves
-/// @param velocity, spin  of the body's origin [m/s] and body [rad/s], body axes
+/// @param places     of all rotors of the world
+/// @param constants  constants(i): those of rotor i of the world
+/// @param motion     motion(i) says how it moves
+/// @param unit       of the rotors' accelerations [rad/s^2]
+/// @param velocity, spin  of the body's origin through the air [m/s] and body [rad/s], body axes
 /// @returns about the body's origin, body axes
-template <class Real, class Params, class Motion>
+template <class Real, class Constants, class Motion>
 SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const RotorPlace* places,
-                                             const Params& params, Motion&& motion,
+                                             Constants&& constants, Motion&& motion, double unit,
                                              const Vec3<Real>& velocity, const Vec3<Real>& spin) {
   SpatialForce<Real> sum = SpatialForce<Real>::zero();
   for (int i = group.first; i < group.first + group.count; ++i) {
-    add_rotor_force(params + places[i].params, places[i], motion(i), velocity, spin, sum);
+    const RotorMotion<Real> rotor = motion(i);
+    add_rotor_force(constants(i), places[i],
+                    RotorMotion<Real>{rotor.speed, rotor.acceleration * unit}, velocity, spin, sum);
   }
   return sum;
 }
 
 /// The same by the quicker way where there is one.
-template <class Real, class Params, class Motion>
+template <class Real, class Constants, class Motion>
 SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
-                                               const Params& params, Motion&& motion,
+                                               Constants&& constants, Motion&& motion, double unit,
                                                const Vec3<Real>& velocity, const Vec3<Real>& spin) {
-  if (!group.is_level) return sum_rotors<Real>(group, places, params, motion, velocity, spin);
+  if (!group.is_level) {
+    return sum_rotors<Real>(group, places, constants, motion, unit, velocity, spin);
+  }
   const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
     Real factors[kRotorFactorCount];
-    make_rotor_factors(params + places[i].params, places[i], factors);
+    make_rotor_factors(constants(i), places[i], factors);
     const RotorMotion<Real> rotor = motion(i);
     return LevelRotors<Real>(factors, rotor.speed, rotor.acceleration);
   };
   LevelRotors<Real> rotors = alone(group.first);
   for (int i = group.first + 1; i < group.first + group.count; ++i) rotors += alone(i);
-  return rotors.force(places[group.first].position.z, 1.0, velocity, spin);
+  return rotors.force(places[group.first].position.z, unit, velocity, spin);
+}
+
+/// The same with the gains of effects, if there are any.
+/// @param params  of the environment: a pointer, or a view
+/// @param gains   kGainedConstants for each rotor of the world, likewise; read where `is_gained`
+template <class Real, class Params, class Gains, class Motion>
+SKYBODY_INLINE SpatialForce<Real> gained_rotor_forces(const RotorGroup& group,
+                                                      const RotorPlace* places,
+                                                      const Params& params, bool is_gained,
+                                                      const Gains& gains, Motion&& motion,
+                                                      double unit, const Vec3<Real>& velocity,
+                                                      const Vec3<Real>& spin) {
+  const auto own = [&](int i) SKYBODY_INLINE_LAMBDA { return params + places[i].params; };
+  const auto gained = [&](int i) SKYBODY_INLINE_LAMBDA {
+    return GainedConstants(own(i), gains + kGainedConstants * i);
+  };
+  return is_gained ? rotor_forces<Real>(group, places, gained, motion, unit, velocity, spin)
+                   : rotor_forces<Real>(group, places, own, motion, unit, velocity, spin);
 }
 
 }  // namespace skybody

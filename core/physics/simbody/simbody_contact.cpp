@@ -24,15 +24,14 @@ constexpr double kMostFaces = 100'000;
 /// the heaviest robot's weight with the scenario's static penetration:
 ///   F = 4/3 sqrt(R) (E/2^1.5) x^1.5 (CompliantContactSubsystem, HertzCircular).
 SimTK::ContactMaterial make_material(const World& world) {
+  const Scenario& scenario = world.scenario;
   double mass = 0.0;
-  for (const RobotUse& robot : world.scenario.robots) {
-    mass = std::max(mass, robot.model.total_mass());
-  }
-  const ContactSettings& contact = world.scenario.contact;
-  const double depth = contact.penetration;
-  const double stiffness = mass * contact_gravity(world.scenario) * std::sqrt(8.0) * 0.75 /
+  for (const RobotUse& robot : scenario.robots) mass = std::max(mass, robot.model.total_mass());
+  const double depth = scenario.contact.penetration;
+  const double stiffness = mass * contact_gravity(scenario) * std::sqrt(8.0) * 0.75 /
                            (std::sqrt(kReferenceRadius) * depth * std::sqrt(depth));
-  return {stiffness, contact.dissipation, contact.friction, contact.friction, 0.0};
+  const double friction = scenario.constants[kFriction];
+  return {stiffness, scenario.constants[kDissipation], friction, friction, 0.0};
 }
 
 int resolution_of(double longest_edge, const MeshFineness& fineness) {
@@ -108,7 +107,8 @@ std::shared_ptr<const SimbodyContact> make_simbody_contact(const World& world) {
 }
 
 SimbodyContact::SimbodyContact(const World& world)
-    : material_(make_material(world)), transition_velocity_(world.scenario.contact.slip_velocity) {
+    : material_(make_material(world)),
+      transition_velocity_(world.scenario.constants[kSlipVelocity]) {
   add_obstacles(world);
   add_bodies(world);
 }

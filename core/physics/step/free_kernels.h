@@ -7,7 +7,8 @@
 namespace skybody {
 
 /// A physics step of all robots of the lanes that one Real holds.
-template <class Real, class Values, IntegratorChoice kIntegrator>
+/// @tparam kIsHeld  effects hold something of the world
+template <class Real, class Values, IntegratorChoice kIntegrator, bool kIsHeld>
 class FreeLanes {
  public:
   SKYBODY_INLINE FreeLanes(const StepCall& call, int first, const Values& params,
@@ -18,6 +19,11 @@ class FreeLanes {
         in_{LaneValues<Real>(group_.rotor_speed + first),
             LaneValues<Real>(group_.rotor_command + first),
             LaneValues<Real>(group_.wrench + first),
+            LaneValues<Real>(group_.held_wind + first),
+            LaneValues<Real>(group_.held_wrench + first),
+            LaneValues<Real>(group_.held_rotor_gain + first),
+            LaneValues<Real>(group_.held_rotor_limit + first),
+            LaneValues<Real>(group_.held_rotor_rate + first),
             params,
             derived + call.plan->derived.lags,
             derived + call.plan->derived.factors,
@@ -29,9 +35,11 @@ class FreeLanes {
   SKYBODY_INLINE std::uint32_t advance(std::uint32_t lanes) const {
     const std::vector<FreeRobot>& robots = robots_.robots;
     if (robots.size() > 1) return advance_all(lanes);
-    if (!robots[0].has_four_level_rotors()) return advance_one<0>(robots[0], end_speeds_, lanes);
-    Real end_speeds[4];
-    return advance_one<4>(robots[0], end_speeds, lanes);
+    if constexpr (!kIsHeld) {
+      Real end_speeds[4];
+      if (robots[0].has_four_level_rotors()) return advance_one<4>(robots[0], end_speeds, lanes);
+    }
+    return advance_one<0>(robots[0], end_speeds_, lanes);
   }
 
  private:
@@ -59,8 +67,9 @@ class FreeLanes {
     for (const FreeRobot& robot : robots_.robots) {
       FreeMotion<Real> motion;
       Real* end_speeds = end_speeds_ + robot.rotors.first;
-      through &= robot.has_four_level_rotors() ? advance<4>(robot, motion, end_speeds)
-                                               : advance<0>(robot, motion, end_speeds);
+      through &= !kIsHeld && robot.has_four_level_rotors()
+                     ? advance < kIsHeld ? 0 : 4 > (robot, motion, end_speeds)
+                     : advance<0>(robot, motion, end_speeds);
       *at_end++ = motion;
     }
     if (all(through)) {
@@ -78,7 +87,7 @@ class FreeLanes {
     const auto load = [&]() SKYBODY_INLINE_LAMBDA {
       return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
     };
-    using Step = FreeRobotStep<Real, Values, kLevelRotors>;
+    using Step = FreeRobotStep<Real, Values, kLevelRotors, kIsHeld>;
     return Step(robots_, robot, in_).template advance<kIntegrator>(load, motion, end_speeds);
   }
 
@@ -119,7 +128,7 @@ class FreeLanes {
   Real* end_speeds_;           ///< of all rotors
 };
 
-template <IntegratorChoice kIntegrator>
+template <IntegratorChoice kIntegrator, bool kIsHeld = false>
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
@@ -127,8 +136,8 @@ struct AdvanceFreeRobots {
                         [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
                             SKYBODY_INLINE_LAMBDA {
                               using Values = std::decay_t<decltype(params)>;
-                              return FreeLanes<RealOf<W>, Values, kIntegrator>(call, first, params,
-                                                                               derived)
+                              return FreeLanes<RealOf<W>, Values, kIntegrator, kIsHeld>(
+                                         call, first, params, derived)
                                   .advance(bits);
                             });
   }

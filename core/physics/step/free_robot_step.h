@@ -5,6 +5,7 @@
 
 #include "core/physics/forces/force_terms.h"
 #include "core/physics/step/free_robots.h"
+#include "core/physics/step/held_rotor.h"
 #include "core/physics/step/lane_values.h"
 #include "core/physics/step/step_rules.h"
 
@@ -56,12 +57,16 @@ struct FreeMotion {
 template <class Real, class Values>
 struct FreeStepInputs {
   LaneValues<Real> rotor_speed, rotor_command, wrench;
+  LaneValues<Real> held_wind, held_wrench, held_rotor_gain, held_rotor_limit, held_rotor_rate;
   Values params;
   Values lags, factors, bodies;  ///< of the whole world
 };
 
-/// @tparam kLevelRotors 0: any rotors; else the robot has so many, all of them level
-template <class Real, class Values, int kLevelRotors>
+/// @tparam kLevelRotors  0: any rotors; else the robot has so many, all of them level
+/// @tparam kIsHeld       effects hold something of the world; the sums over level rotors, which
+/// know
+///                       nothing of it, are not made beforehand then
+template <class Real, class Values, int kLevelRotors, bool kIsHeld>
 class FreeRobotStep {
  public:
   using Inputs = FreeStepInputs<Real, Values>;
@@ -102,7 +107,7 @@ class FreeRobotStep {
                                                Real* end_speed) const {
     Real speeds(0.0);
     const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
-      const RotorStep<Real> rotor = rotor_step(i);
+      const auto rotor = rotor_step(i);
       end_speed[i] = rotor.at(kStepEnd).speed;
       speeds += end_speed[i];
       return rotor.mean(end_speed[i]);
@@ -153,14 +158,24 @@ class FreeRobotStep {
   }
 
   double dt() const { return world_.world.scenario.stepping.dt; }
-  bool is_level() const { return kLevelRotors > 0 || robot_.rotors.is_level; }
+  Values world_constants() const { return in_.params + world_.world.layout.world_params; }
+  bool is_level() const { return !kIsHeld && (kLevelRotors > 0 || robot_.rotors.is_level); }
+  const HeldInputs& held() const { return world_.world.held; }
   int rotor_count() const { return kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count; }
 
   /// @param i  of the robot's rotors
-  SKYBODY_INLINE RotorStep<Real> rotor_step(int i) const {
+  SKYBODY_INLINE auto rotor_step(int i) const {
     const int rotor = robot_.rotors.first + i;
-    return {load_lag<Real>(lags_ + kLagSize * i), in_.rotor_speed[rotor], in_.rotor_command[rotor],
-            factors_[kRotorFactorCount * i + kSpeedLimit]};
+    const RotorStep<Real> step(load_lag<Real>(lags_ + kLagSize * i), in_.rotor_speed[rotor],
+                               in_.rotor_command[rotor],
+                               factors_[kRotorFactorCount * i + kSpeedLimit]);
+    if constexpr (kIsHeld) {
+      const auto limits = held_rotor(held(), in_.held_rotor_limit, in_.held_rotor_rate, rotor);
+      return HeldRotorStep<Real>(step.lag, step.speed, in_.rotor_command[rotor],
+                                 factors_[kRotorFactorCount * i + kSpeedLimit], limits, dt());
+    } else {
+      return step;
+    }
   }
 
   /// @param run  run(i) says how rotor i of the robot moves
@@ -194,36 +209,56 @@ class FreeRobotStep {
                                                      const LevelRotors<Real>& level, const Run& run,
                                                      double unit) const {
     const RotorGroup& group = robot_.rotors;
-    const Vec3<Real> velocity = transpose_times(body.axes, body.velocity);
+    const Vec3<Real> velocity = transpose_times(body.axes, air_velocity(body.velocity));
     SpatialForce<Real> rotors = SpatialForce<Real>::zero();
-    if (is_level()) {
+    const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA { return run(i - group.first); };
+    if constexpr (kIsHeld) {
+      rotors =
+          gained_rotor_forces<Real>(group, world_.rotors.data(), in_.params, held().rotor_gain,
+                                    in_.held_rotor_gain, run_of_world, unit, velocity, body.spin);
+    } else if (is_level()) {
       const double height = world_.rotors[static_cast<std::size_t>(group.first)].position.z;
       rotors = level.force(height, unit, velocity, body.spin);
     } else {
-      const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA {
-        const RotorMotion<Real> rotor = run(i - group.first);
-        return RotorMotion<Real>{rotor.speed, rotor.acceleration * unit};
+      const auto constants = [&](int i) SKYBODY_INLINE_LAMBDA {
+        return in_.params + world_.rotors[static_cast<std::size_t>(i)].params;
       };
-      rotors = sum_rotors<Real>(group, world_.rotors.data(), in_.params, run_of_world, velocity,
-                                body.spin);
+      rotors = sum_rotors<Real>(group, world_.rotors.data(), constants, run_of_world, unit,
+                                velocity, body.spin);
     }
     FreeLoad<Real, Values> load(body, constants_, kIsNominal ? robot_.shape : KnownShape(),
-                                to_real<Real>(world_.world.scenario.gravity), rotors);
+                                load_vec3(world_constants() + kGravity), rotors);
     add_outer_forces(body, load);
     return load.acceleration();
+  }
+
+  /// Through the air, W.
+  SKYBODY_INLINE Vec3<Real> air_velocity(const Vec3<Real>& velocity) const {
+    if constexpr (kIsHeld) {
+      if (held().wind) return velocity - load_vec3(in_.held_wind + 3 * robot_.body);
+    }
+    return velocity;
   }
 
   /// Forces that only some robots have.
   template <class Load>
   SKYBODY_INLINE void add_outer_forces(const BodyKinematics<Real>& body, Load& load) const {
     if (!kIsNominal || robot_.is_disturbed) {
-      add_disturbance<Real>(in_.params + robot_.disturbance, load);
+      add_disturbance<Real>(in_.params + robot_.constants, load);
+    }
+    if constexpr (kIsHeld) {
+      const LaneValues<Real> wrench = in_.held_wrench + 6 * robot_.body;
+      if (held().wrench) {
+        add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, load);
+      }
     }
     for (const int site : robot_.sites) {
       add_wrench<Real>(world_.world.sites[static_cast<std::size_t>(site)], in_.wrench + 6 * site,
                        load);
     }
-    if (robot_.contact.count > 0) add_ground(world_.world, robot_.contact, body, load);
+    if (robot_.contact.count > 0) {
+      add_ground(world_.world, world_constants(), robot_.contact, body, load);
+    }
   }
 
   /// Scales the quaternion to norm 1. @returns the square of its norm before

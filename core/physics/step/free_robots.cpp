@@ -12,7 +12,6 @@ bool FreeRobots::is_possible(const World& world) {
   if (is_error_controlled(world.scenario.stepping.integrator)) return false;
   const auto is_driven = [](DriveKind drive) { return drive != DriveKind::kNone; };
   if (std::any_of(world.drives.begin(), world.drives.end(), is_driven)) return false;
-  if (!joints_with_forces(world).empty()) return false;
   return std::all_of(world.bodies.begin(), world.bodies.end(), [](const WorldBody& body) {
     const Joint& joint = body.model->joint;
     return body.parent < 0 && joint.type == JointType::kFree &&
@@ -38,7 +37,7 @@ FreeRobots::FreeRobots(const World& w)
     robot.body = layout.first_body;
     robot.q = layout.first_q;
     robot.u = layout.first_u;
-    robot.disturbance = w.layout.disturbance_params[r];
+    robot.constants = w.layout.robot_params[r];
     for (std::size_t s = 0; s < w.sites.size(); ++s) {
       if (w.sites[s].body == robot.body) robot.sites.push_back(static_cast<int>(s));
     }
@@ -46,9 +45,8 @@ FreeRobots::FreeRobots(const World& w)
     robot.shape.is_axial = mass.com.x == 0.0 && mass.com.y == 0.0;
     robot.shape.has_no_products =
         !is_not_zero(Vec3<double>{mass.inertia.xy, mass.inertia.xz, mass.inertia.yz});
-    for (int k = 0; k < kDisturbanceParamCount; ++k) {
-      const auto param = static_cast<std::size_t>(robot.disturbance + k);
-      robot.is_disturbed |= w.layout.param_info[param].nominal != 0.0;
+    for (int k = kDisturbanceForce; k <= kDisturbanceMomentLast; ++k) {
+      robot.is_disturbed |= w.scenario.robots[r].constants[static_cast<std::size_t>(k)] != 0.0;
     }
     robots.push_back(robot);
   }

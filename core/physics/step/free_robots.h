@@ -15,7 +15,7 @@ namespace skybody {
 struct FreeRobot {
   int body = 0, q = 0, u = 0;
   RotorGroup rotors;          ///< all of them; none where `count` is 0
-  int disturbance = 0;        ///< first of its kDisturbanceParamCount parameters
+  int constants = 0;          ///< first of its kRobotParamCount parameters
   std::vector<int> sites;     ///< within World::sites
   bool is_disturbed = false;  ///< likewise
   KnownShape shape;           ///< by the nominal parameters
@@ -30,8 +30,8 @@ struct FreeRobots {
   /// @param world  is_possible
   explicit FreeRobots(const World& world);
 
-  /// Whether every robot is one free body that no drive moves and whose joint has no force of its
-  /// own, and the integrator's steps are fixed.
+  /// Whether every robot is one free body that no drive moves, and the integrator's steps are
+  /// fixed.
   static bool is_possible(const World& world);
 
   const World& world;

@@ -18,18 +18,17 @@ class GroupStepper::Alone {
  public:
   Alone(const StepPlan& plan, int lanes) : plan_(plan), steppers_(static_cast<std::size_t>(lanes)) {
     const Layout& layout = plan.world.layout;
-    const auto total = layout.q.size + layout.u.size + layout.rotor_speed.size +
-                       layout.rotor_command.size + layout.wrench.size + layout.drive.size +
-                       layout.params.size + plan.derived.size;
+    int total = plan.derived.size;
+    for (const StateBlock& b : kStateBlocks) total += (layout.*b.place).size;
+    for (const InputBlock& b : kInputBlocks) total += (layout.*b.place).size;
     values_.resize(static_cast<std::size_t>(total) + 13 * plan.world.bodies.size());
   }
 
   bool advance(const GroupBlocks& group, int lane, const double* derived, bool on_simbody) {
     if (!stepper(lane).advance(take(group, lane, derived), on_simbody)) return false;
-    const Layout& layout = plan_.world.layout;
-    give(one_.q, layout.q.size, group.lanes, group.q + lane);
-    give(one_.u, layout.u.size, group.lanes, group.u + lane);
-    give(one_.rotor_speed, layout.rotor_speed.size, group.lanes, group.rotor_speed + lane);
+    for (const StateBlock& b : kStateBlocks) {
+      give(one_.*b.values, (plan_.world.layout.*b.place).size, group.lanes, group.*b.values + lane);
+    }
     return true;
   }
   void accelerations(const GroupBlocks& group, int lane, const double* derived, bool on_simbody,
@@ -56,13 +55,12 @@ class GroupStepper::Alone {
       for (int k = 0; k < count; ++k) *next++ = from[k * group.lanes + lane];
       return to;
     };
-    one_.q = copy(group.q, layout.q.size);
-    one_.u = copy(group.u, layout.u.size);
-    one_.rotor_speed = copy(group.rotor_speed, layout.rotor_speed.size);
-    one_.rotor_command = copy(group.rotor_command, layout.rotor_command.size);
-    one_.wrench = copy(group.wrench, layout.wrench.size);
-    one_.drive = copy(group.drive, layout.drive.size);
-    one_.params = copy(group.params, layout.params.size);
+    for (const StateBlock& b : kStateBlocks) {
+      one_.*b.values = copy(group.*b.values, (layout.*b.place).size);
+    }
+    for (const InputBlock& b : kInputBlocks) {
+      one_.*b.values = copy(group.*b.values, (layout.*b.place).size);
+    }
     double* mine = derived == nullptr ? nullptr : copy(derived, plan_.derived.size);
     one_.bodies = next;
     return {&plan_, &one_, nullptr, mine, nullptr};
@@ -186,8 +184,9 @@ bool GroupStepper::derive_bodies(const GroupBlocks& group, int lane, PhysicsScra
 const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
                                         PhysicsScratch& scratch) const {
   auto* params = reinterpret_cast<double*>(scratch.data());
-  double* derived = params + plan_.physics_params;
-  for (int k = 0; k < plan_.physics_params; ++k) params[k] = group.params[k * lanes_ + lane];
+  double* derived = params + plan_.world.layout.physics_params;
+  for (int k = 0; k < plan_.world.layout.physics_params; ++k)
+    params[k] = group.params[k * lanes_ + lane];
   make_body_constants(plan_.world, params, derived + plan_.derived.bodies);
   return derived;
 }
@@ -195,7 +194,7 @@ const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
 /// Says that the lane's numbers follow from its present parameters.
 void GroupStepper::remember_params(const GroupBlocks& group, int lane) {
   known_ |= 1u << lane;
-  for (int k = 0; k < plan_.physics_params; ++k) {
+  for (int k = 0; k < plan_.world.layout.physics_params; ++k) {
     made_from_[static_cast<std::size_t>(k * lanes_ + lane)] = group.params[k * lanes_ + lane];
   }
 }
@@ -204,7 +203,7 @@ void GroupStepper::remember_params(const GroupBlocks& group, int lane) {
 /// @param mine    of one lane of a group
 /// @param stride  of `others`
 bool GroupStepper::are_params(const double* mine, const double* others, int stride) const {
-  for (int k = 0; k < plan_.physics_params; ++k, mine += lanes_, others += stride) {
+  for (int k = 0; k < plan_.world.layout.physics_params; ++k, mine += lanes_, others += stride) {
     if (std::memcmp(mine, others, sizeof(double)) != 0) return false;
   }
   return true;
@@ -214,7 +213,8 @@ bool GroupStepper::are_params(const double* mine, const double* others, int stri
 void GroupStepper::make_derived() {
   if (derived_.size() > 0) return;
   derived_ = AlignedArray<double>(static_cast<std::size_t>(plan_.derived.size * lanes_));
-  made_from_ = AlignedArray<double>(static_cast<std::size_t>(plan_.physics_params * lanes_));
+  made_from_ =
+      AlignedArray<double>(static_cast<std::size_t>(plan_.world.layout.physics_params * lanes_));
   for (int l = 0; l < lanes_; ++l) put_nominal(l);
 }
 

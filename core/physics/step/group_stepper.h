@@ -25,7 +25,37 @@ struct GroupBlocks {
   /// 13 per body (BodyState): follows from q and u. Of one free body it is q and u themselves: then
   /// it may be the same memory.
   double* bodies = nullptr;
+  const double* held_wind = nullptr;
+  const double* held_wrench = nullptr;
+  const double* held_rotor_gain = nullptr;
+  const double* held_rotor_limit = nullptr;
+  const double* held_rotor_rate = nullptr;
 };
+
+/// A block that steps read, and where it lies in WorldState.
+struct InputBlock {
+  const double* GroupBlocks::*values;
+  Block Layout::*place;
+};
+inline constexpr InputBlock kInputBlocks[] = {
+    {&GroupBlocks::rotor_command, &Layout::rotor_command},
+    {&GroupBlocks::wrench, &Layout::wrench},
+    {&GroupBlocks::drive, &Layout::drive},
+    {&GroupBlocks::params, &Layout::params},
+    {&GroupBlocks::held_wind, &Layout::held_wind},
+    {&GroupBlocks::held_wrench, &Layout::held_wrench},
+    {&GroupBlocks::held_rotor_gain, &Layout::held_rotor_gain},
+    {&GroupBlocks::held_rotor_limit, &Layout::held_rotor_limit},
+    {&GroupBlocks::held_rotor_rate, &Layout::held_rotor_rate}};
+
+/// A block that steps change.
+struct StateBlock {
+  double* GroupBlocks::*values;
+  Block Layout::*place;
+};
+inline constexpr StateBlock kStateBlocks[] = {{&GroupBlocks::q, &Layout::q},
+                                              {&GroupBlocks::u, &Layout::u},
+                                              {&GroupBlocks::rotor_speed, &Layout::rotor_speed}};
 
 /// Work space of one thread that steps groups of a world. Holds nothing between two calls.
 using PhysicsScratch = AlignedArray<std::byte>;

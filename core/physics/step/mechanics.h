@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/physics/step/group_stepper.h"
+#include "core/physics/step/held_rotor.h"
 #include "core/physics/step/step_plan.h"
 
 namespace skybody {
@@ -44,6 +45,7 @@ struct StepArrays {
   Coordinates<Real> now;
   StageRates<Coordinates<Real>> stages;
   Real *joint_forces, *wrench, *drive, *targets;
+  Real *held_wind, *held_wrench, *held_rotor_gain;  ///< null: the world holds none
   RotorMotion<Real>* rotors[kStageTimeCount];
   BodyKinematics<Real>* motion;
   SpatialForce<Real>* forces;
@@ -78,6 +80,11 @@ struct StepArrays {
     }
   };
 
+  static SKYBODY_INLINE void take_held(Arena& arena, Block block, Real*& array) {
+    array = nullptr;
+    if (block.size > 0) arena.take(array, static_cast<std::size_t>(block.size));
+  }
+
   /// @returns the bytes that it takes
   SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
     const Layout& layout = plan.world.layout;
@@ -90,6 +97,9 @@ struct StepArrays {
     arena.take(wrench, static_cast<std::size_t>(layout.wrench.size));
     arena.take(drive, static_cast<std::size_t>(layout.drive.size));
     arena.take(targets, 7 * plan.drives.size());
+    take_held(arena, layout.held_wind, held_wind);
+    take_held(arena, layout.held_wrench, held_wrench);
+    take_held(arena, layout.held_rotor_gain, held_rotor_gain);
     for (auto& r : rotors) arena.take(r, plan.world.rotors.size());
     arena.take(motion, bodies);
     arena.take(forces, bodies);
@@ -164,13 +174,10 @@ class Mechanics {
   template <class Advance>
   SKYBODY_INLINE MaskOf<Real> advance_by(const Advance& advance, const MaskOf<Real>& mask) {
     begin_step();
-    each_rotor(
-        [&](int i, const RotorStep<Real>& rotor) { a_.rotors[kStepEnd][i] = rotor.at(kStepEnd); });
+    each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepEnd][i] = rotor.at(kStepEnd); });
     const auto rates = [&](const Real* q, const Real* u, double time, Real* qdot, Real* udot) {
-      each_rotor([&](int i, const RotorStep<Real>& rotor) {
-        a_.rotors[kStepMiddle][i] =
-            rotor_at_time(params_ + layout().rotor_params[static_cast<std::size_t>(i)], rotor.speed,
-                          rotor.command, time, dt());
+      each_rotor([&](int i, const auto& rotor) {
+        a_.rotors[kStepMiddle][i] = rotor.at_time(rotor_constants(i), time, dt());
       });
       has_motion_ = false;  // its points are not ours
       accelerate(q, u, a_.rotors[kStepMiddle], udot);
@@ -183,9 +190,7 @@ class Mechanics {
   /// Accelerations at the step's start.
   SKYBODY_INLINE void accelerations(Real* udot) {
     begin_step();
-    each_rotor([&](int i, const RotorStep<Real>& rotor) {
-      a_.rotors[kStepStart][i] = rotor.at(kStepStart);
-    });
+    each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
     accelerate(a_.now.q, a_.now.u, a_.rotors[kStepStart], udot);
   }
 
@@ -199,6 +204,9 @@ class Mechanics {
   SKYBODY_INLINE void begin_step() {
     begin_motion();
     lanes_.load(group_.wrench, layout().wrench.size, a_.wrench);
+    lanes_.load(group_.held_wind, layout().held_wind.size, a_.held_wind);
+    lanes_.load(group_.held_wrench, layout().held_wrench.size, a_.held_wrench);
+    lanes_.load(group_.held_rotor_gain, layout().held_rotor_gain.size, a_.held_rotor_gain);
     for (int i = 0; i < layout().u.size; ++i) a_.joint_forces[i] = Real(0.0);
     if (plan_.drives.empty()) return;
     lanes_.load(group_.drive, layout().drive.size, a_.drive);
@@ -228,22 +236,35 @@ class Mechanics {
     lanes_.load(group_.u, layout().u.size, a_.now.u);
   }
 
+  SKYBODY_INLINE Values rotor_constants(int i) const {
+    return params_ + layout().rotor_params[static_cast<std::size_t>(i)];
+  }
+
   /// Calls f(i, rotor's step) for every rotor of the world.
   template <class F>
   SKYBODY_INLINE void each_rotor(const F& f) const {
+    const HeldInputs& held = plan_.world.held;
     for (int i = 0; i < static_cast<int>(plan_.world.rotors.size()); ++i) {
-      f(i,
-        RotorStep<Real>(load_lag<Real>(derived_ + (plan_.derived.lags + kLagSize * i)),
-                        load_lanes<Real>(lanes_.at(group_.rotor_speed, i)),
-                        load_lanes<Real>(lanes_.at(group_.rotor_command, i)),
-                        params_[layout().rotor_params[static_cast<std::size_t>(i)] + kMaxSpeed]));
+      const auto lag = load_lag<Real>(derived_ + (plan_.derived.lags + kLagSize * i));
+      const auto speed = load_lanes<Real>(lanes_.at(group_.rotor_speed, i));
+      const auto command = load_lanes<Real>(lanes_.at(group_.rotor_command, i));
+      const Real max_speed = rotor_constants(i)[kMaxSpeed];
+      if (held.rotor_limit || held.rotor_rate) {
+        f(i, HeldRotorStep<Real>(
+                 lag, speed, command, max_speed,
+                 held_rotor(held, LaneValues<Real>(lanes_.at(group_.held_rotor_limit, 0)),
+                            LaneValues<Real>(lanes_.at(group_.held_rotor_rate, 0)), i),
+                 dt()));
+      } else {
+        f(i, RotorStep<Real>(lag, speed, command, max_speed));
+      }
     }
   }
 
   /// Of one stage only: its mean motion over the step, in mid-step's place.
   SKYBODY_INLINE void run_rotors(const StepRule& rule) const {
     const double rate = 1.0 / dt();
-    each_rotor([&](int i, const RotorStep<Real>& rotor) SKYBODY_INLINE_LAMBDA {
+    each_rotor([&](int i, const auto& rotor) SKYBODY_INLINE_LAMBDA {
       a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
       if (rule.is_symplectic) {
         const RotorMotion<Real> mean = rotor.mean(a_.rotors[kStepEnd][i].speed);
@@ -259,7 +280,15 @@ class Mechanics {
                                  Real* udot) {
     if (!has_motion_) update_motion(q, u);
     has_motion_ = false;
-    const ForceInputs<Real, Values> in{q, u, a_.motion, rotors, params_, a_.wrench};
+    const ForceInputs<Real, Values> in{q,
+                                       u,
+                                       a_.motion,
+                                       rotors,
+                                       params_,
+                                       a_.wrench,
+                                       a_.held_wind,
+                                       a_.held_wrench,
+                                       a_.held_rotor_gain};
     plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
     accelerations_(plan_, derived_, a_, q, u, udot);
   }

@@ -19,7 +19,8 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
                       derive_kernel(lanes, isa)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
-  kernels.advance = !plan.free_robots                      ? tree_kernel(lanes, isa)
+  kernels.advance = !plan.free_robots       ? tree_kernel(lanes, isa)
+                    : plan.world.held.any() ? free_held_kernel(integrator, lanes, isa)
                     : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes, isa)
                                                            : free_euler_kernel(lanes, isa);
   return kernels;
@@ -34,7 +35,6 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
       forces(w),
       reach(w),
       derived(w),
-      physics_params(w.layout.disturbance_params.back() + kDisturbanceParamCount),
       nominal_params(w.layout.nominal_params()),
       nominal_derived(static_cast<std::size_t>(derived.size)) {
   const double* nominal = nominal_params.data();
@@ -48,7 +48,8 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
     value += kDriveSize;
   }
   if (FreeRobots::is_possible(w)) free_robots.emplace(w);
-  const auto one_lane = static_cast<std::size_t>(physics_params + derived.size) * sizeof(double);
+  const auto one_lane =
+      static_cast<std::size_t>(w.layout.physics_params + derived.size) * sizeof(double);
   using Widest = Pack<kWidestPack>;
   const std::size_t free_robots_bytes =
       w.layout.robots.size() * sizeof(FreeMotion<Widest>) + w.rotors.size() * sizeof(Widest);

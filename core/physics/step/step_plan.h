@@ -90,6 +90,7 @@ StepKernel* derive_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
 StepKernel* free_euler_kernel(int lanes, Isa isa);
 StepKernel* free_rk4_kernel(int lanes, Isa isa);
+StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa);
 
 /// Immutable; refers to the world, which must outlive it.
 struct StepPlan {
@@ -114,7 +115,6 @@ struct StepPlan {
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
   DerivedLayout derived;
-  int physics_params = 0;              ///< the first so many words of the parameter block
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;
   std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for deriving

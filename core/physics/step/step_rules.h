@@ -32,6 +32,11 @@ struct RotorStep {
   SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
     return {at(kStepMiddle).speed, end - speed};
   }
+  /// For integrators that choose their own instants: see rotor_at_time.
+  template <class Constants>
+  RotorMotion<double> at_time(const Constants& constants, double time, double dt) const {
+    return rotor_at_time(constants, speed, command, time, dt);
+  }
 };
 
 /// Sets the rates of a driven base for the step that begins.

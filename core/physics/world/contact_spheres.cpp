@@ -109,7 +109,7 @@ void set_stiffness(const World& world, std::vector<ContactSphere>& spheres) {
 }  // namespace
 
 double contact_gravity(const Scenario& scenario) {
-  const double g = norm(scenario.gravity);
+  const double g = norm(scenario.gravity());
   return g > 0.0 ? g : 9.81;
 }
 

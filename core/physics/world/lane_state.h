@@ -5,6 +5,7 @@
 
 #include "core/base/quat.h"
 #include "core/base/vec3.h"
+#include "core/model/layout.h"
 
 namespace skybody {
 
@@ -20,7 +21,34 @@ static_assert(sizeof(BodyState) == 13 * sizeof(double));
 /// Values of one lane gathered from WorldState, in the order of the layout's blocks.
 struct LaneState {
   std::vector<double> q, u, rotor_speed, rotor_command, wrench, drive, params;
+  std::vector<double> held_wind, held_wrench, held_rotor_gain, held_rotor_limit, held_rotor_rate;
   std::vector<BodyState> bodies;  ///< those of q and u
 };
+
+/// A block of WorldState as a lane state has it.
+struct LaneBlock {
+  std::vector<double> LaneState::*values;
+  Block Layout::*place;
+};
+inline constexpr LaneBlock kLaneBlocks[] = {
+    {&LaneState::q, &Layout::q},
+    {&LaneState::u, &Layout::u},
+    {&LaneState::rotor_speed, &Layout::rotor_speed},
+    {&LaneState::rotor_command, &Layout::rotor_command},
+    {&LaneState::wrench, &Layout::wrench},
+    {&LaneState::drive, &Layout::drive},
+    {&LaneState::params, &Layout::params},
+    {&LaneState::held_wind, &Layout::held_wind},
+    {&LaneState::held_wrench, &Layout::held_wrench},
+    {&LaneState::held_rotor_gain, &Layout::held_rotor_gain},
+    {&LaneState::held_rotor_limit, &Layout::held_rotor_limit},
+    {&LaneState::held_rotor_rate, &Layout::held_rotor_rate}};
+
+/// The values of a lane state that belong to a block.
+inline std::vector<double>& values_of(LaneState& state, Block Layout::*place) {
+  const LaneBlock* block = kLaneBlocks;
+  while (block->place != place) ++block;
+  return state.*block->values;
+}
 
 }  // namespace skybody

@@ -71,6 +71,7 @@ World::World(const Topology& topology, WorldPlan plan)
       sites(std::move(plan.sites)),
       drives(std::move(plan.drives)),
       joint_drives(std::move(plan.joint_drives)),
+      held(plan.held),
       spheres(scenario.contact.ground ? make_contact_spheres(*this) : std::vector<ContactSphere>{}),
       simbody_contact(make_simbody_contact(*this)) {}
 

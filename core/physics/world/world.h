@@ -13,6 +13,7 @@
 
 #include "core/model/layout.h"
 #include "core/model/scenario.h"
+#include "core/physics/world/held_inputs.h"
 
 namespace skybody {
 
@@ -89,14 +90,15 @@ class Topology {
 
 /// What a World gets beside its topology.
 struct WorldPlan {
-  /// The values that physics needs; no sites, no drives.
+  /// The values that physics needs; no sites, no drives, nothing held.
   explicit WorldPlan(const Topology& topology);
 
-  Layout layout;  ///< without offsets, and without the sizes of wrench, drive and params
+  Layout layout;  ///< without offsets, and without the sizes of wrench, drive, held inputs and
+                  ///< params
   std::vector<WrenchSite> sites;
   std::vector<DriveKind> drives;  ///< one per robot
   std::vector<JointDrive> joint_drives;
-  std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< inputs that effects hold
+  HeldInputs held;  ///< what effects hold
 };
 
 /// Complete description of one world. Not copyable.
@@ -113,6 +115,7 @@ class World : public Topology {
   const std::vector<WrenchSite> sites;  ///< of the controllers that give wrenches, in their order
   const std::vector<DriveKind> drives;  ///< one per robot
   const std::vector<JointDrive> joint_drives;
+  const HeldInputs held;                                        ///< what effects hold
   const std::vector<ContactSphere> spheres;                     ///< empty: there is no ground
   const std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: only ground to touch
 };

@@ -1,66 +1,59 @@
 #include "core/physics/world/world_layout.h"
 
-#include <array>
-
-#include "core/model/held_inputs.h"
+#include <span>
 
 namespace skybody {
 namespace {
 
-/// The least mass or moment of inertia that may be drawn: positive, and far below any vehicle's.
-constexpr double kLeastPositive = 1e-12;
-
-void add_body_params(Layout& layout, const Scenario& scenario, const WorldBody& body) {
-  const std::string path =
-      "robots." + scenario.robots[body.robot].name + ".links." + body.model->name;
-  const MassProperties& mass = body.model->mass;
-  const std::array<double, 3> com{mass.com.x, mass.com.y, mass.com.z};
-  const SymMat3<double>& i = mass.inertia;
-  const std::array<double, 6> inertia{i.xx, i.yy, i.zz, i.xy, i.xz, i.yz};
-  layout.body_params.push_back(
-      add_param(layout, {path + ".mass", "kg", mass.mass, kLeastPositive, kInfinity}));
-  for (int k = 0; k < 3; ++k) {
-    add_param(layout,
-              {path + ".com[" + std::to_string(k) + "]", "m", com[k], -kInfinity, kInfinity});
-  }
-  for (int k = 0; k < 6; ++k) {
-    const double least = k < 3 ? kLeastPositive : -kInfinity;
-    add_param(layout, {path + ".inertia[" + std::to_string(k) + "]", "kg m^2", inertia[k], least,
-                       kInfinity});
-  }
-}
-
-void add_rotor_params(Layout& layout, const Scenario& scenario, const WorldRotor& rotor,
-                      int index) {
-  const std::string path =
-      "robots." + scenario.robots[rotor.robot].name + ".rotors[" + std::to_string(index) + "].";
-  const Rotor& m = *rotor.model;
-  const auto add = [&](const char* name, const char* unit, double nominal, double least) {
-    return add_param(layout, {path + name, unit, nominal, least, kInfinity});
-  };
-  // In the order of RotorParam.
-  layout.rotor_params.push_back(add("thrust_constant", "N s^2/rad^2", m.thrust_constant, 0.0));
-  add("moment_constant", "N m s^2/rad^2", m.moment_constant, 0.0);
-  add("drag_constant", "N s^2/(m rad)", m.drag_constant, 0.0);
-  add("rolling_moment_constant", "N m s^2/(m rad)", m.rolling_moment_constant, 0.0);
-  add("inertia", "kg m^2", m.inertia, 0.0);
-  add("max_speed", "rad/s", m.max_speed, kLeastPositive);
-  add("tau_up", "s", m.tau_up, 0.0);
-  add("tau_down", "s", m.tau_down, 0.0);
-}
-
-void add_disturbance_params(Layout& layout, const RobotUse& robot) {
-  const std::string path = "robots." + robot.name + ".disturbance.";
-  const auto add = [&](const std::string& name, const char* unit, const Vec3<double>& value) {
-    const std::array<double, 3> values{value.x, value.y, value.z};
-    for (int k = 0; k < 3; ++k) {
-      add_param(layout, {path + name + "[" + std::to_string(k) + "]", unit, values[k], -kInfinity,
-                         kInfinity});
+/// The values of a thing as EnvParams: the first rows, as many as `nominal` has values for.
+/// @returns the index of the first
+int add_constants(Layout& layout, const std::string& path, std::span<const ConstantRow> rows,
+                  std::span<const double> nominal) {
+  const int first = static_cast<int>(layout.param_info.size());
+  for (const ConstantRow& row : rows) {
+    if (row.place >= static_cast<int>(nominal.size())) break;
+    for (int k = 0; k < row.count; ++k) {
+      const std::string index = row.count == 1 ? "" : "[" + std::to_string(k) + "]";
+      add_param(layout,
+                {path + row.key + index, row.unit, nominal[static_cast<std::size_t>(row.place + k)],
+                 row.least_drawn(k), kInfinity});
     }
+  }
+  return first;
+}
+
+/// The EnvParams of a world.
+void add_physical_constants(Layout& layout, const Topology& world) {
+  const std::vector<RobotUse>& robots = world.scenario.robots;
+  const auto path_of = [&](int robot) {
+    return "robots." + robots[static_cast<std::size_t>(robot)].name + ".";
   };
-  layout.disturbance_params.push_back(static_cast<int>(layout.param_info.size()));
-  add("force", "N", robot.disturbance_force);
-  add("moment", "N m", robot.disturbance_moment);
+  for (const WorldBody& body : world.bodies) {
+    const std::string path = path_of(body.robot) + "links." + body.model->name + ".";
+    layout.body_params.push_back(
+        add_constants(layout, path, kBodyConstants, body_constants(body.model->mass)));
+  }
+  for (std::size_t i = 0; i < world.rotors.size(); ++i) {
+    const WorldRotor& rotor = world.rotors[i];
+    const int index =
+        static_cast<int>(i) - layout.robots[static_cast<std::size_t>(rotor.robot)].first_rotor;
+    const std::string path = path_of(rotor.robot) + "rotors[" + std::to_string(index) + "].";
+    layout.rotor_params.push_back(
+        add_constants(layout, path, kRotorConstants, rotor.model->constants));
+  }
+  for (const RobotUse& robot : robots) {
+    layout.robot_params.push_back(
+        add_constants(layout, "robots." + robot.name + ".", kRobotConstants, robot.constants));
+  }
+  for (const WorldBody& body : world.bodies) {
+    const Joint& joint = body.model->joint;
+    const auto count = static_cast<std::size_t>(joint_constant_count(joint));
+    layout.joint_params.push_back(
+        add_constants(layout, path_of(body.robot) + "joints." + joint.name + ".", kJointConstants,
+                      std::span(joint.constants).first(count)));
+  }
+  layout.world_params = add_constants(layout, "", kWorldConstants, world.scenario.constants);
+  layout.physics_params = static_cast<int>(layout.param_info.size());
 }
 
 /// Where the coordinates of one robot lie.
@@ -106,14 +99,7 @@ Layout physics_layout(const Topology& world) {
     layout.u.size += layout.robots.back().u_count;
   }
   layout.rotor_speed.size = layout.rotor_command.size = static_cast<int>(world.rotors.size());
-
-  const Scenario& scenario = world.scenario;
-  for (const WorldBody& body : world.bodies) add_body_params(layout, scenario, body);
-  for (std::size_t i = 0; i < world.rotors.size(); ++i) {
-    const int first = layout.robots[world.rotors[i].robot].first_rotor;
-    add_rotor_params(layout, scenario, world.rotors[i], static_cast<int>(i) - first);
-  }
-  for (const RobotUse& robot : scenario.robots) add_disturbance_params(layout, robot);
+  add_physical_constants(layout, world);
   return layout;
 }
 
@@ -123,12 +109,9 @@ int count_driven(const std::vector<DriveKind>& drives) {
   return count;
 }
 
-int held_size(const WorldPlan& plan, int input) {
-  const HeldInputRow& row = kHeldInputs[static_cast<std::size_t>(input)];
-  if (row.is_of_rotors) return row.size * plan.layout.rotor_speed.size;
-  int bodies = 0;
-  for (const RobotLayout& robot : plan.layout.robots) bodies += robot.body_count;
-  return row.size * bodies;
+int held_size(const Layout& layout, const HeldBlock& held) {
+  return held.size *
+         static_cast<int>((held.is_of_rotors ? layout.rotor_params : layout.body_params).size());
 }
 
 Layout finish_layout(const WorldPlan& plan) {
@@ -136,9 +119,8 @@ Layout finish_layout(const WorldPlan& plan) {
   layout.wrench.size = 6 * static_cast<int>(plan.sites.size());
   layout.drive.size = 13 * count_driven(plan.drives);
   layout.joint_command.size = layout.joint_state.size = static_cast<int>(plan.joint_drives.size());
-  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
-    const auto input = static_cast<std::size_t>(i);
-    layout.held[input].size = plan.holds[input] ? held_size(plan, i) : 0;
+  for (const HeldBlock& held : kHeldBlocks) {
+    (layout.*held.place).size = plan.held.*held.is_held ? held_size(layout, held) : 0;
   }
   layout.params.size = static_cast<int>(layout.param_info.size());
   layout.words = 0;
@@ -151,7 +133,7 @@ Layout finish_layout(const WorldPlan& plan) {
         &layout.wrench, &layout.drive, &layout.joint_command, &layout.joint_state}) {
     place(*block);
   }
-  for (Block& block : layout.held) place(block);
+  for (const HeldBlock& held : kHeldBlocks) place(layout.*held.place);
   for (Block* block :
        {&layout.bodies_before, &layout.params, &layout.action, &layout.command, &layout.sensors,
         &layout.contacts, &layout.plugin_state, &layout.last_observation}) {

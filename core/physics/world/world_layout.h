@@ -6,18 +6,18 @@
 namespace skybody {
 
 /// Sizes of the blocks header, q, u, rotor_speed and rotor_command, the layout of each robot, and
-/// the EnvParams of bodies, rotors and disturbances.
+/// the EnvParams of the physical constants.
 Layout physics_layout(const Topology& topology);
 
 /// Appends one randomizable value. @returns its index within the parameter block.
 int add_param(Layout& layout, const EnvParam& param);
 
-/// The plan's layout with the sizes of wrench, drive and params, the offsets of all blocks and the
-/// number of words. World's constructor calls it.
+/// The plan's layout with the sizes of wrench, drive, held inputs and params, the offsets of all
+/// blocks and the number of words. World's constructor calls it.
 Layout finish_layout(const WorldPlan& plan);
 
-/// Words of an input that effects hold (SkybodyHeldInput), were it used.
-int held_size(const WorldPlan& plan, int input);
+/// Words of an input that effects hold, were it used.
+int held_size(const Layout& layout, const HeldBlock& held);
 
 /// Number of robots whose base is driven; their 13 values lie in the drive block in robot order.
 int count_driven(const std::vector<DriveKind>& drives);

@@ -77,9 +77,9 @@ inline RobotModel quadrotor() {
     r.name = "rotor" + std::to_string(i);
     r.position = {i < 2 ? 0.1 : -0.1, (i % 2) == 0 ? 0.1 : -0.1, 0.0};
     r.direction = (i == 0 || i == 3) ? 1 : -1;
-    r.thrust_constant = 1e-6;
-    r.moment_constant = 1e-8;
-    r.max_speed = 4000.0;
+    r.constants[kThrustConstant] = 1e-6;
+    r.constants[kMomentConstant] = 1e-8;
+    r.constants[kMaxSpeed] = 4000.0;
     m.rotors.push_back(r);
   }
   return m;

@@ -81,7 +81,7 @@ TEST_F(StateGroupTest, NothingFollowsFromCommandsActionsAndPluginStates) {
 TEST_F(StateGroupTest, AStepTakesWrittenParametersIntoAccountByItself) {
   const double before = fall(0);
   const double up[3] = {0.0, 0.0, 9.81};  // as much as the weight of 1 kg
-  group().scatter(1, {layout().params.offset + layout().disturbance_params[0], 3}, up);
+  group().scatter(1, {layout().params.offset + layout().robot_params[0], 3}, up);
   EXPECT_NEAR(before, -9.81e-3, 1e-12);
   EXPECT_NEAR(fall(1), 0.0, 1e-12);
 }

@@ -73,11 +73,11 @@ TEST_F(ScenarioTest, DefaultsAreThoseOfTheModel) {
   EXPECT_EQ(s.stepping.dt, stepping.dt);
   EXPECT_EQ(s.stepping.action_repeat, stepping.action_repeat);
   EXPECT_EQ(s.stepping.horizon, stepping.horizon);
-  EXPECT_EQ(s.gravity.z, -9.81);
+  EXPECT_EQ(s.gravity().z, -9.81);
   EXPECT_EQ(s.contact.penetration, contact.penetration);
-  EXPECT_EQ(s.contact.friction, contact.friction);
-  EXPECT_EQ(s.contact.dissipation, contact.dissipation);
-  EXPECT_EQ(s.contact.slip_velocity, contact.slip_velocity);
+  EXPECT_EQ(s.constants[kFriction], 0.6);
+  EXPECT_EQ(s.constants[kDissipation], 3.0);
+  EXPECT_EQ(s.constants[kSlipVelocity], 0.02);
   EXPECT_EQ(s.robots.at(0).rotor_speed, 0.0);
   EXPECT_EQ(s.task.instance, "hover");
 }
@@ -115,12 +115,12 @@ task: {plugin: hover, name: fly, parameters: {robot: quad}}
   EXPECT_LT(robot.rotor_speed, 0.0);
   EXPECT_EQ(robot.pose.position.y, 2.0);
   EXPECT_NEAR(robot.pose.rotation.z, 0.70710678118654752, 1e-15);
-  EXPECT_EQ(robot.disturbance_moment.y, 2.0);
+  EXPECT_EQ(robot.constants[kDisturbanceMoment + 1], 2.0);
   const Joint& joint = robot.model.bodies.at(1).joint;
-  EXPECT_EQ(joint.damping, 0.25);  // the URDF's stays
-  EXPECT_EQ(joint.stiffness, 3.0);
-  EXPECT_EQ(joint.limit.damping, 7.0);
-  EXPECT_GT(joint.limit.stiffness, 0.0);
+  EXPECT_EQ(joint.constants[kJointDamping], 0.25);  // the URDF's stays
+  EXPECT_EQ(joint.constants[kJointStiffness], 3.0);
+  EXPECT_EQ(joint.constants[kLimitDamping], 7.0);
+  EXPECT_GT(joint.constants[kLimitStiffness], 0.0);
   ASSERT_EQ(robot.controllers.size(), 2u);
   EXPECT_EQ(robot.controllers[0].instance, "motors");
   EXPECT_EQ(robot.controllers[1].parameters.at(1).numbers, (std::vector<double>{2, 2, 2}));
@@ -143,7 +143,7 @@ TEST_F(ScenarioTest, RotorsBesideTheUrdfAreFoundAndPlacedInBodyFrames) {
   EXPECT_NEAR(rotors[1].position.y, -0.5, 1e-15);
   EXPECT_NEAR(rotors[1].position.z, 1.0, 1e-15);
   EXPECT_NEAR(rotors[1].axis.y, -1.0, 1e-15);
-  EXPECT_EQ(rotors[1].tau_up, 0.01);
+  EXPECT_EQ(rotors[1].constants[kTauUp], 0.01);
 }
 
 TEST_F(ScenarioTest, RotorsNoneMeansNone) {
@@ -245,8 +245,9 @@ TEST(ShippedScenarios, ModelsAndRotorsAreSound) {
     // It can hover, and in hover its drag torques cancel.
     double thrust = 0.0, torque = 0.0;
     for (const Rotor& rotor : model->rotors) {
-      thrust += rotor.thrust_constant * rotor.max_speed * rotor.max_speed;
-      torque += rotor.direction * rotor.moment_constant;
+      thrust += rotor.constants[kThrustConstant] * rotor.constants[kMaxSpeed] *
+                rotor.constants[kMaxSpeed];
+      torque += rotor.direction * rotor.constants[kMomentConstant];
     }
     EXPECT_GT(thrust, 1.2 * 9.81 * model->total_mass()) << name;
     EXPECT_EQ(torque, 0.0) << name;

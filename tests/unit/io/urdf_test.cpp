@@ -166,12 +166,12 @@ TEST(UrdfJoints, SliderAxisBecomesX) {
   const Joint& j = model.bodies[1].joint;
   EXPECT_EQ(j.type, JointType::kSlider);
   expect_near(rotate(j.frame_in_body.rotation, Vec3<double>{1, 0, 0}), {0, 1, 0});
-  EXPECT_EQ(j.damping, 0.5);
+  EXPECT_EQ(j.constants[kJointDamping], 0.5);
   EXPECT_TRUE(j.limit.enabled);
   EXPECT_EQ(j.limit.upper, 0.2);
   // Reduced mass of 1 and 3 kg, 100 rad/s, critically damped.
-  EXPECT_NEAR(j.limit.stiffness, 0.75 * 1e4, 1e-9);
-  EXPECT_NEAR(j.limit.damping, 2 * 0.75 * 100, 1e-9);
+  EXPECT_NEAR(j.constants[kLimitStiffness], 0.75 * 1e4, 1e-9);
+  EXPECT_NEAR(j.constants[kLimitDamping], 2 * 0.75 * 100, 1e-9);
 }
 
 TEST(UrdfJoints, LimitOnAFixedBaseStopsTheOutboardInertia) {
@@ -184,7 +184,7 @@ TEST(UrdfJoints, LimitOnAFixedBaseStopsTheOutboardInertia) {
   const RobotModel model = parse(body, fixed);
   EXPECT_TRUE(model.fixed_base);
   EXPECT_EQ(model.bodies[0].joint.type, JointType::kWeld);
-  EXPECT_NEAR(model.bodies[1].joint.limit.stiffness, 2.1 * 1e4, 1e-6);
+  EXPECT_NEAR(model.bodies[1].joint.constants[kLimitStiffness], 2.1 * 1e4, 1e-6);
 }
 
 TEST(UrdfJoints, TwoCrossedPinsMakeAUniversalJoint) {

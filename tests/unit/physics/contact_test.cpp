@@ -74,7 +74,7 @@ TEST(Ground, BouncesLoseEnergy) {
   model.bodies[0].collisions = {make_sphere(0.05)};
   for (const double dissipation : {0.0, 0.3, 1.0}) {
     Scenario scenario = make_scenario(model);
-    scenario.contact.dissipation = dissipation;
+    scenario.constants[kDissipation] = dissipation;
     scenario.robots[0].pose.position = {0, 0, 0.55};
     Bench bench(std::move(scenario));
     double last_top = 0.5, top = 0.0;
@@ -124,7 +124,7 @@ TEST(Ground, CanBeSwitchedOff) {
 
 Scenario two_robots(RobotModel a, RobotModel b, Vec3<double> place_b) {
   Scenario scenario = make_scenario(std::move(a));
-  scenario.gravity = {0, 0, 0};
+  scenario.constants[kGravity + 2] = 0.0;
   scenario.contact.ground = false;
   RobotUse other;
   other.name = "s";
@@ -194,7 +194,7 @@ TEST(Obstacle, StopsARobot) {
     RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
     model.bodies[0].collisions = {shape};
     Scenario scenario = make_scenario(model);
-    scenario.gravity = {0, 0, 0};
+    scenario.constants[kGravity + 2] = 0.0;
     scenario.contact.ground = false;
     Obstacle wall;
     wall.name = "wall";

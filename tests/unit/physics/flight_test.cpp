@@ -12,7 +12,7 @@ constexpr auto kEuler = IntegratorChoice::kSemiImplicitEuler;
 constexpr auto kRk4 = IntegratorChoice::kRk4;
 
 Scenario without_gravity(Scenario scenario) {
-  scenario.gravity = {0, 0, 0};
+  scenario.constants[kGravity + 2] = 0.0;
   return scenario;
 }
 
@@ -197,8 +197,8 @@ TEST(Rotor, DragAndRollingMomentOpposeMotionAcrossTheAxis) {
   RobotModel model = make_vehicle(qdrone2());
   for (Rotor& rotor : model.rotors) {
     rotor.direction = 1;
-    rotor.drag_constant = 2e-5;
-    rotor.rolling_moment_constant = 1e-6;
+    rotor.constants[kDragConstant] = 2e-5;
+    rotor.constants[kRollingMomentConstant] = 1e-6;
   }
   Bench bench(without_gravity(make_scenario(model)));
   bench.state.q[2] = 50.0;
@@ -217,8 +217,8 @@ TEST(Rotor, SpinningRotorPrecessesTheBody) {
   RobotModel model = make_free_body(1.0, diagonal(0.01, 0.02, 0.03));
   Rotor rotor;
   rotor.direction = -1;
-  rotor.inertia = 1e-4;
-  rotor.max_speed = 2000;
+  rotor.constants[kRotorInertia] = 1e-4;
+  rotor.constants[kMaxSpeed] = 2000;
   model.rotors.push_back(rotor);
   Bench bench(without_gravity(make_scenario(model)));
   bench.state.q[2] = 10.0;
@@ -236,9 +236,9 @@ TEST(Rotor, SpinUpHandsItsAngularMomentumToTheBody) {
     for (const double tau : {0.0, 1e-4, 0.0125}) {
       RobotModel model = make_free_body(1.0, diagonal(0.01, 0.02, 0.03));
       Rotor rotor;
-      rotor.inertia = 1e-4;
-      rotor.max_speed = 2000;
-      rotor.tau_up = rotor.tau_down = tau;
+      rotor.constants[kRotorInertia] = 1e-4;
+      rotor.constants[kMaxSpeed] = 2000;
+      rotor.constants[kTauUp] = rotor.constants[kTauDown] = tau;
       model.rotors.push_back(rotor);
       Bench bench(without_gravity(make_scenario(model, integrator)));
       bench.state.q[2] = 10.0;
@@ -254,9 +254,9 @@ TEST(Rotor, SpinUpHandsItsAngularMomentumToTheBody) {
 std::vector<double> fly_with_drag(IntegratorChoice integrator, double dt) {
   RobotModel model = make_vehicle(qdrone2());
   for (Rotor& rotor : model.rotors) {
-    rotor.drag_constant = 2e-4;
-    rotor.rolling_moment_constant = 1e-5;
-    rotor.inertia = 5e-6;
+    rotor.constants[kDragConstant] = 2e-4;
+    rotor.constants[kRollingMomentConstant] = 1e-5;
+    rotor.constants[kRotorInertia] = 5e-6;
   }
   Bench bench(make_scenario(model, integrator, dt));
   bench.state.q[2] = 50.0;

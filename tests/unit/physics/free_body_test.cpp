@@ -81,14 +81,13 @@ Scenario vehicle(IntegratorChoice integrator, DynamicsChoice dynamics) {
   model.bodies[0].mass.inertia.xy = 5e-4;
   model.bodies[0].mass.inertia.yz = -8e-4;
   for (Rotor& rotor : model.rotors) {
-    rotor.drag_constant = 2e-5;
-    rotor.rolling_moment_constant = 1e-6;
-    rotor.inertia = 5e-6;
+    rotor.constants[kDragConstant] = 2e-5;
+    rotor.constants[kRollingMomentConstant] = 1e-6;
+    rotor.constants[kRotorInertia] = 5e-6;
   }
   Scenario scenario = make_scenario(std::move(model), integrator);
   scenario.stepping.dynamics = dynamics;
-  scenario.robots[0].disturbance_force = {0.1, -0.2, 0.05};
-  scenario.robots[0].disturbance_moment = {0.001, 0.002, -0.001};
+  scenario.robots[0].constants = {0.1, -0.2, 0.05, 0.001, 0.002, -0.001};
   return scenario;
 }
 

@@ -141,7 +141,7 @@ TEST(HandOver, CollidesAsOnSimbodyThroughout) {
 TEST(HandOver, ComesBackAfterAnObstacle) {
   Scenario scenario = make_scenario(make_free_body(1.0, diagonal(0.01, 0.01, 0.01)));
   scenario.robots[0].model.bodies[0].collisions = {make_sphere(0.1)};
-  scenario.gravity = {0, 0, 0};
+  scenario.constants[kGravity + 2] = 0.0;
   Obstacle wall{"wall", make_box(0.2, 1.0, 1.0)};
   wall.shape.pose.position = {0.5, 0.0, 3.0};
   scenario.obstacles.push_back(wall);

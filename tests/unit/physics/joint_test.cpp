@@ -119,9 +119,9 @@ TEST(Slider, SpringWithDampingDecaysAsItShould) {
   model.bodies.push_back(
       make_body("mass", JointType::kSlider, -1, 0.5, {0, 0, 0}, diagonal(0.01, 0.01, 0.01)));
   Joint& joint = model.bodies[0].joint;
-  joint.stiffness = 40.0;
-  joint.rest = 0.1;
-  joint.damping = 0.6;
+  joint.constants[kJointStiffness] = 40.0;
+  joint.constants[kJointRest] = 0.1;
+  joint.constants[kJointDamping] = 0.6;
   Bench bench(high_up(model));
   bench.state.q[0] = 0.35;
   ASSERT_TRUE(bench.run(1500));
@@ -138,7 +138,9 @@ TEST(Slider, LimitPushesBackAndNeverPulls) {
   model.fixed_base = true;
   model.bodies.push_back(
       make_body("mass", JointType::kSlider, -1, 0.5, {0, 0, 0}, diagonal(0.01, 0.01, 0.01)));
-  model.bodies[0].joint.limit = {true, -0.1, 0.2, 5000.0, 3.0};
+  model.bodies[0].joint.limit = {true, -0.1, 0.2};
+  model.bodies[0].joint.constants[kLimitStiffness] = 5000.0;
+  model.bodies[0].joint.constants[kLimitDamping] = 3.0;
   Bench bench(high_up(model));
   bench.state.u[0] = 1.0;
   double farthest = 0.0;

@@ -43,9 +43,9 @@ struct BusyWorld {
   static Scenario make() {
     RobotModel model = make_vehicle(qdrone2());
     for (Rotor& rotor : model.rotors) {
-      rotor.drag_constant = 2e-5;
-      rotor.rolling_moment_constant = 1e-6;
-      rotor.inertia = 5e-6;
+      rotor.constants[kDragConstant] = 2e-5;
+      rotor.constants[kRollingMomentConstant] = 1e-6;
+      rotor.constants[kRotorInertia] = 5e-6;
     }
     const JointType types[] = {JointType::kPin, JointType::kUniversal, JointType::kBall,
                                JointType::kSlider, JointType::kWeld};
@@ -55,15 +55,16 @@ struct BusyWorld {
                             diagonal(0.002, 0.0025, 0.003));
       body.joint.frame_in_parent = {{0.1, 0.05, -0.2}, from_rpy(0.3, 0.1, -0.5)};
       body.joint.frame_in_body = {{-0.02, 0.04, 0.06}, from_rpy(-0.6, 0.2, 0.4)};
-      body.joint.damping = 0.01;
-      body.joint.stiffness = 2.0;
-      body.joint.limit = {true, -0.2, 0.2, 50.0, 0.1};
+      body.joint.constants[kJointDamping] = 0.01;
+      body.joint.constants[kJointStiffness] = 2.0;
+      body.joint.limit = {true, -0.2, 0.2};
+      body.joint.constants[kLimitStiffness] = 50.0;
+      body.joint.constants[kLimitDamping] = 0.1;
       body.collisions = {make_sphere(0.05)};
       model.bodies.push_back(body);
     }
     Scenario scenario = make_scenario(model);
-    scenario.robots[0].disturbance_force = {1, 2, 3};
-    scenario.robots[0].disturbance_moment = {0.1, 0.2, 0.3};
+    scenario.robots[0].constants = {1, 2, 3, 0.1, 0.2, 0.3};
     return scenario;
   }
 

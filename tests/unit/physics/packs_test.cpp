@@ -25,41 +25,38 @@ struct PackGroup {
       : world(w),
         stepper(physics.make_stepper(kGroupLanes)),
         scratch(physics.make_scratch()),
-        q(size(w.layout.q.size)),
-        u(size(w.layout.u.size)),
-        rotor_speed(size(w.layout.rotor_speed.size)),
-        rotor_command(size(w.layout.rotor_speed.size)),
-        wrench(size(w.layout.wrench.size)),
-        drive(size(w.layout.drive.size)),
-        params(size(w.layout.params.size)),
-        bodies(size(13 * static_cast<int>(w.bodies.size()))) {}
+        bodies(size(13 * static_cast<int>(w.bodies.size()))) {
+    for (const LaneBlock& b : kLaneBlocks) values.emplace_back(size((w.layout.*b.place).size));
+    group.lanes = kGroupLanes;
+    group.bodies = bodies.data();
+    for (const StateBlock& b : kStateBlocks) group.*b.values = values_at(b.place).data();
+    for (const InputBlock& b : kInputBlocks) group.*b.values = values_at(b.place).data();
+  }
   static std::size_t size(int values) { return static_cast<std::size_t>(values * kGroupLanes); }
 
   void set(int lane, const LaneState& state) {
-    put(q, lane, state.q);
-    put(u, lane, state.u);
-    put(rotor_speed, lane, state.rotor_speed);
-    put(rotor_command, lane, state.rotor_command);
-    put(wrench, lane, state.wrench);
-    put(drive, lane, state.drive);
-    put(params, lane, state.params);
+    for (std::size_t b = 0; b < values.size(); ++b)
+      put(values[b], lane, state.*kLaneBlocks[b].values);
   }
   static void put(AlignedArray<double>& block, int lane, const std::vector<double>& values) {
     for (std::size_t k = 0; k < values.size(); ++k) {
       block[k * kGroupLanes + static_cast<std::size_t>(lane)] = values[k];
     }
   }
-  GroupBlocks blocks() {
-    return {kGroupLanes,   q.data(),     u.data(),      rotor_speed.data(), rotor_command.data(),
-            wrench.data(), drive.data(), params.data(), bodies.data()};
+  AlignedArray<double>& values_at(Block Layout::*place) {
+    std::size_t b = 0;
+    while (kLaneBlocks[b].place != place) ++b;
+    return values[b];
   }
-  void refresh(std::uint32_t lanes) { stepper->refresh(blocks(), lanes, lanes, scratch); }
-  std::uint32_t advance(std::uint32_t lanes) { return stepper->advance(blocks(), lanes, scratch); }
+  void refresh(std::uint32_t lanes) { stepper->refresh(group, lanes, lanes, scratch); }
+  std::uint32_t advance(std::uint32_t lanes) { return stepper->advance(group, lanes, scratch); }
 
   const World& world;
   std::unique_ptr<GroupStepper> stepper;
   PhysicsScratch scratch;
-  AlignedArray<double> q, u, rotor_speed, rotor_command, wrench, drive, params, bodies;
+  AlignedArray<double> bodies;
+  std::vector<AlignedArray<double>> values;  ///< in the order of kLaneBlocks
+  GroupBlocks group;
 };
 
 /// The same lanes, each in a group of its own.
@@ -120,9 +117,10 @@ struct TwoWays {
     EXPECT_EQ(packs.stepper->on_simbody(), alone.on_simbody) << where;
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       const LaneState& state = alone.states[static_cast<std::size_t>(lane)];
-      expect_same_bits(packs.q, lane, state.q.data(), where + ": q");
-      expect_same_bits(packs.u, lane, state.u.data(), where + ": u");
-      expect_same_bits(packs.rotor_speed, lane, state.rotor_speed.data(), where + ": rotor speed");
+      for (std::size_t b = 0; b < packs.values.size(); ++b) {
+        expect_same_bits(packs.values[b], lane, (state.*kLaneBlocks[b].values).data(),
+                         where + ": block " + std::to_string(b));
+      }
       expect_same_bits(packs.bodies, lane, reinterpret_cast<const double*>(state.bodies.data()),
                        where + ": bodies");
     }
@@ -139,9 +137,11 @@ RobotModel busy(RobotModel model, Random<double>& random) {
   for (Body& body : model.bodies) {
     if (random.uniform() < 0.5) body.collisions.push_back(make_box(0.2, 0.1, 0.15));
     if (body.joint.parent < 0 || random.uniform() < 0.5) continue;
-    body.joint.damping = 0.01;
-    body.joint.stiffness = 2.0;
-    body.joint.limit = {true, -0.2, 0.2, 50.0, 0.1};
+    body.joint.constants[kJointDamping] = 0.01;
+    body.joint.constants[kJointStiffness] = 2.0;
+    body.joint.limit = {true, -0.2, 0.2};
+    body.joint.constants[kLimitStiffness] = 50.0;
+    body.joint.constants[kLimitDamping] = 0.1;
   }
   for (int i = 0; i < 4; ++i) {
     Rotor rotor;
@@ -151,14 +151,14 @@ RobotModel busy(RobotModel model, Random<double>& random) {
     rotor.axis = random.uniform() < 0.5 ? Vec3<double>{0, 0, 1}
                                         : rotate(random.quaternion(), Vec3<double>{0, 0, 1});
     rotor.direction = i % 2 == 0 ? 1 : -1;
-    rotor.thrust_constant = 2e-6;
-    rotor.moment_constant = 3e-8;
-    rotor.drag_constant = random.uniform() < 0.5 ? 2e-5 : 0.0;
-    rotor.rolling_moment_constant = random.uniform() < 0.5 ? 1e-6 : 0.0;
-    rotor.inertia = random.uniform() < 0.5 ? 5e-6 : 0.0;
-    rotor.max_speed = 2200.0;
-    rotor.tau_up = random.uniform() < 0.2 ? 0.0 : 0.0125;
-    rotor.tau_down = 0.025;
+    rotor.constants[kThrustConstant] = 2e-6;
+    rotor.constants[kMomentConstant] = 3e-8;
+    rotor.constants[kDragConstant] = random.uniform() < 0.5 ? 2e-5 : 0.0;
+    rotor.constants[kRollingMomentConstant] = random.uniform() < 0.5 ? 1e-6 : 0.0;
+    rotor.constants[kRotorInertia] = random.uniform() < 0.5 ? 5e-6 : 0.0;
+    rotor.constants[kMaxSpeed] = 2200.0;
+    rotor.constants[kTauUp] = random.uniform() < 0.2 ? 0.0 : 0.0125;
+    rotor.constants[kTauDown] = 0.025;
     model.rotors.push_back(rotor);
   }
   return model;
@@ -175,8 +175,22 @@ LaneState random_lane(Random<double>& random, const World& world, bool drawn) {
   for (double& w : state.rotor_speed) w = random.uniform(0.0, 1500.0);
   for (double& w : state.rotor_command) w = random.uniform(-100.0, 3000.0);
   for (double& f : state.wrench) f = random.uniform(-1.0, 1.0);
+  for (double& v : state.held_wind) v = random.uniform(-5.0, 5.0);
+  for (double& f : state.held_wrench) f = max(0.0, random.uniform(-1.0, 1.0));
+  for (double& g : state.held_rotor_gain) g = random.uniform(0.0, 2.0);
+  for (double& w : state.held_rotor_limit) w += random.uniform(0.0, 300.0);
+  for (double& r : state.held_rotor_rate) {
+    if (random.uniform() < 0.5) r = random.uniform(-4000.0, 4000.0);
+  }
   if (!drawn) return state;
   for (double& p : state.params) p *= random.uniform(0.95, 1.05);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {  // some are 0
+    const int count = joint_constant_count(world.bodies[i].model->joint);
+    for (int k = 0; k < count; ++k) {
+      state.params[static_cast<std::size_t>(world.layout.joint_params[i] + k)] +=
+          max(0.0, random.uniform(-0.5, 0.5));
+    }
+  }
   return state;
 }
 
@@ -213,6 +227,34 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOne) {
       const std::uint32_t some = step % 5 == 4 ? lanes & kSome : lanes;
       const std::uint32_t through =
           ways.advance(some, "tree " + std::to_string(k) + ", step " + std::to_string(step));
+      if (testing::Test::HasFatalFailure()) return;
+      lanes &= ~(some & ~through);
+    }
+  }
+}
+
+TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithHeldInputs) {
+  for (std::uint64_t k = 0; k < 24; ++k) {
+    Random<double> random{RandomKey{2026, 16}, k, 0, derive_stream("packs_test")};
+    const auto integrator =
+        k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+    const RobotModel model = k % 2 == 0 ? make_vehicle(qdrone2()) : random_tree(random);
+    const World world =
+        make_world(make_scenario(busy(model, random), integrator), [k](WorldPlan& plan) {
+          const bool all = k < 6;
+          plan.held = {all || k % 5 == 0, all || k % 5 == 1, all || k % 5 == 2, all || k % 5 == 3,
+                       all || k % 5 == 4};
+        });
+    TwoWays ways(world);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      ways.set(lane, random_lane(random, world, k % 4 < 2 && lane % 3 != 0));
+    }
+    ways.refresh(kAll);
+    std::uint32_t lanes = kAll;
+    for (int step = 0; step < 10; ++step) {
+      const std::uint32_t some = step % 5 == 4 ? lanes & kSome : lanes;
+      const std::uint32_t through =
+          ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
       if (testing::Test::HasFatalFailure()) return;
       lanes &= ~(some & ~through);
     }

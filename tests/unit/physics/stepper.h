@@ -34,15 +34,11 @@ class Stepper {
   }
 
   static GroupBlocks blocks(LaneState& s) {
-    return {1,
-            s.q.data(),
-            s.u.data(),
-            s.rotor_speed.data(),
-            s.rotor_command.data(),
-            s.wrench.data(),
-            s.drive.data(),
-            s.params.data(),
-            reinterpret_cast<double*>(s.bodies.data())};
+    GroupBlocks group;
+    group.bodies = reinterpret_cast<double*>(s.bodies.data());
+    for (const StateBlock& b : kStateBlocks) group.*b.values = values_of(s, b.place).data();
+    for (const InputBlock& b : kInputBlocks) group.*b.values = values_of(s, b.place).data();
+    return group;
   }
 
  private:

@@ -20,7 +20,7 @@ constexpr auto kRk4 = IntegratorChoice::kRk4;
 Scenario turned_body() {
   Scenario scenario =
       make_scenario(make_free_body(2.0, diagonal(0.01, 0.02, 0.03), {0.1, 0.0, 0.0}));
-  scenario.gravity = {0, 0, 0};
+  scenario.constants[kGravity + 2] = 0.0;
   scenario.robots[0].pose = {{0, 0, 5}, from_rpy(0.0, 0.0, kHalfPi)};
   return scenario;
 }
@@ -75,8 +75,7 @@ TEST(Wrench, AtTheCentreOfMassFollowsADrawnCentreOfMass) {
 
 TEST(Disturbance, ForceIsInWorldAxesAndMomentInBaseAxes) {
   Scenario scenario = turned_body();
-  scenario.robots[0].disturbance_force = {1, 2, 3};
-  scenario.robots[0].disturbance_moment = {0.1, 0.2, 0.3};
+  scenario.robots[0].constants = {1, 2, 3, 0.1, 0.2, 0.3};
   Bench bench(std::move(scenario));
   const Response r = respond(bench);
   expect_near(r.linear, {0.5, 1.0, 1.5});
@@ -300,11 +299,12 @@ TEST(Layout, NamesEveryParameterAndOrdersTheBlocks) {
   const Layout& layout = bench.world.layout;
   EXPECT_EQ(layout.q.size, 8);
   EXPECT_EQ(layout.u.size, 7);
-  EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 8 + 6);
+  EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 8 + 6 + 3 + 6);
   EXPECT_EQ(layout.find_param("robots.r.links.bob.mass"), layout.body_params[1]);
   EXPECT_EQ(layout.find_param("robots.r.links.base.inertia[5]"), layout.body_params[0] + 9);
   EXPECT_EQ(layout.find_param("robots.r.rotors[2].tau_down"), layout.rotor_params[2] + kTauDown);
-  EXPECT_EQ(layout.find_param("robots.r.disturbance.moment[0]"), layout.disturbance_params[0] + 3);
+  EXPECT_EQ(layout.find_param("robots.r.disturbance.moment[0]"),
+            layout.robot_params[0] + kDisturbanceMoment);
   EXPECT_EQ(layout.find_param("robots.r.links.rod.mass"), -1);
   EXPECT_EQ(layout.q.offset, kHeaderSize);
   EXPECT_EQ(layout.params.offset, layout.drive.offset + layout.drive.size);

@@ -36,9 +36,9 @@ Scenario with(const Solver& solver, double tolerance, Scenario scenario) {
 Scenario vehicle(DynamicsChoice dynamics = DynamicsChoice::kTree) {
   RobotModel model = make_vehicle(qdrone2());
   for (Rotor& rotor : model.rotors) {
-    rotor.drag_constant = 2e-4;
-    rotor.rolling_moment_constant = 1e-5;
-    rotor.inertia = 5e-6;
+    rotor.constants[kDragConstant] = 2e-4;
+    rotor.constants[kRollingMomentConstant] = 1e-5;
+    rotor.constants[kRotorInertia] = 5e-6;
   }
   Scenario scenario = make_scenario(model);
   scenario.stepping.dynamics = dynamics;
@@ -99,8 +99,8 @@ Scenario spring(double rate, double damping_ratio) {
   model.fixed_base = true;
   model.bodies.push_back(make_body("flap", JointType::kPin, -1, 0.1, {0, 0, 0},
                                    diagonal(kInertia, kInertia, kInertia)));
-  model.bodies[0].joint.stiffness = kInertia * rate * rate;
-  model.bodies[0].joint.damping = 2.0 * damping_ratio * rate * kInertia;
+  model.bodies[0].joint.constants[kJointStiffness] = kInertia * rate * rate;
+  model.bodies[0].joint.constants[kJointDamping] = 2.0 * damping_ratio * rate * kInertia;
   return make_scenario(model);
 }
 

@@ -138,11 +138,11 @@ inline RobotModel make_vehicle(const VehicleData& d) {
     rotor.name = "rotor_" + std::to_string(i);
     rotor.position = {d.arm * at.cos, d.arm * at.sin, 0.0};
     rotor.direction = i % 2 == 0 ? 1 : -1;
-    rotor.thrust_constant = d.kf;
-    rotor.moment_constant = d.km;
-    rotor.max_speed = d.max_speed;
-    rotor.tau_up = d.tau_up;
-    rotor.tau_down = d.tau_down;
+    rotor.constants[kThrustConstant] = d.kf;
+    rotor.constants[kMomentConstant] = d.km;
+    rotor.constants[kMaxSpeed] = d.max_speed;
+    rotor.constants[kTauUp] = d.tau_up;
+    rotor.constants[kTauDown] = d.tau_down;
     model.rotors.push_back(rotor);
   }
   return model;

@@ -192,7 +192,7 @@ Scenario vehicle_with_bob(DynamicsChoice dynamics) {
   Body rod = make_body("rod", JointType::kBall, 0, 0.1, {0, 0, 0}, diagonal(1e-3, 1e-3, 4e-5));
   rod.joint.frame_in_parent = {{0, 0, -0.06}, {1, 0, 0, 0}};
   rod.joint.frame_in_body = {{0, 0, 0.3}, {1, 0, 0, 0}};
-  rod.joint.damping = 0.002;
+  rod.joint.constants[kJointDamping] = 0.002;
   rod.collisions.push_back(make_sphere(0.03));
   model.bodies.push_back(std::move(rod));
   Scenario scenario = make_scenario(std::move(model));

@@ -6,8 +6,6 @@
 #include <iterator>
 #include <string>
 
-#include "core/model/layout.h"
-
 namespace skybody {
 namespace {
 
@@ -31,22 +29,6 @@ class InFours : public Controller {
 TEST(PluginApi, LaneCodeServesPacksOfEveryWidth) {
   EXPECT_TRUE(plugin_export::kVectorized<InPacks>);
   EXPECT_FALSE(plugin_export::kVectorized<InFours>);
-}
-
-TEST(PluginApi, ConstantsLieWhereTheEngineKeepsThem) {
-  EXPECT_EQ(int{SKYBODY_BODY_MASS}, int{kMass});
-  EXPECT_EQ(int{SKYBODY_BODY_COM}, int{kCom});
-  EXPECT_EQ(int{SKYBODY_BODY_INERTIA}, int{kInertia});
-  EXPECT_EQ(int{SKYBODY_BODY_CONSTANT_COUNT}, int{kBodyParamCount});
-  EXPECT_EQ(int{SKYBODY_ROTOR_THRUST_CONSTANT}, int{kThrustConstant});
-  EXPECT_EQ(int{SKYBODY_ROTOR_MOMENT_CONSTANT}, int{kMomentConstant});
-  EXPECT_EQ(int{SKYBODY_ROTOR_DRAG}, int{kDragConstant});
-  EXPECT_EQ(int{SKYBODY_ROTOR_ROLLING_MOMENT}, int{kRollingMomentConstant});
-  EXPECT_EQ(int{SKYBODY_ROTOR_INERTIA}, int{kRotorInertia});
-  EXPECT_EQ(int{SKYBODY_ROTOR_MAX_SPEED}, int{kMaxSpeed});
-  EXPECT_EQ(int{SKYBODY_ROTOR_TAU_UP}, int{kTauUp});
-  EXPECT_EQ(int{SKYBODY_ROTOR_TAU_DOWN}, int{kTauDown});
-  EXPECT_EQ(int{SKYBODY_ROTOR_CONSTANT_COUNT}, int{kRotorParamCount});
 }
 
 TEST(PluginApi, NumbersInMessagesKeepTheirSize) {

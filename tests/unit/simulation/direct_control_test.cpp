@@ -258,7 +258,7 @@ TEST(DirectControl, GroundContactsCarryTheWeightOfARestingRobot) {
     EXPECT_GT(contact.depth, 0.0);
     sum += contact.force.z;
   }
-  const double weight = world.mass_properties("", "base_link").mass * -world.scenario().gravity.z;
+  const double weight = world.mass_properties("", "base_link").mass * -world.scenario().gravity().z;
   // At rest after 5 s: what moves still is far below a millinewton.
   EXPECT_NEAR(sum, weight, 1e-3 * weight);
 }
@@ -280,7 +280,7 @@ TEST(DirectControl, AnObstacleCarriesTheWeightOfWhatRestsOnIt) {
     EXPECT_NEAR(contact.point.z, 1.1, 0.01);  // the table's top
     sum += contact.force.z;
   }
-  const double weight = world.mass_properties("", "base_link").mass * -world.scenario().gravity.z;
+  const double weight = world.mass_properties("", "base_link").mass * -world.scenario().gravity().z;
   EXPECT_NEAR(sum, weight, 0.02 * weight);  // meshes creep a little
 }
 
@@ -326,7 +326,7 @@ TEST(DirectControl, MassAndInertiaAreReadSetAndFelt) {
   EXPECT_EQ(world.mass_properties("", "base_link").mass, mass.mass);
   EXPECT_EQ(world.param("robots.quad.links.base_link.inertia[0]"), mass.inertia.xx);
   // Hover thrust carries half of it.
-  EXPECT_NEAR(world.accelerations().bodies[0].linear.z, 0.5 * world.scenario().gravity.z, 1e-9);
+  EXPECT_NEAR(world.accelerations().bodies[0].linear.z, 0.5 * world.scenario().gravity().z, 1e-9);
   mass.inertia.xx = 1e3;  // larger than the two others together: no rigid body
   EXPECT_THAT(refusal([&] { world.set_mass_properties("", "base_link", mass); }),
               HasSubstr("inertia"));

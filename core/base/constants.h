@@ -1,0 +1,109 @@
+/* The physical constants of the world, of robots, bodies, joints and rotors: one row each. Plain C.
+ *
+ * From these tables follow the places of EnvParams (enums here by SYMBOL, in core/model/constants.h
+ * by Id), their paths, the keys of scenario and rotors files with their checks, the JSON schema and
+ * the tables of docs/scenarios.md. A new constant is one row, and the force that reads it.
+ *
+ *   X(SYMBOL, Id, key, unit, count, fallback, least, greatest, least_drawn, doc)
+ *
+ * key          in files and in the paths of EnvParams, behind that of the thing; with several
+ * values the paths end in [0], [1], ... count        number of values, at most 6; six are a
+ * symmetric matrix: xx yy zz xy xz yz fallback     the values where a file has none, in
+ * parentheses; (): a file has to give them least, greatest  what a file may give, each value,
+ * inclusive least_drawn  what an EnvParam may be at least; there is no upper bound. Of a symmetric
+ * matrix the bound holds on the diagonal doc          one line
+ */
+#ifndef SKYBODY_CORE_BASE_CONSTANTS_H
+#define SKYBODY_CORE_BASE_CONSTANTS_H
+
+/* The least mass, moment of inertia or largest speed that may be drawn: positive, and far below any
+ * vehicle's. */
+#define SKYBODY_LEAST_POSITIVE 1e-12
+/* Bound of what has no natural one. */
+#define SKYBODY_FAR 1e6
+
+/* clang-format off */
+
+/* Paths: gravity[2], contact.friction. Drawn values of contact hold on the ground; contact of bodies
+ * with one another and with obstacles keeps the scenario's. */
+#define SKYBODY_WORLD_CONSTANTS(X)                                                                 \
+  X(SKYBODY_WORLD_GRAVITY, kGravity, "gravity", "m/s^2", 3, (0, 0, -9.81), -1000, 1000, -INFINITY, \
+    "axes of W")                                                                                   \
+  X(SKYBODY_WORLD_DISSIPATION, kDissipation, "contact.dissipation", "s/m", 1, (3), 0, 100, 0,      \
+    "Hunt-Crossley dissipation; damping and friction are at most m/dt times the velocity, unless " \
+    "the integrator is cvode or arkode")                                                           \
+  X(SKYBODY_WORLD_FRICTION, kFriction, "contact.friction", "", 1, (0.6), 0, 10, 0,                 \
+    "Coulomb coefficient")                                                                         \
+  X(SKYBODY_WORLD_SLIP_VELOCITY, kSlipVelocity, "contact.slip_velocity", "m/s", 1, (0.02), 1e-6,   \
+    10, 1e-6, "below it friction is proportional to the velocity")
+
+/* Paths: robots.quad.disturbance.force[0]. Paper eq. 1. */
+#define SKYBODY_ROBOT_CONSTANTS(X)                                                                 \
+  X(SKYBODY_ROBOT_DISTURBANCE_FORCE, kDisturbanceForce, "disturbance.force", "N", 3, (0, 0, 0),    \
+    -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "on the base's centre of mass, axes of W")               \
+  X(SKYBODY_ROBOT_DISTURBANCE_MOMENT, kDisturbanceMoment, "disturbance.moment", "N m", 3,          \
+    (0, 0, 0), -SKYBODY_FAR, SKYBODY_FAR, -INFINITY, "on the base, its own axes")
+
+/* Paths: robots.quad.links.base_link.mass. Files: the URDF's, see core/io/ranges.h. */
+#define SKYBODY_BODY_CONSTANTS(X)                                                                  \
+  X(SKYBODY_BODY_MASS, kMass, "mass", "kg", 1, (), 1e-20, 1e12, SKYBODY_LEAST_POSITIVE,            \
+    "of the body")                                                                                 \
+  X(SKYBODY_BODY_COM, kCom, "com", "m", 3, (), -SKYBODY_FAR, SKYBODY_FAR, -INFINITY,               \
+    "centre of mass, body frame")                                                                  \
+  X(SKYBODY_BODY_INERTIA, kInertia, "inertia", "kg m^2", 6, (), -1e24, 1e24,                       \
+    SKYBODY_LEAST_POSITIVE, "about the centre of mass, axes of the body")
+
+/* Paths: robots.quad.joints.elbow.damping. A joint has those that apply to it: every moving joint
+ * but a free base the first, revolute and prismatic ones the spring, those with limits all. */
+#define SKYBODY_JOINT_CONSTANTS(X)                                                                 \
+  X(SKYBODY_JOINT_DAMPING, kJointDamping, "damping", "N m s/rad or N s/m", 1, (0), 0, SKYBODY_FAR, \
+    0, "viscous, every coordinate")                                                                \
+  X(SKYBODY_JOINT_STIFFNESS, kJointStiffness, "stiffness", "N m/rad or N/m", 1, (0), 0,            \
+    SKYBODY_FAR, 0, "spring to `rest`; revolute and prismatic joints")                             \
+  X(SKYBODY_JOINT_REST, kJointRest, "rest", "rad or m", 1, (0), -SKYBODY_FAR, SKYBODY_FAR,         \
+    -INFINITY, "where the spring is relaxed")                                                      \
+  X(SKYBODY_JOINT_LIMIT_STIFFNESS, kLimitStiffness, "limit_stiffness", "N m/rad or N/m", 1, (0),   \
+    0, 1e9, 0, "of the spring beyond the limits")                                                  \
+  X(SKYBODY_JOINT_LIMIT_DAMPING, kLimitDamping, "limit_damping", "N m s/rad or N s/m", 1, (0), 0,  \
+    1e9, 0, "of the damper beyond the limits")
+
+/* Paths: robots.quad.rotors[2].thrust_constant. RotorS, Furrer et al. 2016, "Rotor dynamics". */
+#define SKYBODY_ROTOR_CONSTANTS(X)                                                                 \
+  X(SKYBODY_ROTOR_THRUST_CONSTANT, kThrustConstant, "thrust_constant", "N s^2/rad^2", 1, (),       \
+    1e-18, 1, 0, "k_f, thrust = k_f w^2")                                                          \
+  X(SKYBODY_ROTOR_MOMENT_CONSTANT, kMomentConstant, "moment_constant", "N m s^2/rad^2", 1, (), 0,  \
+    1, 0, "k_m, drag torque about the axis = k_m w^2")                                             \
+  X(SKYBODY_ROTOR_DRAG_CONSTANT, kDragConstant, "drag_constant", "N s^2/(m rad)", 1, (0), 0, 1, 0, \
+    "rotor drag, force = -c w v_perp")                                                             \
+  X(SKYBODY_ROTOR_ROLLING_MOMENT_CONSTANT, kRollingMomentConstant, "rolling_moment_constant",      \
+    "N m s^2/(m rad)", 1, (0), 0, 1, 0, "rolling moment = -direction c w v_perp")                  \
+  X(SKYBODY_ROTOR_INERTIA, kRotorInertia, "inertia", "kg m^2", 1, (0), 0, 100, 0,                  \
+    "about the axis; 0 leaves gyroscopic terms out")                                               \
+  X(SKYBODY_ROTOR_MAX_SPEED, kMaxSpeed, "max_speed", "rad/s", 1, (), 1e-3, 1e5,                    \
+    SKYBODY_LEAST_POSITIVE, "largest speed")                                                       \
+  X(SKYBODY_ROTOR_TAU_UP, kTauUp, "tau_up", "s", 1, (0), 0, 100, 0,                                \
+    "time constant while speeding up; 0: immediate")                                               \
+  X(SKYBODY_ROTOR_TAU_DOWN, kTauDown, "tau_down", "s", 1, (0), 0, 100, 0,                          \
+    "time constant while slowing down; 0: immediate")
+
+/* clang-format on */
+
+/* Places of a table's values one after another: of a constant's first and of its last one. */
+#define SKYBODY_PLACE(SYMBOL, Id, key, unit, count, fallback, least, greatest, least_drawn, doc) \
+  SYMBOL, SYMBOL##_LAST = SYMBOL + (count)-1,
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum SkybodyWorldConstant { SKYBODY_WORLD_CONSTANTS(SKYBODY_PLACE) SKYBODY_WORLD_CONSTANT_COUNT };
+enum SkybodyRobotConstant { SKYBODY_ROBOT_CONSTANTS(SKYBODY_PLACE) SKYBODY_ROBOT_CONSTANT_COUNT };
+enum SkybodyBodyConstant { SKYBODY_BODY_CONSTANTS(SKYBODY_PLACE) SKYBODY_BODY_CONSTANT_COUNT };
+enum SkybodyJointConstant { SKYBODY_JOINT_CONSTANTS(SKYBODY_PLACE) SKYBODY_JOINT_CONSTANT_COUNT };
+enum SkybodyRotorConstant { SKYBODY_ROTOR_CONSTANTS(SKYBODY_PLACE) SKYBODY_ROTOR_CONSTANT_COUNT };
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* SKYBODY_CORE_BASE_CONSTANTS_H */

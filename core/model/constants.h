@@ -1,0 +1,87 @@
+// The tables of core/base/constants.h in C++: places of values by name, and rows to loop over.
+// C++17.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <initializer_list>
+
+#include "core/base/constants.h"
+
+namespace skybody {
+
+#define SKYBODY_PLACE_ID(SYMBOL, Id, key, unit, count, fallback, least, greatest, least_drawn, \
+                         doc)                                                                  \
+  Id = SYMBOL, Id##Last = SYMBOL##_LAST,
+
+/// Places of the values of one thing, such as the index of a rotor's thrust constant from the
+/// rotor's first EnvParam on. `kComLast` is the place of the last of the values that begin at
+/// `kCom`.
+enum WorldParam : int { SKYBODY_WORLD_CONSTANTS(SKYBODY_PLACE_ID) kWorldParamCount };
+enum RobotParam : int { SKYBODY_ROBOT_CONSTANTS(SKYBODY_PLACE_ID) kRobotParamCount };
+enum BodyParam : int { SKYBODY_BODY_CONSTANTS(SKYBODY_PLACE_ID) kBodyParamCount };
+enum JointParam : int { SKYBODY_JOINT_CONSTANTS(SKYBODY_PLACE_ID) kJointParamCount };
+enum RotorParam : int { SKYBODY_ROTOR_CONSTANTS(SKYBODY_PLACE_ID) kRotorParamCount };
+#undef SKYBODY_PLACE_ID
+
+/// One constant, of one or several values.
+struct ConstantRow {
+  int place;            ///< of its first value among those of the thing
+  const char* key;      ///< in files and paths; "disturbance.force": of the map `disturbance`
+  const char* unit;     ///< "": none
+  int count;            ///< number of values
+  bool is_required;     ///< files have to give it
+  double fallback[6];   ///< else the first `count` of these
+  double least;         ///< of each value in a file, inclusive
+  double greatest;      ///< likewise
+  double lowest_drawn;  ///< of each value of an EnvParam, inclusive
+  const char* doc;      ///< one line
+
+  /// What value k may be at least where it is drawn: products of inertia have either sign.
+  constexpr double least_drawn(int k) const {
+    return count == 6 && k >= 3 ? -INFINITY : lowest_drawn;
+  }
+};
+
+#define SKYBODY_VALUES(...) \
+  { __VA_ARGS__ }
+#define SKYBODY_ROW(SYMBOL, Id, key, unit, count, fallback, least, greatest, least_drawn, doc) \
+  ConstantRow{SYMBOL,                                                                          \
+              key,                                                                             \
+              unit,                                                                            \
+              count,                                                                           \
+              std::initializer_list<double> SKYBODY_VALUES fallback.size() == 0,               \
+              SKYBODY_VALUES fallback,                                                         \
+              least,                                                                           \
+              greatest,                                                                        \
+              least_drawn,                                                                     \
+              doc},
+
+inline constexpr std::array kWorldConstants{SKYBODY_WORLD_CONSTANTS(SKYBODY_ROW)};
+inline constexpr std::array kRobotConstants{SKYBODY_ROBOT_CONSTANTS(SKYBODY_ROW)};
+inline constexpr std::array kBodyConstants{SKYBODY_BODY_CONSTANTS(SKYBODY_ROW)};
+inline constexpr std::array kJointConstants{SKYBODY_JOINT_CONSTANTS(SKYBODY_ROW)};
+inline constexpr std::array kRotorConstants{SKYBODY_ROTOR_CONSTANTS(SKYBODY_ROW)};
+#undef SKYBODY_ROW
+#undef SKYBODY_VALUES
+
+/// The values of a table where nobody gives any; 0 of those that a file has to give.
+template <int kCount, class Rows>
+constexpr std::array<double, kCount> fallbacks(const Rows& rows) {
+  std::array<double, kCount> values{};
+  for (const ConstantRow& row : rows) {
+    for (int k = 0; k < row.count; ++k) values[row.place + k] = row.fallback[k];
+  }
+  return values;
+}
+
+/// The row whose values begin at `place`.
+template <class Rows>
+constexpr const ConstantRow& row_at(const Rows& rows, int place) {
+  std::size_t i = 0;
+  while (rows[i].place != place) ++i;
+  return rows[i];
+}
+
+}  // namespace skybody

@@ -1,0 +1,65 @@
+// A rotor that effects hold during a physics step.
+#pragma once
+
+#include "core/physics/step/lane_values.h"
+#include "core/physics/step/step_rules.h"
+#include "core/physics/world/held_inputs.h"
+
+namespace skybody {
+
+/// What effects hold of a rotor.
+template <class Real>
+struct HeldRotor {
+  Real lower, upper;  ///< limits of its speed [rad/s]
+  Real rate;          ///< its acceleration [rad/s^2]; NaN: its lag holds
+};
+
+/// A rotor that effects hold: its command stays within their limits, or it gains speed at their
+/// rate, linearly up to the same limits at the end of the step.
+template <class Real>
+struct HeldRotorStep {
+  RotorStep<Real> lagged;
+  MaskOf<Real> is_linear;
+  Real change;  ///< of the speed, where it runs linearly [rad/s]
+  double dt;
+
+  SKYBODY_INLINE HeldRotorStep(const RotorLag<Real>& lag, const Real& start, const Real& command,
+                               const Real& max_speed, const HeldRotor<Real>& held, double step)
+      : lagged(lag, start, clamp(command, held.lower, held.upper), max_speed),
+        is_linear(held.rate == held.rate),
+        change(limit_command(clamp(start + held.rate * step, held.lower, held.upper), max_speed) -
+               start),
+        dt(step) {}
+
+  SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
+    return choose(lagged.at(time), time == kStepStart ? 0.0 : time == kStepMiddle ? 0.5 : 1.0);
+  }
+  SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
+    return {at(kStepMiddle).speed, end - lagged.speed};
+  }
+  template <class Constants>
+  RotorMotion<double> at_time(const Constants& constants, double time, double step) const {
+    return choose(lagged.at_time(constants, time, step), time / step);
+  }
+
+ private:
+  /// @param share  of the step that is over
+  SKYBODY_INLINE RotorMotion<Real> choose(const RotorMotion<Real>& lag, double share) const {
+    return {select(is_linear, lagged.speed + change * share, lag.speed),
+            select(is_linear, change / dt, lag.acceleration)};
+  }
+};
+
+/// Of rotor i of the world; what is not held has its neutral value.
+/// @param limits, rates  of all rotors
+template <class Real>
+SKYBODY_INLINE HeldRotor<Real> held_rotor(const HeldInputs& held, const LaneValues<Real>& limits,
+                                          const LaneValues<Real>& rates, int i) {
+  HeldRotor<Real> rotor{Real(0.0), Real(kInfinity), Real(kNan)};
+  if (held.rotor_limit) rotor.lower = limits[2 * i];
+  if (held.rotor_limit) rotor.upper = limits[2 * i + 1];
+  if (held.rotor_rate) rotor.rate = rates[i];
+  return rotor;
+}
+
+}  // namespace skybody

@@ -1,0 +1,298 @@
+// Inputs that effects hold during a physics step: each by its closed form, on every dynamics.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "tests/unit/physics/random_trees.h"
+
+namespace skybody::test {
+namespace {
+
+constexpr HeldInputs kAll{true, true, true, true, true};
+
+RobotModel make_dragging_vehicle() {
+  RobotModel model = make_vehicle(qdrone2());
+  for (Rotor& rotor : model.rotors) {
+    rotor.constants[kDragConstant] = 2e-4;
+    rotor.constants[kRollingMomentConstant] = 1e-5;
+    rotor.constants[kRotorInertia] = 5e-6;
+  }
+  return model;
+}
+
+/// High above the ground.
+Scenario aloft(RobotModel model, IntegratorChoice integrator = IntegratorChoice::kRk4) {
+  Scenario scenario = make_scenario(std::move(model), integrator);
+  scenario.robots[0].pose.position.z = 100.0;
+  return scenario;
+}
+
+Bench make_bench(Scenario scenario, HeldInputs held = kAll) {
+  return Bench(std::move(scenario), [held](WorldPlan& plan) { plan.held = held; });
+}
+
+void set_speeds(Bench& bench, double speed) {
+  bench.state.rotor_speed.assign(bench.state.rotor_speed.size(), speed);
+  bench.state.rotor_command = bench.state.rotor_speed;
+}
+
+std::vector<double> accelerations(Bench& bench) {
+  std::vector<double> udot(bench.state.u.size());
+  bench.stepper->accelerations(bench.state, udot.data());
+  return udot;
+}
+
+TEST(HeldInputs, TakeNoWordsWhereNothingHoldsThem) {
+  const World world(aloft(make_dragging_vehicle()));
+  for (const HeldBlock& held : kHeldBlocks) EXPECT_EQ((world.layout.*held.place).size, 0);
+}
+
+TEST(HeldInputs, LieBehindTheDrivesWithTheirNeutralValues) {
+  const Bench bench = make_bench(aloft(make_dragging_vehicle()));
+  const Layout& layout = bench.world.layout;
+  EXPECT_EQ(layout.held_wind.offset, layout.drive.offset + layout.drive.size);
+  EXPECT_EQ(layout.held_wrench.size, 6);
+  EXPECT_EQ(layout.held_rotor_gain.size, 16);
+  EXPECT_EQ(bench.state.held_wind, std::vector<double>(3, 0.0));
+  EXPECT_EQ(bench.state.held_wrench, std::vector<double>(6, 0.0));
+  EXPECT_EQ(bench.state.held_rotor_gain, std::vector<double>(16, 1.0));
+  EXPECT_EQ(bench.state.held_rotor_limit[6], 0.0);
+  EXPECT_EQ(bench.state.held_rotor_limit[7], kInfinity);
+  for (const double rate : bench.state.held_rotor_rate) EXPECT_TRUE(std::isnan(rate));
+}
+
+TEST(HeldInputs, DragInAWindIsThatOfTheOppositeVelocityInStillAir) {
+  const Vec3<double> wind{3.0, -2.0, 0.5};
+  Bench in_wind = make_bench(aloft(make_dragging_vehicle()), {.wind = true});
+  Bench moving(aloft(make_dragging_vehicle()));
+  for (Bench* bench : {&in_wind, &moving}) {
+    set_speeds(*bench, 900.0);
+    store(from_rpy(0.3, -0.2, 1.0), bench->state.q.data() + 3);
+    store(Vec3<double>{0.5, -1.0, 2.0}, bench->state.u.data() + 3);
+  }
+  store(wind, in_wind.state.held_wind.data());
+  store(-wind, moving.state.u.data());
+  const std::vector<double> a = accelerations(in_wind), b = accelerations(moving);
+  EXPECT_LT(largest_difference(a, b), 1e-13 * largest(b)) << "a few roundings";
+}
+
+TEST(HeldInputs, WindThatMovesWithTheBodyDragsNothing) {
+  Bench carried = make_bench(aloft(make_dragging_vehicle()), {.wind = true});
+  Bench at_rest(aloft(make_dragging_vehicle()));
+  for (Bench* bench : {&carried, &at_rest}) set_speeds(*bench, 900.0);
+  const Vec3<double> velocity{4.0, 1.0, -3.0};
+  store(velocity, carried.state.u.data());
+  store(velocity, carried.state.held_wind.data());
+  EXPECT_EQ(accelerations(carried), accelerations(at_rest));
+  const double start = carried.state.u[0];
+  ASSERT_TRUE(carried.run(100));
+  EXPECT_NEAR(carried.state.u[0], start, 1e-13) << "and takes no energy";
+}
+
+TEST(HeldInputs, AWrenchActsAtTheCentreOfMassInWorldAxes) {
+  const MassProperties mass{2.0, {0.1, -0.05, 0.02}, diagonal(0.02, 0.03, 0.04)};
+  RobotModel model = make_free_body(mass.mass, mass.inertia, mass.com);
+  Scenario scenario = aloft(model);
+  scenario.constants[kGravity + 2] = 0.0;
+  Bench bench = make_bench(std::move(scenario), {.wrench = true});
+  const Quat<double> turn = from_rpy(0.4, 0.2, -0.7);
+  store(turn, bench.state.q.data() + 3);
+  const Vec3<double> force{1.0, 2.0, -3.0}, moment{0.1, -0.2, 0.3};
+  store(force, bench.state.held_wrench.data());
+  store(moment, bench.state.held_wrench.data() + 3);
+  const std::vector<double> udot = accelerations(bench);
+  const Vec3<double> angular = inverse(mass.inertia) * rotate_inverse(turn, moment);
+  const Vec3<double> of_com =
+      load_vec3(udot.data()) + rotate(turn, cross(load_vec3(udot.data() + 3), mass.com));
+  EXPECT_LT(norm(load_vec3(udot.data() + 3) - angular), 1e-13);
+  EXPECT_LT(norm(of_com - force * (1.0 / mass.mass)), 1e-13);
+}
+
+/// What gains of `place` make of the accelerations.
+std::vector<double> with_gains(int place, const std::vector<double>& gains) {
+  RobotModel model = make_dragging_vehicle();
+  for (Rotor& rotor : model.rotors) rotor.constants[kRotorInertia] = 0.0;
+  Scenario scenario = aloft(model);
+  scenario.constants[kGravity + 2] = 0.0;
+  Bench bench = make_bench(std::move(scenario), {.rotor_gain = true});
+  set_speeds(bench, 800.0);
+  bench.state.u[0] = 5.0;
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    bench.state.held_rotor_gain[kGainedConstants * i + static_cast<std::size_t>(place)] = gains[i];
+  }
+  return accelerations(bench);
+}
+
+TEST(HeldInputs, AGainOnThrustScalesTheThrust) {
+  const VehicleData d = qdrone2();
+  const std::vector<double> udot = with_gains(0, {0.5, 1.5, 0.5, 1.0});
+  EXPECT_NEAR(udot[2], 3.5 * d.kf * 800.0 * 800.0 / d.mass, 1e-12);
+}
+
+TEST(HeldInputs, AGainOnTheReactionScalesTheReaction) {
+  const VehicleData d = qdrone2();
+  const std::vector<double> udot = with_gains(1, {2.0, 1.0, 0.0, 1.0});
+  // Directions + - + -, so that the reactions are -2 + 1 - 0 + 1 = 0 of k_m w^2; without the gains
+  // of rotors 0 and 2 they were 0 as well.
+  const std::vector<double> twice = with_gains(1, {2.0, 1.0, 1.0, 1.0});
+  const double reaction = d.km * 800.0 * 800.0 / d.inertia.zz;
+  EXPECT_NEAR(udot[5], 0.0, 1e-12);
+  EXPECT_NEAR(twice[5], -reaction, 1e-12);
+}
+
+TEST(HeldInputs, AGainOnRotorDragScalesTheDrag) {
+  const std::vector<double> udot = with_gains(2, {0.0, 0.0, 3.0, 0.0});
+  EXPECT_NEAR(udot[0], -3.0 * 2e-4 * 800.0 * 5.0 / qdrone2().mass, 1e-12);
+}
+
+TEST(HeldInputs, AGainOnTheRollingMomentScalesIt) {
+  const std::vector<double> udot = with_gains(3, {0.0, 2.0, 0.0, 0.0});
+  // M = -s c_r w v', s = -1.
+  EXPECT_NEAR(udot[3], 2.0 * 1e-5 * 800.0 * 5.0 / qdrone2().inertia.xx, 1e-12);
+}
+
+TEST(HeldInputs, LimitsBoundTheSpeedThatARotorRunsTo) {
+  Bench bench = make_bench(aloft(make_dragging_vehicle()), {.rotor_limit = true});
+  bench.state.rotor_speed = {600, 600, 600, 600};
+  bench.state.rotor_command = {2000, 0, 2000, 900};
+  bench.state.held_rotor_limit = {0, 1000, 300, kInfinity, 0, 1e5, 0, kInfinity};
+  bench.param("robots.r.rotors[2].max_speed") = 1500.0;
+  ASSERT_TRUE(bench.run_seconds(1.5));
+  const double expected[] = {1000, 300, 1500, 900};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(bench.state.rotor_speed[i], expected[i], 1e-9);
+}
+
+TEST(HeldInputs, ARateMakesTheSpeedLinearUpToTheLimits) {
+  Bench bench =
+      make_bench(aloft(make_dragging_vehicle()), {.rotor_limit = true, .rotor_rate = true});
+  set_speeds(bench, 600.0);
+  bench.state.held_rotor_rate = {1000.0, -2000.0, kNan, 1e5};
+  bench.state.held_rotor_limit = {0, kInfinity, 550, kInfinity, 0, kInfinity, 0, kInfinity};
+  ASSERT_TRUE(bench.run(100));
+  EXPECT_NEAR(bench.state.rotor_speed[0], 700.0, 1e-9);
+  EXPECT_EQ(bench.state.rotor_speed[1], 550.0);
+  EXPECT_EQ(bench.state.rotor_speed[2], 600.0) << "whose lag holds";
+  EXPECT_EQ(bench.state.rotor_speed[3], qdrone2().max_speed);
+}
+
+TEST(HeldInputs, ARateGivesTheThrustOfEveryInstant) {
+  const VehicleData d = qdrone2();
+  Bench bench = make_bench(aloft(make_vehicle(d)), {.rotor_rate = true});
+  set_speeds(bench, 600.0);
+  bench.state.held_rotor_rate.assign(4, 1500.0);
+  ASSERT_TRUE(bench.run(200));
+  // v = 4 k_f / m (w1^3 - w0^3) / (3 rate) - g t; rk4 is exact for a force of second degree.
+  const double w0 = 600.0, w1 = 900.0;
+  const double expected =
+      4.0 * d.kf / d.mass * (w1 * w1 * w1 - w0 * w0 * w0) / (3.0 * 1500.0) - 9.81 * 0.2;
+  EXPECT_NEAR(bench.state.u[2], expected, 1e-12);
+}
+
+RobotModel make_swinging_vehicle() {
+  RobotModel model = make_dragging_vehicle();
+  model.bodies.push_back(
+      make_body("bob", JointType::kBall, 0, 0.2, {0, 0, -0.5}, diagonal(0.01, 0.01, 0.01)));
+  return model;
+}
+
+void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0);
+}
+
+TEST(HeldInputs, NeutralOnesLeaveEveryBitAsItIs) {
+  for (const RobotModel& model : {make_dragging_vehicle(), make_swinging_vehicle()}) {
+    for (const IntegratorChoice integrator :
+         {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
+      for (const DynamicsChoice dynamics : {DynamicsChoice::kTree, DynamicsChoice::kSimbody}) {
+        Scenario scenario = aloft(model, integrator);
+        scenario.stepping.dynamics = dynamics;
+        Bench none(scenario), neutral = make_bench(scenario);
+        for (Bench* bench : {&none, &neutral}) {
+          bench->state.rotor_speed = {600, 700, 800, 900};
+          bench->state.rotor_command = {900, 600, 1000, 0};
+          for (std::size_t k = 0; k < bench->state.u.size(); ++k) {
+            bench->state.u[k] = 0.3 * static_cast<double>(k) - 1.0;
+          }
+          ASSERT_TRUE(bench->run(50));
+        }
+        expect_same_bits(none.state.q, neutral.state.q);
+        expect_same_bits(none.state.u, neutral.state.u);
+        expect_same_bits(none.state.rotor_speed, neutral.state.rotor_speed);
+      }
+    }
+  }
+}
+
+/// Everything held, at random.
+void draw_inputs(Random<double>& random, LaneState& state) {
+  for (double& v : state.held_wind) v = random.uniform(-5.0, 5.0);
+  for (double& f : state.held_wrench) f = random.uniform(-1.0, 1.0);
+  for (double& g : state.held_rotor_gain) g = random.uniform(0.0, 2.0);
+  for (std::size_t i = 0; i < state.held_rotor_rate.size(); ++i) {
+    state.held_rotor_limit[2 * i] = random.uniform(0.0, 300.0);
+    state.held_rotor_limit[2 * i + 1] = random.uniform(700.0, 1200.0);
+    state.held_rotor_rate[i] = random.uniform() < 0.5 ? kNan : random.uniform(-4000.0, 4000.0);
+  }
+}
+
+TEST(HeldInputs, TreeAndSimbodyAgree) {
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    Random<double> random{RandomKey{2026, 41}, k, 0, derive_stream("held_inputs_test")};
+    RobotModel model = random_tree(random);
+    model.rotors = make_dragging_vehicle().rotors;
+    model.rotors[3].axis = rotate(random.quaternion(), Vec3<double>{0, 0, 1});
+    Bench bench = make_bench(aloft(model));
+    const auto simbody = make_simbody_stepper(bench.world);
+    random_state(random, bench.world, bench.state.q, bench.state.u);
+    if (model.bodies[0].joint.type == JointType::kFree) bench.state.q[2] = 100.0;
+    set_speeds(bench, 800.0);
+    draw_inputs(random, bench.state);
+    if (bench.state.u.empty()) continue;
+    std::vector<double> theirs(bench.state.u.size());
+    const std::vector<double> ours = accelerations(bench);
+    simbody->accelerations(bench.state, theirs.data());
+    // Rounding through ill-conditioned trees, see tree_test.cpp.
+    EXPECT_LT(largest_difference(ours, theirs), 1e-6 * (1.0 + largest(ours))) << k;
+  }
+}
+
+TEST(HeldInputs, AFreeRobotFliesAsOnSimbody) {
+  for (const IntegratorChoice integrator :
+       {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
+    Random<double> random{RandomKey{2026, 42}, 0, 0, derive_stream("held_inputs_test")};
+    Bench bench = make_bench(aloft(make_dragging_vehicle(), integrator));
+    const auto simbody = make_simbody_stepper(bench.world);
+    set_speeds(bench, 800.0);
+    draw_inputs(random, bench.state);
+    for (double& f : bench.state.held_wrench) f *= 0.02;
+    LaneState theirs = bench.state;
+    ASSERT_TRUE(bench.run(300));
+    for (int i = 0; i < 300; ++i) ASSERT_TRUE(simbody->advance(theirs));
+    EXPECT_LT(largest_difference(bench.state.q, theirs.q), 1e-11);
+    EXPECT_LT(largest_difference(bench.state.u, theirs.u), 1e-11);
+    EXPECT_EQ(bench.state.rotor_speed, theirs.rotor_speed);
+  }
+}
+
+TEST(HeldInputs, IntegratorsOfSundialsTakeThemToo) {
+  for (const IntegratorChoice integrator : {IntegratorChoice::kCvode, IntegratorChoice::kArkode}) {
+    Random<double> random{RandomKey{2026, 43}, 0, 0, derive_stream("held_inputs_test")};
+    Scenario scenario = aloft(make_dragging_vehicle(), integrator);
+    scenario.stepping.solver.method =
+        integrator == IntegratorChoice::kCvode ? SolverMethod::kBdf : SolverMethod::kErk;
+    Bench bench = make_bench(scenario), exact = make_bench(aloft(make_dragging_vehicle()));
+    for (Bench* b : {&bench, &exact}) set_speeds(*b, 800.0);
+    draw_inputs(random, bench.state);
+    for (double& f : bench.state.held_wrench) f *= 0.02;
+    exact.state = bench.state;
+    ASSERT_TRUE(bench.run(100));
+    ASSERT_TRUE(exact.run(100));
+    EXPECT_LT(largest_difference(bench.state.u, exact.state.u), 1e-4) << "its tolerance";
+    EXPECT_LT(largest_difference(bench.state.rotor_speed, exact.state.rotor_speed), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace skybody::test
