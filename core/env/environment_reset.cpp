@@ -26,6 +26,8 @@ void Environment::place_at_start(StateGroup& group, int lane) const {
   group.scatter(lane, l.rotor_speed, initial_.rotor_speed.data());
   group.scatter(lane, l.rotor_command, initial_.rotor_command.data());
   group.scatter(lane, l.drive, initial_.drive.data());
+  group.scatter(lane, l.joint_command, initial_.joint_command.data());
+  group.scatter(lane, l.joint_state, initial_.joint_state.data());
   group.write_neutral_inputs(1u << lane);
 }
 

@@ -33,6 +33,8 @@ class StateNames {
     name_rotors(layout_.rotor_command, "rotor_command ");
     name_block(layout_.wrench, "wrench");
     name_block(layout_.drive, "drive");
+    name_block(layout_.joint_command, "joint_command");
+    name_block(layout_.joint_state, "joint_state");
     name_block(layout_.held_wind, "held_wind");
     name_block(layout_.held_wrench, "held_wrench");
     name_block(layout_.held_rotor_gain, "held_rotor_gain");

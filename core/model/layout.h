@@ -69,6 +69,8 @@ struct Layout {
   Block rotor_command;  ///< the reference held during the physics step [rad/s]
   Block wrench;         ///< 6 per wrench site (force, moment), held during the physics step
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
+  Block joint_command;  ///< 1 per joint drive: held during the physics step
+  Block joint_state;    ///< 1 per joint drive: the command behind its lag
   // What effects hold during a physics step; of size 0 where nothing holds it.
   Block held_wind;         ///< 3 per body: velocity of the air at its origin, W [m/s]
   Block held_wrench;       ///< 6 per body: force at its centre of mass, moment; W axes [N, N m]

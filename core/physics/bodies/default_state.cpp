@@ -41,6 +41,16 @@ void write_drives(const World& world, LaneState& state) {
   }
 }
 
+/// Position drives stay where the joints are; the others do nothing.
+void write_joint_drives(const World& world, LaneState& state) {
+  for (std::size_t i = 0; i < world.joint_drives.size(); ++i) {
+    const JointDrive& drive = world.joint_drives[i];
+    if (drive.mode != JointDriveMode::kPosition) continue;
+    const int q = world.bodies[static_cast<std::size_t>(drive.body)].q + drive.coordinate;
+    state.joint_command[i] = state.joint_state[i] = state.q[static_cast<std::size_t>(q)];
+  }
+}
+
 }  // namespace
 
 double hover_rotor_speed(const World& world, int robot) {
@@ -69,6 +79,7 @@ void write_default_state(const World& world, LaneState& state) {
   write_positions(world, state);
   write_rotors(world, state);
   write_drives(world, state);
+  write_joint_drives(world, state);
   each_neutral_input(world.layout, [&](Block Layout::*place, int k, double value) {
     values_of(state, place)[static_cast<std::size_t>(k)] = value;
   });

@@ -7,6 +7,7 @@
 
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/forces/force_terms.h"
+#include "core/physics/forces/joint_drive.h"
 #include "core/physics/forces/joint_force.h"
 #include "core/physics/forces/rotor_force.h"
 #include "core/physics/forces/spatial_force.h"
@@ -25,6 +26,7 @@ struct ForceInputs {
   const RotorMotion<Real>* rotors = nullptr;
   Params params;
   const Real* wrench = nullptr;
+  const Real* joint_targets = nullptr;  ///< per joint drive: where it leads at this instant
   // Of effects; null: there are none.
   const Real* held_wind = nullptr;
   const Real* held_wrench = nullptr;
@@ -55,6 +57,8 @@ class ForceModel {
     add_grounds(in, forces);
     add_joints(in, joint_forces);
   }
+
+  const std::vector<JointDriveStep>& joint_drives() const { return joint_drives_; }
 
  private:
   /// Sum of the forces on body i.
@@ -142,6 +146,10 @@ class ForceModel {
       joint_force(body.model->joint, in.params + world_.layout.joint_params[i], in.q + body.q,
                   in.u + body.u, joint_forces + body.u);
     }
+    const Real* target = in.joint_targets;
+    for (const JointDriveStep& d : joint_drives_) {
+      joint_forces[d.u] += drive_force(d.drive, *target++, in.q[d.q], in.u[d.u]);
+    }
   }
 
   const World& world_;
@@ -150,6 +158,7 @@ class ForceModel {
   std::vector<ContactGroup> contact_groups_;
   std::vector<int> bases_;   ///< per robot: world body index of its base
   std::vector<int> joints_;  ///< bodies whose joint has constants
+  std::vector<JointDriveStep> joint_drives_;
 };
 
 }  // namespace skybody

@@ -25,6 +25,8 @@ struct GroupBlocks {
   /// 13 per body (BodyState): follows from q and u. Of one free body it is q and u themselves: then
   /// it may be the same memory.
   double* bodies = nullptr;
+  const double* joint_command = nullptr;
+  double* joint_state = nullptr;
   const double* held_wind = nullptr;
   const double* held_wrench = nullptr;
   const double* held_rotor_gain = nullptr;
@@ -42,6 +44,7 @@ inline constexpr InputBlock kInputBlocks[] = {
     {&GroupBlocks::wrench, &Layout::wrench},
     {&GroupBlocks::drive, &Layout::drive},
     {&GroupBlocks::params, &Layout::params},
+    {&GroupBlocks::joint_command, &Layout::joint_command},
     {&GroupBlocks::held_wind, &Layout::held_wind},
     {&GroupBlocks::held_wrench, &Layout::held_wrench},
     {&GroupBlocks::held_rotor_gain, &Layout::held_rotor_gain},
@@ -55,7 +58,8 @@ struct StateBlock {
 };
 inline constexpr StateBlock kStateBlocks[] = {{&GroupBlocks::q, &Layout::q},
                                               {&GroupBlocks::u, &Layout::u},
-                                              {&GroupBlocks::rotor_speed, &Layout::rotor_speed}};
+                                              {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
+                                              {&GroupBlocks::joint_state, &Layout::joint_state}};
 
 /// Work space of one thread that steps groups of a world. Holds nothing between two calls.
 using PhysicsScratch = AlignedArray<std::byte>;
@@ -86,8 +90,8 @@ class GroupStepper {
   void refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,
                PhysicsScratch& scratch);
 
-  /// Advances q, u, rotor speeds and bodies of these lanes by exactly dt, commands, wrenches and
-  /// drives held.
+  /// Advances q, u, rotor speeds, joint states and bodies of these lanes by exactly dt, commands,
+  /// wrenches and drives held.
   /// @returns the lanes that came through; the others, whose step gave a value that is not finite
   ///          or beyond 1e6 (free robots: rates of turn, and the magnitudes of all else added up),
   ///          or where the dynamics gave up, are as they were before the call

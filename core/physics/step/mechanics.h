@@ -47,6 +47,7 @@ struct StepArrays {
   Real *joint_forces, *wrench, *drive, *targets;
   Real *held_wind, *held_wrench, *held_rotor_gain;  ///< null: the world holds none
   RotorMotion<Real>* rotors[kStageTimeCount];
+  Real* joint_targets[kStageTimeCount];
   BodyKinematics<Real>* motion;
   SpatialForce<Real>* forces;
   typename Forest::template Work<Real> forest;
@@ -101,6 +102,7 @@ struct StepArrays {
     take_held(arena, layout.held_wrench, held_wrench);
     take_held(arena, layout.held_rotor_gain, held_rotor_gain);
     for (auto& r : rotors) arena.take(r, plan.world.rotors.size());
+    for (auto& t : joint_targets) arena.take(t, plan.world.joint_drives.size());
     arena.take(motion, bodies);
     arena.take(forces, bodies);
     arena.take(forest.body, bodies);
@@ -162,7 +164,7 @@ class Mechanics {
     run_rotors(rule);
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
-                             accelerate(at.q, at.u, a_.rotors[time], rate.u);
+                             accelerate(at.q, at.u, time, rate.u);
                              position_rates_of(at.q, at.u, rate.q);
                            };
     step_by_rule(rule, dt(), rates, a_.now, a_.stages);
@@ -179,8 +181,11 @@ class Mechanics {
       each_rotor([&](int i, const auto& rotor) {
         a_.rotors[kStepMiddle][i] = rotor.at_time(rotor_constants(i), time, dt());
       });
+      each_drive([&](int i, const JointDriveStep& d, const Real& state, const Real& command) {
+        a_.joint_targets[kStepMiddle][i] = target_at_time(d.drive.tau, state, command, time);
+      });
       has_motion_ = false;  // its points are not ours
-      accelerate(q, u, a_.rotors[kStepMiddle], udot);
+      accelerate(q, u, kStepMiddle, udot);
       position_rates_of(q, u, qdot);
     };
     advance(rates, a_.now.q, a_.now.u);
@@ -191,7 +196,7 @@ class Mechanics {
   SKYBODY_INLINE void accelerations(Real* udot) {
     begin_step();
     each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
-    accelerate(a_.now.q, a_.now.u, a_.rotors[kStepStart], udot);
+    accelerate(a_.now.q, a_.now.u, kStepStart, udot);
   }
 
  private:
@@ -204,6 +209,12 @@ class Mechanics {
   SKYBODY_INLINE void begin_step() {
     begin_motion();
     lanes_.load(group_.wrench, layout().wrench.size, a_.wrench);
+    each_drive([&](int i, const JointDriveStep& d, const Real& state, const Real& command)
+                   SKYBODY_INLINE_LAMBDA {
+                     for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
+                       a_.joint_targets[time][i] = target_at(d.lag, state, command, time);
+                     }
+                   });
     lanes_.load(group_.held_wind, layout().held_wind.size, a_.held_wind);
     lanes_.load(group_.held_wrench, layout().held_wrench.size, a_.held_wrench);
     lanes_.load(group_.held_rotor_gain, layout().held_rotor_gain.size, a_.held_rotor_gain);
@@ -261,6 +272,17 @@ class Mechanics {
     }
   }
 
+  /// Calls f(i, drive, state, command) for every joint drive of the world.
+  template <class F>
+  SKYBODY_INLINE void each_drive(const F& f) const {
+    int i = 0;
+    for (const JointDriveStep& drive : plan_.forces.joint_drives()) {
+      f(i, drive, load_lanes<Real>(lanes_.at(group_.joint_state, i)),
+        load_lanes<Real>(lanes_.at(group_.joint_command, i)));
+      ++i;
+    }
+  }
+
   /// Of one stage only: its mean motion over the step, in mid-step's place.
   SKYBODY_INLINE void run_rotors(const StepRule& rule) const {
     const double rate = 1.0 / dt();
@@ -276,16 +298,17 @@ class Mechanics {
     });
   }
 
-  SKYBODY_INLINE void accelerate(const Real* q, const Real* u, const RotorMotion<Real>* rotors,
-                                 Real* udot) {
+  /// @param time  of rotors and joint drives
+  SKYBODY_INLINE void accelerate(const Real* q, const Real* u, StageTime time, Real* udot) {
     if (!has_motion_) update_motion(q, u);
     has_motion_ = false;
     const ForceInputs<Real, Values> in{q,
                                        u,
                                        a_.motion,
-                                       rotors,
+                                       a_.rotors[time],
                                        params_,
                                        a_.wrench,
+                                       a_.joint_targets[time],
                                        a_.held_wind,
                                        a_.held_wrench,
                                        a_.held_rotor_gain};
@@ -314,6 +337,9 @@ class Mechanics {
     for (int i = 0; i < layout().rotor_speed.size; ++i) {
       through &= is_bounded(a_.rotors[kStepEnd][i].speed);
     }
+    for (int i = 0; i < layout().joint_state.size; ++i) {
+      through &= is_bounded(a_.joint_targets[kStepEnd][i]);
+    }
     update_motion(a_.now.q, a_.now.u);
     if (all(through)) {  // the usual case, without reading what is overwritten
       store_step(AllLanes());
@@ -331,6 +357,7 @@ class Mechanics {
     for (int i = 0; i < layout().rotor_speed.size; ++i) {
       lanes_.put(a_.rotors[kStepEnd][i].speed, mask, lanes_.at(group_.rotor_speed, i));
     }
+    lanes_.store(a_.joint_targets[kStepEnd], layout().joint_state.size, mask, group_.joint_state);
     store_motion(mask);
   }
 

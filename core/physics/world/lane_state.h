@@ -21,6 +21,7 @@ static_assert(sizeof(BodyState) == 13 * sizeof(double));
 /// Values of one lane gathered from WorldState, in the order of the layout's blocks.
 struct LaneState {
   std::vector<double> q, u, rotor_speed, rotor_command, wrench, drive, params;
+  std::vector<double> joint_command, joint_state;
   std::vector<double> held_wind, held_wrench, held_rotor_gain, held_rotor_limit, held_rotor_rate;
   std::vector<BodyState> bodies;  ///< those of q and u
 };
@@ -38,6 +39,8 @@ inline constexpr LaneBlock kLaneBlocks[] = {
     {&LaneState::wrench, &Layout::wrench},
     {&LaneState::drive, &Layout::drive},
     {&LaneState::params, &Layout::params},
+    {&LaneState::joint_command, &Layout::joint_command},
+    {&LaneState::joint_state, &Layout::joint_state},
     {&LaneState::held_wind, &Layout::held_wind},
     {&LaneState::held_wrench, &Layout::held_wrench},
     {&LaneState::held_rotor_gain, &Layout::held_rotor_gain},

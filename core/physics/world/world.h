@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/math.h"
 #include "core/model/layout.h"
 #include "core/model/scenario.h"
 #include "core/physics/world/held_inputs.h"
@@ -52,6 +53,24 @@ struct WrenchSite {
 /// How a robot's base is driven kinematically by a controller, if at all.
 enum class DriveKind { kNone, kVelocity, kPose };
 
+/// What the command of a joint drive is.
+enum class JointMode {
+  kPosition,  ///< r [rad] or [m]: the force is kp (r - q) - kd u
+  kVelocity,  ///< r [rad/s] or [m/s]: kd (r - u)
+  kTorque,    ///< r [N m] or [N]: r itself
+};
+
+/// A motor in a joint: a generalised force on one coordinate.
+struct JointDrive {
+  int body = 0;        ///< world body index; its joint is a pin, slider or universal joint
+  int coordinate = 0;  ///< of the joint; 1: the second one of a universal joint
+  JointDriveMode mode = JointDriveMode::kTorque;
+  double stiffness = 0.0;           ///< kp, >= 0 [N m/rad] or [N/m]
+  double damping = 0.0;             ///< kd, >= 0 [N m s/rad] or [N s/m]
+  double effort_limit = kInfinity;  ///< bound of the force's magnitude, >= 0 [N m] or [N]
+  double tau = 0.0;                 ///< time constant of the command's lag, >= 0 [s]; 0: none
+};
+
 /// Surfaces for Simbody's contact (simbody_contact.h).
 class SimbodyContact;
 
@@ -72,16 +91,18 @@ struct WorldPlan {
   /// The values that physics needs; no sites, no drives, nothing held.
   explicit WorldPlan(const Topology& topology);
 
-  Layout layout;  ///< without offsets, and without the sizes of wrench, drive, held inputs and
-                  ///< params
+  Layout layout;  ///< without offsets, and without the sizes of wrench, drive, joint drives, held
+                  ///< inputs and params
   std::vector<WrenchSite> sites;
   std::vector<DriveKind> drives;  ///< one per robot
   HeldInputs held;                ///< what effects hold
+  std::vector<JointDrive> joint_drives;
 };
 
 /// Complete description of one world. Not copyable.
 class World : public Topology {
  public:
+  /// Joint drives that no joint can have are our bug (std::logic_error).
   World(const Topology& topology, WorldPlan plan);
   /// Without plugins.
   explicit World(const Topology& topology) : World(topology, WorldPlan(topology)) {}
@@ -93,6 +114,7 @@ class World : public Topology {
   const std::vector<WrenchSite> sites;  ///< of the controllers that give wrenches, in their order
   const std::vector<DriveKind> drives;  ///< one per robot
   const HeldInputs held;                ///< what effects hold
+  const std::vector<JointDrive> joint_drives;                   ///< at most one per coordinate
   const std::vector<ContactSphere> spheres;                     ///< empty: there is no ground
   const std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: only ground to touch
 };

@@ -113,6 +113,7 @@ Layout finish_layout(const WorldPlan& plan) {
   Layout layout = plan.layout;
   layout.wrench.size = 6 * static_cast<int>(plan.sites.size());
   layout.drive.size = 13 * count_driven(plan.drives);
+  layout.joint_command.size = layout.joint_state.size = static_cast<int>(plan.joint_drives.size());
   for (const HeldBlock& held : kHeldBlocks) {
     const std::size_t things =
         held.is_of_rotors ? layout.rotor_params.size() : layout.body_params.size();
@@ -120,12 +121,27 @@ Layout finish_layout(const WorldPlan& plan) {
   }
   layout.params.size = static_cast<int>(layout.param_info.size());
   layout.words = 0;
-  for (Block* block :
-       {&layout.header, &layout.q, &layout.u, &layout.rotor_speed, &layout.rotor_command,
-        &layout.wrench, &layout.drive, &layout.held_wind, &layout.held_wrench,
-        &layout.held_rotor_gain, &layout.held_rotor_limit, &layout.held_rotor_rate,
-        &layout.bodies_before, &layout.params, &layout.action, &layout.command, &layout.sensors,
-        &layout.plugin_state, &layout.last_observation}) {
+  for (Block* block : {&layout.header,
+                       &layout.q,
+                       &layout.u,
+                       &layout.rotor_speed,
+                       &layout.rotor_command,
+                       &layout.wrench,
+                       &layout.drive,
+                       &layout.joint_command,
+                       &layout.joint_state,
+                       &layout.held_wind,
+                       &layout.held_wrench,
+                       &layout.held_rotor_gain,
+                       &layout.held_rotor_limit,
+                       &layout.held_rotor_rate,
+                       &layout.bodies_before,
+                       &layout.params,
+                       &layout.action,
+                       &layout.command,
+                       &layout.sensors,
+                       &layout.plugin_state,
+                       &layout.last_observation}) {
     block->offset = layout.words;
     layout.words += block->size;
   }

@@ -175,6 +175,8 @@ LaneState random_lane(Random<double>& random, const World& world, bool drawn) {
   for (double& w : state.rotor_speed) w = random.uniform(0.0, 1500.0);
   for (double& w : state.rotor_command) w = random.uniform(-100.0, 3000.0);
   for (double& f : state.wrench) f = random.uniform(-1.0, 1.0);
+  for (double& r : state.joint_command) r = random.uniform(-1.0, 1.0);
+  for (double& r : state.joint_state) r = random.uniform(-1.0, 1.0);
   for (double& v : state.held_wind) v = random.uniform(-5.0, 5.0);
   for (double& f : state.held_wrench) f = max(0.0, random.uniform(-1.0, 1.0));
   for (double& g : state.held_rotor_gain) g = random.uniform(0.0, 2.0);
@@ -257,6 +259,43 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithHeldInputs) {
           ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
       if (testing::Test::HasFatalFailure()) return;
       lanes &= ~(some & ~through);
+    }
+  }
+}
+
+/// A drive in every joint that may have one, of any mode.
+std::vector<JointDrive> drives_for(Random<double>& random, const Topology& world) {
+  std::vector<JointDrive> drives;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const JointType type = world.bodies[i].model->joint.type;
+    if (type == JointType::kBall || type == JointType::kFree) continue;
+    for (int k = 0; k < velocity_size(type); ++k) {
+      const auto mode = static_cast<JointDriveMode>(static_cast<int>(random.uniform() * 3.0));
+      drives.push_back({static_cast<int>(i), k, mode, random.uniform(), random.uniform(),
+                        random.uniform(), random.uniform() < 0.5 ? 0.0 : 0.01});
+    }
+  }
+  return drives;
+}
+
+TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithJointDrives) {
+  for (std::uint64_t k = 0; k < 24; ++k) {
+    Random<double> random{RandomKey{2026, 17}, k, 0, derive_stream("packs_test")};
+    const auto integrator =
+        k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+    const Topology topology(make_scenario(busy(random_tree(random), random), integrator));
+    WorldPlan plan(topology);
+    plan.joint_drives = drives_for(random, topology);
+    const World world(topology, plan);
+    TwoWays ways(world);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      ways.set(lane, random_lane(random, world, k % 2 == 0 && lane % 3 != 0));
+    }
+    ways.refresh(kAll);
+    std::uint32_t lanes = kAll;
+    for (int step = 0; step < 10; ++step) {
+      lanes = ways.advance(lanes, "tree " + std::to_string(k) + ", step " + std::to_string(step));
+      if (testing::Test::HasFatalFailure()) return;
     }
   }
 }
