@@ -7,6 +7,7 @@
 #include "app/scenario_options.h"
 #include "app/text_table.h"
 #include "core/base/hash.h"
+#include "core/env/value_names.h"
 #include "core/io/text.h"
 
 namespace skybody {
@@ -22,6 +23,7 @@ constexpr const char* kFooter =
 struct CheckOptions {
   LoadOptions load;
   bool parameters = false;
+  bool columns = false;
 };
 
 std::string count(std::size_t n, const char* one, const char* several) {
@@ -39,6 +41,21 @@ std::string describe(const Environment& environment) {
          to_hex(scenario.hash);
 }
 
+std::string shape_text(const ObservationColumn& column) {
+  std::string text;
+  for (const int extent : column.shape) {
+    text += (text.empty() ? "" : " x ") + std::to_string(extent);
+  }
+  return text;
+}
+
+/// Who sees it: a robot, or all; or a critic alone.
+std::string owner_text(const Environment& environment, const ObservationColumn& column) {
+  if (column.privileged) return "critic";
+  if (column.robot < 0) return "all";
+  return environment.scenario().robots[static_cast<std::size_t>(column.robot)].name;
+}
+
 std::string parameter_table(const Environment& environment) {
   TextTable table({"parameter", "unit", "nominal", "min", "max"});
   for (const EnvParam& param : environment.layout().param_info) {
@@ -48,11 +65,22 @@ std::string parameter_table(const Environment& environment) {
   return table.to_string();
 }
 
+std::string column_table(const Environment& environment) {
+  TextTable table({"column", "unit", "type", "shape", "low", "high", "from", "for"});
+  for (const ObservationColumn& column : environment.columns()) {
+    table.add({column.name, column.unit, info_of(column.type).name, shape_text(column),
+               format_number(column.low), format_number(column.high),
+               source_of(environment, column), owner_text(environment, column)});
+  }
+  return table.to_string();
+}
+
 int check(CheckOptions options, const RefusedFiles& refused) {
   options.load.refused_plugins = refused;
   const auto environment = load_and_warn(options.load);
   std::printf("%s\n", describe(*environment).c_str());
   if (options.parameters) std::printf("\n%s", parameter_table(*environment).c_str());
+  if (options.columns) std::printf("\n%s", column_table(*environment).c_str());
   return kExitDone;
 }
 
@@ -65,6 +93,8 @@ void add_check_command(CLI::App& app, Action& chosen) {
   add_scenario_options(*command, options->load);
   command->add_flag("--parameters", options->parameters,
                     "List all randomizable values: path, unit, nominal, least, greatest");
+  command->add_flag("--columns", options->columns,
+                    "List the observation's columns: name, unit, type, shape, bounds, source");
   command->callback([options, &chosen] {
     chosen = [options] {
       return run_in_child([&](const RefusedFiles& refused) { return check(*options, refused); });

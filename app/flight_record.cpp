@@ -55,10 +55,21 @@ void append(std::vector<LogColumn>& columns, const std::string& prefix,
 }
 
 /// `name` for a single value, `name[0]`, `name[1]`, ... for several.
-void append(std::vector<LogColumn>& columns, const std::string& prefix, const Channel& channel) {
-  for (int k = 0; k < channel.count; ++k) {
-    const std::string index = channel.count == 1 ? "" : "[" + std::to_string(k) + "]";
-    columns.push_back({prefix + channel.name + index, channel.unit});
+void append(std::vector<LogColumn>& columns, const std::string& name, const std::string& unit,
+            int count) {
+  for (int k = 0; k < count; ++k) {
+    const std::string index = count == 1 ? "" : "[" + std::to_string(k) + "]";
+    columns.push_back({name + index, unit});
+  }
+}
+
+/// The columns of the row of observations, then those of the privileged row.
+void describe_observation(const Environment& environment, FlightLogHeader& header) {
+  for (const bool privileged : {false, true}) {
+    for (const ObservationColumn& column : environment.columns()) {
+      if (column.privileged != privileged || column.image >= 0) continue;
+      append(header.observation, column.name, column.unit, column.count());
+    }
   }
 }
 
@@ -78,19 +89,18 @@ void describe_bodies(const Environment& environment, FlightLogHeader& header) {
 
 void describe_signals(const Environment& environment, FlightLogHeader& header) {
   for (const ControllerChain& chain : environment.chains()) {
-    if (chain.count == 0) continue;
-    const auto first = static_cast<std::size_t>(chain.first);
-    for (const LogColumn& column : command_columns(environment, environment.controllers()[first])) {
+    for (const LogColumn& column : command_columns(environment, chain)) {
       header.command.push_back(column);
-      header.action.push_back({column.name, ""});
     }
   }
-  for (const PluginInstance& sensor : environment.sensors()) {
-    for (const Channel& channel : sensor.channels)
-      append(header.sensors, sensor.name + ".", channel);
+  for (const std::string& name : action_names(environment)) header.action.push_back({name, ""});
+  for (const PluginInstance& sensor : environment.plugins(SKYBODY_SENSOR)) {
+    for (const Channel& channel : sensor.channels) {
+      if (channel.is_image()) continue;
+      append(header.sensors, sensor.name + "." + channel.name, channel.unit, channel.count);
+    }
   }
-  for (const Channel& channel : environment.task().channels)
-    append(header.observation, "", channel);
+  describe_observation(environment, header);
   for (const Goal& goal : environment.task().goals) {
     header.goals.push_back(body_name(environment, goal.body));
   }
@@ -156,6 +166,9 @@ void record(const Simulation& simulation, bool on_simbody, FlightLog& log) {
   const std::vector<double> command = values_of(state, layout.command);
   const std::vector<double> sensors = values_of(state, layout.sensors);
   const std::vector<double> goal = simulation.goals();
+  const std::span<const float> seen = simulation.observation(), more = simulation.privileged();
+  std::vector<float> observation(seen.begin(), seen.end());
+  observation.insert(observation.end(), more.begin(), more.end());
   const std::vector<BodyState>& bodies = simulation.bodies();
   FlightLogRow row;
   row.time = simulation.time();
@@ -167,7 +180,7 @@ void record(const Simulation& simulation, bool on_simbody, FlightLog& log) {
   row.rotor_command = rotor_command;
   row.action = action;
   row.command = command;
-  row.observation = simulation.observation();
+  row.observation = observation;
   row.reward = simulation.reward();
   row.status = simulation.status();
   row.dynamics = on_simbody ? 1 : 0;

@@ -23,6 +23,8 @@ Batch::Batch(int row_capacity, const RowWidths& row_widths, bool with_final) : w
   reward.resize(n);
   agent_reward.resize(n * static_cast<std::size_t>(width.agents));
   info.resize(infos);
+  privileged.resize(n * static_cast<std::size_t>(width.privileged));
+  for (const int bytes : width.images) images.emplace_back(n * static_cast<std::size_t>(bytes));
   status.resize(n);
   terminated.resize(n);
   truncated.resize(n);
@@ -33,6 +35,8 @@ Batch::Batch(int row_capacity, const RowWidths& row_widths, bool with_final) : w
   if (with_final) {
     final_observation.resize(observations);
     final_info.resize(infos);
+    final_privileged.resize(privileged.size());
+    final_images = images;
   }
 }
 
@@ -41,6 +45,10 @@ void Batch::take(const Batch& from, int first, int count, int at) {
   copy_row(from.reward, first, reward, at, 1, count);
   copy_row(from.agent_reward, first, agent_reward, at, width.agents, count);
   copy_row(from.info, first, info, at, width.info, count);
+  copy_row(from.privileged, first, privileged, at, width.privileged, count);
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    copy_row(from.images[k], first, images[k], at, width.images[k], count);
+  }
   copy_row(from.status, first, status, at, 1, count);
   copy_row(from.terminated, first, terminated, at, 1, count);
   copy_row(from.truncated, first, truncated, at, 1, count);
@@ -53,13 +61,26 @@ void Batch::take(const Batch& from, int first, int count, int at) {
     if (from.status[static_cast<std::size_t>(first + k)] == 0) continue;  // nothing ended
     copy_row(from.final_observation, first + k, final_observation, at + k, width.observation, 1);
     copy_row(from.final_info, first + k, final_info, at + k, width.info, 1);
+    copy_row(from.final_privileged, first + k, final_privileged, at + k, width.privileged, 1);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      copy_row(from.final_images[i], first + k, final_images[i], at + k, width.images[i], 1);
+    }
+  }
+}
+
+void Batch::keep_final(int row) {
+  copy_row(observation, row, final_observation, row, width.observation, 1);
+  copy_row(info, row, final_info, row, width.info, 1);
+  copy_row(privileged, row, final_privileged, row, width.privileged, 1);
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    copy_row(images[k], row, final_images[k], row, width.images[k], 1);
   }
 }
 
 void Batch::spoil() {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  for (Column<float>* column :
-       {&observation, &reward, &agent_reward, &info, &final_observation, &final_info}) {
+  for (Column<float>* column : {&observation, &reward, &agent_reward, &info, &privileged,
+                                &final_observation, &final_info, &final_privileged}) {
     std::fill(column->begin(), column->end(), kNaN);
   }
 }

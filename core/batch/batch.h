@@ -30,6 +30,8 @@ struct RowWidths {
   int observation = 0;
   int agents = 0;
   int info = 0;
+  int privileged = 0;
+  std::vector<int> images;  ///< bytes of each
 };
 
 /// Rows of up to `capacity` transitions. Row i of a column of width w begins at i * w.
@@ -39,6 +41,8 @@ struct Batch {
   /// Copies `count` rows of another batch of the same widths, beginning with its row `first`, to
   /// row `at`; final rows only where an episode ended.
   void take(const Batch& from, int first, int count, int at);
+  /// Copies a row's observation and info to its final ones.
+  void keep_final(int row);
   /// Fills all floats with NaN: whoever still reads this memory notices.
   void spoil();
 
@@ -57,6 +61,10 @@ struct Batch {
   Column<std::int32_t> episode_step;  ///< actions taken in the episode that the row is of
   Column<float> final_observation;    ///< kSameStep: before the reset, where the episode ended
   Column<float> final_info;           ///< likewise
+  Column<float> privileged;           ///< for a critic only, `width.privileged` wide
+  Column<float> final_privileged;     ///< like final_observation
+  std::vector<Column<std::uint8_t>> images;        ///< `width.images` bytes wide
+  std::vector<Column<std::uint8_t>> final_images;  ///< like final_observation
 };
 
 }  // namespace skybody

@@ -7,7 +7,7 @@
 #include "core/base/octets.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 namespace {
@@ -22,6 +22,12 @@ int span_for(const Environment& environment, const VecEnvOptions& options) {
   const auto share = [](int whole, int parts) { return (whole + parts - 1) / parts; };
   const int rounds = share(options.envs, threads * lanes);
   return kOctet * share(share(options.envs, threads * rounds), kOctet);
+}
+
+std::vector<int> image_widths(const Environment& environment) {
+  std::vector<int> bytes;
+  for (const ObservedImage& image : environment.images()) bytes.push_back(image.bytes);
+  return bytes;
 }
 
 /// Writes only where something changes: neighbouring groups' flags share a cache line.
@@ -58,7 +64,8 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
 
 RowWidths Fleet::widths() const {
   return {environment_->observation_size(), static_cast<int>(environment_->agents().size()),
-          has_info_ ? environment_->info_size() : 0};
+          has_info_ ? environment_->info_size() : 0, environment_->privileged_size(),
+          image_widths(*environment_)};
 }
 
 void Fleet::initialize(std::uint64_t seed) {
@@ -92,16 +99,23 @@ void Fleet::transition(int group, std::uint32_t mask, Batch& rows, int thread) {
 }
 
 /// Where the rows of the group's lanes lie.
-Rows Fleet::rows_of(int first, Batch& rows) const {
+Rows Fleet::rows_of(int first, Batch& rows, GroupWork& work) const {
   const std::size_t at = index(first);
-  return {rows.observation.data() + at * index(rows.width.observation), rows.reward.data() + at,
-          rows.status.data() + at, rows.agent_reward.data() + at * index(rows.width.agents),
-          has_info_ ? rows.info.data() + at * index(rows.width.info) : nullptr};
+  for (std::size_t k = 0; k < work.image_rows.size(); ++k) {
+    work.image_rows[k] = rows.images[k].data() + at * index(rows.width.images[k]);
+  }
+  return {rows.observation.data() + at * index(rows.width.observation),
+          rows.reward.data() + at,
+          rows.status.data() + at,
+          rows.agent_reward.data() + at * index(rows.width.agents),
+          has_info_ ? rows.info.data() + at * index(rows.width.info) : nullptr,
+          rows.privileged.data() + at * index(rows.width.privileged),
+          work.image_rows.data()};
 }
 
 void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const int first = env_of(group, 0);
-  const Rows out = rows_of(first, rows);
+  const Rows out = rows_of(first, rows, work);
   environment_->step(states_[index(group)], work, mask, action(first),
                      static_cast<int>(action_size_), out);
   add_to_hash(group, mask, out);
@@ -110,7 +124,7 @@ void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 }
 
 void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
-  const Rows out = rows_of(env_of(group, 0), rows);
+  const Rows out = rows_of(env_of(group, 0), rows, work);
   environment_->reset(states_[index(group)], work, mask, out);
   add_to_hash(group, mask, out);
   describe(group, mask, true, rows);
@@ -119,19 +133,12 @@ void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 /// kSameStep: keeps the last row of episodes that have ended and begins the next; reward, status
 /// and step count of the row stay those of the end.
 void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
-  const auto observation = index(rows.width.observation), info = index(rows.width.info);
   const std::uint32_t over = mask & ended_[index(group)];
-  each_lane(over, [&](int l) {
-    const std::size_t env = index(env_of(group, l));
-    std::copy_n(rows.observation.data() + env * observation, observation,
-                rows.final_observation.data() + env * observation);
-    if (info > 0)
-      std::copy_n(rows.info.data() + env * info, info, rows.final_info.data() + env * info);
-  });
+  each_lane(over, [&](int l) { rows.keep_final(env_of(group, l)); });
   if (over == 0) return;
   float reward[kGroupLanes];
   std::uint64_t status[kGroupLanes];
-  Rows out = rows_of(env_of(group, 0), rows);
+  Rows out = rows_of(env_of(group, 0), rows, work);
   out.reward = reward;
   out.status = status;
   out.agent_reward = nullptr;
@@ -191,11 +198,30 @@ bool Fleet::describe_running(int first, const std::uint64_t* steps, bool is_rese
 }
 
 void Fleet::observation(int env, float* out) const {
-  const Block block = environment_->layout().last_observation;
-  const double* values = state(env).reals(block);
+  last_values(env, 0, environment_->observation_size(), out);
+}
+
+void Fleet::privileged(int env, float* out) const {
+  last_values(env, environment_->observation_size(), environment_->privileged_size(), out);
+}
+
+void Fleet::image(int env, int image, std::uint8_t* out) const {
+  const ObservedImage& place = environment_->images()[index(image)];
+  std::copy_n(state(env).images().bytes_of(lane_of(env)) + place.from, place.bytes, out);
+}
+
+std::vector<std::uint64_t> Fleet::words(int env) const {
+  std::vector<std::uint64_t> saved = state(env).save(lane_of(env));
+  saved.resize(index(environment_->layout().words));
+  return saved;
+}
+
+/// Values of the last finite observation, from the `first` on.
+void Fleet::last_values(int env, int first, int count, float* out) const {
+  const double* values = state(env).reals(environment_->layout().last_observation);
   const int lanes = state(env).lanes();
-  for (int k = 0; k < block.size; ++k) {
-    out[k] = static_cast<float>(values[k * lanes + lane_of(env)]);
+  for (int k = 0; k < count; ++k) {
+    out[k] = static_cast<float>(values[(first + k) * lanes + lane_of(env)]);
   }
 }
 

@@ -65,7 +65,11 @@ class Fleet {
   /// @throws Error likewise
   void restore(std::span<const std::uint64_t> saved);
   void fork(int source, int target, bool rekey);
+  /// An environment's last row of observations, and its privileged row.
   void observation(int env, float* out) const;
+  void privileged(int env, float* out) const;
+  /// An image of an environment, as its sensor last made it.
+  void image(int env, int image, std::uint8_t* out) const;
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }
@@ -76,14 +80,15 @@ class Fleet {
   /// Resets so far.
   std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane_of(env)]; }
   /// All words of an environment's WorldState, in the order of the layout.
-  std::vector<std::uint64_t> words(int env) const { return state(env).save(lane_of(env)); }
+  std::vector<std::uint64_t> words(int env) const;
 
  private:
   std::uint32_t bit(int env) const { return 1u << lane_of(env); }
   static std::size_t index(int env) { return static_cast<std::size_t>(env); }
   StateGroup& state(int env) { return states_[index(group_of(env))]; }
   const StateGroup& state(int env) const { return states_[index(group_of(env))]; }
-  Rows rows_of(int first, Batch& rows) const;
+  void last_values(int env, int first, int count, float* out) const;
+  Rows rows_of(int first, Batch& rows, GroupWork& work) const;
   void step(int group, std::uint32_t mask, Batch& rows, GroupWork& work);
   void reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work);
   void reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work);

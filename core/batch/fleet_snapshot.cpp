@@ -8,7 +8,7 @@
 namespace skybody {
 namespace {
 
-// A saved fleet: these words, then per environment its WorldState and its hash chain.
+// A saved fleet: these words, then per environment its WorldState, its images and its hash chain.
 enum SavedWord : int {
   kMagicWord,
   kVersionWord,
@@ -25,14 +25,14 @@ static_assert(std::is_trivially_copyable_v<HashChain> &&
 
 std::vector<std::uint64_t> header(const Environment& environment, int envs) {
   return {kMagic, kVersion, environment.scenario().hash, static_cast<std::uint64_t>(envs),
-          static_cast<std::uint64_t>(environment.layout().words)};
+          environment.saved_words()};
 }
 
 }  // namespace
 
 std::vector<std::uint64_t> Fleet::save() const {
   std::vector<std::uint64_t> out = header(*environment_, envs_);
-  const auto words = static_cast<std::size_t>(environment_->layout().words);
+  const std::size_t words = environment_->saved_words();
   out.reserve(out.size() + index(envs_) * (words + kChainWords));
   for (int env = 0; env < envs_; ++env) {
     const std::vector<std::uint64_t> lane_words = state(env).save(lane_of(env));
@@ -46,7 +46,7 @@ std::vector<std::uint64_t> Fleet::save() const {
 
 void Fleet::check_saved(std::span<const std::uint64_t> saved) const {
   const std::vector<std::uint64_t> expected = header(*environment_, envs_);
-  const auto words = static_cast<std::size_t>(environment_->layout().words);
+  const std::size_t words = environment_->saved_words();
   const std::size_t each = words + kChainWords;
   if (saved.size() < kSavedHeader || saved[kMagicWord] != kMagic) {
     throw Error("this is not a saved state: give what save() gave");
@@ -73,7 +73,7 @@ void Fleet::check_saved(std::span<const std::uint64_t> saved) const {
 
 void Fleet::restore(std::span<const std::uint64_t> saved) {
   check_saved(saved);
-  const auto words = static_cast<std::size_t>(environment_->layout().words);
+  const std::size_t words = environment_->saved_words();
   const std::size_t each = words + kChainWords;
   const std::uint64_t* from = saved.data() + kSavedHeader;
   for (int env = 0; env < envs_; ++env, from += each) {

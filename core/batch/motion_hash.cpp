@@ -12,10 +12,20 @@ void add_block(HashChain& chain, const std::vector<std::uint64_t>& words, const 
   }
 }
 
-void add_row(HashChain& chain, const Batch& rows, std::size_t row) {
-  const auto width = static_cast<std::size_t>(rows.width.observation);
+void add_values(HashChain& chain, const Column<float>& values, int row_width, std::size_t row) {
+  const auto width = static_cast<std::size_t>(row_width);
   for (std::size_t k = row * width; k < (row + 1) * width; ++k) {
-    chain.update(static_cast<double>(rows.observation[k]));
+    chain.update(static_cast<double>(values[k]));
+  }
+}
+
+void add_row(HashChain& chain, const Batch& rows, std::size_t row) {
+  add_values(chain, rows.observation, rows.width.observation, row);
+  add_values(chain, rows.privileged, rows.width.privileged, row);
+  for (std::size_t k = 0; k < rows.images.size(); ++k) {
+    const auto width = static_cast<std::size_t>(rows.width.images[k]);
+    const std::uint8_t* pixels = rows.images[k].data() + row * width;
+    for (std::size_t i = 0; i < width; ++i) chain.update(std::uint64_t{pixels[i]});
   }
   chain.update(static_cast<double>(rows.reward[row]));
   chain.update(rows.status[row]);

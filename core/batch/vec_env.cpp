@@ -121,11 +121,30 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
 void VecEnv::observations(std::span<float> observation) const {
   engine_->check_idle("observations()");
   const FpEnvironment guard;
-  const auto width = static_cast<std::size_t>(environment().observation_size());
-  check_values("observation", observation.size(), static_cast<std::size_t>(envs()),
-               environment().observation_size());
+  const int width = environment().observation_size();
+  check_values("observation", observation.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
-    engine_->fleet.observation(env, observation.data() + static_cast<std::size_t>(env) * width);
+    engine_->fleet.observation(env, observation.data() + static_cast<std::ptrdiff_t>(env) * width);
+  }
+}
+
+void VecEnv::privileged(std::span<float> privileged) const {
+  engine_->check_idle("privileged()");
+  const FpEnvironment guard;
+  const int width = environment().privileged_size();
+  check_values("privileged", privileged.size(), static_cast<std::size_t>(envs()), width);
+  for (int env = 0; env < envs(); ++env) {
+    engine_->fleet.privileged(env, privileged.data() + static_cast<std::ptrdiff_t>(env) * width);
+  }
+}
+
+void VecEnv::image(int image, std::span<std::uint8_t> pixels) const {
+  engine_->check_idle("image()");
+  check_index("image", image, static_cast<int>(environment().images().size()));
+  const int width = environment().images()[static_cast<std::size_t>(image)].bytes;
+  check_values("pixels", pixels.size(), static_cast<std::size_t>(envs()), width);
+  for (int env = 0; env < envs(); ++env) {
+    engine_->fleet.image(env, image, pixels.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 

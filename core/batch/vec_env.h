@@ -97,6 +97,12 @@ class VecEnv {
   /// Last observation of every environment.
   /// @param observation  N_E x observation_size(). @throws Error on another number of values
   void observations(std::span<float> observation) const;
+  /// Last privileged row of every environment, N_E x privileged_size().
+  void privileged(std::span<float> privileged) const;
+  /// One of the observation's images (Environment::images) of every environment.
+  /// @param pixels  N_E times its bytes. @throws Error on another size, or if there is no such
+  /// image
+  void image(int image, std::span<std::uint8_t> pixels) const;
   /// Value of a randomizable parameter. @throws Error as Simulation::param
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);

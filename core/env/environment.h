@@ -2,12 +2,15 @@
 // scenario. Steps lane groups of WorldState; holds none itself.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/base/hash.h"
+#include "core/env/controller_chains.h"
+#include "core/env/observation_plan.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
 #include "core/physics/forces/contact.h"
@@ -20,20 +23,22 @@ class GroupWork;
 
 /// Rows that a transition writes: the row of lane l lies l times its width further on.
 struct Rows {
-  float* observation = nullptr;     ///< observation_size() wide
-  float* reward = nullptr;          ///< 1 wide
-  std::uint64_t* status = nullptr;  ///< EpisodeStatus bits, 1 wide
-  float* agent_reward = nullptr;    ///< agents().size() wide; optional
-  float* info = nullptr;            ///< info_size() wide; optional
+  float* observation = nullptr;           ///< observation_size() wide
+  float* reward = nullptr;                ///< 1 wide
+  std::uint64_t* status = nullptr;        ///< EpisodeStatus bits, 1 wide
+  float* agent_reward = nullptr;          ///< agents().size() wide; optional
+  float* info = nullptr;                  ///< info_size() wide; optional
+  float* privileged = nullptr;            ///< privileged_size() wide; optional
+  std::uint8_t* const* images = nullptr;  ///< of each of images(), in its bytes; optional
 };
 
-/// A robot's controllers and where their signals lie.
-struct ControllerChain {
-  int first = 0, count = 0;  ///< within Environment::controllers()
-  int command = 0;           ///< first word of the input within the command block
-  int action = 0;            ///< first value within the action row
-  int site = 0;              ///< first wrench site of the robot
-  int drive = 0;             ///< its place among the driven robots, where it drives the base
+/// A part of the action row: of a task that has its own, or the command of a chain.
+struct ActionChannel {
+  std::string name;  ///< the task's, or the signal's
+  std::string unit;  ///< of the task's
+  int robot = 0;
+  int first = 0;                  ///< within the action row
+  std::vector<double> low, high;  ///< what -1 and +1 mean
 };
 
 /// One scenario, ready to step. Const methods are safe to call from several threads on different
@@ -50,14 +55,30 @@ class Environment {
   const World& world() const { return *world_; }
   const Layout& layout() const { return world_->layout; }
   const Scenario& scenario() const { return world_->scenario; }
-  const std::vector<PluginInstance>& controllers() const { return controllers_; }
+  /// In the order of the scenario; controllers in robot order.
+  const std::vector<PluginInstance>& plugins(SkybodyKind kind) const { return plugins_[kind]; }
+  const PluginInstance& task() const { return plugins_[SKYBODY_TASK][0]; }
   const std::vector<ControllerChain>& chains() const { return chains_; }
-  const std::vector<PluginInstance>& sensors() const { return sensors_; }
-  const std::vector<PluginInstance>& randomizers() const { return randomizers_; }
-  const PluginInstance& task() const { return task_; }
+  /// The command words of a robot: of its chains, one after the other. Size 0: it takes none.
+  Block commands_of(int robot) const;
+  /// Values beside the observation: the task's, then those that other plugins report, by instance.
+  const std::vector<Channel>& info_channels() const { return info_channels_; }
+  /// In the order of the row.
+  const std::vector<ActionChannel>& action_channels() const { return action_channels_; }
   int action_size() const { return layout().action.size; }
-  int observation_size() const { return observation_size_; }
-  int info_size() const { return info_size_; }
+  /// The parts of the observation: the task's in order, then those that `observe` adds.
+  const std::vector<ObservationColumn>& columns() const { return plan_.columns; }
+  /// Values of a row of observations, which a policy sees.
+  int observation_size() const { return plan_.observation_size; }
+  /// Values of a privileged row, which only a critic sees.
+  int privileged_size() const { return plan_.privileged_size; }
+  /// The images of the observation, in the order of their columns.
+  const std::vector<ObservedImage>& images() const { return plan_.images; }
+  int info_size() const { return value_count(info_channels_); }
+  /// Words of what a StateGroup saves of an environment: WorldState, then images.
+  std::size_t saved_words() const {
+    return static_cast<std::size_t>(layout().words) + image_words_;
+  }
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
@@ -68,6 +89,9 @@ class Environment {
   StateGroup make_state(int lanes) const;
   /// Scratch for groups of that size. Results never depend on which groups it served.
   std::unique_ptr<GroupWork> make_work(int lanes) const;
+  /// The same for groups of one lane, in checked mode: calls throw Error where a plugin touches
+  /// values beyond those that it may.
+  std::unique_ptr<GroupWork> make_checked_work() const;
 
   /// Puts one lane at the beginning: nominal parameters, episode 0, the given random key. A reset
   /// must follow.
@@ -115,16 +139,28 @@ class Environment {
  private:
   struct Builder;
   void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;
+  void make_command(StateGroup&, GroupWork&, const SkybodyLanes&) const;
+  void process(StateGroup&, GroupWork&, const SkybodyLanes&) const;
+  void scale_action(const StateGroup&, std::uint32_t mask, double* out) const;
+  void move_command(StateGroup&, const GroupWork&, std::uint32_t mask, int step, int steps) const;
   void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  double* actuator(StateGroup&, std::uint32_t mask, const PluginInstance& last,
-                   const ControllerChain& chain) const;
-  std::uint32_t fly(StateGroup&, GroupWork&, SkybodyLanes lanes, std::int64_t steps) const;
+  void control(StateGroup&, GroupWork&, const SkybodyLanes&, const ControllerChain&) const;
+  void apply_effects(StateGroup&, const SkybodyLanes&) const;
+  void add_up_held(StateGroup&, std::uint32_t mask, int input) const;
+  void clear_held(StateGroup&, std::uint32_t mask) const;
+  std::uint32_t due(const PluginInstance&, const StateGroup&, std::uint32_t mask) const;
+  void fly_action(StateGroup&, GroupWork&, SkybodyLanes lanes) const;
+  void fly(StateGroup&, GroupWork&, SkybodyLanes& lanes) const;
   std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void sense(StateGroup&, const SkybodyLanes&, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
   std::uint32_t finite_robot_rewards(const GroupWork&, std::uint32_t mask) const;
   void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,
                        const Rows&) const;
+  std::uint32_t write_observation(GroupWork&, std::uint32_t mask, const Rows&) const;
+  void write_images(const StateGroup&, std::uint32_t mask, const Rows&) const;
+  void write_last_observation(const StateGroup&, std::uint32_t mask, const Rows&) const;
+  void gather_observation(const StateGroup&, GroupWork&) const;
   void write_agent_rewards(GroupWork&, std::uint32_t mask, const Rows&) const;
   void evaluate(StateGroup&, GroupWork&, const SkybodyLanes&, bool wants_info) const;
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
@@ -132,22 +168,27 @@ class Environment {
   void start(StateGroup&, std::uint32_t mask) const;
   void draw(StateGroup&, GroupWork&, std::uint32_t mask, bool requested) const;
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
-  void reset_plugin(const PluginInstance&, StateGroup&, std::uint32_t mask) const;
+  void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
   const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
-  SkybodyLanes view(const StateGroup&, std::uint32_t mask) const;
+  void sense_contacts(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void write_reports(const StateGroup&, GroupWork&) const;
+  SkybodyLanes view(const StateGroup&, GroupWork&, std::uint32_t mask) const;
 
   std::unique_ptr<const World> world_;
   std::unique_ptr<const GroupPhysics> physics_;
-  std::vector<PluginInstance> controllers_, sensors_, randomizers_;
+  std::array<std::vector<PluginInstance>, SKYBODY_KIND_COUNT> plugins_;
   std::vector<ControllerChain> chains_;
-  PluginInstance task_;
+  std::vector<ActionChannel> action_channels_;
+  std::vector<Channel> info_channels_;
   bool needs_bodies_before_ = false;
-  int scratch_size_ = 0;  ///< of the widest signal between two controllers
-  int observation_size_ = 0;
-  int info_size_ = 0;
+  bool needs_contacts_ = false;
+  int signal_size_ = 0;   ///< of the widest output of a controller
+  int scratch_size_ = 0;  ///< of the plugin that asks for most
+  ObservationPlan plan_;
+  std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
   std::vector<int> agents_;
   LaneState initial_;  ///< what every reset starts from; nominal parameters
 };

@@ -3,6 +3,7 @@
 // Every lane is concluded as if it had no fault. Faults are rare; they are corrected afterwards,
 // lane by lane.
 #include <algorithm>
+#include <cstring>
 
 #include "core/base/octets.h"
 #include "core/env/environment.h"
@@ -28,24 +29,64 @@ std::uint64_t fault_reason(const GroupWork& work, int lane, std::uint32_t finite
 void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask, bool is_reset,
                            const Rows& rows) const {
   const RowKernels& kernels = row_kernels();
-  const int lanes = group.lanes(), size = observation_size();
-  std::uint32_t finite =
-      kernels.write(mask, lanes, work.observation.data(), size, rows.observation) &
-      kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
-  if (task_.robot_rewards) finite &= finite_robot_rewards(work, mask);
+  const int lanes = group.lanes();
+  std::uint32_t finite = write_observation(work, mask, rows) &
+                         kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
+  if (task().robot_rewards) finite &= finite_robot_rewards(work, mask);
   if (is_reset) {  // no action was taken that reward or end could be about
     work.clear_verdict();
     kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
   }
-  keep(group, finite, size, work.observation.data(),
+  keep(group, finite, plan_.size(), work.observation.data(),
        group.writable(layout().last_observation, finite));
   kernels.end(mask, work.end.data(), group.bits(kStep),
               static_cast<std::uint64_t>(scenario().stepping.horizon), group.writable(kStatus),
               rows.status);
   const std::uint32_t faults = mask & (work.bad_action | work.bad_state | ~finite);
   if (faults != 0) conclude_faults(group, work, faults, finite, rows);
-  if (rows.info != nullptr) kernels.write(mask, lanes, work.info.data(), info_size_, rows.info);
+  if (rows.info != nullptr) kernels.write(mask, lanes, work.info.data(), info_size(), rows.info);
+  if (rows.images != nullptr) write_images(group, mask, rows);
   if (rows.agent_reward != nullptr) write_agent_rewards(work, mask, rows);
+}
+
+/// @returns the lanes whose values are finite, the privileged ones included
+std::uint32_t Environment::write_observation(GroupWork& work, std::uint32_t mask,
+                                             const Rows& rows) const {
+  const RowKernels& kernels = row_kernels();
+  const int lanes = work.lanes, size = observation_size();
+  const std::uint32_t finite =
+      kernels.write(mask, lanes, work.observation.data(), size, rows.observation);
+  if (privileged_size() == 0) return finite;
+  const double* privileged = work.observation.data() + size * lanes;
+  if (rows.privileged == nullptr) {
+    return finite & kernels.are_finite(mask, lanes, privileged, privileged_size());
+  }
+  return finite & kernels.write(mask, lanes, privileged, privileged_size(), rows.privileged);
+}
+
+/// Images as the sensors last made them, at a fault, too: none of their values can be a NaN that
+/// stands for one, but of float32 images, whose makers answer for them.
+void Environment::write_images(const StateGroup& group, std::uint32_t mask,
+                               const Rows& rows) const {
+  for (std::size_t k = 0; k < plan_.images.size(); ++k) {
+    const ObservedImage& image = plan_.images[k];
+    each_lane(mask, [&](int lane) {
+      std::memcpy(rows.images[k] + static_cast<std::ptrdiff_t>(lane) * image.bytes,
+                  group.images().bytes_of(lane) + image.from,
+                  static_cast<std::size_t>(image.bytes));
+    });
+  }
+}
+
+/// The rows of the last finite observation.
+void Environment::write_last_observation(const StateGroup& group, std::uint32_t mask,
+                                         const Rows& rows) const {
+  const int lanes = group.lanes();
+  const double* values = group.reals(layout().last_observation);
+  row_kernels().write(mask, lanes, values, observation_size(), rows.observation);
+  if (rows.privileged == nullptr || privileged_size() == 0) return;
+  row_kernels().write(mask, lanes, values + observation_size() * lanes, privileged_size(),
+                      rows.privileged);
 }
 
 /// The lanes whose agents all have a finite reward of their own.
@@ -60,8 +101,7 @@ std::uint32_t Environment::finite_robot_rewards(const GroupWork& work, std::uint
 /// @param finite  lanes whose observation and rewards are: theirs is the last observation
 void Environment::conclude_faults(StateGroup& group, GroupWork& work, std::uint32_t faults,
                                   std::uint32_t finite, const Rows& rows) const {
-  row_kernels().write(faults & ~finite, group.lanes(), group.reals(layout().last_observation),
-                      observation_size(), rows.observation);
+  write_last_observation(group, faults & ~finite, rows);
   each_lane(faults, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
     rows.status[l] = kTruncated | kFault | fault_reason(work, lane, finite);
@@ -79,7 +119,7 @@ void Environment::write_agent_rewards(GroupWork& work, std::uint32_t mask, const
   double* to = work.agent_reward.data();
   for (const int robot : agents_) {
     const double* own = work.robot_reward.data() + robot * work.lanes;
-    to = std::copy_n(task_.robot_rewards ? own : work.reward.data(), work.lanes, to);
+    to = std::copy_n(task().robot_rewards ? own : work.reward.data(), work.lanes, to);
   }
   row_kernels().write(mask, work.lanes, work.agent_reward.data(), static_cast<int>(agents_.size()),
                       rows.agent_reward);

@@ -4,22 +4,24 @@
 #include <cstring>
 
 #include "core/base/error.h"
-#include "core/base/octets.h"
-#include "core/physics/world/held_inputs.h"
 
 namespace skybody {
 
-StateGroup::StateGroup(const Layout& layout, int bodies, int lanes,
+StateGroup::StateGroup(const Layout& layout, int bodies, int lanes, int image_words,
                        std::unique_ptr<GroupStepper> stepper)
     : layout_(&layout),
       lanes_(lanes),
       words_(static_cast<std::size_t>(layout.words) * static_cast<std::size_t>(lanes)),
       bodies_(13 * static_cast<std::size_t>(bodies) * static_cast<std::size_t>(lanes)),
+      images_(image_words, lanes),
       stepper_(std::move(stepper)) {
   blocks_.lanes = lanes;
   blocks_.bodies = bodies > 0 ? bodies_.data() : start_of(layout.q);
   for (const StateBlock& b : kStateBlocks) blocks_.*b.values = start_of(layout.*b.place);
   for (const InputBlock& b : kInputBlocks) blocks_.*b.values = reals(layout.*b.place);
+  for (std::size_t i = 0; i < layout.held.size(); ++i) {
+    if (layout.held[i].size > 0) blocks_.held[i] = reals(layout.held[i]);
+  }
 }
 
 void StateGroup::gather(int lane, Block block, double* out) const {
@@ -42,15 +44,9 @@ void StateGroup::scatter(int lane, Block block, const double* in) {
   for (int k = 0; k < block.size; ++k) values[k * lanes_ + lane] = in[k];
 }
 
-void StateGroup::write_neutral_inputs(std::uint32_t lanes) {
-  each_neutral_input(*layout_, [&](Block Layout::*place, int k, double value) {
-    double* values = writable({(layout_->*place).offset + k, 1}, lanes);
-    each_lane(lanes, [&](int l) { values[l] = value; });
-  });
-}
-
 void StateGroup::clear(int lane) {
   for (int k = 0; k < words(); ++k) at(k)[lane] = 0;
+  images_.clear(lane);
   forget(1u << lane);
   occupied_ |= 1u << lane;
 }
@@ -58,12 +54,16 @@ void StateGroup::clear(int lane) {
 std::vector<std::uint64_t> StateGroup::save(int lane) const {
   std::vector<std::uint64_t> saved(static_cast<std::size_t>(words()));
   for (int k = 0; k < words(); ++k) saved[static_cast<std::size_t>(k)] = at(k)[lane];
+  const auto images = images_.of(lane);
+  saved.insert(saved.end(), images.begin(), images.end());
   return saved;
 }
 
 void StateGroup::restore(int lane, const std::vector<std::uint64_t>& saved) {
-  SKYBODY_DEMAND(static_cast<int>(saved.size()) == words(), "a snapshot of another layout");
-  for (int k = 0; k < words(); ++k) at(k)[lane] = saved[static_cast<std::size_t>(k)];
+  const auto count = static_cast<std::size_t>(words());
+  SKYBODY_DEMAND(saved.size() == count + images_.words(), "a snapshot of another layout");
+  for (std::size_t k = 0; k < count; ++k) at(static_cast<int>(k))[lane] = saved[k];
+  images_.set(lane, saved.data() + count);
   forget(1u << lane);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/aligned_array.h"
+#include "core/env/image_memory.h"
 #include "core/model/layout.h"
 #include "core/physics/step/group_stepper.h"
 
@@ -22,8 +23,10 @@ class StateGroup {
  public:
   /// @param bodies   of the world; 0: they are q and u (GroupPhysics::bodies_are_coordinates)
   /// @param lanes    L >= 1; all words start as zero
+  /// @param image_words  of the sensors' images of each environment
   /// @param stepper  the physics of this group
-  StateGroup(const Layout& layout, int bodies, int lanes, std::unique_ptr<GroupStepper> stepper);
+  StateGroup(const Layout& layout, int bodies, int lanes, int image_words,
+             std::unique_ptr<GroupStepper> stepper);
 
   int lanes() const { return lanes_; }
   int words() const { return layout_->words; }
@@ -37,9 +40,10 @@ class StateGroup {
   const double* reals(int word) const { return reinterpret_cast<const double*>(at(word)); }
   /// First value of words as they are.
   const std::uint64_t* bits(int word) const { return at(word); }
+  const ImageMemory& images() const { return images_; }
   /// Copies one lane's block of doubles.
   void gather(int lane, Block block, double* out) const;
-  /// All words of one lane, in order.
+  /// All words of one lane, in order, then those of its images.
   std::vector<std::uint64_t> save(int lane) const;
 
   // --- writing; stride L ------------------------------------------------------------------------
@@ -56,10 +60,9 @@ class StateGroup {
 
   /// Copies one lane's block of doubles into the group.
   void scatter(int lane, Block block, const double* in);
-  /// What effects hold, in these lanes, to what changes nothing (held_inputs.h).
-  void write_neutral_inputs(std::uint32_t lanes);
   /// All words of a lane, which is occupied from then on, to zero.
   void clear(int lane);
+  ImageMemory& images() { return images_; }
   /// What save() gave.
   void restore(int lane, const std::vector<std::uint64_t>& saved);
 
@@ -118,6 +121,7 @@ class StateGroup {
   int lanes_;
   AlignedArray<std::uint64_t> words_;
   AlignedArray<double> bodies_;
+  ImageMemory images_;
   GroupBlocks blocks_;
   std::unique_ptr<GroupStepper> stepper_;
   std::uint32_t current_ = 0;  ///< lanes whose bodies are right

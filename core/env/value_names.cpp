@@ -1,6 +1,7 @@
 #include "core/env/value_names.h"
 
 #include "core/base/error.h"
+#include "core/model/held_inputs.h"
 
 namespace skybody {
 namespace {
@@ -8,12 +9,16 @@ namespace {
 std::string indexed(const std::string& name, int k) { return name + "[" + std::to_string(k) + "]"; }
 
 /// `name` for a single value, name[0], name[1], ... for several.
-void append(std::vector<std::string>& names, const std::string& prefix,
-            const std::vector<Channel>& channels) {
-  for (const Channel& channel : channels) {
-    for (int k = 0; k < channel.count; ++k) {
-      names.push_back(prefix + (channel.count == 1 ? channel.name : indexed(channel.name, k)));
-    }
+void append(std::vector<std::string>& names, const std::string& name, int count) {
+  for (int k = 0; k < count; ++k) names.push_back(count == 1 ? name : indexed(name, k));
+}
+
+/// The columns of the row of observations, or of the privileged one.
+void append_observation(std::vector<std::string>& names, const std::string& prefix,
+                        const Environment& environment, bool privileged) {
+  for (const ObservationColumn& column : environment.columns()) {
+    if (column.image >= 0) continue;
+    if (column.privileged == privileged) append(names, prefix + column.name, column.count());
   }
 }
 
@@ -35,20 +40,20 @@ class StateNames {
     name_block(layout_.drive, "drive");
     name_block(layout_.joint_command, "joint_command");
     name_block(layout_.joint_state, "joint_state");
-    name_block(layout_.held_wind, "held_wind");
-    name_block(layout_.held_wrench, "held_wrench");
-    name_block(layout_.held_rotor_gain, "held_rotor_gain");
-    name_block(layout_.held_rotor_limit, "held_rotor_limit");
-    name_block(layout_.held_rotor_rate, "held_rotor_rate");
+    for (std::size_t i = 0; i < layout_.held.size(); ++i) {
+      name_block(layout_.held[i], std::string("held ") + kHeldInputs[i].name);
+    }
     name_block(layout_.bodies_before, "bodies_before");
     expect(layout_.params);
     for (const EnvParam& param : layout_.param_info) names_.push_back("params " + param.path);
     name_block(layout_.action, "action");
     name_block(layout_.command, "command");
     name_sensors();
+    name_block(layout_.contacts, "contacts");
     name_block(layout_.plugin_state, "plugin_state");
     expect(layout_.last_observation);
-    append(names_, "last_observation ", environment_.task().channels);
+    append_observation(names_, "last_observation ", environment_, false);
+    append_observation(names_, "last_observation ", environment_, true);
     SKYBODY_DEMAND(static_cast<int>(names_.size()) == layout_.words, "words without a name");
     return std::move(names_);
   }
@@ -86,8 +91,11 @@ class StateNames {
 
   void name_sensors() {
     expect(layout_.sensors);
-    for (const PluginInstance& sensor : environment_.sensors()) {
-      append(names_, "sensors " + sensor.name + ".", sensor.channels);
+    for (const PluginInstance& sensor : environment_.plugins(SKYBODY_SENSOR)) {
+      for (const Channel& channel : sensor.channels) {
+        if (channel.is_image()) continue;
+        append(names_, "sensors " + sensor.name + "." + channel.name, channel.count);
+      }
     }
   }
 
@@ -108,7 +116,20 @@ std::vector<std::string> state_names(const Environment& environment) {
 
 std::vector<std::string> observation_names(const Environment& environment) {
   std::vector<std::string> names;
-  append(names, "", environment.task().channels);
+  append_observation(names, "", environment, false);
+  return names;
+}
+
+std::string source_of(const Environment& environment, const ObservationColumn& column) {
+  if (column.source.sensor < 0) return "task";
+  const PluginInstance& sensor =
+      environment.plugins(SKYBODY_SENSOR)[static_cast<std::size_t>(column.source.sensor)];
+  return sensor.name + "." + sensor.channels[static_cast<std::size_t>(column.source.channel)].name;
+}
+
+std::vector<std::string> privileged_names(const Environment& environment) {
+  std::vector<std::string> names;
+  append_observation(names, "", environment, true);
   return names;
 }
 

@@ -12,7 +12,12 @@ namespace skybody {
 /// robots.quad.rotors[0].thrust_constant", "plugin_state[7]".
 std::vector<std::string> state_names(const Environment& environment);
 
-/// One per value: "velocity[2]", "height".
+/// One per value of a row of observations: "velocity[2]", "height".
 std::vector<std::string> observation_names(const Environment& environment);
+/// Who gives a column's values: "task", or a sensor and its channel, "imu.angular_rate".
+std::string source_of(const Environment& environment, const ObservationColumn& column);
+
+/// One per value of a privileged row.
+std::vector<std::string> privileged_names(const Environment& environment);
 
 }  // namespace skybody

@@ -45,7 +45,7 @@ struct FlightLogRow {
   std::span<const double> q, u;
   std::span<const double> rotor_speed, rotor_command;  ///< [rad/s]
   std::span<const double> action, command;
-  std::span<const float> observation;
+  std::span<const float> observation;  ///< the privileged values last
   float reward = 0.0f;
   std::uint64_t status = 0;   ///< EpisodeStatus bits
   std::uint8_t dynamics = 0;  ///< 1: Simbody took physics steps since the row before, 0: none

@@ -22,7 +22,7 @@ struct ReplayHeader {
   int envs = 0;
   std::string autoreset;  ///< next_step, same_step, disabled
   int action_size = 0;
-  std::vector<std::string> observation_names;  ///< one per value
+  std::vector<std::string> observation_names;  ///< one per value, the privileged ones last
   std::vector<std::string> state_names;        ///< one per state word; empty: states not recorded
 };
 
@@ -54,7 +54,7 @@ struct ReplayRow {
   bool was_reset = false;
   std::uint64_t status = 0;  ///< EpisodeStatus bits
   float reward = 0.0f;
-  std::vector<float> observation;
+  std::vector<float> observation;    ///< the privileged values last
   std::vector<std::uint64_t> state;  ///< all words, where the recording has them
 };
 

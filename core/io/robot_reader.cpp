@@ -39,7 +39,7 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
   const MapReader load(reader.node("disturbance"), disturbance_fields(), node.mark, diagnostics_);
   read_constants(load, kRobotConstants, robot.constants.data());
   robot.controllers =
-      read_plugin_uses(reader.node("controllers"), PluginKind::kController, catalog_, diagnostics_);
+      read_plugin_uses(reader.node("controllers"), SKYBODY_CONTROLLER, catalog_, diagnostics_);
   const RobotModel* model = read_model(reader);
   if (model == nullptr || !take_parts(*model, reader.mark("model"))) {
     reader.real_or_word("rotor_speed");

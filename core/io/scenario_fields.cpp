@@ -9,6 +9,8 @@
 namespace skybody {
 namespace {
 
+constexpr double kMostObservedValue = 1e30;  // far inside the range of a float
+
 Field hover_or(Field field) {
   field.word = "hover";
   return field;
@@ -36,6 +38,11 @@ std::vector<Field> with_constants(std::vector<Field> fields, std::span<const Con
     if (prefix + own_key(row) == row.key) fields.push_back(constant_field(row));
   }
   return fields;
+}
+
+Field no_default(Field field) {
+  field.value.default_numbers.clear();
+  return field;
 }
 
 }  // namespace
@@ -145,7 +152,7 @@ const MapSpec& robot_fields() {
                     "a steady load on the base"),
           map_field("joints", Field::Kind::kNamedMaps, joint_fields(),
                     "springs and dampers by joint name"),
-          plugin_field("controllers", Field::Kind::kPluginList, PluginKind::kController,
+          plugin_field("controllers", Field::Kind::kPluginList, SKYBODY_CONTROLLER,
                        "in the order in which they are evaluated"),
       }};
   return spec;
@@ -163,6 +170,23 @@ const MapSpec& obstacle_fields() {
           vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "of its centre in W"),
           vector_field("rpy", "rad", {0, 0, 0}, -kMostTurned, kMostTurned,
                        "roll, pitch, yaw about the fixed axes of W"),
+      }};
+  return spec;
+}
+
+const MapSpec& observed_fields() {
+  static const MapSpec spec{
+      "observed",
+      "A sensor's channel that joins the task's observation.",
+      {
+          required(text_field("channel", "", "the sensor and its channel: SENSOR.CHANNEL")),
+          name_field("of the column; default: SENSOR.CHANNEL"),
+          boolean_field("privileged", false, "for a critic only: not in the policy's observation"),
+          no_default(real_field("low", "", 0, -kMostObservedValue, kMostObservedValue,
+                                "least value of the space, in the channel's unit; else as the "
+                                "sensor declares")),
+          no_default(real_field("high", "", 0, -kMostObservedValue, kMostObservedValue,
+                                "greatest value, likewise")),
       }};
   return spec;
 }
@@ -194,11 +218,16 @@ const MapSpec& scenario_fields() {
               map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
           map_field("obstacles", Field::Kind::kMapList, obstacle_fields(),
                     "shapes that stand still"),
-          plugin_field("sensors", Field::Kind::kPluginList, PluginKind::kSensor,
+          plugin_field("sensors", Field::Kind::kPluginList, SKYBODY_SENSOR,
                        "what measures, in the order of evaluation"),
-          plugin_field("randomization", Field::Kind::kPluginList, PluginKind::kRandomizer,
+          plugin_field("effects", Field::Kind::kPluginList, SKYBODY_EFFECT,
+                       "what acts on bodies and rotors beside the controllers, in order"),
+          short_form("channel", map_field("observe", Field::Kind::kMapList, observed_fields(),
+                                          "channels of sensors that join the task's observation, "
+                                          "in order")),
+          plugin_field("randomization", Field::Kind::kPluginList, SKYBODY_RANDOMIZER,
                        "what draws values at a reset, in order"),
-          required(plugin_field("task", Field::Kind::kPlugin, PluginKind::kTask,
+          required(plugin_field("task", Field::Kind::kPlugin, SKYBODY_TASK,
                                 "observation, reward and end of an episode")),
       }};
   return spec;
@@ -241,10 +270,11 @@ std::string too_many_entries(const std::string& key, std::size_t count, std::siz
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(),    &solver_fields(),
-                            &contact_fields(),     &robot_fields(),       &pose_fields(),
-                            &disturbance_fields(), &joint_fields(),       &obstacle_fields(),
-                            &plugin_use_fields(),  &rotors_file_fields(), &rotor_fields()};
+  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(),   &solver_fields(),
+                            &contact_fields(),     &robot_fields(),      &pose_fields(),
+                            &disturbance_fields(), &joint_fields(),      &obstacle_fields(),
+                            &observed_fields(),    &plugin_use_fields(), &rotors_file_fields(),
+                            &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {
     text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";
@@ -255,6 +285,7 @@ std::string scenario_reference() {
       std::string allowed = describe_allowed(field.value);
       if (field.kind == Field::Kind::kMap) allowed = "a map: " + field.map->name;
       if (field.kind == Field::Kind::kMapList) allowed = "a list of maps: " + field.map->name;
+      if (!field.short_key.empty()) allowed += ", or their `" + field.short_key + "` alone";
       if (field.kind == Field::Kind::kNamedMaps) allowed = "maps by name: " + field.map->name;
       if (field.kind == Field::Kind::kPlugin) allowed = "a plugin use";
       if (field.kind == Field::Kind::kPluginList) allowed = "a list of plugin uses";

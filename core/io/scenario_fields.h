@@ -16,6 +16,7 @@ inline constexpr std::size_t kMostRobots = 1000;
 inline constexpr std::size_t kMostObstacles = 1000;
 inline constexpr std::size_t kMostPluginUses = 1000;
 inline constexpr std::size_t kMostRotors = 1000;
+inline constexpr std::size_t kMostObserved = 1000;
 
 /// "`robots` has 2000 entries; allowed: at most 1000".
 std::string too_many_entries(const std::string& key, std::size_t count, std::size_t most);
@@ -34,6 +35,8 @@ const MapSpec& disturbance_fields();
 const MapSpec& joint_fields();
 /// One entry of `obstacles`.
 const MapSpec& obstacle_fields();
+/// One entry of `observe`.
+const MapSpec& observed_fields();
 /// One use of a plugin: `plugin`, `name`, `parameters`.
 const MapSpec& plugin_use_fields();
 /// A rotors file.

@@ -6,6 +6,7 @@
 #include "core/base/hash.h"
 #include "core/io/config_tree.h"
 #include "core/io/field.h"
+#include "core/io/observed_reader.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/robot_reader.h"
 #include "core/io/scenario_fields.h"
@@ -45,10 +46,12 @@ class ScenarioReader {
     read_contact(reader);
     read_robots(reader);
     read_obstacles(reader);
-    scenario_.sensors = uses(reader, "sensors", PluginKind::kSensor);
-    scenario_.randomization = uses(reader, "randomization", PluginKind::kRandomizer);
+    scenario_.sensors = uses(reader, "sensors", SKYBODY_SENSOR);
+    scenario_.effects = uses(reader, "effects", SKYBODY_EFFECT);
+    scenario_.observe = read_observed(reader.node("observe"), diagnostics_);
+    scenario_.randomization = uses(reader, "randomization", SKYBODY_RANDOMIZER);
     if (const ConfigNode* task = reader.node("task")) {
-      scenario_.task = read_plugin_use(*task, PluginKind::kTask, catalog_, diagnostics_);
+      scenario_.task = read_plugin_use(*task, SKYBODY_TASK, catalog_, diagnostics_);
     }
     scenario_.text = to_yaml(root_);
     scenario_.hash = hash();
@@ -60,7 +63,7 @@ class ScenarioReader {
     return std::filesystem::path(file).stem().string();
   }
 
-  std::vector<PluginUse> uses(const MapReader& reader, const std::string& key, PluginKind kind) {
+  std::vector<PluginUse> uses(const MapReader& reader, const std::string& key, SkybodyKind kind) {
     return read_plugin_uses(reader.node(key), kind, catalog_, diagnostics_);
   }
 

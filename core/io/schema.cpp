@@ -107,7 +107,7 @@ std::string parameters_schema(const std::vector<ParameterSpec>& specs) {
 }
 
 /// One use of a plugin of `kind`, with each plugin's parameters.
-std::string plugin_schema(PluginKind kind, const PluginCatalog& catalog) {
+std::string plugin_schema(SkybodyKind kind, const PluginCatalog& catalog) {
   std::vector<std::string> cases, docs;
   for (const std::string& name : catalog.names(kind)) {
     const PluginDeclaration* plugin = catalog.find(kind, name);
@@ -144,6 +144,14 @@ std::string plugin_schema(PluginKind kind, const PluginCatalog& catalog) {
   return schema.text();
 }
 
+/// One entry of a list of maps.
+std::string item_schema(const Field& field) {
+  const std::string map = reference(field.map->name);
+  if (field.short_key.empty()) return map;
+  const std::string text = value_schema(field.map->find(field.short_key)->value, "", false);
+  return JsonObject().set("anyOf", json_array({text, map})).text();
+}
+
 std::string field_schema(const Field& field) {
   JsonObject schema;
   schema.set_text("description", field.value.doc);
@@ -153,16 +161,16 @@ std::string field_schema(const Field& field) {
     case Field::Kind::kMap:
       return schema.set("allOf", json_array({reference(field.map->name)})).text();
     case Field::Kind::kMapList:
-      return schema.set_text("type", "array").set("items", reference(field.map->name)).text();
+      return schema.set_text("type", "array").set("items", item_schema(field)).text();
     case Field::Kind::kNamedMaps:
       return schema.set_text("type", "object")
           .set("additionalProperties", reference(field.map->name))
           .text();
     case Field::Kind::kPlugin:
-      return schema.set("allOf", json_array({reference(to_string(field.plugin))})).text();
+      return schema.set("allOf", json_array({reference(kind_name(field.plugin))})).text();
     case Field::Kind::kPluginList:
       return schema.set_text("type", "array")
-          .set("items", reference(to_string(field.plugin)))
+          .set("items", reference(kind_name(field.plugin)))
           .text();
   }
   return schema.text();
@@ -195,11 +203,11 @@ std::string definitions(const PluginCatalog& catalog) {
   JsonObject list;
   const MapSpec* specs[] = {&stepping_fields(), &contact_fields(),     &pose_fields(),
                             &robot_fields(),    &disturbance_fields(), &joint_fields(),
-                            &obstacle_fields()};
+                            &obstacle_fields(), &observed_fields()};
   for (const MapSpec* spec : specs) list.set(spec->name, map_schema(*spec));
-  for (PluginKind kind :
-       {PluginKind::kController, PluginKind::kSensor, PluginKind::kRandomizer, PluginKind::kTask}) {
-    list.set(to_string(kind), plugin_schema(kind, catalog));
+  for (int k = 0; k < SKYBODY_KIND_COUNT; ++k) {
+    const auto kind = static_cast<SkybodyKind>(k);
+    list.set(kind_name(kind), plugin_schema(kind, catalog));
   }
   return list.text();
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,16 @@ struct Obstacle {
   Shape shape;  ///< its pose is in W
 };
 
+/// A sensor's channel that the scenario adds to the task's observation.
+struct ObservedChannel {
+  std::string channel;        ///< `sensor.channel`
+  std::string name;           ///< of its column; never empty
+  bool privileged = false;    ///< for a critic only
+  std::optional<double> low;  ///< least value, in place of what the sensor declares
+  std::optional<double> high;
+  SourceMark mark;
+};
+
 /// One robot of a scenario.
 struct RobotUse {
   std::string name;
@@ -104,7 +115,9 @@ struct Scenario {
   std::vector<RobotUse> robots;
   std::vector<Obstacle> obstacles;
   std::vector<PluginUse> sensors;
+  std::vector<PluginUse> effects;
   std::vector<PluginUse> randomization;
+  std::vector<ObservedChannel> observe;  ///< in the order of the observation
   PluginUse task;
 
   /// Nominal [m/s^2], W axes.

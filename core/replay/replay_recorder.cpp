@@ -38,8 +38,16 @@ ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
   header.autoreset = to_text(envs.options().autoreset);
   header.action_size = environment.action_size();
   header.observation_names = observation_names(environment);
+  for (std::string& name : privileged_names(environment)) {
+    header.observation_names.push_back(std::move(name));
+  }
   if (options.states) header.state_names = state_names(environment);
   return header;
+}
+
+void append_row(const Column<float>& rows, int row, int width, std::vector<float>& out) {
+  const auto first = rows.begin() + static_cast<std::ptrdiff_t>(row) * width;
+  out.insert(out.end(), first, first + width);
 }
 
 }  // namespace
@@ -47,15 +55,15 @@ ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
 void read_row(const Batch& rows, int k, const Fleet& fleet, bool same_step, bool states,
               ReplayRow& out) {
   const auto at = static_cast<std::size_t>(k);
-  const auto width = static_cast<std::size_t>(rows.width.observation);
   out.env = rows.env_id[at];
   out.hash = fleet.hash(out.env);
   out.episode_step = rows.episode_step[at];
   out.was_reset = rows.was_reset[at] != 0;
   out.status = rows.status[at];
   out.reward = rows.reward[at];
-  const auto first = rows.observation.begin() + static_cast<std::ptrdiff_t>(at * width);
-  out.observation.assign(first, first + static_cast<std::ptrdiff_t>(width));
+  out.observation.clear();
+  append_row(rows.observation, k, rows.width.observation, out.observation);
+  append_row(rows.privileged, k, rows.width.privileged, out.observation);
   // Under kSameStep the state is already that of the next episode where one has ended.
   const bool has_moved_on = same_step && out.status != kRunning && !out.was_reset;
   out.episode = fleet.episode(out.env) - (has_moved_on ? 1 : 0);

@@ -149,9 +149,10 @@ std::string ReplayReport::text(const ReplayHeader& header, const std::string& fi
           "); " + std::to_string(parted) + " of " + std::to_string(header.envs) +
           " environments part\n";
   if (!where->differences.empty()) return text + table(where->differences, first, second);
-  return text +
-         "  only state words differ, and the recording has none: record with states to see "
-         "which\n";
+  const bool has_states = !header.state_names.empty();
+  return text + (has_states ? "  only images differ, and the recording has only their hash\n"
+                            : "  only state words or images differ: record with states to see "
+                              "which words\n");
 }
 
 namespace {

@@ -50,6 +50,12 @@ void Simulation::add_to_hash() {
   if (data_->keeps_hash) environment_->hash(data_->group, 0, data_->rows(), data_->chain);
 }
 
+std::span<const float> Simulation::privileged() const { return data_->privileged; }
+std::span<const std::uint8_t> Simulation::image(int image) const {
+  check_index("image", image, static_cast<int>(environment_->images().size()));
+  const ObservedImage& place = environment_->images()[static_cast<std::size_t>(image)];
+  return {data_->group.images().bytes_of(0) + place.from, static_cast<std::size_t>(place.bytes)};
+}
 std::span<const float> Simulation::observation() const { return data_->observation; }
 std::span<const float> Simulation::agent_rewards() const { return data_->agent_reward; }
 std::span<const float> Simulation::info() const { return data_->info; }
@@ -141,6 +147,7 @@ Snapshot Simulation::save() const {
   s.observation = data_->observation;
   s.agent_rewards = data_->agent_reward;
   s.info = data_->info;
+  s.privileged = data_->privileged;
   s.reward = data_->reward;
   s.trajectory = data_->chain;
   s.started = data_->started;
@@ -149,7 +156,7 @@ Snapshot Simulation::save() const {
 
 void Simulation::restore(const Snapshot& snapshot) {
   if (snapshot.scenario_hash != scenario().hash ||
-      static_cast<int>(snapshot.words.size()) != environment_->layout().words) {
+      snapshot.words.size() != environment_->saved_words()) {
     throw Error("this snapshot is of another scenario than " + scenario().file +
                 ": restore it where it was saved");
   }
@@ -158,6 +165,7 @@ void Simulation::restore(const Snapshot& snapshot) {
   data_->observation = snapshot.observation;
   data_->agent_reward = snapshot.agent_rewards;
   data_->info = snapshot.info;
+  data_->privileged = snapshot.privileged;
   data_->reward = snapshot.reward;
   data_->chain = snapshot.trajectory;
   data_->started = snapshot.started;

@@ -38,6 +38,7 @@ struct Snapshot {
   std::vector<float> observation;  ///< the last transition's row, like those that follow
   std::vector<float> agent_rewards;
   std::vector<float> info;
+  std::vector<float> privileged;
   float reward = 0.0f;
   HashChain trajectory;  ///< over all transitions so far
   bool started = false;  ///< an episode has begun
@@ -97,6 +98,10 @@ class Simulation {
   void teleport(const std::string& robot, const BodyState& base);
 
   std::span<const float> observation() const;  ///< after the last reset or step
+  std::span<const float> privileged() const;   ///< likewise: what a critic sees besides
+  /// One of the observation's images (Environment::images), as its sensor last made it.
+  /// @throws Error if there is no such image
+  std::span<const std::uint8_t> image(int image) const;
   float reward() const;
   std::span<const float> agent_rewards() const;  ///< one per agent; the team's where it has no own
   std::span<const float> info() const;           ///< the task's info values, as declared

@@ -15,16 +15,20 @@ struct Simulation::Data {
         work(environment.make_work(1)),
         observation(static_cast<std::size_t>(environment.observation_size())),
         agent_reward(environment.agents().size()),
-        info(static_cast<std::size_t>(environment.info_size())) {
+        info(static_cast<std::size_t>(environment.info_size())),
+        privileged(static_cast<std::size_t>(environment.privileged_size())) {
     environment.initialize(group, 0, seed, env_id);
   }
 
-  Rows rows() { return {observation.data(), &reward, &status, agent_reward.data(), info.data()}; }
+  Rows rows() {
+    return {observation.data(),  &reward,     &status,
+            agent_reward.data(), info.data(), privileged.data()};
+  }
 
   StateGroup group;
   std::unique_ptr<GroupWork> work;
   std::vector<BodyState> bodies;  ///< as last asked for
-  std::vector<float> observation, agent_reward, info;
+  std::vector<float> observation, agent_reward, info, privileged;
   float reward = 0.0f;
   std::uint64_t status = kRunning;
   HashChain chain;

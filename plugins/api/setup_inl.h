@@ -1,6 +1,7 @@
 // Definitions for setup.h.
 #pragma once
 
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -109,14 +110,53 @@ inline void Setup::output(Signal signal, int count) const {
 
 inline void Setup::channel(const std::string& name, const std::string& unit, int count, double low,
                            double high, int robot) const {
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot};
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 0, 0, 0, {}};
   declare_.channel(declare_.host, &channel);
+}
+
+inline void Setup::privileged_channel(const std::string& name, const std::string& unit, int count,
+                                      double low, double high, int robot) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 1, 0, 0, {}};
+  declare_.channel(declare_.host, &channel);
+}
+
+template <class T>
+Image<T> Setup::image(const std::string& name, const std::vector<int>& shape, int robot, double low,
+                      double high) const {
+  SkybodyChannel channel{name.c_str(), "", 1, low, high, robot, 0, 0, 0, {}};
+  if (shape.empty() || shape.size() > std::size(channel.shape)) {
+    throw std::logic_error("image(): `" + name + "` needs one to three extents");
+  }
+  channel.type = plugin_detail::column_type<T>();
+  for (const int extent : shape) {
+    channel.shape[channel.rank++] = extent;
+    channel.count = plugin_detail::product(channel.count, extent);
+  }
+  declare_.channel(declare_.host, &channel);
+  const std::size_t offset = image_bytes_;
+  image_bytes_ += plugin_detail::image_room(static_cast<std::size_t>(channel.count) * sizeof(T));
+  return {offset, channel.count};
 }
 
 inline void Setup::info(const std::string& name, const std::string& unit, int count) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, -infinity, infinity, -1};
+  const SkybodyChannel channel{
+      name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0, 0, 0, {}};
   declare_.info(declare_.host, &channel);
+}
+
+inline void Setup::report(const std::string& name, const std::string& unit, int count,
+                          int first) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const SkybodyChannel channel{
+      name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0, 0, 0, {}};
+  declare_.report(declare_.host, &channel, first);
+}
+
+inline void Setup::action(const std::string& name, const std::string& unit, int count, double low,
+                          double high, int robot) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 0, 0, 0, {}};
+  declare_.action(declare_.host, &channel);
 }
 
 }  // namespace skybody

@@ -143,6 +143,12 @@ std::vector<std::uint8_t> read_mask(nb::handle object, const char* name, std::in
   return gather<std::uint8_t>(array);
 }
 
+void check_image(int index, std::size_t images) {
+  if (index >= 0 && static_cast<std::size_t>(index) < images) return;
+  throw nb::index_error(
+      ("image " + std::to_string(index) + " of " + std::to_string(images)).c_str());
+}
+
 template <class T>
 nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape) {
   auto* memory = new T[std::max<std::size_t>(values.size(), 1)];
@@ -153,6 +159,7 @@ nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t>
 
 template nb::object copy_of(std::span<const float>, std::initializer_list<std::size_t>);
 template nb::object copy_of(std::span<const double>, std::initializer_list<std::size_t>);
+template nb::object copy_of(std::span<const std::uint8_t>, std::initializer_list<std::size_t>);
 template nb::object copy_of(std::span<const std::uint64_t>, std::initializer_list<std::size_t>);
 
 }  // namespace skybody::python

@@ -47,6 +47,9 @@ Values<T> read_array(nb::handle object, const char* name,
 /// The same for a mask: bool or uint8, one value per environment.
 std::vector<std::uint8_t> read_mask(nb::handle object, const char* name, std::int64_t size);
 
+/// @throws IndexError where there is no such image
+void check_image(int index, std::size_t images);
+
 /// A fresh array with a copy of `values`.
 template <class T>
 nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape);

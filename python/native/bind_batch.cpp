@@ -1,3 +1,6 @@
+#include <string>
+#include <vector>
+
 #include "core/base/error.h"
 #include "python/native/arrays.h"
 #include "python/native/batch.h"
@@ -42,6 +45,28 @@ Array2<float> final_rows(nb::handle_t<ReceivedBatch> self) {
   return rows<column, width>(self);
 }
 
+/// The bytes of an image, (n, bytes); shape and type are the column's.
+Array2<std::uint8_t> image_rows(nb::handle_t<ReceivedBatch> self,
+                                const std::vector<Column<std::uint8_t>>& images, int index) {
+  const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
+  check_image(index, batch.width.images.size());
+  const auto k = static_cast<std::size_t>(index);
+  if (images.empty()) {
+    throw Error("images from before a reset are kept with autoreset='same_step' only");
+  }
+  return Array2<std::uint8_t>(
+      memory<std::uint8_t>(images[k]),
+      {static_cast<std::size_t>(batch.rows), static_cast<std::size_t>(batch.width.images[k])},
+      self);
+}
+
+Array2<std::uint8_t> image(nb::handle_t<ReceivedBatch> self, int index) {
+  return image_rows(self, nb::cast<const ReceivedBatch&>(self).core->images, index);
+}
+Array2<std::uint8_t> final_image(nb::handle_t<ReceivedBatch> self, int index) {
+  return image_rows(self, nb::cast<const ReceivedBatch&>(self).core->final_images, index);
+}
+
 using Class = nb::class_<ReceivedBatch>;
 
 void bind_outcome(Class& c) {
@@ -60,6 +85,19 @@ void bind_outcome(Class& c) {
                 "Raises Error unless autoreset is same_step.");
   c.def_prop_ro("final_info", &final_rows<&Batch::final_info, &RowWidths::info>,
                 "(n, I) float32: like final_observation.");
+}
+
+void bind_columns(Class& c) {
+  c.def_prop_ro("privileged", &rows<&Batch::privileged, &RowWidths::privileged>,
+                "(n, P) float32: what a critic sees besides, as Environment.observation_columns\n"
+                "names it.");
+  c.def_prop_ro("final_privileged", &final_rows<&Batch::final_privileged, &RowWidths::privileged>,
+                "(n, P) float32: like final_observation.");
+  c.def("image", &image, nb::arg("index"),
+        "(n, bytes) uint8: the memory of an image of the observation. With the column that has\n"
+        "this index as its `image`, image(index).view(dtype).reshape(n, *shape) are the images.");
+  c.def("final_image", &final_image, nb::arg("index"),
+        "(n, bytes) uint8: likewise before the reset.");
 }
 
 void bind_flags(Class& c) {
@@ -88,6 +126,7 @@ void bind_batch(nb::module_& m) {
           "memory, no copy: its values stay until the second next recv(), and for as long as the\n"
           "Batch or a view of it is referred to. Views are writable.");
   bind_outcome(c);
+  bind_columns(c);
   bind_flags(c);
   c.def("__len__", [](const ReceivedBatch& b) { return b.core->rows; });
   c.def("__repr__",

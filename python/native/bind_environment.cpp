@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/env/setup_tables.h"
+#include "core/env/value_names.h"
 #include "python/native/bindings.h"
 #include "python/native/environment.h"
 
@@ -23,14 +24,6 @@ struct PlacedChannel {
   int robot = -1;
 };
 
-/// What one robot's part of an action row means.
-struct ActionChannel {
-  int robot = 0;
-  std::string signal;
-  int first = 0, count = 0;
-  std::vector<double> low, high;
-};
-
 std::vector<PlacedChannel> placed(const std::vector<Channel>& channels) {
   std::vector<PlacedChannel> list;
   int first = 0;
@@ -41,13 +34,26 @@ std::vector<PlacedChannel> placed(const std::vector<Channel>& channels) {
   return list;
 }
 
-std::vector<ActionChannel> action_channels(const Environment& environment) {
-  std::vector<ActionChannel> list;
-  for (const int robot : environment.agents()) {
-    const ControllerChain& chain = environment.chains()[static_cast<std::size_t>(robot)];
-    const PluginInstance& c = environment.controllers()[static_cast<std::size_t>(chain.first)];
-    list.push_back(
-        {robot, signal_name(c.input_signal), chain.action, c.input_count(), c.low, c.high});
+/// The columns of the row of observations, as channels in their places.
+std::vector<PlacedChannel> observation_channels(const Environment& environment) {
+  std::vector<PlacedChannel> list;
+  for (const ObservationColumn& c : environment.columns()) {
+    if (c.privileged || c.image >= 0) continue;
+    list.push_back({c.name, c.unit, c.first, c.count(), c.low, c.high, c.robot});
+  }
+  return list;
+}
+
+/// A column with its source in words.
+struct NamedColumn {
+  ObservationColumn column;
+  std::string source;
+};
+
+std::vector<NamedColumn> observation_columns(const Environment& environment) {
+  std::vector<NamedColumn> list;
+  for (const ObservationColumn& c : environment.columns()) {
+    list.push_back({c, source_of(environment, c)});
   }
   return list;
 }
@@ -64,6 +70,42 @@ std::vector<std::string> param_paths(const Environment& environment) {
   return paths;
 }
 
+void bind_column(nb::module_& m) {
+  using C = NamedColumn;
+  nb::class_<C>(m, "ObservationColumn", "A part of the observation with a type and a shape.")
+      .def_prop_ro(
+          "name", [](const C& c) { return c.column.name; }, "Name, such as `velocity`.")
+      .def_prop_ro(
+          "unit", [](const C& c) { return c.column.unit; }, "SI unit; empty for a pure number.")
+      .def_prop_ro(
+          "dtype", [](const C& c) { return info_of(c.column.type).name; },
+          "NumPy's name of the type: `float32`, or of an image `uint8`, `uint16` as well.")
+      .def_prop_ro(
+          "shape", [](const C& c) { return nb::tuple(nb::cast(c.column.shape)); },
+          nb::sig("def shape(self) -> tuple[int, ...]"), "Shape of one environment's value.")
+      .def_prop_ro(
+          "low", [](const C& c) { return c.column.low; }, "Least value; may be -inf.")
+      .def_prop_ro(
+          "high", [](const C& c) { return c.column.high; }, "Greatest value; may be inf.")
+      .def_prop_ro(
+          "robot", [](const C& c) { return c.column.robot; },
+          "Index of the robot whose own observation it belongs to; -1: every robot's.")
+      .def_prop_ro(
+          "privileged", [](const C& c) { return c.column.privileged; },
+          "Whether it is for a critic only: in Batch.privileged, not in Batch.observation.")
+      .def_ro("source", &C::source, "`task`, or the sensor and its channel: `imu.angular_rate`.")
+      .def_prop_ro(
+          "first", [](const C& c) { return c.column.first; },
+          "Index of its first value within the row of observations, or the privileged row.")
+      .def_prop_ro(
+          "image", [](const C& c) { return c.column.image; },
+          "An image's index for Batch.image(); -1: it is part of a row.")
+      .def("__repr__", [](const C& c) {
+        return "ObservationColumn(" + c.column.name + " from " + c.source +
+               (c.column.privileged ? ", privileged)" : ")");
+      });
+}
+
 void bind_channels(nb::module_& m) {
   nb::class_<PlacedChannel>(m, "Channel", "A named part of an observation or info row.")
       .def_ro("name", &PlacedChannel::name, "Name, such as `position_error`.")
@@ -78,17 +120,22 @@ void bind_channels(nb::module_& m) {
         return "Channel(" + c.name + "[" + std::to_string(c.count) + "] from " +
                std::to_string(c.first) + (c.unit.empty() ? "" : ", " + c.unit) + ")";
       });
+  bind_column(m);
   nb::class_<ActionChannel>(m, "ActionChannel",
-                            "One robot's part of an action row: the input of its first controller.")
+                            "A part of an action row: the command of one chain of controllers, or "
+                            "a part that the task declares.")
       .def_ro("robot", &ActionChannel::robot, "Index of the robot.")
-      .def_ro("signal", &ActionChannel::signal,
-              "What is commanded, such as `ctbr`: units and frames in docs/control-modes.md.")
+      .def_ro("name", &ActionChannel::name,
+              "What is commanded: a signal such as `ctbr` (docs/control-modes.md), or the task's "
+              "own word.")
+      .def_ro("unit", &ActionChannel::unit, "SI unit of the task's own; else empty.")
       .def_ro("first", &ActionChannel::first, "Index of its first value within the row.")
-      .def_ro("count", &ActionChannel::count, "Number of values.")
-      .def_ro("low", &ActionChannel::low, "What the action -1 means, in the signal's units.")
-      .def_ro("high", &ActionChannel::high, "What the action +1 means, in the signal's units.")
+      .def_prop_ro(
+          "count", [](const ActionChannel& c) { return c.low.size(); }, "Number of values.")
+      .def_ro("low", &ActionChannel::low, "What the action -1 means.")
+      .def_ro("high", &ActionChannel::high, "What the action +1 means.")
       .def("__repr__", [](const ActionChannel& c) {
-        return "ActionChannel(" + c.signal + "[" + std::to_string(c.count) + "] of robot " +
+        return "ActionChannel(" + c.name + "[" + std::to_string(c.low.size()) + "] of robot " +
                std::to_string(c.robot) + ")";
       });
 }
@@ -159,15 +206,21 @@ void bind_time_and_spaces(nb::class_<LoadedEnvironment>& c) {
       "observation_size", [](const E& e) { return e->observation_size(); },
       "O: values of an observation row.");
   c.def_prop_ro(
+      "privileged_size", [](const E& e) { return e->privileged_size(); },
+      "P: values of a privileged row, which is for a critic only.");
+  c.def_prop_ro(
       "info_size", [](const E& e) { return e->info_size(); }, "I: values of an info row.");
   c.def_prop_ro(
-      "observation_channels", [](const E& e) { return placed(e->task().channels); },
-      "What an observation row consists of, in order.");
+      "observation_channels", [](const E& e) { return observation_channels(*e); },
+      "What a row of observations consists of, in order.");
   c.def_prop_ro(
-      "info_channels", [](const E& e) { return placed(e->task().infos); },
+      "observation_columns", [](const E& e) { return observation_columns(*e); },
+      "All columns of the observation: the task's in order, then those that `observe` adds.");
+  c.def_prop_ro(
+      "info_channels", [](const E& e) { return placed(e->info_channels()); },
       "What an info row consists of, in order.");
   c.def_prop_ro(
-      "action_channels", [](const E& e) { return action_channels(*e); },
+      "action_channels", [](const E& e) { return e->action_channels(); },
       "What an action row consists of, one channel per agent.");
 }
 

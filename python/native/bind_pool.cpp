@@ -99,6 +99,24 @@ nb::object observations(Pool& pool) {
   return copy_of<float>(values, {rows, width});
 }
 
+nb::object privileged(Pool& pool) {
+  const auto rows = static_cast<std::size_t>(pool.envs());
+  const auto width = static_cast<std::size_t>(pool.environment()->privileged_size());
+  std::vector<float> values(rows * width);
+  pool.call([&](VecEnv& engine) { engine.privileged(values); });
+  return copy_of<float>(values, {rows, width});
+}
+
+nb::object image(Pool& pool, int index) {
+  const auto& images = pool.environment()->images();
+  check_image(index, images.size());
+  const auto rows = static_cast<std::size_t>(pool.envs());
+  const auto width = static_cast<std::size_t>(images[static_cast<std::size_t>(index)].bytes);
+  std::vector<std::uint8_t> pixels(rows * width);
+  pool.call([&](VecEnv& engine) { engine.image(index, pixels); });
+  return copy_of<std::uint8_t>(pixels, {rows, width});
+}
+
 void fork(Pool& pool, int source, nb::handle targets, bool rekey) {
   const auto ids = read_array<std::int32_t>(targets, "targets", {-1});
   pool.call_with_argument([&](VecEnv& engine) { engine.fork(source, ids.span(), rekey); });
@@ -175,6 +193,13 @@ void bind_state(Class& c) {
   c.def("observations", &observations,
         nb::sig("def observations(self) -> numpy.typing.NDArray[numpy.float32]"),
         "(num_envs, O) float32: fresh array with every environment's row as of now.");
+  c.def("privileged", &privileged,
+        nb::sig("def privileged(self) -> numpy.typing.NDArray[numpy.float32]"),
+        "(num_envs, P) float32: fresh array with every environment's privileged row as of now.");
+  c.def("image", &image, nb::arg("index"),
+        nb::sig("def image(self, index: int) -> numpy.typing.NDArray[numpy.uint8]"),
+        "(num_envs, bytes) uint8: fresh array with an image of every environment as of now, as\n"
+        "Batch.image() has it.");
   c.def(
       "hash", &hash, nb::arg("env") = nb::none(),
       "64-bit trajectory hash of one environment, or of all in order of their ids.\n\n"

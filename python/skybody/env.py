@@ -14,16 +14,18 @@ from numpy.typing import NDArray
 from . import _native, spaces
 from .arguments import Scenario, check_seed, integer, load, shape_error
 from .infos import InfoChannels
+from .observations import Observations, row_of
 from .pooled import drain, make_native, refuse_interrupted
 
 
-class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
     The info dictionary has the task's info values (np.float32 each, or (count,) arrays), and
     `fault` (bool): action, observation or reward was not finite, or the physics diverged (beyond
     1e6 in SI units); the episode is then truncated, and its value must not be bootstrapped. With
-    several agents it also has `agent_reward` (agents,) float32.
+    several agents it also has `agent_reward` (agents,) float32, with privileged columns
+    `privileged` (privileged_size,) float32, for a critic only.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
@@ -32,6 +34,8 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
+        dict_observations: observations are dictionaries with an array for each column, by name;
+            with images they always are.
         render_mode: None; `skybody run` draws pictures.
 
     Raises:
@@ -49,6 +53,7 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         env_id: int = 0,
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
+        dict_observations: bool = False,
         render_mode: None = None,
     ) -> None:
         if render_mode is not None:
@@ -58,7 +63,8 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             )
         self.environment = load(scenario, overrides, plugin_path)
         self.render_mode = None
-        self.observation_space: Box[np.float32] = spaces.observation_space(self.environment)
+        self._observations = Observations(self.environment, dict_observations)
+        self.observation_space = spaces.space_of(self.environment, self._observations)
         self.action_space: Box[np.float32] = spaces.action_space(self.environment)
         self._seed = check_seed(seed)
         self._channels = InfoChannels(self.environment)
@@ -69,11 +75,11 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """Begins an episode: the first under `seed`, or without one the next.
 
         Returns:
-            observation (observation_size,) float32, and info.
+            observation (observation_size,) float32 (a dictionary with dict_observations), and info.
 
         Raises:
             ValueError: any option; there are none.
@@ -89,18 +95,17 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         drain(self._pool)
         self._pool.send_reset(None, value)
         batch = self._pool.recv()
-        return batch.observation[0].copy(), self._info(batch)
+        return row_of(self._observations.of(batch), 0), self._info(batch)
 
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """One transition.
 
         Args:
             action: (action_size,) float32 in [-1, 1] (clipped); one that is not finite is a fault.
 
         Returns:
-            observation (observation_size,) float32, reward, terminated, truncated, info.
+            observation (observation_size,) float32 (a dictionary with dict_observations),
+            reward, terminated, truncated, info.
 
         Raises:
             TypeError: another dtype.
@@ -114,7 +119,7 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self._pool.send(row[np.newaxis], None)
         batch = self._pool.recv()
         return (
-            batch.observation[0].copy(),
+            row_of(self._observations.of(batch), 0),
             float(batch.reward[0]),
             bool(batch.terminated[0]),
             bool(batch.truncated[0]),
@@ -122,25 +127,29 @@ class SkybodyEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         )
 
     def _info(self, batch: _native.Batch) -> dict[str, Any]:
-        info = self._channels.of_row(batch.info[0])
+        info = self._channels.of_row(batch.info[0], batch.privileged[0])
         info["fault"] = bool(batch.fault[0])
         if len(self.environment.agents) > 1:
             info["agent_reward"] = batch.agent_reward[0].copy()
         return info
 
+    def row(self) -> NDArray[np.float32]:
+        """The last row of observations (observation_size,), without images; a copy."""
+        row: NDArray[np.float32] = self._pool.observations()[0]
+        return row
+
     def save(self) -> bytes:
         """Everything of the environment: motion, drawn values, counters, random key."""
         return self._pool.save()
 
-    def restore(self, saved: bytes) -> NDArray[np.float32]:
+    def restore(self, saved: bytes) -> Any:
         """Puts it where it was at `save`. Returns its observation.
 
         Raises:
             ValueError: `saved` is of another scenario.
         """
         self._pool.restore(saved)
-        row: NDArray[np.float32] = self._pool.observations()[0]
-        return row
+        return row_of(self._observations.now(self._pool), 0)
 
     def param(self, path: str) -> float:
         """Value of a randomizable parameter (`environment.param_paths`)."""

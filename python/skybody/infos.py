@@ -14,6 +14,7 @@ RESERVED = (
     "was_reset",
     "fault",
     "agent_reward",
+    "privileged",
     "final_obs",
     "final_info",
     "terminal_observation",  # Stable-Baselines3's
@@ -23,6 +24,8 @@ RESERVED = (
 class InfoChannels:
     """Where each of a task's info values lies in a row of `Batch.info`.
 
+    Beside them an info has `privileged` where the scenario has privileged columns.
+
     Args:
         present: whether rows carry them at all; else there are none.
 
@@ -31,6 +34,7 @@ class InfoChannels:
     """
 
     def __init__(self, environment: Environment, present: bool = True) -> None:
+        self._has_privileged = environment.privileged_size > 0
         self._columns: list[tuple[str, str, int | slice]] = []
         for channel in environment.info_channels if present else ():
             if channel.name in RESERVED:
@@ -42,21 +46,36 @@ class InfoChannels:
             where = channel.first if channel.count == 1 else slice(channel.first, end)
             self._columns.append((channel.name, "_" + channel.name, where))
 
-    def columns(self, rows: NDArray[np.float32]) -> dict[str, NDArray[Any]]:
+    def columns(
+        self, rows: NDArray[np.float32], privileged: NDArray[np.float32]
+    ) -> dict[str, NDArray[Any]]:
         """One array per info value, (n,) or (n, count): views of `rows`, (n, info_size)."""
-        return {name: rows[:, where] for name, _, where in self._columns}
+        infos: dict[str, NDArray[Any]] = {name: rows[:, where] for name, _, where in self._columns}
+        if self._has_privileged:
+            infos["privileged"] = privileged
+        return infos
 
-    def masked(self, rows: NDArray[np.float32], mask: NDArray[np.bool_]) -> dict[str, NDArray[Any]]:
+    def masked(
+        self,
+        rows: NDArray[np.float32],
+        privileged: NDArray[np.float32],
+        mask: NDArray[np.bool_],
+    ) -> dict[str, NDArray[Any]]:
         """The same with Gymnasium's `_name` masks, which say for which rows a value is given."""
         infos: dict[str, NDArray[Any]] = {}
         for name, mask_name, where in self._columns:
             infos[name] = rows[:, where]
             infos[mask_name] = mask
+        if self._has_privileged:
+            infos["privileged"], infos["_privileged"] = privileged, mask
         return infos
 
-    def of_row(self, row: NDArray[np.float32]) -> dict[str, Any]:
+    def of_row(self, row: NDArray[np.float32], privileged: NDArray[np.float32]) -> dict[str, Any]:
         """Values of one row, (info_size,): np.float32 each, or a copy (count,)."""
-        return {
+        info: dict[str, Any] = {
             name: row[where].copy() if isinstance(where, slice) else row[where]
             for name, _, where in self._columns
         }
+        if self._has_privileged:
+            info["privileged"] = privileged.copy()
+        return info

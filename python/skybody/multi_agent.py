@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 
 from . import spaces
@@ -15,23 +15,25 @@ from .agents import commanded_by, observed_by
 from .arguments import Scenario, check_array
 from .env import SkybodyEnv
 from .extras import missing_package
+from .observations import key_of, policy_columns
 
 try:
     import pettingzoo  # type: ignore[import-untyped]
 except ModuleNotFoundError as error:
     raise missing_package("multi_agent", error) from error
 
-Observations = dict[str, NDArray[np.float32]]
+Observations = dict[str, Any]
 Infos = dict[str, dict[str, Any]]
 
 
 class ParallelEnv(
-    pettingzoo.ParallelEnv[str, NDArray[np.float32], NDArray[np.float32]],  # type: ignore[misc]
+    pettingzoo.ParallelEnv[str, Any, NDArray[np.float32]],  # type: ignore[misc]
 ):
     """One environment with several robots as a PettingZoo `ParallelEnv`.
 
     Each robot that takes actions is an agent, under its name in the scenario. All agents begin and
-    end together. Each agent's info has the task's info values and `fault`, as `SkybodyEnv` has.
+    end together. Each agent sees its own columns and those of nobody. Each agent's info has the
+    task's info values, `fault` and `privileged`, as `SkybodyEnv` has.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
@@ -40,6 +42,8 @@ class ParallelEnv(
         env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
+        dict_observations: observations are dictionaries with an array for each column, by name;
+            with images they always are.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -53,9 +57,15 @@ class ParallelEnv(
         env_id: int = 0,
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
+        dict_observations: bool = False,
     ) -> None:
         self._env = SkybodyEnv(
-            scenario, seed=seed, env_id=env_id, overrides=overrides, plugin_path=plugin_path
+            scenario,
+            seed=seed,
+            env_id=env_id,
+            overrides=overrides,
+            plugin_path=plugin_path,
+            dict_observations=dict_observations,
         )
         self.environment = self._env.environment
         self.metadata: dict[str, Any] = {"name": self.environment.name, "render_modes": []}
@@ -63,20 +73,28 @@ class ParallelEnv(
         robots, agents = self.environment.robots, self.environment.agents
         self.possible_agents = [robots[robot] for robot in agents]
         self.agents: list[str] = []
-        self._row = np.zeros(self.environment.observation_size, np.float32)
+        self._observation: Any = None
         self._seen = {robots[r]: observed_by(self.environment, r) for r in agents}
         self._commanded = {robots[r]: commanded_by(self.environment, r) for r in agents}
-        self.observation_spaces = {
-            agent: spaces.select(self._env.observation_space, seen)
-            for agent, seen in self._seen.items()
-        }
+        self._columns = None
+        if isinstance(self._env.observation_space, Dict):
+            columns = policy_columns(self.environment)
+            self._columns = {
+                robots[r]: [column for column in columns if column.robot in (r, -1)] for r in agents
+            }
+        self.observation_spaces = {agent: self._space_of(agent) for agent in self.possible_agents}
         self.action_spaces = {
             agent: spaces.select(self._env.action_space, commanded)
             for agent, commanded in self._commanded.items()
         }
 
-    def observation_space(self, agent: str) -> Box[np.float32]:
-        """What an agent sees: (width,) float32."""
+    def _space_of(self, agent: str) -> Box[np.float32] | Dict:
+        if self._columns is not None:
+            return spaces.dict_space(self._columns[agent])
+        return spaces.select(spaces.observation_space(self.environment), self._seen[agent])
+
+    def observation_space(self, agent: str) -> Box[np.float32] | Dict:
+        """What an agent sees: (width,) float32, or with dict_observations a Dict of its columns."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Box[np.float32]:
@@ -91,7 +109,7 @@ class ParallelEnv(
         Args:
             options: not used; PettingZoo's own tests pass some.
         """
-        self._row, info = self._env.reset(seed=seed)
+        self._observation, info = self._env.reset(seed=seed)
         info.pop("agent_reward", None)
         self.agents = list(self.possible_agents)
         return self._observations(), self._infos(info)
@@ -112,7 +130,9 @@ class ParallelEnv(
             ValueError: an agent's action is missing or of another shape; an action of no
                 agent; not yet reset, or the episode has ended.
         """
-        self._row, reward, terminated, truncated, info = self._env.step(self._joined(actions))
+        self._observation, reward, terminated, truncated, info = self._env.step(
+            self._joined(actions)
+        )
         if terminated or truncated:
             self.agents = []
         rewards = info.pop("agent_reward", [reward])
@@ -142,15 +162,20 @@ class ParallelEnv(
             row[commanded] = check_array(name, actions[agent], commanded.shape, np.float32)
         return row
 
-    def _observations(self) -> dict[str, NDArray[np.float32]]:
-        return {agent: self._row[seen] for agent, seen in self._seen.items()}
+    def _observations(self) -> Observations:
+        if self._columns is None:
+            return {agent: self._observation[seen] for agent, seen in self._seen.items()}
+        return {
+            agent: {key_of(c): self._observation[key_of(c)].copy() for c in columns}
+            for agent, columns in self._columns.items()
+        }
 
     def _infos(self, info: dict[str, Any]) -> Infos:
         return {agent: dict(info) for agent in self.possible_agents}
 
     def state(self) -> NDArray[np.float32]:
-        """The whole observation row (observation_size,), for a centralised critic."""
-        return self._row.copy()
+        """The whole row of observations (observation_size,), for a centralised critic."""
+        return self._env.row()
 
     def close(self) -> None:
         """Gives the memory back. Further calls raise."""

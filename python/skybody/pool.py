@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from .arguments import MOST_ENVS, Scenario, check_seed, env_ids, integer_within, load
 from .infos import InfoChannels
+from .observations import Observations
 from .pooled import PooledEnvironments, make_native
 
 Order = Literal["fixed", "arrival"]
 Autoreset = Literal["next_step", "same_step", "disabled"]
-Transition = tuple[
-    NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
-]
+Transition = tuple[Any, NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 
 
 class Pool(PooledEnvironments):
@@ -44,6 +43,8 @@ class Pool(PooledEnvironments):
             observation is in info["final_obs"]; "disabled": the caller resets.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
+        dict_observations: observations are dictionaries with an array for each column, by name;
+            with images they always are.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
         infos: whether infos hold the task's info values; without, tasks need not compute them.
@@ -67,6 +68,7 @@ class Pool(PooledEnvironments):
         autoreset: Autoreset = "next_step",
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
+        dict_observations: bool = False,
         pin_threads: bool = False,
         keep_hash: bool = False,
         infos: bool = True,
@@ -86,6 +88,7 @@ class Pool(PooledEnvironments):
             info=infos,
             debug=debug,
         )
+        self._observations = Observations(self.environment, dict_observations)
         self._channels = InfoChannels(self.environment, infos)
         self._same_step = autoreset == "same_step"
 
@@ -103,7 +106,7 @@ class Pool(PooledEnvironments):
 
     def reset(
         self, mask: NDArray[np.bool_] | None = None, seed: int | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """`async_reset`, then the first batch of it: observations and infos as from `recv`.
 
         With batch_size < num_envs further calls of `recv` give the others.
@@ -137,7 +140,8 @@ class Pool(PooledEnvironments):
         """Waits for up to batch_size finished environments (fewer where fewer are in flight).
 
         Returns:
-            observation (n, observation_size) float32, reward (n,) float32, terminated (n,) bool,
+            observation (n, observation_size) float32 (with dict_observations a dictionary of
+            (n, *shape) arrays), reward (n,) float32, terminated (n,) bool,
             truncated (n,) bool, and info, a dictionary of arrays:
 
             * `env_id` (n,) int32: which environment each row is of;
@@ -148,6 +152,7 @@ class Pool(PooledEnvironments):
               bootstrapped;
             * `agent_reward` (n, agents) float32;
             * one entry per info value of the task, (n,) or (n, count) float32;
+            * with privileged columns `privileged` (n, privileged_size) float32, for a critic only;
             * with autoreset="same_step" also `final_obs` (n, observation_size) and `final_info`
               (a dictionary as above), valid in rows where terminated or truncated.
 
@@ -162,11 +167,12 @@ class Pool(PooledEnvironments):
             "fault": batch.fault,
             "agent_reward": batch.agent_reward,
         }
-        info.update(self._channels.columns(batch.info))
+        info.update(self._channels.columns(batch.info, batch.privileged))
         if self._same_step:
-            info["final_obs"] = batch.final_observation
-            info["final_info"] = self._channels.columns(batch.final_info)
-        return batch.observation, batch.reward, batch.terminated, batch.truncated, info
+            info["final_obs"] = self._observations.final_of(batch)
+            info["final_info"] = self._channels.columns(batch.final_info, batch.final_privileged)
+        observation = self._observations.of(batch)
+        return observation, batch.reward, batch.terminated, batch.truncated, info
 
     def step(self, actions: NDArray[np.float32], env_id: ArrayLike | None = None) -> Transition:
         """`send`, then `recv`."""

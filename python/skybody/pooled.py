@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._native import Environment
 from .arguments import MOST_ENVS, MOST_THREADS, check_seed, env_ids, integer_within
+from .observations import Observations
 
 
 def refuse_interrupted(pool: _native.Pool) -> None:
@@ -49,10 +50,15 @@ class PooledEnvironments:
     """
 
     native: _native.Pool
+    _observations: Observations
 
-    def observations(self) -> NDArray[np.float32]:
-        """Last observation of every environment, in a new array; as after a restore or fork."""
-        return self.native.observations()
+    def observations(self) -> Any:
+        """Last observation of every environment, in new arrays; as after a restore or fork."""
+        return self._observations.now(self.native)
+
+    def privileged(self) -> NDArray[np.float32]:
+        """Last privileged row of every environment (num_envs, privileged_size), a new array."""
+        return self.native.privileged()
 
     def save(self) -> bytes:
         """Everything of all environments: motion, drawn values, counters, random keys.
@@ -62,7 +68,7 @@ class PooledEnvironments:
         """
         return self.native.save()
 
-    def restore(self, saved: bytes) -> NDArray[np.float32]:
+    def restore(self, saved: bytes) -> Any:
         """Puts all environments where they were at `save`.
 
         Returns:

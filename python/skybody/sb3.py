@@ -13,6 +13,7 @@ from . import _native, spaces
 from .arguments import Scenario, check_seed, load
 from .extras import missing_package
 from .infos import InfoChannels
+from .observations import Observations, copy_of, row_of
 from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
 
 try:
@@ -49,6 +50,8 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         seed: key of all random numbers until a `seed(...)`; environment i draws from (seed, i).
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
+        dict_observations: observations are dictionaries with an array for each column, by name,
+            for `MultiInputPolicy`; with images they always are.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
 
@@ -66,6 +69,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         seed: int = 0,
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
+        dict_observations: bool = False,
         pin_threads: bool = False,
         keep_hash: bool = False,
     ) -> None:
@@ -80,19 +84,22 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
             pin_threads=pin_threads,
             keep_hash=keep_hash,
         )
+        self._observations = Observations(self.environment, dict_observations)
         self._channels = InfoChannels(self.environment)
         self._last_info = np.zeros((num_envs, self.environment.info_size), np.float32)
+        self._last_privileged = np.zeros((num_envs, self.environment.privileged_size), np.float32)
         super().__init__(
             num_envs,
-            spaces.observation_space(self.environment),
+            spaces.space_of(self.environment, self._observations),
             spaces.action_space(self.environment),
         )
 
-    def reset(self) -> NDArray[np.float32]:
+    def reset(self) -> Any:
         """Begins new episodes; under a new seed after `seed(...)`, else the next ones.
 
         Returns:
-            observations (num_envs, observation_size) float32. `reset_infos` has the task's info
+            observations (num_envs, observation_size) float32 (a dictionary with
+            dict_observations). `reset_infos` has the task's info
             values of each.
         """
         drain(self.native)
@@ -100,9 +107,13 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self._reset_seeds()
         self._reset_options()
         batch = self.native.recv()
-        self._last_info = batch.info.copy()
-        self.reset_infos = [self._channels.of_row(row) for row in self._last_info]
-        return batch.observation.copy()
+        self._remember(batch)
+        rows = zip(self._last_info, self._last_privileged, strict=True)
+        self.reset_infos = [self._channels.of_row(*row) for row in rows]
+        return copy_of(self._observations.of(batch))
+
+    def _remember(self, batch: _native.Batch) -> None:
+        self._last_info, self._last_privileged = batch.info.copy(), batch.privileged.copy()
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped).
@@ -114,33 +125,38 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
 
     def step_wait(
         self,
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+    ) -> tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Observations (num_envs, observation_size), rewards, dones (num_envs,), infos."""
         batch = self.native.recv()
-        self._last_info = batch.info.copy()
+        self._remember(batch)
         dones = batch.terminated | batch.truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if dones.any():
             self._tell_ends(batch, dones, infos)
-        return batch.observation.copy(), batch.reward.copy(), dones, infos
+        observation = copy_of(self._observations.of(batch))
+        return observation, batch.reward.copy(), dones, infos
 
     def _tell_ends(
         self, batch: _native.Batch, dones: NDArray[np.bool_], infos: list[dict[str, Any]]
     ) -> None:
         terminated, fault = batch.terminated, batch.fault
-        final, final_info = batch.final_observation, batch.final_info
+        final, final_info = self._observations.final_of(batch), batch.final_info
+        final_privileged = batch.final_privileged
         for i in np.flatnonzero(dones).tolist():
             infos[i] = {
-                **self._channels.of_row(final_info[i]),
-                "terminal_observation": final[i].copy(),
+                **self._channels.of_row(final_info[i], final_privileged[i]),
+                "terminal_observation": row_of(final, i),
                 "TimeLimit.truncated": not (terminated[i] or fault[i]),
                 "fault": bool(fault[i]),
             }
 
     @property
     def last_info(self) -> dict[str, NDArray[np.float32]]:
-        """The task's info values after the last step (or reset within it): (num_envs,) each."""
-        return self._channels.columns(self._last_info)
+        """The task's info values after the last step (or reset within it): (num_envs,) each.
+
+        With privileged columns also `privileged` (num_envs, privileged_size), for a critic only.
+        """
+        return self._channels.columns(self._last_info, self._last_privileged)
 
     def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
         """There are no reset options. Raises ValueError if any is given."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 
-from ._native import Environment
+from ._native import Environment, ObservationColumn
+from .observations import Observations, key_of
 
 
 def observation_bounds(environment: Environment) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -29,6 +31,31 @@ def observation_space(environment: Environment) -> Box[np.float32]:
     return Box(*observation_bounds(environment), dtype=np.float32)
 
 
+def column_space(column: ObservationColumn) -> Box[Any]:
+    """Values of one column: Box of its shape, dtype and bounds."""
+    return Box(column.low, column.high, column.shape, np.dtype(column.dtype).type)
+
+
+def dict_space(columns: Iterable[ObservationColumn]) -> Dict:
+    """A Box for each column, under its key."""
+    return Dict({key_of(column): column_space(column) for column in columns})
+
+
+def space_of(environment: Environment, observations: Observations) -> Box[np.float32] | Dict:
+    """What one environment gives: a Box, or a Dict with a Box for each column under its key."""
+    if observations.columns is None:
+        return observation_space(environment)
+    return dict_space(observations.columns)
+
+
+def batched(space: Box[np.float32] | Dict, count: int) -> Box[np.float32] | Dict:
+    """The space of `count` observations: each Box is (count, *shape)."""
+    if isinstance(space, Dict):
+        boxes = {key: box for key, box in space.items() if isinstance(box, Box)}
+        return Dict({key: batch(box, count) for key, box in boxes.items()})
+    return batch(space, count)
+
+
 def action_space(environment: Environment) -> Box[np.float32]:
     """Actions of one environment: Box [-1, 1] (action_size,), float32.
 
@@ -42,10 +69,11 @@ def select(space: Box[np.float32], entries: Sequence[int] | NDArray[np.intp]) ->
     return Box(space.low[entries], space.high[entries], dtype=np.float32)
 
 
-def batch(space: Box[np.float32], count: int) -> Box[np.float32]:
+def batch(space: Box[Any], count: int) -> Box[Any]:
     """The space of `count` rows, (count, *space.shape)."""
     repeats = (count,) + (1,) * len(space.shape)
-    return Box(np.tile(space.low, repeats), np.tile(space.high, repeats), dtype=np.float32)
+    low, high = np.tile(space.low, repeats), np.tile(space.high, repeats)
+    return Box(low, high, dtype=space.dtype.type)
 
 
 def reshape(space: Box[np.float32], shape: tuple[int, ...]) -> Box[np.float32]:

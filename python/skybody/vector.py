@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any, cast, get_args
 
 import numpy as np
+from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
@@ -14,6 +15,7 @@ from . import _native, spaces
 from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, load, shape_error
 from .infos import InfoChannels
+from .observations import Observations, row_of
 from .pool import Autoreset, Order
 from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
 
@@ -59,9 +61,7 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
     return mask
 
 
-class SkybodyVectorEnv(
-    PooledEnvironments, VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]
-):
+class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
     """`num_envs` environments of one scenario as one vector environment.
 
     Observations, rewards, ends and infos are views of memory that C++ owns. They keep their values
@@ -73,7 +73,9 @@ class SkybodyVectorEnv(
     environments go on.
     With SAME_STEP, `fault` is the ended episode's (as are the flags beside it), while the other
     infos are the new episode's. With several agents there is also `agent_reward`
-    (num_envs, agents) float32: the transition's, like the reward.
+    (num_envs, agents) float32: the transition's, like the reward. With privileged columns there is
+    `privileged` (num_envs, privileged_size) float32, which belongs to the observations: for a
+    critic only.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
@@ -88,6 +90,8 @@ class SkybodyVectorEnv(
         plugin_path: folders that are searched for plugins before the default ones.
         joint: several robots that are alike: observations are (num_envs, agents, width) and
             actions (num_envs, agents, width), views of the same memory, with the team's reward.
+        dict_observations: observations are dictionaries with an array (num_envs, *shape) for each
+            column, by name: views of the same memory; with images they always are.
         pin_threads: each worker on a processor of its own, where the system allows it.
         keep_hash: chain a trajectory hash per environment, for `hash`.
         infos: whether infos hold the task's info values; without, tasks need not compute them.
@@ -96,7 +100,8 @@ class SkybodyVectorEnv(
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        ValueError: a number is out of range, or joint for agents that are not alike.
+        ValueError: a number is out of range, joint for agents that are not alike, or joint with
+            dictionaries.
     """
 
     def __init__(
@@ -111,6 +116,7 @@ class SkybodyVectorEnv(
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
         joint: bool = False,
+        dict_observations: bool = False,
         pin_threads: bool = False,
         keep_hash: bool = False,
         infos: bool = True,
@@ -135,7 +141,10 @@ class SkybodyVectorEnv(
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
+        self._observations = Observations(self.environment, dict_observations)
         self._channels = InfoChannels(self.environment, infos)
+        if joint and self._observations.columns is not None:
+            raise ValueError("joint and dict_observations exclude one another: leave one out")
         self._joint = JointLayout(self.environment) if joint else None
         self._team = len(self.environment.agents) > 1
         self._all = np.ones(num_envs, np.bool_)
@@ -143,21 +152,20 @@ class SkybodyVectorEnv(
         self._define_spaces()
 
     def _define_spaces(self) -> None:
-        observation = spaces.observation_space(self.environment)
+        observation = spaces.space_of(self.environment, self._observations)
         action = spaces.action_space(self.environment)
-        if self._joint is not None:
+        if self._joint is not None and isinstance(observation, Box):
             observation = spaces.reshape(observation, self._joint.observation_shape)
             action = spaces.reshape(action, self._joint.action_shape)
         self.single_observation_space = observation
         self.single_action_space = action
-        self.observation_space = spaces.batch(observation, self.num_envs)
+        self.observation_space = spaces.batched(observation, self.num_envs)
         self.action_space = spaces.batch(action, self.num_envs)
         self._action_shape = (self.num_envs, *action.shape)
-        self._observation_shape = (self.num_envs, *observation.shape)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """Begins new episodes.
 
         Args:
@@ -166,7 +174,8 @@ class SkybodyVectorEnv(
                 rows of the others are their last observations again.
 
         Returns:
-            observations (num_envs, observation_size) float32, and infos.
+            observations (num_envs, observation_size) float32 (a dictionary with
+            dict_observations), and infos.
 
         Raises:
             TypeError: a list of seeds, or a mask that is no bool array.
@@ -184,13 +193,13 @@ class SkybodyVectorEnv(
         self.native.send_reset(mask, value)
         batch = self.native.recv()
         if mask is None:
-            return self._observations(batch.observation), self._infos(batch)
-        everything = slice(None)
-        return self.observations(), self._some_infos(batch, batch.info, everything, batch.env_id)
+            return self._shaped(self._observations.of(batch)), self._infos(batch)
+        infos = self._some_infos(batch, batch.info, batch.privileged, slice(None), batch.env_id)
+        return self.observations(), infos
 
     def step(
         self, actions: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+    ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One transition of all environments.
 
         Args:
@@ -199,7 +208,8 @@ class SkybodyVectorEnv(
                 ignored.
 
         Returns:
-            observations (num_envs, observation_size) float32, rewards (num_envs,) float32,
+            observations (num_envs, observation_size) float32 (a dictionary with
+            dict_observations), rewards (num_envs,) float32,
             terminations, truncations (num_envs,) bool, and infos.
 
         Raises:
@@ -220,7 +230,7 @@ class SkybodyVectorEnv(
         if self._mode is AutoresetMode.SAME_STEP:
             self._add_final(infos, batch, np.flatnonzero(terminated | truncated))
         return (
-            self._observations(batch.observation),
+            self._shaped(self._observations.of(batch)),
             batch.reward,
             terminated,
             truncated,
@@ -228,7 +238,7 @@ class SkybodyVectorEnv(
         )
 
     def _infos(self, batch: _native.Batch) -> dict[str, Any]:
-        infos: dict[str, Any] = self._channels.masked(batch.info, self._all)
+        infos: dict[str, Any] = self._channels.masked(batch.info, batch.privileged, self._all)
         infos["fault"], infos["_fault"] = batch.fault, self._all
         if self._team:
             infos["agent_reward"], infos["_agent_reward"] = batch.agent_reward, self._all
@@ -240,18 +250,21 @@ class SkybodyVectorEnv(
         """What SyncVectorEnv adds where episodes have ended: an object array, and a dictionary."""
         if ended.size == 0:
             return
-        final = self._observations(batch.final_observation)
+        final = self._shaped(self._observations.final_of(batch))
         rows = np.full(self.num_envs, None, dtype=object)
         for i in ended:
-            rows[i] = final[i].copy()
+            rows[i] = row_of(final, i)
         infos["final_obs"] = rows
-        infos["final_info"] = self._some_infos(batch, batch.final_info, ended, ended)
+        infos["final_info"] = self._some_infos(
+            batch, batch.final_info, batch.final_privileged, ended, ended
+        )
         infos["_final_obs"] = infos["_final_info"] = infos["final_info"]["_fault"]
 
     def _some_infos(
         self,
         batch: _native.Batch,
         info: NDArray[np.float32],
+        privileged: NDArray[np.float32],
         rows: NDArray[np.intp] | slice,
         envs: NDArray[Any],
     ) -> dict[str, Any]:
@@ -264,18 +277,20 @@ class SkybodyVectorEnv(
             out[envs] = values[rows]
             return out
 
-        infos: dict[str, Any] = self._channels.masked(scattered(info), mask)
+        infos: dict[str, Any] = self._channels.masked(scattered(info), scattered(privileged), mask)
         infos["fault"], infos["_fault"] = scattered(batch.fault), mask
         if self._team:
             infos["agent_reward"], infos["_agent_reward"] = scattered(batch.agent_reward), mask
         return infos
 
-    def _observations(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
-        return rows if self._joint is None else rows.reshape(self._observation_shape)
+    def _shaped(self, observation: Any) -> Any:
+        if self._joint is None:
+            return observation
+        return observation.reshape(self.num_envs, *self._joint.observation_shape)
 
-    def observations(self) -> NDArray[np.float32]:
-        """Last observation of every environment, in a new array; as after a restore or fork."""
-        return self._observations(self.native.observations())
+    def observations(self) -> Any:
+        """Last observation of every environment, in new arrays; as after a restore or fork."""
+        return self._shaped(super().observations())
 
     def close_extras(self, **_: Any) -> None:
         """Finishes a recording, gives threads and memory back; called by `close`."""

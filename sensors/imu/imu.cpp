@@ -38,8 +38,8 @@ class Imu : public Sensor {
     setup.need_bodies_before();
     setup.period(static_cast<int>(call));
     if (places_ > 0) setup.buffer(kSize * places_);
-    setup.channel("specific_force", "m/s^2", 3, -kInfinity, kInfinity);
-    setup.channel("angular_rate", "rad/s", 3, -kInfinity, kInfinity);
+    setup.channel("specific_force", "m/s^2", 3, -kInfinity, kInfinity, robot);
+    setup.channel("angular_rate", "rad/s", 3, -kInfinity, kInfinity, robot);
   }
 
   /// Draws the biases that the episode starts with.

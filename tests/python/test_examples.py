@@ -29,3 +29,11 @@ def test_the_readmes_first_python_block_runs():
     block = section.partition("```python\n")[2].partition("```")[0]
     assert "make_vec" in block
     output("-c", block)
+
+
+def test_the_imu_example_learns_from_a_box_and_a_dict():
+    line = r": 2048 steps in \d+ s, mean return -?[\d.]+ before, -?[\d.]+ after\n"
+    assert re.fullmatch(
+        f"Box {line}Dict{line}",
+        output(str(ROOT / "examples/imu_observation.py"), "--steps", "2048"),
+    )

@@ -6,7 +6,7 @@
 
 namespace skybody {
 
-/// A lane state of the right sizes, all zero.
+/// A lane state of the right sizes, all zero; what effects hold has its neutral values.
 LaneState make_lane_state(const World& world);
 
 /// Nominal parameters, the scenario's poses, zero velocities, joints at zero, rotors at the

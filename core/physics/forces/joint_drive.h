@@ -37,9 +37,9 @@ template <class Real>
 SKYBODY_INLINE Real drive_force(const JointDrive& drive, const Real& target, const Real& q,
                                 const Real& u) {
   Real effort = target;
-  if (drive.mode == JointDriveMode::kPosition) {
+  if (drive.mode == JointMode::kPosition) {
     effort = drive.stiffness * (target - q) - drive.damping * u;
-  } else if (drive.mode == JointDriveMode::kVelocity) {
+  } else if (drive.mode == JointMode::kVelocity) {
     effort = drive.damping * (target - u);
   }
   return clamp(effort, Real(-drive.effort_limit), Real(drive.effort_limit));

@@ -27,14 +27,10 @@ struct GroupBlocks {
   double* bodies = nullptr;
   const double* joint_command = nullptr;
   double* joint_state = nullptr;
-  const double* held_wind = nullptr;
-  const double* held_wrench = nullptr;
-  const double* held_rotor_gain = nullptr;
-  const double* held_rotor_limit = nullptr;
-  const double* held_rotor_rate = nullptr;
+  const double* held[SKYBODY_HELD_COUNT] = {};  ///< core/base/held_inputs.h; null: not used
 };
 
-/// A block that steps read, and where it lies in WorldState.
+/// A block that steps read, and where it lies in WorldState. Those that effects hold come on top.
 struct InputBlock {
   const double* GroupBlocks::*values;
   Block Layout::*place;
@@ -44,12 +40,7 @@ inline constexpr InputBlock kInputBlocks[] = {
     {&GroupBlocks::wrench, &Layout::wrench},
     {&GroupBlocks::drive, &Layout::drive},
     {&GroupBlocks::params, &Layout::params},
-    {&GroupBlocks::joint_command, &Layout::joint_command},
-    {&GroupBlocks::held_wind, &Layout::held_wind},
-    {&GroupBlocks::held_wrench, &Layout::held_wrench},
-    {&GroupBlocks::held_rotor_gain, &Layout::held_rotor_gain},
-    {&GroupBlocks::held_rotor_limit, &Layout::held_rotor_limit},
-    {&GroupBlocks::held_rotor_rate, &Layout::held_rotor_rate}};
+    {&GroupBlocks::joint_command, &Layout::joint_command}};
 
 /// A block that steps change.
 struct StateBlock {

@@ -45,7 +45,6 @@ struct StepArrays {
   Coordinates<Real> now;
   StageRates<Coordinates<Real>> stages;
   Real *joint_forces, *wrench, *drive, *targets;
-  Real *held_wind, *held_wrench, *held_rotor_gain;  ///< null: the world holds none
   RotorMotion<Real>* rotors[kStageTimeCount];
   Real* joint_targets[kStageTimeCount];
   BodyKinematics<Real>* motion;
@@ -81,11 +80,6 @@ struct StepArrays {
     }
   };
 
-  static SKYBODY_INLINE void take_held(Arena& arena, Block block, Real*& array) {
-    array = nullptr;
-    if (block.size > 0) arena.take(array, static_cast<std::size_t>(block.size));
-  }
-
   /// @returns the bytes that it takes
   SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
     const Layout& layout = plan.world.layout;
@@ -98,9 +92,6 @@ struct StepArrays {
     arena.take(wrench, static_cast<std::size_t>(layout.wrench.size));
     arena.take(drive, static_cast<std::size_t>(layout.drive.size));
     arena.take(targets, 7 * plan.drives.size());
-    take_held(arena, layout.held_wind, held_wind);
-    take_held(arena, layout.held_wrench, held_wrench);
-    take_held(arena, layout.held_rotor_gain, held_rotor_gain);
     for (auto& r : rotors) arena.take(r, plan.world.rotors.size());
     for (auto& t : joint_targets) arena.take(t, plan.world.joint_drives.size());
     arena.take(motion, bodies);
@@ -137,6 +128,7 @@ class Mechanics {
         group_(*call.group),
         spins_(call.spins),
         lanes_(first),
+        held_(group_.held, first),
         params_(params),
         derived_(derived),
         accelerations_(accelerations),
@@ -215,9 +207,6 @@ class Mechanics {
                        a_.joint_targets[time][i] = target_at(d.lag, state, command, time);
                      }
                    });
-    lanes_.load(group_.held_wind, layout().held_wind.size, a_.held_wind);
-    lanes_.load(group_.held_wrench, layout().held_wrench.size, a_.held_wrench);
-    lanes_.load(group_.held_rotor_gain, layout().held_rotor_gain.size, a_.held_rotor_gain);
     for (int i = 0; i < layout().u.size; ++i) a_.joint_forces[i] = Real(0.0);
     if (plan_.drives.empty()) return;
     lanes_.load(group_.drive, layout().drive.size, a_.drive);
@@ -254,18 +243,13 @@ class Mechanics {
   /// Calls f(i, rotor's step) for every rotor of the world.
   template <class F>
   SKYBODY_INLINE void each_rotor(const F& f) const {
-    const HeldInputs& held = plan_.world.held;
     for (int i = 0; i < static_cast<int>(plan_.world.rotors.size()); ++i) {
       const auto lag = load_lag<Real>(derived_ + (plan_.derived.lags + kLagSize * i));
       const auto speed = load_lanes<Real>(lanes_.at(group_.rotor_speed, i));
       const auto command = load_lanes<Real>(lanes_.at(group_.rotor_command, i));
       const Real max_speed = rotor_constants(i)[kMaxSpeed];
-      if (held.rotor_limit || held.rotor_rate) {
-        f(i, HeldRotorStep<Real>(
-                 lag, speed, command, max_speed,
-                 held_rotor(held, LaneValues<Real>(lanes_.at(group_.held_rotor_limit, 0)),
-                            LaneValues<Real>(lanes_.at(group_.held_rotor_rate, 0)), i),
-                 dt()));
+      if (plan_.has_held) {
+        f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
       } else {
         f(i, RotorStep<Real>(lag, speed, command, max_speed));
       }
@@ -309,9 +293,7 @@ class Mechanics {
                                        params_,
                                        a_.wrench,
                                        a_.joint_targets[time],
-                                       a_.held_wind,
-                                       a_.held_wrench,
-                                       a_.held_rotor_gain};
+                                       plan_.has_held ? &held_ : nullptr};
     plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
     accelerations_(plan_, derived_, a_, q, u, udot);
   }
@@ -398,6 +380,7 @@ class Mechanics {
   const GroupBlocks& group_;
   double* spins_;
   LanePlace<Real> lanes_;
+  HeldLanes<Real> held_;
   Values params_, derived_;
   Accelerations accelerations_;
   StepArrays<Real> a_;

@@ -31,7 +31,18 @@ RECENT_EPISODES = 100  # that the progress bar's return is the mean of
 
 
 def make_learner(config: Config, environment: Environment) -> Learner:
-    """The learner of the configuration, at its beginning."""
+    """The learner of the configuration, at its beginning.
+
+    Raises:
+        ValueError: the scenario observes images, which neither learner takes.
+    """
+    images = [c.name for c in environment.observation_columns if c.image >= 0]
+    if images:
+        raise ValueError(
+            f"`{environment.name}` observes {', '.join(images)}, and `{config.algorithm}` learns "
+            "from vectors alone: leave images out of `observe`, or use "
+            "`skybody.sb3.SkybodyVecEnv` with MultiInputPolicy"
+        )
     arguments = (environment, config.hyper, config.seed, config.threads, config.total_steps)
     if config.algorithm == "ppo":
         from skybody.train.sb3_ppo import Sb3Ppo

@@ -127,8 +127,7 @@ class Probe : public Task {
 };
 
 /// 5 ms a transition, at most 12 transitions an episode: about half of them end before.
-inline std::shared_ptr<const Environment> small_env() {
-  InProcessFactory factory;
+inline Scenario small_scenario(InProcessFactory& factory) {
   factory.add<Direct>("direct");
   factory.add<Kick>("kick");
   factory.add<Probe>("probe");
@@ -147,7 +146,12 @@ inline std::shared_ptr<const Environment> small_env() {
   s.robots.push_back(robot);
   s.randomization.push_back(factory.use("kick", "kick"));
   s.task = factory.use("probe", "task");
-  return std::make_shared<Environment>(std::move(s), factory);
+  return s;
+}
+
+inline std::shared_ptr<const Environment> small_env() {
+  InProcessFactory factory;
+  return std::make_shared<Environment>(small_scenario(factory), factory);
 }
 
 /// The action of an environment's k-th transition: of (env, k) and nothing else.

@@ -25,11 +25,11 @@ Bench make_bench(const std::vector<JointDrive>& drives,
                [&](WorldPlan& plan) { plan.joint_drives = drives; });
 }
 
-JointDrive torque_drive() { return {0, 0, JointDriveMode::kTorque}; }
+JointDrive torque_drive() { return {0, 0, JointMode::kEffort, 0.0, 0.0, kInfinity}; }
 JointDrive position_drive(double kp, double kd) {
-  return {0, 0, JointDriveMode::kPosition, kp, kd};
+  return {0, 0, JointMode::kPosition, kp, kd, kInfinity};
 }
-JointDrive velocity_drive(double kd) { return {0, 0, JointDriveMode::kVelocity, 0.0, kd}; }
+JointDrive velocity_drive(double kd) { return {0, 0, JointMode::kVelocity, 0.0, kd, kInfinity}; }
 
 TEST(JointDrive, ATorqueAcceleratesARod) {
   Bench bench = make_bench({torque_drive()});
@@ -144,7 +144,7 @@ TEST(JointDrive, RefusesJointsThatHaveNoSingleCoordinates) {
   EXPECT_THROW(World(topology, plan), std::logic_error);
   const Topology rod(make_scenario(make_rod()));
   WorldPlan second(rod), twice(rod);
-  second.joint_drives = {{0, 1, JointDriveMode::kTorque}};
+  second.joint_drives = {{0, 1, JointMode::kEffort}};
   EXPECT_THROW(World(rod, second), std::logic_error);
   twice.joint_drives = {torque_drive(), torque_drive()};
   EXPECT_THROW(World(rod, twice), std::logic_error);
@@ -159,7 +159,8 @@ TEST(JointDrive, TreeAndSimbodyAgree) {
       const JointType type = topology.bodies[i].model->joint.type;
       if (type == JointType::kBall || type == JointType::kFree) continue;
       for (int c = 0; c < velocity_size(type); ++c) {
-        plan.joint_drives.push_back({static_cast<int>(i), c, JointDriveMode::kPosition, 3.0, 0.2});
+        plan.joint_drives.push_back(
+            {static_cast<int>(i), c, JointMode::kPosition, 3.0, 0.2, kInfinity});
       }
     }
     if (plan.joint_drives.empty()) continue;

@@ -1,0 +1,46 @@
+// The images that sensors have made, of a group of environments.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/aligned_array.h"
+
+namespace skybody {
+
+/// One run of words per environment. Sensors write bytes into it, and a sensor that is not due
+/// leaves its images as they are. Saving, restoring and hashing take words, as of WorldState.
+class ImageMemory {
+ public:
+  /// @param words  of each environment; 0: there are no images
+  ImageMemory(int words, int lanes)
+      : words_(static_cast<std::size_t>(words)),
+        memory_(words_ * static_cast<std::size_t>(lanes)) {}
+
+  std::size_t words() const { return words_; }
+  /// The memory of one environment.
+  std::span<const std::uint64_t> of(int lane) const {
+    return {memory_.data() + static_cast<std::size_t>(lane) * words_, words_};
+  }
+  const unsigned char* bytes_of(int lane) const {
+    return reinterpret_cast<const unsigned char*>(of(lane).data());
+  }
+  /// First byte of the first environment; from one to the next there are 8 words() bytes.
+  unsigned char* bytes() { return reinterpret_cast<unsigned char*>(memory_.data()); }
+
+  void clear(int lane) { std::fill_n(start_of(lane), words_, std::uint64_t{0}); }
+  void set(int lane, const std::uint64_t* words) { std::copy_n(words, words_, start_of(lane)); }
+
+ private:
+  std::uint64_t* start_of(int lane) {
+    return memory_.data() + static_cast<std::size_t>(lane) * words_;
+  }
+
+  std::size_t words_;
+  AlignedArray<std::uint64_t> memory_;
+};
+
+}  // namespace skybody

@@ -1,0 +1,39 @@
+// A typed column of the observation.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/env/column_type.h"
+
+namespace skybody {
+
+/// Whether the task or a sensor gives a column's values.
+struct ColumnSource {
+  int sensor = -1;  ///< index within Environment::sensors(); -1: the task
+  int channel = 0;  ///< index within its channels
+};
+
+/// A part of the observation that has a name, a type and a shape. The columns of an Environment say
+/// what batches, spaces, replays and logs hold.
+struct ObservationColumn {
+  std::string name;  ///< unique within the observation
+  std::string unit;  ///< SI; empty for a pure number
+  ColumnType type = ColumnType::kFloat32;
+  std::vector<int> shape;  ///< {3}: a vector of three values; {48, 64, 3}: an image
+  double low = 0.0;        ///< bounds of the values, may be infinite
+  double high = 0.0;
+  int robot = -1;           ///< whose own observation it belongs to; -1: every robot's
+  bool privileged = false;  ///< for a critic only: not in the policy's observation
+  ColumnSource source;
+  int first = 0;   ///< its first value within the row of observations, or the privileged row
+  int image = -1;  ///< an image's place among Environment::images(); -1: part of a row
+
+  int count() const {
+    int product = 1;
+    for (const int extent : shape) product *= extent;
+    return product;
+  }
+};
+
+}  // namespace skybody

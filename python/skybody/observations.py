@@ -1,0 +1,91 @@
+"""How a learner sees the columns of the observation: one flat row, or a dictionary by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._native import Batch, Environment, ObservationColumn, Pool
+
+
+def key_of(column: ObservationColumn) -> str:
+    """The key of a column in a dictionary: its name, with `_` for dots, which PyTorch refuses."""
+    return column.name.replace(".", "_")
+
+
+def policy_columns(environment: Environment) -> list[ObservationColumn]:
+    """The columns that a policy sees, in order.
+
+    Raises:
+        ValueError: two of them would have the same key.
+    """
+    columns = [column for column in environment.observation_columns if not column.privileged]
+    keys = [key_of(column) for column in columns]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise ValueError(
+                f"two columns of `{environment.name}` would have the key `{key}`: give one of them "
+                "another `name` in `observe`"
+            )
+    return columns
+
+
+class Observations:
+    """From batches to what `reset` and `step` return, without a copy.
+
+    `columns` are those of a dictionary; None: observations are rows (n, observation_size). Where a
+    column is an image, they are always dictionaries.
+    """
+
+    def __init__(self, environment: Environment, as_dict: bool) -> None:
+        has_images = any(column.image >= 0 for column in environment.observation_columns)
+        self.columns = policy_columns(environment) if as_dict or has_images else None
+
+    def of(self, batch: Batch) -> Any:
+        """Observations after the transition."""
+        return self._arranged(batch.observation, batch.image)
+
+    def final_of(self, batch: Batch) -> Any:
+        """Observations before the reset, with same-step autoreset."""
+        return self._arranged(batch.final_observation, batch.final_image)
+
+    def now(self, pool: Pool) -> Any:
+        """The last observation of every environment, in new arrays."""
+        return self._arranged(pool.observations(), pool.image)
+
+    def _arranged(
+        self, rows: NDArray[np.float32], image: Callable[[int], NDArray[np.uint8]]
+    ) -> Any:
+        if self.columns is None:
+            return rows
+        return {key_of(c): values_of(c, rows, image) for c in self.columns}
+
+
+def values_of(
+    column: ObservationColumn, rows: NDArray[np.float32], image: Callable[[int], NDArray[np.uint8]]
+) -> NDArray[Any]:
+    """A column's values (n, *shape), a view."""
+    if column.image < 0:
+        return rows[:, column.first : column.first + column.shape[0]]
+    pixels: NDArray[Any] = image(column.image).view(column.dtype)
+    return pixels.reshape(len(pixels), *column.shape)
+
+
+def apply(change: Callable[[NDArray[Any]], NDArray[Any]], observation: Any) -> Any:
+    """`change` of an observation, or of each column of a dictionary."""
+    if isinstance(observation, dict):
+        return {key: change(values) for key, values in observation.items()}
+    return change(observation)
+
+
+def row_of(observation: Any, i: int) -> Any:
+    """A copy of row `i`."""
+    return apply(lambda values: values[i].copy(), observation)
+
+
+def copy_of(observation: Any) -> Any:
+    """A copy of all rows."""
+    return apply(lambda values: values.copy(), observation)

@@ -1,0 +1,70 @@
+// A sensor and tasks for tests of the observation's columns.
+#pragma once
+
+#include <limits>
+
+#include "tests/unit/env/small_plugins.h"
+
+namespace skybody::test {
+
+/// Height and velocity, and the physics step for a critic; not finite from a physics step on.
+class Gauge : public Sensor {
+ public:
+  RealParameter breaks_at{
+      this,
+      {.name = "breaks_at", .value = 1e9, .min = 0.0, .doc = "physics step", .randomizable = true}};
+
+  void configure(const Setup& setup) override {
+    setup.channel("height", "m", 1, 0.0, 100.0);
+    setup.channel("velocity", "m/s", 3, -kInfinity, kInfinity, 0);
+    setup.privileged_channel("step", "", 1, 0.0, kInfinity);
+  }
+  template <class Real>
+  void sense(const Lanes<Real>& env, State<Real>&, Values<Real> out) const {
+    const BodyMotion<Real> b = env.body(0);
+    const Real step = to_real(env.physics_step());
+    out.set(0, b.position.z);
+    out.set(1, b.velocity);
+    const Real nan(std::numeric_limits<double>::quiet_NaN());
+    out.set(4, select(step < breaks_at(env), step, nan));
+  }
+};
+
+/// Sees its height; a critic sees its vertical speed, too, and the policy a one behind it.
+class Critic : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    setup.channel("height", "m", 1, -kInfinity, kInfinity);
+    setup.privileged_channel("vertical_speed", "m/s", 1, -kInfinity, kInfinity);
+    setup.channel("one", "", 1, 1, 1);
+  }
+  template <class Real>
+  void evaluate(const Lanes<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+    out.observation.set(0, env.body(0).position.z);
+    out.observation.set(1, env.body(0).velocity.z);
+    out.observation.set(2, Real(1.0));
+  }
+};
+
+/// Shows a policy nothing.
+class Blind : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    setup.privileged_channel("height", "m", 1, -kInfinity, kInfinity);
+  }
+  template <class Real>
+  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
+};
+
+/// Has one name twice.
+class Twice : public Sensor {
+ public:
+  void configure(const Setup& setup) override {
+    setup.channel("height", "m", 1, -kInfinity, kInfinity);
+    setup.channel("height", "m", 1, -kInfinity, kInfinity);
+  }
+  template <class Real>
+  void sense(const Lanes<Real>&, State<Real>&, Values<Real>) const {}
+};
+
+}  // namespace skybody::test
