@@ -7,7 +7,7 @@
 #include "core/base/octets.h"
 #include "core/env/fork_key.h"
 #include "core/env/param_access.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 namespace {

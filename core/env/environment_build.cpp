@@ -12,7 +12,7 @@
 #include "core/env/setup_tables.h"
 #include "core/model/marked_error.h"
 #include "core/physics/bodies/default_state.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 #include "core/physics/world/world_layout.h"
 
 namespace skybody {
@@ -196,9 +196,7 @@ struct Environment::Builder {
     l.last_observation.size = env.plan_.size();
     for (auto& list : env.plugins_) {
       for (PluginInstance& p : list) {
-        for (std::size_t i = 0; i < p.holds.size(); ++i) {
-          plan.held.*kHeldBlocks[i].is_held |= p.holds[i];
-        }
+        for (std::size_t i = 0; i < p.holds.size(); ++i) plan.holds[i] |= p.holds[i];
         place_state(p, l.plugin_state.size);
       }
     }
@@ -241,14 +239,14 @@ struct Environment::Builder {
 
   /// Where several effects hold one input, each has words of its own.
   void place_held(int& next) {
-    for (std::size_t i = 0; i < kHeldBlocks.size(); ++i) {
+    for (std::size_t i = 0; i < plan.holds.size(); ++i) {
       std::vector<PluginInstance*> holders;
       for (PluginInstance& e : env.plugins_[SKYBODY_EFFECT]) {
         if (e.holds[i]) holders.push_back(&e);
       }
       if (holders.size() < 2) continue;
       for (PluginInstance* e : holders) {
-        e->held[i] = {next, held_size(plan.layout, kHeldBlocks[i])};
+        e->held[i] = {next, held_size(plan, static_cast<int>(i))};
         next += e->held[i].size;
       }
     }
@@ -265,7 +263,7 @@ struct Environment::Builder {
         if (e.held[i].size > 0) {
           e.held[i].offset += l.plugin_state.offset;
         } else if (e.holds[i]) {
-          e.held[i] = l.*kHeldBlocks[i].place;
+          e.held[i] = l.held[i];
         }
       }
     }

@@ -7,7 +7,7 @@
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
-#include "core/physics/world/held_inputs.h"
+#include "core/model/held_inputs.h"
 
 namespace skybody {
 namespace {
@@ -26,15 +26,11 @@ double both(int input, int k, double a, double b) {
   }
 }
 
-/// The words of an input in WorldState; size 0: nothing holds it.
-Block block_of(const Layout& layout, int input) {
-  return layout.*kHeldBlocks[static_cast<std::size_t>(input)].place;
-}
-
 void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block) {
   double* values = group.writable(block, mask);
+  const int size = kHeldInputs[static_cast<std::size_t>(input)].size;
   for (int k = 0; k < block.size; ++k, values += group.lanes()) {
-    const double neutral = kHeldBlocks[static_cast<std::size_t>(input)].neutral(k);
+    const double neutral = neutral_value(input, k % size);
     each_lane(mask, [&](int lane) { values[lane] = neutral; });
   }
 }
@@ -54,7 +50,7 @@ void Environment::apply_effects(StateGroup& group, const SkybodyLanes& view) con
       if (block.size == 0) continue;
       fill_neutral(group, v.active, i, block);
       held.input[i] = group.writable(block, v.active);
-      if (block.offset != block_of(layout(), i).offset) changed[i] |= v.active;
+      if (block.offset != layout().held[static_cast<std::size_t>(i)].offset) changed[i] |= v.active;
     }
     const SkybodyHeld* const inputs = &held;
     call_plugin(e.kernels.apply, e, group, v, {}, inputs);
@@ -67,8 +63,8 @@ void Environment::apply_effects(StateGroup& group, const SkybodyLanes& view) con
 /// Puts together what several effects hold of one input.
 void Environment::add_up_held(StateGroup& group, std::uint32_t mask, int input) const {
   const auto i = static_cast<std::size_t>(input);
-  const Block block = block_of(layout(), input);
-  const int lanes = group.lanes(), size = kHeldBlocks[i].size;
+  const Block& block = layout().held[i];
+  const int lanes = group.lanes(), size = kHeldInputs[i].size;
   double* sum = group.writable(block, mask);
   fill_neutral(group, mask, input, block);
   for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
@@ -86,9 +82,11 @@ void Environment::add_up_held(StateGroup& group, std::uint32_t mask, int input) 
 /// Nothing is held, until the effects speak.
 void Environment::clear_held(StateGroup& group, std::uint32_t mask) const {
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
-    fill_neutral(group, mask, i, block_of(layout(), i));
+    const Block& block = layout().held[static_cast<std::size_t>(i)];
+    if (block.size > 0) fill_neutral(group, mask, i, block);
     for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
-      fill_neutral(group, mask, i, e.held[static_cast<std::size_t>(i)]);
+      const Block& own = e.held[static_cast<std::size_t>(i)];
+      if (own.size > 0) fill_neutral(group, mask, i, own);
     }
   }
 }

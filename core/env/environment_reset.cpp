@@ -19,7 +19,7 @@ void Environment::initialize(StateGroup& group, int lane, std::uint64_t seed,
   group.scatter(lane, layout().params, initial_.params.data());
 }
 
-/// The scenario's poses, velocities, rotors and held commands; nothing held by effects.
+/// The scenario's poses, velocities, rotors, held commands and joint drives.
 void Environment::place_at_start(StateGroup& group, int lane) const {
   const Layout& l = layout();
   group.scatter(lane, l.q, initial_.q.data());
@@ -27,7 +27,8 @@ void Environment::place_at_start(StateGroup& group, int lane) const {
   group.scatter(lane, l.rotor_speed, initial_.rotor_speed.data());
   group.scatter(lane, l.rotor_command, initial_.rotor_command.data());
   group.scatter(lane, l.drive, initial_.drive.data());
-  group.write_neutral_inputs(1u << lane);
+  group.scatter(lane, l.joint_command, initial_.joint_command.data());
+  group.scatter(lane, l.joint_state, initial_.joint_state.data());
 }
 
 void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,

@@ -11,7 +11,7 @@
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 namespace {

@@ -15,7 +15,7 @@
 #include "core/base/octets.h"
 #include "core/base/pack.h"
 #include "core/model/layout.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 namespace {

@@ -4,8 +4,6 @@
 #include <cstring>
 
 #include "core/base/error.h"
-#include "core/base/octets.h"
-#include "core/physics/world/held_inputs.h"
 
 namespace skybody {
 
@@ -21,6 +19,9 @@ StateGroup::StateGroup(const Layout& layout, int bodies, int lanes, int image_wo
   blocks_.bodies = bodies > 0 ? bodies_.data() : start_of(layout.q);
   for (const StateBlock& b : kStateBlocks) blocks_.*b.values = start_of(layout.*b.place);
   for (const InputBlock& b : kInputBlocks) blocks_.*b.values = reals(layout.*b.place);
+  for (std::size_t i = 0; i < layout.held.size(); ++i) {
+    if (layout.held[i].size > 0) blocks_.held[i] = reals(layout.held[i]);
+  }
 }
 
 void StateGroup::gather(int lane, Block block, double* out) const {
@@ -41,13 +42,6 @@ void StateGroup::scatter(int lane, Block block, const double* in) {
     return;
   }
   for (int k = 0; k < block.size; ++k) values[k * lanes_ + lane] = in[k];
-}
-
-void StateGroup::write_neutral_inputs(std::uint32_t lanes) {
-  each_neutral_input(*layout_, [&](Block Layout::*place, int k, double value) {
-    double* values = writable({(layout_->*place).offset + k, 1}, lanes);
-    each_lane(lanes, [&](int l) { values[l] = value; });
-  });
 }
 
 void StateGroup::clear(int lane) {

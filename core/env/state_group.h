@@ -60,8 +60,6 @@ class StateGroup {
 
   /// Copies one lane's block of doubles into the group.
   void scatter(int lane, Block block, const double* in);
-  /// What effects hold, in these lanes, to what changes nothing (held_inputs.h).
-  void write_neutral_inputs(std::uint32_t lanes);
   /// All words of a lane, which is occupied from then on, to zero.
   void clear(int lane);
   ImageMemory& images() { return images_; }

@@ -1,7 +1,7 @@
 #include "core/env/value_names.h"
 
 #include "core/base/error.h"
-#include "core/physics/world/held_inputs.h"
+#include "core/model/held_inputs.h"
 
 namespace skybody {
 namespace {
@@ -40,7 +40,9 @@ class StateNames {
     name_block(layout_.drive, "drive");
     name_block(layout_.joint_command, "joint_command");
     name_block(layout_.joint_state, "joint_state");
-    for (const HeldBlock& held : kHeldBlocks) name_block(layout_.*held.place, held.name);
+    for (std::size_t i = 0; i < layout_.held.size(); ++i) {
+      name_block(layout_.held[i], std::string("held ") + kHeldInputs[i].name);
+    }
     name_block(layout_.bodies_before, "bodies_before");
     expect(layout_.params);
     for (const EnvParam& param : layout_.param_info) names_.push_back("params " + param.path);

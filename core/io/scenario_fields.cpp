@@ -16,11 +16,6 @@ Field hover_or(Field field) {
   return field;
 }
 
-Field no_default(Field field) {
-  field.value.default_numbers.clear();
-  return field;
-}
-
 /// The key of a row within its map.
 std::string own_key(const ConstantRow& row) {
   const std::string key = row.key;
@@ -43,6 +38,11 @@ std::vector<Field> with_constants(std::vector<Field> fields, std::span<const Con
     if (prefix + own_key(row) == row.key) fields.push_back(constant_field(row));
   }
   return fields;
+}
+
+Field no_default(Field field) {
+  field.value.default_numbers.clear();
+  return field;
 }
 
 }  // namespace

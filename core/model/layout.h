@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/held_inputs.h"
 #include "core/model/scenario.h"
 
 namespace skybody {
@@ -72,12 +73,7 @@ struct Layout {
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
   Block joint_command;  ///< 1 per joint drive, held during the physics step
   Block joint_state;    ///< 1 per joint drive: the command behind its lag
-  // What effects hold during a physics step; of size 0 where nothing holds it.
-  Block held_wind;         ///< 3 per body: velocity of the air at its origin, W [m/s]
-  Block held_wrench;       ///< 6 per body: force at its centre of mass, moment; W axes [N, N m]
-  Block held_rotor_gain;   ///< 4 per rotor: on thrust, reaction, rotor drag, rolling moment
-  Block held_rotor_limit;  ///< 2 per rotor: lower and upper limit of its speed [rad/s]
-  Block held_rotor_rate;   ///< 1 per rotor: its acceleration [rad/s^2]; NaN: its lag holds
+  std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block
       bodies_before;   ///< 13 per body at the start of the last physics step; size 0 if nobody asks
   Block params;        ///< EnvParams: every randomizable value

@@ -126,6 +126,12 @@ class Held {
     add(SKYBODY_HELD_WRENCH, 6 * body, force);
     add(SKYBODY_HELD_WRENCH, 6 * body + 3, moment);
   }
+  /// Drag at the body's centre of mass against the air, along each body axis i:
+  ///   F_i = -(linear_i v_i + quadratic_i |v_i| v_i), in [N s/m] and [N s^2/m^2].
+  void add_drag(int body, const Vec3<Real>& linear, const Vec3<Real>& quadratic) {
+    add(SKYBODY_HELD_BODY_DRAG, 6 * body, linear);
+    add(SKYBODY_HELD_BODY_DRAG, 6 * body + 3, quadratic);
+  }
   /// Factors on what a world rotor does.
   void scale_thrust(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_THRUST, gain); }
   void scale_moment(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_MOMENT, gain); }
@@ -151,7 +157,7 @@ class Held {
     double* const data = held_.input[input];
     if (checks_ == nullptr) return {data + first_, lanes_, mask_};
     static constexpr int kSizes[] = {
-#define SKYBODY_ROW(symbol, member, owner, size, even, odd, doc) size,
+#define SKYBODY_ROW(symbol, member, owner, size, doc) size,
         SKYBODY_HELD_INPUTS(SKYBODY_ROW)
 #undef SKYBODY_ROW
     };

@@ -31,6 +31,7 @@ enum class Signal {
 enum class HeldInput {
   kWind = SKYBODY_HELD_WIND,
   kWrench = SKYBODY_HELD_WRENCH,
+  kBodyDrag = SKYBODY_HELD_BODY_DRAG,
   kRotorGain = SKYBODY_HELD_ROTOR_GAIN,
   kRotorLimit = SKYBODY_HELD_ROTOR_LIMIT,
   kRotorRate = SKYBODY_HELD_ROTOR_RATE,

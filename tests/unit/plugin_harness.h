@@ -17,7 +17,7 @@
 
 #include "core/env/setup_tables.h"
 #include "core/io/parameter_reader.h"
-#include "core/physics/world/held_inputs.h"
+#include "core/model/held_inputs.h"
 #include "plugins/host/descriptor.h"
 #include "tests/unit/plugin_world.h"
 
@@ -160,11 +160,12 @@ class Instance {
     g.info.assign(n(value_count(declared.infos)), 0.0);
     for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
       const auto input = static_cast<std::size_t>(i);
-      const HeldBlock& row = kHeldBlocks[input];
+      const HeldInputRow& row = kHeldInputs[input];
       const auto owners = row.is_of_rotors ? world_.rotors.size() : world_.bodies.size();
       const int count = declared.holds[input] ? row.size * static_cast<int>(owners) : 0;
       for (int k = 0; k < count; ++k) {
-        g.held[input].insert(g.held[input].end(), static_cast<std::size_t>(lanes), row.neutral(k));
+        g.held[input].insert(g.held[input].end(), static_cast<std::size_t>(lanes),
+                             neutral_value(i, k % row.size));
       }
     }
     g.bodies.assign(n(13 * static_cast<int>(world_.bodies.size())), 0.0);

@@ -1,6 +1,7 @@
 #include "core/physics/bodies/default_state.h"
 
 #include "core/base/math.h"
+#include "core/model/held_inputs.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/forces/base_drive.h"
 
@@ -41,6 +42,16 @@ void write_drives(const World& world, LaneState& state) {
   }
 }
 
+/// Position drives stay where the joints are; the others do nothing.
+void write_joint_drives(const World& world, LaneState& state) {
+  for (std::size_t i = 0; i < world.joint_drives.size(); ++i) {
+    const JointDrive& drive = world.joint_drives[i];
+    if (drive.mode != JointMode::kPosition) continue;
+    const int q = world.bodies[static_cast<std::size_t>(drive.body)].q + drive.coordinate;
+    state.joint_command[i] = state.joint_state[i] = state.q[static_cast<std::size_t>(q)];
+  }
+}
+
 }  // namespace
 
 double hover_rotor_speed(const World& world, int robot) {
@@ -57,6 +68,12 @@ LaneState make_lane_state(const World& world) {
   for (const LaneBlock& b : kLaneBlocks) {
     (state.*b.values).assign(static_cast<std::size_t>((layout.*b.place).size), 0.0);
   }
+  for (std::size_t i = 0; i < layout.held.size(); ++i) {
+    state.held[i].clear();
+    for (int k = 0; k < layout.held[i].size; ++k) {
+      state.held[i].push_back(neutral_value(static_cast<int>(i), k % kHeldInputs[i].size));
+    }
+  }
   state.bodies.assign(world.bodies.size(), BodyState{});
   return state;
 }
@@ -69,9 +86,7 @@ void write_default_state(const World& world, LaneState& state) {
   write_positions(world, state);
   write_rotors(world, state);
   write_drives(world, state);
-  each_neutral_input(world.layout, [&](Block Layout::*place, int k, double value) {
-    values_of(state, place)[static_cast<std::size_t>(k)] = value;
-  });
+  write_joint_drives(world, state);
 
   std::vector<BodyKinematics<double>> motion(world.bodies.size());
   forward_kinematics(make_tree(world), state.q.data(), state.u.data(), motion.data());

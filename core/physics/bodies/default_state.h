@@ -6,11 +6,12 @@
 
 namespace skybody {
 
-/// A lane state of the right sizes, all zero.
+/// A lane state of the right sizes, all zero; what effects hold has its neutral values.
 LaneState make_lane_state(const World& world);
 
 /// Nominal parameters, the scenario's poses, zero velocities, joints at zero, rotors at the
-/// scenario's speed (commanded to stay there), no wrenches, drives at rest at the present pose.
+/// scenario's speed (commanded to stay there), no wrenches, drives at rest at the
+/// present pose, position drives of joints where those are.
 /// Resizes the vectors of `state` where needed; bodies are made current.
 void write_default_state(const World& world, LaneState& state);
 

@@ -27,6 +27,8 @@ class OriginLoad {
       : body_(body), params_(body_params), sum_(sum) {}
 
   SKYBODY_INLINE const Vec3<Real>& angular_velocity() const { return body_.angular_velocity; }
+  /// The centre of mass in the body's frame.
+  SKYBODY_INLINE Vec3<Real> com() const { return load_vec3(params_ + kCom); }
 
   /// Overwrites the sum with the body's weight.
   SKYBODY_INLINE void begin(const Vec3<Real>& gravity) {
@@ -64,7 +66,7 @@ class OriginLoad {
   }
 
  private:
-  SKYBODY_INLINE Vec3<Real> com_arm() const { return body_.axes * load_vec3(params_ + kCom); }
+  SKYBODY_INLINE Vec3<Real> com_arm() const { return body_.axes * com(); }
   SKYBODY_INLINE Vec3<Real> in_world(const Vec3<Real>& v, Axes axes) const {
     return axes == Axes::kWorld ? v : body_.axes * v;
   }
@@ -110,6 +112,7 @@ class FreeLoad {
   }
 
   SKYBODY_INLINE Vec3<Real> angular_velocity() const { return body_.axes * body_.spin; }
+  SKYBODY_INLINE const Vec3<Real>& com() const { return com_; }
 
   /// About the origin, W axes.
   SKYBODY_INLINE void add_about_origin(const SpatialForce<Real>& force) {

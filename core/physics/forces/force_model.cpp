@@ -54,6 +54,11 @@ ForceModel::ForceModel(const World& world)
       rotor_groups_(make_rotor_groups(world)),
       contact_groups_(make_contact_groups(world)) {
   for (const RobotLayout& robot : world.layout.robots) bases_.push_back(robot.first_body);
+  for (const JointDrive& drive : world.joint_drives) {
+    const WorldBody& body = world.bodies[static_cast<std::size_t>(drive.body)];
+    joint_drives_.push_back({drive, make_lag_factors(drive.tau, world.scenario.stepping.dt),
+                             body.q + drive.coordinate, body.u + drive.coordinate});
+  }
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     if (joint_constant_count(world.bodies[i].model->joint) > 0) {
       joints_.push_back(static_cast<int>(i));

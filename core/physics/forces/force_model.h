@@ -7,6 +7,7 @@
 
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/forces/force_terms.h"
+#include "core/physics/forces/joint_drive.h"
 #include "core/physics/forces/joint_force.h"
 #include "core/physics/forces/rotor_force.h"
 #include "core/physics/forces/spatial_force.h"
@@ -25,10 +26,8 @@ struct ForceInputs {
   const RotorMotion<Real>* rotors = nullptr;
   Params params;
   const Real* wrench = nullptr;
-  // Of effects; null: there are none.
-  const Real* held_wind = nullptr;
-  const Real* held_wrench = nullptr;
-  const Real* held_rotor_gain = nullptr;
+  const Real* joint_targets = nullptr;    ///< per joint drive: where it leads at this instant
+  const HeldLanes<Real>* held = nullptr;  ///< null: no effects
 };
 
 /// A rotor of a world on its body; every one; and the groups that they form.
@@ -51,10 +50,12 @@ class ForceModel {
     add_rotors(in, forces);
     add_disturbances(in, forces);
     add_wrenches(in, forces);
-    add_held_wrenches(in, forces);
+    add_held(in, forces);
     add_grounds(in, forces);
     add_joints(in, joint_forces);
   }
+
+  const std::vector<JointDriveStep>& joint_drives() const { return joint_drives_; }
 
  private:
   /// Sum of the forces on body i.
@@ -79,30 +80,21 @@ class ForceModel {
                                  SpatialForce<Real>* forces) const {
     for (const RotorGroup& group : rotor_groups_) {
       const BodyKinematics<Real>& body = in.bodies[group.body];
-      const Vec3<Real> velocity = transpose_times(body.axes, air_velocity(in, group.body));
+      const Vec3<Real> velocity = air_velocity(in.held, group.body, body);
       const auto motion = [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; };
       load(in, group.body, forces)
-          .add_in_body(gained_rotor_forces<Real>(group, rotors_.data(), in.params,
-                                                 in.held_rotor_gain != nullptr, in.held_rotor_gain,
-                                                 motion, 1.0, velocity, body.spin));
+          .add_in_body(gained_rotor_forces<Real>(group, rotors_.data(), in.params, in.held, motion,
+                                                 1.0, velocity, body.spin));
     }
   }
 
-  /// Velocity of a body's origin through the air, W.
   template <class Real, class Params>
-  static SKYBODY_INLINE Vec3<Real> air_velocity(const ForceInputs<Real, Params>& in, int body) {
-    const Vec3<Real>& velocity = in.bodies[body].velocity;
-    return in.held_wind == nullptr ? velocity : velocity - load_vec3(in.held_wind + 3 * body);
-  }
-
-  template <class Real, class Params>
-  SKYBODY_INLINE void add_held_wrenches(const ForceInputs<Real, Params>& in,
-                                        SpatialForce<Real>* forces) const {
-    if (in.held_wrench == nullptr) return;
-    const Real* wrench = in.held_wrench;
-    for (int i = 0; i < static_cast<int>(world_.bodies.size()); ++i, wrench += 6) {
+  SKYBODY_INLINE void add_held(const ForceInputs<Real, Params>& in,
+                               SpatialForce<Real>* forces) const {
+    if (in.held == nullptr) return;
+    for (int i = 0; i < static_cast<int>(world_.bodies.size()); ++i) {
       auto sum = load(in, i, forces);
-      add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, sum);
+      add_held_forces(*in.held, i, in.bodies[i], sum);
     }
   }
 
@@ -142,6 +134,10 @@ class ForceModel {
       joint_force(body.model->joint, in.params + world_.layout.joint_params[i], in.q + body.q,
                   in.u + body.u, joint_forces + body.u);
     }
+    const Real* target = in.joint_targets;
+    for (const JointDriveStep& d : joint_drives_) {
+      joint_forces[d.u] += drive_force(d.drive, *target++, in.q[d.q], in.u[d.u]);
+    }
   }
 
   const World& world_;
@@ -150,6 +146,7 @@ class ForceModel {
   std::vector<ContactGroup> contact_groups_;
   std::vector<int> bases_;   ///< per robot: world body index of its base
   std::vector<int> joints_;  ///< bodies whose joint has constants
+  std::vector<JointDriveStep> joint_drives_;
 };
 
 }  // namespace skybody

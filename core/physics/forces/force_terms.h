@@ -4,6 +4,7 @@
 
 #include "core/physics/forces/body_load.h"
 #include "core/physics/forces/contact_group.h"
+#include "core/physics/world/lane_values.h"
 #include "core/physics/world/world.h"
 
 namespace skybody {
@@ -39,6 +40,49 @@ SKYBODY_INLINE void add_wrench(const WrenchSite& site, const Values& wrench, Loa
     load.add_at_com(force, axes);
   } else {
     load.add_at_point(to_real<Real>(site.point), force, axes);
+  }
+}
+
+/// Velocity of a body's origin through the air, body axes.
+/// @param held  null: no effects
+/// @param index of the body
+template <class Real>
+SKYBODY_INLINE Vec3<Real> air_velocity(const HeldLanes<Real>* held, int index,
+                                       const BodyKinematics<Real>& body) {
+  Vec3<Real> velocity = body.velocity;
+  if (held != nullptr && held->has(SKYBODY_HELD_WIND)) {
+    velocity = velocity - load_vec3((*held)[SKYBODY_HELD_WIND] + 3 * index);
+  }
+  return transpose_times(body.axes, velocity);
+}
+
+/// The drag of a body in the air, at its centre of mass: along each body axis
+///   F = -(linear v + quadratic |v| v), v the velocity of the centre of mass through the air.
+/// @param drag  three linear coefficients, then three quadratic ones: a pointer, or a view
+template <class Real, class Values, class Load>
+SKYBODY_INLINE void add_body_drag(const Values& drag, const Vec3<Real>& air_velocity,
+                                  const BodyKinematics<Real>& body, Load& load) {
+  const Vec3<Real> linear = load_vec3(drag), quadratic = load_vec3(drag + 3);
+  const auto any = logical_or(is_not_zero(linear), is_not_zero(quadratic));
+  if (none(any)) return;
+  const Vec3<Real> v = air_velocity + cross(body.spin, load.com());
+  const Vec3<Real> force{-((linear.x + quadratic.x * abs(v.x)) * v.x),
+                         -((linear.y + quadratic.y * abs(v.y)) * v.y),
+                         -((linear.z + quadratic.z * abs(v.z)) * v.z)};
+  load.add_where(any, [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_at_com(force, Axes::kBody); });
+}
+
+/// What effects hold of one body: a wrench, and its drag.
+template <class Real, class Load>
+SKYBODY_INLINE void add_held_forces(const HeldLanes<Real>& held, int index,
+                                    const BodyKinematics<Real>& body, Load& load) {
+  if (held.has(SKYBODY_HELD_WRENCH)) {
+    const LaneValues<Real> wrench = held[SKYBODY_HELD_WRENCH] + 6 * index;
+    add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, load);
+  }
+  if (held.has(SKYBODY_HELD_BODY_DRAG)) {
+    add_body_drag(held[SKYBODY_HELD_BODY_DRAG] + 6 * index, air_velocity(&held, index, body), body,
+                  load);
   }
 }
 

@@ -16,10 +16,11 @@
 #pragma once
 
 #include "core/base/vec3.h"
+#include "core/model/held_inputs.h"
 #include "core/model/layout.h"
 #include "core/physics/forces/rotor_lag.h"
 #include "core/physics/forces/spatial_force.h"
-#include "core/physics/world/held_inputs.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 
@@ -30,6 +31,13 @@ struct RotorPlace {
   double squared_radius = 0.0;  ///< of the hub from the body's z axis [m^2]
   int params = 0;               ///< first of its kRotorParamCount values
 };
+
+/// Gains act on the first of a rotor's constants, in this order.
+inline constexpr int kGainedConstants = kHeldInputs[SKYBODY_HELD_ROTOR_GAIN].size;
+static_assert(int{kThrustConstant} == SKYBODY_GAIN_THRUST &&
+              int{kMomentConstant} == SKYBODY_GAIN_MOMENT &&
+              int{kDragConstant} == SKYBODY_GAIN_DRAG &&
+              int{kRollingMomentConstant} == SKYBODY_GAIN_ROLLING);
 
 /// A rotor's constants, the first ones of which effects scale.
 /// @tparam Constants, Gains  pointers, or views
@@ -211,20 +219,21 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
 
 /// The same with the gains of effects, if there are any.
 /// @param params  of the environment: a pointer, or a view
-/// @param gains   kGainedConstants for each rotor of the world, likewise; read where `is_gained`
-template <class Real, class Params, class Gains, class Motion>
+/// @param held    null: no effects
+template <class Real, class Params, class Motion>
 SKYBODY_INLINE SpatialForce<Real> gained_rotor_forces(const RotorGroup& group,
                                                       const RotorPlace* places,
-                                                      const Params& params, bool is_gained,
-                                                      const Gains& gains, Motion&& motion,
+                                                      const Params& params,
+                                                      const HeldLanes<Real>* held, Motion&& motion,
                                                       double unit, const Vec3<Real>& velocity,
                                                       const Vec3<Real>& spin) {
   const auto own = [&](int i) SKYBODY_INLINE_LAMBDA { return params + places[i].params; };
   const auto gained = [&](int i) SKYBODY_INLINE_LAMBDA {
-    return GainedConstants(own(i), gains + kGainedConstants * i);
+    return GainedConstants(own(i), (*held)[SKYBODY_HELD_ROTOR_GAIN] + kGainedConstants * i);
   };
-  return is_gained ? rotor_forces<Real>(group, places, gained, motion, unit, velocity, spin)
-                   : rotor_forces<Real>(group, places, own, motion, unit, velocity, spin);
+  return held != nullptr && held->has(SKYBODY_HELD_ROTOR_GAIN)
+             ? rotor_forces<Real>(group, places, gained, motion, unit, velocity, spin)
+             : rotor_forces<Real>(group, places, own, motion, unit, velocity, spin);
 }
 
 }  // namespace skybody

@@ -6,8 +6,8 @@
 #include "core/physics/forces/force_terms.h"
 #include "core/physics/step/free_robots.h"
 #include "core/physics/step/held_rotor.h"
-#include "core/physics/step/lane_values.h"
 #include "core/physics/step/step_rules.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 
@@ -57,7 +57,7 @@ struct FreeMotion {
 template <class Real, class Values>
 struct FreeStepInputs {
   LaneValues<Real> rotor_speed, rotor_command, wrench;
-  LaneValues<Real> held_wind, held_wrench, held_rotor_gain, held_rotor_limit, held_rotor_rate;
+  HeldLanes<Real> held;
   Values params;
   Values lags, factors, bodies;  ///< of the whole world
 };
@@ -160,7 +160,6 @@ class FreeRobotStep {
   double dt() const { return world_.world.scenario.stepping.dt; }
   Values world_constants() const { return in_.params + world_.world.layout.world_params; }
   bool is_level() const { return !kIsHeld && (kLevelRotors > 0 || robot_.rotors.is_level); }
-  const HeldInputs& held() const { return world_.world.held; }
   int rotor_count() const { return kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count; }
 
   /// @param i  of the robot's rotors
@@ -170,9 +169,9 @@ class FreeRobotStep {
                                in_.rotor_command[rotor],
                                factors_[kRotorFactorCount * i + kSpeedLimit]);
     if constexpr (kIsHeld) {
-      const auto limits = held_rotor(held(), in_.held_rotor_limit, in_.held_rotor_rate, rotor);
       return HeldRotorStep<Real>(step.lag, step.speed, in_.rotor_command[rotor],
-                                 factors_[kRotorFactorCount * i + kSpeedLimit], limits, dt());
+                                 factors_[kRotorFactorCount * i + kSpeedLimit],
+                                 held_rotor(in_.held, rotor), dt());
     } else {
       return step;
     }
@@ -209,13 +208,12 @@ class FreeRobotStep {
                                                      const LevelRotors<Real>& level, const Run& run,
                                                      double unit) const {
     const RotorGroup& group = robot_.rotors;
-    const Vec3<Real> velocity = transpose_times(body.axes, air_velocity(body.velocity));
+    const Vec3<Real> velocity = air_velocity(kIsHeld ? &in_.held : nullptr, robot_.body, body);
     SpatialForce<Real> rotors = SpatialForce<Real>::zero();
     const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA { return run(i - group.first); };
     if constexpr (kIsHeld) {
-      rotors =
-          gained_rotor_forces<Real>(group, world_.rotors.data(), in_.params, held().rotor_gain,
-                                    in_.held_rotor_gain, run_of_world, unit, velocity, body.spin);
+      rotors = gained_rotor_forces<Real>(group, world_.rotors.data(), in_.params, &in_.held,
+                                         run_of_world, unit, velocity, body.spin);
     } else if (is_level()) {
       const double height = world_.rotors[static_cast<std::size_t>(group.first)].position.z;
       rotors = level.force(height, unit, velocity, body.spin);
@@ -232,26 +230,13 @@ class FreeRobotStep {
     return load.acceleration();
   }
 
-  /// Through the air, W.
-  SKYBODY_INLINE Vec3<Real> air_velocity(const Vec3<Real>& velocity) const {
-    if constexpr (kIsHeld) {
-      if (held().wind) return velocity - load_vec3(in_.held_wind + 3 * robot_.body);
-    }
-    return velocity;
-  }
-
   /// Forces that only some robots have.
   template <class Load>
   SKYBODY_INLINE void add_outer_forces(const BodyKinematics<Real>& body, Load& load) const {
     if (!kIsNominal || robot_.is_disturbed) {
       add_disturbance<Real>(in_.params + robot_.constants, load);
     }
-    if constexpr (kIsHeld) {
-      const LaneValues<Real> wrench = in_.held_wrench + 6 * robot_.body;
-      if (held().wrench) {
-        add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, load);
-      }
-    }
+    if constexpr (kIsHeld) add_held_forces(in_.held, robot_.body, body, load);
     for (const int site : robot_.sites) {
       add_wrench<Real>(world_.world.sites[static_cast<std::size_t>(site)], in_.wrench + 6 * site,
                        load);

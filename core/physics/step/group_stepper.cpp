@@ -21,6 +21,7 @@ class GroupStepper::Alone {
     int total = plan.derived.size;
     for (const StateBlock& b : kStateBlocks) total += (layout.*b.place).size;
     for (const InputBlock& b : kInputBlocks) total += (layout.*b.place).size;
+    for (const Block& b : layout.held) total += b.size;
     values_.resize(static_cast<std::size_t>(total) + 13 * plan.world.bodies.size());
   }
 
@@ -60,6 +61,9 @@ class GroupStepper::Alone {
     }
     for (const InputBlock& b : kInputBlocks) {
       one_.*b.values = copy(group.*b.values, (layout.*b.place).size);
+    }
+    for (std::size_t i = 0; i < layout.held.size(); ++i) {
+      if (group.held[i] != nullptr) one_.held[i] = copy(group.held[i], layout.held[i].size);
     }
     double* mine = derived == nullptr ? nullptr : copy(derived, plan_.derived.size);
     one_.bodies = next;

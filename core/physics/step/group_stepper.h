@@ -25,14 +25,12 @@ struct GroupBlocks {
   /// 13 per body (BodyState): follows from q and u. Of one free body it is q and u themselves: then
   /// it may be the same memory.
   double* bodies = nullptr;
-  const double* held_wind = nullptr;
-  const double* held_wrench = nullptr;
-  const double* held_rotor_gain = nullptr;
-  const double* held_rotor_limit = nullptr;
-  const double* held_rotor_rate = nullptr;
+  const double* joint_command = nullptr;
+  double* joint_state = nullptr;
+  const double* held[SKYBODY_HELD_COUNT] = {};  ///< core/base/held_inputs.h; null: not used
 };
 
-/// A block that steps read, and where it lies in WorldState.
+/// A block that steps read, and where it lies in WorldState. Those that effects hold come on top.
 struct InputBlock {
   const double* GroupBlocks::*values;
   Block Layout::*place;
@@ -42,11 +40,7 @@ inline constexpr InputBlock kInputBlocks[] = {
     {&GroupBlocks::wrench, &Layout::wrench},
     {&GroupBlocks::drive, &Layout::drive},
     {&GroupBlocks::params, &Layout::params},
-    {&GroupBlocks::held_wind, &Layout::held_wind},
-    {&GroupBlocks::held_wrench, &Layout::held_wrench},
-    {&GroupBlocks::held_rotor_gain, &Layout::held_rotor_gain},
-    {&GroupBlocks::held_rotor_limit, &Layout::held_rotor_limit},
-    {&GroupBlocks::held_rotor_rate, &Layout::held_rotor_rate}};
+    {&GroupBlocks::joint_command, &Layout::joint_command}};
 
 /// A block that steps change.
 struct StateBlock {
@@ -55,7 +49,8 @@ struct StateBlock {
 };
 inline constexpr StateBlock kStateBlocks[] = {{&GroupBlocks::q, &Layout::q},
                                               {&GroupBlocks::u, &Layout::u},
-                                              {&GroupBlocks::rotor_speed, &Layout::rotor_speed}};
+                                              {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
+                                              {&GroupBlocks::joint_state, &Layout::joint_state}};
 
 /// Work space of one thread that steps groups of a world. Holds nothing between two calls.
 using PhysicsScratch = AlignedArray<std::byte>;
@@ -86,8 +81,8 @@ class GroupStepper {
   void refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,
                PhysicsScratch& scratch);
 
-  /// Advances q, u, rotor speeds and bodies of these lanes by exactly dt, commands, wrenches and
-  /// drives held.
+  /// Advances q, u, rotor speeds, joint states and bodies of these lanes by exactly dt, commands,
+  /// wrenches and drives held.
   /// @returns the lanes that came through; the others, whose step gave a value that is not finite
   ///          or beyond 1e6 (free robots: rates of turn, and the magnitudes of all else added up),
   ///          or where the dynamics gave up, are as they were before the call

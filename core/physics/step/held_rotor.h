@@ -1,9 +1,8 @@
 // A rotor that effects hold during a physics step.
 #pragma once
 
-#include "core/physics/step/lane_values.h"
 #include "core/physics/step/step_rules.h"
-#include "core/physics/world/held_inputs.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 
@@ -51,14 +50,15 @@ struct HeldRotorStep {
 };
 
 /// Of rotor i of the world; what is not held has its neutral value.
-/// @param limits, rates  of all rotors
 template <class Real>
-SKYBODY_INLINE HeldRotor<Real> held_rotor(const HeldInputs& held, const LaneValues<Real>& limits,
-                                          const LaneValues<Real>& rates, int i) {
+SKYBODY_INLINE HeldRotor<Real> held_rotor(const HeldLanes<Real>& held, int i) {
   HeldRotor<Real> rotor{Real(0.0), Real(kInfinity), Real(kNan)};
-  if (held.rotor_limit) rotor.lower = limits[2 * i];
-  if (held.rotor_limit) rotor.upper = limits[2 * i + 1];
-  if (held.rotor_rate) rotor.rate = rates[i];
+  if (held.has(SKYBODY_HELD_ROTOR_LIMIT)) {
+    const LaneValues<Real> limits = held[SKYBODY_HELD_ROTOR_LIMIT] + 2 * i;
+    rotor.lower = limits[0];
+    rotor.upper = limits[1];
+  }
+  if (held.has(SKYBODY_HELD_ROTOR_RATE)) rotor.rate = held[SKYBODY_HELD_ROTOR_RATE][i];
   return rotor;
 }
 

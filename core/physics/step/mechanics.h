@@ -45,8 +45,8 @@ struct StepArrays {
   Coordinates<Real> now;
   StageRates<Coordinates<Real>> stages;
   Real *joint_forces, *wrench, *drive, *targets;
-  Real *held_wind, *held_wrench, *held_rotor_gain;  ///< null: the world holds none
   RotorMotion<Real>* rotors[kStageTimeCount];
+  Real* joint_targets[kStageTimeCount];
   BodyKinematics<Real>* motion;
   SpatialForce<Real>* forces;
   typename Forest::template Work<Real> forest;
@@ -80,11 +80,6 @@ struct StepArrays {
     }
   };
 
-  static SKYBODY_INLINE void take_held(Arena& arena, Block block, Real*& array) {
-    array = nullptr;
-    if (block.size > 0) arena.take(array, static_cast<std::size_t>(block.size));
-  }
-
   /// @returns the bytes that it takes
   SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
     const Layout& layout = plan.world.layout;
@@ -97,10 +92,8 @@ struct StepArrays {
     arena.take(wrench, static_cast<std::size_t>(layout.wrench.size));
     arena.take(drive, static_cast<std::size_t>(layout.drive.size));
     arena.take(targets, 7 * plan.drives.size());
-    take_held(arena, layout.held_wind, held_wind);
-    take_held(arena, layout.held_wrench, held_wrench);
-    take_held(arena, layout.held_rotor_gain, held_rotor_gain);
     for (auto& r : rotors) arena.take(r, plan.world.rotors.size());
+    for (auto& t : joint_targets) arena.take(t, plan.world.joint_drives.size());
     arena.take(motion, bodies);
     arena.take(forces, bodies);
     arena.take(forest.body, bodies);
@@ -135,6 +128,7 @@ class Mechanics {
         group_(*call.group),
         spins_(call.spins),
         lanes_(first),
+        held_(group_.held, first),
         params_(params),
         derived_(derived),
         accelerations_(accelerations),
@@ -162,7 +156,7 @@ class Mechanics {
     run_rotors(rule);
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
-                             accelerate(at.q, at.u, a_.rotors[time], rate.u);
+                             accelerate(at.q, at.u, time, rate.u);
                              position_rates_of(at.q, at.u, rate.q);
                            };
     step_by_rule(rule, dt(), rates, a_.now, a_.stages);
@@ -179,8 +173,11 @@ class Mechanics {
       each_rotor([&](int i, const auto& rotor) {
         a_.rotors[kStepMiddle][i] = rotor.at_time(rotor_constants(i), time, dt());
       });
+      each_drive([&](int i, const JointDriveStep& d, const Real& state, const Real& command) {
+        a_.joint_targets[kStepMiddle][i] = target_at_time(d.drive.tau, state, command, time);
+      });
       has_motion_ = false;  // its points are not ours
-      accelerate(q, u, a_.rotors[kStepMiddle], udot);
+      accelerate(q, u, kStepMiddle, udot);
       position_rates_of(q, u, qdot);
     };
     advance(rates, a_.now.q, a_.now.u);
@@ -191,7 +188,7 @@ class Mechanics {
   SKYBODY_INLINE void accelerations(Real* udot) {
     begin_step();
     each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
-    accelerate(a_.now.q, a_.now.u, a_.rotors[kStepStart], udot);
+    accelerate(a_.now.q, a_.now.u, kStepStart, udot);
   }
 
  private:
@@ -204,9 +201,12 @@ class Mechanics {
   SKYBODY_INLINE void begin_step() {
     begin_motion();
     lanes_.load(group_.wrench, layout().wrench.size, a_.wrench);
-    lanes_.load(group_.held_wind, layout().held_wind.size, a_.held_wind);
-    lanes_.load(group_.held_wrench, layout().held_wrench.size, a_.held_wrench);
-    lanes_.load(group_.held_rotor_gain, layout().held_rotor_gain.size, a_.held_rotor_gain);
+    each_drive([&](int i, const JointDriveStep& d, const Real& state, const Real& command)
+                   SKYBODY_INLINE_LAMBDA {
+                     for (const StageTime time : {kStepStart, kStepMiddle, kStepEnd}) {
+                       a_.joint_targets[time][i] = target_at(d.lag, state, command, time);
+                     }
+                   });
     for (int i = 0; i < layout().u.size; ++i) a_.joint_forces[i] = Real(0.0);
     if (plan_.drives.empty()) return;
     lanes_.load(group_.drive, layout().drive.size, a_.drive);
@@ -243,21 +243,27 @@ class Mechanics {
   /// Calls f(i, rotor's step) for every rotor of the world.
   template <class F>
   SKYBODY_INLINE void each_rotor(const F& f) const {
-    const HeldInputs& held = plan_.world.held;
     for (int i = 0; i < static_cast<int>(plan_.world.rotors.size()); ++i) {
       const auto lag = load_lag<Real>(derived_ + (plan_.derived.lags + kLagSize * i));
       const auto speed = load_lanes<Real>(lanes_.at(group_.rotor_speed, i));
       const auto command = load_lanes<Real>(lanes_.at(group_.rotor_command, i));
       const Real max_speed = rotor_constants(i)[kMaxSpeed];
-      if (held.rotor_limit || held.rotor_rate) {
-        f(i, HeldRotorStep<Real>(
-                 lag, speed, command, max_speed,
-                 held_rotor(held, LaneValues<Real>(lanes_.at(group_.held_rotor_limit, 0)),
-                            LaneValues<Real>(lanes_.at(group_.held_rotor_rate, 0)), i),
-                 dt()));
+      if (plan_.has_held) {
+        f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
       } else {
         f(i, RotorStep<Real>(lag, speed, command, max_speed));
       }
+    }
+  }
+
+  /// Calls f(i, drive, state, command) for every joint drive of the world.
+  template <class F>
+  SKYBODY_INLINE void each_drive(const F& f) const {
+    int i = 0;
+    for (const JointDriveStep& drive : plan_.forces.joint_drives()) {
+      f(i, drive, load_lanes<Real>(lanes_.at(group_.joint_state, i)),
+        load_lanes<Real>(lanes_.at(group_.joint_command, i)));
+      ++i;
     }
   }
 
@@ -276,19 +282,18 @@ class Mechanics {
     });
   }
 
-  SKYBODY_INLINE void accelerate(const Real* q, const Real* u, const RotorMotion<Real>* rotors,
-                                 Real* udot) {
+  /// @param time  of rotors and joint drives
+  SKYBODY_INLINE void accelerate(const Real* q, const Real* u, StageTime time, Real* udot) {
     if (!has_motion_) update_motion(q, u);
     has_motion_ = false;
     const ForceInputs<Real, Values> in{q,
                                        u,
                                        a_.motion,
-                                       rotors,
+                                       a_.rotors[time],
                                        params_,
                                        a_.wrench,
-                                       a_.held_wind,
-                                       a_.held_wrench,
-                                       a_.held_rotor_gain};
+                                       a_.joint_targets[time],
+                                       plan_.has_held ? &held_ : nullptr};
     plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
     accelerations_(plan_, derived_, a_, q, u, udot);
   }
@@ -314,6 +319,9 @@ class Mechanics {
     for (int i = 0; i < layout().rotor_speed.size; ++i) {
       through &= is_bounded(a_.rotors[kStepEnd][i].speed);
     }
+    for (int i = 0; i < layout().joint_state.size; ++i) {
+      through &= is_bounded(a_.joint_targets[kStepEnd][i]);
+    }
     update_motion(a_.now.q, a_.now.u);
     if (all(through)) {  // the usual case, without reading what is overwritten
       store_step(AllLanes());
@@ -331,6 +339,7 @@ class Mechanics {
     for (int i = 0; i < layout().rotor_speed.size; ++i) {
       lanes_.put(a_.rotors[kStepEnd][i].speed, mask, lanes_.at(group_.rotor_speed, i));
     }
+    lanes_.store(a_.joint_targets[kStepEnd], layout().joint_state.size, mask, group_.joint_state);
     store_motion(mask);
   }
 
@@ -371,6 +380,7 @@ class Mechanics {
   const GroupBlocks& group_;
   double* spins_;
   LanePlace<Real> lanes_;
+  HeldLanes<Real> held_;
   Values params_, derived_;
   Accelerations accelerations_;
   StepArrays<Real> a_;

@@ -19,8 +19,8 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
                       derive_kernel(lanes, isa)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
-  kernels.advance = !plan.free_robots       ? tree_kernel(lanes, isa)
-                    : plan.world.held.any() ? free_held_kernel(integrator, lanes, isa)
+  kernels.advance = !plan.free_robots ? tree_kernel(lanes, isa)
+                    : plan.has_held   ? free_held_kernel(integrator, lanes, isa)
                     : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes, isa)
                                                            : free_euler_kernel(lanes, isa);
   return kernels;
@@ -41,6 +41,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   derive_rotors(w, derived, nominal,
                 [&](int k, double value) { nominal_derived[static_cast<std::size_t>(k)] = value; });
   make_body_constants(w, nominal, nominal_derived.data() + derived.bodies);
+  for (const Block& held : w.layout.held) has_held |= held.size > 0;
   int value = 0;
   for (std::size_t r = 0; r < w.drives.size(); ++r) {
     if (w.drives[r] == DriveKind::kNone) continue;

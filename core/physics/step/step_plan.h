@@ -10,10 +10,10 @@
 #include "core/physics/forces/force_model.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
-#include "core/physics/step/lane_values.h"
 #include "core/physics/step/reach.h"
 #include "core/physics/step/step_rules.h"
 #include "core/physics/tree/forest.h"
+#include "core/physics/world/lane_values.h"
 
 namespace skybody {
 
@@ -114,6 +114,7 @@ struct StepPlan {
   Reach reach;
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
+  bool has_held = false;  ///< effects hold something of the world
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;

@@ -1,6 +1,7 @@
 // One environment's physical values, contiguous: the state that a reset starts from.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/base/quat.h"
@@ -21,28 +22,25 @@ static_assert(sizeof(BodyState) == 13 * sizeof(double));
 /// Values of one lane gathered from WorldState, in the order of the layout's blocks.
 struct LaneState {
   std::vector<double> q, u, rotor_speed, rotor_command, wrench, drive, params;
-  std::vector<double> held_wind, held_wrench, held_rotor_gain, held_rotor_limit, held_rotor_rate;
-  std::vector<BodyState> bodies;  ///< those of q and u
+  std::vector<double> joint_command, joint_state;
+  std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< in the order of SkybodyHeldInput
+  std::vector<BodyState> bodies;                             ///< those of q and u
 };
 
-/// A block of WorldState as a lane state has it.
+/// A block of WorldState as a lane state has it. Those that effects hold come on top.
 struct LaneBlock {
   std::vector<double> LaneState::*values;
   Block Layout::*place;
 };
-inline constexpr LaneBlock kLaneBlocks[] = {
-    {&LaneState::q, &Layout::q},
-    {&LaneState::u, &Layout::u},
-    {&LaneState::rotor_speed, &Layout::rotor_speed},
-    {&LaneState::rotor_command, &Layout::rotor_command},
-    {&LaneState::wrench, &Layout::wrench},
-    {&LaneState::drive, &Layout::drive},
-    {&LaneState::params, &Layout::params},
-    {&LaneState::held_wind, &Layout::held_wind},
-    {&LaneState::held_wrench, &Layout::held_wrench},
-    {&LaneState::held_rotor_gain, &Layout::held_rotor_gain},
-    {&LaneState::held_rotor_limit, &Layout::held_rotor_limit},
-    {&LaneState::held_rotor_rate, &Layout::held_rotor_rate}};
+inline constexpr LaneBlock kLaneBlocks[] = {{&LaneState::q, &Layout::q},
+                                            {&LaneState::u, &Layout::u},
+                                            {&LaneState::rotor_speed, &Layout::rotor_speed},
+                                            {&LaneState::rotor_command, &Layout::rotor_command},
+                                            {&LaneState::wrench, &Layout::wrench},
+                                            {&LaneState::drive, &Layout::drive},
+                                            {&LaneState::params, &Layout::params},
+                                            {&LaneState::joint_command, &Layout::joint_command},
+                                            {&LaneState::joint_state, &Layout::joint_state}};
 
 /// The values of a lane state that belong to a block.
 inline std::vector<double>& values_of(LaneState& state, Block Layout::*place) {

@@ -52,6 +52,25 @@ void demand_plain_free_bases(const Topology& topology) {
   }
 }
 
+/// The drives, each on a coordinate of its own.
+std::vector<JointDrive> checked_drives(const Topology& topology, std::vector<JointDrive> drives) {
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    const JointDrive& drive = drives[i];
+    const Body& body = *topology.bodies.at(static_cast<std::size_t>(drive.body)).model;
+    const JointType type = body.joint.type;
+    SKYBODY_DEMAND(
+        type == JointType::kPin || type == JointType::kSlider || type == JointType::kUniversal,
+        "a drive in the joint of '" + body.name + "', which has no single coordinates");
+    SKYBODY_DEMAND(drive.coordinate >= 0 && drive.coordinate < velocity_size(type),
+                   "a drive of a coordinate that the joint of '" + body.name + "' does not have");
+    for (std::size_t k = 0; k < i; ++k) {
+      SKYBODY_DEMAND(drives[k].body != drive.body || drives[k].coordinate != drive.coordinate,
+                     "two drives of one coordinate of '" + body.name + "'");
+    }
+  }
+  return drives;
+}
+
 }  // namespace
 
 Topology::Topology(Scenario scenario_in)
@@ -70,8 +89,7 @@ World::World(const Topology& topology, WorldPlan plan)
       layout(finish_layout(plan)),
       sites(std::move(plan.sites)),
       drives(std::move(plan.drives)),
-      joint_drives(std::move(plan.joint_drives)),
-      held(plan.held),
+      joint_drives(checked_drives(topology, std::move(plan.joint_drives))),
       spheres(scenario.contact.ground ? make_contact_spheres(*this) : std::vector<ContactSphere>{}),
       simbody_contact(make_simbody_contact(*this)) {}
 

@@ -13,7 +13,6 @@
 
 #include "core/model/layout.h"
 #include "core/model/scenario.h"
-#include "core/physics/world/held_inputs.h"
 
 namespace skybody {
 
@@ -93,17 +92,18 @@ struct WorldPlan {
   /// The values that physics needs; no sites, no drives, nothing held.
   explicit WorldPlan(const Topology& topology);
 
-  Layout layout;  ///< without offsets, and without the sizes of wrench, drive, held inputs and
-                  ///< params
+  Layout layout;  ///< without offsets, and without the sizes of wrench, drive, joint drives, held
+                  ///< inputs and params
   std::vector<WrenchSite> sites;
   std::vector<DriveKind> drives;  ///< one per robot
   std::vector<JointDrive> joint_drives;
-  HeldInputs held;  ///< what effects hold
+  std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< inputs that effects hold
 };
 
 /// Complete description of one world. Not copyable.
 class World : public Topology {
  public:
+  /// Joint drives that no joint can have are our bug (std::logic_error).
   World(const Topology& topology, WorldPlan plan);
   /// Without plugins.
   explicit World(const Topology& topology) : World(topology, WorldPlan(topology)) {}
@@ -114,8 +114,7 @@ class World : public Topology {
   const Layout layout;
   const std::vector<WrenchSite> sites;  ///< of the controllers that give wrenches, in their order
   const std::vector<DriveKind> drives;  ///< one per robot
-  const std::vector<JointDrive> joint_drives;
-  const HeldInputs held;                                        ///< what effects hold
+  const std::vector<JointDrive> joint_drives;                   ///< at most one per coordinate
   const std::vector<ContactSphere> spheres;                     ///< empty: there is no ground
   const std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: only ground to touch
 };

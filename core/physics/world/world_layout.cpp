@@ -2,6 +2,8 @@
 
 #include <span>
 
+#include "core/model/held_inputs.h"
+
 namespace skybody {
 namespace {
 
@@ -109,9 +111,12 @@ int count_driven(const std::vector<DriveKind>& drives) {
   return count;
 }
 
-int held_size(const Layout& layout, const HeldBlock& held) {
-  return held.size *
-         static_cast<int>((held.is_of_rotors ? layout.rotor_params : layout.body_params).size());
+int held_size(const WorldPlan& plan, int input) {
+  const HeldInputRow& row = kHeldInputs[static_cast<std::size_t>(input)];
+  if (row.is_of_rotors) return row.size * plan.layout.rotor_speed.size;
+  int bodies = 0;
+  for (const RobotLayout& robot : plan.layout.robots) bodies += robot.body_count;
+  return row.size * bodies;
 }
 
 Layout finish_layout(const WorldPlan& plan) {
@@ -119,8 +124,9 @@ Layout finish_layout(const WorldPlan& plan) {
   layout.wrench.size = 6 * static_cast<int>(plan.sites.size());
   layout.drive.size = 13 * count_driven(plan.drives);
   layout.joint_command.size = layout.joint_state.size = static_cast<int>(plan.joint_drives.size());
-  for (const HeldBlock& held : kHeldBlocks) {
-    (layout.*held.place).size = plan.held.*held.is_held ? held_size(layout, held) : 0;
+  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+    const auto input = static_cast<std::size_t>(i);
+    layout.held[input].size = plan.holds[input] ? held_size(plan, i) : 0;
   }
   layout.params.size = static_cast<int>(layout.param_info.size());
   layout.words = 0;
@@ -133,7 +139,7 @@ Layout finish_layout(const WorldPlan& plan) {
         &layout.wrench, &layout.drive, &layout.joint_command, &layout.joint_state}) {
     place(*block);
   }
-  for (const HeldBlock& held : kHeldBlocks) place(layout.*held.place);
+  for (Block& block : layout.held) place(block);
   for (Block* block :
        {&layout.bodies_before, &layout.params, &layout.action, &layout.command, &layout.sensors,
         &layout.contacts, &layout.plugin_state, &layout.last_observation}) {

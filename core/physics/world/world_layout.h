@@ -12,12 +12,12 @@ Layout physics_layout(const Topology& topology);
 /// Appends one randomizable value. @returns its index within the parameter block.
 int add_param(Layout& layout, const EnvParam& param);
 
-/// The plan's layout with the sizes of wrench, drive, held inputs and params, the offsets of all
-/// blocks and the number of words. World's constructor calls it.
+/// The plan's layout with the sizes of wrench, drive, joint drives, held inputs and params, the
+/// offsets of all blocks and the number of words. World's constructor calls it.
 Layout finish_layout(const WorldPlan& plan);
 
-/// Words of an input that effects hold, were it used.
-int held_size(const Layout& layout, const HeldBlock& held);
+/// Words of an input that effects hold (SkybodyHeldInput), were it used.
+int held_size(const WorldPlan& plan, int input);
 
 /// Number of robots whose base is driven; their 13 values lie in the drive block in robot order.
 int count_driven(const std::vector<DriveKind>& drives);

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "core/model/held_inputs.h"
 #include "core/model/marked_error.h"
-#include "core/physics/step/lane_values.h"
-#include "core/physics/world/held_inputs.h"
+#include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {
@@ -78,8 +78,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const std::vector<s
 }
 
 double held(const Flight& flight, SkybodyHeldInput input, int k) {
-  return flight.group.reals(flight.env.layout().*
-                            kHeldBlocks[input].place)[k * flight.group.lanes()];
+  return flight.group.reals(flight.env.layout().held[input])[k * flight.group.lanes()];
 }
 
 const std::vector<float> kHover(4, 0.0f);
@@ -99,7 +98,7 @@ TEST(Effects, SpeakBeforeEveryPhysicsStepAndHoldNeutralValuesElsewhere) {
   EXPECT_EQ(held(flight, SKYBODY_HELD_ROTOR_GAIN, 4 * 1 + SKYBODY_GAIN_THRUST), 0.5);
   EXPECT_EQ(held(flight, SKYBODY_HELD_ROTOR_GAIN, 4 * 1 + SKYBODY_GAIN_DRAG), 1.0);
   EXPECT_EQ(held(flight, SKYBODY_HELD_ROTOR_LIMIT, 2 * 2 + 1), 400.0);
-  EXPECT_EQ(env->layout().held_wrench.size, 0);
+  EXPECT_EQ(env->layout().held[SKYBODY_HELD_WRENCH].size, 0);
 }
 
 TEST(Effects, AddToOneAnother) {

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "core/model/marked_error.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {

@@ -10,7 +10,7 @@
 
 #include "core/env/value_names.h"
 #include "core/model/marked_error.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {

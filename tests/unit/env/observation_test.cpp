@@ -9,7 +9,7 @@
 
 #include "core/env/value_names.h"
 #include "core/model/marked_error.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 #include "tests/unit/env/observed_plugins.h"
 
 namespace skybody {

@@ -9,7 +9,7 @@
 
 #include "core/env/group_rows.h"
 #include "core/model/layout.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {

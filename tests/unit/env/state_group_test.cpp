@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
 
 namespace skybody {

@@ -1,15 +1,25 @@
 // Inputs that effects hold during a physics step: each by its closed form, on every dynamics.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 
+#include "core/physics/forces/rotor_force.h"
 #include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
 namespace {
 
-constexpr HeldInputs kAll{true, true, true, true, true};
+using Held = std::array<bool, SKYBODY_HELD_COUNT>;
+constexpr Held kAll{true, true, true, true, true, true};
+
+Held only(std::initializer_list<int> inputs) {
+  Held held{};
+  for (const int input : inputs) held[static_cast<std::size_t>(input)] = true;
+  return held;
+}
 
 RobotModel make_dragging_vehicle() {
   RobotModel model = make_vehicle(qdrone2());
@@ -28,8 +38,8 @@ Scenario aloft(RobotModel model, IntegratorChoice integrator = IntegratorChoice:
   return scenario;
 }
 
-Bench make_bench(Scenario scenario, HeldInputs held = kAll) {
-  return Bench(std::move(scenario), [held](WorldPlan& plan) { plan.held = held; });
+Bench make_bench(Scenario scenario, Held held = kAll) {
+  return Bench(std::move(scenario), [held](WorldPlan& plan) { plan.holds = held; });
 }
 
 void set_speeds(Bench& bench, double speed) {
@@ -45,45 +55,45 @@ std::vector<double> accelerations(Bench& bench) {
 
 TEST(HeldInputs, TakeNoWordsWhereNothingHoldsThem) {
   const World world(aloft(make_dragging_vehicle()));
-  for (const HeldBlock& held : kHeldBlocks) EXPECT_EQ((world.layout.*held.place).size, 0);
+  for (const Block& held : world.layout.held) EXPECT_EQ(held.size, 0);
 }
 
 TEST(HeldInputs, LieBehindTheDrivesWithTheirNeutralValues) {
   const Bench bench = make_bench(aloft(make_dragging_vehicle()));
   const Layout& layout = bench.world.layout;
-  EXPECT_EQ(layout.held_wind.offset, layout.drive.offset + layout.drive.size);
-  EXPECT_EQ(layout.held_wrench.size, 6);
-  EXPECT_EQ(layout.held_rotor_gain.size, 16);
-  EXPECT_EQ(bench.state.held_wind, std::vector<double>(3, 0.0));
-  EXPECT_EQ(bench.state.held_wrench, std::vector<double>(6, 0.0));
-  EXPECT_EQ(bench.state.held_rotor_gain, std::vector<double>(16, 1.0));
-  EXPECT_EQ(bench.state.held_rotor_limit[6], 0.0);
-  EXPECT_EQ(bench.state.held_rotor_limit[7], kInfinity);
-  for (const double rate : bench.state.held_rotor_rate) EXPECT_TRUE(std::isnan(rate));
+  EXPECT_EQ(layout.held[SKYBODY_HELD_WIND].offset, layout.drive.offset + layout.drive.size);
+  EXPECT_EQ(layout.held[SKYBODY_HELD_WRENCH].size, 6);
+  EXPECT_EQ(layout.held[SKYBODY_HELD_ROTOR_GAIN].size, 16);
+  EXPECT_EQ(bench.state.held[SKYBODY_HELD_WIND], std::vector<double>(3, 0.0));
+  EXPECT_EQ(bench.state.held[SKYBODY_HELD_WRENCH], std::vector<double>(6, 0.0));
+  EXPECT_EQ(bench.state.held[SKYBODY_HELD_ROTOR_GAIN], std::vector<double>(16, 1.0));
+  EXPECT_EQ(bench.state.held[SKYBODY_HELD_ROTOR_LIMIT][6], 0.0);
+  EXPECT_EQ(bench.state.held[SKYBODY_HELD_ROTOR_LIMIT][7], kInfinity);
+  for (const double rate : bench.state.held[SKYBODY_HELD_ROTOR_RATE]) EXPECT_TRUE(std::isnan(rate));
 }
 
 TEST(HeldInputs, DragInAWindIsThatOfTheOppositeVelocityInStillAir) {
   const Vec3<double> wind{3.0, -2.0, 0.5};
-  Bench in_wind = make_bench(aloft(make_dragging_vehicle()), {.wind = true});
+  Bench in_wind = make_bench(aloft(make_dragging_vehicle()), only({SKYBODY_HELD_WIND}));
   Bench moving(aloft(make_dragging_vehicle()));
   for (Bench* bench : {&in_wind, &moving}) {
     set_speeds(*bench, 900.0);
     store(from_rpy(0.3, -0.2, 1.0), bench->state.q.data() + 3);
     store(Vec3<double>{0.5, -1.0, 2.0}, bench->state.u.data() + 3);
   }
-  store(wind, in_wind.state.held_wind.data());
+  store(wind, in_wind.state.held[SKYBODY_HELD_WIND].data());
   store(-wind, moving.state.u.data());
   const std::vector<double> a = accelerations(in_wind), b = accelerations(moving);
   EXPECT_LT(largest_difference(a, b), 1e-13 * largest(b)) << "a few roundings";
 }
 
 TEST(HeldInputs, WindThatMovesWithTheBodyDragsNothing) {
-  Bench carried = make_bench(aloft(make_dragging_vehicle()), {.wind = true});
+  Bench carried = make_bench(aloft(make_dragging_vehicle()), only({SKYBODY_HELD_WIND}));
   Bench at_rest(aloft(make_dragging_vehicle()));
   for (Bench* bench : {&carried, &at_rest}) set_speeds(*bench, 900.0);
   const Vec3<double> velocity{4.0, 1.0, -3.0};
   store(velocity, carried.state.u.data());
-  store(velocity, carried.state.held_wind.data());
+  store(velocity, carried.state.held[SKYBODY_HELD_WIND].data());
   EXPECT_EQ(accelerations(carried), accelerations(at_rest));
   const double start = carried.state.u[0];
   ASSERT_TRUE(carried.run(100));
@@ -95,12 +105,12 @@ TEST(HeldInputs, AWrenchActsAtTheCentreOfMassInWorldAxes) {
   RobotModel model = make_free_body(mass.mass, mass.inertia, mass.com);
   Scenario scenario = aloft(model);
   scenario.constants[kGravity + 2] = 0.0;
-  Bench bench = make_bench(std::move(scenario), {.wrench = true});
+  Bench bench = make_bench(std::move(scenario), only({SKYBODY_HELD_WRENCH}));
   const Quat<double> turn = from_rpy(0.4, 0.2, -0.7);
   store(turn, bench.state.q.data() + 3);
   const Vec3<double> force{1.0, 2.0, -3.0}, moment{0.1, -0.2, 0.3};
-  store(force, bench.state.held_wrench.data());
-  store(moment, bench.state.held_wrench.data() + 3);
+  store(force, bench.state.held[SKYBODY_HELD_WRENCH].data());
+  store(moment, bench.state.held[SKYBODY_HELD_WRENCH].data() + 3);
   const std::vector<double> udot = accelerations(bench);
   const Vec3<double> angular = inverse(mass.inertia) * rotate_inverse(turn, moment);
   const Vec3<double> of_com =
@@ -109,17 +119,45 @@ TEST(HeldInputs, AWrenchActsAtTheCentreOfMassInWorldAxes) {
   EXPECT_LT(norm(of_com - force * (1.0 / mass.mass)), 1e-13);
 }
 
+TEST(HeldInputs, BodyDragActsAlongEachBodyAxisAgainstTheAir) {
+  const MassProperties mass{2.0, {0.1, -0.05, 0.02}, diagonal(0.02, 0.03, 0.04)};
+  Scenario scenario = aloft(make_free_body(mass.mass, mass.inertia, mass.com));
+  scenario.constants[kGravity + 2] = 0.0;
+  Bench bench = make_bench(std::move(scenario), only({SKYBODY_HELD_WIND, SKYBODY_HELD_BODY_DRAG}));
+  const Quat<double> turn = from_rpy(0.4, 0.2, -0.7);
+  const Vec3<double> velocity{3.0, 1.0, -2.0}, spin{0.5, -1.0, 0.3}, wind{-1.0, 2.0, 0.5};
+  store(turn, bench.state.q.data() + 3);
+  store(velocity, bench.state.u.data());
+  store(spin, bench.state.u.data() + 3);
+  store(wind, bench.state.held[SKYBODY_HELD_WIND].data());
+  bench.state.held[SKYBODY_HELD_BODY_DRAG] = {0.1, 0.2, 0.3, 0.04, 0.05, 0.06};
+  const std::vector<double> udot = accelerations(bench);
+  const Vec3<double> v = rotate_inverse(turn, velocity - wind) + cross(spin, mass.com);
+  const auto drag = [](double x, double linear, double quadratic) {
+    return -(linear * x + quadratic * std::fabs(x) * x);
+  };
+  const Vec3<double> force{drag(v.x, 0.1, 0.04), drag(v.y, 0.2, 0.05), drag(v.z, 0.3, 0.06)};
+  const Vec3<double> angular = load_vec3(udot.data() + 3);
+  const Vec3<double> of_com = load_vec3(udot.data()) + rotate(turn, cross(angular, mass.com)) +
+                              rotate(turn, cross(spin, cross(spin, mass.com)));
+  EXPECT_LT(norm(of_com - rotate(turn, force) * (1.0 / mass.mass)), 1e-13);
+  EXPECT_LT(norm(mass.inertia * angular + cross(spin, mass.inertia * spin)), 1e-13)
+      << "no moment about the centre of mass";
+}
+
 /// What gains of `place` make of the accelerations.
 std::vector<double> with_gains(int place, const std::vector<double>& gains) {
   RobotModel model = make_dragging_vehicle();
   for (Rotor& rotor : model.rotors) rotor.constants[kRotorInertia] = 0.0;
   Scenario scenario = aloft(model);
   scenario.constants[kGravity + 2] = 0.0;
-  Bench bench = make_bench(std::move(scenario), {.rotor_gain = true});
+  Bench bench = make_bench(std::move(scenario), only({SKYBODY_HELD_ROTOR_GAIN}));
   set_speeds(bench, 800.0);
   bench.state.u[0] = 5.0;
   for (std::size_t i = 0; i < gains.size(); ++i) {
-    bench.state.held_rotor_gain[kGainedConstants * i + static_cast<std::size_t>(place)] = gains[i];
+    bench.state
+        .held[SKYBODY_HELD_ROTOR_GAIN][kGainedConstants * i + static_cast<std::size_t>(place)] =
+        gains[i];
   }
   return accelerations(bench);
 }
@@ -153,10 +191,10 @@ TEST(HeldInputs, AGainOnTheRollingMomentScalesIt) {
 }
 
 TEST(HeldInputs, LimitsBoundTheSpeedThatARotorRunsTo) {
-  Bench bench = make_bench(aloft(make_dragging_vehicle()), {.rotor_limit = true});
+  Bench bench = make_bench(aloft(make_dragging_vehicle()), only({SKYBODY_HELD_ROTOR_LIMIT}));
   bench.state.rotor_speed = {600, 600, 600, 600};
   bench.state.rotor_command = {2000, 0, 2000, 900};
-  bench.state.held_rotor_limit = {0, 1000, 300, kInfinity, 0, 1e5, 0, kInfinity};
+  bench.state.held[SKYBODY_HELD_ROTOR_LIMIT] = {0, 1000, 300, kInfinity, 0, 1e5, 0, kInfinity};
   bench.param("robots.r.rotors[2].max_speed") = 1500.0;
   ASSERT_TRUE(bench.run_seconds(1.5));
   const double expected[] = {1000, 300, 1500, 900};
@@ -164,11 +202,12 @@ TEST(HeldInputs, LimitsBoundTheSpeedThatARotorRunsTo) {
 }
 
 TEST(HeldInputs, ARateMakesTheSpeedLinearUpToTheLimits) {
-  Bench bench =
-      make_bench(aloft(make_dragging_vehicle()), {.rotor_limit = true, .rotor_rate = true});
+  Bench bench = make_bench(aloft(make_dragging_vehicle()),
+                           only({SKYBODY_HELD_ROTOR_LIMIT, SKYBODY_HELD_ROTOR_RATE}));
   set_speeds(bench, 600.0);
-  bench.state.held_rotor_rate = {1000.0, -2000.0, kNan, 1e5};
-  bench.state.held_rotor_limit = {0, kInfinity, 550, kInfinity, 0, kInfinity, 0, kInfinity};
+  bench.state.held[SKYBODY_HELD_ROTOR_RATE] = {1000.0, -2000.0, kNan, 1e5};
+  bench.state.held[SKYBODY_HELD_ROTOR_LIMIT] = {0, kInfinity, 550, kInfinity,
+                                                0, kInfinity, 0,   kInfinity};
   ASSERT_TRUE(bench.run(100));
   EXPECT_NEAR(bench.state.rotor_speed[0], 700.0, 1e-9);
   EXPECT_EQ(bench.state.rotor_speed[1], 550.0);
@@ -178,9 +217,9 @@ TEST(HeldInputs, ARateMakesTheSpeedLinearUpToTheLimits) {
 
 TEST(HeldInputs, ARateGivesTheThrustOfEveryInstant) {
   const VehicleData d = qdrone2();
-  Bench bench = make_bench(aloft(make_vehicle(d)), {.rotor_rate = true});
+  Bench bench = make_bench(aloft(make_vehicle(d)), only({SKYBODY_HELD_ROTOR_RATE}));
   set_speeds(bench, 600.0);
-  bench.state.held_rotor_rate.assign(4, 1500.0);
+  bench.state.held[SKYBODY_HELD_ROTOR_RATE].assign(4, 1500.0);
   ASSERT_TRUE(bench.run(200));
   // v = 4 k_f / m (w1^3 - w0^3) / (3 rate) - g t; rk4 is exact for a force of second degree.
   const double w0 = 600.0, w1 = 900.0;
@@ -227,13 +266,15 @@ TEST(HeldInputs, NeutralOnesLeaveEveryBitAsItIs) {
 
 /// Everything held, at random.
 void draw_inputs(Random<double>& random, LaneState& state) {
-  for (double& v : state.held_wind) v = random.uniform(-5.0, 5.0);
-  for (double& f : state.held_wrench) f = random.uniform(-1.0, 1.0);
-  for (double& g : state.held_rotor_gain) g = random.uniform(0.0, 2.0);
-  for (std::size_t i = 0; i < state.held_rotor_rate.size(); ++i) {
-    state.held_rotor_limit[2 * i] = random.uniform(0.0, 300.0);
-    state.held_rotor_limit[2 * i + 1] = random.uniform(700.0, 1200.0);
-    state.held_rotor_rate[i] = random.uniform() < 0.5 ? kNan : random.uniform(-4000.0, 4000.0);
+  for (double& v : state.held[SKYBODY_HELD_WIND]) v = random.uniform(-5.0, 5.0);
+  for (double& f : state.held[SKYBODY_HELD_WRENCH]) f = random.uniform(-1.0, 1.0);
+  for (double& c : state.held[SKYBODY_HELD_BODY_DRAG]) c = random.uniform(0.0, 0.05);
+  for (double& g : state.held[SKYBODY_HELD_ROTOR_GAIN]) g = random.uniform(0.0, 2.0);
+  for (std::size_t i = 0; i < state.held[SKYBODY_HELD_ROTOR_RATE].size(); ++i) {
+    state.held[SKYBODY_HELD_ROTOR_LIMIT][2 * i] = random.uniform(0.0, 300.0);
+    state.held[SKYBODY_HELD_ROTOR_LIMIT][2 * i + 1] = random.uniform(700.0, 1200.0);
+    state.held[SKYBODY_HELD_ROTOR_RATE][i] =
+        random.uniform() < 0.5 ? kNan : random.uniform(-4000.0, 4000.0);
   }
 }
 
@@ -266,7 +307,7 @@ TEST(HeldInputs, AFreeRobotFliesAsOnSimbody) {
     const auto simbody = make_simbody_stepper(bench.world);
     set_speeds(bench, 800.0);
     draw_inputs(random, bench.state);
-    for (double& f : bench.state.held_wrench) f *= 0.02;
+    for (double& f : bench.state.held[SKYBODY_HELD_WRENCH]) f *= 0.02;
     LaneState theirs = bench.state;
     ASSERT_TRUE(bench.run(300));
     for (int i = 0; i < 300; ++i) ASSERT_TRUE(simbody->advance(theirs));
@@ -285,7 +326,7 @@ TEST(HeldInputs, IntegratorsOfSundialsTakeThemToo) {
     Bench bench = make_bench(scenario), exact = make_bench(aloft(make_dragging_vehicle()));
     for (Bench* b : {&bench, &exact}) set_speeds(*b, 800.0);
     draw_inputs(random, bench.state);
-    for (double& f : bench.state.held_wrench) f *= 0.02;
+    for (double& f : bench.state.held[SKYBODY_HELD_WRENCH]) f *= 0.02;
     exact.state = bench.state;
     ASSERT_TRUE(bench.run(100));
     ASSERT_TRUE(exact.run(100));

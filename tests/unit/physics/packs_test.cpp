@@ -10,7 +10,7 @@
 #include "core/base/isa.h"
 #include "core/base/octets.h"
 #include "core/physics/step/group_stepper.h"
-#include "core/physics/step/lane_values.h"
+#include "core/physics/world/lane_values.h"
 #include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
@@ -27,6 +27,10 @@ struct PackGroup {
         scratch(physics.make_scratch()),
         bodies(size(13 * static_cast<int>(w.bodies.size()))) {
     for (const LaneBlock& b : kLaneBlocks) values.emplace_back(size((w.layout.*b.place).size));
+    for (const Block& b : w.layout.held) held.emplace_back(size(b.size));
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      if (held[i].size() > 0) group.held[i] = held[i].data();
+    }
     group.lanes = kGroupLanes;
     group.bodies = bodies.data();
     for (const StateBlock& b : kStateBlocks) group.*b.values = values_at(b.place).data();
@@ -37,6 +41,7 @@ struct PackGroup {
   void set(int lane, const LaneState& state) {
     for (std::size_t b = 0; b < values.size(); ++b)
       put(values[b], lane, state.*kLaneBlocks[b].values);
+    for (std::size_t i = 0; i < held.size(); ++i) put(held[i], lane, state.held[i]);
   }
   static void put(AlignedArray<double>& block, int lane, const std::vector<double>& values) {
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -56,6 +61,7 @@ struct PackGroup {
   PhysicsScratch scratch;
   AlignedArray<double> bodies;
   std::vector<AlignedArray<double>> values;  ///< in the order of kLaneBlocks
+  std::vector<AlignedArray<double>> held;
   GroupBlocks group;
 };
 
@@ -175,11 +181,14 @@ LaneState random_lane(Random<double>& random, const World& world, bool drawn) {
   for (double& w : state.rotor_speed) w = random.uniform(0.0, 1500.0);
   for (double& w : state.rotor_command) w = random.uniform(-100.0, 3000.0);
   for (double& f : state.wrench) f = random.uniform(-1.0, 1.0);
-  for (double& v : state.held_wind) v = random.uniform(-5.0, 5.0);
-  for (double& f : state.held_wrench) f = max(0.0, random.uniform(-1.0, 1.0));
-  for (double& g : state.held_rotor_gain) g = random.uniform(0.0, 2.0);
-  for (double& w : state.held_rotor_limit) w += random.uniform(0.0, 300.0);
-  for (double& r : state.held_rotor_rate) {
+  for (double& r : state.joint_command) r = random.uniform(-1.0, 1.0);
+  for (double& r : state.joint_state) r = random.uniform(-1.0, 1.0);
+  for (double& v : state.held[SKYBODY_HELD_WIND]) v = random.uniform(-5.0, 5.0);
+  for (double& f : state.held[SKYBODY_HELD_WRENCH]) f = max(0.0, random.uniform(-1.0, 1.0));
+  for (double& c : state.held[SKYBODY_HELD_BODY_DRAG]) c = max(0.0, random.uniform(-0.05, 0.05));
+  for (double& g : state.held[SKYBODY_HELD_ROTOR_GAIN]) g = random.uniform(0.0, 2.0);
+  for (double& w : state.held[SKYBODY_HELD_ROTOR_LIMIT]) w += random.uniform(0.0, 300.0);
+  for (double& r : state.held[SKYBODY_HELD_ROTOR_RATE]) {
     if (random.uniform() < 0.5) r = random.uniform(-4000.0, 4000.0);
   }
   if (!drawn) return state;
@@ -242,8 +251,7 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithHeldInputs) {
     const World world =
         make_world(make_scenario(busy(model, random), integrator), [k](WorldPlan& plan) {
           const bool all = k < 6;
-          plan.held = {all || k % 5 == 0, all || k % 5 == 1, all || k % 5 == 2, all || k % 5 == 3,
-                       all || k % 5 == 4};
+          for (std::size_t i = 0; i < plan.holds.size(); ++i) plan.holds[i] = all || k % 6 == i;
         });
     TwoWays ways(world);
     for (int lane = 0; lane < kGroupLanes; ++lane) {
@@ -257,6 +265,43 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithHeldInputs) {
           ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
       if (testing::Test::HasFatalFailure()) return;
       lanes &= ~(some & ~through);
+    }
+  }
+}
+
+/// A drive in every joint that may have one, of any mode.
+std::vector<JointDrive> drives_for(Random<double>& random, const Topology& world) {
+  std::vector<JointDrive> drives;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const JointType type = world.bodies[i].model->joint.type;
+    if (type == JointType::kBall || type == JointType::kFree) continue;
+    for (int k = 0; k < velocity_size(type); ++k) {
+      const auto mode = static_cast<JointMode>(static_cast<int>(random.uniform() * 3.0));
+      drives.push_back({static_cast<int>(i), k, mode, random.uniform(), random.uniform(),
+                        random.uniform(), random.uniform() < 0.5 ? 0.0 : 0.01});
+    }
+  }
+  return drives;
+}
+
+TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithJointDrives) {
+  for (std::uint64_t k = 0; k < 24; ++k) {
+    Random<double> random{RandomKey{2026, 17}, k, 0, derive_stream("packs_test")};
+    const auto integrator =
+        k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+    const Topology topology(make_scenario(busy(random_tree(random), random), integrator));
+    WorldPlan plan(topology);
+    plan.joint_drives = drives_for(random, topology);
+    const World world(topology, plan);
+    TwoWays ways(world);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      ways.set(lane, random_lane(random, world, k % 2 == 0 && lane % 3 != 0));
+    }
+    ways.refresh(kAll);
+    std::uint32_t lanes = kAll;
+    for (int step = 0; step < 10; ++step) {
+      lanes = ways.advance(lanes, "tree " + std::to_string(k) + ", step " + std::to_string(step));
+      if (testing::Test::HasFatalFailure()) return;
     }
   }
 }

@@ -38,6 +38,9 @@ class Stepper {
     group.bodies = reinterpret_cast<double*>(s.bodies.data());
     for (const StateBlock& b : kStateBlocks) group.*b.values = values_of(s, b.place).data();
     for (const InputBlock& b : kInputBlocks) group.*b.values = values_of(s, b.place).data();
+    for (std::size_t i = 0; i < s.held.size(); ++i) {
+      if (!s.held[i].empty()) group.held[i] = s.held[i].data();
+    }
     return group;
   }
 

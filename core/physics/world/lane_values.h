@@ -33,6 +33,25 @@ class LaneValues {
   const double* data_;
 };
 
+/// What effects hold for the lanes that `Real` holds.
+template <class Real>
+class HeldLanes {
+ public:
+  /// @param held   where the blocks of the group begin, in the order of SkybodyHeldInput; null:
+  ///               nothing holds it
+  /// @param first  of the lanes, within the group
+  HeldLanes(const double* const* held, int first) : held_(held), first_(first) {}
+  SKYBODY_INLINE bool has(int input) const { return held_[input] != nullptr; }
+  /// Of what it has: all values.
+  SKYBODY_INLINE LaneValues<Real> operator[](int input) const {
+    return LaneValues<Real>(held_[input] + first_);
+  }
+
+ private:
+  const double* const* held_;
+  int first_;
+};
+
 /// Values that all lanes share: one word each.
 template <class Real>
 class SharedValues {

@@ -1,0 +1,48 @@
+// Motors in joints: a generalised force on one coordinate, from a command behind a first-order lag.
+#pragma once
+
+#include "core/base/math.h"
+#include "core/physics/forces/rotor_lag.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// A joint drive of a world with its lag over one physics step.
+struct JointDriveStep {
+  JointDrive drive;
+  LagFactors<double> lag;
+  int q = 0, u = 0;  ///< the coordinate and its rate, within the blocks
+};
+
+/// What a drive follows at an instant of the step: r(t) = c + (r(0) - c) exp(-t / tau).
+/// @param state    r(0), at the start of the step
+/// @param command  c, held during the step
+template <class Real>
+SKYBODY_INLINE Real target_at(const LagFactors<double>& lag, const Real& state, const Real& command,
+                              StageTime t) {
+  if (lag.decay[t] == 0.0) return command;
+  if (t == kStepStart) return state;
+  return command - (command - state) * lag.decay[t];
+}
+
+/// The same at any time since the start of the step [s].
+SKYBODY_INLINE double target_at_time(double tau, double state, double command, double time) {
+  return tau > 0.0 ? command - (command - state) * exp(-time / tau) : command;
+}
+
+/// Along the coordinate [N m] or [N].
+/// @param target  [rad], [rad/s] or [N m]; [m], [m/s] or [N] of a slider
+/// @param q, u    the coordinate and its rate
+template <class Real>
+SKYBODY_INLINE Real drive_force(const JointDrive& drive, const Real& target, const Real& q,
+                                const Real& u) {
+  Real effort = target;
+  if (drive.mode == JointMode::kPosition) {
+    effort = drive.stiffness * (target - q) - drive.damping * u;
+  } else if (drive.mode == JointMode::kVelocity) {
+    effort = drive.damping * (target - u);
+  }
+  return clamp(effort, Real(-drive.effort_limit), Real(drive.effort_limit));
+}
+
+}  // namespace skybody
