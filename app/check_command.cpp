@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "app/check_flight.h"
 #include "app/command.h"
 #include "app/plugin_child.h"
 #include "app/scenario_options.h"
@@ -14,6 +15,8 @@ namespace skybody {
 namespace {
 
 constexpr const char* kFooter =
+    "Reads all that the scenario names and flies it for a few steps in checked mode, in which a\n"
+    "plugin that touches values beyond its own is named.\n"
     "Every message goes to stderr as file:line:column: error: what. Exit status 2 if there is an\n"
     "error; warnings alone are 0.\n"
     "Examples:\n"
@@ -77,7 +80,11 @@ std::string column_table(const Environment& environment) {
 
 int check(CheckOptions options, const RefusedFiles& refused) {
   options.load.refused_plugins = refused;
+  options.load.checked = true;
   const auto environment = load_and_warn(options.load);
+  Diagnostics diagnostics;
+  fly_for_a_moment(environment, diagnostics);
+  std::fputs(diagnostics.to_string().c_str(), stderr);
   std::printf("%s\n", describe(*environment).c_str());
   if (options.parameters) std::printf("\n%s", parameter_table(*environment).c_str());
   if (options.columns) std::printf("\n%s", column_table(*environment).c_str());

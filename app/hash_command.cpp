@@ -149,6 +149,7 @@ void add_hash_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<HashOptions>();
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
+  add_checked(*command, options->load);
   add_vec_env_options(*command, options->envs);
   command->add_option("--steps", options->steps, "Steps of each environment (1000)")
       ->type_name("K")

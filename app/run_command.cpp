@@ -133,6 +133,7 @@ void add_run_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<RunOptions>();
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
+  add_checked(*command, options->load);
   command->add_option("--episodes", options->plan.episodes, "Episodes to fly (1)")
       ->type_name("N")
       ->check(whole_number(1, kMostEpisodes));

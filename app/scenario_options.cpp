@@ -37,6 +37,11 @@ void add_scenario_options(CLI::App& command, LoadOptions& options) {
   add_trust_scenario(command, options);
 }
 
+void add_checked(CLI::App& command, LoadOptions& options) {
+  command.add_flag("--checked", options.checked,
+                   "Hold plugins to the values that they may touch: slower, the same bits");
+}
+
 std::shared_ptr<const Environment> load_and_warn(const LoadOptions& options) {
   Diagnostics diagnostics;
   std::shared_ptr<const Environment> environment = load_environment(options, diagnostics);

@@ -19,6 +19,9 @@ void add_plugin_path(CLI::App& command, LoadOptions& options);
 /// Declares --trust-scenario alone.
 void add_trust_scenario(CLI::App& command, LoadOptions& options);
 
+/// Declares --checked.
+void add_checked(CLI::App& command, LoadOptions& options);
+
 /// Loads it and prints its warnings.
 /// @throws InputError with errors and warnings
 std::shared_ptr<const Environment> load_and_warn(const LoadOptions& options);

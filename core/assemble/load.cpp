@@ -182,7 +182,8 @@ std::shared_ptr<const Environment> load_environment(
   const SourceMark whole{scenario->file, 0, 0};
   try {
     RegistryFactory factory(*registry);
-    auto environment = std::make_shared<const Environment>(std::move(*scenario), factory);
+    auto environment = std::make_shared<const Environment>(
+        std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
     check_world(environment->world());  // a world that cannot be built is said here
     return environment;
   } catch (const MarkedError& e) {

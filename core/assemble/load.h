@@ -22,6 +22,7 @@ struct LoadOptions {
   std::vector<std::filesystem::path> plugin_path;  ///< searched before the default places
   bool trust_scenario = false;  ///< search the scenario's folder and its `plugins`, too
   RefusedFiles refused_plugins = {};
+  bool checked = false;  ///< checked mode, see Environment
 };
 
 /// Plugins found on the search path of `options` (see docs/plugins.md for the order).

@@ -41,6 +41,9 @@ struct ActionChannel {
   std::vector<double> low, high;  ///< what -1 and +1 mean
 };
 
+/// Whether plugins are held to the values that they may touch. Slower, the same bits.
+enum class Checking { kNo, kYes };
+
 /// One scenario, ready to step. Const methods are safe to call from several threads on different
 /// groups and works. step(), reset(), update() and hash() want an FpEnvironment around them
 /// (reading the mode waits for all arithmetic before it, so it is done once for many groups); the
@@ -49,7 +52,9 @@ class Environment {
  public:
   /// Configures the plugins and builds the world.
   /// @throws MarkedError with the scenario's line if a plugin refuses or signals do not fit
-  Environment(Scenario scenario, PluginFactory& factory);
+  /// @param checking  kYes: checked mode. Groups have one lane, and calls throw MarkedError where a
+  ///                  plugin touches values beyond those that it may
+  Environment(Scenario scenario, PluginFactory& factory, Checking checking = Checking::kNo);
   ~Environment();
 
   const World& world() const { return *world_; }
@@ -84,14 +89,11 @@ class Environment {
 
   /// Lanes of the groups in which this scenario is best stepped: kGroupLanes where its physics goes
   /// in packs, if only while nothing is within reach (core/physics/step/reach.h), else 1.
-  int preferred_lanes() const { return physics_->preferred_lanes(); }
+  int preferred_lanes() const { return is_checked_ ? 1 : physics_->preferred_lanes(); }
   /// @param lanes  1 or kGroupLanes
   StateGroup make_state(int lanes) const;
   /// Scratch for groups of that size. Results never depend on which groups it served.
   std::unique_ptr<GroupWork> make_work(int lanes) const;
-  /// The same for groups of one lane, in checked mode: calls throw Error where a plugin touches
-  /// values beyond those that it may.
-  std::unique_ptr<GroupWork> make_checked_work() const;
 
   /// Puts one lane at the beginning: nominal parameters, episode 0, the given random key. A reset
   /// must follow.
@@ -138,6 +140,7 @@ class Environment {
 
  private:
   struct Builder;
+  SkybodyChecks make_checks() const;
   void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;
   void make_command(StateGroup&, GroupWork&, const SkybodyLanes&) const;
   void process(StateGroup&, GroupWork&, const SkybodyLanes&) const;
@@ -184,6 +187,7 @@ class Environment {
   std::vector<ControllerChain> chains_;
   std::vector<ActionChannel> action_channels_;
   std::vector<Channel> info_channels_;
+  bool is_checked_ = false;
   bool needs_bodies_before_ = false;
   bool needs_contacts_ = false;
   int signal_size_ = 0;   ///< of the widest output of a controller

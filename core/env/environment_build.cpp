@@ -125,6 +125,7 @@ struct Environment::Builder {
     made.name = bound.use->instance;
     made.plugin = bound.use->plugin;
     made.robot = bound.robot;
+    made.mark = bound.use->mark;
     const SkybodyDeclare declare = declare_into(made);
     const SkybodySetup setup = tables.setup(bound.path, bound.robot, bound.values.table());
     try {
@@ -270,7 +271,8 @@ struct Environment::Builder {
   }
 };
 
-Environment::Environment(Scenario scenario, PluginFactory& factory) {
+Environment::Environment(Scenario scenario, PluginFactory& factory, Checking checking)
+    : is_checked_(checking == Checking::kYes) {
   Builder(*this, std::move(scenario), factory).build();
   write_default_state(*world_, initial_);
   physics_ = std::make_unique<const GroupPhysics>(*world_);
@@ -294,10 +296,9 @@ StateGroup Environment::make_state(int lanes) const {
   return {layout(), bodies, lanes, static_cast<int>(image_words_), physics_->make_stepper(lanes)};
 }
 
-std::unique_ptr<GroupWork> Environment::make_checked_work() const {
-  std::unique_ptr<GroupWork> work = make_work(1);
-  work->is_checked = true;
-  SkybodyChecks& checks = work->checks;
+/// How many values plugins may touch.
+SkybodyChecks Environment::make_checks() const {
+  SkybodyChecks checks{};
   checks.bodies = static_cast<int>(world_->bodies.size());
   checks.rotors = static_cast<int>(world_->rotors.size());
   checks.robots = static_cast<int>(scenario().robots.size());
@@ -307,7 +308,7 @@ std::unique_ptr<GroupWork> Environment::make_checked_work() const {
   checks.sensors = layout().sensors.size;
   checks.action = layout().action.size;
   checks.command = layout().command.size;
-  return work;
+  return checks;
 }
 
 std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
@@ -315,6 +316,8 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   const auto n = static_cast<std::size_t>(lanes);
   const auto values = [n](std::size_t count) { return AlignedArray<double>(count * n); };
   work->lanes = lanes;
+  work->is_checked = is_checked_;
+  work->checks = make_checks();
   work->physics = physics_->make_scratch();
   for (auto& signal : work->signal) signal = values(static_cast<std::size_t>(signal_size_));
   work->scratch = values(static_cast<std::size_t>(scratch_size_));

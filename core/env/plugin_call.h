@@ -3,20 +3,22 @@
 
 #include <string>
 
-#include "core/base/error.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
+#include "core/model/marked_error.h"
 
 namespace skybody {
 
-/// @throws Error if the plugin touched values beyond those that it may
+/// @throws MarkedError, at the line that names the plugin, if it touched values beyond those that
+/// it may
 inline void report_misuse(const PluginInstance& plugin, const SkybodyChecks& checks) {
   if (checks.what == nullptr) return;
-  throw Error("plugin `" + plugin.plugin + "` (" + plugin.name + ") asks for " + checks.what +
-              " value " + std::to_string(checks.index) + "; allowed: " +
-              (checks.size == 0 ? "none" : "0 to " + std::to_string(checks.size - 1)) +
-              "; this is a mistake in the plugin");
+  throw MarkedError(plugin.mark,
+                    "plugin `" + plugin.plugin + "` (" + plugin.name + ") asks for " + checks.what +
+                        " value " + std::to_string(checks.index) + "; allowed: " +
+                        (checks.size == 0 ? "none" : "0 to " + std::to_string(checks.size - 1)) +
+                        "; this is a mistake in the plugin");
 }
 
 /// Sizes of what a call hands over, for checked mode.

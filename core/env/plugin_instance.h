@@ -68,6 +68,7 @@ struct PluginInstance {
   std::string name;    ///< instance, as in paths
   std::string plugin;  ///< the plugin's own name
   int robot = -1;      ///< controllers only
+  SourceMark mark;     ///< where the scenario names it
 
   std::shared_ptr<const void> self;  ///< keeps the library loaded
   SkybodyKernels kernels{};          ///< of the chosen instruction set

@@ -185,6 +185,23 @@ void RobotReader::read_joint(const ConfigEntry& entry, Joint& joint) {
                            "`, which " +
                            (springs ? "has no limits" : "is not revolute or prismatic"));
   }
+  read_joint_position(reader, entry.key, joint);
+}
+
+void RobotReader::read_joint_position(const MapReader& reader, const std::string& name,
+                                      Joint& joint) {
+  if (reader.node("position") == nullptr) return;
+  joint.position = reader.real("position");
+  const auto refuse = [&](const std::string& why) {
+    diagnostics_.error(reader.mark("position"), "`position` of the joint `" + name + "` " + why);
+  };
+  if (joint.type != JointType::kPin && joint.type != JointType::kSlider) {
+    refuse("is given, which is not revolute or prismatic");
+  } else if (joint.limit.enabled &&
+             (joint.position < joint.limit.lower || joint.position > joint.limit.upper)) {
+    refuse("is " + format_number(joint.position) + "; its limits are " +
+           format_number(joint.limit.lower) + " to " + format_number(joint.limit.upper));
+  }
 }
 
 }  // namespace skybody

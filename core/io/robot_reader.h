@@ -32,6 +32,7 @@ class RobotReader {
   bool add_rotors(const MapReader& reader, RobotModel& model);
   void read_joints(const MapReader& reader, RobotModel& model);
   void read_joint(const ConfigEntry& entry, Joint& joint);
+  void read_joint_position(const MapReader& reader, const std::string& name, Joint& joint);
   void read_rotor_speed(const MapReader& reader, RobotUse& robot);
   void note(const std::string& text);
   bool take_parts(const RobotModel& model, const SourceMark& mark);

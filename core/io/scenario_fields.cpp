@@ -130,7 +130,9 @@ const MapSpec& disturbance_fields() {
 const MapSpec& joint_fields() {
   static const MapSpec spec{
       "joint", "What replaces or completes the URDF's values of one joint; what is left out stays.",
-      with_constants({}, kJointConstants)};
+      with_constants({real_field("position", "rad or m", 0, -kFar, kFar,
+                                 "at a reset; revolute and prismatic joints")},
+                     kJointConstants)};
   return spec;
 }
 
@@ -151,7 +153,7 @@ const MapSpec& robot_fields() {
           map_field("disturbance", Field::Kind::kMap, disturbance_fields(),
                     "a steady load on the base"),
           map_field("joints", Field::Kind::kNamedMaps, joint_fields(),
-                    "springs and dampers by joint name"),
+                    "positions at a reset, springs and dampers by joint name"),
           plugin_field("controllers", Field::Kind::kPluginList, SKYBODY_CONTROLLER,
                        "in the order in which they are evaluated"),
       }};

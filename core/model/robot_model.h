@@ -61,9 +61,10 @@ struct JointLimit {
 struct Joint {
   std::string name;
   JointType type = JointType::kFree;
-  int parent = -1;       ///< body index in the same robot; -1: the world
-  Pose frame_in_parent;  ///< X_PF: joint frame F in the parent body's frame; free base: identity
-  Pose frame_in_body;    ///< X_BM: joint frame M in this body's frame; free base: identity
+  int parent = -1;        ///< body index in the same robot; -1: the world
+  Pose frame_in_parent;   ///< X_PF: joint frame F in the parent body's frame; free base: identity
+  double position = 0.0;  ///< pin and slider: where it is at a reset [rad] or [m]
+  Pose frame_in_body;     ///< X_BM: joint frame M in this body's frame; free base: identity
   std::array<double, kJointParamCount> constants{};  ///< values of kJointConstants
   JointLimit limit;
 };

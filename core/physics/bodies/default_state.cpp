@@ -8,12 +8,13 @@
 namespace skybody {
 namespace {
 
-/// Joints at zero; the base's frame B at the scenario's pose.
+/// Joints where the scenario has them, else at zero; the base's frame B at the scenario's pose.
 void write_positions(const World& world, LaneState& state) {
   for (const WorldBody& body : world.bodies) {
     const JointType type = body.model->joint.type;
     double* q = state.q.data() + body.q;
     if (type == JointType::kBall) q[0] = 1.0;
+    if (type == JointType::kPin || type == JointType::kSlider) q[0] = body.model->joint.position;
     if (type != JointType::kFree) continue;
     const Pose pose = body.parent < 0 ? world.scenario.robots[body.robot].pose : Pose{};
     store(pose.position, q);

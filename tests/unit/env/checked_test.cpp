@@ -62,9 +62,8 @@ std::string mistake(const std::string& controller, const std::string& task) {
   robot.controllers.push_back(factory.use(controller, controller));
   s.robots.push_back(robot);
   s.task = factory.use(task, "task");
-  const Environment env(std::move(s), factory);
+  const Environment env(std::move(s), factory, Checking::kYes);
   Flight flight(env, 1);
-  flight.work = env.make_checked_work();
   try {
     flight.reset();
     flight.step({0, 0, 0, 0});
@@ -100,9 +99,9 @@ TEST(CheckedMode, GivesTheSameBits) {
   robot.controllers.push_back(factory.use("direct", "direct"));
   s.robots.push_back(robot);
   s.task = factory.use("watch", "task");
-  const Environment env(std::move(s), factory);
-  Flight plain(env, 1), checked(env, 1);
-  checked.work = env.make_checked_work();
+  const Environment env(s, factory), checked_env(s, factory, Checking::kYes);
+  EXPECT_EQ(checked_env.preferred_lanes(), 1);
+  Flight plain(env, 1), checked(checked_env, 1);
   for (Flight* flight : {&plain, &checked}) {
     flight->reset();
     for (int k = 0; k < 20; ++k) flight->step({0.1f, 0.2f, 0.3f, 0.4f});

@@ -54,7 +54,7 @@ class Liar : public Effect {
 };
 
 std::unique_ptr<Environment> make(InProcessFactory& factory, const std::vector<std::string>& names,
-                                  double period = 1.0) {
+                                  double period = 1.0, Checking checking = Checking::kNo) {
   factory.add<test::Direct>("direct");
   factory.add<test::Watch>("watch");
   factory.add<Breeze>("breeze");
@@ -74,7 +74,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const std::vector<s
     if (plugin == "breeze") s.effects.back().parameters[0].numbers = {period};
   }
   s.task = factory.use("watch", "task");
-  return std::make_unique<Environment>(std::move(s), factory);
+  return std::make_unique<Environment>(std::move(s), factory, checking);
 }
 
 double held(const Flight& flight, SkybodyHeldInput input, int k) {
@@ -157,9 +157,8 @@ TEST(Effects, ReportValuesBesideTheObservation) {
 
 TEST(Effects, AreToldInCheckedModeWhatTheyDidNotAnnounce) {
   InProcessFactory factory;
-  const auto env = make(factory, {"liar"});
+  const auto env = make(factory, {"liar"}, 1.0, Checking::kYes);
   Flight flight(*env, 1);
-  flight.work = env->make_checked_work();
   flight.reset();
   try {
     flight.step(kHover);

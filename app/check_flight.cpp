@@ -1,0 +1,89 @@
+#include "app/check_flight.h"
+
+#include <set>
+#include <vector>
+
+#include "core/base/math.h"
+#include "core/base/random.h"
+#include "core/io/text.h"
+#include "core/physics/bodies/default_state.h"
+#include "core/simulation/simulation.h"
+
+namespace skybody {
+namespace {
+
+/// Steps: every phase of a plugin with a period of at most so many actions is met.
+constexpr int kSteps = 8;
+/// A robot that stands on the ground sinks in by about ContactSettings::penetration.
+constexpr double kDeep = 10.0;
+
+std::string robot_of(const Environment& environment, int body) {
+  const World& world = environment.world();
+  const int robot = world.bodies[static_cast<std::size_t>(body)].robot;
+  return "robot `" + environment.scenario().robots[static_cast<std::size_t>(robot)].name + "`";
+}
+
+std::string other_of(const Environment& environment, const Contact& contact) {
+  if (contact.other == kGround) return "the ground";
+  if (contact.other == kObstacle) return "an obstacle";
+  return robot_of(environment, contact.other);
+}
+
+/// Contact pushes apart what begins inside one another, hard.
+void warn_of_overlaps(const Environment& environment, const std::vector<Contact>& contacts,
+                      Diagnostics& diagnostics) {
+  const double deep = kDeep * environment.scenario().contact.penetration;
+  std::set<std::string> said;
+  for (const Contact& contact : contacts) {
+    if (contact.depth < deep) continue;
+    const std::string message = robot_of(environment, contact.body) + " begins " +
+                                format_number(contact.depth) + " m inside " +
+                                other_of(environment, contact) + "; move its `pose`";
+    if (!said.insert(message).second) continue;
+    diagnostics.warning({environment.scenario().file, 0, 0}, message);
+  }
+}
+
+/// Robots that are to hover, and would need speeds that their rotors do not reach.
+void warn_of_weight(const Environment& environment, Diagnostics& diagnostics) {
+  const Scenario& scenario = environment.scenario();
+  for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
+    const RobotUse& use = scenario.robots[r];
+    if (use.rotor_speed >= 0.0) continue;
+    const double speed = hover_rotor_speed(environment.world(), static_cast<int>(r));
+    double slowest = kInfinity;
+    for (const Rotor& rotor : use.model.rotors) {
+      slowest = min(slowest, rotor.constants[kMaxSpeed]);
+    }
+    if (speed <= slowest) continue;
+    diagnostics.warning({scenario.file, 0, 0},
+                        "robot `" + use.name + "` cannot hover: `rotor_speed: hover` is " +
+                            format_number(speed) + " rad/s, and `max_speed` " +
+                            format_number(slowest) + " rad/s");
+  }
+}
+
+std::vector<float> random_action(int size, std::uint64_t step) {
+  Random<double> random(RandomKey{0, 0}, 0, step, derive_stream("check.action"));
+  std::vector<float> action(static_cast<std::size_t>(size));
+  for (float& a : action) a = static_cast<float>(random.uniform(-1.0, 1.0));
+  return action;
+}
+
+}  // namespace
+
+void fly_for_a_moment(const std::shared_ptr<const Environment>& environment,
+                      Diagnostics& diagnostics) {
+  Simulation simulation(environment, 0, 0);
+  simulation.reset();
+  warn_of_overlaps(*environment, simulation.contacts(), diagnostics);
+  warn_of_weight(*environment, diagnostics);
+  for (int k = 0; k < kSteps; ++k) {
+    if (simulation.done()) simulation.reset();
+    const std::vector<float> idle(static_cast<std::size_t>(simulation.action_size()), 0.0f);
+    simulation.step(
+        k % 2 == 0 ? idle : random_action(simulation.action_size(), static_cast<std::uint64_t>(k)));
+  }
+}
+
+}  // namespace skybody

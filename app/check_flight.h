@@ -1,0 +1,19 @@
+// What `skybody check` learns by flying a scenario for a moment.
+#pragma once
+
+#include <memory>
+
+#include "core/env/environment.h"
+#include "core/io/diagnostics.h"
+
+namespace skybody {
+
+/// Resets the environment and takes a few steps with idle and with random actions; warns of robots
+/// that begin inside something and of those that cannot carry their weight though they are to
+/// hover.
+/// @param environment  in checked mode
+/// @throws MarkedError where a plugin touches values beyond those that it may
+void fly_for_a_moment(const std::shared_ptr<const Environment>& environment,
+                      Diagnostics& diagnostics);
+
+}  // namespace skybody
