@@ -173,6 +173,7 @@ class Environment {
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
+  std::vector<Contact> find_contacts(StateGroup&, GroupWork&, int lane) const;
   void sense_contacts(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void write_reports(const StateGroup&, GroupWork&) const;
   SkybodyLanes view(const StateGroup&, GroupWork&, std::uint32_t mask) const;

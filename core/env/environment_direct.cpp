@@ -1,5 +1,7 @@
 // Direct control: physics steps and the task's judgement one by one, and what moves an environment
 // at this instant.
+#include <array>
+
 #include "core/base/fp_environment.h"
 #include "core/base/octets.h"
 #include "core/env/environment.h"
@@ -60,9 +62,16 @@ void Environment::accelerations(StateGroup& group, GroupWork& work, int lane, do
 std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
-  std::vector<double> params(static_cast<std::size_t>(layout().params.size));
-  group.gather(lane, layout().params, params.data());
-  std::vector<Contact> out = ground_contacts(*world_, params.data(), group.body_states(lane));
+  return find_contacts(group, work, lane);
+}
+
+/// Of a lane that is up to date.
+std::vector<Contact> Environment::find_contacts(StateGroup& group, GroupWork& work,
+                                                int lane) const {
+  std::array<double, kWorldParamCount> constants;
+  const Block block{layout().params.offset + layout().world_params, kWorldParamCount};
+  group.gather(lane, block, constants.data());
+  std::vector<Contact> out = ground_contacts(*world_, constants.data(), group.body_states(lane));
   group.add_contacts(lane, work.physics, out);
   return out;
 }
@@ -73,8 +82,7 @@ void Environment::sense_contacts(StateGroup& group, GroupWork& work, std::uint32
   const int lanes = group.lanes();
   double* sums = group.writable(layout().contacts, mask);
   each_lane(mask, [&](int lane) {
-    std::vector<Contact> contacts = ground_contacts(*world_, group.body_states(lane));
-    group.add_contacts(lane, work.physics, contacts);
+    const std::vector<Contact> contacts = find_contacts(group, work, lane);
     for (int k = 0; k < layout().contacts.size; ++k) sums[k * lanes + lane] = 0.0;
     for (const Contact& contact : contacts) {
       add_contact(contact, contact.body, 1.0, group, lane, sums);

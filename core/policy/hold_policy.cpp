@@ -247,7 +247,7 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return values;
     }
     case SKYBODY_ACCELERATION: {
-      const V a = wish.force / view.mass + environment_.scenario().gravity;
+      const V a = wish.force / view.mass + gravity_of(view);
       return {a.x, a.y, a.z, wish.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {

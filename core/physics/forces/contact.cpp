@@ -5,7 +5,7 @@
 
 namespace skybody {
 
-std::vector<Contact> ground_contacts(const World& world, const double* params,
+std::vector<Contact> ground_contacts(const World& world, const double* constants,
                                      const std::vector<BodyState>& bodies) {
   std::vector<Contact> out;
   for (const ContactSphere& sphere : world.spheres) {
@@ -16,8 +16,8 @@ std::vector<Contact> ground_contacts(const World& world, const double* params,
     const Vec3<double> point = body.position + arm;
     if (!(point.z < 0.0)) continue;
     const Vec3<double> velocity = body.velocity + cross(axes * body.angular_velocity, arm);
-    const Vec3<double> force = ground_force(params + world.layout.world_params, point, velocity,
-                                            sphere.stiffness, sphere.most_damping);
+    const Vec3<double> force =
+        ground_force(constants, point, velocity, sphere.stiffness, sphere.most_damping);
     out.push_back({sphere.body, kGround, point, {0.0, 0.0, 1.0}, -point.z, force});
   }
   return out;

@@ -24,7 +24,7 @@ struct Contact {
 };
 
 /// The contact spheres that are in the ground, with the forces of ground_contact.h.
-/// @param params  the parameter block
+/// @param params  the world's kWorldParamCount values
 std::vector<Contact> ground_contacts(const World& world, const double* params,
                                      const std::vector<BodyState>& bodies);
 

@@ -40,12 +40,42 @@ SimTK::MassProperties make_mass(const std::string& name, const double* params) {
   return {mass.mass, to_simbody(mass.com), SimTK::Inertia(o.xx, o.yy, o.zz, o.xy, o.xz, o.yz)};
 }
 
-/// One body's Simbody coordinates.
+/// One body's Simbody coordinates. Ours have the rotation last, Simbody's first.
 struct Slot {
   JointType type = JointType::kFree;
   int q = 0, u = 0;  ///< ours
   int simbody_q = 0, simbody_u = 0;
   Quat<double> rotation{1.0, 0.0, 0.0, 0.0};  ///< F from M at the present q, for Free and Ball
+
+  bool turns() const { return type == JointType::kFree || type == JointType::kBall; }
+  /// Coordinates that are no rotation's, of `count`.
+  int plain(int count, int of_rotation) const { return turns() ? count - of_rotation : count; }
+
+  void put_position(const double* ours, double* simbody) {
+    const int first = plain(position_size(type), 4);
+    if (turns()) {
+      rotation = normalized(load_quat(ours + first));
+      simbody = std::copy_n(ours + first, 4, simbody);
+    }
+    std::copy_n(ours, first, simbody);
+  }
+  /// Rates, or generalised forces.
+  void put_velocity(const double* ours, double* simbody) const {
+    const int first = plain(velocity_size(type), 3);
+    if (turns()) {
+      store(rotate(rotation, load_vec3(ours + first)), simbody);
+      simbody += 3;
+    }
+    std::copy_n(ours, first, simbody);
+  }
+  void get_velocity(const double* simbody, double* ours) const {
+    const int first = plain(velocity_size(type), 3);
+    if (turns()) {
+      store(rotate_inverse(rotation, load_vec3(simbody)), ours + first);
+      simbody += 3;
+    }
+    std::copy_n(simbody, first, ours);
+  }
 };
 
 /// A Simbody system with its state. Built for one set of mass properties.
@@ -203,22 +233,8 @@ class SimbodySystem {
     double* to_q = &state_.updQ()[0];
     double* to_u = &state_.updU()[0];
     for (Slot& slot : slots_) {
-      const double *from_q = q + slot.q, *from_u = u + slot.u;
-      double *sq = to_q + slot.simbody_q, *su = to_u + slot.simbody_u;
-      if (slot.type == JointType::kFree) {
-        std::memcpy(sq, from_q + 3, 4 * sizeof(double));
-        std::memcpy(sq + 4, from_q, 3 * sizeof(double));
-        slot.rotation = normalized(load_quat(from_q + 3));
-        store(rotate(slot.rotation, load_vec3(from_u + 3)), su);
-        std::memcpy(su + 3, from_u, 3 * sizeof(double));
-      } else if (slot.type == JointType::kBall) {
-        std::memcpy(sq, from_q, 4 * sizeof(double));
-        slot.rotation = normalized(load_quat(from_q));
-        store(rotate(slot.rotation, load_vec3(from_u)), su);
-      } else {
-        std::memcpy(sq, from_q, position_size(slot.type) * sizeof(double));
-        std::memcpy(su, from_u, velocity_size(slot.type) * sizeof(double));
-      }
+      slot.put_position(q + slot.q, to_q + slot.simbody_q);
+      slot.put_velocity(u + slot.u, to_u + slot.simbody_u);
     }
   }
 
@@ -230,35 +246,13 @@ class SimbodySystem {
       body_forces_ += system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics);
     if (mobility_forces_.size() == 0) return;
     double* to = &mobility_forces_[0];
-    for (const Slot& slot : slots_) {
-      const double* from = joint_forces + slot.u;
-      double* force = to + slot.simbody_u;
-      if (slot.type == JointType::kFree) {
-        store(rotate(slot.rotation, load_vec3(from + 3)), force);
-        std::memcpy(force + 3, from, 3 * sizeof(double));
-      } else if (slot.type == JointType::kBall) {
-        store(rotate(slot.rotation, load_vec3(from)), force);
-      } else {
-        std::memcpy(force, from, velocity_size(slot.type) * sizeof(double));
-      }
-    }
+    for (const Slot& slot : slots_) slot.put_velocity(joint_forces + slot.u, to + slot.simbody_u);
   }
 
   void get_accelerations(double* udot) const {
     if (udot_.size() == 0) return;
     const double* from = &udot_[0];
-    for (const Slot& slot : slots_) {
-      const double* rate = from + slot.simbody_u;
-      double* to = udot + slot.u;
-      if (slot.type == JointType::kFree) {
-        std::memcpy(to, rate + 3, 3 * sizeof(double));
-        store(rotate_inverse(slot.rotation, load_vec3(rate)), to + 3);
-      } else if (slot.type == JointType::kBall) {
-        store(rotate_inverse(slot.rotation, load_vec3(rate)), to);
-      } else {
-        std::memcpy(to, rate, velocity_size(slot.type) * sizeof(double));
-      }
-    }
+    for (const Slot& slot : slots_) slot.get_velocity(from + slot.simbody_u, udot + slot.u);
   }
 
   SimTK::MultibodySystem system_;
