@@ -214,6 +214,7 @@ def test_a_replay_compares_observed_and_privileged_values(tmp_path: Path) -> Non
         envs.step(actions(step, N))
     envs.close()
     with h5py.File(tmp_path / "run.h5") as file:
+        assert file["columns"][-1] == b"gyro float32 [3] from imu.angular_rate, privileged"
         assert file["observation_names"][-1] == b"gyro[2]"
         assert file["transitions/observation"].shape == (11 * N, 28)
     done = subprocess.run(
