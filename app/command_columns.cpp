@@ -29,6 +29,12 @@ std::vector<LogColumn> fixed_columns(int signal) {
               {"v_y", "m/s"},   {"v_z", "m/s"},   {"a_x", "m/s^2"}, {"a_y", "m/s^2"},
               {"a_z", "m/s^2"}, {"j_x", "m/s^3"}, {"j_y", "m/s^3"}, {"j_z", "m/s^3"},
               {"yaw", "rad"}};
+    case SKYBODY_FORCE:
+      return {{"force_x", "N"}, {"force_y", "N"}, {"force_z", "N"}, {"yaw", "rad"}};
+    case SKYBODY_ACCELERATION:
+      return {{"a_x", "m/s^2"}, {"a_y", "m/s^2"}, {"a_z", "m/s^2"}, {"yaw", "rad"}};
+    case SKYBODY_VELOCITY_TRACKING:
+      return {{"v_x", "m/s"}, {"v_y", "m/s"}, {"v_z", "m/s"}, {"yaw_rate", "rad/s"}};
     default:
       return {};
   }
@@ -47,13 +53,14 @@ std::vector<LogColumn> rotor_columns(const RobotModel& model, int signal) {
 }  // namespace
 
 std::vector<LogColumn> command_columns(const Environment& environment,
-                                       const PluginInstance& controller) {
-  const int signal = controller.input_signal;
-  const RobotUse& robot =
-      environment.scenario().robots.at(static_cast<std::size_t>(controller.robot));
+                                       const ControllerChain& chain) {
+  const int signal = chain.signal;
+  const RobotUse& robot = environment.scenario().robots.at(static_cast<std::size_t>(chain.robot));
   std::vector<LogColumn> one = fixed_columns(signal);
-  if (one.empty()) one = rotor_columns(robot.model, signal);
-  const std::size_t count = static_cast<std::size_t>(controller.input_count());
+  if (signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_SRT) {
+    one = rotor_columns(robot.model, signal);
+  }
+  const auto count = static_cast<std::size_t>(chain.inputs);
   std::vector<LogColumn> columns;
   for (std::size_t k = 0; k < count; ++k) {
     LogColumn column = one.empty() ? LogColumn{signal_name(signal), ""} : one[k % one.size()];
@@ -62,6 +69,27 @@ std::vector<LogColumn> command_columns(const Environment& environment,
     columns.push_back({robot.name + "." + column.name, column.unit});
   }
   return columns;
+}
+
+std::vector<std::string> action_names(const Environment& environment) {
+  std::vector<std::string> names;
+  if (environment.task().actions.empty()) {
+    for (const ControllerChain& chain : environment.chains()) {
+      for (const LogColumn& column : command_columns(environment, chain)) {
+        names.push_back(column.name);
+      }
+    }
+    return names;
+  }
+  for (const ActionChannel& channel : environment.action_channels()) {
+    const std::size_t count = channel.low.size();
+    const RobotUse& robot = environment.scenario().robots[static_cast<std::size_t>(channel.robot)];
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::string index = count == 1 ? "" : "[" + std::to_string(k) + "]";
+      names.push_back(robot.name + "." + channel.name + index);
+    }
+  }
+  return names;
 }
 
 }  // namespace skybody

@@ -9,8 +9,11 @@
 
 namespace skybody {
 
-/// One column per value of the command that `controller` takes, named ROBOT.COMPONENT.
+/// One column per value of a chain's command, named ROBOT.COMPONENT.
 std::vector<LogColumn> command_columns(const Environment& environment,
-                                       const PluginInstance& controller);
+                                       const ControllerChain& chain);
+
+/// The values of the action row: the commands' names, or the task's own.
+std::vector<std::string> action_names(const Environment& environment);
 
 }  // namespace skybody

@@ -89,14 +89,12 @@ void describe_bodies(const Environment& environment, FlightLogHeader& header) {
 
 void describe_signals(const Environment& environment, FlightLogHeader& header) {
   for (const ControllerChain& chain : environment.chains()) {
-    if (chain.count == 0) continue;
-    const auto first = static_cast<std::size_t>(chain.first);
-    for (const LogColumn& column : command_columns(environment, environment.controllers()[first])) {
+    for (const LogColumn& column : command_columns(environment, chain)) {
       header.command.push_back(column);
-      header.action.push_back({column.name, ""});
     }
   }
-  for (const PluginInstance& sensor : environment.sensors()) {
+  for (const std::string& name : action_names(environment)) header.action.push_back({name, ""});
+  for (const PluginInstance& sensor : environment.plugins(SKYBODY_SENSOR)) {
     for (const Channel& channel : sensor.channels) {
       if (channel.is_image()) continue;
       append(header.sensors, sensor.name + "." + channel.name, channel.unit, channel.count);

@@ -3,7 +3,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
-#include "plugins/host/kind.h"
+#include "core/base/plugin_kind.h"
 #include "plugins/host/new_project.h"
 
 namespace skybody {
@@ -29,12 +29,10 @@ int write_project(const NewOptions& options) {
   return kExitDone;
 }
 
-std::vector<std::string> kind_names() {
-  std::vector<std::string> names;
-  for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
-    names.emplace_back(kind_name(static_cast<SkybodyKind>(kind)));
-  }
-  return names;
+std::vector<std::string> kind_words() {
+  std::vector<std::string> words;
+  for (const PluginKindRow& kind : kPluginKinds) words.emplace_back(kind.word);
+  return words;
 }
 
 }  // namespace
@@ -43,10 +41,10 @@ void add_new_command(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand("new", "Write a plugin project to start from");
   const auto options = std::make_shared<NewOptions>();
   command->footer(kFooter);
-  command->add_option("KIND", options->kind, "controller, sensor, randomizer or task")
+  command->add_option("KIND", options->kind, kind_names())
       ->required()
       ->type_name("")
-      ->check(one_of("kind of plugin", kind_names()));
+      ->check(one_of("kind of plugin", kind_words()));
   command->add_option("NAME", options->name, "Name of the plugin, in lower_snake_case")
       ->required()
       ->type_name("");

@@ -10,8 +10,8 @@
 #include "app/scenario_options.h"
 #include "app/text_table.h"
 #include "core/base/error.h"
+#include "core/base/plugin_kind.h"
 #include "core/io/text.h"
-#include "plugins/host/kind.h"
 #include "plugins/host/registry.h"
 
 namespace skybody {
@@ -48,8 +48,8 @@ void print_usable(const Entries& entries) {
 void print_details(const Entries& entries) {
   for (const PluginEntry* entry : entries) {
     if (!entry->failure.empty()) continue;
-    std::printf("\n%s %s %s: %s\n", std::string(kind_name(entry->kind)).c_str(),
-                entry->name.c_str(), entry->version.c_str(), entry->doc.c_str());
+    std::printf("\n%s %s %s: %s\n", kind_name(entry->kind), entry->name.c_str(),
+                entry->version.c_str(), entry->doc.c_str());
     if (!entry->parameters.empty()) print(parameter_lines(entry->parameters));
   }
 }

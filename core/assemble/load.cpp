@@ -17,8 +17,6 @@
 namespace skybody {
 namespace {
 
-SkybodyKind to_c(PluginKind kind) { return static_cast<SkybodyKind>(kind); }
-
 /// Why a library beside the scenario is not opened, and what opens it.
 std::string not_searched(const std::filesystem::path& file) {
   const std::string folder = file.parent_path().string();
@@ -36,8 +34,8 @@ class RegistryCatalog : public PluginCatalog {
                            std::vector<PromisingFile> beside = {})
       : registry_(std::move(registry)), beside_(std::move(beside)) {}
 
-  const PluginDeclaration* find(PluginKind kind, const std::string& name) const override {
-    const PluginEntry* entry = registry_->find(to_c(kind), name);
+  const PluginDeclaration* find(SkybodyKind kind, const std::string& name) const override {
+    const PluginEntry* entry = registry_->find(kind, name);
     if (entry != nullptr) {
       return keep(
           {kind, entry->name, entry->doc, entry->file.string(), entry->failure, entry->parameters});
@@ -49,9 +47,7 @@ class RegistryCatalog : public PluginCatalog {
     return nullptr;
   }
 
-  std::vector<std::string> names(PluginKind kind) const override {
-    return registry_->names(to_c(kind));
-  }
+  std::vector<std::string> names(SkybodyKind kind) const override { return registry_->names(kind); }
 
  private:
   const PluginDeclaration* keep(PluginDeclaration declaration) const {

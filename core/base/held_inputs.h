@@ -1,6 +1,6 @@
 /* What effects may hold over a physics step: the one list. Plain C, part of the contract
- * (plugins/api/abi.h). Held inputs are constant over dt; terms that depend on velocity are evaluated
- * by the engine wherever the integrator asks for forces.
+ * (plugins/api/abi.h). Held inputs are constant over dt; terms that depend on velocity are
+ * evaluated by the engine wherever the integrator asks for forces.
  *
  * A row: symbol, member, what has it (body, rotor), values for each, and what they mean. Where
  * nothing is held the values are neutral: 0, gains 1, limits 0 and infinity, rates NaN.

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "core/base/error.h"
+#include "core/env/controller_chains.h"
 
 namespace skybody {
 namespace {
@@ -16,10 +17,38 @@ namespace {
 
 bool is_signal(int signal) { return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT; }
 
+/// Signals of a fixed size have it.
+void check_size(const PluginInstance& p, int signal, int count, const char* verb) {
+  struct Size {
+    int least, most;
+  };
+  static constexpr Size kSizes[] = {
+#define SKYBODY_ROW(symbol, type, word, least, most, doc) {least, most},
+      SKYBODY_SIGNALS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+  };
+  const Size& size = kSizes[signal];
+  if (size.most == 0 || (count >= size.least && count <= size.most)) return;
+  refuse(p, std::string(verb) + " " + signal_name(signal) + " with " + std::to_string(count) +
+                " values; it has " + std::to_string(size.least) +
+                (size.least == size.most ? "" : " or " + std::to_string(size.most)));
+}
+
 void check_controller(const PluginInstance& p) {
   if (!is_signal(p.input_signal) || p.low.empty()) refuse(p, "declares no input that there is");
-  if (!is_signal(p.output_signal) || p.output_count < 1) {
-    refuse(p, "declares no output that there is");
+  check_size(p, p.input_signal, p.input_count(), "takes");
+  if (p.outputs.empty()) refuse(p, "declares no output that there is");
+  for (std::size_t i = 0; i < p.outputs.size(); ++i) {
+    const PluginOutput& output = p.outputs[i];
+    if (!is_signal(output.signal) || output.count < 1) {
+      refuse(p, "declares no output that there is");
+    }
+    check_size(p, output.signal, output.count, "gives");
+    for (std::size_t k = 0; k < i; ++k) {
+      if (p.outputs[k].signal != output.signal) continue;
+      refuse(p, std::string("declares its output ") + signal_name(output.signal) +
+                    " twice; one call of output() names all of its values");
+    }
   }
   for (std::size_t k = 0; k < p.low.size(); ++k) {
     if (!std::isfinite(p.low[k]) || !std::isfinite(p.high[k]) || p.low[k] > p.high[k]) {
@@ -62,6 +91,55 @@ void check_channel(const PluginInstance& p, const Channel& c, int robots) {
   }
 }
 
+void check_joint(const PluginInstance& p, const JointDrive& j, const Topology& topology) {
+  if (j.body < 0 || j.body >= static_cast<int>(topology.bodies.size())) {
+    refuse(p, "drives the joint of body " + std::to_string(j.body) + " of " +
+                  std::to_string(topology.bodies.size()));
+  }
+  const WorldBody& body = topology.bodies[static_cast<std::size_t>(j.body)];
+  const JointType type = body.model->joint.type;
+  const bool has_axis =
+      type == JointType::kPin || type == JointType::kSlider || type == JointType::kUniversal;
+  const std::string name = "drives joint `" + body.model->joint.name + "`, ";
+  if (!has_axis || j.coordinate < 0 || j.coordinate >= velocity_size(type)) {
+    refuse(p, name + "coordinate " + std::to_string(j.coordinate) +
+                  "; allowed: coordinates of pin, slider and universal joints");
+  }
+  if (body.robot != p.robot) refuse(p, name + "which is another robot's");
+  const bool is_sound = j.stiffness >= 0.0 && j.damping >= 0.0 && j.effort_limit > 0.0 &&
+                        j.tau >= 0.0 && std::isfinite(j.stiffness) && std::isfinite(j.damping) &&
+                        std::isfinite(j.tau) && j.low <= j.high;
+  if (!is_sound || j.mode < JointMode::kPosition || j.mode > JointMode::kEffort) {
+    refuse(p, name + "with a mode, stiffness, damping, limit, lag or range that there is not");
+  }
+}
+
+/// A task's own action: in robot order, with finite ranges, and process() to make commands of it.
+void check_actions(const PluginInstance& p, int robots) {
+  int robot = 0;
+  for (const Channel& c : p.actions) {
+    if (c.robot < robot || c.robot >= robots || c.count < 1 || !std::isfinite(c.low) ||
+        !std::isfinite(c.high) || c.low > c.high) {
+      refuse(p, "declares action `" + c.name +
+                    "` out of robot order, without values or with a range that is not finite");
+    }
+    robot = c.robot;
+  }
+  if (!p.actions.empty() && p.kernels.process == nullptr) {
+    refuse(p, "declares an action of its own, but has no process() that makes commands of it");
+  }
+}
+
+void check_reports(const PluginInstance& p) {
+  for (const Report& report : p.reports) {
+    if (report.info.count < 1 || report.word < 0 ||
+        report.word + report.info.count > p.buffer_words) {
+      refuse(p, "reports `" + report.info.name + "` from words " + std::to_string(report.word) +
+                    ".. of a buffer of " + std::to_string(p.buffer_words));
+    }
+  }
+}
+
 void check_names(const PluginInstance& p, const std::vector<Channel>& channels) {
   std::unordered_set<std::string> names;
   for (const Channel& c : channels) {
@@ -95,6 +173,19 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
       refuse(p, "declares a goal about robot " + std::to_string(goal.robot) + ", body " +
                     std::to_string(goal.body) + ", which there is not");
     }
+  }
+  if (!p.goals.empty() && p.kernels.goal == nullptr) {
+    refuse(p, "declares a goal, but has no goal() that says where it is");
+  }
+  for (const JointDrive& joint : p.joints) check_joint(p, joint, topology);
+  check_actions(p, robots);
+  check_reports(p);
+  if (p.scratch < 0) refuse(p, "asks for " + std::to_string(p.scratch) + " values of scratch");
+  if (p.kind == SKYBODY_TASK && p.period > 0 &&
+      topology.scenario.stepping.action_repeat % p.period != 0) {
+    refuse(p, "wants process() every " + std::to_string(p.period) +
+                  " physics steps, which do not divide action_repeat " +
+                  std::to_string(topology.scenario.stepping.action_repeat));
   }
   for (const int param : p.writes) {
     if (param < 0 || param >= params) {

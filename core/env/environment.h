@@ -2,12 +2,14 @@
 // scenario. Steps lane groups of WorldState; holds none itself.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/base/hash.h"
+#include "core/env/controller_chains.h"
 #include "core/env/observation_plan.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
@@ -30,13 +32,13 @@ struct Rows {
   std::uint8_t* const* images = nullptr;  ///< of each of images(), in its bytes; optional
 };
 
-/// A robot's controllers and where their signals lie.
-struct ControllerChain {
-  int first = 0, count = 0;  ///< within Environment::controllers()
-  int command = 0;           ///< first word of the input within the command block
-  int action = 0;            ///< first value within the action row
-  int site = 0;              ///< first wrench site of the robot
-  int drive = 0;             ///< its place among the driven robots, where it drives the base
+/// A part of the action row: of a task that has its own, or the command of a chain.
+struct ActionChannel {
+  std::string name;  ///< the task's, or the signal's
+  std::string unit;  ///< of the task's
+  int robot = 0;
+  int first = 0;                  ///< within the action row
+  std::vector<double> low, high;  ///< what -1 and +1 mean
 };
 
 /// One scenario, ready to step. Const methods are safe to call from several threads on different
@@ -53,11 +55,16 @@ class Environment {
   const World& world() const { return *world_; }
   const Layout& layout() const { return world_->layout; }
   const Scenario& scenario() const { return world_->scenario; }
-  const std::vector<PluginInstance>& controllers() const { return controllers_; }
+  /// In the order of the scenario; controllers in robot order.
+  const std::vector<PluginInstance>& plugins(SkybodyKind kind) const { return plugins_[kind]; }
+  const PluginInstance& task() const { return plugins_[SKYBODY_TASK][0]; }
   const std::vector<ControllerChain>& chains() const { return chains_; }
-  const std::vector<PluginInstance>& sensors() const { return sensors_; }
-  const std::vector<PluginInstance>& randomizers() const { return randomizers_; }
-  const PluginInstance& task() const { return task_; }
+  /// The command words of a robot: of its chains, one after the other. Size 0: it takes none.
+  Block commands_of(int robot) const;
+  /// Values beside the observation: the task's, then those that other plugins report, by instance.
+  const std::vector<Channel>& info_channels() const { return info_channels_; }
+  /// In the order of the row.
+  const std::vector<ActionChannel>& action_channels() const { return action_channels_; }
   int action_size() const { return layout().action.size; }
   /// The parts of the observation: the task's in order, then those that `observe` adds.
   const std::vector<ObservationColumn>& columns() const { return plan_.columns; }
@@ -67,7 +74,7 @@ class Environment {
   int privileged_size() const { return plan_.privileged_size; }
   /// The images of the observation, in the order of their columns.
   const std::vector<ObservedImage>& images() const { return plan_.images; }
-  int info_size() const { return info_size_; }
+  int info_size() const { return value_count(info_channels_); }
   /// Words of what a StateGroup saves of an environment: WorldState, then images.
   std::size_t saved_words() const {
     return static_cast<std::size_t>(layout().words) + image_words_;
@@ -82,6 +89,9 @@ class Environment {
   StateGroup make_state(int lanes) const;
   /// Scratch for groups of that size. Results never depend on which groups it served.
   std::unique_ptr<GroupWork> make_work(int lanes) const;
+  /// The same for groups of one lane, in checked mode: calls throw Error where a plugin touches
+  /// values beyond those that it may.
+  std::unique_ptr<GroupWork> make_checked_work() const;
 
   /// Puts one lane at the beginning: nominal parameters, episode 0, the given random key. A reset
   /// must follow.
@@ -129,10 +139,18 @@ class Environment {
  private:
   struct Builder;
   void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;
+  void make_command(StateGroup&, GroupWork&, const SkybodyLanes&) const;
+  void process(StateGroup&, GroupWork&, const SkybodyLanes&) const;
+  void scale_action(const StateGroup&, std::uint32_t mask, double* out) const;
+  void move_command(StateGroup&, const GroupWork&, std::uint32_t mask, int step, int steps) const;
   void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  double* actuator(StateGroup&, std::uint32_t mask, const PluginInstance& last,
-                   const ControllerChain& chain) const;
-  std::uint32_t fly(StateGroup&, GroupWork&, SkybodyLanes lanes, std::int64_t steps) const;
+  void control(StateGroup&, GroupWork&, const SkybodyLanes&, const ControllerChain&) const;
+  void apply_effects(StateGroup&, const SkybodyLanes&) const;
+  void add_up_held(StateGroup&, std::uint32_t mask, int input) const;
+  void clear_held(StateGroup&, std::uint32_t mask) const;
+  std::uint32_t due(const PluginInstance&, const StateGroup&, std::uint32_t mask) const;
+  void fly_action(StateGroup&, GroupWork&, SkybodyLanes lanes) const;
+  void fly(StateGroup&, GroupWork&, SkybodyLanes& lanes) const;
   std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void sense(StateGroup&, const SkybodyLanes&, bool all) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
@@ -150,23 +168,27 @@ class Environment {
   void start(StateGroup&, std::uint32_t mask) const;
   void draw(StateGroup&, GroupWork&, std::uint32_t mask, bool requested) const;
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
-  void reset_plugin(const PluginInstance&, StateGroup&, std::uint32_t mask) const;
+  void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
   const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
-  SkybodyLanes view(const StateGroup&, std::uint32_t mask) const;
+  void sense_contacts(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void write_reports(const StateGroup&, GroupWork&) const;
+  SkybodyLanes view(const StateGroup&, GroupWork&, std::uint32_t mask) const;
 
   std::unique_ptr<const World> world_;
   std::unique_ptr<const GroupPhysics> physics_;
-  std::vector<PluginInstance> controllers_, sensors_, randomizers_;
+  std::array<std::vector<PluginInstance>, SKYBODY_KIND_COUNT> plugins_;
   std::vector<ControllerChain> chains_;
-  PluginInstance task_;
+  std::vector<ActionChannel> action_channels_;
+  std::vector<Channel> info_channels_;
   bool needs_bodies_before_ = false;
-  int scratch_size_ = 0;  ///< of the widest signal between two controllers
+  bool needs_contacts_ = false;
+  int signal_size_ = 0;   ///< of the widest output of a controller
+  int scratch_size_ = 0;  ///< of the plugin that asks for most
   ObservationPlan plan_;
   std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
-  int info_size_ = 0;
   std::vector<int> agents_;
   LaneState initial_;  ///< what every reset starts from; nominal parameters
 };

@@ -18,6 +18,9 @@
 namespace skybody {
 namespace {
 
+/// Per body, see SkybodyLanes::contacts.
+constexpr int kContactValues = 7;
+
 /// A plugin use with its values in C form.
 struct BoundUse {
   BoundUse(const PluginUse& u, SkybodyKind k, int r, std::string p)
@@ -28,12 +31,6 @@ struct BoundUse {
   std::string path;  ///< of its parameters, such as robots.quad.controllers.rate_pd
   BoundValues values;
 };
-
-bool drives(int signal) { return signal == SKYBODY_VELOCITY || signal == SKYBODY_POSE; }
-
-bool actuates(int signal) {
-  return signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_WRENCH || drives(signal);
-}
 
 }  // namespace
 
@@ -54,10 +51,12 @@ struct Environment::Builder {
     SetupTables tables(topology, plan.layout);
     configure_kind(SKYBODY_SENSOR, tables);
     configure_kind(SKYBODY_CONTROLLER, tables);
-    connect_controllers(tables);
+    connect(tables);
+    configure_kind(SKYBODY_EFFECT, tables);
     configure_kind(SKYBODY_RANDOMIZER, tables);
     check_writers();
     configure_kind(SKYBODY_TASK, tables);
+    list_actions();
     lay_out();
   }
 
@@ -71,6 +70,9 @@ struct Environment::Builder {
         uses.emplace_back(use, SKYBODY_CONTROLLER, r,
                           "robots." + robot.name + ".controllers." + use.instance);
       }
+    }
+    for (const PluginUse& use : scenario.effects) {
+      uses.emplace_back(use, SKYBODY_EFFECT, -1, "effects." + use.instance);
     }
     for (const PluginUse& use : scenario.randomization) {
       uses.emplace_back(use, SKYBODY_RANDOMIZER, -1, "randomization." + use.instance);
@@ -103,20 +105,17 @@ struct Environment::Builder {
       if (bound.kind != kind) continue;
       PluginInstance made = configure(bound, tables);
       env.needs_bodies_before_ |= made.needs_bodies_before;
+      env.needs_contacts_ |= made.needs_contacts;
+      env.scratch_size_ = std::max(env.scratch_size_, made.scratch);
+      env.signal_size_ = std::max(env.signal_size_, made.output_count());
       if (kind == SKYBODY_SENSOR) {
         made.output = plan.layout.sensors.size;
         plan.layout.sensors.size += made.channel_count();
         made.images = static_cast<int>(8 * env.image_words_);
         env.image_words_ += static_cast<std::size_t>(image_bytes(made.channels)) / 8;
         tables.add_sensor(made);
-        env.sensors_.push_back(std::move(made));
-      } else if (kind == SKYBODY_CONTROLLER) {
-        env.controllers_.push_back(std::move(made));
-      } else if (kind == SKYBODY_RANDOMIZER) {
-        env.randomizers_.push_back(std::move(made));
-      } else {
-        env.task_ = std::move(made);
       }
+      env.plugins_[kind].push_back(std::move(made));
     }
   }
 
@@ -140,115 +139,46 @@ struct Environment::Builder {
     return made;
   }
 
-  [[noreturn]] void refuse(int controller, const std::string& message) const {
-    int i = 0;
-    for (const BoundUse& bound : uses) {
-      if (bound.kind == SKYBODY_CONTROLLER && i++ == controller) {
-        throw MarkedError(bound.use->mark, message);
+  void connect(SetupTables& tables) {
+    env.chains_ = connect_controllers(scenario, env.plugins_[SKYBODY_CONTROLLER], plan);
+    tables.set_chains(env.chains_);
+  }
+
+  /// The action row: the task's own, or the chains' commands.
+  void list_actions() {
+    int& size = plan.layout.action.size;
+    const auto add = [&](ActionChannel channel) {
+      channel.first = size;
+      size += static_cast<int>(channel.low.size());
+      if (env.agents_.empty() || env.agents_.back() != channel.robot) {
+        env.agents_.push_back(channel.robot);
       }
+      env.action_channels_.push_back(std::move(channel));
+    };
+    const auto repeated = [](double value, int count) {
+      return std::vector<double>(static_cast<std::size_t>(count), value);
+    };
+    for (const Channel& c : env.task().actions) {
+      add({c.name, c.unit, c.robot, 0, repeated(c.low, c.count), repeated(c.high, c.count)});
     }
-    throw MarkedError({scenario.file, 0, 0}, message);
-  }
-
-  /// Chains the controllers of each robot and gives commands, actions, sites and drives their
-  /// places.
-  void connect_controllers(SetupTables& tables) {
-    int next = 0;
-    for (int r = 0; r < static_cast<int>(scenario.robots.size()); ++r) {
-      ControllerChain chain;
-      chain.first = next;
-      chain.count =
-          static_cast<int>(scenario.robots[static_cast<std::size_t>(r)].controllers.size());
-      chain.command = plan.layout.command.size;
-      chain.action = plan.layout.action.size;
-      chain.site = static_cast<int>(plan.sites.size());
-      for (int i = 0; i < chain.count; ++i) check_link(chain, i);
-      if (chain.count > 0) {
-        add_chain(r, chain, tables);
-        env.agents_.push_back(r);
-      }
-      env.chains_.push_back(chain);
-      next += chain.count;
-    }
-  }
-
-  void check_link(const ControllerChain& chain, int i) {
-    const int index = chain.first + i;
-    const PluginInstance& c = env.controllers_[static_cast<std::size_t>(index)];
-    if (!c.sites.empty() && (i + 1 < chain.count || c.output_signal != SKYBODY_WRENCH)) {
-      refuse(index, "controller `" + c.name +
-                        "` declares wrench sites, but is not the last one or gives " +
-                        signal_name(c.output_signal) + ": only the last one's wrench acts");
-    }
-    if (i + 1 == chain.count) {
-      if (!actuates(c.output_signal)) {
-        refuse(index, "the last controller, `" + c.name + "`, gives " +
-                          signal_name(c.output_signal) +
-                          "; it must give rotor_speed, wrench, velocity or pose: add a controller "
-                          "behind it that takes " +
-                          signal_name(c.output_signal));
-      }
-      check_actuator(index, c);
-      return;
-    }
-    const PluginInstance& after = env.controllers_[static_cast<std::size_t>(index + 1)];
-    if (after.input_signal != c.output_signal || after.input_count() != c.output_count) {
-      refuse(index + 1, "controller `" + after.name + "` takes " + signal_name(after.input_signal) +
-                            "[" + std::to_string(after.input_count()) + "], but `" + c.name +
-                            "` before it gives " + signal_name(c.output_signal) + "[" +
-                            std::to_string(c.output_count) + "]");
-    }
-  }
-
-  void check_actuator(int index, const PluginInstance& c) {
-    const int rotors = plan.layout.robots[static_cast<std::size_t>(c.robot)].rotor_count;
-    const int expected = c.output_signal == SKYBODY_ROTOR_SPEED ? rotors
-                         : c.output_signal == SKYBODY_WRENCH ? 6 * static_cast<int>(c.sites.size())
-                         : c.output_signal == SKYBODY_VELOCITY ? 6
-                                                               : 7;
-    if (c.output_count != expected) {
-      refuse(index, "controller `" + c.name + "` gives " + signal_name(c.output_signal) + "[" +
-                        std::to_string(c.output_count) + "], this robot takes [" +
-                        std::to_string(expected) + "]");
-    }
-    const RobotModel& model = scenario.robots[static_cast<std::size_t>(c.robot)].model;
-    if (drives(c.output_signal) && model.fixed_base) {
-      refuse(index, "controller `" + c.name + "` drives the base, but robot `" +
-                        scenario.robots[static_cast<std::size_t>(c.robot)].name +
-                        "` has a fixed one");
-    }
-  }
-
-  void add_chain(int robot, ControllerChain& chain, SetupTables& tables) {
-    const PluginInstance& first = env.controllers_[static_cast<std::size_t>(chain.first)];
-    const PluginInstance& last =
-        env.controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
-    const int inputs = first.input_count();
-    tables.set_command(robot, first.input_signal, chain.command, inputs, chain.action);
-    plan.layout.command.size += inputs;
-    plan.layout.action.size += inputs;
-    for (const WrenchSite& site : last.sites) plan.sites.push_back(site);
-    chain.drive = count_driven(plan.drives);
-    if (last.output_signal == SKYBODY_VELOCITY) {
-      plan.drives[static_cast<std::size_t>(robot)] = DriveKind::kVelocity;
-    } else if (last.output_signal == SKYBODY_POSE) {
-      plan.drives[static_cast<std::size_t>(robot)] = DriveKind::kPose;
-    }
-    for (int i = 0; i < chain.count; ++i) {
-      const PluginInstance& c = env.controllers_[static_cast<std::size_t>(chain.first + i)];
-      env.scratch_size_ = std::max(env.scratch_size_, c.output_count);
+    if (size > 0) return;
+    for (const ControllerChain& chain : env.chains_) {
+      const PluginInstance& first =
+          env.plugins_[SKYBODY_CONTROLLER][static_cast<std::size_t>(chain.first)];
+      add({signal_name(chain.signal), "", chain.robot, 0, first.low, first.high});
     }
   }
 
   void check_writers() const {
     std::map<int, const PluginInstance*> writers;
-    for (std::size_t i = 0; i < env.randomizers_.size(); ++i) {
-      for (const int param : env.randomizers_[i].writes) {
-        const auto [it, fresh] = writers.emplace(param, &env.randomizers_[i]);
-        if (!fresh && it->second != &env.randomizers_[i]) {
+    const std::vector<PluginInstance>& randomizers = env.plugins_[SKYBODY_RANDOMIZER];
+    for (std::size_t i = 0; i < randomizers.size(); ++i) {
+      for (const int param : randomizers[i].writes) {
+        const auto [it, fresh] = writers.emplace(param, &randomizers[i]);
+        if (!fresh && it->second != &randomizers[i]) {
           throw MarkedError(scenario.randomization[i].mark,
-                            "randomizers `" + it->second->name + "` and `" +
-                                env.randomizers_[i].name + "` both draw " +
+                            "randomizers `" + it->second->name + "` and `" + randomizers[i].name +
+                                "` both draw " +
                                 plan.layout.param_info[static_cast<std::size_t>(param)].path +
                                 ": leave it to one of them");
         }
@@ -260,25 +190,83 @@ struct Environment::Builder {
     Layout& l = plan.layout;
     l.bodies_before.size =
         env.needs_bodies_before_ ? 13 * static_cast<int>(topology.bodies.size()) : 0;
-    env.plan_ = plan_observation(env.task_, env.sensors_, scenario.observe);
-    env.info_size_ = value_count(env.task_.infos);
+    l.contacts.size =
+        env.needs_contacts_ ? kContactValues * static_cast<int>(topology.bodies.size()) : 0;
+    env.plan_ = plan_observation(env.task(), env.plugins_[SKYBODY_SENSOR], scenario.observe);
     l.last_observation.size = env.plan_.size();
-    for_each_plugin([&](PluginInstance& p) { place_state(p, l.plugin_state.size); });
+    for (auto& list : env.plugins_) {
+      for (PluginInstance& p : list) {
+        for (std::size_t i = 0; i < p.holds.size(); ++i) plan.holds[i] |= p.holds[i];
+        place_state(p, l.plugin_state.size);
+      }
+    }
+    list_infos();
+    place_outputs(l.plugin_state.size);
+    place_held(l.plugin_state.size);
     env.world_ = std::make_unique<const World>(topology, std::move(plan));
+    make_absolute();
   }
 
-  template <class F>
-  void for_each_plugin(F&& f) {
-    for (auto* list : {&env.controllers_, &env.sensors_, &env.randomizers_}) {
-      for (PluginInstance& p : *list) f(p);
+  void list_infos() {
+    env.info_channels_ = env.task().infos;
+    for (const auto& list : env.plugins_) {
+      for (const PluginInstance& p : list) {
+        for (const Report& report : p.reports) {
+          env.info_channels_.push_back(report.info);
+          env.info_channels_.back().name = p.name + "." + report.info.name;
+        }
+      }
     }
-    f(env.task_);
   }
 
   static void place_state(PluginInstance& p, int& next) {
     p.state = next;
     p.buffer = next + p.state_words;
     next += p.state_words + p.buffer_words;
+  }
+
+  /// Of controllers that others follow and that are not called in every physics step.
+  void place_outputs(int& next) {
+    for (const ControllerChain& chain : env.chains_) {
+      for (int i = chain.first; i + 1 < chain.first + chain.count; ++i) {
+        PluginInstance& c = env.plugins_[SKYBODY_CONTROLLER][static_cast<std::size_t>(i)];
+        if (c.period <= 1) continue;
+        c.last_output = {next, c.output_count()};
+        next += c.last_output.size;
+      }
+    }
+  }
+
+  /// Where several effects hold one input, each has words of its own.
+  void place_held(int& next) {
+    for (std::size_t i = 0; i < plan.holds.size(); ++i) {
+      std::vector<PluginInstance*> holders;
+      for (PluginInstance& e : env.plugins_[SKYBODY_EFFECT]) {
+        if (e.holds[i]) holders.push_back(&e);
+      }
+      if (holders.size() < 2) continue;
+      for (PluginInstance* e : holders) {
+        e->held[i] = {next, held_size(plan, static_cast<int>(i))};
+        next += e->held[i].size;
+      }
+    }
+  }
+
+  /// Places within plugin_state become places within all words.
+  void make_absolute() {
+    const Layout& l = env.layout();
+    for (PluginInstance& c : env.plugins_[SKYBODY_CONTROLLER]) {
+      c.last_output.offset += l.plugin_state.offset;
+    }
+    for (PluginInstance& e : env.plugins_[SKYBODY_EFFECT]) {
+      for (std::size_t i = 0; i < e.held.size(); ++i) {
+        if (e.held[i].size > 0) {
+          e.held[i].offset += l.plugin_state.offset;
+        } else if (e.holds[i]) {
+          e.held[i] = l.held[i];
+        }
+      }
+    }
   }
 };
 
@@ -290,11 +278,36 @@ Environment::Environment(Scenario scenario, PluginFactory& factory) {
 
 Environment::~Environment() = default;
 
+Block Environment::commands_of(int robot) const {
+  Block commands{layout().command.offset, 0};
+  for (const ControllerChain& chain : chains_) {
+    if (chain.robot < robot) commands.offset += chain.inputs;
+    if (chain.robot == robot) commands.size += chain.inputs;
+  }
+  return commands;
+}
+
 StateGroup Environment::make_state(int lanes) const {
   SKYBODY_DEMAND(lanes == 1 || lanes == kGroupLanes, "a group has one lane or kGroupLanes");
   const int bodies =
       physics_->bodies_are_coordinates() ? 0 : static_cast<int>(world_->bodies.size());
   return {layout(), bodies, lanes, static_cast<int>(image_words_), physics_->make_stepper(lanes)};
+}
+
+std::unique_ptr<GroupWork> Environment::make_checked_work() const {
+  std::unique_ptr<GroupWork> work = make_work(1);
+  work->is_checked = true;
+  SkybodyChecks& checks = work->checks;
+  checks.bodies = static_cast<int>(world_->bodies.size());
+  checks.rotors = static_cast<int>(world_->rotors.size());
+  checks.robots = static_cast<int>(scenario().robots.size());
+  checks.q = layout().q.size;
+  checks.u = layout().u.size;
+  checks.params = layout().params.size;
+  checks.sensors = layout().sensors.size;
+  checks.action = layout().action.size;
+  checks.command = layout().command.size;
+  return work;
 }
 
 std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
@@ -303,10 +316,15 @@ std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
   const auto values = [n](std::size_t count) { return AlignedArray<double>(count * n); };
   work->lanes = lanes;
   work->physics = physics_->make_scratch();
-  for (auto& signal : work->signal) signal = values(static_cast<std::size_t>(scratch_size_));
+  for (auto& signal : work->signal) signal = values(static_cast<std::size_t>(signal_size_));
+  work->scratch = values(static_cast<std::size_t>(scratch_size_));
+  work->action = values(static_cast<std::size_t>(task().actions.empty() ? 0 : action_size()));
+  const int moving = task().interpolates ? layout().command.size : 0;
+  work->command_from = values(static_cast<std::size_t>(moving));
+  work->command_to = values(static_cast<std::size_t>(moving));
   work->observation = values(static_cast<std::size_t>(plan_.size()));
   if (!plan_.is_task_in_place) {
-    work->task_values = values(static_cast<std::size_t>(task_.channel_count()));
+    work->task_values = values(static_cast<std::size_t>(task().channel_count()));
   }
   work->reward = values(1);
   work->robot_reward = values(scenario().robots.size());

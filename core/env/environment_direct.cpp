@@ -7,16 +7,35 @@
 #include "core/env/group_work.h"
 
 namespace skybody {
+namespace {
+
+/// Adds a contact to what a body feels. @param sign  -1: the body is the other one
+void add_contact(const Contact& contact, int body, double sign, const StateGroup& group, int lane,
+                 double* sums) {
+  const int lanes = group.lanes();
+  const double* at = group.bodies() + 13 * body * lanes + lane;
+  const Vec3<double> arm = contact.point - Vec3<double>{at[0], at[lanes], at[2 * lanes]};
+  const Vec3<double> force = sign * contact.force, moment = cross(arm, force);
+  double* sum = sums + 7 * body * lanes + lane;
+  for (const double value : {force.x, force.y, force.z, moment.x, moment.y, moment.z}) {
+    *sum += value;
+    sum += lanes;
+  }
+  *sum = 1.0;
+}
+
+}  // namespace
 
 std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
                                    std::int64_t physics_steps) const {
   check(group, work, mask);
   const FpEnvironment guard;
   update(group, work, mask);
-  const std::uint32_t through = fly(group, work, view(group, mask), physics_steps);
-  each_lane(mask & ~through,
+  SkybodyLanes lanes = view(group, work, mask);
+  for (std::int64_t k = 0; k < physics_steps && lanes.active != 0; ++k) fly(group, work, lanes);
+  each_lane(mask & ~lanes.active,
             [&](int lane) { group.writable(kStatus)[lane] = kTruncated | kFault | kBadState; });
-  return through;
+  return lanes.active;
 }
 
 void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
@@ -29,7 +48,7 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
     if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;
   });
   update(group, work, mask);
-  evaluate(group, work, view(group, mask), rows.info != nullptr);
+  evaluate(group, work, view(group, work, mask), rows.info != nullptr);
   conclude(group, work, mask, false, rows);
 }
 
@@ -44,6 +63,22 @@ std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, i
   std::vector<Contact> out = ground_contacts(*world_, group.body_states(lane));
   group.add_contacts(lane, work.physics, out);
   return out;
+}
+
+/// What touches each body, added up, for plugins that ask.
+void Environment::sense_contacts(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  if (!needs_contacts_ || mask == 0) return;
+  const int lanes = group.lanes();
+  double* sums = group.writable(layout().contacts, mask);
+  each_lane(mask, [&](int lane) {
+    std::vector<Contact> contacts = ground_contacts(*world_, group.body_states(lane));
+    group.add_contacts(lane, work.physics, contacts);
+    for (int k = 0; k < layout().contacts.size; ++k) sums[k * lanes + lane] = 0.0;
+    for (const Contact& contact : contacts) {
+      add_contact(contact, contact.body, 1.0, group, lane, sums);
+      if (contact.other >= 0) add_contact(contact, contact.other, -1.0, group, lane, sums);
+    }
+  });
 }
 
 }  // namespace skybody

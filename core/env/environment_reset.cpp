@@ -6,6 +6,7 @@
 #include "core/base/octets.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
+#include "core/env/plugin_call.h"
 
 namespace skybody {
 
@@ -38,12 +39,14 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
   draw(group, work, mask, false);
   update(group, work, mask);
   remember_bodies(group, mask);
-  for (const PluginInstance& c : controllers_) reset_plugin(c, group, mask);
+  sense_contacts(group, work, mask);
+  for (const PluginInstance& c : plugins_[SKYBODY_CONTROLLER]) reset_plugin(c, group, work, mask);
   silence_rotors(group, mask);  // now that controllers have seen at which speed they began
   update(group, work, mask);
-  reset_plugin(task_, group, mask);
-  for (const PluginInstance& s : sensors_) reset_plugin(s, group, mask);
-  const SkybodyLanes lanes = view(group, mask);
+  for (const SkybodyKind kind : {SKYBODY_TASK, SKYBODY_EFFECT, SKYBODY_SENSOR}) {
+    for (const PluginInstance& p : plugins_[kind]) reset_plugin(p, group, work, mask);
+  }
+  const SkybodyLanes lanes = view(group, work, mask);
   sense(group, lanes, true);
   evaluate(group, work, lanes, rows.info != nullptr);
   conclude(group, work, mask, true, rows);
@@ -67,53 +70,56 @@ void Environment::start(StateGroup& group, std::uint32_t mask) const {
   });
 }
 
-/// All words of controllers, sensors and the task to 0; randomizers keep theirs.
+/// All words of plugins to 0, but those of randomizers, which keep theirs; and nothing is held.
 void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) const {
-  const auto clear = [&](const PluginInstance& p) {
-    for (int k = p.state; k < p.state + p.state_words + p.buffer_words; ++k) {
-      std::uint64_t* words = group.plugin_bits(k);
-      each_lane(mask, [&](int lane) { words[lane] = 0; });
+  for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
+    if (kind == SKYBODY_RANDOMIZER) continue;
+    for (const PluginInstance& p : plugins_[static_cast<std::size_t>(kind)]) {
+      for (int k = p.state; k < p.state + p.state_words + p.buffer_words; ++k) {
+        std::uint64_t* words = group.plugin_bits(k);
+        each_lane(mask, [&](int lane) { words[lane] = 0; });
+      }
     }
-  };
-  for (const PluginInstance& c : controllers_) clear(c);
-  for (const PluginInstance& s : sensors_) clear(s);
-  clear(task_);
+  }
+  clear_held(group, mask);
 }
 
-void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group,
+void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group, GroupWork& work,
                                std::uint32_t mask) const {
   if (plugin.kernels.reset == nullptr) return;
-  const SkybodyLanes v = view(group, mask);
-  plugin.kernels.reset(plugin.self.get(), &v, group.plugin_bits(plugin.state),
-                       group.plugin_reals(plugin.buffer));
+  const SkybodyLanes v = view(group, work, mask);
+  call_plugin(plugin.kernels.reset, plugin, group, v, {});
 }
 
 /// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
 void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
                        bool requested) const {
-  if (randomizers_.empty()) return;
+  const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
+  if (randomizers.empty()) return;
   const Layout& l = layout();
-  SkybodyLanes v = view(group, mask);
+  SkybodyLanes v = view(group, work, mask);
   if (requested) v.physics_step = number_requests(group, work, mask);
   const SkybodyStart where{group.writable(l.q, mask), group.writable(l.u, mask),
                            group.writable(l.rotor_speed, mask), group.writable(l.params, mask),
                            requested ? 1u : 0u};
-  for (const PluginInstance& r : randomizers_) {
-    r.kernels.randomize(r.self.get(), &v, group.plugin_bits(r.state), group.plugin_reals(r.buffer),
-                        &where);
+  for (const PluginInstance& r : randomizers) {
+    call_plugin(r.kernels.randomize, r, group, v, {}, &where);
     for (const int param : r.writes) hold_to_bounds(group, mask, param);
   }
 }
 
-/// Rotors that no controller drives stand still: a robot moved by a wrench or a drive would be
+/// Rotors that no controller drives stand still where another one moves the robot: it would be
 /// pushed twice while they run down.
 void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
-  for (const ControllerChain& chain : chains_) {
-    if (chain.count == 0) continue;
-    const PluginInstance& last =
-        controllers_[static_cast<std::size_t>(chain.first + chain.count - 1)];
-    if (last.output_signal == SKYBODY_ROTOR_SPEED) continue;
-    const RobotLayout& robot = layout().robots[static_cast<std::size_t>(last.robot)];
+  for (int r = 0; r < static_cast<int>(scenario().robots.size()); ++r) {
+    bool is_commanded = false, has_live_rotors = false;
+    for (const ControllerChain& chain : chains_) {
+      if (chain.robot != r) continue;
+      is_commanded = true;
+      for (const ChainEnd& end : chain.ends) has_live_rotors |= end.signal == SKYBODY_ROTOR_SPEED;
+    }
+    if (!is_commanded || has_live_rotors) continue;
+    const RobotLayout& robot = layout().robots[static_cast<std::size_t>(r)];
     for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
       double* speed = group.writable({layout().rotor_speed.offset + k, 1}, mask);
       double* command = group.writable({layout().rotor_command.offset + k, 1}, mask);

@@ -32,7 +32,7 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
   const int lanes = group.lanes();
   std::uint32_t finite = write_observation(work, mask, rows) &
                          kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
-  if (task_.robot_rewards) finite &= finite_robot_rewards(work, mask);
+  if (task().robot_rewards) finite &= finite_robot_rewards(work, mask);
   if (is_reset) {  // no action was taken that reward or end could be about
     work.clear_verdict();
     kernels.write(mask, lanes, work.reward.data(), 1, rows.reward);
@@ -44,7 +44,7 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
               rows.status);
   const std::uint32_t faults = mask & (work.bad_action | work.bad_state | ~finite);
   if (faults != 0) conclude_faults(group, work, faults, finite, rows);
-  if (rows.info != nullptr) kernels.write(mask, lanes, work.info.data(), info_size_, rows.info);
+  if (rows.info != nullptr) kernels.write(mask, lanes, work.info.data(), info_size(), rows.info);
   if (rows.images != nullptr) write_images(group, mask, rows);
   if (rows.agent_reward != nullptr) write_agent_rewards(work, mask, rows);
 }
@@ -119,7 +119,7 @@ void Environment::write_agent_rewards(GroupWork& work, std::uint32_t mask, const
   double* to = work.agent_reward.data();
   for (const int robot : agents_) {
     const double* own = work.robot_reward.data() + robot * work.lanes;
-    to = std::copy_n(task_.robot_rewards ? own : work.reward.data(), work.lanes, to);
+    to = std::copy_n(task().robot_rewards ? own : work.reward.data(), work.lanes, to);
   }
   row_kernels().write(mask, work.lanes, work.agent_reward.data(), static_cast<int>(agents_.size()),
                       rows.agent_reward);

@@ -10,6 +10,7 @@
 #include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
+#include "core/env/plugin_call.h"
 #include "core/physics/step/lane_values.h"
 
 namespace skybody {
@@ -24,23 +25,31 @@ void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, c
   check(group, work, mask);
   work.bad_action = work.bad_state = 0;
   group.refresh(mask, work.physics);
-  const SkybodyLanes lanes = view(group, mask);
+  const SkybodyLanes lanes = view(group, work, mask);
   act(group, work, lanes, actions, action_stride);
-  fly(group, work, lanes, scenario().stepping.action_repeat);
+  fly_action(group, work, lanes);
   count(group, kStep, mask);
   evaluate(group, work, lanes, rows.info != nullptr);
   conclude(group, work, mask, false, rows);
 }
 
-/// Physics steps; returns the lanes that came through.
-std::uint32_t Environment::fly(StateGroup& group, GroupWork& work, SkybodyLanes lanes,
-                               std::int64_t steps) const {
-  for (std::int64_t k = 0; k < steps && lanes.active != 0; ++k) {
-    control(group, work, lanes);
-    lanes.active = advance(group, work, lanes.active);
-    sense(group, lanes, false);
+/// The physics steps of an action.
+void Environment::fly_action(StateGroup& group, GroupWork& work, SkybodyLanes lanes) const {
+  const int steps = scenario().stepping.action_repeat;
+  const int period = task().period > 0 ? task().period : steps;  // of the command
+  for (int k = 0; k < steps && lanes.active != 0; ++k) {
+    if (k % period == 0) make_command(group, work, lanes);
+    if (task().interpolates) move_command(group, work, lanes.active, k % period + 1, period);
+    fly(group, work, lanes);
   }
-  return lanes.active;
+}
+
+/// One physics step. Lanes that do not come through are active no longer.
+void Environment::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lanes) const {
+  control(group, work, lanes);
+  apply_effects(group, lanes);
+  lanes.active = advance(group, work, lanes.active);
+  sense(group, lanes, false);
 }
 
 void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
@@ -48,7 +57,7 @@ void Environment::check(const StateGroup& group, const GroupWork& work, std::uin
   SKYBODY_DEMAND(group.lanes() >= 32 || (mask >> group.lanes()) == 0, "a mask beyond the group");
 }
 
-SkybodyLanes Environment::view(const StateGroup& group, std::uint32_t mask) const {
+SkybodyLanes Environment::view(const StateGroup& group, GroupWork& work, std::uint32_t mask) const {
   const Layout& l = layout();
   SkybodyLanes v{};
   v.lanes = static_cast<std::uint32_t>(group.lanes());
@@ -66,6 +75,9 @@ SkybodyLanes Environment::view(const StateGroup& group, std::uint32_t mask) cons
   v.sensors = group.reals(l.sensors);
   v.action = group.reals(l.action);
   v.command = group.reals(l.command);
+  v.contacts = needs_contacts_ ? group.reals(l.contacts) : nullptr;
+  v.scratch = work.scratch.data();
+  v.checks = work.is_checked ? &work.checks : nullptr;
   return v;
 }
 
@@ -73,64 +85,123 @@ void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask)
   group.refresh(mask, work.physics);
 }
 
-/// P_i: clip the action and turn it into the command, once. A row that is not finite keeps the last
-/// action instead and makes this transition a fault.
+/// P_i: clip the action. A row that is not finite keeps the last action instead and makes this
+/// transition a fault.
 void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
                       const float* actions, int action_stride) const {
-  const Layout& l = layout();
-  const int lanes = group.lanes();
-  const std::uint32_t mask = view.active;
-  const RowKernels& kernels = row_kernels();
-  double* action = group.writable(l.action, mask);
+  const Block& action = layout().action;
   work.bad_action =
-      mask & ~kernels.read_clipped(mask, lanes, actions, action_stride, l.action.size, action);
-  double* command = group.writable(l.command, mask);
-  if (task_.kernels.process != nullptr) {
-    task_.kernels.process(task_.self.get(), &view, group.plugin_bits(task_.state),
-                          group.plugin_reals(task_.buffer), action, command);
-    return;
+      view.active & ~row_kernels().read_clipped(view.active, group.lanes(), actions, action_stride,
+                                                action.size, group.writable(action, view.active));
+}
+
+/// Turns the action into the command.
+void Environment::make_command(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+  const Layout& l = layout();
+  const auto values = static_cast<std::size_t>(l.command.size * group.lanes());
+  if (task().interpolates) {
+    std::copy_n(group.reals(l.command), values, work.command_from.data());
   }
-  for (const ControllerChain& chain : chains_) {
-    if (chain.count == 0) continue;
-    const PluginInstance& first = controllers_[static_cast<std::size_t>(chain.first)];
-    kernels.scale(mask, lanes, action + chain.action * lanes, first.input_count(), first.low.data(),
-                  first.high.data(), command + chain.command * lanes);
+  if (task().kernels.process != nullptr) {
+    process(group, work, view);
+  } else {
+    scale_action(group, view.active, group.writable(l.command, view.active));
+  }
+  if (task().interpolates) std::copy_n(group.reals(l.command), values, work.command_to.data());
+}
+
+/// From [-1, 1] to what the action's channels mean.
+void Environment::scale_action(const StateGroup& group, std::uint32_t mask, double* out) const {
+  const int lanes = group.lanes();
+  const double* action = group.reals(layout().action);
+  for (const ActionChannel& channel : action_channels_) {
+    row_kernels().scale(mask, lanes, action + channel.first * lanes,
+                        static_cast<int>(channel.low.size()), channel.low.data(),
+                        channel.high.data(), out + channel.first * lanes);
   }
 }
 
-/// C_i: every robot's controllers in order, from the latest state.
+/// The command on its way from the last one to the present one: in the first action of an episode
+/// there was none.
+/// @param step  1..steps
+void Environment::move_command(StateGroup& group, const GroupWork& work, std::uint32_t mask,
+                               int step, int steps) const {
+  const Block& block = layout().command;
+  const double share = static_cast<double>(step) / steps;
+  const std::uint64_t* actions = group.bits(kStep);
+  double* command = group.writable(block, mask);
+  for (int k = 0; k < block.size; ++k) {
+    each_lane(mask, [&](int lane) {
+      const auto at = static_cast<std::size_t>(k * group.lanes() + lane);
+      const double from = work.command_from[at], to = work.command_to[at];
+      const bool is_there = step == steps || actions[lane] == 0;
+      command[at] = is_there ? to : from + share * (to - from);
+    });
+  }
+}
+
+/// The task makes the command, from physical values where it has an action of its own.
+void Environment::process(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+  const bool has_own = !task().actions.empty();
+  if (has_own) scale_action(group, view.active, work.action.data());
+  task().kernels.process(
+      task().self.get(), &view, group.plugin_bits(task().state), group.plugin_reals(task().buffer),
+      has_own ? work.action.data() : view.action, group.writable(layout().command, view.active));
+}
+
+/// The lanes in which a plugin that has a period is to be called before this physics step, or
+/// behind it.
+std::uint32_t Environment::due(const PluginInstance& plugin, const StateGroup& group,
+                               std::uint32_t mask) const {
+  if (plugin.period <= 1) return mask;
+  const std::uint64_t* count = group.bits(kPhysicsStep);
+  std::uint32_t due = 0;
+  each_lane(mask, [&](int lane) {
+    if (count[lane] % static_cast<std::uint64_t>(plugin.period) == 0) due |= 1u << lane;
+  });
+  return due;
+}
+
+/// C_i: every chain's controllers in order, from the latest state.
 void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+  for (const ControllerChain& chain : chains_) control(group, work, view, chain);
+}
+
+void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
+                          const ControllerChain& chain) const {
   const int lanes = group.lanes();
-  const bool serves_all = view.active == group.occupied();
-  for (const ControllerChain& chain : chains_) {
-    const double* input = group.reals(layout().command) + chain.command * lanes;
-    for (int i = 0; i < chain.count; ++i) {
-      const PluginInstance& c = controllers_[static_cast<std::size_t>(chain.first + i)];
-      const bool is_last = i + 1 == chain.count;
-      double* target = is_last ? actuator(group, view.active, c, chain) : nullptr;
-      // All lanes at once go where they belong; else others' commands have to be spared.
-      double* output = is_last && serves_all ? target : work.signal[i & 1].data();
-      c.kernels.control(c.self.get(), &view, group.plugin_bits(c.state),
-                        group.plugin_reals(c.buffer), input, output);
-      input = output;
-      if (is_last && !serves_all) keep(group, view.active, c.output_count, output, target);
+  const double* input = group.reals(layout().command) + chain.command * lanes;
+  for (int i = 0; i < chain.count; ++i) {
+    const PluginInstance& c =
+        plugins_[SKYBODY_CONTROLLER][static_cast<std::size_t>(chain.first + i)];
+    const bool is_last = i + 1 == chain.count;
+    SkybodyLanes v = view;
+    v.active = due(c, group, view.active);
+    double* const scratch = work.signal[i & 1].data();
+    double* const held = c.last_output.size > 0 ? group.writable(c.last_output, v.active) : nullptr;
+    const ChainEnd& end = chain.ends[0];
+    double* const target =
+        is_last ? group.writable(layout().*end.block, v.active) + end.first * lanes : held;
+    // All lanes at once go where they belong; else others' values have to be spared.
+    const bool is_direct = is_last && chain.ends.size() == 1 && v.active == group.occupied();
+    double* const output = is_direct ? target : scratch;
+    if (v.active != 0) {
+      call_plugin(c.kernels.control, c, group, v, {c.input_count(), c.output_count(), 0}, input,
+                  output);
+    }
+    input = held != nullptr ? held : output;
+    if (is_direct) continue;
+    if (is_last) {
+      const double* from = scratch;
+      for (const ChainEnd& e : chain.ends) {
+        keep(group, v.active, e.count, from,
+             group.writable(layout().*e.block, v.active) + e.first * lanes);
+        from += e.count * lanes;
+      }
+    } else if (held != nullptr) {
+      keep(group, v.active, c.last_output.size, scratch, held);
     }
   }
-}
-
-/// Where the last controller's output goes: rotors, wrench sites or the base's drive.
-double* Environment::actuator(StateGroup& group, std::uint32_t mask, const PluginInstance& last,
-                              const ControllerChain& chain) const {
-  const Layout& l = layout();
-  const int lanes = group.lanes();
-  if (last.output_signal == SKYBODY_ROTOR_SPEED) {
-    const int first = l.robots[static_cast<std::size_t>(last.robot)].first_rotor;
-    return group.writable(l.rotor_command, mask) + first * lanes;
-  }
-  if (last.output_signal == SKYBODY_WRENCH)
-    return group.writable(l.wrench, mask) + 6 * chain.site * lanes;
-  const int skip = last.output_signal == SKYBODY_VELOCITY ? 0 : 6;
-  return group.writable(l.drive, mask) + (13 * chain.drive + skip) * lanes;
 }
 
 /// x_{k-1} -> x_k with the command held; lanes whose physics gives up stay in their last finite
@@ -141,6 +212,7 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
   const std::uint32_t through = group.advance(mask, work.physics);
   work.bad_state |= mask & ~through;
   count(group, kPhysicsStep, through);
+  sense_contacts(group, work, through);
   return through;
 }
 
@@ -154,21 +226,15 @@ void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
 /// Sensors that are due after this physics step, each lane by its own count; all of them at a
 /// reset.
 void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool all) const {
-  if (sensors_.empty() || lanes_now.active == 0) return;
   const int lanes = group.lanes();
-  const std::uint64_t* count = group.bits(kPhysicsStep);
-  for (const PluginInstance& s : sensors_) {
-    std::uint32_t due = 0;
-    each_lane(lanes_now.active, [&](int lane) {
-      if (all || count[lane] % static_cast<std::uint64_t>(s.period) == 0) due |= 1u << lane;
-    });
-    if (due == 0) continue;
+  for (const PluginInstance& s : plugins_[SKYBODY_SENSOR]) {
     SkybodyLanes v = lanes_now;
-    v.active = due;
+    v.active = all ? lanes_now.active : due(s, group, lanes_now.active);
+    if (v.active == 0) continue;
     v.images = group.images().bytes() + s.images;
     v.image_stride = 8 * image_words_;
-    s.kernels.sense(s.self.get(), &v, group.plugin_bits(s.state), group.plugin_reals(s.buffer),
-                    group.writable(layout().sensors, due) + s.output * lanes);
+    call_plugin(s.kernels.sense, s, group, v, {0, s.channel_count(), 0},
+                group.writable(layout().sensors, v.active) + s.output * lanes);
   }
 }
 
@@ -180,9 +246,24 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLane
   const SkybodyEvaluation out{values.data(),    work.reward.data(),
                               work.end.data(),  work.robot_reward.data(),
                               work.info.data(), wants_info ? 1u : 0u};
-  task_.kernels.evaluate(task_.self.get(), &view, group.plugin_bits(task_.state),
-                         group.plugin_reals(task_.buffer), &out);
+  call_plugin(task().kernels.evaluate, task(), group, view,
+              {0, task().channel_count(), value_count(task().infos)}, &out);
+  if (wants_info) write_reports(group, work);
   gather_observation(group, work);
+}
+
+/// Values beside the observation that other plugins keep in their buffers, behind the task's.
+void Environment::write_reports(const StateGroup& group, GroupWork& work) const {
+  const int lanes = group.lanes();
+  double* to = work.info.data() + value_count(task().infos) * lanes;
+  for (const auto& list : plugins_) {
+    for (const PluginInstance& p : list) {
+      for (const Report& report : p.reports) {
+        const double* from = group.reals(layout().plugin_state.offset + p.buffer + report.word);
+        to = std::copy_n(from, report.info.count * lanes, to);
+      }
+    }
+  }
 }
 
 /// Puts the observation together where the task has not written all of it to its place.
@@ -200,13 +281,13 @@ void Environment::goal(StateGroup& group, GroupWork& work, int lane,
                        std::vector<double>& out) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
-  out.assign(task_.goals.size() * 4, 0.0);
-  if (task_.kernels.goal == nullptr || out.empty()) return;
+  out.assign(task().goals.size() * 4, 0.0);
+  if (task().kernels.goal == nullptr || out.empty()) return;
   const auto lanes = static_cast<std::size_t>(group.lanes());
   std::vector<double> values(out.size() * lanes);
-  const SkybodyLanes v = view(group, 1u << lane);
-  task_.kernels.goal(task_.self.get(), &v, group.plugin_bits(task_.state),
-                     group.plugin_reals(task_.buffer), values.data());
+  const SkybodyLanes v = view(group, work, 1u << lane);
+  call_plugin(task().kernels.goal, task(), group, v, {0, static_cast<int>(out.size()), 0},
+              values.data());
   for (std::size_t k = 0; k < out.size(); ++k) {
     out[k] = values[k * lanes + static_cast<std::size_t>(lane)];
   }

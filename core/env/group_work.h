@@ -27,8 +27,14 @@ class GroupWork {
   }
 
   int lanes = 1;
+  bool is_checked = false;  ///< plugins are held to the values that they may touch
+  SkybodyChecks checks{};   ///< of a checked work
   PhysicsScratch physics;
   AlignedArray<double> signal[2];         ///< between controllers, in lanes
+  AlignedArray<double> scratch;           ///< of one call of a plugin, in lanes
+  AlignedArray<double> action;            ///< in the task's units, in lanes
+  AlignedArray<double> command_from;      ///< where commands that change begin, in lanes
+  AlignedArray<double> command_to;        ///< and where they go
   AlignedArray<double> observation;       ///< in lanes, the privileged values last
   AlignedArray<double> task_values;       ///< of the task, where they have other places there
   AlignedArray<double> reward;            ///< 1 per lane

@@ -1,6 +1,8 @@
 // A configured plugin as the engine uses it: functions, what it declared, where its state lies.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -48,6 +50,18 @@ struct Goal {
   int body = 0;  ///< world body index
 };
 
+/// What a controller gives.
+struct PluginOutput {
+  int signal = -1;  ///< SkybodySignal
+  int count = 0;
+};
+
+/// Values beside the observation that lie in a plugin's buffer.
+struct Report {
+  Channel info;
+  int word = 0;  ///< of the buffer
+};
+
 /// A plugin instance. Immutable once the Environment is built.
 struct PluginInstance {
   SkybodyKind kind = SKYBODY_CONTROLLER;
@@ -59,31 +73,50 @@ struct PluginInstance {
   SkybodyKernels kernels{};          ///< of the chosen instruction set
 
   // Declared in configure():
-  int input_signal = -1;  ///< SkybodySignal, controllers only
-  int output_signal = -1;
-  int output_count = 0;
-  std::vector<double> low, high;  ///< of the input: what actions -1 and +1 mean
+  int input_signal = -1;              ///< SkybodySignal, controllers only
+  std::vector<PluginOutput> outputs;  ///< one; the last one of a chain may have several
+  std::vector<double> low, high;      ///< of the input: what actions -1 and +1 mean
   std::vector<WrenchSite> sites;
+  std::vector<JointDrive> joints;
+  std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< effects: what apply() fills
   std::vector<Channel> channels;
   std::vector<Channel> infos;  ///< tasks: values beside the observation
   std::vector<Goal> goals;
   bool robot_rewards = false;  ///< tasks: evaluate() gives each robot a reward of its own
   std::vector<int> writes;     ///< EnvParams that a randomizer writes
-  int period = 1;              ///< sensors: physics steps between calls
+  std::vector<Report> reports;
+  std::vector<Channel> actions;  ///< tasks: parts of the action; none: the chains' commands
+  bool interpolates = false;     ///< tasks: commands change over the physics steps of an action
+  int period = 0;                ///< physics steps between calls, 0: its kind's own
+  int scratch = 0;               ///< doubles of memory for a call
   bool needs_bodies_before = false;
+  bool needs_contacts = false;
 
   // Where things lie, within the blocks plugin_state and sensors:
   int state = 0, state_words = 0;
   int buffer = 0, buffer_words = 0;
   int output = 0;  ///< sensors: first word of the output
+  /// Words of WorldState: what it gave last, of a controller that others follow and that is not
+  /// called in every physics step; and, per held input, what this effect adds.
+  Block last_output;
+  std::array<Block, SKYBODY_HELD_COUNT> held;
   int images = 0;  ///< sensors: first byte within an environment's image memory
 
   int input_count() const { return static_cast<int>(low.size()); }
   int channel_count() const { return value_count(channels); }
+  int output_count() const {
+    int sum = 0;
+    for (const PluginOutput& given : outputs) sum += given.count;
+    return sum;
+  }
+  bool gives(int signal) const {
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [signal](const PluginOutput& o) { return o.signal == signal; });
+  }
 };
 
 /// Makes instances: the plugin host, or a test's own. Called once per use, in the order
-/// sensors, controllers, randomizers, task.
+/// sensors, controllers, effects, randomizers, task.
 class PluginFactory {
  public:
   virtual ~PluginFactory() = default;

@@ -73,7 +73,34 @@ SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int 
   info.fixed_base = use.model.fixed_base ? 1 : 0;
   copy(use.pose.position, info.position);
   copy(use.pose.rotation, info.rotation);
-  info.command_signal = -1;
+  return info;
+}
+
+SkybodyShapeInfo shape_info(const Shape& shape, const char* name, int body) {
+  SkybodyShapeInfo info{};
+  info.name = name;
+  info.mesh = shape.mesh.c_str();
+  info.body = body;
+  switch (shape.type) {
+    case ShapeType::kBox:
+      info.kind = SKYBODY_BOX;
+      copy(shape.size, info.size);
+      break;
+    case ShapeType::kCylinder:
+      info.kind = SKYBODY_CYLINDER;
+      copy(Vec3<double>{shape.radius, shape.length, 0.0}, info.size);
+      break;
+    case ShapeType::kSphere:
+      info.kind = SKYBODY_SPHERE;
+      copy(Vec3<double>{shape.radius, 0.0, 0.0}, info.size);
+      break;
+    case ShapeType::kMesh:
+      info.kind = SKYBODY_MESH;
+      copy(shape.size, info.size);
+      break;
+  }
+  copy(shape.pose.position, info.position);
+  copy(shape.pose.rotation, info.rotation);
   return info;
 }
 
@@ -122,6 +149,15 @@ SetupTables::SetupTables(const Topology& topology, const Layout& layout)
   for (int i = 0; i < static_cast<int>(topology.rotors.size()); ++i) {
     rotors_.push_back(rotor_info(topology, layout, i));
   }
+  for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
+    const Body& body = *topology.bodies[static_cast<std::size_t>(i)].model;
+    for (const Shape& shape : body.collisions) {
+      shapes_.push_back(shape_info(shape, body.name.c_str(), i));
+    }
+  }
+  for (const Obstacle& obstacle : scenario_.obstacles) {
+    shapes_.push_back(shape_info(obstacle.shape, obstacle.name.c_str(), -1));
+  }
   for (const EnvParam& p : layout.param_info) {
     params_.push_back({p.path.c_str(), p.nominal, p.min, p.max});
   }
@@ -146,6 +182,10 @@ SkybodySetup SetupTables::setup(const std::string& instance, int robot,
   s.rotor_count = static_cast<int>(rotors_.size());
   s.sensors = sensors_.data();
   s.sensor_count = static_cast<int>(sensors_.size());
+  s.chains = chains_.data();
+  s.chain_count = static_cast<int>(chains_.size());
+  s.shapes = shapes_.data();
+  s.shape_count = static_cast<int>(shapes_.size());
   s.params = params_.data();
   s.param_count = static_cast<int>(params_.size());
   s.values = values.data();
@@ -165,14 +205,16 @@ void SetupTables::add_sensor(const PluginInstance& sensor) {
   }
 }
 
-void SetupTables::set_command(int robot, int signal, int first_command, int command_count,
-                              int first_action) {
-  SkybodyRobotInfo& info = robots_[static_cast<std::size_t>(robot)];
-  info.command_signal = signal;
-  info.first_command = first_command;
-  info.command_count = command_count;
-  info.first_action = first_action;
-  info.action_count = command_count;
+void SetupTables::set_chains(const std::vector<ControllerChain>& chains) {
+  for (const ControllerChain& chain : chains) {
+    SkybodyRobotInfo& robot = robots_[static_cast<std::size_t>(chain.robot)];
+    if (robot.chain_count++ == 0) {
+      robot.first_chain = static_cast<int>(chains_.size());
+      robot.first_action = chain.command;
+    }
+    robot.action_count += chain.inputs;
+    chains_.push_back({chain.robot, chain.signal, chain.command, chain.command, chain.inputs});
+  }
 }
 
 SkybodyDeclare declare_into(PluginInstance& instance) {
@@ -185,8 +227,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
     p.high.assign(high, high + count);
   };
   d.output = [](void* host, int32_t signal, int32_t count) {
-    instance_of(host).output_signal = signal;
-    instance_of(host).output_count = count;
+    instance_of(host).outputs.push_back({signal, count});
   };
   d.site = [](void* host, const SkybodySite* site) {
     instance_of(host).sites.push_back({site->body,
@@ -194,10 +235,28 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
                                        site->at_com != 0,
                                        site->world_axes != 0});
   };
+  d.joint = [](void* host, const SkybodyJointDrive* j) {
+    instance_of(host).joints.push_back({j->body, j->coordinate, static_cast<JointMode>(j->mode),
+                                        j->stiffness, j->damping, j->effort_limit, j->tau, j->low,
+                                        j->high});
+  };
   d.channel = [](void* host, const SkybodyChannel* c) {
     instance_of(host).channels.push_back(to_channel(*c));
   };
   d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
+  d.scratch = [](void* host, int32_t values) { instance_of(host).scratch = values; };
+  d.holds = [](void* host, int32_t input) {
+    if (input < 0 || input >= SKYBODY_HELD_COUNT) return;
+    instance_of(host).holds[static_cast<std::size_t>(input)] = true;
+  };
+  d.report = [](void* host, const SkybodyChannel* c, int32_t word) {
+    instance_of(host).reports.push_back({to_channel(*c), word});
+  };
+  d.contacts = [](void* host) { instance_of(host).needs_contacts = true; };
+  d.action = [](void* host, const SkybodyChannel* c) {
+    instance_of(host).actions.push_back(to_channel(*c));
+  };
+  d.interpolate = [](void* host) { instance_of(host).interpolates = true; };
   d.buffer = [](void* host, int32_t words) { instance_of(host).buffer_words = words; };
   d.bodies_before = [](void* host) { instance_of(host).needs_bodies_before = true; };
   d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
@@ -209,14 +268,6 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
     instance_of(host).infos.push_back(to_channel(*c));
   };
   return d;
-}
-
-const char* signal_name(int signal) {
-  static constexpr std::array<const char*, SKYBODY_SIGNAL_COUNT> kNames = {
-      "rotor_speed", "srt",  "ctbt",     "ctbr",     "wrench",
-      "velocity",    "pose", "attitude", "position", "trajectory"};
-  return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT ? kNames[static_cast<std::size_t>(signal)]
-                                                      : "none";
 }
 
 }  // namespace skybody

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/env/controller_chains.h"
 #include "core/env/plugin_instance.h"
 #include "core/physics/world/world.h"
 #include "plugins/api/abi.h"
@@ -36,8 +37,8 @@ class SetupTables {
 
   /// Makes a configured sensor's channels visible to those configured later.
   void add_sensor(const PluginInstance& sensor);
-  /// Tells the robots' action and command ranges, once their controllers are configured.
-  void set_command(int robot, int signal, int first_command, int command_count, int first_action);
+  /// Tells the chains, once the controllers are configured.
+  void set_chains(const std::vector<ControllerChain>& chains);
 
  private:
   const Scenario& scenario_;
@@ -46,14 +47,13 @@ class SetupTables {
   std::vector<SkybodyLinkInfo> links_;
   std::vector<SkybodyRotorInfo> rotors_;
   std::vector<SkybodySensorInfo> sensors_;
+  std::vector<SkybodyChainInfo> chains_;
+  std::vector<SkybodyShapeInfo> shapes_;
   std::vector<SkybodyEnvParamInfo> params_;
   std::vector<std::unique_ptr<std::string>> names_;  ///< texts of sensors_
 };
 
 /// A SkybodyDeclare that writes into `instance`.
 SkybodyDeclare declare_into(PluginInstance& instance);
-
-/// The word for a signal, such as "rotor_speed".
-const char* signal_name(int signal);
 
 }  // namespace skybody

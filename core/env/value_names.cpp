@@ -2,6 +2,7 @@
 
 #include "core/base/error.h"
 #include "core/base/suggestion.h"
+#include "core/model/held_inputs.h"
 
 namespace skybody {
 namespace {
@@ -38,12 +39,18 @@ class StateNames {
     name_rotors(layout_.rotor_command, "rotor_command ");
     name_block(layout_.wrench, "wrench");
     name_block(layout_.drive, "drive");
+    name_block(layout_.joint_command, "joint_command");
+    name_block(layout_.joint_state, "joint_state");
+    for (std::size_t i = 0; i < layout_.held.size(); ++i) {
+      name_block(layout_.held[i], std::string("held ") + kHeldInputs[i].name);
+    }
     name_block(layout_.bodies_before, "bodies_before");
     expect(layout_.params);
     for (const EnvParam& param : layout_.param_info) names_.push_back("params " + param.path);
     name_block(layout_.action, "action");
     name_block(layout_.command, "command");
     name_sensors();
+    name_block(layout_.contacts, "contacts");
     name_block(layout_.plugin_state, "plugin_state");
     expect(layout_.last_observation);
     append_observation(names_, "last_observation ", environment_, false);
@@ -85,7 +92,7 @@ class StateNames {
 
   void name_sensors() {
     expect(layout_.sensors);
-    for (const PluginInstance& sensor : environment_.sensors()) {
+    for (const PluginInstance& sensor : environment_.plugins(SKYBODY_SENSOR)) {
       for (const Channel& channel : sensor.channels) {
         if (channel.is_image()) continue;
         append(names_, "sensors " + sensor.name + "." + channel.name, channel.count);
@@ -117,7 +124,7 @@ std::vector<std::string> observation_names(const Environment& environment) {
 std::string source_of(const Environment& environment, const ObservationColumn& column) {
   if (column.source.sensor < 0) return "task";
   const PluginInstance& sensor =
-      environment.sensors()[static_cast<std::size_t>(column.source.sensor)];
+      environment.plugins(SKYBODY_SENSOR)[static_cast<std::size_t>(column.source.sensor)];
   return sensor.name + "." + sensor.channels[static_cast<std::size_t>(column.source.channel)].name;
 }
 

@@ -21,20 +21,6 @@ Field value_field(std::string name, std::string doc, ParameterType type) {
 
 }  // namespace
 
-const char* to_string(PluginKind kind) {
-  switch (kind) {
-    case PluginKind::kController:
-      return "controller";
-    case PluginKind::kSensor:
-      return "sensor";
-    case PluginKind::kRandomizer:
-      return "randomizer";
-    case PluginKind::kTask:
-      return "task";
-  }
-  return "plugin";
-}
-
 const Field* MapSpec::find(const std::string& key) const {
   for (const Field& field : fields) {
     if (field.value.name == key) return &field;
@@ -103,7 +89,7 @@ Field map_field(std::string name, Field::Kind kind, const MapSpec& map, std::str
   return field;
 }
 
-Field plugin_field(std::string name, Field::Kind kind, PluginKind plugin, std::string doc) {
+Field plugin_field(std::string name, Field::Kind kind, SkybodyKind plugin, std::string doc) {
   Field field = value_field(std::move(name), std::move(doc), ParameterType::kText);
   field.kind = kind;
   field.plugin = plugin;

@@ -31,7 +31,7 @@ struct Field {
   ParameterSpec value;  ///< name, doc and required hold for every kind
   Kind kind = Kind::kValue;
   const MapSpec* map = nullptr;
-  PluginKind plugin = PluginKind::kTask;
+  SkybodyKind plugin = SKYBODY_TASK;
   std::string word;         ///< kValue: this text is allowed in place of the number
   std::string short_key;    ///< kMapList: a text in place of a map is the value of this key
   bool identifier = false;  ///< kValue: a text that can be part of a path
@@ -58,7 +58,7 @@ Field name_field(std::string doc);
 Field vector_field(std::string name, std::string unit, std::vector<double> value, double min,
                    double max, std::string doc);
 Field map_field(std::string name, Field::Kind kind, const MapSpec& map, std::string doc);
-Field plugin_field(std::string name, Field::Kind kind, PluginKind plugin, std::string doc);
+Field plugin_field(std::string name, Field::Kind kind, SkybodyKind plugin, std::string doc);
 Field required(Field field);
 /// A list of maps whose entries may be texts, which are the values of `key`.
 Field short_form(std::string key, Field field);

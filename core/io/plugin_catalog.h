@@ -5,18 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "core/base/plugin_kind.h"
 #include "core/model/parameter_spec.h"
 
 namespace skybody {
 
-enum class PluginKind { kController, kSensor, kRandomizer, kTask };
-
-/// "controller", "sensor", "randomizer" or "task".
-const char* to_string(PluginKind kind);
-
 /// What a plugin says about itself.
 struct PluginDeclaration {
-  PluginKind kind = PluginKind::kController;
+  SkybodyKind kind = SKYBODY_CONTROLLER;
   std::string name;
   std::string doc;      ///< one line
   std::string file;     ///< shared library
@@ -30,9 +26,9 @@ class PluginCatalog {
   virtual ~PluginCatalog() = default;
 
   /// The plugin `name` of `kind`, or null. Lives as long as the catalog.
-  virtual const PluginDeclaration* find(PluginKind kind, const std::string& name) const = 0;
+  virtual const PluginDeclaration* find(SkybodyKind kind, const std::string& name) const = 0;
   /// Names of all plugins of `kind`, sorted.
-  virtual std::vector<std::string> names(PluginKind kind) const = 0;
+  virtual std::vector<std::string> names(SkybodyKind kind) const = 0;
 };
 
 }  // namespace skybody

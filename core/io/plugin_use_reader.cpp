@@ -10,9 +10,9 @@ namespace skybody {
 namespace {
 
 /// The declaration that `use` names, or null and an error where it is written.
-const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
+const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
                                      const PluginCatalog& catalog, Diagnostics& diagnostics) {
-  const std::string what = std::string(to_string(kind)) + " `" + use.plugin + "`";
+  const std::string what = std::string(kind_name(kind)) + " `" + use.plugin + "`";
   const PluginDeclaration* found = catalog.find(kind, use.plugin);
   if (found == nullptr) {
     const std::string hint = suggestion(use.plugin, catalog.names(kind), "found");
@@ -30,7 +30,7 @@ const PluginDeclaration* find_plugin(const PluginUse& use, PluginKind kind,
 
 }  // namespace
 
-PluginUse read_plugin_use(const ConfigNode& node, PluginKind kind, const PluginCatalog& catalog,
+PluginUse read_plugin_use(const ConfigNode& node, SkybodyKind kind, const PluginCatalog& catalog,
                           Diagnostics& diagnostics) {
   const MapReader reader(&node, plugin_use_fields(), node.mark, diagnostics);
   PluginUse use;
@@ -50,17 +50,17 @@ PluginUse read_plugin_use(const ConfigNode& node, PluginKind kind, const PluginC
   return use;
 }
 
-std::vector<PluginUse> read_plugin_uses(const ConfigNode* node, PluginKind kind,
+std::vector<PluginUse> read_plugin_uses(const ConfigNode* node, SkybodyKind kind,
                                         const PluginCatalog& catalog, Diagnostics& diagnostics) {
   std::vector<PluginUse> uses;
   if (node == nullptr || node->is_null()) return uses;
   if (!node->is_sequence()) {
-    diagnostics.error(node->mark, std::string(to_string(kind)) + "s are " + node->describe() +
+    diagnostics.error(node->mark, std::string(kind_name(kind)) + "s are " + node->describe() +
                                       "; allowed: a list such as [{plugin: NAME}]");
     return uses;
   }
   if (node->items.size() > kMostPluginUses) {
-    diagnostics.error(node->mark, too_many_entries(std::string(to_string(kind)) + "s",
+    diagnostics.error(node->mark, too_many_entries(std::string(kind_name(kind)) + "s",
                                                    node->items.size(), kMostPluginUses));
     return uses;
   }
@@ -68,7 +68,7 @@ std::vector<PluginUse> read_plugin_uses(const ConfigNode* node, PluginKind kind,
   for (const ConfigNode& item : node->items) {
     PluginUse use = read_plugin_use(item, kind, catalog, diagnostics);
     if (!use.instance.empty() && !names.insert(use.instance).second) {
-      diagnostics.error(use.mark, "a second " + std::string(to_string(kind)) + " called `" +
+      diagnostics.error(use.mark, "a second " + std::string(kind_name(kind)) + " called `" +
                                       use.instance + "`; give it another `name`");
     }
     uses.push_back(std::move(use));

@@ -13,11 +13,11 @@ namespace skybody {
 
 /// Reads one use of a plugin: `{plugin: NAME, name: INSTANCE, parameters: {...}}`. Parameters are
 /// validated against the plugin's declaration; after errors they are what could be read.
-PluginUse read_plugin_use(const ConfigNode& node, PluginKind kind, const PluginCatalog& catalog,
+PluginUse read_plugin_use(const ConfigNode& node, SkybodyKind kind, const PluginCatalog& catalog,
                           Diagnostics& diagnostics);
 
 /// Reads a list of uses (null or absent: none). Instance names must differ.
-std::vector<PluginUse> read_plugin_uses(const ConfigNode* node, PluginKind kind,
+std::vector<PluginUse> read_plugin_uses(const ConfigNode* node, SkybodyKind kind,
                                         const PluginCatalog& catalog, Diagnostics& diagnostics);
 
 }  // namespace skybody

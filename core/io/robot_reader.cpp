@@ -40,7 +40,7 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
   robot.disturbance_force = load.vec3("force");
   robot.disturbance_moment = load.vec3("moment");
   robot.controllers =
-      read_plugin_uses(reader.node("controllers"), PluginKind::kController, catalog_, diagnostics_);
+      read_plugin_uses(reader.node("controllers"), SKYBODY_CONTROLLER, catalog_, diagnostics_);
   const RobotModel* model = read_model(reader);
   if (model == nullptr || !take_parts(*model, reader.mark("model"))) {
     reader.real_or_word("rotor_speed");

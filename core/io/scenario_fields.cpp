@@ -139,7 +139,7 @@ const MapSpec& robot_fields() {
                     "a steady load on the base"),
           map_field("joints", Field::Kind::kNamedMaps, joint_fields(),
                     "springs and dampers by joint name"),
-          plugin_field("controllers", Field::Kind::kPluginList, PluginKind::kController,
+          plugin_field("controllers", Field::Kind::kPluginList, SKYBODY_CONTROLLER,
                        "in the order in which they are evaluated"),
       }};
   return spec;
@@ -205,14 +205,16 @@ const MapSpec& scenario_fields() {
               map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
           map_field("obstacles", Field::Kind::kMapList, obstacle_fields(),
                     "shapes that stand still"),
-          plugin_field("sensors", Field::Kind::kPluginList, PluginKind::kSensor,
+          plugin_field("sensors", Field::Kind::kPluginList, SKYBODY_SENSOR,
                        "what measures, in the order of evaluation"),
+          plugin_field("effects", Field::Kind::kPluginList, SKYBODY_EFFECT,
+                       "what acts on bodies and rotors beside the controllers, in order"),
           short_form("channel", map_field("observe", Field::Kind::kMapList, observed_fields(),
                                           "channels of sensors that join the task's observation, "
                                           "in order")),
-          plugin_field("randomization", Field::Kind::kPluginList, PluginKind::kRandomizer,
+          plugin_field("randomization", Field::Kind::kPluginList, SKYBODY_RANDOMIZER,
                        "what draws values at a reset, in order"),
-          required(plugin_field("task", Field::Kind::kPlugin, PluginKind::kTask,
+          required(plugin_field("task", Field::Kind::kPlugin, SKYBODY_TASK,
                                 "observation, reward and end of an episode")),
       }};
   return spec;

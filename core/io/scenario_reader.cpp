@@ -46,11 +46,12 @@ class ScenarioReader {
     read_contact(reader);
     read_robots(reader);
     read_obstacles(reader);
-    scenario_.sensors = uses(reader, "sensors", PluginKind::kSensor);
+    scenario_.sensors = uses(reader, "sensors", SKYBODY_SENSOR);
+    scenario_.effects = uses(reader, "effects", SKYBODY_EFFECT);
     scenario_.observe = read_observed(reader.node("observe"), diagnostics_);
-    scenario_.randomization = uses(reader, "randomization", PluginKind::kRandomizer);
+    scenario_.randomization = uses(reader, "randomization", SKYBODY_RANDOMIZER);
     if (const ConfigNode* task = reader.node("task")) {
-      scenario_.task = read_plugin_use(*task, PluginKind::kTask, catalog_, diagnostics_);
+      scenario_.task = read_plugin_use(*task, SKYBODY_TASK, catalog_, diagnostics_);
     }
     scenario_.text = to_yaml(root_);
     scenario_.hash = hash();
@@ -62,7 +63,7 @@ class ScenarioReader {
     return std::filesystem::path(file).stem().string();
   }
 
-  std::vector<PluginUse> uses(const MapReader& reader, const std::string& key, PluginKind kind) {
+  std::vector<PluginUse> uses(const MapReader& reader, const std::string& key, SkybodyKind kind) {
     return read_plugin_uses(reader.node(key), kind, catalog_, diagnostics_);
   }
 

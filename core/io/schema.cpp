@@ -107,7 +107,7 @@ std::string parameters_schema(const std::vector<ParameterSpec>& specs) {
 }
 
 /// One use of a plugin of `kind`, with each plugin's parameters.
-std::string plugin_schema(PluginKind kind, const PluginCatalog& catalog) {
+std::string plugin_schema(SkybodyKind kind, const PluginCatalog& catalog) {
   std::vector<std::string> cases, docs;
   for (const std::string& name : catalog.names(kind)) {
     const PluginDeclaration* plugin = catalog.find(kind, name);
@@ -167,10 +167,10 @@ std::string field_schema(const Field& field) {
           .set("additionalProperties", reference(field.map->name))
           .text();
     case Field::Kind::kPlugin:
-      return schema.set("allOf", json_array({reference(to_string(field.plugin))})).text();
+      return schema.set("allOf", json_array({reference(kind_name(field.plugin))})).text();
     case Field::Kind::kPluginList:
       return schema.set_text("type", "array")
-          .set("items", reference(to_string(field.plugin)))
+          .set("items", reference(kind_name(field.plugin)))
           .text();
   }
   return schema.text();
@@ -205,9 +205,9 @@ std::string definitions(const PluginCatalog& catalog) {
                             &robot_fields(),    &disturbance_fields(), &joint_fields(),
                             &obstacle_fields(), &observed_fields()};
   for (const MapSpec* spec : specs) list.set(spec->name, map_schema(*spec));
-  for (PluginKind kind :
-       {PluginKind::kController, PluginKind::kSensor, PluginKind::kRandomizer, PluginKind::kTask}) {
-    list.set(to_string(kind), plugin_schema(kind, catalog));
+  for (int k = 0; k < SKYBODY_KIND_COUNT; ++k) {
+    const auto kind = static_cast<SkybodyKind>(k);
+    list.set(kind_name(kind), plugin_schema(kind, catalog));
   }
   return list.text();
 }

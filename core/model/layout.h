@@ -4,10 +4,12 @@
 // doubles, or std::uint64_t for the header and for words of plugin states.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "core/base/held_inputs.h"
 #include "core/model/scenario.h"
 
 namespace skybody {
@@ -90,12 +92,16 @@ struct Layout {
   Block rotor_command;  ///< the reference held during the physics step [rad/s]
   Block wrench;         ///< 6 per wrench site (force, moment), held during the physics step
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
+  Block joint_command;  ///< 1 per joint drive, held during the physics step
+  Block joint_state;    ///< 1 per joint drive: the command behind its lag
+  std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block
       bodies_before;   ///< 13 per body at the start of the last physics step; size 0 if nobody asks
   Block params;        ///< EnvParams: every randomizable value
   Block action;        ///< last action, clipped to [-1, 1]
   Block command;       ///< input of the first controller of each robot, in order
   Block sensors;       ///< outputs of all sensors
+  Block contacts;      ///< 7 per body: what touches it (plugins/api/abi.h); size 0 if nobody asks
   Block plugin_state;  ///< words of all plugin instances
   Block last_observation;  ///< float values of the last finite observation, as doubles
   int words = 0;           ///< total

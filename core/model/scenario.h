@@ -120,6 +120,7 @@ struct Scenario {
   std::vector<RobotUse> robots;
   std::vector<Obstacle> obstacles;
   std::vector<PluginUse> sensors;
+  std::vector<PluginUse> effects;
   std::vector<PluginUse> randomization;
   std::vector<ObservedChannel> observe;  ///< in the order of the observation
   PluginUse task;

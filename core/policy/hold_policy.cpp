@@ -81,17 +81,21 @@ struct HoldPolicy::View {
 
 HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environment) {
   const World& world = environment.world();
-  for (int r = 0; r < static_cast<int>(world.scenario.robots.size()); ++r) {
-    const ControllerChain& chain = environment.chains()[static_cast<std::size_t>(r)];
-    if (chain.count == 0) continue;
-    const PluginInstance& first = environment.controllers()[static_cast<std::size_t>(chain.first)];
+  if (!environment.task().actions.empty()) {
+    throw Error("the hold baseline cannot fly task `" + environment.task().plugin +
+                "`, which has actions of its own; use --policy zero or random");
+  }
+  for (const ControllerChain& chain : environment.chains()) {
+    const int r = chain.robot;
+    const PluginInstance& first =
+        environment.plugins(SKYBODY_CONTROLLER)[static_cast<std::size_t>(chain.first)];
     Robot robot;
     robot.index = r;
     robot.base = environment.layout().robots[static_cast<std::size_t>(r)].first_body;
     robot.body_count = environment.layout().robots[static_cast<std::size_t>(r)].body_count;
     robot.goal_body = robot.base;
     robot.signal = first.input_signal;
-    robot.action = chain.action;
+    robot.action = chain.command;
     robot.low = first.low;
     robot.high = first.high;
     const auto& goals = environment.task().goals;
@@ -230,6 +234,22 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       const Quat<double>& q = wish.attitude;
       return {wish.thrust, q.w, q.x, q.y, q.z};
     }
+    case SKYBODY_FORCE: {
+      std::vector<double> values{wish.force.x, wish.force.y, wish.force.z, wish.yaw};
+      values.resize(robot.low.size());
+      return values;
+    }
+    case SKYBODY_ACCELERATION: {
+      const V a = wish.force / view.mass + environment_.scenario().gravity;
+      return {a.x, a.y, a.z, wish.yaw};
+    }
+    case SKYBODY_VELOCITY_TRACKING: {
+      const V v = kPositionBandwidth * limited(p - view.base.position, kMaxError);
+      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation);
+      return {v.x, v.y, v.z, r.z};
+    }
+    case SKYBODY_JOINT:  // as the scenario has them at a reset: at rest at zero
+      return std::vector<double>(robot.low.size(), 0.0);
     case SKYBODY_POSITION:
       return {p.x, p.y, p.z, wish.yaw};
     default: {  // SKYBODY_TRAJECTORY: a point that rests

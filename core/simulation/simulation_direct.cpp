@@ -65,23 +65,21 @@ void Simulation::demand_started(const char* call) const {
 
 int Simulation::command_size(const std::string& robot) const {
   const auto r = static_cast<std::size_t>(robot_index(robot));
-  const ControllerChain& chain = environment_->chains()[r];
-  if (chain.count == 0) {
+  const int size = environment_->commands_of(static_cast<int>(r)).size;
+  if (size == 0) {
     throw Error("robot `" + scenario().robots[r].name +
                 "` takes no commands: give it `controllers` in the scenario");
   }
-  return environment_->controllers()[static_cast<std::size_t>(chain.first)].input_count();
+  return size;
 }
 
 void Simulation::command(const std::string& robot, std::span<const double> values) {
   demand_started("command");
   const int size = command_size(robot);
   const auto r = static_cast<std::size_t>(robot_index(robot));
-  const ControllerChain& chain = environment_->chains()[r];
   check_values("command", values.size(), 1, size);
   demand_finite("command", values);
-  const Block block{environment_->layout().command.offset + chain.command, size};
-  data_->group.scatter(0, block, values.data());
+  data_->group.scatter(0, environment_->commands_of(static_cast<int>(r)), values.data());
 }
 
 bool Simulation::advance(std::int64_t physics_steps) {

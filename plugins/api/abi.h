@@ -17,44 +17,24 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/base/held_inputs.h"
+#include "core/base/plugin_kinds.h"
+#include "plugins/api/signals.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
-#define SKYBODY_ABI_VERSION 2u
+#define SKYBODY_ABI_VERSION 3u
 #define SKYBODY_GROUP_LANES 32u /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
-
-enum SkybodyKind {
-  SKYBODY_CONTROLLER = 0,
-  SKYBODY_SENSOR = 1,
-  SKYBODY_RANDOMIZER = 2,
-  SKYBODY_TASK = 3,
-  SKYBODY_KIND_COUNT = 4
-};
 
 enum SkybodyParameterType {
   SKYBODY_REAL = 0,
   SKYBODY_INTEGER = 1, /* handed over as double, exact */
   SKYBODY_BOOLEAN = 2, /* 0 or 1 as double */
   SKYBODY_TEXT = 3
-};
-
-/* Words in which controllers speak to one another and to the actuators. Sizes in brackets; N is the
- * robot's number of rotors. Normative units and frames: docs/control-modes.md. */
-enum SkybodySignal {
-  SKYBODY_ROTOR_SPEED = 0, /* [N] rad/s; as an output: drives the rotors */
-  SKYBODY_SRT = 1,         /* [N] single rotor thrusts, N along each rotor's axis */
-  SKYBODY_CTBT = 2,        /* [4] collective thrust N, body torque N m (B axes) */
-  SKYBODY_CTBR = 3,        /* [4] collective thrust N, body rates rad/s (B axes) */
-  SKYBODY_WRENCH = 4,      /* [6 per site] force N, moment N m; as an output: drives the sites */
-  SKYBODY_VELOCITY = 5,    /* [6] v m/s, w rad/s, B axes; as an output: drives the base */
-  SKYBODY_POSE = 6,     /* [7] position m (W), quaternion w x y z; as an output: drives the base */
-  SKYBODY_ATTITUDE = 7, /* [5] collective thrust N, quaternion w x y z */
-  SKYBODY_POSITION = 8, /* [4] position m (W), yaw rad */
-  SKYBODY_TRAJECTORY = 9, /* [13] position, velocity, acceleration, jerk (W), yaw rad */
-  SKYBODY_SIGNAL_COUNT = 10
 };
 
 /* Places in a body's EnvParams, from SkybodyBodyInfo::first_param on. */
@@ -151,9 +131,7 @@ typedef struct SkybodyRobotInfo {
   double rotation[4];   /* W from B, w x y z */
   int32_t first_action; /* within the action row; for tasks and randomizers, else 0 */
   int32_t action_count;
-  int32_t command_signal; /* SkybodySignal of its first controller, -1 before it is known */
-  int32_t first_command;  /* within the command block */
-  int32_t command_count;
+  int32_t first_chain, chain_count; /* for tasks and randomizers, else 0 */
 } SkybodyRobotInfo;
 
 typedef struct SkybodySensorInfo {
@@ -162,6 +140,33 @@ typedef struct SkybodySensorInfo {
   int32_t first;       /* within SkybodyLanes::sensors */
   int32_t count;
 } SkybodySensorInfo;
+
+/* Consecutive controllers of one robot, from a command to actuators. */
+typedef struct SkybodyChainInfo {
+  int32_t robot;
+  int32_t signal;        /* SkybodySignal of its first controller */
+  int32_t first_command; /* within the command block */
+  int32_t first_action;  /* within the action row */
+  int32_t count;         /* of values, of the command as of the action */
+} SkybodyChainInfo;
+
+enum SkybodyShapeKind {
+  SKYBODY_BOX = 0,      /* size: edge lengths [m] */
+  SKYBODY_CYLINDER = 1, /* size: radius, length along z [m], 0 */
+  SKYBODY_SPHERE = 2,   /* size: radius [m], 0, 0 */
+  SKYBODY_MESH = 3      /* size: scale factors */
+};
+
+/* A collision shape of a body, or an obstacle. */
+typedef struct SkybodyShapeInfo {
+  const char* name;   /* of the body or the obstacle */
+  const char* mesh;   /* file, or "" */
+  int32_t kind;       /* SkybodyShapeKind */
+  int32_t body;       /* world body index; -1: an obstacle */
+  double size[3];     /* as the kind says */
+  double position[3]; /* of its frame in the body's frame; of an obstacle in W [m] */
+  double rotation[4]; /* body frame (W) from its frame, w x y z */
+} SkybodyShapeInfo;
 
 /* What a randomizer may change. */
 typedef struct SkybodyEnvParamInfo {
@@ -188,8 +193,12 @@ typedef struct SkybodySetup {
   int32_t link_count;
   const SkybodyRotorInfo* rotors;
   int32_t rotor_count;
-  const SkybodySensorInfo* sensors; /* for controllers and tasks */
+  const SkybodySensorInfo* sensors; /* for all others, and for sensors that come later */
   int32_t sensor_count;
+  const SkybodyChainInfo* chains; /* for tasks and randomizers */
+  int32_t chain_count;
+  const SkybodyShapeInfo* shapes; /* of bodies, in body order, then obstacles */
+  int32_t shape_count;
   const SkybodyEnvParamInfo* params;
   int32_t param_count;
   const SkybodyValue* values; /* this plugin's parameters */
@@ -227,6 +236,29 @@ typedef struct SkybodySite {
   int32_t world_axes; /* 1: force and moment in W; 0: in the body's axes */
 } SkybodySite;
 
+/* What the value of a joint's drive means. */
+enum SkybodyJointMode {
+  SKYBODY_JOINT_POSITION = 0, /* [rad] or [m] */
+  SKYBODY_JOINT_VELOCITY = 1, /* [rad/s] or [m/s] */
+  SKYBODY_JOINT_EFFORT = 2    /* [N m] or [N] */
+};
+
+/* A drive of one coordinate of a pin, slider or universal joint. With r the command behind its lag:
+ *   position  effort = clamp(stiffness (r - q) - damping u)
+ *   velocity  effort = clamp(damping (r - u))
+ *   effort    effort = clamp(r)
+ * to [-effort_limit, effort_limit]. */
+typedef struct SkybodyJointDrive {
+  int32_t body;        /* world body index: its inboard joint */
+  int32_t coordinate;  /* 0; of a universal joint 0 or 1 */
+  int32_t mode;        /* SkybodyJointMode */
+  double stiffness;    /* [N m/rad] or [N/m], >= 0 */
+  double damping;      /* [N m s/rad] or [N s/m], >= 0 */
+  double effort_limit; /* [N m] or [N], > 0, may be infinite */
+  double tau;          /* time constant of the first-order lag [s]; 0: none */
+  double low, high;    /* bounds of the command */
+} SkybodyJointDrive;
+
 /* What configure() tells the host. Texts are copied during the call. */
 typedef struct SkybodyDeclare {
   void* host;
@@ -234,12 +266,29 @@ typedef struct SkybodyDeclare {
   void (*input)(void* host, int32_t signal, int32_t count, const double* low, const double* high);
   void (*output)(void* host, int32_t signal, int32_t count);
   void (*site)(void* host, const SkybodySite* site);
+  void (*joint)(void* host, const SkybodyJointDrive* drive);
   /* Sensors: outputs. Tasks: parts of the observation, in order. */
   void (*channel)(void* host, const SkybodyChannel* channel);
-  /* Sensors: called after every `period` physics steps. */
+  /* Sensors: called after every `period` physics steps. Controllers and effects: before every such
+   * step, and what they gave last holds in between. Tasks: process() is called so often; without it
+   * once an action. */
   void (*period)(void* host, int32_t physics_steps);
   /* Any kind: words of state besides State, reachable as a buffer of doubles. */
   void (*buffer)(void* host, int32_t words);
+  /* Any kind: doubles that a call may use, SkybodyLanes::scratch. What is in it is not kept. */
+  void (*scratch)(void* host, int32_t values);
+  /* Effects: what apply() fills, SkybodyHeldInput. */
+  void (*holds)(void* host, int32_t input);
+  /* Any kind but tasks: the next `info` values are these words of the buffer. */
+  void (*report)(void* host, const SkybodyChannel* info, int32_t first_word);
+  /* Any kind: asks for SkybodyLanes::contacts. */
+  void (*contacts)(void* host);
+  /* Tasks: a part of the action, in robot order, with what -1 and +1 mean. With none of these the
+   * action is made of the chains' commands. process() is then required and gets physical values. */
+  void (*action)(void* host, const SkybodyChannel* action);
+  /* Tasks: the command goes from the last one to the present one in equal parts over the physics
+   * steps of an action. */
+  void (*interpolate)(void* host);
   /* Any kind: asks for SkybodyLanes::bodies_before. */
   void (*bodies_before)(void* host);
   /* Randomizers: this parameter will be written, and is held to its bounds after each draw. Two
@@ -252,6 +301,17 @@ typedef struct SkybodyDeclare {
   /* Tasks: values beside the observation, for people and evaluations, in order. */
   void (*info)(void* host, const SkybodyChannel* channel);
 } SkybodyDeclare;
+
+/* In checked mode, on groups of one lane: how many values a call may touch, and the first that it
+ * touched beyond them. What lies beyond is `nothing`, so that memory stays whole. */
+typedef struct SkybodyChecks {
+  int32_t bodies, q, u, rotors, params, sensors, action, command, robots;
+  int32_t buffer, scratch;     /* of the plugin that is called */
+  int32_t input, output, info; /* of this call; output: the observation, too */
+  const char* what;            /* such as "output"; NULL: all was well */
+  int32_t index, size;
+  double nothing;
+} SkybodyChecks;
 
 /* What every step function reads. Pointers are per group; strides are `lanes`. */
 typedef struct SkybodyLanes {
@@ -270,10 +330,14 @@ typedef struct SkybodyLanes {
   const double* params;      /* EnvParams */
   const double* sensors;     /* outputs of all sensors */
   const double* action;      /* clipped action row of this step */
-  const double* command;     /* commands of all robots */
+  const double* command;     /* commands of all chains */
+  const double* contacts;    /* 7 per body, or NULL: force and moment about the body's origin of all
+                                that touches it (W) [N, N m], and 1 or 0: whether anything does */
+  double* scratch;           /* of this call, see SkybodyDeclare::scratch */
   unsigned char* images;     /* in sense: the images of this sensor in lane 0, in the order of their
                                 declaration, each at a multiple of 8 bytes; elsewhere NULL */
   uint64_t image_stride;     /* bytes from lane to lane */
+  SkybodyChecks* checks;     /* NULL: not checked */
 } SkybodyLanes;
 
 /* What a randomizer changes at a reset. */
@@ -284,6 +348,11 @@ typedef struct SkybodyStart {
   double* params;
   uint32_t requested; /* 1: draw now, whatever the randomizer's own schedule says */
 } SkybodyStart;
+
+/* What an effect adds to; NULL where it does not hold that input. Neutral when it is called. */
+typedef struct SkybodyHeld {
+  double* input[SKYBODY_HELD_COUNT];
+} SkybodyHeld;
 
 /* What a task gives after a step. `end` bits: 1 terminated, 2 truncated. Lanes that are not active
    may be written, except for `end`. */
@@ -309,6 +378,8 @@ typedef struct SkybodyKernels {
   /* tasks: optional; else the host scales the action to the first controllers' ranges */
   void (*process)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                   const double* action, double* command);
+  void (*apply)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
+                const SkybodyHeld* held);
   void (*evaluate)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                    const SkybodyEvaluation* out);
   /* tasks: optional; 4 values per declared goal: position (W) [m], yaw [rad] */

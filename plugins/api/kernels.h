@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "core/base/kernels.h"
 #include "plugins/api/methods.h"
@@ -52,6 +53,44 @@ inline void for_lanes(const SkybodyLanes& lanes, std::uint64_t* words, Function&
   }
 }
 
+/// The views that calls hand over, with their names and sizes for checked mode.
+struct Views {
+  template <class Env, class Mask>
+  static auto buffer(const Env& env, double* p, std::uint32_t first, const Mask& mask) {
+    return env.values(p, first, mask, "buffer", [](const SkybodyChecks& c) { return c.buffer; });
+  }
+  template <class Env>
+  static auto input(const Env& env, const double* p, std::uint32_t first) {
+    return env.const_values(p, first, "input", [](const SkybodyChecks& c) { return c.input; });
+  }
+  template <class Env, class Mask>
+  static auto output(const Env& env, double* p, std::uint32_t first, const Mask& mask) {
+    return env.values(p, first, mask, "output", [](const SkybodyChecks& c) { return c.output; });
+  }
+  template <class Env, class Mask>
+  static auto info(const Env& env, double* p, std::uint32_t first, const Mask& mask) {
+    return env.values(p, first, mask, "info", [](const SkybodyChecks& c) { return c.info; });
+  }
+  template <class Env, class Mask>
+  static auto robots(const Env& env, double* p, std::uint32_t first, const Mask& mask) {
+    return env.values(p, first, mask, "robot", [](const SkybodyChecks& c) { return c.robots; });
+  }
+  template <class Env, class Mask>
+  static auto one(const Env& env, double* p, std::uint32_t first, const Mask& mask) {
+    return env.values(p, first, mask, "reward", [](const SkybodyChecks&) { return 1; });
+  }
+  template <class Env, class Mask>
+  static auto start(const Env& env, const SkybodyStart& s, std::uint32_t first, const Mask& mask) {
+    return Start<RealOf<Env>>(
+        env.values(s.q, first, mask, "q", [](const SkybodyChecks& c) { return c.q; }),
+        env.values(s.u, first, mask, "u", [](const SkybodyChecks& c) { return c.u; }),
+        env.values(s.rotor_speed, first, mask, "rotor",
+                   [](const SkybodyChecks& c) { return c.rotors; }),
+        env.values(s.params, first, mask, "param", [](const SkybodyChecks& c) { return c.params; }),
+        s.requested != 0);
+  }
+};
+
 /// What `p` points to: an instance of a plugin class.
 template <class T>
 const T& self(const void* p) {
@@ -65,7 +104,7 @@ struct Reset {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_reset(self<T>(p), env, state, env.values(buffer, first, mask));
+      call<ResetMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask));
     });
   }
 };
@@ -77,8 +116,8 @@ struct Control {
                   const double* in, double* out) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
-      call_control(self<T>(p), env, state, env.const_values(in, first), env.values(out, first, all),
-                   env.values(buffer, first, mask));
+      call<ControlMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask),
+                          Views::input(env, in, first), Views::output(env, out, first, all));
     });
   }
 };
@@ -89,8 +128,8 @@ struct Sense {
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   double* out) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_sense(self<T>(p), env, state, env.values(out, first, mask),
-                 env.values(buffer, first, mask));
+      call<SenseMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask),
+                        Views::output(env, out, first, mask));
     });
   }
 };
@@ -101,11 +140,20 @@ struct Randomize {
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const SkybodyStart* start) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      Start<RealOf<decltype(env)>> where(
-          env.values(start->q, first, mask), env.values(start->u, first, mask),
-          env.values(start->rotor_speed, first, mask), env.values(start->params, first, mask),
-          start->requested != 0);
-      call_randomize(self<T>(p), env, state, where, env.values(buffer, first, mask));
+      auto where = Views::start(env, *start, first, mask);
+      call<RandomizeMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask), where);
+    });
+  }
+};
+
+template <class T>
+struct Apply {
+  template <int W>
+  static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
+                  const SkybodyHeld* held) {
+    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+      Held<RealOf<decltype(env)>> inputs(*held, *l, first, mask);
+      call<ApplyMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask), inputs);
     });
   }
 };
@@ -116,8 +164,9 @@ struct Process {
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const double* action, double* command) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      call_process(self<T>(p), env, state, env.const_values(action, first),
-                   env.values(command, first, mask), env.values(buffer, first, mask));
+      call<ProcessMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask),
+                          Views::input(env, action, first),
+                          Views::output(env, command, first, mask));
     });
   }
 };
@@ -129,11 +178,12 @@ struct Evaluate {
                   const SkybodyEvaluation* result) {
     for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
-      Evaluation<RealOf<decltype(env)>> out(
-          env.values(result->observation, first, all), env.values(result->info, first, all),
-          env.values(result->reward, first, all), env.values(result->robot_reward, first, all),
-          result->end + first, mask, result->wants_info != 0);
-      call_evaluate(self<T>(p), env, state, out, env.values(buffer, first, mask));
+      Evaluation<RealOf<decltype(env)>> out(Views::output(env, result->observation, first, all),
+                                            Views::info(env, result->info, first, all),
+                                            Views::one(env, result->reward, first, all),
+                                            Views::robots(env, result->robot_reward, first, all),
+                                            result->end + first, mask, result->wants_info != 0);
+      call<EvaluateMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask), out);
     });
   }
 };
@@ -141,15 +191,16 @@ struct Evaluate {
 /// Lane by lane on every instruction set. Reads the state only: a goal can be asked for at any
 /// time.
 template <class T>
-void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double*,
+void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double* buffer,
           double* goal) {
   for (std::uint32_t first = 0; first < l->lanes; ++first) {
     if (((l->active >> first) & 1u) == 0) continue;
     const Lanes<double> env(*l, first, true);
     StateOf<T, double> state;
     load_state<double>(state, s, first, l->lanes);
-    self<T>(p).goal(env, static_cast<const StateOf<T, double>&>(state),
-                    env.values(goal, first, true));
+    call<GoalMethod>(self<T>(p), env, std::as_const(state),
+                     Views::buffer(env, const_cast<double*>(buffer), first, false),
+                     Views::output(env, goal, first, true));
   }
 }
 
@@ -157,13 +208,16 @@ void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const do
 template <class T>
 constexpr SkybodyKernels kernels_of(Isa isa) {
   SkybodyKernels k{};
-  if constexpr (kHasReset<T, double>) k.reset = kernel<Reset<T>>(isa);
+  if constexpr (kHas<ResetMethod, T, double>) k.reset = kernel<Reset<T>>(isa);
   if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = kernel<Control<T>>(isa);
   if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = kernel<Sense<T>>(isa);
   if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = kernel<Randomize<T>>(isa);
-  if constexpr (kHasProcess<T, double>) k.process = kernel<Process<T>>(isa);
-  if constexpr (T::kKind == SKYBODY_TASK) k.evaluate = kernel<Evaluate<T>>(isa);
-  if constexpr (kHasGoal<T>) k.goal = &goal<T>;
+  if constexpr (T::kKind == SKYBODY_EFFECT) k.apply = kernel<Apply<T>>(isa);
+  if constexpr (T::kKind == SKYBODY_TASK) {
+    k.evaluate = kernel<Evaluate<T>>(isa);
+    if constexpr (kHas<ProcessMethod, T, double>) k.process = kernel<Process<T>>(isa);
+    if constexpr (kHas<GoalMethod, T, double>) k.goal = &goal<T>;
+  }
   return k;
 }
 

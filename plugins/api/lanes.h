@@ -20,6 +20,17 @@ struct BodyMotion {
   Vec3<Real> angular_velocity;  ///< B axes [rad/s]
 };
 
+/// All that touches one body, added up.
+template <class Real>
+struct ContactSum {
+  Vec3<Real> force;       ///< W axes [N]
+  Vec3<Real> moment;      ///< about the body's origin, W axes [N m]
+  MaskOf<Real> touching;  ///< whether anything does
+};
+
+/// Number of values in a ContactSum as the host has it.
+inline constexpr int kContactSumSize = 7;
+
 /// Number of values in a BodyMotion.
 inline constexpr int kBodyMotionSize = 13;
 
@@ -37,19 +48,48 @@ class Lanes {
   /// The same at the start of the last physics step; configure() must have asked for it by
   /// Setup::need_bodies_before().
   BodyMotion<Real> body_before(int index) const { return motion(raw_.bodies_before, index); }
+  /// What touches a world body; configure() must have asked for it by Setup::need_contacts().
+  ContactSum<Real> contact(int body) const {
+    const int first = kContactSumSize * body;
+    const auto v = values_of(raw_.contacts, "body",
+                             [](const SkybodyChecks& c) { return kContactSumSize * c.bodies; });
+    return {v.vec3(first), v.vec3(first + 3), v[first + 6] > 0.5};
+  }
   /// Speed of a world rotor [rad/s], >= 0.
-  Real rotor_speed(int index) const { return at(raw_.rotor_speed, index); }
+  Real rotor_speed(int index) const {
+    return values_of(raw_.rotor_speed, "rotor",
+                     [](const SkybodyChecks& c) { return c.rotors; })[index];
+  }
   /// A coordinate (q) or its rate (u) of a joint; see BodyInfo::first_q.
-  Real q(int index) const { return at(raw_.q, index); }
-  Real u(int index) const { return at(raw_.u, index); }
+  Real q(int index) const {
+    return values_of(raw_.q, "q", [](const SkybodyChecks& c) { return c.q; })[index];
+  }
+  Real u(int index) const {
+    return values_of(raw_.u, "u", [](const SkybodyChecks& c) { return c.u; })[index];
+  }
   /// A randomizable value of this environment.
-  Real param(int index) const { return at(raw_.params, index); }
+  Real param(int index) const {
+    return values_of(raw_.params, "param", [](const SkybodyChecks& c) { return c.params; })[index];
+  }
   /// A sensor's output value; see Setup::sensor().
-  Real sensor(int index) const { return at(raw_.sensors, index); }
+  Real sensor(int index) const {
+    return values_of(raw_.sensors, "sensor",
+                     [](const SkybodyChecks& c) { return c.sensors; })[index];
+  }
   /// The action of this step, clipped to [-1, 1].
-  Real action(int index) const { return at(raw_.action, index); }
+  Real action(int index) const {
+    return values_of(raw_.action, "action", [](const SkybodyChecks& c) { return c.action; })[index];
+  }
   /// The command made from it, in physical units.
-  Real command(int index) const { return at(raw_.command, index); }
+  Real command(int index) const {
+    return values_of(raw_.command, "command",
+                     [](const SkybodyChecks& c) { return c.command; })[index];
+  }
+  /// Memory of this call: Setup::scratch() values, of any content.
+  Values<Real> scratch() const {
+    return values(raw_.scratch, first_, mask_, "scratch",
+                  [](const SkybodyChecks& c) { return c.scratch; });
+  }
 
   /// Sensors in sense(), written for plain double: the values of an image of this environment, in
   /// C order. They keep what they had at the sense() before; at a reset they begin as 0.
@@ -73,24 +113,37 @@ class Lanes {
   MaskOf<Real> served() const { return mask_; }
 
   /// For the library: these lanes' view of values in lanes; `base` may be null if nothing is read.
-  ConstValues<Real> const_values(const double* base, std::uint32_t first) const {
-    return {base == nullptr ? nullptr : base + first, raw_.lanes};
+  /// @param what  their name in messages; @param size  size(checks): how many there are
+  template <class Size>
+  ConstValues<Real> const_values(const double* base, std::uint32_t first, const char* what,
+                                 const Size& size) const {
+    return {base == nullptr ? nullptr : base + first, raw_.lanes, bounds(what, size)};
   }
-  Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask) const {
-    return {base == nullptr ? nullptr : base + first, raw_.lanes, mask};
+  template <class Size>
+  Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask, const char* what,
+                      const Size& size) const {
+    return {base == nullptr ? nullptr : base + first, raw_.lanes, mask, bounds(what, size)};
   }
 
  private:
-  Real at(const double* base, int k) const {
-    return load_lanes<Real>(base + static_cast<std::size_t>(k) * raw_.lanes + first_);
+  template <class Size>
+  Bounds<Real> bounds(const char* what, const Size& size) const {
+    SkybodyChecks* const checks = raw_.checks;
+    if (checks == nullptr) return {};
+    return {checks, what, size(*checks)};
+  }
+  template <class Size>
+  ConstValues<Real> values_of(const double* base, const char* what, const Size& size) const {
+    return const_values(base, first_, what, size);
   }
   Word<Real> word(const std::uint64_t* base, int k) const {
     return load_words<Real>(base + static_cast<std::size_t>(k) * raw_.lanes + first_);
   }
   BodyMotion<Real> motion(const double* base, int index) const {
-    const ConstValues<Real> v(
-        base + static_cast<std::size_t>(index) * kBodyMotionSize * raw_.lanes + first_, raw_.lanes);
-    return {v.vec3(0), v.quat(3), v.vec3(7), v.vec3(10)};
+    const int first = kBodyMotionSize * index;
+    const auto v =
+        values_of(base, "body", [](const SkybodyChecks& c) { return kBodyMotionSize * c.bodies; });
+    return {v.vec3(first), v.quat(first + 3), v.vec3(first + 7), v.vec3(first + 10)};
   }
 
   SkybodyLanes raw_;  // a copy: nothing that is written can alias its pointers

@@ -1,5 +1,5 @@
-// Which step methods a plugin class has, for which Real, and how they are called. Every method may
-// take the instance's buffer as one more argument.
+// Which methods a plugin class has, for which Real, and how they are called. Every method may take
+// the instance's buffer as one more argument.
 #pragma once
 
 #include <type_traits>
@@ -20,66 +20,120 @@ struct RealOfImpl<Lanes<Real>> {
 template <class Env>
 using RealOf = typename RealOfImpl<std::remove_cvref_t<Env>>::type;
 
-template <class T, class Real, class... Buffer>
-concept CanReset = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s, Buffer... b) {
-  t.reset(e, s, b...);
-};
-template <class T, class Real, class... Buffer>
-concept CanControl = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
-                              ConstValues<Real> input, Values<Real> output, Buffer... b) {
-  t.control(e, s, input, output, b...);
-};
-template <class T, class Real, class... Buffer>
-concept CanSense = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
-                            Values<Real> output, Buffer... b) {
-  t.sense(e, s, output, b...);
-};
-template <class T, class Real, class... Buffer>
-concept CanRandomize = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
-                                Start<Real>& start, Buffer... b) {
-  t.randomize(e, s, start, b...);
-};
-template <class T, class Real, class... Buffer>
-concept CanProcess = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
-                              ConstValues<Real> action, Values<Real> command, Buffer... b) {
-  t.process(e, s, action, command, b...);
-};
-template <class T, class Real, class... Buffer>
-concept CanEvaluate = requires(const T& t, const Lanes<Real>& e, StateOf<T, Real>& s,
-                               Evaluation<Real>& out, Buffer... b) {
-  t.evaluate(e, s, out, b...);
-};
+template <class... Types>
+struct TypeList {};
 
-template <class T, class Real>
-inline constexpr bool kHasReset = CanReset<T, Real> || CanReset<T, Real, Values<Real>>;
-template <class T, class Real>
-inline constexpr bool kHasProcess = CanProcess<T, Real> || CanProcess<T, Real, Values<Real>>;
-template <class T>
-inline constexpr bool kHasGoal = requires(const T& t, const Lanes<double>& e,
-                                          const StateOf<T, double>& s, Values<double> g) {
-  t.goal(e, s, g);
-};
+/// A method that plugin classes may have: its name, how it takes the State, and the arguments
+/// behind `const Lanes<Real>&` and State.
+// No call below is always_inline, see kernels.h.
+#define SKYBODY_PLUGIN_METHOD(TYPE, NAME, STATE, ...)                      \
+  struct TYPE {                                                            \
+    template <class T, class... Arguments>                                 \
+    static auto call(const T& plugin, Arguments&&... arguments)            \
+        -> decltype(plugin.NAME(static_cast<Arguments&&>(arguments)...)) { \
+      return plugin.NAME(static_cast<Arguments&&>(arguments)...);          \
+    }                                                                      \
+    struct Namesake {                                                      \
+      void NAME();                                                         \
+    };                                                                     \
+    template <class Both>                                                  \
+    static constexpr bool kNamesOneThing = requires {                      \
+      &Both::NAME;                                                         \
+    };                                                                     \
+    template <class T, class Real>                                         \
+    using State = STATE&;                                                  \
+    template <class Real>                                                  \
+    using Arguments = TypeList<__VA_ARGS__>;                               \
+  }
 
-/// Has the class the step method of its kind for this Real?
-template <class T, class Real>
-inline constexpr bool kCanStep =
-    T::kKind == SKYBODY_CONTROLLER   ? CanControl<T, Real> || CanControl<T, Real, Values<Real>>
-    : T::kKind == SKYBODY_SENSOR     ? CanSense<T, Real> || CanSense<T, Real, Values<Real>>
-    : T::kKind == SKYBODY_RANDOMIZER ? CanRandomize<T, Real> || CanRandomize<T, Real, Values<Real>>
-                                     : CanEvaluate<T, Real> || CanEvaluate<T, Real, Values<Real>>;
+#define SKYBODY_STATE StateOf<T, Real>
+#define SKYBODY_CONST_STATE const StateOf<T, Real>
+SKYBODY_PLUGIN_METHOD(ResetMethod, reset, SKYBODY_STATE);
+SKYBODY_PLUGIN_METHOD(ControlMethod, control, SKYBODY_STATE, ConstValues<Real>, Values<Real>);
+SKYBODY_PLUGIN_METHOD(SenseMethod, sense, SKYBODY_STATE, Values<Real>);
+SKYBODY_PLUGIN_METHOD(RandomizeMethod, randomize, SKYBODY_STATE, Start<Real>&);
+SKYBODY_PLUGIN_METHOD(ApplyMethod, apply, SKYBODY_STATE, Held<Real>&);
+SKYBODY_PLUGIN_METHOD(ProcessMethod, process, SKYBODY_STATE, ConstValues<Real>, Values<Real>);
+SKYBODY_PLUGIN_METHOD(EvaluateMethod, evaluate, SKYBODY_STATE, Evaluation<Real>&);
+SKYBODY_PLUGIN_METHOD(GoalMethod, goal, SKYBODY_CONST_STATE, Values<Real>);
+#undef SKYBODY_CONST_STATE
+#undef SKYBODY_STATE
+#undef SKYBODY_PLUGIN_METHOD
+
+template <class Method, class T, class Real, class List>
+struct Callable;
+template <class Method, class T, class Real, class... Arguments>
+struct Callable<Method, T, Real, TypeList<Arguments...>> {
+  using State = typename Method::template State<T, Real>;
+  static constexpr bool kPlain =
+      requires(const T& t, const Lanes<Real>& e, State s, Arguments... a) {
+    Method::call(t, e, s, a...);
+  };
+  static constexpr bool kWithBuffer =
+      requires(const T& t, const Lanes<Real>& e, State s, Values<Real> b, Arguments... a) {
+    Method::call(t, e, s, a..., b);
+  };
+};
+template <class Method, class T, class Real>
+using CallableOn = Callable<Method, T, Real, typename Method::template Arguments<Real>>;
+
+/// Has the class the method for this Real?
+template <class Method, class T, class Real>
+inline constexpr bool kHas =
+    CallableOn<Method, T, Real>::kPlain || CallableOn<Method, T, Real>::kWithBuffer;
 
 /// The same for the packs of every instruction set.
-template <class T, class Widths = PackWidths>
-struct InPacks;
-template <class T, int... W>
-struct InPacks<T, std::integer_sequence<int, W...>> {
-  static constexpr bool kStep = (kCanStep<T, Pack<W>> && ...);
-  static constexpr bool kReset = (kHasReset<T, Pack<W>> && ...);
-  static constexpr bool kProcess = (kHasProcess<T, Pack<W>> && ...);
+template <class Method, class T, class Widths = PackWidths>
+inline constexpr bool kHasInPacks = false;
+template <class Method, class T, int... W>
+inline constexpr bool kHasInPacks<Method, T, std::integer_sequence<int, W...>> =
+    (kHas<Method, T, Pack<W>> && ...);
+
+template <class Method, class T>
+struct WithNamesake : T, Method::Namesake {};
+/// Has the class any member of the method's name?
+template <class Method, class T>
+inline constexpr bool kIsNamed = !Method::template kNamesOneThing<WithNamesake<Method, T>>;
+
+/// Calls the method, with the buffer where it takes it.
+template <class Method, class T, class Real, class State, class... Arguments>
+inline void call(const T& t, const Lanes<Real>& e, State& s, const Values<Real>& buffer,
+                 Arguments&&... a) {
+  if constexpr (CallableOn<Method, T, Real>::kWithBuffer) {
+    Method::call(t, e, s, a..., buffer);
+  } else {
+    Method::call(t, e, s, a...);
+  }
+}
+
+template <SkybodyKind>
+struct StepMethodOf;
+template <>
+struct StepMethodOf<SKYBODY_CONTROLLER> {
+  using type = ControlMethod;
 };
+template <>
+struct StepMethodOf<SKYBODY_SENSOR> {
+  using type = SenseMethod;
+};
+template <>
+struct StepMethodOf<SKYBODY_RANDOMIZER> {
+  using type = RandomizeMethod;
+};
+template <>
+struct StepMethodOf<SKYBODY_TASK> {
+  using type = EvaluateMethod;
+};
+template <>
+struct StepMethodOf<SKYBODY_EFFECT> {
+  using type = ApplyMethod;
+};
+/// The method that a class of its kind must have.
+template <class T>
+using StepMethod = typename StepMethodOf<T::kKind>::type;
 
 template <class T, bool = HasStateTemplate<T>>
-inline constexpr bool kVectorizedImpl = InPacks<T>::kStep;
+inline constexpr bool kVectorizedImpl = kHasInPacks<StepMethod<T>, T>;
 template <class T>
 inline constexpr bool kVectorizedImpl<T, false> = false;
 /// Serves several lanes at a time, in packs of every width that the kernels use. Otherwise lane
@@ -87,88 +141,55 @@ inline constexpr bool kVectorizedImpl<T, false> = false;
 template <class T>
 inline constexpr bool kVectorized = kVectorizedImpl<T>;
 
+/// An optional method that has the right name has the right form, too: for double, and for packs
+/// where the step method is.
+template <class Method, class T, bool kInPacks = kVectorized<T>>
+constexpr bool is_sound() {
+  if constexpr (!kIsNamed<Method, T>) {
+    return true;
+  } else if constexpr (kInPacks) {
+    return kHas<Method, T, double> && kHasInPacks<Method, T>;
+  } else {
+    return kHas<Method, T, double>;
+  }
+}
+
 /// Compile-time checks of a plugin class.
 template <class T>
 constexpr void check_class() {
   static_assert(std::is_base_of_v<Plugin, T>,
-                "derive from skybody::Controller, Sensor, Randomizer or Task");
+                "derive from skybody::Controller, Sensor, Randomizer, Task or Effect");
   static_assert(!std::is_abstract_v<T>,
                 "define `void configure(const skybody::Setup& setup) override`");
   static_assert(std::is_default_constructible_v<T>, "a plugin class needs a default constructor");
+  constexpr bool kSteps = kHas<StepMethod<T>, T, double>;
   static_assert(
-      T::kKind != SKYBODY_CONTROLLER || kCanStep<T, double>,
+      T::kKind != SKYBODY_CONTROLLER || kSteps,
       "a controller needs `void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> "
       "input, Values<Real> output) const`, public and const");
-  static_assert(T::kKind != SKYBODY_SENSOR || kCanStep<T, double>,
+  static_assert(T::kKind != SKYBODY_SENSOR || kSteps,
                 "a sensor needs `void sense(const Lanes<Real>&, State<Real>&, Values<Real> output) "
                 "const`, public and const");
-  static_assert(
-      T::kKind != SKYBODY_RANDOMIZER || kCanStep<T, double>,
-      "a randomizer needs `void randomize(const Lanes<Real>&, State<Real>&, Start<Real>&) "
-      "const`, public and const");
-  static_assert(T::kKind != SKYBODY_TASK || kCanStep<T, double>,
+  static_assert(T::kKind != SKYBODY_RANDOMIZER || kSteps,
+                "a randomizer needs `void randomize(const Lanes<Real>&, State<Real>&, "
+                "Start<Real>&) const`, public and const");
+  static_assert(T::kKind != SKYBODY_TASK || kSteps,
                 "a task needs `void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) "
                 "const`, public and const");
-  if constexpr (kVectorized<T>) {
-    static_assert(
-        !kHasReset<T, double> || InPacks<T>::kReset,
-        "reset() is written for double, the step method for any Real: make both templates");
-    static_assert(!kHasProcess<T, double> || InPacks<T>::kProcess,
-                  "process() is written for double, evaluate() for any Real: make both templates");
-  }
-}
-
-template <class T, class Real, class S>
-inline void call_reset(const T& t, const Lanes<Real>& e, S& s, const Values<Real>& b) {
-  if constexpr (CanReset<T, Real, Values<Real>>) {
-    t.reset(e, s, b);
-  } else {
-    t.reset(e, s);
-  }
-}
-template <class T, class Real, class S>
-inline void call_control(const T& t, const Lanes<Real>& e, S& s, const ConstValues<Real>& input,
-                         const Values<Real>& output, const Values<Real>& b) {
-  if constexpr (CanControl<T, Real, Values<Real>>) {
-    t.control(e, s, input, output, b);
-  } else {
-    t.control(e, s, input, output);
-  }
-}
-template <class T, class Real, class S>
-inline void call_sense(const T& t, const Lanes<Real>& e, S& s, const Values<Real>& output,
-                       const Values<Real>& b) {
-  if constexpr (CanSense<T, Real, Values<Real>>) {
-    t.sense(e, s, output, b);
-  } else {
-    t.sense(e, s, output);
-  }
-}
-template <class T, class Real, class S>
-inline void call_randomize(const T& t, const Lanes<Real>& e, S& s, Start<Real>& start,
-                           const Values<Real>& b) {
-  if constexpr (CanRandomize<T, Real, Values<Real>>) {
-    t.randomize(e, s, start, b);
-  } else {
-    t.randomize(e, s, start);
-  }
-}
-template <class T, class Real, class S>
-inline void call_process(const T& t, const Lanes<Real>& e, S& s, const ConstValues<Real>& action,
-                         const Values<Real>& command, const Values<Real>& b) {
-  if constexpr (CanProcess<T, Real, Values<Real>>) {
-    t.process(e, s, action, command, b);
-  } else {
-    t.process(e, s, action, command);
-  }
-}
-template <class T, class Real, class S>
-inline void call_evaluate(const T& t, const Lanes<Real>& e, S& s, Evaluation<Real>& out,
-                          const Values<Real>& b) {
-  if constexpr (CanEvaluate<T, Real, Values<Real>>) {
-    t.evaluate(e, s, out, b);
-  } else {
-    t.evaluate(e, s, out);
+  static_assert(T::kKind != SKYBODY_EFFECT || kSteps,
+                "an effect needs `void apply(const Lanes<Real>&, State<Real>&, Held<Real>&) "
+                "const`, public and const");
+  static_assert(is_sound<ResetMethod, T>(),
+                "reset() must be `void reset(const Lanes<Real>&, State<Real>&) const`, public and "
+                "const; a template on Real if the step method is one");
+  if constexpr (T::kKind == SKYBODY_TASK) {
+    static_assert(is_sound<ProcessMethod, T>(),
+                  "process() must be `void process(const Lanes<Real>&, State<Real>&, "
+                  "ConstValues<Real> action, Values<Real> command) const`, public and const; a "
+                  "template on Real if evaluate() is one");
+    static_assert(is_sound<GoalMethod, T, false>(),
+                  "goal() must be `void goal(const Lanes<double>&, const State<double>&, "
+                  "Values<double> goal) const`, public and const");
   }
 }
 

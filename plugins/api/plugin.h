@@ -1,4 +1,4 @@
-// The classes that authors derive from: Controller, Sensor, Randomizer, Task.
+// The classes that authors derive from: Controller, Sensor, Randomizer, Task, Effect.
 //
 // A plugin is one class. Its parameters are members (parameter.h); configure() looks names up and
 // declares what it takes and gives; the step methods are const and work on State, which the host
@@ -106,6 +106,88 @@ class Start {
 class Randomizer : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_RANDOMIZER;
+};
+
+/// What an effect adds to the physics of the step that begins; constant over it. Each input must
+/// have been announced by Setup::holds(). Effects add to one another.
+template <class Real>
+class Held {
+ public:
+  Held(const SkybodyHeld& held, const SkybodyLanes& lanes, std::uint32_t first,
+       const MaskOf<Real>& served)
+      : held_(held), lanes_(lanes.lanes), first_(first), checks_(lanes.checks), mask_(served) {}
+
+  /// Velocity of the air around a world body, W [m/s]; for rotor drag, rolling moment, body drag.
+  void add_wind(int body, const Vec3<Real>& velocity) {
+    add(SKYBODY_HELD_WIND, 3 * body, velocity);
+  }
+  /// Force [N] at the body's centre of mass and moment [N m], W axes.
+  void add_wrench(int body, const Vec3<Real>& force, const Vec3<Real>& moment) {
+    add(SKYBODY_HELD_WRENCH, 6 * body, force);
+    add(SKYBODY_HELD_WRENCH, 6 * body + 3, moment);
+  }
+  /// Drag at the body's centre of mass against the air, along each body axis i:
+  ///   F_i = -(linear_i v_i + quadratic_i |v_i| v_i), in [N s/m] and [N s^2/m^2].
+  void add_drag(int body, const Vec3<Real>& linear, const Vec3<Real>& quadratic) {
+    add(SKYBODY_HELD_BODY_DRAG, 6 * body, linear);
+    add(SKYBODY_HELD_BODY_DRAG, 6 * body + 3, quadratic);
+  }
+  /// Factors on what a world rotor does.
+  void scale_thrust(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_THRUST, gain); }
+  void scale_moment(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_MOMENT, gain); }
+  void scale_rotor_drag(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_DRAG, gain); }
+  void scale_rolling_moment(int rotor, const Real& gain) {
+    scale(rotor, SKYBODY_GAIN_ROLLING, gain);
+  }
+  /// Speeds that a rotor can reach [rad/s], besides its own limit; the narrowest of all holds.
+  void limit_speed(int rotor, const Real& least, const Real& greatest) {
+    const Values<Real> limit = values(SKYBODY_HELD_ROTOR_LIMIT);
+    limit.set(2 * rotor, max(limit[2 * rotor], least));
+    limit.set(2 * rotor + 1, min(limit[2 * rotor + 1], greatest));
+  }
+  /// Acceleration of a rotor [rad/s^2] in place of its first-order lag (paper eq. 2); of several
+  /// effects the last one's.
+  void set_acceleration(int rotor, const Real& acceleration) {
+    values(SKYBODY_HELD_ROTOR_RATE).set(rotor, acceleration);
+  }
+
+ private:
+  /// Of size 0 where the effect did not announce the input.
+  Values<Real> values(SkybodyHeldInput input) const {
+    double* const data = held_.input[input];
+    if (checks_ == nullptr) return {data + first_, lanes_, mask_};
+    static constexpr int kSizes[] = {
+#define SKYBODY_ROW(symbol, member, owner, size, doc) size,
+        SKYBODY_HELD_INPUTS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+    };
+    const bool is_of_rotors = input >= SKYBODY_HELD_ROTOR_GAIN;
+    const int count = kSizes[input] * (is_of_rotors ? checks_->rotors : checks_->bodies);
+    return {data, lanes_, mask_, Bounds<Real>(checks_, "held input", data == nullptr ? 0 : count)};
+  }
+  void add(SkybodyHeldInput input, int k, const Vec3<Real>& value) {
+    const Values<Real> sums = values(input);
+    sums.set(k, sums.vec3(k) + value);
+  }
+  void scale(int rotor, SkybodyRotorGain place, const Real& gain) {
+    const Values<Real> gains = values(SKYBODY_HELD_ROTOR_GAIN);
+    gains.set(4 * rotor + place, gains[4 * rotor + place] * gain);
+  }
+
+  SkybodyHeld held_;
+  std::uint32_t lanes_, first_;
+  SkybodyChecks* checks_;
+  MaskOf<Real> mask_;
+};
+
+/// Wind, drag, a sagging battery: what acts on bodies and rotors beside the controllers. Called
+/// before every physics step (or every `period` of them), after the controllers; reads what they
+/// read.
+///   template <class Real> void apply(const Lanes<Real>& env, State<Real>& state,
+///                                    Held<Real>& held) const;
+class Effect : public Plugin {
+ public:
+  static constexpr SkybodyKind kKind = SKYBODY_EFFECT;
 };
 
 /// What a task gives after a step.

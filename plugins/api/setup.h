@@ -17,19 +17,24 @@ using BodyInfo = SkybodyBodyInfo;
 using LinkInfo = SkybodyLinkInfo;
 using RotorInfo = SkybodyRotorInfo;
 using EnvParamInfo = SkybodyEnvParamInfo;
+using ChainInfo = SkybodyChainInfo;
+using ShapeInfo = SkybodyShapeInfo;
 
-/// Signals between controllers; sizes, units and frames in abi.h.
+/// Signals between controllers; sizes, units and frames in signals.h.
 enum class Signal {
-  kRotorSpeed = SKYBODY_ROTOR_SPEED,
-  kSrt = SKYBODY_SRT,
-  kCtbt = SKYBODY_CTBT,
-  kCtbr = SKYBODY_CTBR,
-  kWrench = SKYBODY_WRENCH,
-  kVelocity = SKYBODY_VELOCITY,
-  kPose = SKYBODY_POSE,
-  kAttitude = SKYBODY_ATTITUDE,
-  kPosition = SKYBODY_POSITION,
-  kTrajectory = SKYBODY_TRAJECTORY,
+#define SKYBODY_ROW(symbol, type, word, least, most, doc) k##type = SKYBODY_##symbol,
+  SKYBODY_SIGNALS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+};
+
+/// What an effect holds over a physics step; values in core/base/held_inputs.h.
+enum class HeldInput {
+  kWind = SKYBODY_HELD_WIND,
+  kWrench = SKYBODY_HELD_WRENCH,
+  kBodyDrag = SKYBODY_HELD_BODY_DRAG,
+  kRotorGain = SKYBODY_HELD_ROTOR_GAIN,
+  kRotorLimit = SKYBODY_HELD_ROTOR_LIMIT,
+  kRotorRate = SKYBODY_HELD_ROTOR_RATE,
 };
 
 /// A contiguous array that belongs to the host. Valid during configure(): copy what is needed
@@ -66,6 +71,10 @@ class Setup {
   View<LinkInfo> links() const { return {raw_.links, raw_.link_count}; }
   View<RotorInfo> rotors() const { return {raw_.rotors, raw_.rotor_count}; }
   View<EnvParamInfo> params() const { return {raw_.params, raw_.param_count}; }
+  /// Tasks and randomizers: the chains of controllers, in robot order.
+  View<ChainInfo> chains() const { return {raw_.chains, raw_.chain_count}; }
+  /// Collision shapes of bodies, then obstacles.
+  View<ShapeInfo> shapes() const { return {raw_.shapes, raw_.shape_count}; }
 
   /// Controllers: index of the robot that this one belongs to. @throws std::logic_error for others
   int robot() const;
@@ -86,10 +95,15 @@ class Setup {
 
   /// Controllers: the command taken; `low` and `high` are what actions -1 and +1 mean.
   void input(Signal signal, const std::vector<double>& low, const std::vector<double>& high) const;
-  /// Controllers: what control() writes.
+  /// Controllers: what control() writes. The last one of a chain may give several signals to
+  /// actuators: their values follow one another in the order of these calls.
   void output(Signal signal, int count) const;
   /// Controllers with output kWrench: where value 6 i.. acts; in order.
   void site(const SkybodySite& site) const { declare_.site(declare_.host, &site); }
+  /// Controllers with output kJoint: what value i.. drives; in order.
+  void joint(const SkybodyJointDrive& drive) const { declare_.joint(declare_.host, &drive); }
+  /// Effects: an input that apply() fills.
+  void holds(HeldInput input) const { declare_.holds(declare_.host, static_cast<int>(input)); }
   /// Sensors and tasks: a part of the output or observation, in order.
   /// @param robot  tasks: whose own observation it belongs to, -1: every robot's
   void channel(const std::string& name, const std::string& unit, int count, double low, double high,
@@ -108,12 +122,27 @@ class Setup {
   /// Tasks: values beside the observation (Evaluation::info), in order: what an evaluation asks
   /// for.
   void info(const std::string& name, const std::string& unit, int count) const;
+  /// Controllers, sensors, effects: likewise, values that are words `first`.. of the buffer.
+  void report(const std::string& name, const std::string& unit, int count, int first) const;
+  /// Tasks: a part of the action; -1 and +1 mean `low` and `high`. In robot order. Then process()
+  /// makes the command from physical values; without these the action is the chains' commands.
+  /// @param robot  whose action it is
+  void action(const std::string& name, const std::string& unit, int count, double low, double high,
+              int robot) const;
+  /// Tasks: commands change in equal parts over the physics steps of an action.
+  void interpolate() const { declare_.interpolate(declare_.host); }
   /// Tasks: evaluate() gives every robot a reward of its own beside the team's.
   void robot_rewards() const { declare_.robot_rewards(declare_.host); }
-  /// Sensors: sense() is called after every `physics_steps` physics steps. Default 1.
+  /// Sensors: sense() is called after every `physics_steps` physics steps. Controllers and effects:
+  /// before every such step; what they gave holds in between. Default 1. Tasks: process() is called
+  /// so often; default: once an action.
   void period(int physics_steps) const { declare_.period(declare_.host, physics_steps); }
   /// `words` doubles of state beside State, for sizes known only now; zero at a reset.
   void buffer(int words) const { declare_.buffer(declare_.host, words); }
+  /// `count` values of memory for a call (Lanes::scratch); no state.
+  void scratch(int count) const { declare_.scratch(declare_.host, count); }
+  /// Asks for Lanes::contact().
+  void need_contacts() const { declare_.contacts(declare_.host); }
   /// Asks for Lanes::body_before().
   void need_bodies_before() const { declare_.bodies_before(declare_.host); }
   /// Randomizers: announces that a parameter will be written.

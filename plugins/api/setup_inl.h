@@ -145,4 +145,18 @@ inline void Setup::info(const std::string& name, const std::string& unit, int co
   declare_.info(declare_.host, &channel);
 }
 
+inline void Setup::report(const std::string& name, const std::string& unit, int count,
+                          int first) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const SkybodyChannel channel{
+      name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0, 0, 0, {}};
+  declare_.report(declare_.host, &channel, first);
+}
+
+inline void Setup::action(const std::string& name, const std::string& unit, int count, double low,
+                          double high, int robot) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 0, 0, 0, {}};
+  declare_.action(declare_.host, &channel);
+}
+
 }  // namespace skybody

@@ -12,12 +12,14 @@ namespace skybody::plugin_export {
 /// them. Word by word as FNV-1a takes bytes.
 constexpr std::uint64_t structures_hash() {
   constexpr std::size_t sizes[] = {
-      sizeof(SkybodyParameter),  sizeof(SkybodyValue),        sizeof(SkybodyBodyInfo),
-      sizeof(SkybodyLinkInfo),   sizeof(SkybodyRotorInfo),    sizeof(SkybodyRobotInfo),
-      sizeof(SkybodySensorInfo), sizeof(SkybodyEnvParamInfo), sizeof(SkybodySetup),
-      sizeof(SkybodyChannel),    sizeof(SkybodySite),         sizeof(SkybodyDeclare),
-      sizeof(SkybodyLanes),      sizeof(SkybodyStart),        sizeof(SkybodyEvaluation),
-      sizeof(SkybodyKernels),    sizeof(SkybodyPlugin),       sizeof(SkybodyPluginLibrary)};
+      sizeof(SkybodyParameter),    sizeof(SkybodyValue),        sizeof(SkybodyBodyInfo),
+      sizeof(SkybodyLinkInfo),     sizeof(SkybodyRotorInfo),    sizeof(SkybodyRobotInfo),
+      sizeof(SkybodySensorInfo),   sizeof(SkybodyChainInfo),    sizeof(SkybodyShapeInfo),
+      sizeof(SkybodyEnvParamInfo), sizeof(SkybodySetup),        sizeof(SkybodyChannel),
+      sizeof(SkybodySite),         sizeof(SkybodyJointDrive),   sizeof(SkybodyDeclare),
+      sizeof(SkybodyChecks),       sizeof(SkybodyLanes),        sizeof(SkybodyStart),
+      sizeof(SkybodyHeld),         sizeof(SkybodyEvaluation),   sizeof(SkybodyKernels),
+      sizeof(SkybodyPlugin),       sizeof(SkybodyPluginLibrary)};
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const std::size_t size : sizes) hash = (hash ^ size) * 0x100000001b3u;
   return hash;

@@ -7,19 +7,62 @@
 #include "core/base/pack.h"
 #include "core/base/quat.h"
 #include "core/base/vec3.h"
+#include "plugins/api/abi.h"
 
 namespace skybody {
 
+/// How many values a view has; known in checked mode alone, and never to packs.
+template <class Real>
+class Bounds {
+ public:
+  Bounds() = default;
+  Bounds(SkybodyChecks*, const char*, int) {}
+
+ protected:
+  template <class T>
+  T* place(T* data, std::size_t stride, int k) const {
+    return data + static_cast<std::ptrdiff_t>(k) * static_cast<std::ptrdiff_t>(stride);
+  }
+};
+
+template <>
+class Bounds<double> {
+ public:
+  Bounds() = default;
+  Bounds(SkybodyChecks* checks, const char* what, int size)
+      : checks_(checks), what_(what), size_(size) {}
+
+ protected:
+  template <class T>
+  T* place(T* data, std::size_t stride, int k) const {
+    if (checks_ != nullptr && (k < 0 || k >= size_)) return note(k);
+    return data + static_cast<std::ptrdiff_t>(k) * static_cast<std::ptrdiff_t>(stride);
+  }
+
+ private:
+  __attribute__((noinline, cold)) double* note(int k) const {
+    if (checks_->what == nullptr) {
+      checks_->what = what_;
+      checks_->index = k;
+      checks_->size = size_;
+    }
+    return &checks_->nothing;
+  }
+
+  SkybodyChecks* checks_ = nullptr;
+  const char* what_ = "";
+  int size_ = 0;
+};
+
 /// Read-only values of one kind, for the lanes that `Real` holds. Cheap to copy.
 template <class Real>
-class ConstValues {
+class ConstValues : private Bounds<Real> {
  public:
-  ConstValues(const double* data, std::size_t stride) : data_(data), stride_(stride) {}
+  ConstValues(const double* data, std::size_t stride, const Bounds<Real>& bounds = {})
+      : Bounds<Real>(bounds), data_(data), stride_(stride) {}
 
-  /// Value `k`. No bounds check: indices come from configure().
-  Real operator[](int k) const {
-    return load_lanes<Real>(data_ + static_cast<std::size_t>(k) * stride_);
-  }
+  /// Value `k`. Bounds are checked in checked mode only: indices come from configure().
+  Real operator[](int k) const { return load_lanes<Real>(this->place(data_, stride_, k)); }
   /// Values k, k+1, k+2 as a vector.
   Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
   /// Values k..k+3 as a quaternion w x y z.
@@ -34,22 +77,21 @@ class ConstValues {
 
 /// Values that plugin code may write; lanes that are not being served keep theirs.
 template <class Real>
-class Values {
+class Values : private Bounds<Real> {
  public:
-  Values(double* data, std::size_t stride, const MaskOf<Real>& mask)
-      : data_(data), stride_(stride), mask_(mask) {}
+  Values(double* data, std::size_t stride, const MaskOf<Real>& mask,
+         const Bounds<Real>& bounds = {})
+      : Bounds<Real>(bounds), data_(data), stride_(stride), mask_(mask) {}
 
   /// Value `k` as it is now.
-  Real operator[](int k) const {
-    return load_lanes<Real>(data_ + static_cast<std::size_t>(k) * stride_);
-  }
+  Real operator[](int k) const { return load_lanes<Real>(this->place(data_, stride_, k)); }
   Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
   Quat<Real> quat(int k) const {
     return {(*this)[k], (*this)[k + 1], (*this)[k + 2], (*this)[k + 3]};
   }
   /// Writes value `k`.
   void set(int k, const Real& value) const {
-    store_lanes(data_ + static_cast<std::size_t>(k) * stride_, value, mask_);
+    store_lanes(this->place(data_, stride_, k), value, mask_);
   }
   /// Writes values k, k+1, k+2.
   void set(int k, const Vec3<Real>& v) const {

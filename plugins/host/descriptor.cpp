@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "core/base/isa.h"
+#include "core/base/plugin_kind.h"
 #include "core/base/printable.h"
-#include "plugins/host/kind.h"
 
 namespace skybody {
 namespace {
@@ -92,17 +92,25 @@ std::string parameter_problem(const SkybodyParameter& p) {
   return p.type == SKYBODY_TEXT ? texts_problem(p) : numbers_problem(p);
 }
 
+bool has_step_function(const SkybodyKernels& kernels, std::uint32_t kind) {
+  switch (kind) {
+#define SKYBODY_ROW(symbol, type, word, folder, function) \
+  case SKYBODY_##symbol:                                  \
+    return kernels.function != nullptr;
+    SKYBODY_PLUGIN_KINDS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+    default:
+      return false;
+  }
+}
+
 std::string kernels_problem(const SkybodyPlugin& plugin) {
-  constexpr const char* kFunctions[] = {"control", "sense", "randomize", "evaluate"};
   for (int i = 0; i < kIsaCount; ++i) {
     const std::string isa = name(static_cast<Isa>(i));
     const SkybodyKernels& k = plugin.kernels[i];
-    const bool there = plugin.kind == SKYBODY_CONTROLLER   ? k.control != nullptr
-                       : plugin.kind == SKYBODY_SENSOR     ? k.sense != nullptr
-                       : plugin.kind == SKYBODY_RANDOMIZER ? k.randomize != nullptr
-                                                           : k.evaluate != nullptr;
-    if (!there) {
-      return "has no " + std::string(kFunctions[plugin.kind]) + " function for x86-64-" + isa;
+    if (!has_step_function(k, plugin.kind)) {
+      return "has no " + std::string(kPluginKinds[plugin.kind].function) + " function for x86-64-" +
+             isa;
     }
     const SkybodyKernels& first = plugin.kernels[0];
     if ((k.reset == nullptr) != (first.reset == nullptr) ||

@@ -12,7 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/installation.h"
-#include "plugins/host/kind.h"
+#include "core/base/plugin_kind.h"
 #include "plugins/host/places.h"
 
 namespace skybody {
@@ -27,16 +27,15 @@ constexpr const char* kAboutFile = "about.md";
 /// Names of CMake targets, and those whose class would bear the name of one in <skybody/plugin.h>.
 bool is_reserved(std::string_view name) {
   for (const std::string_view word :
-       {"all",           "clean",     "edit_cache", "help",         "install",    "package",
-        "rebuild_cache", "test",      "skybody",    "plugin",       "controller", "sensor",
-        "randomizer",    "task",      "block",      "const_values", "error",      "evaluation",
-        "hash_chain",    "idle",      "isa",        "lanes",        "mask",       "mat3",
-        "pack",          "parameter", "quat",       "random",       "random_key", "setup",
-        "signal",        "sin_cos",   "start",      "state",        "sym_mat3",   "values",
-        "vec3",          "view",      "word",       "word_pack"}) {
+       {"all",           "clean",      "edit_cache", "help",      "install", "package",
+        "rebuild_cache", "test",       "skybody",    "plugin",    "block",   "const_values",
+        "error",         "evaluation", "hash_chain", "idle",      "isa",     "lanes",
+        "mask",          "mat3",       "pack",       "parameter", "quat",    "random",
+        "random_key",    "setup",      "signal",     "sin_cos",   "start",   "state",
+        "sym_mat3",      "values",     "vec3",       "view",      "word",    "word_pack"}) {
     if (name == word) return true;
   }
-  return false;
+  return kind_from_name(name).has_value();
 }
 
 void check_name(const std::string& name) {
@@ -143,12 +142,12 @@ fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
   }
 
   TemporaryFolder fresh(place);
-  const fs::path own = templates / std::string(kind_name(kind));
+  const fs::path own = templates / kind_name(kind);
   const std::vector<std::pair<std::string_view, std::string>> words = {
       {"@ABOUT@", read(own / kAboutFile)},
       {"@NAME@", name},
       {"@CLASS@", class_name(name)},
-      {"@KIND@", std::string(kind_name(kind))}};
+      {"@KIND@", kind_name(kind)}};
   for (const fs::path& source : {templates / "common", own}) {
     for (const auto& item : fs::recursive_directory_iterator(source)) {
       if (!item.is_regular_file() || item.path().extension() != ".in") continue;

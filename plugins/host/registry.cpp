@@ -4,10 +4,10 @@
 #include <set>
 
 #include "core/base/installation.h"
+#include "core/base/plugin_kind.h"
 #include "plugins/host/breadcrumb.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/elf_check.h"
-#include "plugins/host/kind.h"
 #include "plugins/host/trust.h"
 
 namespace skybody {

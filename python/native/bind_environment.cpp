@@ -24,14 +24,6 @@ struct PlacedChannel {
   int robot = -1;
 };
 
-/// What one robot's part of an action row means.
-struct ActionChannel {
-  int robot = 0;
-  std::string signal;
-  int first = 0, count = 0;
-  std::vector<double> low, high;
-};
-
 std::vector<PlacedChannel> placed(const std::vector<Channel>& channels) {
   std::vector<PlacedChannel> list;
   int first = 0;
@@ -62,17 +54,6 @@ std::vector<NamedColumn> observation_columns(const Environment& environment) {
   std::vector<NamedColumn> list;
   for (const ObservationColumn& c : environment.columns()) {
     list.push_back({c, source_of(environment, c)});
-  }
-  return list;
-}
-
-std::vector<ActionChannel> action_channels(const Environment& environment) {
-  std::vector<ActionChannel> list;
-  for (const int robot : environment.agents()) {
-    const ControllerChain& chain = environment.chains()[static_cast<std::size_t>(robot)];
-    const PluginInstance& c = environment.controllers()[static_cast<std::size_t>(chain.first)];
-    list.push_back(
-        {robot, signal_name(c.input_signal), chain.action, c.input_count(), c.low, c.high});
   }
   return list;
 }
@@ -141,16 +122,20 @@ void bind_channels(nb::module_& m) {
       });
   bind_column(m);
   nb::class_<ActionChannel>(m, "ActionChannel",
-                            "One robot's part of an action row: the input of its first controller.")
+                            "A part of an action row: the command of one chain of controllers, or "
+                            "a part that the task declares.")
       .def_ro("robot", &ActionChannel::robot, "Index of the robot.")
-      .def_ro("signal", &ActionChannel::signal,
-              "What is commanded, such as `ctbr`: units and frames in docs/control-modes.md.")
+      .def_ro("name", &ActionChannel::name,
+              "What is commanded: a signal such as `ctbr` (docs/control-modes.md), or the task's "
+              "own word.")
+      .def_ro("unit", &ActionChannel::unit, "SI unit of the task's own; else empty.")
       .def_ro("first", &ActionChannel::first, "Index of its first value within the row.")
-      .def_ro("count", &ActionChannel::count, "Number of values.")
-      .def_ro("low", &ActionChannel::low, "What the action -1 means, in the signal's units.")
-      .def_ro("high", &ActionChannel::high, "What the action +1 means, in the signal's units.")
+      .def_prop_ro(
+          "count", [](const ActionChannel& c) { return c.low.size(); }, "Number of values.")
+      .def_ro("low", &ActionChannel::low, "What the action -1 means.")
+      .def_ro("high", &ActionChannel::high, "What the action +1 means.")
       .def("__repr__", [](const ActionChannel& c) {
-        return "ActionChannel(" + c.signal + "[" + std::to_string(c.count) + "] of robot " +
+        return "ActionChannel(" + c.name + "[" + std::to_string(c.low.size()) + "] of robot " +
                std::to_string(c.robot) + ")";
       });
 }
@@ -232,10 +217,10 @@ void bind_time_and_spaces(nb::class_<LoadedEnvironment>& c) {
       "observation_columns", [](const E& e) { return observation_columns(*e); },
       "All columns of the observation: the task's in order, then those that `observe` adds.");
   c.def_prop_ro(
-      "info_channels", [](const E& e) { return placed(e->task().infos); },
+      "info_channels", [](const E& e) { return placed(e->info_channels()); },
       "What an info row consists of, in order.");
   c.def_prop_ro(
-      "action_channels", [](const E& e) { return action_channels(*e); },
+      "action_channels", [](const E& e) { return e->action_channels(); },
       "What an action row consists of, one channel per agent.");
 }
 

@@ -21,11 +21,9 @@ std::map<std::string, std::string> LoadedEnvironment::plugins() const {
     const PluginEntry* entry = registry->find(instance.kind, instance.plugin);
     if (entry != nullptr) versions[instance.plugin] = entry->version;
   };
-  for (const auto* list :
-       {&environment_->controllers(), &environment_->sensors(), &environment_->randomizers()}) {
-    for (const PluginInstance& instance : *list) add(instance);
+  for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
+    for (const PluginInstance& p : environment_->plugins(static_cast<SkybodyKind>(kind))) add(p);
   }
-  add(environment_->task());
   return versions;
 }
 

@@ -94,7 +94,7 @@ const Wrong kWrong[] = {
     {"unknown_kind",
      {"new", "contoller", "law"},
      "error: KIND: there is no kind of plugin `contoller`; did you mean `controller`?; allowed: "
-     "controller, sensor, randomizer, task; see `skybody new --help`"},
+     "controller, sensor, randomizer, task, effect; see `skybody new --help`"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Lines, WrongCommandLine, testing::ValuesIn(kWrong),

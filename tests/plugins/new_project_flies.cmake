@@ -12,7 +12,7 @@ endfunction()
 file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 set(path "")
-foreach(kind controller sensor randomizer task)
+foreach(kind controller sensor effect randomizer task)
   set(project "${FOLDER}/my_${kind}")
   run("${FOLDER}" "${SKYBODY}" new ${kind} my_${kind})
   run("${project}" "${CMAKE_COMMAND}" -B build "-DSkybody_DIR=${SKYBODY_DIR}")
@@ -30,12 +30,13 @@ robots:
     rotor_speed: hover
     controllers: [{plugin: my_controller}, {plugin: rotor_speed}]
 sensors: [{plugin: my_sensor, parameters: {robot: quad}}]
+effects: [{plugin: my_effect}]
 randomization: [{plugin: my_randomizer}]
 task: {plugin: my_task, parameters: {robot: quad}}
 ")
 set(ENV{SKYBODY_PLUGIN_PATH} "${path}")
 run("${FOLDER}" "${SKYBODY}" plugins)
-foreach(kind controller sensor randomizer task)
+foreach(kind controller sensor effect randomizer task)
   if(NOT output MATCHES "my_${kind} ")
     message(FATAL_ERROR "`skybody plugins` does not list my_${kind}:\n${output}")
   endif()

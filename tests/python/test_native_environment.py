@@ -38,7 +38,7 @@ def test_info_channels_fill_the_info_row(hover: Environment) -> None:
 
 def test_action_channel_has_the_physical_range_of_the_signal(hover: Environment) -> None:
     (channel,) = hover.action_channels
-    assert (channel.robot, channel.signal, channel.first, channel.count) == (0, "rotor_speed", 0, 4)
+    assert (channel.robot, channel.name, channel.first, channel.count) == (0, "rotor_speed", 0, 4)
     assert channel.low == [0.0] * 4
     assert all(high > 0 for high in channel.high)
 

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -16,6 +17,7 @@
 
 #include "core/env/setup_tables.h"
 #include "core/io/parameter_reader.h"
+#include "core/model/held_inputs.h"
 #include "plugins/host/descriptor.h"
 #include "tests/unit/plugin_world.h"
 
@@ -53,6 +55,8 @@ struct Group {
   std::vector<double> bodies, before, q, u, rotor_speed, params, action, command;
   std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
 
+  std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not announced
+
   double& at(std::vector<double>& block, int k, int lane = 0) const {
     return block[static_cast<std::size_t>(k * lanes + lane)];
   }
@@ -78,6 +82,7 @@ struct Group {
     f(a.command, b.command), f(a.buffer, b.buffer), f(a.input, b.input), f(a.output, b.output);
     f(a.observation, b.observation), f(a.reward, b.reward);
     f(a.robot_reward, b.robot_reward), f(a.info, b.info);
+    for (std::size_t i = 0; i < a.held.size(); ++i) f(a.held[i], b.held[i]);
   }
   /// What the host keeps nothing in, so that lanes that are not served may be written, too.
   void take_scratch(const Group& other, bool with_output) {
@@ -148,11 +153,21 @@ class Instance {
     g.command.assign(n(world_.actions), 0.0);
     g.buffer.assign(n(declared.buffer_words), 0.0);
     g.input.assign(n(static_cast<int>(declared.low.size())), 0.0);
-    g.output.assign(n(std::max(declared.output_count, declared.channel_count())), 0.0);
+    g.output.assign(n(std::max(declared.output_count(), declared.channel_count())), 0.0);
     g.observation.assign(n(declared.channel_count()), 0.0);
     g.reward.assign(n(1), 0.0);
     g.robot_reward.assign(n(static_cast<int>(world_.robots.size())), 0.0);
     g.info.assign(n(value_count(declared.infos)), 0.0);
+    for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+      const auto input = static_cast<std::size_t>(i);
+      const HeldInputRow& row = kHeldInputs[input];
+      const auto owners = row.is_of_rotors ? world_.rotors.size() : world_.bodies.size();
+      const int count = declared.holds[input] ? row.size * static_cast<int>(owners) : 0;
+      for (int k = 0; k < count; ++k) {
+        g.held[input].insert(g.held[input].end(), static_cast<std::size_t>(lanes),
+                             neutral_value(i, k % row.size));
+      }
+    }
     g.bodies.assign(n(13 * static_cast<int>(world_.bodies.size())), 0.0);
     g.params.assign(n(static_cast<int>(world_.params.size())), 0.0);
     for (int l = 0; l < lanes; ++l) {
@@ -171,7 +186,7 @@ class Instance {
     return g;
   }
 
-  enum class Call { kReset, kControl, kSense, kRandomize, kRequest, kEvaluate };
+  enum class Call { kReset, kControl, kSense, kRandomize, kRequest, kEvaluate, kApply };
   /// Calls one step function of an instruction set (0, 1, 2: v2, v3, v4) for the lanes of `mask`.
   void call(Call what, Group& g, std::uint32_t mask = 1, int set = 0) const {
     const SkybodyKernels& k = plugin_->kernels[set];
@@ -183,6 +198,10 @@ class Instance {
                              requested ? 1u : 0u};
     const SkybodyEvaluation out{g.observation.data(),  g.reward.data(), g.end.data(),
                                 g.robot_reward.data(), g.info.data(),   1};
+    SkybodyHeld held{};
+    for (std::size_t i = 0; i < g.held.size(); ++i) {
+      held.input[i] = g.held[i].empty() ? nullptr : g.held[i].data();
+    }
     switch (what) {
       case Call::kReset:
         if (k.reset != nullptr) k.reset(self_, &v, state, buffer);
@@ -200,11 +219,15 @@ class Instance {
       case Call::kEvaluate:
         k.evaluate(self_, &v, state, buffer, &out);
         break;
+      case Call::kApply:
+        k.apply(self_, &v, state, buffer, &held);
+        break;
     }
   }
   /// The step function of its kind.
   Call main_call() const {
-    const Call calls[] = {Call::kControl, Call::kSense, Call::kRandomize, Call::kEvaluate};
+    const Call calls[] = {Call::kControl, Call::kSense, Call::kRandomize, Call::kEvaluate,
+                          Call::kApply};
     return calls[plugin_->kind];
   }
   std::vector<double> goal(Group& g) const {

@@ -56,9 +56,8 @@ class PluginWorld {
     r.disturbance_param = static_cast<int>(params.size());
     for (int k = 0; k < 6; ++k)
       add_param("robots." + name + ".disturbance[" + std::to_string(k) + "]", 0.0);
-    r.first_action = r.first_command = actions;
-    r.action_count = r.command_count = 4;
-    r.command_signal = SKYBODY_ROTOR_SPEED;
+    r.first_action = actions;
+    r.action_count = 4;
     actions += 4;
     robots.push_back(r);
     return index;

@@ -70,6 +70,7 @@ World::World(const Topology& topology, WorldPlan plan)
       layout(finish_layout(plan)),
       sites(std::move(plan.sites)),
       drives(std::move(plan.drives)),
+      joint_drives(std::move(plan.joint_drives)),
       spheres(scenario.contact.ground ? make_contact_spheres(*this) : std::vector<ContactSphere>{}),
       simbody_contact(make_simbody_contact(*this)) {}
 

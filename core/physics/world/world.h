@@ -6,6 +6,7 @@
 // immutable.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -48,6 +49,26 @@ struct WrenchSite {
   bool world_axes = true;  ///< axes of force and moment: W, or else the body's
 };
 
+/// What the command of a joint's drive means.
+enum class JointMode { kPosition, kVelocity, kEffort };
+
+/// A drive of one coordinate of a joint. With r the command behind its lag, q and u of the
+/// coordinate, the effort [N m] or [N] is, held to [-effort_limit, effort_limit],
+///   kPosition  stiffness (r - q) - damping u
+///   kVelocity  damping (r - u)
+///   kEffort    r
+struct JointDrive {
+  int body = 0;        ///< world body index: its inboard joint, a pin, slider or universal joint
+  int coordinate = 0;  ///< of a universal joint 0 or 1
+  JointMode mode = JointMode::kEffort;
+  double stiffness = 0.0;     ///< [N m/rad] or [N/m]
+  double damping = 0.0;       ///< [N m s/rad] or [N s/m]
+  double effort_limit = 0.0;  ///< [N m] or [N]; may be infinite
+  double tau = 0.0;           ///< time constant of the first-order lag [s]; 0: none
+  double low = 0.0;           ///< bounds of the command
+  double high = 0.0;
+};
+
 /// How a robot's base is driven kinematically by a controller, if at all.
 enum class DriveKind { kNone, kVelocity, kPose };
 
@@ -74,6 +95,8 @@ struct WorldPlan {
   Layout layout;  ///< without offsets, and without the sizes of wrench, drive and params
   std::vector<WrenchSite> sites;
   std::vector<DriveKind> drives;  ///< one per robot
+  std::vector<JointDrive> joint_drives;
+  std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< inputs that effects hold
 };
 
 /// Complete description of one world. Not copyable.
@@ -89,6 +112,7 @@ class World : public Topology {
   const Layout layout;
   const std::vector<WrenchSite> sites;  ///< of the controllers that give wrenches, in their order
   const std::vector<DriveKind> drives;  ///< one per robot
+  const std::vector<JointDrive> joint_drives;
   const std::vector<ContactSphere> spheres;                     ///< empty: there is no ground
   const std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: only ground to touch
 };

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "core/model/held_inputs.h"
+
 namespace skybody {
 namespace {
 
@@ -121,18 +123,39 @@ int count_driven(const std::vector<DriveKind>& drives) {
   return count;
 }
 
+int held_size(const WorldPlan& plan, int input) {
+  const HeldInputRow& row = kHeldInputs[static_cast<std::size_t>(input)];
+  if (row.is_of_rotors) return row.size * plan.layout.rotor_speed.size;
+  int bodies = 0;
+  for (const RobotLayout& robot : plan.layout.robots) bodies += robot.body_count;
+  return row.size * bodies;
+}
+
 Layout finish_layout(const WorldPlan& plan) {
   Layout layout = plan.layout;
   layout.wrench.size = 6 * static_cast<int>(plan.sites.size());
   layout.drive.size = 13 * count_driven(plan.drives);
+  layout.joint_command.size = layout.joint_state.size = static_cast<int>(plan.joint_drives.size());
+  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+    const auto input = static_cast<std::size_t>(i);
+    layout.held[input].size = plan.holds[input] ? held_size(plan, i) : 0;
+  }
   layout.params.size = static_cast<int>(layout.param_info.size());
   layout.words = 0;
+  const auto place = [&](Block& block) {
+    block.offset = layout.words;
+    layout.words += block.size;
+  };
   for (Block* block :
        {&layout.header, &layout.q, &layout.u, &layout.rotor_speed, &layout.rotor_command,
-        &layout.wrench, &layout.drive, &layout.bodies_before, &layout.params, &layout.action,
-        &layout.command, &layout.sensors, &layout.plugin_state, &layout.last_observation}) {
-    block->offset = layout.words;
-    layout.words += block->size;
+        &layout.wrench, &layout.drive, &layout.joint_command, &layout.joint_state}) {
+    place(*block);
+  }
+  for (Block& block : layout.held) place(block);
+  for (Block* block :
+       {&layout.bodies_before, &layout.params, &layout.action, &layout.command, &layout.sensors,
+        &layout.contacts, &layout.plugin_state, &layout.last_observation}) {
+    place(*block);
   }
   return layout;
 }

@@ -63,7 +63,7 @@ TEST_F(Modes, VelocityHoldsItsLimitsAndThePositionFormIsLevel) {
   EXPECT_EQ(control(velocity, g, {5, -5, 5, -1, 0.5, 9}),
             (std::vector<double>{1, -2, 3, -1, 0.5, 3}));
   const Instance position("velocity", world, {{"form", "position"}});
-  EXPECT_EQ(position.declared.output_signal, SKYBODY_POSE);
+  EXPECT_EQ(position.declared.outputs[0].signal, SKYBODY_POSE);
   Group h = position.group(1);
   const std::vector<double> pose = control(position, h, {9.0, 1.0, 1.0, 3.0});
   EXPECT_EQ(pose[0], 5.0);

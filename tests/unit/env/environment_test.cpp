@@ -75,7 +75,7 @@ TEST(TransitionContract, ControlSeesTheLatestStateInEachOfTheKSteps) {
   Flight flight(*env, 1);
   flight.reset();
   flight.step({-1, -1, -1, -1});
-  const PluginInstance& c = env->controllers()[0];
+  const PluginInstance& c = env->plugins(SKYBODY_CONTROLLER)[0];
   EXPECT_EQ(flight.group.plugin_reals(c.state)[0], 10.0);  // once a physics step
   EXPECT_EQ(flight.group.plugin_bits(c.state + 2)[0],
             9u);  // its last call: after 9 completed steps
@@ -284,10 +284,10 @@ TEST(Configuration, ASignalThatNoActuatorTakesIsRefusedAtItsLine) {
     FAIL();
   } catch (const MarkedError& e) {
     EXPECT_EQ(e.mark().file, "test.yaml");
-    EXPECT_STREQ(
-        e.what(),
-        "the last controller, `dangling`, gives srt; it must give rotor_speed, wrench, velocity "
-        "or pose: add a controller behind it that takes srt");
+    EXPECT_STREQ(e.what(),
+                 "the last controller, `dangling`, gives srt; it must give rotor_speed, wrench, "
+                 "joint, velocity "
+                 "or pose: add a controller behind it that takes srt");
   }
 }
 

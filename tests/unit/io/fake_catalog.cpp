@@ -47,19 +47,19 @@ ParameterSpec required(ParameterSpec spec) {
 }  // namespace
 
 FakeCatalog::FakeCatalog() {
-  add(PluginKind::kController, "rotor_speed", {real("max_speed", 2300.0, 0.0, 1e5)});
-  add(PluginKind::kController, "ctbr",
+  add(SKYBODY_CONTROLLER, "rotor_speed", {real("max_speed", 2300.0, 0.0, 1e5)});
+  add(SKYBODY_CONTROLLER, "ctbr",
       {text("apply", {"rotors", "body"}), reals("gain", {1, 1, 1}, 3), reals("list", {}, -1),
        of_type(real("order", 1, 1, 4), ParameterType::kInteger),
        of_type(real("filter", 1, 0, 1), ParameterType::kBoolean)});
-  add(PluginKind::kController, "broken", {});
-  plugins_[PluginKind::kController]["broken"].failure = "it is truncated";
-  add(PluginKind::kSensor, "imu", {required(text("robot", {})), text("link", {})});
-  add(PluginKind::kRandomizer, "start", {text("robot", {})});
-  add(PluginKind::kTask, "hover", {text("robot", {})});
+  add(SKYBODY_CONTROLLER, "broken", {});
+  plugins_[SKYBODY_CONTROLLER]["broken"].failure = "it is truncated";
+  add(SKYBODY_SENSOR, "imu", {required(text("robot", {})), text("link", {})});
+  add(SKYBODY_RANDOMIZER, "start", {text("robot", {})});
+  add(SKYBODY_TASK, "hover", {text("robot", {})});
 }
 
-void FakeCatalog::add(PluginKind kind, const std::string& name,
+void FakeCatalog::add(SkybodyKind kind, const std::string& name,
                       std::vector<ParameterSpec> parameters) {
   PluginDeclaration declaration;
   declaration.kind = kind;
@@ -70,13 +70,13 @@ void FakeCatalog::add(PluginKind kind, const std::string& name,
   plugins_[kind][name] = std::move(declaration);
 }
 
-const PluginDeclaration* FakeCatalog::find(PluginKind kind, const std::string& name) const {
+const PluginDeclaration* FakeCatalog::find(SkybodyKind kind, const std::string& name) const {
   const auto& list = plugins_.at(kind);
   const auto found = list.find(name);
   return found == list.end() ? nullptr : &found->second;
 }
 
-std::vector<std::string> FakeCatalog::names(PluginKind kind) const {
+std::vector<std::string> FakeCatalog::names(SkybodyKind kind) const {
   std::vector<std::string> list;
   for (const auto& entry : plugins_.at(kind)) list.push_back(entry.first);
   return list;

@@ -13,13 +13,13 @@ namespace skybody {
 class FakeCatalog : public PluginCatalog {
  public:
   FakeCatalog();
-  const PluginDeclaration* find(PluginKind kind, const std::string& name) const override;
-  std::vector<std::string> names(PluginKind kind) const override;
+  const PluginDeclaration* find(SkybodyKind kind, const std::string& name) const override;
+  std::vector<std::string> names(SkybodyKind kind) const override;
 
  private:
-  void add(PluginKind kind, const std::string& name, std::vector<ParameterSpec> parameters);
+  void add(SkybodyKind kind, const std::string& name, std::vector<ParameterSpec> parameters);
 
-  std::map<PluginKind, std::map<std::string, PluginDeclaration>> plugins_;
+  std::map<SkybodyKind, std::map<std::string, PluginDeclaration>> plugins_;
 };
 
 }  // namespace skybody

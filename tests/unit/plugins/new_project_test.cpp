@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
-#include "plugins/host/kind.h"
+#include "core/base/plugin_kind.h"
 #include "tests/unit/plugins/small_world.h"
 
 namespace skybody {

@@ -1,0 +1,94 @@
+// What effects hold over a physics step. An effect adds to inputs of its own; where several hold
+// one input, these are put together afterwards. What is not due holds what it gave last.
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/octets.h"
+#include "core/env/environment.h"
+#include "core/env/group_work.h"
+#include "core/env/plugin_call.h"
+#include "core/model/held_inputs.h"
+
+namespace skybody {
+namespace {
+
+/// What two effects hold together.
+double both(int input, int k, double a, double b) {
+  switch (input) {
+    case SKYBODY_HELD_ROTOR_GAIN:
+      return a * b;
+    case SKYBODY_HELD_ROTOR_LIMIT:
+      return k % 2 == 0 ? std::max(a, b) : std::min(a, b);
+    case SKYBODY_HELD_ROTOR_RATE:
+      return std::isnan(b) ? a : b;
+    default:
+      return a + b;
+  }
+}
+
+void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block) {
+  double* values = group.writable(block, mask);
+  const int size = kHeldInputs[static_cast<std::size_t>(input)].size;
+  for (int k = 0; k < block.size; ++k, values += group.lanes()) {
+    const double neutral = neutral_value(input, k % size);
+    each_lane(mask, [&](int lane) { values[lane] = neutral; });
+  }
+}
+
+}  // namespace
+
+/// Lets the effects that are due speak, in order.
+void Environment::apply_effects(StateGroup& group, const SkybodyLanes& view) const {
+  std::uint32_t changed[SKYBODY_HELD_COUNT] = {};
+  for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
+    SkybodyLanes v = view;
+    v.active = due(e, group, view.active);
+    if (v.active == 0) continue;
+    SkybodyHeld held{};
+    for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+      const Block& block = e.held[static_cast<std::size_t>(i)];
+      if (block.size == 0) continue;
+      fill_neutral(group, v.active, i, block);
+      held.input[i] = group.writable(block, v.active);
+      if (block.offset != layout().held[static_cast<std::size_t>(i)].offset) changed[i] |= v.active;
+    }
+    const SkybodyHeld* const inputs = &held;
+    call_plugin(e.kernels.apply, e, group, v, {}, inputs);
+  }
+  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+    if (changed[i] != 0) add_up_held(group, changed[i], i);
+  }
+}
+
+/// Puts together what several effects hold of one input.
+void Environment::add_up_held(StateGroup& group, std::uint32_t mask, int input) const {
+  const auto i = static_cast<std::size_t>(input);
+  const Block& block = layout().held[i];
+  const int lanes = group.lanes(), size = kHeldInputs[i].size;
+  double* sum = group.writable(block, mask);
+  fill_neutral(group, mask, input, block);
+  for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
+    if (!e.holds[i]) continue;
+    const double* own = group.reals(e.held[i]);
+    for (int k = 0; k < block.size; ++k) {
+      each_lane(mask, [&](int lane) {
+        double& value = sum[k * lanes + lane];
+        value = both(input, k % size, value, own[k * lanes + lane]);
+      });
+    }
+  }
+}
+
+/// Nothing is held, until the effects speak.
+void Environment::clear_held(StateGroup& group, std::uint32_t mask) const {
+  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+    const Block& block = layout().held[static_cast<std::size_t>(i)];
+    if (block.size > 0) fill_neutral(group, mask, i, block);
+    for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
+      const Block& own = e.held[static_cast<std::size_t>(i)];
+      if (own.size > 0) fill_neutral(group, mask, i, own);
+    }
+  }
+}
+
+}  // namespace skybody

@@ -1,0 +1,47 @@
+// The one way in which the engine calls a plugin's step functions.
+#pragma once
+
+#include <string>
+
+#include "core/base/error.h"
+#include "core/env/group_work.h"
+#include "core/env/plugin_instance.h"
+#include "core/env/state_group.h"
+
+namespace skybody {
+
+/// @throws Error if the plugin touched values beyond those that it may
+inline void report_misuse(const PluginInstance& plugin, const SkybodyChecks& checks) {
+  if (checks.what == nullptr) return;
+  throw Error("plugin `" + plugin.plugin + "` (" + plugin.name + ") asks for " + checks.what +
+              " value " + std::to_string(checks.index) + "; allowed: " +
+              (checks.size == 0 ? "none" : "0 to " + std::to_string(checks.size - 1)) +
+              "; this is a mistake in the plugin");
+}
+
+/// Sizes of what a call hands over, for checked mode.
+struct CallSizes {
+  int input = 0;
+  int output = 0;
+  int info = 0;
+};
+
+/// Calls one step function of an instance.
+/// @param view   of the group; @param sizes  of the arguments behind the buffer
+template <class Function, class... Arguments>
+void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& group,
+                 const SkybodyLanes& view, const CallSizes& sizes, Arguments... arguments) {
+  if (view.checks != nullptr) {
+    view.checks->buffer = plugin.buffer_words;
+    view.checks->scratch = plugin.scratch;
+    view.checks->input = sizes.input;
+    view.checks->output = sizes.output;
+    view.checks->info = sizes.info;
+    view.checks->what = nullptr;
+  }
+  function(plugin.self.get(), &view, group.plugin_bits(plugin.state),
+           group.plugin_reals(plugin.buffer), arguments...);
+  if (view.checks != nullptr) report_misuse(plugin, *view.checks);
+}
+
+}  // namespace skybody

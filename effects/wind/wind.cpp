@@ -1,0 +1,152 @@
+// Wind: a constant velocity of the air, and 1-cosine gusts at drawn times.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class Wind : public Effect {
+ public:
+  template <class Real>
+  struct State {
+    Real begin;            ///< of the present gust, or the next one [s]
+    Vec3<Real> direction;  ///< of that gust, unit, W
+  };
+
+  void configure(const Setup& setup) override {
+    dt_ = setup.dt();
+    choose_bodies(setup);
+    choose_direction();
+    const double longest = static_cast<double>(period_.value()) * dt_;
+    if (gust_speed_.value() > 0.0 && gust_duration_.value() < 2.0 * longest) {
+      throw std::runtime_error("`gust_duration` is " + to_text(gust_duration_.value()) +
+                               " s, but the effect is called every " + to_text(longest) +
+                               " s: allowed are at least two calls a gust; lower `period`");
+    }
+    setup.holds(HeldInput::kWind);
+    setup.period(static_cast<int>(period_.value()));
+  }
+
+  /// The first gust of the episode.
+  template <class Real>
+  void reset(const Lanes<Real>& env, State<Real>& state) const {
+    Random<Real> draw = random(env, kResetDraws);
+    state.begin = wait(draw);
+    state.direction = direction(draw);
+  }
+
+  template <class Real>
+  void apply(const Lanes<Real>& env, State<Real>& state, Held<Real>& held) const {
+    const Real time = to_real(env.physics_step()) * dt_;
+    const Vec3<Real> wind = velocity_.vec3(env) + gust(env, time, state);
+    for (const int body : bodies_) held.add_wind(body, wind);
+  }
+
+ private:
+  static constexpr std::uint64_t kApplyDraws = 0, kResetDraws = 1;
+
+  void choose_bodies(const Setup& setup) {
+    std::vector<bool> chosen(static_cast<std::size_t>(setup.robots().size()),
+                             robots_.values().empty());
+    for (const std::string& name : robots_.values()) {
+      chosen[static_cast<std::size_t>(setup.robot(name))] = true;
+    }
+    for (int b = 0; b < setup.bodies().size(); ++b) {
+      if (chosen[static_cast<std::size_t>(setup.bodies()[b].robot)]) bodies_.push_back(b);
+    }
+  }
+
+  void choose_direction() {
+    if (gust_direction_.count() == 0) return;
+    if (gust_direction_.count() != 3 || norm(gust_direction_.vec3()) == 0.0) {
+      throw std::runtime_error(
+          "`gust_direction` is a vector of three values, not all of them 0; without it every gust "
+          "has a heading of its own");
+    }
+    fixed_direction_ = gust_direction_.vec3() / norm(gust_direction_.vec3());
+  }
+
+  /// Gusts come as a Poisson process: the waiting times are exponential.
+  template <class Real>
+  SKYBODY_INLINE Real wait(Random<Real>& draw) const {
+    return -gust_interval_.value() * log(draw.uniform());
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> direction(Random<Real>& draw) const {
+    const SinCos<Real> heading = sincos(draw.uniform(Real(-kPi), Real(kPi)));
+    if (gust_direction_.count() == 0) return {heading.cos, heading.sin, Real(0.0)};
+    return {Real(fixed_direction_.x), Real(fixed_direction_.y), Real(fixed_direction_.z)};
+  }
+
+  /// The 1-cosine gust; where it is over, the next one is drawn.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> gust(const Lanes<Real>& env, const Real& time,
+                                 State<Real>& state) const {
+    const Real duration = gust_duration_(env), age = time - state.begin;
+    const auto is_on = logical_and(age > 0.0, age < duration);
+    const Real phase = (2.0 * kPi) * (age / duration);
+    const Real speed =
+        (0.5 * gust_speed_(env)) * (1.0 - sincos(select(is_on, phase, Real(0.0))).cos);
+    const Vec3<Real> velocity = state.direction * speed;
+    const auto is_over = age >= duration;
+    if (any(is_over)) {
+      Random<Real> draw = random(env, kApplyDraws);
+      state.begin = select(is_over, time + wait(draw), state.begin);
+      state.direction = select(is_over, direction(draw), state.direction);
+    }
+    return velocity;
+  }
+
+  TextsParameter robots_{this, {.name = "robots", .doc = "whom it blows at; empty: all"}};
+  RealsParameter velocity_{this,
+                           {.name = "velocity",
+                            .unit = "m/s",
+                            .values = {0.0, 0.0, 0.0},
+                            .min = -100.0,
+                            .max = 100.0,
+                            .doc = "of the steady wind, W axes",
+                            .randomizable = true}};
+  RealParameter gust_speed_{this,
+                            {.name = "gust_speed",
+                             .unit = "m/s",
+                             .min = 0.0,
+                             .max = 100.0,
+                             .doc = "of a gust at its peak; 0: no gusts",
+                             .randomizable = true}};
+  RealParameter gust_duration_{this,
+                               {.name = "gust_duration",
+                                .unit = "s",
+                                .value = 1.0,
+                                .min = 0.001,
+                                .max = 1000.0,
+                                .doc = "of a gust, from still air to still air",
+                                .randomizable = true}};
+  RealParameter gust_interval_{this,
+                               {.name = "gust_interval",
+                                .unit = "s",
+                                .value = 5.0,
+                                .min = 0.001,
+                                .max = 1e6,
+                                .doc = "mean time from the end of a gust to the next one"}};
+  RealsParameter gust_direction_{
+      this,
+      {.name = "gust_direction", .count = -1, .doc = "of all gusts, W axes; empty: drawn, level"}};
+  IntegerParameter period_{this,
+                           {.name = "period",
+                            .unit = "physics steps",
+                            .value = 1,
+                            .min = 1,
+                            .max = 1000000,
+                            .doc = "between two values of the wind"}};
+
+  double dt_ = 0.0;
+  std::vector<int> bodies_;
+  Vec3<double> fixed_direction_{};
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Wind, "wind", "1.0.0", "Steady wind and 1-cosine gusts [m/s].");

@@ -1,0 +1,114 @@
+// Checked mode: mistakes that would damage memory are said with the plugin's name.
+#include <gtest/gtest.h>
+
+#include "tests/unit/env/small_plugins.h"
+
+namespace skybody {
+namespace {
+
+using test::Flight;
+using test::InProcessFactory;
+
+/// Two observation values, of which it declares one.
+class Talkative : public Task {
+ public:
+  void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
+  template <class Real>
+  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>& out) const {
+    out.observation.set(0, Real(1.0));
+    out.observation.set(1, Real(2.0));
+  }
+};
+
+/// Asks for a body that is not there.
+class FarLook : public Task {
+ public:
+  void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
+  template <class Real>
+  void evaluate(const Lanes<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+    out.observation.set(0, env.body(3).position.z);
+  }
+};
+
+/// Uses more of its buffer than it asked for.
+class Greedy : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {1, 1, 1, 1});
+    setup.output(Signal::kRotorSpeed, 4);
+    setup.buffer(2);
+  }
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out,
+               Values<Real> buffer) const {
+    buffer.set(2, Real(1.0));
+    for (int i = 0; i < 4; ++i) out.set(i, in[i]);
+  }
+};
+
+std::string mistake(const std::string& controller, const std::string& task) {
+  InProcessFactory factory;
+  factory.add<test::Direct>("direct");
+  factory.add<test::Watch>("watch");
+  factory.add<Talkative>("talkative");
+  factory.add<FarLook>("far_look");
+  factory.add<Greedy>("greedy");
+  Scenario s;
+  s.name = "test";
+  s.contact.ground = false;
+  RobotUse robot;
+  robot.name = "quad";
+  robot.model = test::quadrotor();
+  robot.controllers.push_back(factory.use(controller, controller));
+  s.robots.push_back(robot);
+  s.task = factory.use(task, "task");
+  const Environment env(std::move(s), factory);
+  Flight flight(env, 1);
+  flight.work = env.make_checked_work();
+  try {
+    flight.reset();
+    flight.step({0, 0, 0, 0});
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(CheckedMode, SaysWhatIsTouchedBeyondItsEnd) {
+  EXPECT_EQ(mistake("direct", "talkative"),
+            "plugin `talkative` (task) asks for output value 1; allowed: 0 to 0; this is a mistake "
+            "in the plugin");
+  EXPECT_EQ(mistake("direct", "far_look"),
+            "plugin `far_look` (task) asks for body value 39; allowed: 0 to 12; this is a mistake "
+            "in the plugin");
+  EXPECT_EQ(mistake("greedy", "watch"),
+            "plugin `greedy` (greedy) asks for buffer value 2; allowed: 0 to 1; this is a mistake "
+            "in the plugin");
+}
+
+TEST(CheckedMode, SaysNothingOfSoundPlugins) { EXPECT_EQ(mistake("direct", "watch"), ""); }
+
+TEST(CheckedMode, GivesTheSameBits) {
+  InProcessFactory factory;
+  factory.add<test::Direct>("direct");
+  factory.add<test::Watch>("watch");
+  Scenario s;
+  s.name = "test";
+  RobotUse robot;
+  robot.name = "quad";
+  robot.model = test::quadrotor();
+  robot.controllers.push_back(factory.use("direct", "direct"));
+  s.robots.push_back(robot);
+  s.task = factory.use("watch", "task");
+  const Environment env(std::move(s), factory);
+  Flight plain(env, 1), checked(env, 1);
+  checked.work = env.make_checked_work();
+  for (Flight* flight : {&plain, &checked}) {
+    flight->reset();
+    for (int k = 0; k < 20; ++k) flight->step({0.1f, 0.2f, 0.3f, 0.4f});
+  }
+  EXPECT_EQ(plain.group.save(0), checked.group.save(0));
+}
+
+}  // namespace
+}  // namespace skybody
