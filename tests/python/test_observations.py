@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import pytest
 import skybody
+import torch
 from gymnasium.spaces import Box, Dict
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test
@@ -123,6 +124,20 @@ def test_final_observations_and_infos_carry_all_columns(as_dict: bool) -> None:
         np.testing.assert_array_equal(row, rows[i, :25])
         np.testing.assert_array_equal(infos["final_info"]["privileged"][i], rows[i, 25:])
         assert (infos["privileged"][i] != rows[i, 25:]).any()
+
+
+def test_a_simulation_has_the_same_privileged_values() -> None:
+    world = skybody.Simulation("hover", seed=3, overrides=CRITIC)
+    world.reset()
+    _, infos = envs_of(CRITIC).reset()
+    np.testing.assert_array_equal(world.privileged, infos["privileged"][0])
+
+
+def test_torch_takes_the_columns_of_a_dictionary_without_a_copy() -> None:
+    observation, _ = envs_of(OBSERVED, dict_observations=True).reset()
+    for values in observation.values():
+        assert torch.from_numpy(values).data_ptr() == values.ctypes.data
+        assert torch.from_dlpack(values).data_ptr() == values.ctypes.data
 
 
 def test_a_pool_gives_dictionaries_and_privileged_values() -> None:
