@@ -1,6 +1,7 @@
 #include "core/env/value_names.h"
 
 #include "core/base/error.h"
+#include "core/base/suggestion.h"
 #include "core/model/held_inputs.h"
 
 namespace skybody {
@@ -125,6 +126,17 @@ std::string source_of(const Environment& environment, const ObservationColumn& c
   const PluginInstance& sensor =
       environment.plugins(SKYBODY_SENSOR)[static_cast<std::size_t>(column.source.sensor)];
   return sensor.name + "." + sensor.channels[static_cast<std::size_t>(column.source.channel)].name;
+}
+
+std::vector<std::string> column_texts(const Environment& environment) {
+  std::vector<std::string> texts;
+  for (const ObservationColumn& column : environment.columns()) {
+    std::vector<std::string> shape;
+    for (const int extent : column.shape) shape.push_back(std::to_string(extent));
+    texts.push_back(column.name + " " + info_of(column.type).name + " [" + join(shape) + "] from " +
+                    source_of(environment, column) + (column.privileged ? ", privileged" : ""));
+  }
+  return texts;
 }
 
 std::vector<std::string> privileged_names(const Environment& environment) {

@@ -17,6 +17,10 @@ std::vector<std::string> observation_names(const Environment& environment);
 /// Who gives a column's values: "task", or a sensor and its channel, "imu.angular_rate".
 std::string source_of(const Environment& environment, const ObservationColumn& column);
 
+/// One per column: "velocity float32 [3] from task", "gyro float32 [3] from imu.angular_rate,
+/// privileged".
+std::vector<std::string> column_texts(const Environment& environment);
+
 /// One per value of a privileged row.
 std::vector<std::string> privileged_names(const Environment& environment);
 

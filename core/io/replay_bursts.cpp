@@ -147,8 +147,8 @@ HashChain replay_chain(const ReplayHeader& header) {
   }
   chain.update(header.envs);
   chain.update(header.action_size);
-  for (const auto* texts :
-       {&header.overrides, &header.plugin_path, &header.observation_names, &header.state_names}) {
+  for (const auto* texts : {&header.overrides, &header.plugin_path, &header.columns,
+                            &header.observation_names, &header.state_names}) {
     add_texts(chain, *texts);
   }
   return chain;

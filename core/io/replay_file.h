@@ -22,6 +22,7 @@ struct ReplayHeader {
   int envs = 0;
   std::string autoreset;  ///< next_step, same_step, disabled
   int action_size = 0;
+  std::vector<std::string> columns;            ///< of the observation, a text each, see replay.md
   std::vector<std::string> observation_names;  ///< one per value, the privileged ones last
   std::vector<std::string> state_names;        ///< one per state word; empty: states not recorded
 };
@@ -116,6 +117,6 @@ class ReplayReader {
 };
 
 /// The newest format.
-inline constexpr int kReplayFormat = 2;
+inline constexpr int kReplayFormat = 3;
 
 }  // namespace skybody

@@ -56,6 +56,7 @@ struct ReplayReader::File {
     header.action_size = size("action_size");
     header.overrides = reader.texts("/overrides");
     header.plugin_path = reader.texts("/plugin_path");
+    header.columns = reader.texts("/columns");
     header.observation_names = reader.texts("/observation_names");
     header.state_names = reader.texts("/state_names");
   }

@@ -67,6 +67,7 @@ Hdf5Id created(const Hdf5Writer& writer, const ReplayHeader& header) {
   writer.write_attribute(file, "action_size", static_cast<std::int64_t>(header.action_size));
   write_texts(writer, file, "overrides", header.overrides);
   write_texts(writer, file, "plugin_path", header.plugin_path);
+  write_texts(writer, file, "columns", header.columns);
   write_texts(writer, file, "observation_names", header.observation_names);
   write_texts(writer, file, "state_names", header.state_names);
   return file;

@@ -37,6 +37,7 @@ ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
   header.envs = envs.envs();
   header.autoreset = to_text(envs.options().autoreset);
   header.action_size = environment.action_size();
+  header.columns = column_texts(environment);
   header.observation_names = observation_names(environment);
   for (std::string& name : privileged_names(environment)) {
     header.observation_names.push_back(std::move(name));

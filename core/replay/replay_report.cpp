@@ -192,7 +192,8 @@ void check_comparable(const ReplayReader& first, const ReplayReader& second) {
     refuse("the number of environments, " + std::to_string(a.envs) + " and " +
            std::to_string(b.envs));
   }
-  if (a.observation_names != b.observation_names) refuse("what they observe");
+  if (a.columns != b.columns || a.observation_names != b.observation_names)
+    refuse("what they observe");
   if (a.action_size != b.action_size) refuse("the width of an action");
 }
 

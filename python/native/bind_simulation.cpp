@@ -117,6 +117,11 @@ void bind_outcome(Class& c) {
       nb::sig("def observation(self) -> numpy.typing.NDArray[numpy.float32]"),
       "(O,) float32, a copy: after the last reset or step.");
   c.def_prop_ro(
+      "privileged",
+      [](S& s) { return s.look([](Simulation& sim) { return row(sim.privileged()); }); },
+      nb::sig("def privileged(self) -> numpy.typing.NDArray[numpy.float32]"),
+      "(P,) float32, a copy: likewise, what a critic sees besides.");
+  c.def_prop_ro(
       "reward", [](S& s) { return s.look([](Simulation& sim) { return sim.reward(); }); },
       "Of the last step; of a team, the team's.");
   c.def_prop_ro(

@@ -20,6 +20,12 @@ const char* const kShipped[] = {"hover.yaml",       "payload.yaml",      "format
 /// What shipped scenarios do not have: obstacles, anchors, several includes.
 // Boxes are small: Simbody takes a third of a second to prepare one of a metre.
 const char* const kOwn[] = {
+    R"(include: hover.yaml
+sensors: [{plugin: imu, name: eye}]
+observe:
+  - eye.angular_rate
+  - {channel: eye.specific_force, name: force, low: -50, high: 50, privileged: true}
+)",
     R"(include: [a.yaml, b.yaml]
 name: parts
 task: {plugin: hover}

@@ -96,7 +96,7 @@ std::vector<std::string> yaml_words() {
   for (const MapSpec* spec :
        {&scenario_fields(), &stepping_fields(), &solver_fields(), &contact_fields(),
         &robot_fields(), &pose_fields(), &disturbance_fields(), &joint_fields(), &obstacle_fields(),
-        &plugin_use_fields(), &rotors_file_fields(), &rotor_fields()}) {
+        &observed_fields(), &plugin_use_fields(), &rotors_file_fields(), &rotor_fields()}) {
     add_keys(*spec, words);
   }
   for (std::string& word : plugin_words()) words.push_back(std::move(word));

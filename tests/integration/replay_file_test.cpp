@@ -82,6 +82,7 @@ ReplayHeader write_small(const fs::path& file, bool with_transition = true) {
   header.envs = 1;
   header.autoreset = "next_step";
   header.action_size = 2;
+  header.columns = {"x float32 [3] from task"};
   header.observation_names = {"a", "b", "c"};
   ReplayWriter writer(file, header);
   ReplayEvent restore;

@@ -291,7 +291,8 @@ std::string content_of(const fs::path& file) {
   out << h.skybody_version << h.scenario_name << h.scenario_file << h.scenario_text << h.autoreset
       << h.scenario_hash << ' ' << h.seed << ' ' << h.first_env_id << ' ' << h.envs << ' '
       << h.action_size;
-  for (const auto* list : {&h.overrides, &h.plugin_path, &h.observation_names, &h.state_names}) {
+  for (const auto* list :
+       {&h.overrides, &h.plugin_path, &h.columns, &h.observation_names, &h.state_names}) {
     for (const std::string& text : *list) out << text << ',';
   }
   ReplayEvent event;

@@ -64,7 +64,7 @@ def header_chain(file: h5py.File) -> Chain:
     chain = Chain().add(hash_of(bytes(file.attrs[name])) for name in texts)
     chain.add([int(file.attrs["scenario_hash"], 16)])
     chain.add(int(file.attrs[name]) for name in ("seed", "first_env_id", "envs", "action_size"))
-    for name in ("overrides", "plugin_path", "observation_names", "state_names"):
+    for name in ("overrides", "plugin_path", "columns", "observation_names", "state_names"):
         values = [bytes(value) for value in file[name][()]] if file[name].size else []
         chain.add([len(values), *(hash_of(value) for value in values)])
     return chain

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import pytest
 import skybody
+import torch
 from gymnasium.spaces import Box, Dict
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test
@@ -125,6 +126,20 @@ def test_final_observations_and_infos_carry_all_columns(as_dict: bool) -> None:
         assert (infos["privileged"][i] != rows[i, 25:]).any()
 
 
+def test_a_simulation_has_the_same_privileged_values() -> None:
+    world = skybody.Simulation("hover", seed=3, overrides=CRITIC)
+    world.reset()
+    _, infos = envs_of(CRITIC).reset()
+    np.testing.assert_array_equal(world.privileged, infos["privileged"][0])
+
+
+def test_torch_takes_the_columns_of_a_dictionary_without_a_copy() -> None:
+    observation, _ = envs_of(OBSERVED, dict_observations=True).reset()
+    for values in observation.values():
+        assert torch.from_numpy(values).data_ptr() == values.ctypes.data
+        assert torch.from_dlpack(values).data_ptr() == values.ctypes.data
+
+
 def test_a_pool_gives_dictionaries_and_privileged_values() -> None:
     pool = skybody.make_pool(
         "hover", N, batch_size=2, order="fixed", overrides=CRITIC, dict_observations=True
@@ -214,6 +229,7 @@ def test_a_replay_compares_observed_and_privileged_values(tmp_path: Path) -> Non
         envs.step(actions(step, N))
     envs.close()
     with h5py.File(tmp_path / "run.h5") as file:
+        assert file["columns"][-1] == b"gyro float32 [3] from imu.angular_rate, privileged"
         assert file["observation_names"][-1] == b"gyro[2]"
         assert file["transitions/observation"].shape == (11 * N, 28)
     done = subprocess.run(

@@ -221,6 +221,12 @@ TEST(Observation, AFaultIsSeenWhereNobodyTakesPrivilegedRows) {
   EXPECT_EQ(flight.status[0], kTruncated | kFault | kBadOutcome);
 }
 
+TEST(Observation, ColumnsAreSaidInATextEach) {
+  const auto env = make({.observe = {observed("gauge.velocity"), observed("gauge.step", "k")}});
+  EXPECT_EQ(column_texts(*env)[4], "gauge.velocity float32 [3] from gauge.velocity");
+  EXPECT_EQ(column_texts(*env)[5], "k float32 [1] from gauge.step, privileged");
+}
+
 TEST(Observation, TheHashChainsPrivilegedValues) {
   const auto env = make({.observe = {observed("gauge.step")}});
   CriticFlight flight(*env, 1);
