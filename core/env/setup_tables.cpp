@@ -36,6 +36,10 @@ SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int in
   info.first_q = b.q;
   info.first_u = b.u;
   info.joint = static_cast<int>(b.model->joint.type);
+  info.joint_name = b.model->joint.name.c_str();
+  info.joint_is_limited = b.model->joint.limit.enabled ? 1 : 0;
+  info.joint_lower = b.model->joint.limit.lower;
+  info.joint_upper = b.model->joint.limit.upper;
   return info;
 }
 

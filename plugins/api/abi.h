@@ -79,6 +79,9 @@ typedef struct SkybodyBodyInfo {
   int32_t joint;             /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
   int32_t first_joint_param; /* EnvParams of that joint, at the places of SkybodyJointConstant */
   int32_t joint_param_count; /* as many of them, from the first on, as apply to it */
+  const char* joint_name;    /* "" of a base */
+  int32_t joint_is_limited;  /* pin and slider: 1: it has limits */
+  double joint_lower, joint_upper; /* [rad] or [m] */
 } SkybodyBodyInfo;
 
 typedef struct SkybodyLinkInfo {

@@ -85,6 +85,11 @@ class Setup {
   View<RotorInfo> rotors_of(int robot) const;
   /// A link of a robot. @throws std::runtime_error naming those that exist
   const LinkInfo& link(int robot, const std::string& name) const;
+  /// The body of a robot that the joint of that name moves. @throws std::runtime_error naming those
+  /// that exist
+  const BodyInfo& joint(int robot, const std::string& name) const;
+  /// Its world body index.
+  int index_of(const BodyInfo& body) const { return static_cast<int>(&body - raw_.bodies); }
   /// Index for Lanes::sensor() of the first value of a sensor's channel, and its size.
   /// @throws std::runtime_error naming those that exist
   int sensor(const std::string& instance, const std::string& channel, int* count = nullptr) const;

@@ -42,6 +42,17 @@ inline const LinkInfo& Setup::link(int robot, const std::string& name) const {
                            name + "`: there are " + known);
 }
 
+inline const BodyInfo& Setup::joint(int robot, const std::string& name) const {
+  std::string known;
+  for (const BodyInfo& b : bodies()) {
+    if (b.robot != robot || b.parent < 0) continue;
+    if (name == b.joint_name) return b;
+    known += (known.empty() ? "" : ", ") + std::string(b.joint_name);
+  }
+  throw std::runtime_error("robot `" + std::string(raw_.robots[robot].name) + "` has no joint `" +
+                           name + "`: there are " + (known.empty() ? "none" : known));
+}
+
 inline int Setup::sensor(const std::string& instance, const std::string& channel,
                          int* count) const {
   std::string known;

@@ -115,7 +115,7 @@ class Simulation(_native.Simulation):
         super().__init__(environment, check_seed(seed) or 0, env_id)
 
     def command(self, values: ArrayLike, robot: str = "") -> None:
-        """Sets the input of a robot's first controller; held until the next one.
+        """Sets the commands of a robot's chains of controllers, in order; held until the next ones.
 
         Args:
             values: (command_size,), in the units of the control mode. Controllers hold them to

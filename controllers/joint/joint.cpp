@@ -1,0 +1,127 @@
+// Commands of joints to their drives, as position, velocity or effort.
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "controllers/common/robot.h"
+
+namespace skybody {
+namespace {
+
+class Joint : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    if (joints_.values().empty()) throw std::runtime_error("`joints` names no joint to drive");
+    std::vector<double> low, high;
+    for (const std::string& name : joints_.values()) {
+      const SkybodyJointDrive drive = drive_of(setup, name);
+      setup.joint(drive);
+      low.push_back(drive.low);
+      high.push_back(drive.high);
+    }
+    low_ = low;
+    high_ = high;
+    setup.input(Signal::kJoint, low, high);
+    setup.output(Signal::kJoint, static_cast<int>(low.size()));
+  }
+
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    for (int i = 0; i < static_cast<int>(low_.size()); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      output.set(i, clamp(input[i], Real(low_[k]), Real(high_[k])));
+    }
+  }
+
+ private:
+  SkybodyJointMode mode() const {
+    if (mode_.value() == "position") return SKYBODY_JOINT_POSITION;
+    return mode_.value() == "velocity" ? SKYBODY_JOINT_VELOCITY : SKYBODY_JOINT_EFFORT;
+  }
+
+  SkybodyJointDrive drive_of(const Setup& setup, const std::string& name) const {
+    const BodyInfo& body = setup.joint(setup.robot(), name);
+    const bool is_effort = mode() == SKYBODY_JOINT_EFFORT;
+    const double limit = effort_limit_.value() > 0.0 ? effort_limit_.value()
+                                                     : std::numeric_limits<double>::infinity();
+    SkybodyJointDrive drive{setup.index_of(body), 0,     mode(),       stiffness_.value(),
+                            damping_.value(),     limit, tau_.value(), low_bound_.value(),
+                            high_bound_.value()};
+    if (drive.low == drive.high) take_bounds(body, drive);
+    if (is_effort && std::isfinite(limit)) {
+      drive.low = std::fmax(drive.low, -limit);
+      drive.high = std::fmin(drive.high, limit);
+    }
+    if (!(drive.low < drive.high)) {
+      throw std::runtime_error("joint `" + name + "` has no range: give `low` and `high`" +
+                               (is_effort ? ", or `effort_limit`" : ""));
+    }
+    if (mode() == SKYBODY_JOINT_POSITION && drive.stiffness <= 0.0) {
+      throw std::runtime_error("`stiffness` is 0: a position drive needs one [N m/rad] or [N/m]");
+    }
+    if (mode() == SKYBODY_JOINT_VELOCITY && drive.damping <= 0.0) {
+      throw std::runtime_error("`damping` is 0: a velocity drive needs one [N m s/rad] or [N s/m]");
+    }
+    return drive;
+  }
+
+  /// Positions: the joint's own limits. Efforts: the drive's.
+  void take_bounds(const BodyInfo& body, SkybodyJointDrive& drive) const {
+    if (mode() == SKYBODY_JOINT_POSITION && body.joint_is_limited != 0) {
+      drive.low = body.joint_lower;
+      drive.high = body.joint_upper;
+    } else if (mode() == SKYBODY_JOINT_EFFORT) {
+      drive.low = -drive.effort_limit;
+      drive.high = drive.effort_limit;
+      if (!std::isfinite(drive.high)) drive.low = drive.high = 0.0;
+    }
+  }
+
+  TextsParameter joints_{this, {.name = "joints", .doc = "names of the joints, in order"}};
+  TextParameter mode_{this,
+                      {.name = "mode",
+                       .value = "effort",
+                       .choices = {"position", "velocity", "effort"},
+                       .doc = "what a command means"}};
+  RealParameter stiffness_{this,
+                           {.name = "stiffness",
+                            .unit = "N m/rad or N/m",
+                            .min = 0.0,
+                            .max = 1e6,
+                            .doc = "of a position drive"}};
+  RealParameter damping_{this,
+                         {.name = "damping",
+                          .unit = "N m s/rad or N s/m",
+                          .min = 0.0,
+                          .max = 1e6,
+                          .doc = "of a position or velocity drive"}};
+  RealParameter effort_limit_{this,
+                              {.name = "effort_limit",
+                               .unit = "N m or N",
+                               .min = 0.0,
+                               .max = 1e6,
+                               .doc = "most that a drive gives; 0: no limit"}};
+  RealParameter tau_{this,
+                     {.name = "tau",
+                      .unit = "s",
+                      .min = 0.0,
+                      .max = 100.0,
+                      .doc = "time constant of the first-order lag of commands; 0: none"}};
+  RealParameter low_bound_{
+      this,
+      {.name = "low",
+       .min = -1e6,
+       .max = 1e6,
+       .doc = "command that action -1 means; low = high: the joint's limits, or "
+              "the effort limit"}};
+  RealParameter high_bound_{
+      this, {.name = "high", .min = -1e6, .max = 1e6, .doc = "command that action +1 means"}};
+
+  std::vector<double> low_, high_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Joint, "joint", "1.0.0", "Position, velocity or effort of joints.");

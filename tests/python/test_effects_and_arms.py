@@ -1,0 +1,177 @@
+"""Effects, arms beside live rotors and tilted rotors, from files as a user writes them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from skybody import Environment, InputError, Simulation
+
+ROOT = Path(__file__).resolve().parents[2]
+MODELS = ROOT / "scenarios/models"
+
+WINDY = """
+include: {hover}
+randomization: []
+effects:
+  - plugin: wind
+    parameters: {{velocity: [{speed}, 0, 0]}}
+"""
+
+ARM = """
+  <link name="arm">
+    <inertial>
+      <origin xyz="0 0 -0.1"/>
+      <mass value="0.1"/>
+      <inertia ixx="0.0004" ixy="0" ixz="0" iyy="0.0004" iyz="0" izz="0.00004"/>
+    </inertial>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base_link"/>
+    <child link="arm"/>
+    <origin xyz="0 0 -0.05"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-1.5" upper="1.5" effort="1" velocity="10"/>
+  </joint>
+</robot>
+"""
+
+ARMED = """
+stepping: {dt: 0.001, action_repeat: 1}
+robots:
+  - name: quad
+    model: quad_arm.urdf
+    rotors: ROTORS
+    pose: {position: [0, 0, 2]}
+    rotor_speed: hover
+    joints: {shoulder: {position: 0.3}}
+    controllers:
+      - {plugin: ctbr}
+      - {plugin: joint, parameters: {joints: [shoulder], mode: MODE, effort_limit: 0.5, SERVO}}
+task: {plugin: hover}
+"""
+
+
+def windy(folder: Path, speed: float) -> Simulation:
+    file = folder / f"windy_{speed}.yaml"
+    file.write_text(WINDY.format(hover=ROOT / "scenarios/hover.yaml", speed=speed))
+    return Simulation(str(file), control="ctbr")
+
+
+def armed(folder: Path, mode: str = "effort", servo: str = "tau: 0") -> str:
+    urdf = (MODELS / "qdrone2/qdrone2.urdf").read_text().replace("</robot>", ARM)
+    (folder / "quad_arm.urdf").write_text(urdf)
+    text = ARMED.replace("ROTORS", str(MODELS / "qdrone2/rotors.yaml"))
+    file = folder / f"armed_{mode}.yaml"
+    file.write_text(text.replace("MODE", mode).replace("SERVO", servo))
+    return str(file)
+
+
+def shoulder(sim: Simulation) -> float:
+    """Angle of the arm about the base's y axis [rad]."""
+    base, arm = (np.asarray(sim.body(name).rotation) for name in ("quad.base_link", "quad.arm"))
+    w = base @ arm
+    v = base[0] * arm[1:] - arm[0] * base[1:] - np.cross(base[1:], arm[1:])
+    return 2.0 * math.atan2(v[1], w)
+
+
+def test_wind_carries_a_vehicle_along(tmp_path: Path) -> None:
+    ways = []
+    for speed in (0.0, 5.0):
+        sim = windy(tmp_path, speed)
+        sim.reset()
+        weight = sum(sim.param(p) for p in sim.environment.param_paths if p.endswith(".mass"))
+        sim.command([weight * 9.81, 0.0, 0.0, 0.0])
+        sim.advance(1000)
+        ways.append(sim.body("quad.base_link").position[0])
+    assert abs(ways[0]) < 1e-9
+    assert ways[1] > 0.05  # rotor drag, 5 m/s, 1.54 kg, a second
+
+
+def test_wind_is_in_state_and_hash(tmp_path: Path) -> None:
+    hashes = []
+    for speed in (0.0, 5.0):
+        sim = windy(tmp_path, speed)
+        sim.reset()
+        sim.advance(10)
+        sim.evaluate()
+        hashes.append(sim.hash())
+    assert hashes[0] != hashes[1]
+
+
+def test_an_arm_is_driven_beside_live_rotors(tmp_path: Path) -> None:
+    sim = Simulation(armed(tmp_path))
+    assert [c.name for c in sim.environment.action_channels] == ["ctbr", "joint"]
+    assert sim.environment.action_size == 5
+    assert sim.environment.action_channels[1].low == [-0.5]
+    sim.reset()
+    assert shoulder(sim) == pytest.approx(0.3, abs=1e-12)
+    before = np.asarray(sim.rotor_speeds)
+    sim.command([16.0, 0.0, 0.0, 0.0, -0.5])
+    sim.advance(50)
+    assert shoulder(sim) < 0.25
+    assert np.all(np.asarray(sim.rotor_speeds) > 0.5 * before)
+
+
+def test_a_position_drive_holds_the_arm(tmp_path: Path) -> None:
+    servo = "stiffness: 2, damping: 0.1, tau: 0.02"
+    sim = Simulation(armed(tmp_path, "position", servo))
+    assert sim.environment.action_channels[1].low == [-1.5]  # the joint's own limits
+    sim.reset()
+    sim.command([16.0, 0.0, 0.0, 0.0, -0.4])
+    sim.advance(1500)
+    assert shoulder(sim) == pytest.approx(-0.4, abs=0.05)  # less what gravity bends
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("robots[0].joints.shoulder.position=2", "its limits are -1.5 to 1.5"),
+        ("robots[0].controllers[1].parameters.joints=[elbow]", "has no joint `elbow`"),
+        ("robots[0].controllers[1].parameters.mode=position", "`stiffness` is 0"),
+        ("robots[0].controllers[1].plugin=srt", "whose actuators a chain before it commands"),
+    ],
+)
+def test_what_an_arm_cannot_be_is_said(tmp_path: Path, change: str, message: str) -> None:
+    overrides = [change]
+    if "plugin" in change:
+        overrides.append("robots[0].controllers[1].parameters={}")
+    with pytest.raises(InputError, match=message.replace("[", r"\[")):
+        Environment(armed(tmp_path), overrides=overrides)
+
+
+def test_a_hexacopter_with_tilted_rotors_hovers(tmp_path: Path) -> None:
+    rotors = (MODELS / "firefly/rotors.yaml").read_text().splitlines()
+    count = 0
+    for i, line in enumerate(rotors):
+        if "direction:" not in line:
+            continue
+        tilt = 0.17 if count % 2 == 0 else -0.17  # 10 degrees, in turn
+        angle = math.pi / 6 + count * math.pi / 3
+        axis = f"axis: [{-tilt * math.sin(angle)}, {tilt * math.cos(angle)}, 1], "
+        rotors[i] = line.replace("direction:", axis + "direction:")
+        count += 1
+    assert count == 6
+    (tmp_path / "tilted.yaml").write_text("\n".join(rotors))
+    scenario = tmp_path / "hexa.yaml"
+    scenario.write_text(
+        f"""
+stepping: {{dt: 0.001, action_repeat: 1}}
+robots:
+  - name: hexa
+    model: {MODELS / "firefly/firefly.urdf"}
+    rotors: tilted.yaml
+    pose: {{position: [0, 0, 2]}}
+    rotor_speed: hover
+    controllers: [{{plugin: position}}, {{plugin: attitude}}, {{plugin: ctbr}}]
+task: {{plugin: hover}}
+"""
+    )
+    sim = Simulation(str(scenario))
+    sim.reset()
+    sim.command([0.0, 0.0, 2.0, 0.0])
+    sim.advance(4000)
+    assert not sim.fault
+    assert np.linalg.norm(np.asarray(sim.bodies[0].position) - [0, 0, 2]) < 0.1

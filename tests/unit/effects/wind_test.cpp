@@ -1,0 +1,110 @@
+// Wind against its equation: steady, the shape of a gust, when gusts come, whom it blows at.
+#include <cmath>
+
+#include "tests/unit/plugin_harness.h"
+
+namespace skybody::testing {
+namespace {
+
+using Call = Instance::Call;
+using ::testing::HasSubstr;
+
+class WindTest : public ::testing::Test {
+ protected:
+  WindTest() { world.add_quad("quad"); }
+
+  static std::vector<double>& wind_of(Group& g) { return g.held[SKYBODY_HELD_WIND]; }
+  /// Wind before a physics step, from neutral values as the engine gives them.
+  static std::vector<double> at(const Instance& wind, Group& g, std::uint64_t physics_step) {
+    g.physics_step[0] = physics_step;
+    std::fill(wind_of(g).begin(), wind_of(g).end(), 0.0);
+    wind.call(Call::kApply, g);
+    return wind_of(g);
+  }
+  PluginWorld world;
+};
+
+TEST_F(WindTest, GivesTheBitsOfDouble) {
+  expect_same_bits("wind", world, {{"velocity", std::vector<double>{1.0, 2.0, 3.0}}});
+  expect_same_bits("wind", world, {{"gust_speed", 4.0}, {"gust_interval", 0.001}});
+}
+
+TEST_F(WindTest, IsSteadyWithoutGusts) {
+  const Instance wind("wind", world, {{"velocity", std::vector<double>{3.0, -1.0, 0.5}}});
+  Group g = wind.group(1);
+  wind.call(Call::kReset, g);
+  for (const std::uint64_t step : {0u, 1u, 5000u}) {
+    EXPECT_EQ(at(wind, g, step), (std::vector<double>{3.0, -1.0, 0.5}));
+  }
+}
+
+TEST_F(WindTest, AGustHasTheShapeOfOneMinusCosine) {
+  const Instance wind("wind", world,
+                      {{"gust_speed", 4.0},
+                       {"gust_duration", 0.2},
+                       {"gust_interval", 0.05},
+                       {"gust_direction", std::vector<double>{0.0, 2.0, 0.0}}});
+  Group g = wind.group(1);
+  wind.call(Call::kReset, g);
+  const double begin = std::bit_cast<double>(g.state[0]);
+  const auto first = static_cast<std::uint64_t>(begin / 0.001) + 1;
+  for (std::uint64_t step = first; step * 0.001 < begin + 0.2; ++step) {
+    const double age = static_cast<double>(step) * 0.001 - begin;
+    const double speed = 2.0 * (1.0 - std::cos(2.0 * kPi * age / 0.2));
+    const std::vector<double> v = at(wind, g, step);
+    EXPECT_NEAR(v[1], speed, 1e-12);  // libm's cosine and ours differ by an ulp or two
+    EXPECT_EQ(v[0], 0.0);
+  }
+}
+
+TEST_F(WindTest, GustsComeAtTheMeanInterval) {
+  const Instance wind("wind", world,
+                      {{"gust_speed", 1.0}, {"gust_duration", 0.01}, {"gust_interval", 0.03}});
+  Group g = wind.group(1);
+  wind.call(Call::kReset, g);
+  double begin = std::bit_cast<double>(g.state[0]);
+  int gusts = 0;
+  double headings = 0.0;
+  for (std::uint64_t step = 0; step < 400000; ++step) {
+    at(wind, g, step);
+    const double now = std::bit_cast<double>(g.state[0]);
+    if (now == begin) continue;
+    begin = now;
+    ++gusts;
+    headings += std::bit_cast<double>(g.state[1]);
+  }
+  // 400 s in parts of 0.03 s waiting, 0.01 s gust and on average half a step until it is seen to be
+  // over: 9876 expected, deviation 0.75 sqrt(n) = 75. Four of them.
+  EXPECT_NEAR(gusts, 9876, 300);
+  EXPECT_NEAR(headings / gusts, 0.0, 4.0 * std::sqrt(0.5 / gusts));
+}
+
+TEST_F(WindTest, BlowsAtTheRobotsThatItNames) {
+  world.add_quad("other");
+  const Instance wind("wind", world,
+                      {{"velocity", std::vector<double>{1.0, 0.0, 0.0}},
+                       {"robots", std::vector<std::string>{"other"}}});
+  Group g = wind.group(1);
+  wind.call(Call::kReset, g);
+  EXPECT_EQ(at(wind, g, 0), (std::vector<double>{0, 0, 0, 1, 0, 0}));
+}
+
+TEST_F(WindTest, SaysWhatDoesNotFit) {
+  const auto refusal = [&](const Parameters& given) {
+    try {
+      const Instance wind("wind", world, given);
+    } catch (const std::runtime_error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refusal({{"gust_speed", 1.0}, {"gust_duration", 0.01}, {"period", 10}}),
+              HasSubstr("`gust_duration` is 0.01 s, but the effect is called every 0.01 s"));
+  EXPECT_THAT(refusal({{"gust_direction", std::vector<double>{0.0, 0.0, 0.0}}}),
+              HasSubstr("not all of them 0"));
+  EXPECT_THAT(refusal({{"robots", std::vector<std::string>{"quda"}}}),
+              HasSubstr("no robot `quda`: there are quad"));
+}
+
+}  // namespace
+}  // namespace skybody::testing
