@@ -71,14 +71,17 @@ void FakeCatalog::add(SkybodyKind kind, const std::string& name,
 }
 
 const PluginDeclaration* FakeCatalog::find(SkybodyKind kind, const std::string& name) const {
-  const auto& list = plugins_.at(kind);
-  const auto found = list.find(name);
-  return found == list.end() ? nullptr : &found->second;
+  const auto list = plugins_.find(kind);
+  if (list == plugins_.end()) return nullptr;
+  const auto found = list->second.find(name);
+  return found == list->second.end() ? nullptr : &found->second;
 }
 
 std::vector<std::string> FakeCatalog::names(SkybodyKind kind) const {
   std::vector<std::string> list;
-  for (const auto& entry : plugins_.at(kind)) list.push_back(entry.first);
+  const auto found = plugins_.find(kind);
+  if (found == plugins_.end()) return list;
+  for (const auto& entry : found->second) list.push_back(entry.first);
   return list;
 }
 
