@@ -71,7 +71,7 @@ def armed(folder: Path, mode: str = "effort", servo: str = "tau: 0") -> str:
 
 def shoulder(sim: Simulation) -> float:
     """Angle of the arm about the base's y axis [rad]."""
-    base, arm = (np.asarray(sim.body(name).rotation) for name in ("quad.base_link", "quad.arm"))
+    base, arm = (np.asarray(sim.body(name).rotation) for name in ("base_link", "arm"))
     w = base @ arm
     v = base[0] * arm[1:] - arm[0] * base[1:] - np.cross(base[1:], arm[1:])
     return 2.0 * math.atan2(v[1], w)
@@ -85,7 +85,7 @@ def test_wind_carries_a_vehicle_along(tmp_path: Path) -> None:
         weight = sum(sim.param(p) for p in sim.environment.param_paths if p.endswith(".mass"))
         sim.command([weight * 9.81, 0.0, 0.0, 0.0])
         sim.advance(1000)
-        ways.append(sim.body("quad.base_link").position[0])
+        ways.append(sim.body("base_link").position[0])
     assert abs(ways[0]) < 1e-9
     assert ways[1] > 0.05  # rotor drag, 5 m/s, 1.54 kg, a second
 

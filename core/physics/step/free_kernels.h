@@ -30,11 +30,10 @@ class FreeLanes {
   /// @returns those of `lanes` that came through; the others are as they were
   SKYBODY_INLINE std::uint32_t advance(std::uint32_t lanes) const {
     const std::vector<FreeRobot>& robots = robots_.robots;
+    if constexpr (kIsHeld) return advance_all(lanes);  // one form: each takes the compiler long
     if (robots.size() > 1) return advance_all(lanes);
-    if constexpr (!kIsHeld) {
-      Real end_speeds[4];
-      if (robots[0].has_four_level_rotors()) return advance_one<4>(robots[0], end_speeds, lanes);
-    }
+    Real end_speeds[4];
+    if (robots[0].has_four_level_rotors()) return advance_one<4>(robots[0], end_speeds, lanes);
     return advance_one<0>(robots[0], end_speeds_, lanes);
   }
 
@@ -63,9 +62,9 @@ class FreeLanes {
     for (const FreeRobot& robot : robots_.robots) {
       FreeMotion<Real> motion;
       Real* end_speeds = end_speeds_ + robot.rotors.first;
-      through &= !kIsHeld && robot.has_four_level_rotors()
-                     ? advance < kIsHeld ? 0 : 4 > (robot, motion, end_speeds)
-                     : advance<0>(robot, motion, end_speeds);
+      constexpr int kFour = kIsHeld ? 0 : 4;  // held inputs go rotor by rotor
+      through &= robot.has_four_level_rotors() ? advance<kFour>(robot, motion, end_speeds)
+                                               : advance<0>(robot, motion, end_speeds);
       *at_end++ = motion;
     }
     if (all(through)) {
@@ -128,6 +127,7 @@ template <IntegratorChoice kIntegrator, bool kIsHeld = false>
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    if constexpr (kIsHeld) return run_held<W>(call, lanes);
     return for_packs<W>(call, lanes,
                         [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
                             SKYBODY_INLINE_LAMBDA {
@@ -136,6 +136,18 @@ struct AdvanceFreeRobots {
                                          call, first, params, derived)
                                   .advance(bits);
                             });
+  }
+
+ private:
+  /// Each lane reads its own parameters (GroupStepper sees to it), nominal or not.
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run_held(const StepCall& call, std::uint32_t lanes) {
+    using Values = LaneValues<RealOf<W>>;
+    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+      return FreeLanes<RealOf<W>, Values, kIntegrator, true>(
+                 call, first, Values(call.group->params + first), Values(call.derived + first))
+          .advance(bits);
+    });
   }
 };
 

@@ -86,12 +86,14 @@ GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
                               : 3 * plan.world.bodies.size() * static_cast<std::size_t>(lanes)) {
   SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()),
                  "a group has 1 or 32 lanes");
+  if (plan.has_held) make_derived();  // its kernels read each lane's own
 }
 
 GroupStepper::~GroupStepper() = default;
 
 StepCall GroupStepper::call(const GroupBlocks& group, PhysicsScratch& scratch) {
-  return {&plan_, &group, spins_.data(), drawn_ == 0 ? nullptr : derived_.data(), scratch.data()};
+  const bool is_shared = drawn_ == 0 && !plan_.has_held;
+  return {&plan_, &group, spins_.data(), is_shared ? nullptr : derived_.data(), scratch.data()};
 }
 
 void GroupStepper::refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,

@@ -80,8 +80,8 @@ TEST(NewProject, OverwritesNothing) {
   EXPECT_EQ(message(SKYBODY_SENSOR, "gust", folder.path()),
             (folder.path() / "gust").string() +
                 " exists; nothing was written. Remove it or choose another name");
-  std::filesystem::create_directory(folder.path() / "wind");
-  EXPECT_THAT(message(SKYBODY_SENSOR, "wind", folder.path()), HasSubstr("exists"));
+  std::filesystem::create_directory(folder.path() / "draught");
+  EXPECT_THAT(message(SKYBODY_SENSOR, "draught", folder.path()), HasSubstr("exists"));
   EXPECT_EQ(files_of(folder.path()), std::set<std::string>{"gust"});
 }
 
