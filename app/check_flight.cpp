@@ -1,6 +1,6 @@
 #include "app/check_flight.h"
 
-#include <set>
+#include <map>
 #include <vector>
 
 #include "core/base/math.h"
@@ -33,14 +33,17 @@ std::string other_of(const Environment& environment, const Contact& contact) {
 void warn_of_overlaps(const Environment& environment, const std::vector<Contact>& contacts,
                       Diagnostics& diagnostics) {
   const double deep = kDeep * environment.scenario().contact.penetration;
-  std::set<std::string> said;
+  std::map<std::string, double> depths;
   for (const Contact& contact : contacts) {
-    if (contact.depth < deep) continue;
-    const std::string message = robot_of(environment, contact.body) + " begins " +
-                                format_number(contact.depth) + " m inside " +
-                                other_of(environment, contact) + "; move its `pose`";
-    if (!said.insert(message).second) continue;
-    diagnostics.warning({environment.scenario().file, 0, 0}, message);
+    const std::string robot = robot_of(environment, contact.body);
+    const std::string other = other_of(environment, contact);
+    if (contact.depth < deep || robot == other) continue;
+    double& depth = depths[robot + " begins inside " + other];
+    depth = max(depth, contact.depth);
+  }
+  for (const auto& [what, depth] : depths) {
+    diagnostics.warning({environment.scenario().file, 0, 0},
+                        what + ", by " + format_number(depth) + " m; move its `pose`");
   }
 }
 

@@ -19,19 +19,15 @@ class Joint : public Controller {
       low.push_back(drive.low);
       high.push_back(drive.high);
     }
-    low_ = low;
-    high_ = high;
+    count_ = static_cast<int>(low.size());
     setup.input(Signal::kJoint, low, high);
-    setup.output(Signal::kJoint, static_cast<int>(low.size()));
+    setup.output(Signal::kJoint, count_);
   }
 
   template <class Real>
   void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
-    for (int i = 0; i < static_cast<int>(low_.size()); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      output.set(i, clamp(input[i], Real(low_[k]), Real(high_[k])));
-    }
+    for (int i = 0; i < count_; ++i) output.set(i, input[i]);
   }
 
  private:
@@ -118,7 +114,7 @@ class Joint : public Controller {
   RealParameter high_bound_{
       this, {.name = "high", .min = -1e6, .max = 1e6, .doc = "command that action +1 means"}};
 
-  std::vector<double> low_, high_;
+  int count_ = 0;  ///< of joints; their drives hold commands to the bounds
 };
 
 }  // namespace

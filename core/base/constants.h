@@ -6,12 +6,14 @@
  *
  *   X(SYMBOL, Id, key, unit, count, fallback, least, greatest, least_drawn, doc)
  *
- * key          in files and in the paths of EnvParams, behind that of the thing; with several
- * values the paths end in [0], [1], ... count        number of values, at most 6; six are a
- * symmetric matrix: xx yy zz xy xz yz fallback     the values where a file has none, in
- * parentheses; (): a file has to give them least, greatest  what a file may give, each value,
- * inclusive least_drawn  what an EnvParam may be at least; there is no upper bound. Of a symmetric
- * matrix the bound holds on the diagonal doc          one line
+ * - key: in files and in the paths of EnvParams, behind that of the thing; with several values the
+ *   paths end in [0], [1], ...
+ * - count: number of values, at most 6; six are a symmetric matrix: xx yy zz xy xz yz
+ * - fallback: the values where a file has none, in parentheses; (): a file has to give them
+ * - least, greatest: what a file may give, each value, inclusive
+ * - least_drawn: what an EnvParam may be at least; there is no upper bound. Of a symmetric matrix the
+ *   bound holds on the diagonal
+ * - doc: one line
  */
 #ifndef SKYBODY_CORE_BASE_CONSTANTS_H
 #define SKYBODY_CORE_BASE_CONSTANTS_H

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "core/base/error.h"
+#include "core/base/plugin_kind.h"
 #include "core/env/controller_chains.h"
 
 namespace skybody {
@@ -36,6 +37,7 @@ void check_size(const PluginInstance& p, int signal, int count, const char* verb
 
 void check_controller(const PluginInstance& p) {
   if (!is_signal(p.input_signal) || p.low.empty()) refuse(p, "declares no input that there is");
+  if (p.inputs > 1) refuse(p, "declares its input " + std::to_string(p.inputs) + " times");
   check_size(p, p.input_signal, p.input_count(), "takes");
   if (p.outputs.empty()) refuse(p, "declares no output that there is");
   for (std::size_t i = 0; i < p.outputs.size(); ++i) {
@@ -130,7 +132,34 @@ void check_actions(const PluginInstance& p, int robots) {
   }
 }
 
+/// What only plugins of some kinds declare.
+void check_kind(const PluginInstance& p) {
+  const auto demand = [&](bool is_declared, bool may, const char* what) {
+    if (is_declared && !may) {
+      refuse(p, std::string("declares ") + what + ", which no " + kind_name(p.kind) + " does");
+    }
+  };
+  const bool is_task = p.kind == SKYBODY_TASK, is_controller = p.kind == SKYBODY_CONTROLLER;
+  const bool holds = std::any_of(p.holds.begin(), p.holds.end(), [](bool held) { return held; });
+  demand(p.inputs > 0 || !p.outputs.empty(), is_controller, "an input or output");
+  demand(!p.sites.empty() || !p.joints.empty(), is_controller, "a site or joint");
+  demand(!p.channels.empty(), is_task || p.kind == SKYBODY_SENSOR, "a channel");
+  demand(holds, p.kind == SKYBODY_EFFECT, "a held input");
+  demand(!p.writes.empty(), p.kind == SKYBODY_RANDOMIZER, "what it writes");
+  demand(p.period > 0, p.kind != SKYBODY_RANDOMIZER, "a period");
+  demand(!p.reports.empty(), !is_task, "a report (a task has info)");
+  demand(!p.infos.empty() || !p.goals.empty() || p.robot_rewards, is_task,
+         "info, goals or robots' rewards");
+  demand(!p.actions.empty() || p.interpolates, is_task, "an action");
+}
+
 void check_reports(const PluginInstance& p) {
+  std::unordered_set<std::string> names;
+  for (const Report& report : p.reports) {
+    if (!names.insert(report.info.name).second) {
+      refuse(p, "reports `" + report.info.name + "` twice");
+    }
+  }
   for (const Report& report : p.reports) {
     if (report.info.count < 1 || report.word < 0 ||
         report.word + report.info.count > p.buffer_words) {
@@ -160,6 +189,7 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   const auto bodies = static_cast<int>(topology.bodies.size());
   const auto robots = static_cast<int>(topology.scenario.robots.size());
   const auto params = static_cast<int>(layout.param_info.size());
+  check_kind(p);
   if (p.kind == SKYBODY_CONTROLLER) check_controller(p);
   if (p.buffer_words < 0)
     refuse(p, "asks for a buffer of " + std::to_string(p.buffer_words) + " words");
@@ -179,6 +209,7 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   }
   for (const JointDrive& joint : p.joints) check_joint(p, joint, topology);
   check_actions(p, robots);
+  check_names(p, p.actions);
   check_reports(p);
   if (p.scratch < 0) refuse(p, "asks for " + std::to_string(p.scratch) + " values of scratch");
   if (p.kind == SKYBODY_TASK && p.period > 0 &&

@@ -1,9 +1,11 @@
 #include "core/env/controller_chains.h"
 
+#include <algorithm>
 #include <array>
 
 #include "core/model/marked_error.h"
 #include "core/physics/world/world_layout.h"
+#include "plugins/api/text.h"
 
 namespace skybody {
 namespace {
@@ -134,7 +136,7 @@ class RobotChains {
     plan_.layout.command.size += chain.inputs;
     for (const PluginOutput& output : at(end).outputs) {
       claim(end, output.signal);
-      chain.ends.push_back(make_end(at(end), output));
+      chain.ends.push_back(make_end(end, at(end), output));
     }
     return chain;
   }
@@ -151,7 +153,7 @@ class RobotChains {
     is_taken = true;
   }
 
-  ChainEnd make_end(const PluginInstance& c, const PluginOutput& output) {
+  ChainEnd make_end(int i, const PluginInstance& c, const PluginOutput& output) {
     ChainEnd end{output.signal, output.count, nullptr, 0};
     switch (output.signal) {
       case SKYBODY_ROTOR_SPEED:
@@ -164,7 +166,7 @@ class RobotChains {
         plan_.sites.insert(plan_.sites.end(), c.sites.begin(), c.sites.end());
         break;
       case SKYBODY_JOINT:
-        add_joints(c, end);
+        add_joints(i, c, end);
         break;
       default:
         add_drive(output.signal, end);
@@ -172,10 +174,34 @@ class RobotChains {
     return end;
   }
 
-  void add_joints(const PluginInstance& c, ChainEnd& end) {
+  void add_joints(int i, const PluginInstance& c, ChainEnd& end) {
+    for (std::size_t k = 0; k < c.joints.size(); ++k) check_joint(i, c, c.joints[k], k);
     end.block = &Layout::joint_command;
     end.first = static_cast<int>(plan_.joint_drives.size());
     plan_.joint_drives.insert(plan_.joint_drives.end(), c.joints.begin(), c.joints.end());
+  }
+
+  /// @param k  its place among the controller's
+  void check_joint(int i, const PluginInstance& c, const JointDrive& drive, std::size_t k) const {
+    const RobotLayout& layout = plan_.layout.robots[static_cast<std::size_t>(robot_)];
+    const Joint& joint =
+        use_.model.bodies[static_cast<std::size_t>(drive.body - layout.first_body)].joint;
+    const auto is_same = [&](const JointDrive& other) {
+      return other.body == drive.body && other.coordinate == drive.coordinate;
+    };
+    const auto own_end = c.joints.begin() + static_cast<std::ptrdiff_t>(k);
+    if (std::any_of(c.joints.begin(), own_end, is_same) ||
+        std::any_of(plan_.joint_drives.begin(), plan_.joint_drives.end(), is_same)) {
+      refuse(i, "controller `" + c.name + "` drives joint `" + joint.name +
+                    "`, which is driven already; a joint has one drive");
+    }
+    if (drive.mode == JointMode::kPosition &&
+        (joint.position < drive.low || joint.position > drive.high)) {
+      refuse(i, "controller `" + c.name + "` holds joint `" + joint.name + "` to " +
+                    to_text(drive.low) + " .. " + to_text(drive.high) + ", but it begins at " +
+                    to_text(joint.position) +
+                    ": widen `low` and `high`, or move the joint's `position`");
+    }
   }
 
   void add_drive(int signal, ChainEnd& end) {

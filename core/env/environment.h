@@ -145,7 +145,8 @@ class Environment {
   void make_command(StateGroup&, GroupWork&, const SkybodyLanes&) const;
   void process(StateGroup&, GroupWork&, const SkybodyLanes&) const;
   void scale_action(const StateGroup&, std::uint32_t mask, double* out) const;
-  void move_command(StateGroup&, const GroupWork&, std::uint32_t mask, int step, int steps) const;
+  void move_command(StateGroup&, const GroupWork&, std::uint32_t mask, int step, int steps,
+                    bool is_first) const;
   void control(StateGroup&, GroupWork&, const SkybodyLanes&) const;
   void control(StateGroup&, GroupWork&, const SkybodyLanes&, const ControllerChain&) const;
   void apply_effects(StateGroup&, const SkybodyLanes&) const;
@@ -174,6 +175,7 @@ class Environment {
   void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
   const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void silence_rotors(StateGroup&, std::uint32_t mask) const;
+  void settle_joint_drives(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
   std::vector<Contact> find_contacts(StateGroup&, GroupWork&, int lane) const;

@@ -18,9 +18,6 @@
 namespace skybody {
 namespace {
 
-/// Per body, see SkybodyLanes::contacts.
-constexpr int kContactValues = 7;
-
 /// A plugin use with its values in C form.
 struct BoundUse {
   BoundUse(const PluginUse& u, SkybodyKind k, int r, std::string p)
@@ -56,6 +53,7 @@ struct Environment::Builder {
     configure_kind(SKYBODY_RANDOMIZER, tables);
     check_writers();
     configure_kind(SKYBODY_TASK, tables);
+    check_interpolation();
     list_actions();
     lay_out();
   }
@@ -145,6 +143,17 @@ struct Environment::Builder {
     tables.set_chains(env.chains_);
   }
 
+  /// Quaternions do not go from one to another value by value.
+  void check_interpolation() const {
+    if (!env.task().interpolates) return;
+    for (const ControllerChain& chain : env.chains_) {
+      if (chain.signal != SKYBODY_ATTITUDE && chain.signal != SKYBODY_POSE) continue;
+      throw MarkedError(scenario.task.mark,
+                        "task `" + env.task().plugin + "` changes commands in equal parts, which " +
+                            signal_name(chain.signal) + " does not allow: it has a quaternion");
+    }
+  }
+
   /// The action row: the task's own, or the chains' commands.
   void list_actions() {
     int& size = plan.layout.action.size;
@@ -192,7 +201,7 @@ struct Environment::Builder {
     l.bodies_before.size =
         env.needs_bodies_before_ ? 13 * static_cast<int>(topology.bodies.size()) : 0;
     l.contacts.size =
-        env.needs_contacts_ ? kContactValues * static_cast<int>(topology.bodies.size()) : 0;
+        env.needs_contacts_ ? SKYBODY_CONTACT_VALUES * static_cast<int>(topology.bodies.size()) : 0;
     env.plan_ = plan_observation(env.task(), env.plugins_[SKYBODY_SENSOR], scenario.observe);
     l.last_observation.size = env.plan_.size();
     for (auto& list : env.plugins_) {

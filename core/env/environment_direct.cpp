@@ -18,7 +18,7 @@ void add_contact(const Contact& contact, int body, double sign, const StateGroup
   const double* at = group.bodies() + 13 * body * lanes + lane;
   const Vec3<double> arm = contact.point - Vec3<double>{at[0], at[lanes], at[2 * lanes]};
   const Vec3<double> force = sign * contact.force, moment = cross(arm, force);
-  double* sum = sums + 7 * body * lanes + lane;
+  double* sum = sums + SKYBODY_CONTACT_VALUES * body * lanes + lane;
   for (const double value : {force.x, force.y, force.z, moment.x, moment.y, moment.z}) {
     *sum += value;
     sum += lanes;

@@ -40,6 +40,7 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
   update(group, work, mask);  // randomizers may look at the bodies
   draw(group, work, mask, false);
   update(group, work, mask);
+  settle_joint_drives(group, mask);
   remember_bodies(group, mask);
   sense_contacts(group, work, mask);
   for (const PluginInstance& c : plugins_[SKYBODY_CONTROLLER]) reset_plugin(c, group, work, mask);
@@ -81,6 +82,11 @@ void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) con
         std::uint64_t* words = group.plugin_bits(k);
         each_lane(mask, [&](int lane) { words[lane] = 0; });
       }
+      if (p.last_output.size == 0) continue;
+      double* given = group.writable(p.last_output, mask);
+      for (int k = 0; k < p.last_output.size; ++k, given += group.lanes()) {
+        each_lane(mask, [&](int lane) { given[lane] = 0.0; });
+      }
     }
   }
   clear_held(group, mask);
@@ -110,23 +116,40 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
   }
 }
 
-/// Rotors that no controller drives stand still where another one moves the robot: it would be
-/// pushed twice while they run down.
+/// Rotors stand still where a wrench or a drive moves the robot in their place: it would be pushed
+/// twice while they run down.
 void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
   for (int r = 0; r < static_cast<int>(scenario().robots.size()); ++r) {
-    bool is_commanded = false, has_live_rotors = false;
+    bool is_moved = false, has_live_rotors = false;
     for (const ControllerChain& chain : chains_) {
       if (chain.robot != r) continue;
-      is_commanded = true;
-      for (const ChainEnd& end : chain.ends) has_live_rotors |= end.signal == SKYBODY_ROTOR_SPEED;
+      for (const ChainEnd& end : chain.ends) {
+        has_live_rotors |= end.signal == SKYBODY_ROTOR_SPEED;
+        is_moved |= end.signal != SKYBODY_ROTOR_SPEED && end.signal != SKYBODY_JOINT;
+      }
     }
-    if (!is_commanded || has_live_rotors) continue;
+    if (!is_moved || has_live_rotors) continue;
     const RobotLayout& robot = layout().robots[static_cast<std::size_t>(r)];
     for (int k = robot.first_rotor; k < robot.first_rotor + robot.rotor_count; ++k) {
       double* speed = group.writable({layout().rotor_speed.offset + k, 1}, mask);
       double* command = group.writable({layout().rotor_command.offset + k, 1}, mask);
       each_lane(mask, [&](int lane) { speed[lane] = command[lane] = 0.0; });
     }
+  }
+}
+
+/// Position drives begin where the joints are, drawn or not.
+void Environment::settle_joint_drives(StateGroup& group, std::uint32_t mask) const {
+  const Layout& l = layout();
+  for (std::size_t i = 0; i < world_->joint_drives.size(); ++i) {
+    const JointDrive& drive = world_->joint_drives[i];
+    if (drive.mode != JointMode::kPosition) continue;
+    const int k = static_cast<int>(i);
+    const WorldBody& body = world_->bodies[static_cast<std::size_t>(drive.body)];
+    const double* q = group.reals(l.q.offset + body.q + drive.coordinate);
+    double* command = group.writable({l.joint_command.offset + k, 1}, mask);
+    double* state = group.writable({l.joint_state.offset + k, 1}, mask);
+    each_lane(mask, [&](int lane) { command[lane] = state[lane] = q[lane]; });
   }
 }
 

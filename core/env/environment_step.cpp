@@ -39,7 +39,9 @@ void Environment::fly_action(StateGroup& group, GroupWork& work, SkybodyLanes la
   const int period = task().period > 0 ? task().period : steps;  // of the command
   for (int k = 0; k < steps && lanes.active != 0; ++k) {
     if (k % period == 0) make_command(group, work, lanes);
-    if (task().interpolates) move_command(group, work, lanes.active, k % period + 1, period);
+    if (task().interpolates) {
+      move_command(group, work, lanes.active, k % period + 1, period, k < period);
+    }
     fly(group, work, lanes);
   }
 }
@@ -121,11 +123,12 @@ void Environment::scale_action(const StateGroup& group, std::uint32_t mask, doub
   }
 }
 
-/// The command on its way from the last one to the present one: in the first action of an episode
+/// The command on its way from the last one to the present one: for the first one of an episode
 /// there was none.
-/// @param step  1..steps
+/// @param step      1..steps
+/// @param is_first  of the action
 void Environment::move_command(StateGroup& group, const GroupWork& work, std::uint32_t mask,
-                               int step, int steps) const {
+                               int step, int steps, bool is_first) const {
   const Block& block = layout().command;
   const double share = static_cast<double>(step) / steps;
   const std::uint64_t* actions = group.bits(kStep);
@@ -134,7 +137,7 @@ void Environment::move_command(StateGroup& group, const GroupWork& work, std::ui
     each_lane(mask, [&](int lane) {
       const auto at = static_cast<std::size_t>(k * group.lanes() + lane);
       const double from = work.command_from[at], to = work.command_to[at];
-      const bool is_there = step == steps || actions[lane] == 0;
+      const bool is_there = step == steps || (is_first && actions[lane] == 0);
       command[at] = is_there ? to : from + share * (to - from);
     });
   }
@@ -144,9 +147,10 @@ void Environment::move_command(StateGroup& group, const GroupWork& work, std::ui
 void Environment::process(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
   const bool has_own = !task().actions.empty();
   if (has_own) scale_action(group, view.active, work.action.data());
-  task().kernels.process(
-      task().self.get(), &view, group.plugin_bits(task().state), group.plugin_reals(task().buffer),
-      has_own ? work.action.data() : view.action, group.writable(layout().command, view.active));
+  const double* action = has_own ? work.action.data() : view.action;
+  call_plugin(task().kernels.process, task(), group, view,
+              {action_size(), layout().command.size, 0}, action,
+              group.writable(layout().command, view.active));
 }
 
 /// The lanes in which a plugin that has a period is to be called before this physics step, or

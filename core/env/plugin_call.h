@@ -34,6 +34,8 @@ template <class Function, class... Arguments>
 void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& group,
                  const SkybodyLanes& view, const CallSizes& sizes, Arguments... arguments) {
   if (view.checks != nullptr) {
+    view.checks->bodies_before = plugin.needs_bodies_before ? view.checks->bodies : 0;
+    view.checks->contacts = plugin.needs_contacts ? view.checks->bodies : 0;
     view.checks->buffer = plugin.buffer_words;
     view.checks->scratch = plugin.scratch;
     view.checks->input = sizes.input;

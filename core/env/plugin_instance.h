@@ -74,6 +74,7 @@ struct PluginInstance {
   SkybodyKernels kernels{};          ///< of the chosen instruction set
 
   // Declared in configure():
+  int inputs = 0;                     ///< calls of input()
   int input_signal = -1;              ///< SkybodySignal, controllers only
   std::vector<PluginOutput> outputs;  ///< one; the last one of a chain may have several
   std::vector<double> low, high;      ///< of the input: what actions -1 and +1 mean

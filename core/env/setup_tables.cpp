@@ -216,7 +216,7 @@ void SetupTables::set_chains(const std::vector<ControllerChain>& chains) {
       robot.first_action = chain.command;
     }
     robot.action_count += chain.inputs;
-    chains_.push_back({chain.robot, chain.signal, chain.command, chain.command, chain.inputs});
+    chains_.push_back({chain.robot, chain.signal, chain.command, chain.inputs});
   }
 }
 
@@ -226,6 +226,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   d.input = [](void* host, int32_t signal, int32_t count, const double* low, const double* high) {
     PluginInstance& p = instance_of(host);
     p.input_signal = signal;
+    ++p.inputs;
     p.low.assign(low, low + count);
     p.high.assign(high, high + count);
   };

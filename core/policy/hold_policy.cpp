@@ -50,6 +50,21 @@ V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia) {
   return inertia * (kRateGain * (wanted - rates)) + cross(rates, inertia * rates);
 }
 
+/// What keeps joints as the scenario has them at a reset: position drives at their positions,
+/// others at rest.
+std::vector<double> joints_at_reset(const World& world, const Environment& environment,
+                                    const ControllerChain& chain) {
+  const auto& controllers = environment.plugins(SKYBODY_CONTROLLER);
+  const PluginInstance& last = controllers[static_cast<std::size_t>(chain.first + chain.count - 1)];
+  std::vector<double> commands(static_cast<std::size_t>(chain.inputs), 0.0);
+  for (std::size_t k = 0; k < std::min(commands.size(), last.joints.size()); ++k) {
+    const JointDrive& drive = last.joints[k];
+    const WorldBody& body = world.bodies[static_cast<std::size_t>(drive.body)];
+    if (drive.mode == JointMode::kPosition) commands[k] = body.model->joint.position;
+  }
+  return commands;
+}
+
 }  // namespace
 
 /// What the loops want, before it is put in the mode's words.
@@ -92,6 +107,7 @@ HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environmen
     robot.signal = first.input_signal;
     robot.action = chain.command;
     robot.low = first.low;
+    if (robot.signal == SKYBODY_JOINT) robot.joints = joints_at_reset(world, environment, chain);
     robot.high = first.high;
     const auto& goals = environment.task().goals;
     for (std::size_t g = 0; g < goals.size(); ++g) {
@@ -255,8 +271,8 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation);
       return {v.x, v.y, v.z, r.z};
     }
-    case SKYBODY_JOINT:  // as the scenario has them at a reset: at rest at zero
-      return std::vector<double>(robot.low.size(), 0.0);
+    case SKYBODY_JOINT:
+      return robot.joints;
     case SKYBODY_POSITION:
       return {p.x, p.y, p.z, wish.yaw};
     default: {  // SKYBODY_TRAJECTORY: a point that rests

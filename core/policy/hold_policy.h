@@ -38,6 +38,7 @@ class HoldPolicy : public Policy {
     int signal = 0;      ///< SkybodySignal
     int action = 0;
     std::vector<double> low, high;
+    std::vector<double> joints;      ///< commands of a chain that drives joints
     std::vector<double> allocation;  ///< rotors x 4: thrusts from (T, tau), row by row
   };
   struct Wish;

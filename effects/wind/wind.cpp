@@ -67,7 +67,7 @@ class Wind : public Effect {
     fixed_direction_ = gust_direction_.vec3() / norm(gust_direction_.vec3());
   }
 
-  /// Gusts come as a Poisson process: the waiting times are exponential.
+  /// From the end of a gust to the next one.
   template <class Real>
   SKYBODY_INLINE Real wait(Random<Real>& draw) const {
     return -gust_interval_.value() * log(draw.uniform());

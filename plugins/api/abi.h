@@ -6,7 +6,8 @@
  * Authors do not write against this file but against <skybody/plugin.h>, which fills it in.
  *
  * Values lie in lanes: scalar k of lane l of a group of L lanes is at p[k * L + l]. A step function
- * serves every lane whose bit is set in `active` and must not write to the others.
+ * serves every lane whose bit is set in `active` and must not write to the others, but for the
+ * output of control() and what evaluate() gives.
  *
  * Step functions (`SkybodyKernels`) are called concurrently on one instance from several threads.
  * They do not allocate, lock, log, throw or keep anything: all that changes lies in `state`.
@@ -28,7 +29,8 @@ extern "C" {
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
 #define SKYBODY_ABI_VERSION 3u
-#define SKYBODY_GROUP_LANES 32u /* lanes of a full group; the only other number of lanes is 1 */
+#define SKYBODY_GROUP_LANES 32u  /* lanes of a full group; the only other number of lanes is 1 */
+#define SKYBODY_CONTACT_VALUES 7 /* per body in SkybodyLanes::contacts */
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
 
 enum SkybodyParameterType {
@@ -130,9 +132,8 @@ typedef struct SkybodySensorInfo {
 typedef struct SkybodyChainInfo {
   int32_t robot;
   int32_t signal;        /* SkybodySignal of its first controller */
-  int32_t first_command; /* within the command block */
-  int32_t first_action;  /* within the action row */
-  int32_t count;         /* of values, of the command as of the action */
+  int32_t first_command; /* within the command block, and within an action that is not the task's */
+  int32_t count;         /* of values */
 } SkybodyChainInfo;
 
 enum SkybodyShapeKind {
@@ -242,7 +243,7 @@ typedef struct SkybodyJointDrive {
   double damping;      /* [N m s/rad] or [N s/m], >= 0 */
   double effort_limit; /* [N m] or [N], > 0, may be infinite */
   double tau;          /* time constant of the first-order lag [s]; 0: none */
-  double low, high;    /* bounds of the command */
+  double low, high;    /* bounds to which the command is held */
 } SkybodyJointDrive;
 
 /* What configure() tells the host. Texts are copied during the call. */
@@ -292,9 +293,10 @@ typedef struct SkybodyDeclare {
  * touched beyond them. What lies beyond is `nothing`, so that memory stays whole. */
 typedef struct SkybodyChecks {
   int32_t bodies, q, u, rotors, params, sensors, action, command, robots;
-  int32_t buffer, scratch;     /* of the plugin that is called */
-  int32_t input, output, info; /* of this call; output: the observation, too */
-  const char* what;            /* such as "output"; NULL: all was well */
+  int32_t bodies_before, contacts; /* bodies, or 0 where the plugin did not ask */
+  int32_t buffer, scratch;         /* of the plugin that is called */
+  int32_t input, output, info;     /* of this call; output: the observation, too */
+  const char* what;                /* such as "output"; NULL: all was well */
   int32_t index, size;
   double nothing;
 } SkybodyChecks;

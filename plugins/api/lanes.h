@@ -29,7 +29,7 @@ struct ContactSum {
 };
 
 /// Number of values in a ContactSum as the host has it.
-inline constexpr int kContactSumSize = 7;
+inline constexpr int kContactSumSize = SKYBODY_CONTACT_VALUES;
 
 /// Number of values in a BodyMotion.
 inline constexpr int kBodyMotionSize = 13;
@@ -44,15 +44,21 @@ class Lanes {
       : raw_(raw), first_(first), mask_(mask) {}
 
   /// Motion of a world body, at the latest physics state.
-  BodyMotion<Real> body(int index) const { return motion(raw_.bodies, index); }
+  BodyMotion<Real> body(int index) const {
+    return motion(raw_.bodies, index, "body",
+                  [](const SkybodyChecks& c) { return kBodyMotionSize * c.bodies; });
+  }
   /// The same at the start of the last physics step; configure() must have asked for it by
   /// Setup::need_bodies_before().
-  BodyMotion<Real> body_before(int index) const { return motion(raw_.bodies_before, index); }
+  BodyMotion<Real> body_before(int index) const {
+    return motion(raw_.bodies_before, index, "body_before",
+                  [](const SkybodyChecks& c) { return kBodyMotionSize * c.bodies_before; });
+  }
   /// What touches a world body; configure() must have asked for it by Setup::need_contacts().
   ContactSum<Real> contact(int body) const {
     const int first = kContactSumSize * body;
-    const auto v = values_of(raw_.contacts, "body",
-                             [](const SkybodyChecks& c) { return kContactSumSize * c.bodies; });
+    const auto v = values_of(raw_.contacts, "contact",
+                             [](const SkybodyChecks& c) { return kContactSumSize * c.contacts; });
     return {v.vec3(first), v.vec3(first + 3), v[first + 6] > 0.5};
   }
   /// Speed of a world rotor [rad/s], >= 0.
@@ -139,10 +145,10 @@ class Lanes {
   Word<Real> word(const std::uint64_t* base, int k) const {
     return load_words<Real>(base + static_cast<std::size_t>(k) * raw_.lanes + first_);
   }
-  BodyMotion<Real> motion(const double* base, int index) const {
+  template <class Size>
+  BodyMotion<Real> motion(const double* base, int index, const char* what, const Size& size) const {
     const int first = kBodyMotionSize * index;
-    const auto v =
-        values_of(base, "body", [](const SkybodyChecks& c) { return kBodyMotionSize * c.bodies; });
+    const auto v = values_of(base, what, size);
     return {v.vec3(first), v.quat(first + 3), v.vec3(first + 7), v.vec3(first + 10)};
   }
 

@@ -139,7 +139,8 @@ class Held {
   void scale_rolling_moment(int rotor, const Real& gain) {
     scale(rotor, SKYBODY_GAIN_ROLLING, gain);
   }
-  /// Speeds that a rotor can reach [rad/s], besides its own limit; the narrowest of all holds.
+  /// Bounds of a rotor's command, and of its speed where an acceleration is set [rad/s], besides
+  /// its own limit; the narrowest of all holds. A rotor that is faster runs down by its lag.
   void limit_speed(int rotor, const Real& least, const Real& greatest) {
     const Values<Real> limit = values(SKYBODY_HELD_ROTOR_LIMIT);
     limit.set(2 * rotor, max(limit[2 * rotor], least));

@@ -30,11 +30,14 @@ class FreeLanes {
   /// @returns those of `lanes` that came through; the others are as they were
   SKYBODY_INLINE std::uint32_t advance(std::uint32_t lanes) const {
     const std::vector<FreeRobot>& robots = robots_.robots;
-    if constexpr (kIsHeld) return advance_all(lanes);  // one form: each takes the compiler long
-    if (robots.size() > 1) return advance_all(lanes);
-    Real end_speeds[4];
-    if (robots[0].has_four_level_rotors()) return advance_one<4>(robots[0], end_speeds, lanes);
-    return advance_one<0>(robots[0], end_speeds_, lanes);
+    if constexpr (kIsHeld) {
+      return advance_all(lanes);  // one form: each takes the compiler long
+    } else {
+      if (robots.size() > 1) return advance_all(lanes);
+      Real end_speeds[4];
+      if (robots[0].has_four_level_rotors()) return advance_one<4>(robots[0], end_speeds, lanes);
+      return advance_one<0>(robots[0], end_speeds_, lanes);
+    }
   }
 
  private:

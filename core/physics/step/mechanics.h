@@ -262,7 +262,8 @@ class Mechanics {
     int i = 0;
     for (const JointDriveStep& drive : plan_.forces.joint_drives()) {
       f(i, drive, load_lanes<Real>(lanes_.at(group_.joint_state, i)),
-        load_lanes<Real>(lanes_.at(group_.joint_command, i)));
+        clamp(load_lanes<Real>(lanes_.at(group_.joint_command, i)), Real(drive.drive.low),
+              Real(drive.drive.high)));
       ++i;
     }
   }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -65,8 +66,8 @@ struct JointDrive {
   double damping = 0.0;       ///< [N m s/rad] or [N s/m]
   double effort_limit = 0.0;  ///< [N m] or [N]; may be infinite
   double tau = 0.0;           ///< time constant of the first-order lag [s]; 0: none
-  double low = 0.0;           ///< bounds of the command
-  double high = 0.0;
+  double low = -INFINITY;     ///< bounds to which the command is held
+  double high = INFINITY;
 };
 
 /// How a robot's base is driven kinematically by a controller, if at all.

@@ -24,6 +24,20 @@ class ArmTorque : public Controller {
   }
 };
 
+/// The same joint twice.
+class ArmTwice : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kJoint, {-2.0, -2.0}, {2.0, 2.0});
+    setup.output(Signal::kJoint, 2);
+    for (int i = 0; i < 2; ++i) {
+      setup.joint({1, 0, SKYBODY_JOINT_EFFORT, 0.0, 0.0, 2.0, 0.0, -2.0, 2.0});
+    }
+  }
+  template <class Real>
+  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+};
+
 /// One command for rotors and arm: two ends.
 class Both : public Controller {
  public:
@@ -158,10 +172,12 @@ RobotModel with_arm() {
 }
 
 std::unique_ptr<Environment> make(InProcessFactory& factory, std::vector<std::string> controllers,
-                                  const std::string& task = "watch", int action_repeat = 4) {
+                                  const std::string& task = "watch", int action_repeat = 4,
+                                  Checking checking = Checking::kNo) {
   factory.add<test::Direct>("direct");
   factory.add<test::Watch>("watch");
   factory.add<ArmTorque>("arm_torque");
+  factory.add<ArmTwice>("arm_twice");
   factory.add<Both>("both");
   factory.add<Slow>("slow");
   factory.add<Twice>("twice");
@@ -177,13 +193,14 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, std::vector<std::st
   RobotUse robot;
   robot.name = "quad";
   robot.model = with_arm();
+  robot.rotor_speed = 100.0;
   for (const std::string& name : controllers) {
     robot.controllers.push_back(factory.use(name, name));
     robot.controllers.back().mark.line = static_cast<int>(robot.controllers.size());
   }
   s.robots.push_back(robot);
   s.task = factory.use(task, "task");
-  return std::make_unique<Environment>(std::move(s), factory);
+  return std::make_unique<Environment>(std::move(s), factory, checking);
 }
 
 /// What making it is refused with, after the line.
@@ -263,6 +280,36 @@ TEST(Chains, SayWhatDoesNotFit) {
   EXPECT_NE(refusal({"direct", "arm_torque", "slow"})
                 .find("gives rotor_speed to robot `quad`, whose actuators a chain before it"),
             std::string::npos);
+}
+
+TEST(Chains, AJointHasOneDrive) {
+  EXPECT_NE(refusal({"direct", "arm_twice"}).find("which is driven already"), std::string::npos);
+  EXPECT_NE(refusal({"arm_torque", "arm_twice"}).find("which is driven already"),
+            std::string::npos);
+}
+
+TEST(Chains, AnArmAloneLeavesTheRotorsRunning) {
+  InProcessFactory factory;
+  const auto env = make(factory, {"arm_torque"});
+  Flight flight(*env, 1);
+  flight.reset();
+  EXPECT_GT(values(flight, env->layout().rotor_speed)[0], 0.0);
+}
+
+TEST(OwnAction, IsTheSameInCheckedMode) {
+  for (const char* task : {"climb", "count"}) {
+    InProcessFactory factory, others;
+    const auto plain = make(factory, {"direct"}, task);
+    const auto checked = make(others, {"direct"}, task, 4, Checking::kYes);
+    Flight one(*plain, 1), two(*checked, 1);
+    for (Flight* flight : {&one, &two}) {
+      flight->reset();
+      for (int k = 0; k < 3; ++k) {
+        flight->step(std::vector<float>(static_cast<std::size_t>(plain->action_size()), 0.3f));
+      }
+    }
+    EXPECT_EQ(one.group.save(0), two.group.save(0)) << task;
+  }
 }
 
 TEST(OwnAction, IsMadeOfTheTasksChannelsInTheirUnits) {

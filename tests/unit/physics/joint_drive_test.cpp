@@ -69,6 +69,19 @@ TEST(JointDrive, TheEffortStaysWithinItsLimit) {
   EXPECT_NEAR(bench.state.u[0], 0.0, 1e-12);
 }
 
+TEST(JointDrive, TheCommandIsHeldToItsBounds) {
+  JointDrive bounded = torque_drive();
+  bounded.low = -0.1;
+  bounded.high = 0.2;
+  Bench bench = make_bench({bounded});
+  bench.state.joint_command[0] = 5.0;
+  ASSERT_TRUE(bench.run(100));
+  EXPECT_NEAR(bench.state.u[0], 0.2 / kMoment * 0.1, 1e-12);
+  bench.state.joint_command[0] = -5.0;
+  ASSERT_TRUE(bench.run(200));
+  EXPECT_NEAR(bench.state.u[0], 0.0, 1e-12);
+}
+
 TEST(JointDrive, TheCommandComesBehindAFirstOrderLag) {
   JointDrive slow = torque_drive();
   slow.tau = 0.05;

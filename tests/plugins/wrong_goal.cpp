@@ -1,0 +1,18 @@
+// Does not compile, and says why: goal() is not const.
+#include <skybody/plugin.h>
+
+namespace {
+
+using namespace skybody;
+
+class WrongGoal : public Task {
+ public:
+  void configure(const Setup&) override {}
+  template <class Real>
+  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void goal(const Lanes<double>&, const State<double>&, Values<double>) {}
+};
+
+}  // namespace
+
+SKYBODY_PLUGIN(WrongGoal, "wrong_goal", "1.0.0", "Does not compile.");

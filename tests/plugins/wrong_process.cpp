@@ -1,0 +1,18 @@
+// Does not compile, and says why: process() is written for double, evaluate() for any Real.
+#include <skybody/plugin.h>
+
+namespace {
+
+using namespace skybody;
+
+class WrongProcess : public Task {
+ public:
+  void configure(const Setup&) override {}
+  template <class Real>
+  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void process(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+};
+
+}  // namespace
+
+SKYBODY_PLUGIN(WrongProcess, "wrong_process", "1.0.0", "Does not compile.");
