@@ -1,12 +1,17 @@
 // The floating-point mode: what a thread must have set, and what a file must be compiled with.
 #pragma once
 
+#ifdef __SSE2__
 #include <xmmintrin.h>
+#endif
 
+#include <cfenv>
 #include <cstdint>
 #include <cstring>
 
 namespace skybody {
+
+#ifdef __SSE2__
 
 /// MXCSR at process start: round to nearest even, denormals kept, all exceptions masked.
 constexpr std::uint32_t kStandardMxcsr = 0x1f80;
@@ -48,6 +53,28 @@ class FpEnvironment {
   std::uint32_t mxcsr_;
   std::uint16_t x87_;
 };
+
+#else  // the same by the C library, for other processors
+
+inline void set_fp_environment() { std::fesetenv(FE_DFL_ENV); }
+
+inline bool has_standard_fp_environment() { return std::fegetround() == FE_TONEAREST; }
+
+class FpEnvironment {
+ public:
+  FpEnvironment() {
+    std::fegetenv(&before_);
+    set_fp_environment();
+  }
+  ~FpEnvironment() { std::fesetenv(&before_); }
+  FpEnvironment(const FpEnvironment&) = delete;
+  FpEnvironment& operator=(const FpEnvironment&) = delete;
+
+ private:
+  std::fenv_t before_;
+};
+
+#endif
 
 /// What fp_probe() returns where this file is compiled as it must be.
 constexpr std::uint64_t kFpProbeExpected = 0x6e0710ccc5a2c876ull;

@@ -5,17 +5,29 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/isa_sets.h"
 
 namespace skybody {
 
-/// Levels of the x86-64 psABI: v2 has SSE4.2, v3 AVX2 and FMA, v4 AVX-512 (F, BW, CD, DQ, VL).
-enum class Isa { v2, v3, v4 };
-inline constexpr int kIsaCount = 3;
+/// In the order of isa_sets.h.
+#define SKYBODY_ROW(NAME, LANES, TARGET) NAME = SKYBODY_ISA_##NAME,
+enum class Isa { SKYBODY_ISAS(SKYBODY_ROW) };
+#undef SKYBODY_ROW
+#define SKYBODY_ROW(NAME, LANES, TARGET) Isa::NAME,
+inline constexpr Isa kIsas[] = {SKYBODY_ISAS(SKYBODY_ROW)};
+#undef SKYBODY_ROW
+inline constexpr int kIsaCount = SKYBODY_ISA_COUNT;
 
-/// "v2", "v3" or "v4".
-inline const char* name(Isa isa) { return isa == Isa::v4 ? "v4" : isa == Isa::v3 ? "v3" : "v2"; }
+/// As in SKYBODY_ISA.
+inline const char* name(Isa isa) {
+#define SKYBODY_ROW(NAME, LANES, TARGET) #NAME,
+  static constexpr const char* kNames[] = {SKYBODY_ISAS(SKYBODY_ROW)};
+#undef SKYBODY_ROW
+  return kNames[static_cast<int>(isa)];
+}
 
-/// Whether this processor (and its operating system) runs the level.
+/// Whether this processor (and its operating system) runs the set.
+#if SKYBODY_HAS_LEVELS
 inline bool machine_has(Isa isa) {
   __builtin_cpu_init();
   // Feature by feature: clang-tidy's front end does not know the names of the levels.
@@ -28,24 +40,41 @@ inline bool machine_has(Isa isa) {
          __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
          __builtin_cpu_supports("avx512vl");
 }
+#else
+inline bool machine_has(Isa) { return true; }
+#endif
 
-/// The highest level that the machine has, or the one that the environment variable SKYBODY_ISA
-/// (v2, v3 or v4) names. Reads the environment at every call: call once and keep the answer.
-/// @throws Error (a std::runtime_error) if SKYBODY_ISA is something else, or a level that the
-///         machine lacks, or if the machine lacks even v2.
+/// The names of the sets that the machine has, separated by commas.
+inline std::string machine_isas() {
+  std::string names;
+  for (const Isa isa : kIsas) {
+    if (machine_has(isa)) names += (names.empty() ? "" : ", ") + std::string(name(isa));
+  }
+  return names;
+}
+
+/// The highest set that the machine has, or the one that the environment variable SKYBODY_ISA
+/// names. Reads the environment at every call: call once and keep the answer.
+/// @throws Error (a std::runtime_error) if SKYBODY_ISA is something else, or a set that the
+///         machine lacks, or if the machine lacks even the lowest.
 inline Isa best_isa() {
-  const Isa highest = machine_has(Isa::v4) ? Isa::v4 : machine_has(Isa::v3) ? Isa::v3 : Isa::v2;
-  if (!machine_has(Isa::v2))
+  if (!machine_has(kIsas[0]))
     throw Error("this processor lacks x86-64-v2 (SSE4.2); Skybody needs it");
   const char* wanted = std::getenv("SKYBODY_ISA");
-  if (wanted == nullptr || *wanted == '\0') return highest;
-  for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4}) {
-    if (std::string(wanted) != name(isa)) continue;
-    if (machine_has(isa)) return isa;
-    throw Error(std::string("SKYBODY_ISA is ") + wanted + ", but this machine has only v2.." +
-                name(highest) + "; choose one of these or unset it");
+  const bool is_free = wanted == nullptr || *wanted == '\0';
+  Isa highest = kIsas[0];
+  for (const Isa isa : kIsas) {
+    if (!is_free && std::string(wanted) == name(isa)) {
+      if (machine_has(isa)) return isa;
+      throw Error(std::string("SKYBODY_ISA is ") + wanted + ", but this machine has only " +
+                  machine_isas() + "; choose one of these or unset it");
+    }
+    if (machine_has(isa)) highest = isa;
   }
-  throw Error(std::string("SKYBODY_ISA is \"") + wanted + "\"; allowed: v2, v3, v4");
+  if (is_free) return highest;
+  std::string allowed;
+  for (const Isa isa : kIsas) allowed += (allowed.empty() ? "" : ", ") + std::string(name(isa));
+  throw Error(std::string("SKYBODY_ISA is \"") + wanted + "\"; allowed: " + allowed);
 }
 
 }  // namespace skybody

@@ -1,5 +1,5 @@
 // Kernels: functions that are compiled once for each instruction set, with the same bits in each.
-// The sets are listed here and in isa.h.
+// The sets are listed in isa.h.
 //
 //   struct Scale {
 //     template <int W>  // lanes of a pack of doubles
@@ -15,8 +15,15 @@
 
 namespace skybody {
 
+namespace detail {
+template <int kNone, int... kLanes>
+using WidthsBehind = std::integer_sequence<int, kLanes...>;
+}  // namespace detail
+
 /// Lanes of a pack of doubles on each instruction set, in the order of Isa.
-using PackWidths = std::integer_sequence<int, 2, 4, 8>;
+#define SKYBODY_ROW(NAME, LANES, TARGET) , LANES
+using PackWidths = detail::WidthsBehind<0 SKYBODY_ISAS(SKYBODY_ROW)>;
+#undef SKYBODY_ROW
 
 namespace detail {
 
@@ -26,15 +33,14 @@ struct Kernel;
 /// Body::run<W> with all that it inlines, compiled for each instruction set.
 template <class Body, class Result, class... Args>
 struct Kernel<Body, Result(Args...)> {
-  SKYBODY_KERNEL("arch=x86-64-v2")
-  static Result v2(Args... args) { return Body::template run<2>(args...); }
-  SKYBODY_KERNEL("arch=x86-64-v3")
-  static Result v3(Args... args) { return Body::template run<4>(args...); }
-  SKYBODY_KERNEL("arch=x86-64-v4")
-  static Result v4(Args... args) { return Body::template run<8>(args...); }
-
-  static constexpr Result (*kTable[])(Args...) = {&v2, &v3, &v4};
-  static_assert(sizeof(kTable) / sizeof(*kTable) == kIsaCount && PackWidths::size() == kIsaCount);
+#define SKYBODY_ROW(NAME, LANES, TARGET) \
+  SKYBODY_KERNEL(TARGET)                 \
+  static Result NAME(Args... args) { return Body::template run<LANES>(args...); }
+  SKYBODY_ISAS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+#define SKYBODY_ROW(NAME, LANES, TARGET) &NAME,
+  static constexpr Result (*kTable[])(Args...) = {SKYBODY_ISAS(SKYBODY_ROW)};
+#undef SKYBODY_ROW
 };
 
 }  // namespace detail

@@ -1,9 +1,10 @@
 // The storage behind packs: one native vector of W doubles, signed or unsigned 64-bit words.
-// Needs: GCC's (or Clang's) vector extensions on x86-64. Use core/base/pack.h; this file is its
-// lower half.
+// Needs: GCC's (or Clang's) vector extensions. Use core/base/pack.h; this file is its lower half.
 #pragma once
 
+#ifdef __SSE2__
 #include <emmintrin.h>
+#endif
 
 #include <cstdint>
 #include <cstring>
@@ -26,7 +27,7 @@
 namespace skybody {
 namespace lanes {
 
-/// Native vectors of W lanes. Only W = 2, 4 and 8 exist: the widths of x86-64-v2, v3 and v4.
+/// Native vectors of W lanes. Only W = 2, 4 and 8 exist: the widths of the sets in isa.h.
 template <int W>
 struct Native;
 
@@ -69,12 +70,26 @@ SKYBODY_INLINE void split(const Reals8& v, Reals4& low, Reals4& high) {
   high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
 }
 
+#ifdef __SSE2__
 /// Correctly rounded square roots by SSE2's sqrtpd, two lanes at a time. Wider forms have the same
 /// throughput per lane on every x86-64 so far, and an intrinsic of a wider set could not be used in
 /// code that is compiled for a lower one.
 SKYBODY_INLINE void sqrt(const Reals2& v, Reals2& root) {
   root = reinterpret_cast<Reals2>(_mm_sqrt_pd(reinterpret_cast<__m128d>(v)));
 }
+/// Bit i of the result is the sign bit of lane i.
+SKYBODY_INLINE std::uint32_t sign_bits(const Reals2& v) {
+  return static_cast<std::uint32_t>(_mm_movemask_pd(reinterpret_cast<__m128d>(v)));
+}
+#else
+SKYBODY_INLINE void sqrt(const Reals2& v, Reals2& root) {
+  root = Reals2{__builtin_sqrt(v[0]), __builtin_sqrt(v[1])};
+}
+SKYBODY_INLINE std::uint32_t sign_bits(const Reals2& v) {
+  const auto words = reinterpret_cast<Native<2>::Words>(v) >> 63;
+  return static_cast<std::uint32_t>(words[0] | words[1] << 1);
+}
+#endif
 SKYBODY_INLINE void sqrt(const Reals4& v, Reals4& root) {
   Reals2 low, high;
   split(v, low, high);
@@ -90,10 +105,6 @@ SKYBODY_INLINE void sqrt(const Reals8& v, Reals8& root) {
   root = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-/// Bit i of the result is the sign bit of lane i.
-SKYBODY_INLINE std::uint32_t sign_bits(const Reals2& v) {
-  return static_cast<std::uint32_t>(_mm_movemask_pd(reinterpret_cast<__m128d>(v)));
-}
 SKYBODY_INLINE std::uint32_t sign_bits(const Reals4& v) {
   Reals2 low, high;
   split(v, low, high);
@@ -107,10 +118,10 @@ SKYBODY_INLINE std::uint32_t sign_bits(const Reals8& v) {
 
 /// Whether any lane's sign bit is set, and whether all are: halves first, one look at the end.
 SKYBODY_INLINE bool any_sign(const Native<2>::Words& v) {
-  return _mm_movemask_pd(reinterpret_cast<__m128d>(v)) != 0;
+  return sign_bits(reinterpret_cast<Reals2>(v)) != 0;
 }
 SKYBODY_INLINE bool all_signs(const Native<2>::Words& v) {
-  return _mm_movemask_pd(reinterpret_cast<__m128d>(v)) == 3;
+  return sign_bits(reinterpret_cast<Reals2>(v)) == 3;
 }
 SKYBODY_INLINE bool any_sign(const Native<4>::Words& v) {
   const Native<2>::Words low = __builtin_shufflevector(v, v, 0, 1),

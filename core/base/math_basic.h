@@ -27,7 +27,11 @@ SKYBODY_INLINE Real polynomial(const Real& x, double c0, Rest... rest) {
 }  // namespace detail
 
 /// Square root, correctly rounded; NaN for x < 0, -0 for -0.
+#ifdef __SSE2__
 SKYBODY_INLINE double sqrt(double x) { return _mm_cvtsd_f64(_mm_sqrt_pd(_mm_set_sd(x))); }
+#else
+SKYBODY_INLINE double sqrt(double x) { return __builtin_sqrt(x); }
+#endif
 template <int W>
 SKYBODY_INLINE Pack<W> sqrt(const Pack<W>& x) {
   Pack<W> root;

@@ -86,7 +86,13 @@ class Crew {
   int pinned() const { return pinned_; }
 
  private:
-  static void pause() { __builtin_ia32_pause(); }
+  static void pause() {
+#ifdef __SSE2__
+    __builtin_ia32_pause();
+#else
+    std::this_thread::yield();
+#endif
+  }
 
   template <class Done>
   void sleep_until(Clock::time_point deadline, Done&& done) {

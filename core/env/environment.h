@@ -154,9 +154,10 @@ class Environment {
   void clear_held(StateGroup&, std::uint32_t mask) const;
   std::uint32_t due(const PluginInstance&, const StateGroup&, std::uint32_t mask) const;
   void fly_action(StateGroup&, GroupWork&, SkybodyLanes lanes) const;
-  void fly(StateGroup&, GroupWork&, SkybodyLanes& lanes) const;
+  void fly(StateGroup&, GroupWork&, SkybodyLanes& lanes, std::int64_t steps_left) const;
   std::uint32_t advance(StateGroup&, GroupWork&, std::uint32_t mask) const;
-  void sense(StateGroup&, const SkybodyLanes&, bool all) const;
+  void sense(StateGroup&, const SkybodyLanes&, std::int64_t steps_left) const;
+  void sense(StateGroup&, const SkybodyLanes&, const PluginInstance&) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
   std::uint32_t finite_robot_rewards(const GroupWork&, std::uint32_t mask) const;
   void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,

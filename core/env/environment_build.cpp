@@ -210,11 +210,31 @@ struct Environment::Builder {
         place_state(p, l.plugin_state.size);
       }
     }
+    find_readers();
     list_infos();
     place_outputs(l.plugin_state.size);
     place_held(l.plugin_state.size);
     env.world_ = std::make_unique<const World>(topology, std::move(plan));
     make_absolute();
+  }
+
+  /// Sensors that others read in every physics step are called in every one.
+  void find_readers() {
+    for (PluginInstance& sensor : env.plugins_[SKYBODY_SENSOR]) {
+      const auto is_of_sensor = [&](int first) {
+        return first >= sensor.output && first < sensor.output + sensor.channel_count();
+      };
+      for (const auto& list : env.plugins_) {
+        for (const PluginInstance& p : list) {
+          const bool is_called_between = p.kind == SKYBODY_CONTROLLER ||
+                                         p.kind == SKYBODY_EFFECT || p.kind == SKYBODY_SENSOR ||
+                                         (p.kind == SKYBODY_TASK && p.period > 0);
+          if (is_called_between && std::any_of(p.reads.begin(), p.reads.end(), is_of_sensor)) {
+            sensor.is_only_when_read = false;
+          }
+        }
+      }
+    }
   }
 
   void list_infos() {

@@ -34,7 +34,9 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
   const FpEnvironment guard;
   update(group, work, mask);
   SkybodyLanes lanes = view(group, work, mask);
-  for (std::int64_t k = 0; k < physics_steps && lanes.active != 0; ++k) fly(group, work, lanes);
+  for (std::int64_t k = 0; k < physics_steps && lanes.active != 0; ++k) {
+    fly(group, work, lanes, physics_steps - 1 - k);
+  }
   each_lane(mask & ~lanes.active,
             [&](int lane) { group.writable(kStatus)[lane] = kTruncated | kFault | kBadState; });
   return lanes.active;

@@ -53,7 +53,7 @@ void Environment::apply_effects(StateGroup& group, const SkybodyLanes& view) con
       if (block.offset != layout().held[static_cast<std::size_t>(i)].offset) changed[i] |= v.active;
     }
     const SkybodyHeld* const inputs = &held;
-    call_plugin(e.kernels.apply, e, group, v, {}, inputs);
+    call_plugin(e.kernels.apply, e, group, v, no_sizes, inputs);
   }
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
     if (changed[i] != 0) add_up_held(group, changed[i], i);

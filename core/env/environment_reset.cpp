@@ -50,7 +50,7 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
     for (const PluginInstance& p : plugins_[kind]) reset_plugin(p, group, work, mask);
   }
   const SkybodyLanes lanes = view(group, work, mask);
-  sense(group, lanes, true);
+  for (const PluginInstance& sensor : plugins_[SKYBODY_SENSOR]) sense(group, lanes, sensor);
   evaluate(group, work, lanes, rows.info != nullptr);
   conclude(group, work, mask, true, rows);
 }
@@ -96,7 +96,7 @@ void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group, 
                                std::uint32_t mask) const {
   if (plugin.kernels.reset == nullptr) return;
   const SkybodyLanes v = view(group, work, mask);
-  call_plugin(plugin.kernels.reset, plugin, group, v, {});
+  call_plugin(plugin.kernels.reset, plugin, group, v, no_sizes);
 }
 
 /// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
@@ -111,7 +111,7 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
                            group.writable(l.rotor_speed, mask), group.writable(l.params, mask),
                            requested ? 1u : 0u};
   for (const PluginInstance& r : randomizers) {
-    call_plugin(r.kernels.randomize, r, group, v, {}, &where);
+    call_plugin(r.kernels.randomize, r, group, v, no_sizes, &where);
     for (const int param : r.writes) hold_to_bounds(group, mask, param);
   }
 }

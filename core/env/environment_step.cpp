@@ -42,16 +42,18 @@ void Environment::fly_action(StateGroup& group, GroupWork& work, SkybodyLanes la
     if (task().interpolates) {
       move_command(group, work, lanes.active, k % period + 1, period, k < period);
     }
-    fly(group, work, lanes);
+    fly(group, work, lanes, steps - 1 - k);
   }
 }
 
 /// One physics step. Lanes that do not come through are active no longer.
-void Environment::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lanes) const {
+/// @param steps_left  behind this one, before anybody but plugins looks
+void Environment::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lanes,
+                      std::int64_t steps_left) const {
   control(group, work, lanes);
   apply_effects(group, lanes);
   lanes.active = advance(group, work, lanes.active);
-  sense(group, lanes, false);
+  sense(group, lanes, steps_left);
 }
 
 void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
@@ -148,9 +150,10 @@ void Environment::process(StateGroup& group, GroupWork& work, const SkybodyLanes
   const bool has_own = !task().actions.empty();
   if (has_own) scale_action(group, view.active, work.action.data());
   const double* action = has_own ? work.action.data() : view.action;
-  call_plugin(task().kernels.process, task(), group, view,
-              {action_size(), layout().command.size, 0}, action,
-              group.writable(layout().command, view.active));
+  call_plugin(
+      task().kernels.process, task(), group, view,
+      [&] { return CallSizes{action_size(), layout().command.size, 0}; }, action,
+      group.writable(layout().command, view.active));
 }
 
 /// The lanes in which a plugin that has a period is to be called before this physics step, or
@@ -190,8 +193,9 @@ void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes
     const bool is_direct = is_last && chain.ends.size() == 1 && v.active == group.occupied();
     double* const output = is_direct ? target : scratch;
     if (v.active != 0) {
-      call_plugin(c.kernels.control, c, group, v, {c.input_count(), c.output_count(), 0}, input,
-                  output);
+      call_plugin(
+          c.kernels.control, c, group, v,
+          [&] { return CallSizes{c.input_count(), c.output_count(), 0}; }, input, output);
     }
     input = held != nullptr ? held : output;
     if (is_direct) continue;
@@ -227,19 +231,27 @@ void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
   keep(group, mask, block.size, group.bodies(), group.writable(block, mask));
 }
 
-/// Sensors that are due after this physics step, each lane by its own count; all of them at a
-/// reset.
-void Environment::sense(StateGroup& group, const SkybodyLanes& lanes_now, bool all) const {
-  const int lanes = group.lanes();
+/// Sensors that are due after this physics step, each lane by its own count; but those that are
+/// called only when they are read not if they will be due once more before that.
+void Environment::sense(StateGroup& group, const SkybodyLanes& view,
+                        std::int64_t steps_left) const {
   for (const PluginInstance& s : plugins_[SKYBODY_SENSOR]) {
-    SkybodyLanes v = lanes_now;
-    v.active = all ? lanes_now.active : due(s, group, lanes_now.active);
-    if (v.active == 0) continue;
-    v.images = group.images().bytes() + s.images;
-    v.image_stride = 8 * image_words_;
-    call_plugin(s.kernels.sense, s, group, v, {0, s.channel_count(), 0},
-                group.writable(layout().sensors, v.active) + s.output * lanes);
+    if (s.is_only_when_read && std::max(s.period, 1) <= steps_left) continue;
+    SkybodyLanes v = view;
+    v.active = due(s, group, view.active);
+    if (v.active != 0) sense(group, v, s);
   }
+}
+
+void Environment::sense(StateGroup& group, const SkybodyLanes& view,
+                        const PluginInstance& sensor) const {
+  SkybodyLanes v = view;
+  v.images = group.images().bytes() + sensor.images;
+  v.image_stride = 8 * image_words_;
+  call_plugin(
+      sensor.kernels.sense, sensor, group, v,
+      [&] { return CallSizes{0, sensor.channel_count(), 0}; },
+      group.writable(layout().sensors, v.active) + sensor.output * group.lanes());
 }
 
 /// Psi_i: what the task says about the final state.
@@ -250,8 +262,9 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLane
   const SkybodyEvaluation out{values.data(),    work.reward.data(),
                               work.end.data(),  work.robot_reward.data(),
                               work.info.data(), wants_info ? 1u : 0u};
-  call_plugin(task().kernels.evaluate, task(), group, view,
-              {0, task().channel_count(), value_count(task().infos)}, &out);
+  call_plugin(
+      task().kernels.evaluate, task(), group, view,
+      [&] { return CallSizes{0, task().channel_count(), value_count(task().infos)}; }, &out);
   if (wants_info) write_reports(group, work);
   gather_observation(group, work);
 }
@@ -290,8 +303,9 @@ void Environment::goal(StateGroup& group, GroupWork& work, int lane,
   const auto lanes = static_cast<std::size_t>(group.lanes());
   std::vector<double> values(out.size() * lanes);
   const SkybodyLanes v = view(group, work, 1u << lane);
-  call_plugin(task().kernels.goal, task(), group, v, {0, static_cast<int>(out.size()), 0},
-              values.data());
+  call_plugin(
+      task().kernels.goal, task(), group, v,
+      [&] { return CallSizes{0, static_cast<int>(out.size()), 0}; }, values.data());
   for (std::size_t k = 0; k < out.size(); ++k) {
     out[k] = values[k * lanes + static_cast<std::size_t>(lane)];
   }

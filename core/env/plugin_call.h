@@ -28,19 +28,24 @@ struct CallSizes {
   int info = 0;
 };
 
+/// Of a call that hands over nothing behind the buffer.
+inline CallSizes no_sizes() { return {}; }
+
 /// Calls one step function of an instance.
-/// @param view   of the group; @param sizes  of the arguments behind the buffer
-template <class Function, class... Arguments>
+/// @param view   of the group
+/// @param sizes  sizes() gives those of the arguments behind the buffer; asked in checked mode only
+template <class Function, class Sizes, class... Arguments>
 void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& group,
-                 const SkybodyLanes& view, const CallSizes& sizes, Arguments... arguments) {
+                 const SkybodyLanes& view, const Sizes& sizes, Arguments... arguments) {
   if (view.checks != nullptr) {
+    const CallSizes size = sizes();
     view.checks->bodies_before = plugin.needs_bodies_before ? view.checks->bodies : 0;
     view.checks->contacts = plugin.needs_contacts ? view.checks->bodies : 0;
     view.checks->buffer = plugin.buffer_words;
     view.checks->scratch = plugin.scratch;
-    view.checks->input = sizes.input;
-    view.checks->output = sizes.output;
-    view.checks->info = sizes.info;
+    view.checks->input = size.input;
+    view.checks->output = size.output;
+    view.checks->info = size.info;
     view.checks->what = nullptr;
   }
   function(plugin.self.get(), &view, group.plugin_bits(plugin.state),

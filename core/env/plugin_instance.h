@@ -86,6 +86,7 @@ struct PluginInstance {
   std::vector<Goal> goals;
   bool robot_rewards = false;  ///< tasks: evaluate() gives each robot a reward of its own
   std::vector<int> writes;     ///< EnvParams that a randomizer writes
+  std::vector<int> reads;      ///< sensors' values that it looks at, the first of each channel
   std::vector<Report> reports;
   std::vector<Channel> actions;  ///< tasks: parts of the action; none: the chains' commands
   bool interpolates = false;     ///< tasks: commands change over the physics steps of an action
@@ -93,6 +94,9 @@ struct PluginInstance {
   int scratch = 0;               ///< doubles of memory for a call
   bool needs_bodies_before = false;
   bool needs_contacts = false;
+  /// Sensors: called only where the output is read before the next call. Declared, and then no plugin
+  /// reads it between the physics steps of an action.
+  bool is_only_when_read = false;
 
   // Where things lie, within the blocks plugin_state and sensors:
   int state = 0, state_words = 0;

@@ -263,6 +263,8 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   d.interpolate = [](void* host) { instance_of(host).interpolates = true; };
   d.buffer = [](void* host, int32_t words) { instance_of(host).buffer_words = words; };
   d.bodies_before = [](void* host) { instance_of(host).needs_bodies_before = true; };
+  d.reads = [](void* host, int32_t first) { instance_of(host).reads.push_back(first); };
+  d.only_when_read = [](void* host) { instance_of(host).is_only_when_read = true; };
   d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
   d.goal = [](void* host, int32_t robot, int32_t body) {
     instance_of(host).goals.push_back({robot, body});

@@ -2,40 +2,6 @@
 
 namespace skybody {
 
-int position_size(JointType type) {
-  switch (type) {
-    case JointType::kWeld:
-      return 0;
-    case JointType::kFree:
-      return 7;
-    case JointType::kPin:
-    case JointType::kSlider:
-      return 1;
-    case JointType::kUniversal:
-      return 2;
-    case JointType::kBall:
-      return 4;
-  }
-  return 0;
-}
-
-int velocity_size(JointType type) {
-  switch (type) {
-    case JointType::kWeld:
-      return 0;
-    case JointType::kFree:
-      return 6;
-    case JointType::kPin:
-    case JointType::kSlider:
-      return 1;
-    case JointType::kUniversal:
-      return 2;
-    case JointType::kBall:
-      return 3;
-  }
-  return 0;
-}
-
 int joint_constant_count(const Joint& joint) {
   switch (joint.type) {
     case JointType::kWeld:

@@ -44,10 +44,17 @@ enum class JointType {
   kBall,       ///< q = quaternion F from M (4, w x y z); u = angular velocity of M in F, M axes (3)
 };
 
-/// Number of position coordinates of a joint (quaternions count four).
-int position_size(JointType type);
+/// Number of position coordinates of a joint (quaternions count four). In the header, since kernels
+/// ask: a call would empty their registers.
+constexpr int position_size(JointType type) {
+  constexpr int kSizes[] = {0, 7, 1, 1, 2, 4};  // in the order of JointType
+  return kSizes[static_cast<int>(type)];
+}
 /// Number of velocity coordinates of a joint.
-int velocity_size(JointType type);
+constexpr int velocity_size(JointType type) {
+  constexpr int kSizes[] = {0, 6, 1, 1, 2, 3};
+  return kSizes[static_cast<int>(type)];
+}
 
 /// A travel limit of a pin or slider joint: beyond the bounds acts a one-sided spring and damper
 /// (kLimitStiffness, kLimitDamping).

@@ -20,6 +20,7 @@
 
 #include "core/base/constants.h"
 #include "core/base/held_inputs.h"
+#include "core/base/isa_sets.h"
 #include "core/base/plugin_kinds.h"
 #include "plugins/api/signals.h"
 
@@ -278,6 +279,11 @@ typedef struct SkybodyDeclare {
   void (*interpolate)(void* host);
   /* Any kind: asks for SkybodyLanes::bodies_before. */
   void (*bodies_before)(void* host);
+  /* Any kind: an output of a sensor that it reads, by the first value within SkybodyLanes::sensors.
+   */
+  void (*reads)(void* host, int32_t first);
+  /* Sensors: calls may be left out whose output nobody reads. */
+  void (*only_when_read)(void* host);
   /* Randomizers: this parameter will be written, and is held to its bounds after each draw. Two
    * writers of one parameter are an error. */
   void (*writes)(void* host, int32_t env_param);
@@ -388,7 +394,7 @@ typedef struct SkybodyPlugin {
   void* (*create)(const SkybodySetup* setup, const SkybodyDeclare* declare, char* error,
                   size_t error_size);
   void (*destroy)(void* self);
-  SkybodyKernels kernels[3]; /* x86-64-v2, v3, v4 */
+  SkybodyKernels kernels[SKYBODY_ISA_COUNT]; /* in the order of SkybodyIsa */
 } SkybodyPlugin;
 
 /* The exported object. */

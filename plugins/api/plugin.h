@@ -53,7 +53,14 @@ class Plugin {
   /// Draws that are asked for in mid-episode (Start::requested) have a count of their own.
   template <class Real>
   Random<Real> random(const Lanes<Real>& env, std::uint64_t substream = 0) const {
-    return Random<Real>(env.seed(), env.stream_env(), env.episode(), env.physics_step(),
+    return random_at(env, env.physics_step(), substream);
+  }
+  /// The numbers that random() gives in another physics step of the episode: for what a call makes
+  /// up for (Setup::only_when_read).
+  template <class Real>
+  Random<Real> random_at(const Lanes<Real>& env, const Word<Real>& physics_step,
+                         std::uint64_t substream = 0) const {
+    return Random<Real>(env.seed(), env.stream_env(), env.episode(), physics_step,
                         stream_ + substream);
   }
 

@@ -60,6 +60,7 @@ inline int Setup::sensor(const std::string& instance, const std::string& channel
     const SkybodySensorInfo& s = raw_.sensors[i];
     if (instance == s.name && channel == s.channel) {
       if (count != nullptr) *count = s.count;
+      declare_.reads(declare_.host, s.first);
       return s.first;
     }
     known += (i > 0 ? ", " : "") + std::string(s.name) + "." + s.channel;

@@ -106,17 +106,16 @@ bool has_step_function(const SkybodyKernels& kernels, std::uint32_t kind) {
 
 std::string kernels_problem(const SkybodyPlugin& plugin) {
   for (int i = 0; i < kIsaCount; ++i) {
-    const std::string isa = name(static_cast<Isa>(i));
+    const std::string isa = name(kIsas[i]);
     const SkybodyKernels& k = plugin.kernels[i];
     if (!has_step_function(k, plugin.kind)) {
-      return "has no " + std::string(kPluginKinds[plugin.kind].function) + " function for x86-64-" +
-             isa;
+      return "has no " + std::string(kPluginKinds[plugin.kind].function) + " function for " + isa;
     }
     const SkybodyKernels& first = plugin.kernels[0];
     if ((k.reset == nullptr) != (first.reset == nullptr) ||
         (k.process == nullptr) != (first.process == nullptr) ||
         (k.goal == nullptr) != (first.goal == nullptr)) {
-      return "has other functions for x86-64-" + isa + " than for x86-64-v2";
+      return "has other functions for " + isa + " than for " + name(kIsas[0]);
     }
   }
   return {};

@@ -76,6 +76,15 @@ class Mapping {
   std::uint64_t size_ = 0;
 };
 
+/// What this program was compiled for.
+#if defined(__x86_64__)
+constexpr std::uint16_t kOwnMachine = EM_X86_64;
+#elif defined(__aarch64__)
+constexpr std::uint16_t kOwnMachine = EM_AARCH64;
+#else
+#error "plugins of this processor have an ELF machine number that is missing here"
+#endif
+
 /// One 64-bit ELF file. Every function says what is wrong, or nothing.
 class Elf {
  public:
@@ -83,11 +92,12 @@ class Elf {
 
   std::string machine_problem() const {
     const bool same = header_.e_ident[EI_CLASS] == ELFCLASS64 &&
-                      header_.e_ident[EI_DATA] == ELFDATA2LSB && header_.e_machine == EM_X86_64;
+                      header_.e_ident[EI_DATA] == ELFDATA2LSB && header_.e_machine == kOwnMachine;
     if (!same) {
       return "is built for another machine (ELF class " +
              std::to_string(header_.e_ident[EI_CLASS]) + ", machine " +
-             std::to_string(header_.e_machine) + "), this is x86-64: build it here";
+             std::to_string(header_.e_machine) + "), this is machine " +
+             std::to_string(kOwnMachine) + ": build it here";
     }
     if (header_.e_type == ET_DYN) return {};
     return "is an ELF file of type " + std::to_string(header_.e_type) +

@@ -21,7 +21,7 @@ std::map<std::string, std::string> versions() {
           {"simbody", SKYBODY_SIMBODY_VERSION},
           {"simbody asserts", SKYBODY_SIMBODY_NDEBUG ? "off" : "on"},
           {"libraries", SKYBODY_LIBRARY_VERSIONS},
-          {"instruction set", std::string("x86-64-") + name(best_isa())}};
+          {"instruction set", name(best_isa())}};
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ class Imu : public Sensor {
     Vec3<Real> rate_bias;   ///< [rad/s]
     Vec3<Real> force;       ///< latest sample, held until the next
     Vec3<Real> rate;
+    Real walked;  ///< physics step up to which the biases have walked
   };
 
   void configure(const Setup& setup) override {
@@ -37,7 +38,11 @@ class Imu : public Sensor {
     interval_ = static_cast<double>(period_.value()) * dt_;
     setup.need_bodies_before();
     setup.period(static_cast<int>(call));
-    if (places_ > 0) setup.buffer(kSize * places_);
+    if (places_ > 0) {
+      setup.buffer(kSize * places_);
+    } else {
+      setup.only_when_read();
+    }
     setup.channel("specific_force", "m/s^2", 3, -kInfinity, kInfinity, robot);
     setup.channel("angular_rate", "rad/s", 3, -kInfinity, kInfinity, robot);
   }
@@ -49,6 +54,7 @@ class Imu : public Sensor {
     fill_normal(random(env, kStartDraws), draws);
     state.force_bias = vec3(draws, 0) * accelerometer_bias_(env);
     state.rate_bias = vec3(draws, 3) * gyroscope_bias_(env);
+    state.walked = Real(0.0);
   }
 
   template <class Real>
@@ -98,13 +104,7 @@ class Imu : public Sensor {
       add_noise(vec3(draws, 0), accelerometer_noise_(env), force);
       add_noise(vec3(draws, 3), gyroscope_noise_(env), rate);
     }
-    if (any(is_on(accelerometer_walk_(env), gyroscope_walk_(env)))) {
-      Real draws[6];
-      fill_normal(random(env, kWalkDraws), draws);
-      const auto walks = logical_and(due, env.physics_step() > Word<Real>(0));
-      walk(vec3(draws, 0), accelerometer_walk_(env), walks, state.force_bias);
-      walk(vec3(draws, 3), gyroscope_walk_(env), walks, state.rate_bias);
-    }
+    walk(env, state);
     force += state.force_bias;
     rate += state.rate_bias;
     state.force = select(due, force, state.force);
@@ -114,6 +114,25 @@ class Imu : public Sensor {
   template <class Real>
   static SKYBODY_INLINE MaskOf<Real> is_on(const Real& a, const Real& b) {
     return logical_or(a > 0.0, b > 0.0);
+  }
+
+  /// The biases' walk since the last call, by the samples that are due, one after another.
+  template <class Real>
+  SKYBODY_INLINE void walk(const Lanes<Real>& env, State<Real>& state) const {
+    const Real now = to_real(env.physics_step());
+    if (none(is_on(accelerometer_walk_(env), gyroscope_walk_(env)))) {
+      state.walked = now;
+      return;
+    }
+    const double period = static_cast<double>(period_.value());
+    Real sample = (floor(state.walked / period) + 1.0) * period;
+    for (; any(logical_and(sample <= now, env.served())); sample += period) {
+      Real draws[6];
+      fill_normal(random_at(env, to_word(sample), kWalkDraws), draws);
+      walk(vec3(draws, 0), accelerometer_walk_(env), sample <= now, state.force_bias);
+      walk(vec3(draws, 3), gyroscope_walk_(env), sample <= now, state.rate_bias);
+    }
+    state.walked = now;
   }
 
   /// A density of zero leaves every bit as it is, whatever the other lanes do.

@@ -100,7 +100,7 @@ TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
       {"payload"}};
   for (const std::vector<std::string>& scenario : scenarios) {
     std::set<std::string> hashes;
-    for (const Isa isa : {Isa::v2, Isa::v3, Isa::v4}) {
+    for (const Isa isa : kIsas) {
       if (!machine_has(isa)) continue;
       for (const std::vector<std::string>& shape : std::vector<std::vector<std::string>>{
                {"--threads", "1"},

@@ -340,12 +340,8 @@ inline void expect_same_bits(const std::string& plugin, PluginWorld& world,
   constexpr int kLanes = SKYBODY_GROUP_LANES;
   const Instance instance(plugin, world, given);
   EXPECT_EQ(instance.plugin().vectorized, 1u) << plugin << " is written for double only";
-  const bool runs[3] = {
-      __builtin_cpu_supports("sse4.2") > 0, __builtin_cpu_supports("avx2") > 0,
-      __builtin_cpu_supports("avx512f") > 0 && __builtin_cpu_supports("avx512dq") > 0 &&
-          __builtin_cpu_supports("avx512bw") > 0 && __builtin_cpu_supports("avx512vl") > 0};
-  for (int set = 0; set < 3; ++set) {
-    if (!runs[set]) continue;
+  for (int set = 0; set < kIsaCount; ++set) {
+    if (!machine_has(kIsas[set])) continue;
     std::mt19937_64 generator(11);
     Group g = instance.group(kLanes);
     for (int l = 0; l < kLanes; ++l)

@@ -3,7 +3,7 @@
 namespace skybody {
 
 StepKernel* free_euler_kernel(int lanes, Isa isa) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler>>(lanes, isa);
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, false>>(lanes, isa);
 }
 
 }  // namespace skybody

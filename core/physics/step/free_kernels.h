@@ -126,31 +126,19 @@ class FreeLanes {
   Real* end_speeds_;           ///< of all rotors
 };
 
-template <IntegratorChoice kIntegrator, bool kIsHeld = false>
+template <IntegratorChoice kIntegrator, bool kIsHeld>
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    if constexpr (kIsHeld) return run_held<W>(call, lanes);
-    return for_packs<W>(call, lanes,
-                        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-                            SKYBODY_INLINE_LAMBDA {
-                              using Values = std::decay_t<decltype(params)>;
-                              return FreeLanes<RealOf<W>, Values, kIntegrator, kIsHeld>(
-                                         call, first, params, derived)
-                                  .advance(bits);
-                            });
-  }
-
- private:
-  /// Each lane reads its own parameters (GroupStepper sees to it), nominal or not.
-  template <int W>
-  static SKYBODY_INLINE std::uint32_t run_held(const StepCall& call, std::uint32_t lanes) {
-    using Values = LaneValues<RealOf<W>>;
-    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-      return FreeLanes<RealOf<W>, Values, kIntegrator, true>(
-                 call, first, Values(call.group->params + first), Values(call.derived + first))
-          .advance(bits);
-    });
+    return for_packs<W, kIsHeld>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              return FreeLanes<RealOf<W>, Values, kIntegrator, kIsHeld>(call, first, params,
+                                                                        derived)
+                  .advance(bits);
+            });
   }
 };
 

@@ -28,15 +28,19 @@ SKYBODY_INLINE std::uint32_t each_pack(std::uint32_t lanes, const F& f) {
 
 /// The same with f(first, bits, params, derived): views of the parameters and of what derives from
 /// them, shared where all lanes are nominal.
-template <int W, class F>
+/// @tparam kIsHeld  effects hold something of the world: each lane reads its own then, nominal or
+///                  not (GroupStepper sees to it), since each form takes the compiler long
+template <int W, bool kIsHeld, class F>
 SKYBODY_INLINE std::uint32_t for_packs(const StepCall& call, std::uint32_t lanes, const F& f) {
   using Real = RealOf<W>;
-  if (call.derived == nullptr) {
-    const SharedValues<Real> params(call.plan->nominal_params.data());
-    const SharedValues<Real> derived(call.plan->nominal_derived.data());
-    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-      return f(first, bits, params, derived);
-    });
+  if constexpr (!kIsHeld) {
+    if (call.derived == nullptr) {
+      const SharedValues<Real> params(call.plan->nominal_params.data());
+      const SharedValues<Real> derived(call.plan->nominal_derived.data());
+      return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+        return f(first, bits, params, derived);
+      });
+    }
   }
   return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
     return f(first, bits, LaneValues<Real>(call.group->params + first),

@@ -23,7 +23,8 @@ struct ChosenAccelerations {
   }
 };
 
-using LaneMechanics = Mechanics<double, LaneValues<double>, ChosenAccelerations>;
+/// In the form for held inputs, whether there are any or not: with the same bits.
+using LaneMechanics = Mechanics<double, LaneValues<double>, true, ChosenAccelerations>;
 
 LaneMechanics mechanics_of(StepCall lane, AlignedArray<std::byte>& scratch, Dynamics* simbody) {
   const double* derived =

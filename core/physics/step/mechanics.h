@@ -117,8 +117,9 @@ struct TreeAccelerations {
 
 /// @tparam Values         how parameters and what derives from them are read: LaneValues,
 ///                        SharedValues
+/// @tparam kIsHeld        effects hold something of the world
 /// @tparam Accelerations  what turns forces into accelerations
-template <class Real, class Values, class Accelerations = TreeAccelerations>
+template <class Real, class Values, bool kIsHeld, class Accelerations = TreeAccelerations>
 class Mechanics {
  public:
   /// @param first  of the lanes that Real holds
@@ -248,7 +249,7 @@ class Mechanics {
       const auto speed = load_lanes<Real>(lanes_.at(group_.rotor_speed, i));
       const auto command = load_lanes<Real>(lanes_.at(group_.rotor_command, i));
       const Real max_speed = rotor_constants(i)[kMaxSpeed];
-      if (plan_.has_held) {
+      if constexpr (kIsHeld) {
         f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
       } else {
         f(i, RotorStep<Real>(lag, speed, command, max_speed));
@@ -294,7 +295,7 @@ class Mechanics {
                                        params_,
                                        a_.wrench,
                                        a_.joint_targets[time],
-                                       plan_.has_held ? &held_ : nullptr};
+                                       kIsHeld ? &held_ : nullptr};
     plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
     accelerations_(plan_, derived_, a_, q, u, udot);
   }

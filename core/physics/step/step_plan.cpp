@@ -19,10 +19,14 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
                       derive_kernel(lanes, isa)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
-  kernels.advance = !plan.free_robots ? tree_kernel(lanes, isa)
-                    : plan.has_held   ? free_held_kernel(integrator, lanes, isa)
-                    : integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes, isa)
+  if (!plan.free_robots) {
+    kernels.advance = plan.has_held ? tree_held_kernel(lanes, isa) : tree_kernel(lanes, isa);
+  } else if (plan.has_held) {
+    kernels.advance = free_held_kernel(integrator, lanes, isa);
+  } else {
+    kernels.advance = integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes, isa)
                                                            : free_euler_kernel(lanes, isa);
+  }
   return kernels;
 }
 

@@ -88,6 +88,7 @@ StepKernel* refresh_kernel(int lanes, Isa isa);
 StepKernel* within_reach_kernel(int lanes, Isa isa);
 StepKernel* derive_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
+StepKernel* tree_held_kernel(int lanes, Isa isa);
 StepKernel* free_euler_kernel(int lanes, Isa isa);
 StepKernel* free_rk4_kernel(int lanes, Isa isa);
 StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa);

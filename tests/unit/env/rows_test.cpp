@@ -34,11 +34,11 @@ float value(int lane, int k) {
 /// Calls check(kernels, lanes, mask, count) for all of these that there are.
 template <class Check>
 void for_all(Check&& check) {
-  for (int isa = 0; isa < kIsaCount; ++isa) {
-    if (!machine_has(static_cast<Isa>(isa))) continue;
-    const RowKernels kernels = row_kernels(static_cast<Isa>(isa));
+  for (const Isa isa : kIsas) {
+    if (!machine_has(isa)) continue;
+    const RowKernels kernels = row_kernels(isa);
     for (int count = 0; count <= kWidest; ++count) {
-      SCOPED_TRACE(std::string(name(static_cast<Isa>(isa))) + ", " + std::to_string(count));
+      SCOPED_TRACE(std::string(name(isa)) + ", " + std::to_string(count));
       for (const std::uint32_t mask : kMasks) check(kernels, kGroupLanes, mask, count);
       check(kernels, 1, 0u, count);
       check(kernels, 1, 1u, count);

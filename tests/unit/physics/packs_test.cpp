@@ -313,7 +313,7 @@ TEST_P(Packs, LeaveTheOthersAloneWhereOneFailsOnSimbody) {
   ways.advance(kAll & ~(1u << 2 | 1u << 4), "and the others go on");
 }
 
-INSTANTIATE_TEST_SUITE_P(Isas, Packs, testing::Values(Isa::v2, Isa::v3, Isa::v4),
+INSTANTIATE_TEST_SUITE_P(Isas, Packs, testing::ValuesIn(kIsas),
                          [](const auto& isa) { return std::string(name(isa.param)); });
 
 }  // namespace

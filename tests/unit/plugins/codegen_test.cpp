@@ -62,6 +62,7 @@ TEST(Codegen, NoLaneCodeOutsideTheKernels) {
   }
 }
 
+#if SKYBODY_HAS_LEVELS
 TEST(Codegen, WideKernelsUseWideRegisters) {
   if (!kernels_are_inlined()) GTEST_SKIP() << "this build does not inline kernels";
   const std::string file = (test::good_plugins() / "lane_controller.so").string();
@@ -107,6 +108,7 @@ TEST(Codegen, WideKernelsOfShippedPluginsAreNotTakenApart) {
     for (const auto& [name, count] : joined) EXPECT_LE(count, 2) << file << ": " << name;
   }
 }
+#endif
 
 }  // namespace
 }  // namespace skybody

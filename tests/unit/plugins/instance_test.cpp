@@ -67,7 +67,7 @@ TEST_F(Instance, OfAnUnusablePluginThrows) {
 TEST_F(Instance, KeepsItsLibraryLoaded) {
   test::SmallWorld world(entry(SKYBODY_CONTROLLER, "lane_controller"));
   PluginEntry copy = entry(SKYBODY_CONTROLLER, "lane_controller");
-  const SkybodyKernels kernels = kernels_for(*copy.descriptor, Isa::v2);
+  const SkybodyKernels kernels = kernels_for(*copy.descriptor, kIsas[0]);
   std::weak_ptr<PluginLibrary> library = copy.library;
   auto self = world.create();
   // Only the instance is left to hold it.

@@ -51,6 +51,8 @@ SkybodyDeclare Declared::table() {
   d.period = [](void* h, int32_t steps) { note(h, "period " + std::to_string(steps)); };
   d.buffer = [](void* h, int32_t words) { declared_of(h).buffer_words = words; };
   d.bodies_before = [](void* h) { note(h, "bodies_before"); };
+  d.reads = [](void* h, int32_t first) { note(h, "reads " + std::to_string(first)); };
+  d.only_when_read = [](void* h) { note(h, "only_when_read"); };
   d.writes = [](void* h, int32_t param) { note(h, "writes " + std::to_string(param)); };
   d.goal = [](void* h, int32_t robot, int32_t body) {
     note(h, "goal " + std::to_string(robot) + " " + std::to_string(body));

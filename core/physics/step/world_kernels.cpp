@@ -1,4 +1,4 @@
-// Kernels of any world on the tree's algorithms.
+// Kernels of any world: what steps ask for.
 #include "core/physics/step/group_kernels.h"
 #include "core/physics/step/mechanics.h"
 
@@ -7,7 +7,8 @@ namespace {
 
 /// For what asks for no parameters.
 template <class Real>
-SKYBODY_INLINE Mechanics<Real, SharedValues<Real>> motion_of(const StepCall& call, int first) {
+SKYBODY_INLINE Mechanics<Real, SharedValues<Real>, false> motion_of(const StepCall& call,
+                                                                    int first) {
   const SharedValues<Real> none(nullptr);
   return {call, first, none, none};
 }
@@ -48,26 +49,10 @@ struct DeriveRotors {
   }
 };
 
-struct AdvanceTrees {
-  template <int W>
-  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    using Real = RealOf<W>;
-    return for_packs<W>(
-        call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            SKYBODY_INLINE_LAMBDA {
-              using Values = std::decay_t<decltype(params)>;
-              return bits_from_mask(Mechanics<Real, Values>(call, first, params, derived)
-                                        .advance(mask_from_bits<Real>(bits)));
-            });
-  }
-};
-
 }  // namespace
 
 StepKernel* refresh_kernel(int lanes, Isa isa) { return kernel_for<Refresh>(lanes, isa); }
 StepKernel* within_reach_kernel(int lanes, Isa isa) { return kernel_for<WithinReach>(lanes, isa); }
 StepKernel* derive_kernel(int lanes, Isa isa) { return kernel_for<DeriveRotors>(lanes, isa); }
-StepKernel* tree_kernel(int lanes, Isa isa) { return kernel_for<AdvanceTrees>(lanes, isa); }
 
 }  // namespace skybody

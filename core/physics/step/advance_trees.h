@@ -1,0 +1,26 @@
+// Kernels that step any world on the tree's algorithms.
+#pragma once
+
+#include "core/physics/step/group_kernels.h"
+#include "core/physics/step/mechanics.h"
+
+namespace skybody {
+
+/// @tparam kIsHeld  effects hold something of the world
+template <bool kIsHeld>
+struct AdvanceTrees {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    using Real = RealOf<W>;
+    return for_packs<W, kIsHeld>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              return bits_from_mask(Mechanics<Real, Values, kIsHeld>(call, first, params, derived)
+                                        .advance(mask_from_bits<Real>(bits)));
+            });
+  }
+};
+
+}  // namespace skybody

@@ -1,0 +1,7 @@
+#include "core/physics/step/advance_trees.h"
+
+namespace skybody {
+
+StepKernel* tree_kernel(int lanes, Isa isa) { return kernel_for<AdvanceTrees<false>>(lanes, isa); }
+
+}  // namespace skybody
