@@ -6,7 +6,7 @@ The scenario key `observe` adds the IMU's channels to what the task `hover` show
 to the policy, the specific force to a critic alone (`last_info["privileged"]`). PPO of
 Stable-Baselines3 learns from a Box, then from a Dict; the mean return of an episode is printed
 before and after. 10^5 steps show that both can be trained, not that it flies: hovering by rotor
-speeds takes some millions (docs/hover_training.md).
+speeds takes some millions (docs/results/hover_training.md).
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ sys.path.insert(0, str(ROOT / "tests/golden"))
 import golden  # noqa: E402
 from golden import ENVS, LEAST_STEPS, SEED, STEPS, Flight, FlightError  # noqa: E402
 
-REPORT = ROOT / "docs/determinism_matrix.md"
+REPORT = ROOT / "docs/results/determinism_matrix.md"
 FLIGHTS = {flight.name: flight for flight in golden.FLIGHTS}
 QUICK_SCENARIOS = ("hover", "payload")
 TIMEOUT = 600.0  # s, of one process on a machine that does much else
@@ -186,7 +186,7 @@ steps, so that every environment is reset at least three times on the way. `hove
 
 The program has a process for each run, Python one for each shape. Hashes chain every word of state,
 observation, reward and status after every step. Across what builds and processors they are the
-same, and where that is not promised, is in `determinism.md`.
+same, and where that is not promised, is in [determinism.md](../determinism.md).
 
 | scenario | robots | steps | hash | runs | |
 | --- | --- | --- | --- | --- | --- |
@@ -244,7 +244,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="skybody")
     add("--quick", action="store_true", help="two scenarios, three shapes: a trial")
-    add("--write", action="store_true", help="write docs/determinism_matrix.md")
+    add("--write", action="store_true", help="write docs/results/determinism_matrix.md")
     options = parser.parse_args(arguments)
     options.scenarios = options.scenarios or (QUICK_SCENARIOS if options.quick else tuple(FLIGHTS))
     unknown = sorted(set(options.scenarios) - set(FLIGHTS))

@@ -121,7 +121,7 @@ def main() -> int:
         options.markdown.write_text(
             "# Flights under the hold baseline\n\n"
             "Distance from the goal in the last second of 20 s, seed 1; by\n"
-            "`experiments/flight_tables.py --markdown docs/flights.md`.\n\n"
+            "`experiments/flight_tables.py --markdown docs/results/flights.md`.\n\n"
             f"{vehicles}\n\nMean error by control mode:\n\n{modes}\n"
         )
     return 0 if vehicles_good and modes_good else 1

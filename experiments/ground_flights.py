@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Takes off and lands on the tree dynamics alone, and lets two robots collide; writes the pictures.
 
-    .venv/bin/python experiments/ground_flights.py [--program PROGRAM] [--docs docs]
+    .venv/bin/python experiments/ground_flights.py [--program PROGRAM] [--docs docs/results]
 
 Each flight is one `skybody run` under the hold baseline, seed 1. The pictures show the first
 episode, with the time on Simbody shaded. Exit code 1 where a flight does not end as it should: at
@@ -106,12 +106,14 @@ def fly(program: Path, flight: Flight, picture: Path) -> tuple[str, bool]:
 
 
 def main() -> int:
-    """Flies all three; writes docs/ground_flights.md where all ended as they should."""
+    """Flies all three; writes docs/results/ground_flights.md where all ended as they should."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--program", type=Path, default=ROOT / "build/release/bin/skybody")
-    parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder to write to")
+    parser.add_argument(
+        "--docs", type=Path, default=ROOT / "docs/results", help="folder to write to"
+    )
     options = parser.parse_args()
     (options.docs / "images").mkdir(parents=True, exist_ok=True)
     parts = [

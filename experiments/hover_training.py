@@ -187,7 +187,12 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         help="of that run; default: 500,000",
     )
     add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="flies the policy")
-    add("--report", type=Path, default=ROOT / "docs", help="folder of table, JSON and pictures")
+    add(
+        "--report",
+        type=Path,
+        default=ROOT / "docs/results",
+        help="folder of table, JSON and pictures",
+    )
     options = parser.parse_args(arguments)
     options.steps = STEPS if options.steps is None else dict.fromkeys(STEPS, int(options.steps))
     options.hover_steps = int(options.hover_steps)

@@ -136,7 +136,7 @@ that is itself says its distance from CVODE (Adams) at 1e-11.
 - Error: largest distance of any body's origin and largest angle of any body after 1 s. **Bold**:
   less than {position:g} mm and {angle:.2g}°, here called exact.
 - On the ground (hard_landing) fixed steps have another model, too: their contact is bounded by dt
-  (`contact` in [scenarios.md](scenarios.md)), cvode's and arkode's is not.
+  (`contact` in [scenarios.md](../scenarios.md)), cvode's and arkode's is not.
 - Energy: the mechanical energy (kinetic and gravitational) less the reference's. That in springs is
   left out (boom has some).
 - Cost: time of the same flight's physics steps, one environment alone, for a simulated second.

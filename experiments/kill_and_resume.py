@@ -201,9 +201,9 @@ def main(arguments: list[str] | None = None) -> int:
     add("--seed", type=int, default=1, help="of the moments; default: 1")
     add("--algorithms", nargs="+", default=["ppo", "lean-ppo"], help="default: ppo lean-ppo")
     add("--out", type=Path, default=ROOT / "flights/kill_and_resume", help="folder of the runs")
-    add("--report", type=Path, help="folder of the report; default: docs")
+    add("--report", type=Path, help="folder of the report; default: docs/results")
     options = parser.parse_args(arguments)
-    report = options.report or ROOT / "docs"
+    report = options.report or ROOT / "docs/results"
     moments = random.Random(options.seed)
     try:
         results = [compare(a, options.out, options.kills, moments) for a in options.algorithms]

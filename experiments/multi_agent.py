@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Steps 1 to 20 robots in a world, 32 worlds, as the GzDRL paper did (its Table IV and figure 8).
 
-    .venv/bin/python experiments/multi_agent.py [--quick] [--out docs] [--program PROGRAM]
+    .venv/bin/python experiments/multi_agent.py [--quick] [--out docs/results] [--program PROGRAM]
 
 The formation scenarios with their joint observation, randomization left on, one thread per
 processor. From Python in the paper's batches of 11 and in batches of all, and from C++ by

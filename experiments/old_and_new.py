@@ -6,7 +6,7 @@
 the old one first in every other turn, on one thread. The ratio new over old of each turn is kept;
 the table has its median and the 95 % interval of the median (order statistics, binomial). A case is
 slower where the whole interval lies below --least. Exit status 0: none is, 1: some are, 2: a
-process failed. `--markdown docs/old_and_new.md` writes the page.
+process failed. `--markdown docs/results/old_and_new.md` writes the page.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def page(options: argparse.Namespace, rows: list[str]) -> str:
 
 Steps a second of one build over another, in turns, by
 
-    python experiments/old_and_new.py --old OTHER_CLONE --markdown docs/old_and_new.md
+    python experiments/old_and_new.py --old OTHER_CLONE --markdown docs/results/old_and_new.md
 
 on {machine_line(machine())}. Old: {revision(options.old)}, new: {revision(options.new)};
 {options.turns} turns of {options.seconds} s, one thread; median of the ratios, its 95 % interval.

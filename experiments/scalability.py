@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Steps hover in 1 to 16,384 environments as the GzDRL paper did (its Table III and figure 7).
 
-    .venv/bin/python experiments/scalability.py [--quick] [--out docs]
+    .venv/bin/python experiments/scalability.py [--quick] [--out docs/results]
 
 N_B = N_E / 3 and N_B = N_E, on min(N_E, processors) threads, under the reference's constant zero
 action and under hover speed (hold), on the tree dynamics and on Simbody; then the paper's baselines

@@ -226,14 +226,14 @@ def arguments(description: str) -> argparse.ArgumentParser:
         "--out",
         type=Path,
         metavar="FOLDER",
-        help="where page, data and images go (default: docs)",
+        help="where page, data and images go (default: docs/results)",
     )
     return parser
 
 
 def output_folder(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Path | None:
     """Where to write, with its folders for data and images made; None: nowhere."""
-    folder: Path | None = options.out or (None if options.quick else ROOT / "docs")
+    folder: Path | None = options.out or (None if options.quick else ROOT / "docs/results")
     if folder is None:
         return None
     try:

@@ -244,7 +244,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         default=ROOT / "flights/training_reproducibility",
         help="folder of the runs; default: flights/training_reproducibility",
     )
-    add("--report", type=Path, help="folder of table, JSON and picture; default: docs")
+    add("--report", type=Path, help="folder of table, JSON and picture; default: docs/results")
     add(
         "--quick",
         action="store_true",
@@ -254,7 +254,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     quick = options.quick
     options.steps = int(options.steps or (QUICK_STEPS if quick else STEPS))
     options.processes = options.processes or (2 if quick else len(SEEDS))
-    options.report = options.report or (options.out / "report" if quick else ROOT / "docs")
+    options.report = options.report or (options.out / "report" if quick else ROOT / "docs/results")
     if not 2 <= options.processes <= len(SEEDS):
         parser.error(f"--processes {options.processes}: 2 to {len(SEEDS)}")
     if options.jobs < 1:

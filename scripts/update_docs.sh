@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Writes docs/scenarios.md anew from its head and the declared keys.
+# Writes docs/scenarios.md anew from its head and the declared keys, docs/plugin_reference.md from the headers.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 { cat scripts/scenarios_head.md; build/release/bin/skybody schema --markdown; } >docs/scenarios.md
+python3 scripts/plugin_reference.py

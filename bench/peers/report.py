@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import pathlib
 from dataclasses import dataclass
 from typing import Any
@@ -99,7 +98,7 @@ class Report:
         return "\n\n".join(part for part in parts if part)
 
     def markdown(self, picture: pathlib.Path | None) -> str:
-        """The page in docs; it lies beside the folder `images`."""
+        """The page in docs/results; it lies beside the folder `images`."""
         link = "" if picture is None else f"![Steps per second]({linked(picture)})\n\n"
         skipped = "".join(f"- {line}\n" for line in self.skipped) or "Nothing was skipped.\n"
         return (
@@ -130,9 +129,8 @@ class Report:
 
 
 def linked(picture: pathlib.Path) -> str:
-    """As docs/peers.md names it."""
-    parts = picture.parts
-    return os.path.join(*parts[parts.index("docs") + 1 :]) if "docs" in parts else picture.name
+    """As the page names it: beside it, or in the folder `images` there."""
+    return f"images/{picture.name}" if picture.parent.name == "images" else picture.name
 
 
 def write(path: pathlib.Path, text: str) -> None:

@@ -15,8 +15,8 @@
 namespace skybody {
 namespace {
 
-/// Largest error that the audit (docs/integrators.md) found among the shipped scenarios that are
-/// not made to be stiff; tests/python/test_integrator_audit.py compares.
+/// Largest error that the audit (docs/results/integrators.md) found among the shipped scenarios
+/// that are not made to be stiff; tests/python/test_integrator_audit.py compares.
 struct Audit {
   double largest_dt;  ///< [s]
   const char* error;  ///< after a second of flight with it
@@ -87,12 +87,13 @@ class ScenarioReader {
     const Audit audit = audit_of(stepping.integrator);
     if (stepping.dt <= audit.largest_dt) return;
     const bool is_euler = stepping.integrator == IntegratorChoice::kSemiImplicitEuler;
-    diagnostics_.warning(
-        reader.mark("dt"),
-        "`dt` is " + format_number(stepping.dt) + " s; the audit in docs/integrators.md supports " +
-            "up to " + format_number(audit.largest_dt) + " s with `" + reader.text("integrator") +
-            "` (errors below " + audit.error + " after a second of flight): take a smaller one" +
-            (is_euler ? ", or `integrator: rk4` with at most 0.004 s" : ""));
+    diagnostics_.warning(reader.mark("dt"),
+                         "`dt` is " + format_number(stepping.dt) +
+                             " s; the audit in docs/results/integrators.md supports up to " +
+                             format_number(audit.largest_dt) + " s with `" +
+                             reader.text("integrator") + "` (errors below " + audit.error +
+                             " after a second of flight): take a smaller one" +
+                             (is_euler ? ", or `integrator: rk4` with at most 0.004 s" : ""));
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {

@@ -69,9 +69,10 @@ typedef struct SkybodyValue {
   int32_t env_param; /* first index into SkybodyLanes::params if randomizable, else -1 */
 } SkybodyValue;
 
+/* One rigid body: the links that fixed joints connect. */
 typedef struct SkybodyBodyInfo {
-  const char* name;
-  int32_t robot;
+  const char* name;          /* of the link whose frame is the body's */
+  int32_t robot;             /* index of its robot */
   int32_t parent;            /* world body index or -1 */
   double mass;               /* nominal [kg] */
   double com[3];             /* [m], body frame */
@@ -87,19 +88,21 @@ typedef struct SkybodyBodyInfo {
   double joint_lower, joint_upper; /* [rad] or [m] */
 } SkybodyBodyInfo;
 
+/* A link as the URDF names it. */
 typedef struct SkybodyLinkInfo {
-  const char* name;
-  int32_t robot;
+  const char* name;   /* in the URDF */
+  int32_t robot;      /* index of its robot */
   int32_t body;       /* world body index */
   double position[3]; /* link frame in the body's frame [m] */
   double rotation[4]; /* body frame from link frame, w x y z */
   double com[3];      /* the link's own centre of mass in the body's frame [m] */
 } SkybodyLinkInfo;
 
+/* One rotor. */
 typedef struct SkybodyRotorInfo {
-  const char* name;
-  int32_t robot;
-  int32_t body;
+  const char* name;   /* in the rotors file */
+  int32_t robot;      /* index of its robot */
+  int32_t body;       /* world body that carries it */
   double position[3]; /* body frame [m] */
   double axis[3];     /* body frame, unit */
   double direction;   /* +1 counter-clockwise about the axis, -1 clockwise */
@@ -107,18 +110,19 @@ typedef struct SkybodyRotorInfo {
   int32_t first_param;                            /* EnvParams, at the same places */
 } SkybodyRotorInfo;
 
+/* One robot, and where its bodies, rotors and coordinates lie among the world's. */
 typedef struct SkybodyRobotInfo {
-  const char* name;
-  int32_t first_body, body_count;
-  int32_t first_rotor, rotor_count;
-  int32_t first_q, q_count;
-  int32_t first_u, u_count;
-  int32_t first_param; /* EnvParams, at the places of SkybodyRobotConstant */
-  int32_t fixed_base;
-  double position[3];   /* of the base at reset [m], W */
-  double rotation[4];   /* W from B, w x y z */
-  int32_t first_action; /* within the action row; for tasks and randomizers, else 0 */
-  int32_t action_count;
+  const char* name;                 /* in the scenario */
+  int32_t first_body, body_count;   /* the base first */
+  int32_t first_rotor, rotor_count; /* in the order of the rotors file */
+  int32_t first_q, q_count;         /* places of SkybodyLanes::q */
+  int32_t first_u, u_count;         /* their rates */
+  int32_t first_param;              /* EnvParams, at the places of SkybodyRobotConstant */
+  int32_t fixed_base;               /* 1: the base is not free */
+  double position[3];               /* of the base at reset [m], W */
+  double rotation[4];               /* W from B, w x y z */
+  int32_t first_action;             /* within the action row; for tasks and randomizers, else 0 */
+  int32_t action_count;             /* values of its action */
   int32_t first_chain, chain_count; /* for tasks and randomizers, else 0 */
 } SkybodyRobotInfo;
 
@@ -131,12 +135,13 @@ typedef struct SkybodySensorInfo {
 
 /* Consecutive controllers of one robot, from a command to actuators. */
 typedef struct SkybodyChainInfo {
-  int32_t robot;
+  int32_t robot;         /* index of its robot */
   int32_t signal;        /* SkybodySignal of its first controller */
   int32_t first_command; /* within the command block, and within an action that is not the task's */
   int32_t count;         /* of values */
 } SkybodyChainInfo;
 
+/* What a shape is, and what its size means. */
 enum SkybodyShapeKind {
   SKYBODY_BOX = 0,      /* size: edge lengths [m] */
   SKYBODY_CYLINDER = 1, /* size: radius, length along z [m], 0 */
@@ -155,12 +160,12 @@ typedef struct SkybodyShapeInfo {
   double rotation[4]; /* body frame (W) from its frame, w x y z */
 } SkybodyShapeInfo;
 
-/* What a randomizer may change. */
+/* A randomizable value. */
 typedef struct SkybodyEnvParamInfo {
-  const char* path;
-  double nominal;
-  double min;
-  double max;
+  const char* path; /* such as robots.quad.rotors[2].thrust_constant */
+  double nominal;   /* the scenario's value, in SI units */
+  double min;       /* the least that may be drawn */
+  double max;       /* the greatest, likewise */
 } SkybodyEnvParamInfo;
 
 /* The world as configure() sees it. It and all that it points to are valid during create() only: an

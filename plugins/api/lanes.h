@@ -66,14 +66,15 @@ class Lanes {
     return values_of(raw_.rotor_speed, "rotor",
                      [](const SkybodyChecks& c) { return c.rotors; })[index];
   }
-  /// A coordinate (q) or its rate (u) of a joint; see BodyInfo::first_q.
+  /// A coordinate of a joint [rad] or [m]; its place is BodyInfo::first_q.
   Real q(int index) const {
     return values_of(raw_.q, "q", [](const SkybodyChecks& c) { return c.q; })[index];
   }
+  /// A joint's rate [rad/s] or [m/s]; its place is BodyInfo::first_u.
   Real u(int index) const {
     return values_of(raw_.u, "u", [](const SkybodyChecks& c) { return c.u; })[index];
   }
-  /// A randomizable value of this environment.
+  /// A randomizable value of this environment; see Setup::find_params().
   Real param(int index) const {
     return values_of(raw_.params, "param", [](const SkybodyChecks& c) { return c.params; })[index];
   }
@@ -82,11 +83,13 @@ class Lanes {
     return values_of(raw_.sensors, "sensor",
                      [](const SkybodyChecks& c) { return c.sensors; })[index];
   }
-  /// The action of this step, clipped to [-1, 1].
+  /// Value `index` of this step's action, clipped to [-1, 1]; a robot's begin at
+  /// RobotInfo::first_action.
   Real action(int index) const {
     return values_of(raw_.action, "action", [](const SkybodyChecks& c) { return c.action; })[index];
   }
-  /// The command made from it, in physical units.
+  /// Value `index` of the chains' commands made from it, in physical units; see
+  /// ChainInfo::first_command.
   Real command(int index) const {
     return values_of(raw_.command, "command",
                      [](const SkybodyChecks& c) { return c.command; })[index];
@@ -106,7 +109,9 @@ class Lanes {
     return reinterpret_cast<T*>(raw_.images + first_ * raw_.image_stride + image.offset);
   }
 
+  /// The seed that the environment's random numbers come from.
   Word<Real> seed() const { return word(raw_.key, 0); }
+  /// Whose random numbers it draws: its id in the batch, or another one after a fork with `rekey`.
   Word<Real> stream_env() const { return word(raw_.key, 1); }
   /// Resets of this environment so far; 1 in its first episode.
   Word<Real> episode() const { return word(raw_.episode, 0); }
@@ -125,6 +130,7 @@ class Lanes {
                                  const Size& size) const {
     return {base == nullptr ? nullptr : base + first, raw_.lanes, bounds(what, size)};
   }
+  /// For the library: likewise, to be written.
   template <class Size>
   Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask, const char* what,
                       const Size& size) const {

@@ -15,60 +15,62 @@ namespace skybody {
 
 /// One number. `value` is the default; without a default set `required`.
 struct RealSpec {
-  const char* name;
-  const char* unit = "";
-  double value = 0.0;
-  double min = -kInfinity;  ///< inclusive
-  double max = kInfinity;   ///< inclusive
-  const char* doc = "";
+  const char* name;           ///< key in scenarios: a-z, 0-9 and _, a letter first
+  const char* unit = "";      ///< such as "N m"; "" for a pure number
+  double value = 0.0;         ///< the default, within the range
+  double min = -kInfinity;    ///< inclusive
+  double max = kInfinity;     ///< inclusive
+  const char* doc = "";       ///< one line, for tables and the schema
   bool randomizable = false;  ///< one value per environment; randomizers may name it by path
-  bool required = false;
+  bool required = false;      ///< the scenario has to give it; the default is ignored
 };
 
 /// A vector of numbers. `count` -1: any length.
 struct RealsSpec {
-  const char* name;
-  const char* unit = "";
-  std::vector<double> values = {};
-  int count = 3;
-  double min = -kInfinity;
-  double max = kInfinity;
-  const char* doc = "";
-  bool randomizable = false;
-  bool required = false;
+  const char* name;                 ///< key in scenarios
+  const char* unit = "";            ///< of every value
+  std::vector<double> values = {};  ///< the default, `count` of them
+  int count = 3;                    ///< -1: any number
+  double min = -kInfinity;          ///< of every value, inclusive
+  double max = kInfinity;           ///< of every value, inclusive
+  const char* doc = "";             ///< one line
+  bool randomizable = false;        ///< every environment has values of its own
+  bool required = false;            ///< the scenario has to give it
 };
 
+/// A whole number.
 struct IntegerSpec {
-  const char* name;
-  const char* unit = "";
-  std::int64_t value = 0;
-  std::int64_t min = -(std::int64_t{1} << 53);
-  std::int64_t max = std::int64_t{1} << 53;
-  const char* doc = "";
-  bool required = false;
+  const char* name;                             ///< key in scenarios
+  const char* unit = "";                        ///< "" for a pure number
+  std::int64_t value = 0;                       ///< the default
+  std::int64_t min = -(std::int64_t{1} << 53);  ///< inclusive
+  std::int64_t max = std::int64_t{1} << 53;     ///< inclusive
+  const char* doc = "";                         ///< one line
+  bool required = false;                        ///< the scenario has to give it
 };
 
+/// true or false.
 struct BooleanSpec {
-  const char* name;
-  bool value = false;
-  const char* doc = "";
+  const char* name;      ///< key in scenarios
+  bool value = false;    ///< the default
+  const char* doc = "";  ///< one line
 };
 
 /// A word. `choices` empty: anything.
 struct TextSpec {
-  const char* name;
-  const char* value = "";
-  std::vector<const char*> choices = {};
-  const char* doc = "";
-  bool required = false;
+  const char* name;                       ///< key in scenarios
+  const char* value = "";                 ///< the default
+  std::vector<const char*> choices = {};  ///< what is allowed
+  const char* doc = "";                   ///< one line
+  bool required = false;                  ///< the scenario has to give it
 };
 
 /// A list of words, of any length.
 struct TextsSpec {
-  const char* name;
-  std::vector<const char*> values = {};
-  const char* doc = "";
-  bool required = false;
+  const char* name;                      ///< key in scenarios
+  std::vector<const char*> values = {};  ///< the default
+  const char* doc = "";                  ///< one line
+  bool required = false;                 ///< the scenario has to give it
 };
 
 class Plugin;
@@ -79,9 +81,10 @@ class Parameter {
   Parameter(const Parameter&) = delete;
   Parameter& operator=(const Parameter&) = delete;
 
-  /// The declaration in C form; points into this object.
+  /// For the library: the declaration in C form; points into this object.
   SkybodyParameter declaration() const;
-  /// Takes the validated value. @throws nothing: the host has checked type, count and range.
+  /// For the library: takes the validated value. Never throws: the host has checked type, count and
+  /// range.
   void bind(const SkybodyValue& value);
 
  protected:
@@ -100,55 +103,76 @@ class Parameter {
   int env_param_ = -1;
 };
 
+/// One number, declared as a member: RealParameter gain{this, {.name = "gain", .value = 2.0}};
 class RealParameter : public Parameter {
  public:
+  /// Joins the parameters of the plugin `owner`, which is `this`.
   RealParameter(Plugin* owner, const RealSpec& spec);
-  /// The configured (nominal) value.
+  /// The scenario's value, the same for all environments.
   double value() const { return numbers_[0]; }
-  /// The value of each environment: drawn if it is randomizable, else the configured one.
+  /// The value of each environment: drawn if it is randomizable, else the scenario's.
   template <class Real>
   Real operator()(const Lanes<Real>& env) const {
     return env_param_ < 0 ? Real(numbers_[0]) : env.param(env_param_);
   }
 };
 
+/// Several numbers of one unit.
 class RealsParameter : public Parameter {
  public:
+  /// Joins the parameters of the plugin `owner`, which is `this`.
   RealsParameter(Plugin* owner, const RealsSpec& spec);
+  /// How many there are: of a spec with `count` -1 as many as the scenario gives.
   int count() const { return static_cast<int>(numbers_.size()); }
+  /// The scenario's value i, 0 <= i < count().
   double value(int i) const { return numbers_[static_cast<std::size_t>(i)]; }
+  /// The scenario's first three values.
   Vec3<double> vec3() const { return {value(0), value(1), value(2)}; }
+  /// Value i of each environment: drawn if it is randomizable, else the scenario's.
   template <class Real>
   Real operator()(const Lanes<Real>& env, int i) const {
     return env_param_ < 0 ? Real(numbers_[static_cast<std::size_t>(i)]) : env.param(env_param_ + i);
   }
+  /// The first three values of each environment.
   template <class Real>
   Vec3<Real> vec3(const Lanes<Real>& env) const {
     return {(*this)(env, 0), (*this)(env, 1), (*this)(env, 2)};
   }
 };
 
+/// A whole number.
 class IntegerParameter : public Parameter {
  public:
+  /// Joins the parameters of the plugin `owner`, which is `this`.
   IntegerParameter(Plugin* owner, const IntegerSpec& spec);
+  /// The scenario's value.
   std::int64_t value() const { return static_cast<std::int64_t>(numbers_[0]); }
 };
 
+/// true or false.
 class BooleanParameter : public Parameter {
  public:
+  /// Joins the parameters of the plugin `owner`, which is `this`.
   BooleanParameter(Plugin* owner, const BooleanSpec& spec);
+  /// The scenario's value.
   bool value() const { return numbers_[0] != 0.0; }
 };
 
+/// A word.
 class TextParameter : public Parameter {
  public:
+  /// Joins the parameters of the plugin `owner`, which is `this`.
   TextParameter(Plugin* owner, const TextSpec& spec);
+  /// The scenario's word; one of the choices where there are any.
   const std::string& value() const { return texts_[0]; }
 };
 
+/// A list of words.
 class TextsParameter : public Parameter {
  public:
+  /// Joins the parameters of the plugin `owner`, which is `this`.
   TextsParameter(Plugin* owner, const TextsSpec& spec);
+  /// The scenario's words.
   const std::vector<std::string>& values() const { return texts_; }
 };
 

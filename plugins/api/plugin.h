@@ -32,10 +32,13 @@ class Plugin {
   /// Throws std::runtime_error with a text for the user where the scenario cannot be served.
   virtual void configure(const Setup& setup) = 0;
 
-  /// No state, unless the derived class declares its own.
+  /// What an instance remembers of each environment: Real, Word<Real>, Vec3<Real>, Quat<Real> and
+  /// arrays of them. The host owns it; all words are 0 when an episode begins, but for randomizers.
+  /// None, unless the derived class declares its own.
   template <class Real>
   struct State {};
 
+  /// For the library: the parameter members, in the order of their declaration.
   const std::vector<Parameter*>& parameters() const { return parameters_; }
 
   /// Called by the host before configure(): names this instance's random numbers.
@@ -70,18 +73,32 @@ class Plugin {
   std::uint64_t stream_ = 0;
 };
 
-/// Maps a command to another one, or to actuators; evaluated before every physics step.
-/// Optional: `reset(env, state)`; required:
-///   template <class Real> void control(const Lanes<Real>& env, State<Real>& state,
-///                                      ConstValues<Real> input, Values<Real> output) const;
+/// Maps a command to another one, or to actuators. `configure()` declares Setup::input() and
+/// Setup::output().
+///
+/// Required; called before every physics step, or before every Setup::period() of them:
+///   template <class Real>
+///   void control(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> input,
+///                Values<Real> output) const;
+/// `input` has the values of Setup::input(), in physical units; `output` those of Setup::output()
+/// and has to be written whole.
+///
+/// Optional; called at a reset, when the robots have been placed and all State is 0:
+///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
 class Controller : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_CONTROLLER;
 };
 
-/// Measures; called after every `period` physics steps and at a reset.
-///   template <class Real> void sense(const Lanes<Real>& env, State<Real>& state,
-///                                    Values<Real> output) const;
+/// Measures. `configure()` declares Setup::channel() for each output, and perhaps Setup::image().
+///
+/// Required; called at a reset and after every physics step, or every Setup::period() of them:
+///   template <class Real>
+///   void sense(const Lanes<Real>& env, State<Real>& state, Values<Real> output) const;
+/// `output` has the values of all channels in order; they stay until the next call.
+///
+/// Optional; called at a reset before the first sense():
+///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
 class Sensor : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_SENSOR;
@@ -99,17 +116,26 @@ class Start {
         params(param_values),
         requested(draw_now) {}
 
-  Values<Real> q;            ///< joint coordinates; base: position (W), quaternion w x y z
-  Values<Real> u;            ///< their rates; base: velocity (W axes), angular velocity (B axes)
-  Values<Real> rotor_speed;  ///< [rad/s]
-  Values<Real> params;       ///< EnvParams; only those announced by Setup::writes()
-  bool requested;            ///< the caller asks for a draw now, whatever the schedule says
+  /// Joint coordinates of the world, at BodyInfo::first_q [m] and [rad]. A free base: position (W)
+  /// and quaternion w x y z.
+  Values<Real> q;
+  /// Their rates, at BodyInfo::first_u [m/s] and [rad/s]. A free base: velocity (W axes) and
+  /// angular velocity (B axes).
+  Values<Real> u;
+  Values<Real> rotor_speed;  ///< of every rotor of the world [rad/s], >= 0
+  /// Randomizable values, at Setup::find_params(). Only those announced by Setup::writes() may be
+  /// written; they are held to their bounds afterwards.
+  Values<Real> params;
+  bool requested;  ///< the caller asks for a draw now, whatever the schedule says
 };
 
-/// Draws at resets, after the scenario's own start was set. Parameters keep what was drawn before.
-///   template <class Real> void randomize(const Lanes<Real>& env, State<Real>& state,
-///                                        Start<Real>& start) const;
-/// A randomizer's State survives resets (it may count them).
+/// Draws values when an episode begins. `configure()` announces the parameters that it may write by
+/// Setup::writes(). A randomizer's State survives resets, so that it may count them.
+///
+/// Required; called at every reset, after the scenario's own start was set, in the order of the
+/// scenario. Parameters have what was drawn before:
+///   template <class Real>
+///   void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const;
 class Randomizer : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_RANDOMIZER;
@@ -139,10 +165,13 @@ class Held {
     add(SKYBODY_HELD_BODY_DRAG, 6 * body, linear);
     add(SKYBODY_HELD_BODY_DRAG, 6 * body + 3, quadratic);
   }
-  /// Factors on what a world rotor does.
+  /// Factor on the thrust of a world rotor.
   void scale_thrust(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_THRUST, gain); }
+  /// Factor on a rotor's reaction moment about its axis.
   void scale_moment(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_MOMENT, gain); }
+  /// Factor on a rotor's drag across its axis.
   void scale_rotor_drag(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_DRAG, gain); }
+  /// Factor on a rotor's rolling moment.
   void scale_rolling_moment(int rotor, const Real& gain) {
     scale(rotor, SKYBODY_GAIN_ROLLING, gain);
   }
@@ -188,11 +217,16 @@ class Held {
   MaskOf<Real> mask_;
 };
 
-/// Wind, drag, a sagging battery: what acts on bodies and rotors beside the controllers. Called
-/// before every physics step (or every `period` of them), after the controllers; reads what they
-/// read.
-///   template <class Real> void apply(const Lanes<Real>& env, State<Real>& state,
-///                                    Held<Real>& held) const;
+/// Acts on bodies and rotors beside the controllers: wind, drag, a sagging battery. `configure()`
+/// announces what it holds by Setup::holds().
+///
+/// Required; called after the controllers before every physics step, or every Setup::period() of
+/// them. What it adds holds until its next call:
+///   template <class Real>
+///   void apply(const Lanes<Real>& env, State<Real>& state, Held<Real>& held) const;
+///
+/// Optional; called at a reset, after controllers and the task:
+///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
 class Effect : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_EFFECT;
@@ -213,10 +247,10 @@ class Evaluation {
         end_(end),
         mask_(mask) {}
 
-  Values<Real> observation;  ///< channels as declared, in order
+  Values<Real> observation;  ///< channels as declared, in order, in their units
   Values<Real> info;         ///< Setup::info() values as declared, in order
 
-  /// Whether anybody will look at `info`: where it costs time, it may be left out else.
+  /// Whether anybody will look at `info`. Where not, it need not be written.
   bool wants_info() const { return wants_info_; }
 
   /// The environment's reward; of a team, the team's.
@@ -240,13 +274,26 @@ class Evaluation {
   MaskOf<Real> mask_;
 };
 
-/// Defines observation, reward and end of episodes.
-///   template <class Real> void evaluate(const Lanes<Real>& env, State<Real>& state,
-///                                       Evaluation<Real>& out) const;
-/// is called after every step and once after a reset (reward and end are then ignored). Optional:
-///   reset(env, state)                        draws targets; the robots have been placed
-///   process(env, state, action, command)     once a step; default: each controller's own scaling
-///   goal(env, state, Values<Real> goal)      position (W) [m] and yaw [rad] per declared goal
+/// Defines observation, reward and end of episodes. `configure()` declares Setup::channel() for
+/// each part of the observation.
+///
+/// Required; called after every step, and once after a reset, where reward and end are ignored:
+///   template <class Real>
+///   void evaluate(const Lanes<Real>& env, State<Real>& state, Evaluation<Real>& out) const;
+///
+/// Optional; called at a reset, when the robots have been placed: draws targets:
+///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
+///
+/// Optional; makes the chains' commands, in physical units, once a step or every Setup::period()
+/// physics steps. Without it each chain's first controller scales its part of the action. `action`
+/// has values in [-1, 1]; after Setup::action() it has physical values, and process() is required:
+///   template <class Real>
+///   void process(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> action,
+///                Values<Real> command) const;
+///
+/// Required after Setup::goal(); position (W) [m] and yaw [rad], four values for each goal in
+/// order, for tables and the `hold` baseline. For plain double:
+///   void goal(const Lanes<double>& env, const State<double>& state, Values<double> goal) const;
 class Task : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_TASK;

@@ -43,9 +43,13 @@ template <class T>
 class View {
  public:
   View(const T* data, int size) : data_(data), size_(size) {}
+  /// For `for (const T& x : view)`.
   const T* begin() const { return data_; }
+  /// Behind the last element.
   const T* end() const { return data_ + size_; }
+  /// Element i, 0 <= i < size(); not checked.
   const T& operator[](int i) const { return data_[i]; }
+  /// Number of elements.
   int size() const { return size_; }
 
  private:
@@ -60,18 +64,24 @@ class Setup {
  public:
   Setup(const SkybodySetup& raw, const SkybodyDeclare& declare) : raw_(raw), declare_(declare) {}
 
+  /// This instance's path, such as `robots.quad.controllers.ctbr`.
   std::string instance() const { return raw_.instance; }
   double dt() const { return raw_.dt; }                     ///< physics step [s]
   int action_repeat() const { return raw_.action_repeat; }  ///< physics steps an action
   int horizon() const { return raw_.horizon; }              ///< steps an episode, 0: unlimited
-  const double* gravity() const { return raw_.gravity; }    ///< 3 values, W [m/s^2]
+  const double* gravity() const { return raw_.gravity; }    ///< 3 values, W [m/s^2]; nominal
 
+  /// All robots, in the order of the scenario.
   View<RobotInfo> robots() const { return {raw_.robots, raw_.robot_count}; }
+  /// All bodies: robot after robot, of each the base first and parents before children.
   View<BodyInfo> bodies() const { return {raw_.bodies, raw_.body_count}; }
+  /// All links that belong to a body, robot after robot, in the order of the URDF.
   View<LinkInfo> links() const { return {raw_.links, raw_.link_count}; }
+  /// All rotors: robot after robot, in the order of the rotors file.
   View<RotorInfo> rotors() const { return {raw_.rotors, raw_.rotor_count}; }
+  /// All randomizable values, in the order of Lanes::param().
   View<EnvParamInfo> params() const { return {raw_.params, raw_.param_count}; }
-  /// Tasks and randomizers: the chains of controllers, in robot order.
+  /// Tasks and randomizers: the chains of controllers, in robot order. Empty for others.
   View<ChainInfo> chains() const { return {raw_.chains, raw_.chain_count}; }
   /// Collision shapes of bodies, then obstacles.
   View<ShapeInfo> shapes() const { return {raw_.shapes, raw_.shape_count}; }
@@ -99,19 +109,23 @@ class Setup {
   /// means all elements. @throws std::runtime_error if nothing matches
   std::vector<int> find_params(const std::string& path) const;
 
-  /// Controllers: the command taken; `low` and `high` are what actions -1 and +1 mean.
+  /// Controllers: the command taken; `low` and `high`, one value for each of the command, are what
+  /// actions -1 and +1 mean [the signal's units]. @throws std::logic_error if their sizes differ
   void input(Signal signal, const std::vector<double>& low, const std::vector<double>& high) const;
-  /// Controllers: what control() writes. The last one of a chain may give several signals to
-  /// actuators: their values follow one another in the order of these calls.
+  /// Controllers: what control() writes, `count` values. The last one of a chain may give several
+  /// signals to actuators: their values follow one another in the order of these calls.
   void output(Signal signal, int count) const;
-  /// Controllers with output kWrench: where value 6 i.. acts; in order.
+  /// Controllers with output Signal::kWrench: where values 6 i to 6 i + 5 act, for site i = 0, 1,
+  /// ...
   void site(const SkybodySite& site) const { declare_.site(declare_.host, &site); }
-  /// Controllers with output kJoint: what value i.. drives; in order.
+  /// Controllers with output Signal::kJoint: what value i drives, for drive i = 0, 1, ... A
+  /// coordinate has one drive.
   void joint(const SkybodyJointDrive& drive) const { declare_.joint(declare_.host, &drive); }
-  /// Effects: an input that apply() fills.
+  /// Effects: announces an input that apply() adds to, by the methods of Held.
   void holds(HeldInput input) const { declare_.holds(declare_.host, static_cast<int>(input)); }
-  /// Sensors and tasks: a part of the output or observation, in order.
-  /// @param robot  tasks: whose own observation it belongs to, -1: every robot's
+  /// Sensors and tasks: a part of the output or observation, in order: `count` values in `unit`,
+  /// with bounds for the space (infinite where there are none).
+  /// @param robot  whose own observation it belongs to, -1: every robot's
   void channel(const std::string& name, const std::string& unit, int count, double low, double high,
                int robot = -1) const;
   /// The same for a critic only: an observed value that the policy does not see.
@@ -125,10 +139,11 @@ class Setup {
   template <class T>
   Image<T> image(const std::string& name, const std::vector<int>& shape, int robot = -1,
                  double low = kLeast<T>, double high = kGreatest<T>) const;
-  /// Tasks: values beside the observation (Evaluation::info), in order: what an evaluation asks
-  /// for.
+  /// Tasks: `count` values beside the observation (Evaluation::info), in order: what an evaluation
+  /// asks for, such as a position error.
   void info(const std::string& name, const std::string& unit, int count) const;
-  /// Controllers, sensors, effects: likewise, values that are words `first`.. of the buffer.
+  /// Controllers, sensors, effects: likewise; the values are words `first` to `first + count - 1`
+  /// of the buffer. Their name becomes INSTANCE.NAME.
   void report(const std::string& name, const std::string& unit, int count, int first) const;
   /// Tasks: a part of the action; -1 and +1 mean `low` and `high`. In robot order. Then process()
   /// makes the command from physical values; without these the action is the chains' commands.
@@ -147,18 +162,21 @@ class Setup {
   void buffer(int words) const { declare_.buffer(declare_.host, words); }
   /// `count` values of memory for a call (Lanes::scratch); no state.
   void scratch(int count) const { declare_.scratch(declare_.host, count); }
-  /// Asks for Lanes::contact().
+  /// Asks for Lanes::contact(), which costs time in large batches.
   void need_contacts() const { declare_.contacts(declare_.host); }
   /// Sensors: sense() may be left out where nobody would read its output before the next call. What
   /// it gives must not depend on the calls before.
   void only_when_read() const { declare_.only_when_read(declare_.host); }
   /// Asks for Lanes::body_before().
   void need_bodies_before() const { declare_.bodies_before(declare_.host); }
-  /// Randomizers: announces that a parameter will be written.
+  /// Randomizers: announces that parameter `param` of params() will be written; it is then held to
+  /// its bounds after every draw. Two randomizers that announce one are an error of the scenario.
   void writes(int param) const { declare_.writes(declare_.host, param); }
-  /// Tasks: goal() gives where `body` of `robot` should be. In order; once a robot at most.
+  /// Tasks: goal() gives where world body `body` of `robot` should be. In order; once a robot at
+  /// most.
   void goal(int robot, int body) const { declare_.goal(declare_.host, robot, body); }
 
+  /// For the library: the C structure.
   const SkybodySetup& raw() const { return raw_; }
 
  private:

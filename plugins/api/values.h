@@ -85,7 +85,9 @@ class Values : private Bounds<Real> {
 
   /// Value `k` as it is now.
   Real operator[](int k) const { return load_lanes<Real>(this->place(data_, stride_, k)); }
+  /// Values k, k+1, k+2 as they are now.
   Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
+  /// Values k..k+3 as they are now, as a quaternion w x y z.
   Quat<Real> quat(int k) const {
     return {(*this)[k], (*this)[k + 1], (*this)[k + 2], (*this)[k + 3]};
   }

@@ -60,7 +60,7 @@ def test_an_unknown_scenario_is_refused(audit, monkeypatch, capsys):
 
 
 def test_skybody_check_warns_beyond_what_the_audit_found(audit):
-    found = json.loads((ROOT / "docs/data/integrator_audit.json").read_text())
+    found = json.loads((ROOT / "docs/results/data/integrator_audit.json").read_text())
     mild = [row for row in found["results"] if row["scenario"] not in ("boom", "hard_landing")]
     # What core/io/scenario_reader.cpp says of the largest steps that it does not warn of.
     for name, dt, position, angle in (

@@ -135,7 +135,7 @@ def test_the_table_says_ratio_version_and_what_differs(
     assert shown.split()[5:9] == ["1", "0.5", "60", "1"]
     assert shown.endswith("no lag")
     assert "skipped: l2f: why" in whole.text()
-    page = whole.markdown(pathlib.Path("docs/images/peers.png"))
+    page = whole.markdown(pathlib.Path("docs/results/images/peers.png"))
     assert "![Steps per second](images/peers.png)" in page
     assert json.loads(json.dumps(whole.facts()))["goals"][3]["verdict"] == "met"
     bench["picture"].draw(whole, tmp_path / "peers.png")

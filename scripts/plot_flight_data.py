@@ -1,0 +1,211 @@
+"""What plot_flight.py draws of an episode, read from a Skybody flight log."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+
+ENDINGS = ("terminated", "truncated", "fault", "stopped", "interrupted")
+
+
+@dataclass
+class Track:
+    """What is drawn of one body."""
+
+    name: str
+    color: str
+    position: np.ndarray
+    angles: np.ndarray | None  # roll, pitch, yaw in degrees; only of a robot's base
+    goal: np.ndarray | None  # x, y, z [m], yaw [rad]
+
+    def error(self) -> np.ndarray:
+        """Distance to the goal in mm."""
+        return 1e3 * np.linalg.norm(self.position - self.goal[:, :3], axis=1)
+
+
+@dataclass
+class Joints:
+    """The joints of one unit."""
+
+    unit: str  # deg or m
+    names: list[str]
+    values: np.ndarray  # a row an instant, a column a joint
+
+
+@dataclass
+class Obstacle:
+    """A shape that stands still."""
+
+    kind: str  # box, sphere or cylinder
+    size: np.ndarray  # edges; radius; radius and length along z [m]
+    position: np.ndarray
+    rotation: np.ndarray  # matrix, W from the shape
+
+
+@dataclass
+class Flight:
+    """One episode, read."""
+
+    title: str
+    subtitle: str
+    time: np.ndarray
+    reward: np.ndarray
+    bodies: np.ndarray  # instants x bodies x 13
+    body_names: list[str]
+    tracks: list[Track]
+    rotors: list[str]
+    rotor_speed: np.ndarray | None
+    rotor_command: np.ndarray | None
+    joints: list[Joints]
+    obstacles: list[Obstacle]
+    simbody: list[tuple[float, float]]  # spans of time on Simbody, where tree took others
+
+
+def euler_degrees(quaternion: np.ndarray) -> np.ndarray:
+    """Roll, pitch and yaw (z-y'-x'') of rows w x y z, without jumps."""
+    w, x, y, z = quaternion.T
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return np.degrees(np.stack([np.unwrap(roll), pitch, np.unwrap(yaw)], axis=1))
+
+
+def texts(values) -> list[str]:
+    return [v.decode() if isinstance(v, bytes) else str(v) for v in values]
+
+
+def colors(count: int) -> list:
+    """As many colours that can be told apart as the cycle has, then a continuous map."""
+    cycle = plt.rcParams["axes.prop_cycle"].by_key()["color"]
+    if count <= len(cycle):
+        return cycle[:count]
+    return list(plt.get_cmap("turbo")(np.linspace(0.05, 0.95, count)))
+
+
+def read_tracks(episode: h5py.Group) -> list[Track]:
+    """The base of each robot and each body that has a goal."""
+    names = texts(episode["bodies"].attrs["items"])
+    goals = texts(episode["goal"].attrs["items"]) if "goal" in episode else []
+    bases, robots = set(), set()
+    for name in names:
+        robot = name.split(".")[0]
+        if robot not in robots:
+            bases.add(name)
+            robots.add(robot)
+    shown = [name for name in names if name in bases or name in goals]
+    tracks = []
+    for name, color in zip(shown, colors(len(shown)), strict=True):
+        body = episode["bodies"][:, names.index(name), :]
+        angles = euler_degrees(body[:, 3:7]) if name in bases else None
+        goal = episode["goal"][:, goals.index(name), :] if name in goals else None
+        tracks.append(Track(name, color, body[:, :3], angles, goal))
+    return tracks
+
+
+def joints_of(episode: h5py.Group) -> list[Joints]:
+    """Angles of revolute and universal joints, the angle by which a ball joint has turned from
+    zero, and travels of sliders. Joints of free bodies are not drawn."""
+    if "q" not in episode:
+        return []
+    dataset = episode["q"]
+    columns, units = texts(dataset.attrs["columns"]), texts(dataset.attrs["units"])
+    place = {name: k for k, name in enumerate(columns)}
+    series: dict[str, list[tuple[str, np.ndarray]]] = {"deg": [], "m": []}
+    for name, unit in zip(columns, units, strict=True):
+        body, _, part = name.rpartition(".")
+        is_free = f"{body}.x" in place and f"{body}.qw" in place
+        if is_free or part in ("qx", "qy", "qz"):
+            continue
+        values = dataset[:, place[name]]
+        if part == "qw":
+            vector = dataset[:, [place[f"{body}.{q}"] for q in ("qx", "qy", "qz")]]
+            turned = 2 * np.arctan2(np.linalg.norm(vector, axis=1), np.abs(values))
+            series["deg"].append((f"{body} (ball)", np.degrees(turned)))
+        elif unit == "rad":
+            series["deg"].append((name.removesuffix(".angle"), np.degrees(values)))
+        else:
+            series["m"].append((name, values))
+    return [
+        Joints(unit, [name for name, _ in found], np.stack([v for _, v in found], axis=1))
+        for unit, found in series.items()
+        if found
+    ]
+
+
+def rotation_of_rpy(rpy: np.ndarray) -> np.ndarray:
+    """URDF's convention: about the fixed axes x, y, z, in this order [rad]."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def obstacles_of(scenario: str) -> list[Obstacle]:
+    """Those of the scenario as core/io/config_writer.cpp writes it: merged, one key a line."""
+    section = re.search(r"^obstacles:\n((?:[ -].*\n?)*)", scenario, re.MULTILINE)
+    found = []
+    for entry in re.split(r"^  - ", section.group(1) if section else "", flags=re.MULTILINE)[1:]:
+        keys = dict(re.findall(r"^ *(\w+): (.*)$", entry, re.MULTILINE))
+        numbers = {
+            key: np.array([float(n) for n in text.strip("[]").split(",")])
+            for key, text in keys.items()
+            if key != "name"
+        }
+        kind = next((k for k in ("box", "sphere", "cylinder") if k in numbers), None)
+        if kind is None:
+            continue
+        rotation = rotation_of_rpy(numbers.get("rpy", np.zeros(3)))
+        position = numbers.get("position", np.zeros(3))
+        found.append(Obstacle(kind, numbers[kind], position, rotation))
+    return found
+
+
+def ending(episode: h5py.Group) -> str:
+    events = [e["text"].decode() for e in episode["events"][:]]
+    last = events[-1] if events else ""
+    return last if last.split(":")[0] in ENDINGS else "unfinished"
+
+
+def simbody_spans(dynamics: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
+    """From the row before the first on Simbody to the last; none where nothing was handed over."""
+    on_simbody = dynamics[1:] == 1
+    if on_simbody.all():
+        return []
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], on_simbody, [False]]).astype(int)))
+    return [(time[a], time[b]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def read_flight(log: h5py.File, name: str) -> Flight:
+    episode = log["episodes"][name]
+    time = episode["time"][:]
+    about = log.attrs
+    title = f"{about['scenario']}  ·  episode {int(name)} of {len(log['episodes'])}"
+    title += f"  ·  policy {about['policy']}  ·  seed {about['seed']}"
+    subtitle = f"{ending(episode)} after {time[-1]:.3f} s, {len(time) - 1} steps of "
+    subtitle += f"{about['action_repeat']} x {1e3 * about['dt']:g} ms"
+    subtitle += f"  ·  scenario {about['scenario_hash']}"
+    subtitle += f"  ·  Skybody {log['versions'].attrs.get('skybody', '?')}"
+    rotors = texts(episode["rotor_speed"].attrs["columns"]) if "rotor_speed" in episode else []
+    return Flight(
+        title=title,
+        subtitle=subtitle,
+        time=time,
+        reward=episode["reward"][:],
+        bodies=episode["bodies"][:],
+        body_names=texts(episode["bodies"].attrs["items"]),
+        tracks=read_tracks(episode),
+        rotors=rotors,
+        rotor_speed=episode["rotor_speed"][:] if rotors else None,
+        rotor_command=episode["rotor_command"][:] if rotors else None,
+        joints=joints_of(episode),
+        obstacles=obstacles_of(str(about["scenario_text"])),
+        simbody=simbody_spans(episode["dynamics"][:], time) if "dynamics" in episode else [],
+    )

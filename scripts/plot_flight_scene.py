@@ -1,0 +1,175 @@
+"""The picture of a flight in space: paths, vehicles at some instants, obstacles."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from plot_flight_data import Flight, Obstacle
+
+SIMBODY = {"color": "gold", "alpha": 0.4, "linewidth": 0}
+AXES = ("tab:red", "tab:green", "tab:blue")
+INSTANTS = 7  # at which vehicles are drawn, along each path
+AROUND = 24  # points of a circle
+
+
+def rotation_of(quaternions: np.ndarray) -> np.ndarray:
+    """Matrices, W from body, of rows w x y z."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+# --- obstacles ----------------------------------------------------------------------------------
+
+
+def box_faces(size: np.ndarray) -> list[np.ndarray]:
+    faces = []
+    for axis in range(3):
+        for side in (-0.5, 0.5):
+            corners = np.full((4, 3), side)
+            others = [k for k in range(3) if k != axis]
+            corners[:, others] = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+            faces.append(corners * size)
+    return faces
+
+
+def turned_faces(profile: np.ndarray) -> list[np.ndarray]:
+    """A surface of revolution about z: four-cornered faces between circles (radius, height)."""
+    angles = np.linspace(0, 2 * np.pi, AROUND + 1)
+    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    circles = [np.column_stack([r * ring, np.full(len(ring), h)]) for r, h in profile]
+    return [
+        np.array([low[k], low[k + 1], high[k + 1], high[k]])
+        for low, high in pairwise(circles)
+        for k in range(AROUND)
+    ]
+
+
+def faces_of(obstacle: Obstacle) -> list[np.ndarray]:
+    """Its faces in W."""
+    if obstacle.kind == "box":
+        faces = box_faces(obstacle.size)
+    elif obstacle.kind == "sphere":
+        angles = np.linspace(-np.pi / 2, np.pi / 2, AROUND // 2 + 1)
+        faces = turned_faces(obstacle.size[0] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+    else:
+        radius, half = obstacle.size[0], 0.5 * obstacle.size[1]
+        faces = turned_faces(np.array([(0, -half), (radius, -half), (radius, half), (0, half)]))
+    return [face @ obstacle.rotation.T + obstacle.position for face in faces]
+
+
+def draw_obstacles(panel, obstacles: list[Obstacle], low: np.ndarray, high: np.ndarray) -> None:
+    """What reaches beyond the picture ends at its border."""
+    for obstacle in obstacles:
+        faces = np.array(faces_of(obstacle))
+        points = faces.reshape(-1, 3)
+        if (points.max(axis=0) < low).any() or (points.min(axis=0) > high).any():
+            continue
+        is_box = obstacle.kind == "box"
+        panel.add_collection3d(
+            Poly3DCollection(
+                np.clip(faces, low, high),
+                facecolor=(0.55, 0.55, 0.55, 0.25),
+                edgecolor=(0.3, 0.3, 0.3, 0.6 if is_box else 0.0),
+                linewidth=0.6,
+            )
+        )
+
+
+# --- vehicles -----------------------------------------------------------------------------------
+
+
+def instants_along(path: np.ndarray, size: float) -> np.ndarray:
+    """Rows at equal distances along a path, fewer where it is short beside what is drawn there."""
+    steps = np.linalg.norm(np.nan_to_num(np.diff(path, axis=0)), axis=1)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    count = int(np.clip(way[-1] / (2 * size), 1, INSTANTS - 1)) + 1
+    return np.unique(np.searchsorted(way, np.linspace(0, way[-1], count)))
+
+
+def parents(bodies: np.ndarray) -> list[int]:
+    """For each body of a robot but the base, the earlier one in whose frame its origin moves least:
+    joints that turn keep it in one place there. Of several such the nearest."""
+    found = []
+    for k in range(1, bodies.shape[1]):
+        offsets = bodies[:, k, None, :3] - bodies[:, :k, :3]
+        local = np.einsum("tkji,tkj->tki", rotation_of(bodies[:, :k, 3:7]), offsets)
+        spread = np.linalg.norm(local.std(axis=0), axis=1)
+        distance = np.linalg.norm(local.mean(axis=0), axis=1)
+        found.append(int(np.argmin(np.where(spread <= spread.min() + 1e-6, distance, np.inf))))
+    return found
+
+
+def draw_vehicles(panel, flight: Flight, size: float) -> None:
+    """Each robot at some instants: the axes of its base, and lines to the bodies on its joints."""
+    robots: dict[str, list[int]] = {}
+    for k, name in enumerate(flight.body_names):
+        robots.setdefault(name.split(".")[0], []).append(k)
+    many = len(robots) > 3
+    for columns in robots.values():
+        bodies = flight.bodies[:, columns]
+        bodies = bodies[np.isfinite(bodies).all(axis=(1, 2))]
+        if not len(bodies):
+            continue
+        rows = instants_along(bodies[:, 0, :3], (2 if many else 1) * size)
+        origins, rotations = bodies[rows, 0, :3], rotation_of(bodies[rows, 0, 3:7])
+        for axis, color in enumerate(AXES):
+            tips = origins + size * rotations[:, :, axis]
+            lines = np.stack([origins, tips], axis=1)
+            panel.add_collection3d(Line3DCollection(lines, colors=color, linewidths=1.3))
+        for k, parent in enumerate(parents(bodies), start=1):
+            lines = np.stack([bodies[rows, parent, :3], bodies[rows, k, :3]], axis=1)
+            panel.add_collection3d(Line3DCollection(lines, colors="dimgrey", linewidths=1.0))
+            panel.scatter(*bodies[rows, k, :3].T, color="dimgrey", s=5, depthshade=False)
+
+
+# --- the panel ----------------------------------------------------------------------------------
+
+
+def limits_of(flight: Flight) -> tuple[np.ndarray, np.ndarray]:
+    """A box around paths, goals and moving bodies, and as much of the obstacles as is near."""
+    sets = [flight.bodies[:, :, :3].reshape(-1, 3)]
+    sets += [t.goal[:, :3] for t in flight.tracks if t.goal is not None]
+    points = np.concatenate(sets)
+    points = points[np.isfinite(points).all(axis=1)]
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = max(0.05, 0.5 * float((high - low).max()))
+    for obstacle in flight.obstacles:
+        corners = np.array(faces_of(obstacle)).reshape(-1, 3)
+        if (corners.max(axis=0) > low - margin).all() and (
+            corners.min(axis=0) < high + margin
+        ).all():
+            points = np.concatenate([points, np.clip(corners, low - margin, high + margin)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, span = 0.5 * (low + high), high - low
+    half = 0.55 * np.maximum(span, max(0.05, 0.6 * float(span.max())))
+    return middle - half, middle + half
+
+
+def draw_path(panel, flight: Flight) -> None:
+    low, high = limits_of(flight)
+    draw_obstacles(panel, flight.obstacles, low, high)
+    for track in flight.tracks:
+        panel.plot(*track.position.T, color=track.color, linewidth=1.1)
+        for begin, end in flight.simbody:
+            rows = (flight.time >= begin) & (flight.time <= end)
+            panel.plot(*track.position[rows].T, **{**SIMBODY, "linewidth": 5})
+        panel.scatter(*track.position[0], color=track.color, marker="o", s=14)
+        panel.scatter(*track.position[-1], color=track.color, marker="s", s=18)
+        if track.goal is not None:
+            panel.scatter(*track.goal[-1, :3], color="black", marker="+", s=60, linewidths=1.2)
+    draw_vehicles(panel, flight, 0.07 * float((high - low).max()))
+    for axis, limits in enumerate((panel.set_xlim, panel.set_ylim, panel.set_zlim)):
+        limits(low[axis], high[axis])
+    panel.set_box_aspect(high - low, zoom=0.87)
+    panel.locator_params(nbins=4)
+    panel.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    panel.tick_params(labelsize=8, pad=0)
+    words = "path: ● start  ■ end  + goal; axes of the base: x red, y green, z blue"
+    panel.set_title(words, fontsize=8.5, y=1.0)

@@ -1,0 +1,107 @@
+"""The picture of a flight: what is read from a log, and where vehicles and obstacles stand."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "build/release/bin/skybody"
+pytest.importorskip("h5py")
+pytest.importorskip("matplotlib")
+
+
+@pytest.fixture
+def load(monkeypatch: pytest.MonkeyPatch):
+    """Imports a module of scripts/."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    return importlib.import_module
+
+
+@pytest.fixture
+def data(load) -> ModuleType:
+    return load("plot_flight_data")
+
+
+@pytest.fixture
+def scene(load) -> ModuleType:
+    return load("plot_flight_scene")
+
+
+def flown(folder: Path, scenario: str, *arguments: str) -> Path:
+    command = [PROGRAM, "run", scenario, "--out", folder, "--no-picture", "--steps", "20"]
+    subprocess.run([*command, *arguments], check=True, capture_output=True, timeout=60)
+    return folder / "flight.h5"
+
+
+def episode_of(log: Path):
+    h5py = importlib.import_module("h5py")
+    return h5py.File(log)
+
+
+def test_obstacles_are_read_from_the_scenario_in_the_log(data: ModuleType, tmp_path: Path) -> None:
+    shapes = "[{name: wall, box: [1, 2, 3], position: [4, 5, 6], rpy: [0, 0, 0.5]}, "
+    shapes += "{name: ball, sphere: 0.25, position: [0, 9, 9]}, {name: pole, cylinder: [0.1, 2]}]"
+    log = flown(tmp_path, "hover", "--set", f"obstacles={shapes}")
+    found = data.obstacles_of(str(episode_of(log).attrs["scenario_text"]))
+    assert [o.kind for o in found] == ["box", "sphere", "cylinder"]
+    assert found[0].position.tolist() == [4, 5, 6]
+    assert found[0].rotation @ [1, 0, 0] == pytest.approx([np.cos(0.5), np.sin(0.5), 0])
+    assert found[1].size.tolist() == [0.25]
+    assert found[2].size.tolist() == [0.1, 2]
+
+
+def test_a_scenario_without_obstacles_has_none(data: ModuleType) -> None:
+    assert data.obstacles_of("name: hover\nrobots:\n  - name: quad\n") == []
+
+
+def test_ball_joints_show_how_far_they_have_turned(data: ModuleType, tmp_path: Path) -> None:
+    joints = data.joints_of(episode_of(flown(tmp_path, "payload"))["episodes/0001"])
+    assert [(j.unit, j.names) for j in joints] == [("deg", ["quad.rod (ball)", "quad.bob (ball)"])]
+    assert joints[0].values[0] == pytest.approx([0, 0], abs=1e-9)
+
+
+def test_pins_show_their_angle_and_a_free_base_none(data: ModuleType, tmp_path: Path) -> None:
+    boom = data.joints_of(episode_of(flown(tmp_path / "boom", "boom"))["episodes/0001"])
+    assert boom[0].names == [f"quad.rod_{k}" for k in range(1, 7)]
+    assert data.joints_of(episode_of(flown(tmp_path / "hover", "hover"))["episodes/0001"]) == []
+
+
+def test_bodies_hang_on_what_they_turn_about(scene: ModuleType) -> None:
+    """Body 1 turns on the base's tip, body 2 on the other side of the base."""
+    angles = np.linspace(0, 1, 9)
+    bodies = np.zeros((9, 3, 13))
+    bodies[:, :, 3] = 1
+    bodies[:, 0, 0] = angles  # the base moves
+    bodies[:, 1, :3] = bodies[:, 0, :3] + [0.1, 0, 0]
+    bodies[:, 1, 3], bodies[:, 1, 5] = np.cos(angles), np.sin(angles)
+    bodies[:, 2, :3] = bodies[:, 0, :3] - [0.3, 0, 0]
+    assert scene.parents(bodies) == [0, 0]
+    bodies[:, 2, :3] = bodies[:, 1, :3] + 0.2 * scene.rotation_of(bodies[:, 1, 3:7])[:, :, 2]
+    assert scene.parents(bodies) == [0, 1]
+
+
+def test_vehicles_stand_at_equal_distances_and_once_where_they_hover(scene: ModuleType) -> None:
+    line = np.zeros((101, 3))
+    line[:, 0] = np.linspace(0, 10, 101)
+    assert scene.instants_along(line, 0.7).tolist() == [0, 17, 34, 50, 67, 84, 100]
+    assert len(scene.instants_along(np.zeros((5, 3)), 0.7)) == 1
+
+
+def test_the_script_draws_a_robot_with_joints_among_obstacles(tmp_path: Path) -> None:
+    wall = "obstacles=[{name: wall, box: [0.1, 1, 1], position: [9, 9, 1]}]"
+    log = flown(tmp_path, "payload", "--set", wall)
+    script = ROOT / "scripts/plot_flight.py"
+    done = subprocess.run(
+        [sys.executable, script, log], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    picture = tmp_path / "flight-0001.png"
+    assert done.stdout == f"picture {picture}\n"
+    assert picture.stat().st_size > 50_000
