@@ -7,6 +7,7 @@
 #include "core/base/vec3.h"
 #include "core/io/ranges.h"
 #include "core/io/text.h"
+#include "core/io/urdf_ignored.h"
 #include "core/io/urdf_materials.h"
 #include "core/io/urdf_xml.h"
 
@@ -96,11 +97,6 @@ class Checker {
     }
   }
 
-  void unknown(const XMLElement& e, const std::string& where, const std::string& known) {
-    diagnostics_.warning(mark(e), "<" + std::string(e.Name()) + "> in " + where +
-                                      " is not part of URDF and is ignored; known: " + known);
-  }
-
   void check_top_level(const XMLElement& e) {
     const std::string name = e.Name();
     if (name == "link") {
@@ -109,11 +105,6 @@ class Checker {
       check_joint(e);
     } else if (name.rfind("xacro:", 0) == 0) {
       error(e, "<" + name + "> is a macro; expand the file first: xacro FILE > FILE.urdf");
-    } else if (name == "gazebo") {
-      if (!saw_gazebo_) diagnostics_.warning(mark(e), "<gazebo> elements are ignored");
-      saw_gazebo_ = true;
-    } else if (name != "material" && name != "transmission" && name != "sensor") {
-      unknown(e, "<robot>", "link, joint, material, transmission, sensor, gazebo");
     }
   }
 
@@ -157,8 +148,6 @@ class Checker {
         check_inertial(e, where);
       } else if (name == "visual" || name == "collision") {
         check_shape(e, where);
-      } else {
-        unknown(e, where, "inertial, visual, collision");
       }
     });
   }
@@ -276,9 +265,6 @@ class Checker {
       check_dynamics(e, where);
     } else if (name == "mimic") {
       diagnostics_.warning(mark(e), "<mimic> of " + where + " is ignored: the joint moves freely");
-    } else if (name != "origin" && name != "parent" && name != "child" && name != "calibration" &&
-               name != "safety_controller") {
-      unknown(e, where, "origin, parent, child, axis, limit, dynamics");
     }
   }
 
@@ -371,14 +357,15 @@ class Checker {
   MaterialCheck materials_;
   std::unordered_map<std::string, int> link_lines_, joint_lines_;  ///< by name
   int shapes_ = 0;
-  bool saw_gazebo_ = false;
   bool too_many_ = false;  ///< links, joints or shapes: the rest is not looked at
 };
 
 }  // namespace
 
 void check_urdf_elements(const std::string& file, UrdfXml& xml, Diagnostics& diagnostics) {
-  Checker(file, xml, diagnostics).check_robot(*xml.document.RootElement());
+  const XMLElement& robot = *xml.document.RootElement();
+  Checker(file, xml, diagnostics).check_robot(robot);
+  if (!diagnostics.has_errors()) warn_of_ignored(file, robot, diagnostics);
 }
 
 }  // namespace skybody

@@ -115,7 +115,12 @@ class BodyMaker {
                            "` has no mass and moves freely; give it an "
                            "<inertial> with a mass, or set fixed_base: true");
     }
+    const bool is_welded = joint.type == JointType::kWeld;
     push_body(g, std::move(joint));
+    // Simbody wants a mass of every body. Nothing feels this one's.
+    if (is_welded && source.is_massless()) {
+      model_.bodies.back().mass = {1.0, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0, 0.0, 0.0, 0.0}};
+    }
   }
 
   /// A moving group without mass is fine only inside a chain, which its child finds.

@@ -45,7 +45,7 @@ inline const LinkInfo& Setup::link(int robot, const std::string& name) const {
 inline const BodyInfo& Setup::joint(int robot, const std::string& name) const {
   std::string known;
   for (const BodyInfo& b : bodies()) {
-    if (b.robot != robot || b.parent < 0) continue;
+    if (b.robot != robot || b.joint <= 1) continue;  // a weld, a free base
     if (name == b.joint_name) return b;
     known += (known.empty() ? "" : ", ") + std::string(b.joint_name);
   }
