@@ -117,7 +117,7 @@ class Loader {
     merged.kind = ConfigNode::Kind::kMap;
     bool good = true;
     for (const ConfigNode* file : *files) good = take(*file, merged) && good;
-    merge_config(merged, own);
+    good = merge_config(merged, own, diagnostics_) && good;
     if (!good) return std::nullopt;
     return merged;
   }
@@ -136,8 +136,7 @@ class Loader {
       diagnostics_.error(name.mark, too_many_values());
       return false;
     }
-    merge_config(merged, *node);
-    return true;
+    return merge_config(merged, *node, diagnostics_);
   }
 
   InputBudget& budget_;

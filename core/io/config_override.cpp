@@ -51,22 +51,6 @@ std::optional<std::vector<PathStep>> split_path(const std::string& path) {
   return steps;
 }
 
-/// What an entry of a list is called in a path: its name, or else its plugin; empty: nothing.
-const std::string& name_of(const ConfigNode& item) {
-  static const std::string none;
-  for (const char* key : {"name", "plugin"}) {
-    const ConfigNode* name = item.find(key);
-    if (name != nullptr && name->is_scalar()) return name->scalar;
-  }
-  return none;
-}
-
-std::vector<std::string> names_in(const ConfigNode& list) {
-  std::vector<std::string> names;
-  for (const ConfigNode& item : list.items) names.push_back(name_of(item));
-  return names;
-}
-
 class Override {
  public:
   Override(const std::string& assignment, Diagnostics& diagnostics, InputBudget& budget)
@@ -140,18 +124,7 @@ class Override {
                   (count == 1 ? " entry" : " entries") + "; there is no [" +
                   std::to_string(step.index) + "], indices start at 0");
     }
-    ConfigNode* found = nullptr;
-    for (ConfigNode& item : list.items) {
-      if (name_of(item) != step.key) continue;
-      if (found != nullptr) {
-        return none("`" + path + "` has several entries called `" + step.key +
-                    "`; use an index such as [0]");
-      }
-      found = &item;
-    }
-    if (found != nullptr) return found;
-    return none("`" + path + "` has no entry called `" + step.key + "`" +
-                suggestion(step.key, names_in(list), "entries"));
+    return entry_called(list, step.key, path, mark_, diagnostics_);
   }
 
   SourceMark mark_;

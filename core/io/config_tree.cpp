@@ -65,24 +65,75 @@ std::string too_many_values() {
          " MiB of text, counted with what aliases and includes repeat; leave some out";
 }
 
-void merge_config(ConfigNode& base, const ConfigNode& over) {
+const std::string& name_of(const ConfigNode& item) {
+  static const std::string none;
+  for (const char* key : {"name", "plugin"}) {
+    const ConfigNode* name = item.find(key);
+    if (name != nullptr && name->is_scalar()) return name->scalar;
+  }
+  return none;
+}
+
+ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
+                         const SourceMark& mark, Diagnostics& diagnostics) {
+  ConfigNode* found = nullptr;
+  std::vector<std::string> names;
+  for (ConfigNode& item : list.items) {
+    names.push_back(name_of(item));
+    if (names.back() != name) continue;
+    if (found != nullptr) {
+      diagnostics.error(mark, "`" + path + "` has several entries called `" + name +
+                                  "`; use an index such as [0]");
+      return nullptr;
+    }
+    found = &item;
+  }
+  if (found == nullptr) {
+    diagnostics.error(mark, "`" + path + "` has no entry called `" + name + "`" +
+                                suggestion(name, names, "entries"));
+  }
+  return found;
+}
+
+namespace {
+
+bool patch_list(ConfigNode& list, const ConfigNode& over, Diagnostics& diagnostics,
+                const std::string& path) {
+  bool good = true;
+  for (const ConfigEntry& entry : over.entries) {
+    ConfigNode* item = entry_called(list, entry.key, path, entry.key_mark, diagnostics);
+    good = item != nullptr &&
+           merge_config(*item, entry.value, diagnostics, path + "." + entry.key) && good;
+  }
+  return good;
+}
+
+}  // namespace
+
+bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnostics,
+                  const std::string& path) {
+  if (base.is_sequence() && over.is_map()) return patch_list(base, over, diagnostics, path);
   if (!base.is_map() || !over.is_map()) {
     base = over;
-    return;
+    return true;
   }
   base.mark = over.mark;
   // Names stay where they are: a vector that grows moves its entries, and with them short names.
   base.entries.reserve(base.entries.size() + over.entries.size());
   std::unordered_map<std::string_view, std::size_t> places;
   for (std::size_t i = 0; i < base.entries.size(); ++i) places.emplace(base.entries[i].key, i);
+  bool good = true;
   for (const ConfigEntry& entry : over.entries) {
     const auto known = places.find(entry.key);
     if (known == places.end()) {
       base.entries.push_back(entry);
     } else {
-      merge_config(base.entries[known->second].value, entry.value);
+      good = merge_config(base.entries[known->second].value, entry.value, diagnostics,
+                          path + (path.empty() ? "" : ".") + entry.key) &&
+             good;
     }
   }
+  return good;
 }
 
 }  // namespace skybody

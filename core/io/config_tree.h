@@ -78,7 +78,8 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
 
 /// Reads `file` and what it includes by its top-level key `include` (a file or a list of files,
 /// relative to the including file). Later files override earlier ones and the including file
-/// overrides all: maps are merged deeply, everything else is replaced. Nothing and errors where a
+/// overrides all: maps are merged deeply, entries of lists by their name, everything else is
+/// replaced. Nothing and errors where a
 /// file is missing, broken or includes itself, or where `budget` is spent. A file that is included
 /// several times is read once.
 std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics,
@@ -87,8 +88,19 @@ std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diag
 /// The same with a budget of its own.
 std::optional<ConfigNode> load_config(const std::string& file, Diagnostics& diagnostics);
 
-/// Merges `over` into `base`.
-void merge_config(ConfigNode& base, const ConfigNode& over);
+/// What an entry of a list is called: its name, or else its plugin; empty: nothing.
+const std::string& name_of(const ConfigNode& item);
+
+/// The entry of a list that is called `name`. Null and an error, which calls the list `path`, where
+/// there is none or several.
+ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
+                         const SourceMark& mark, Diagnostics& diagnostics);
+
+/// Merges `over` into `base`. A map over a list patches the entries that its keys name.
+/// @param path  of both, for messages
+/// @returns false after errors
+bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnostics,
+                  const std::string& path = "");
 
 /// Applies `PATH=VALUE`, where PATH is like `robots[0].controllers[0].plugin`, `task.horizon` or
 /// `robots.quad.pose.position` (entries of a list by their name, or by their plugin's name) and

@@ -45,7 +45,7 @@ class RotorsReader {
       ConfigNode merged = item;
       if (defaults != nullptr && item.is_map()) {
         merged = *defaults;
-        merge_config(merged, item);
+        if (!merge_config(merged, item, diagnostics_, "rotors")) continue;
       }
       read_rotor(merged);
     }

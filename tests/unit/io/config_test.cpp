@@ -105,6 +105,35 @@ TEST(Include, IncludingFileOverridesAndMapsMergeDeeply) {
   EXPECT_EQ(root->find("a")->find("y")->mark.file, folder.path("more.yaml"));
 }
 
+TEST(Include, AMapInThePlaceOfAListPatchesTheEntriesThatItNames) {
+  const TempFolder folder;
+  folder.write("base.yaml",
+               "robots:\n  - {name: a, pose: {position: [1, 2, 3], yaw: 1}}\n  - {name: b}\n"
+               "effects: [{plugin: wind, parameters: {speed: 1}}]\n");
+  folder.write("top.yaml",
+               "include: base.yaml\nrobots:\n  a: {pose: {yaw: 2}}\n"
+               "effects: {wind: {parameters: {speed: 3}}}\n");
+  Diagnostics diagnostics;
+  const auto root = load_config(folder.path("top.yaml"), diagnostics);
+  ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
+  const ConfigNode& robots = *root->find("robots");
+  ASSERT_EQ(robots.items.size(), 2u);
+  EXPECT_EQ(robots.items[0].find("pose")->find("yaw")->scalar, "2");
+  EXPECT_EQ(robots.items[0].find("pose")->find("position")->items[2].scalar, "3");
+  EXPECT_EQ(root->find("effects")->items[0].find("parameters")->find("speed")->scalar, "3");
+}
+
+TEST(Include, APatchOfAnEntryThatTheListLacksNamesThoseThatItHas) {
+  const TempFolder folder;
+  folder.write("base.yaml", "robots: [{name: quad}]\n");
+  folder.write("top.yaml", "include: base.yaml\nrobots:\n  qaud: {pose: {yaw: 2}}\n");
+  Diagnostics diagnostics;
+  EXPECT_FALSE(load_config(folder.path("top.yaml"), diagnostics).has_value());
+  EXPECT_THAT(diagnostics.to_string(),
+              HasSubstr("top.yaml:3:3: error: `robots` has no entry called `qaud`; did you mean "
+                        "`quad`?"));
+}
+
 TEST(Include, IsRelativeToTheIncludingFile) {
   TempFolder folder;
   folder.write("sub/inner.yaml", "include: ../base.yaml\nb: 2\n");

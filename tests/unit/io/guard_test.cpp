@@ -126,7 +126,7 @@ TEST(Yaml, ManyKeysAreFine) {
   const auto root = parse_yaml(text, "x.yaml", diagnostics);
   ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
   ConfigNode merged = *root;
-  merge_config(merged, *root);
+  EXPECT_TRUE(merge_config(merged, *root, diagnostics));
   EXPECT_EQ(merged.entries.size(), 90'000u);
   EXPECT_THAT(yaml_error(text + "k0: 1\n"), HasSubstr("x.yaml:90001:1: error: duplicate key `k0`"));
 }
