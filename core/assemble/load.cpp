@@ -115,18 +115,25 @@ bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
   return false;
 }
 
-/// Whether the folders that the caller names for plugins are there.
-bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
-  const int errors_before = diagnostics.error_count();
-  for (const std::filesystem::path& folder : options.plugin_path) {
+/// @param who  names these folders
+void check_folders(const std::vector<std::filesystem::path>& folders, const std::string& who,
+                   Diagnostics& diagnostics) {
+  for (const std::filesystem::path& folder : folders) {
     std::error_code ignored;
     const bool is_folder = std::filesystem::is_directory(folder, ignored);
     if (is_folder && folder_problem(folder).empty()) continue;
     diagnostics.error({folder.string(), 0, 0},
-                      "the plugin path names this, which is no folder" +
+                      who + " names this, which is no folder" +
                           std::string(is_folder ? " that can be read" : "") +
                           "; give a folder with plugins, or leave it out");
   }
+}
+
+/// Whether the folders that the caller and the environment name for plugins are there.
+bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
+  const int errors_before = diagnostics.error_count();
+  check_folders(options.plugin_path, "the plugin path", diagnostics);
+  check_folders(environment_search_path(), "SKYBODY_PLUGIN_PATH", diagnostics);
   return diagnostics.error_count() == errors_before;
 }
 

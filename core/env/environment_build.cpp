@@ -226,8 +226,8 @@ struct Environment::Builder {
       };
       for (const auto& list : env.plugins_) {
         for (const PluginInstance& p : list) {
-          const bool is_called_between = p.kind == SKYBODY_CONTROLLER ||
-                                         p.kind == SKYBODY_EFFECT || p.kind == SKYBODY_SENSOR ||
+          const bool is_called_between = p.kind == SKYBODY_CONTROLLER || p.kind == SKYBODY_EFFECT ||
+                                         p.kind == SKYBODY_SENSOR ||
                                          (p.kind == SKYBODY_TASK && p.period > 0);
           if (is_called_between && std::any_of(p.reads.begin(), p.reads.end(), is_of_sensor)) {
             sensor.is_only_when_read = false;

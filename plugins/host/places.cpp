@@ -19,7 +19,7 @@ std::vector<fs::path> scenario_plugin_folders(const fs::path& scenario) {
   return {folder, folder / "plugins"};
 }
 
-std::vector<fs::path> default_search_path() {
+std::vector<fs::path> environment_search_path() {
   std::vector<fs::path> path;
   if (const char* listed = std::getenv("SKYBODY_PLUGIN_PATH"); listed != nullptr) {
     std::istringstream entries(listed);
@@ -27,6 +27,11 @@ std::vector<fs::path> default_search_path() {
       if (!entry.empty()) path.emplace_back(entry);
     }
   }
+  return path;
+}
+
+std::vector<fs::path> default_search_path() {
+  std::vector<fs::path> path = environment_search_path();
   path.push_back(shipped_plugin_folder());
   return path;
 }

@@ -9,8 +9,10 @@ namespace skybody {
 /// The folder of shipped plugins: skybody/plugins beside libskybody.so.
 std::filesystem::path shipped_plugin_folder();
 
-/// Where plugins are looked for: entries of SKYBODY_PLUGIN_PATH (colon-separated, empty ones
-/// ignored), then the shipped plugins.
+/// Entries of SKYBODY_PLUGIN_PATH: colon-separated, empty ones ignored.
+std::vector<std::filesystem::path> environment_search_path();
+
+/// Where plugins are looked for: environment_search_path(), then the shipped plugins.
 std::vector<std::filesystem::path> default_search_path();
 
 /// The folder of a scenario file and its subfolder `plugins`, absolute: searched on request only,

@@ -14,12 +14,15 @@ class FreeLanes {
   SKYBODY_INLINE FreeLanes(const StepCall& call, int first, const Values& params,
                            const Values& derived)
       : robots_(*call.plan->free_robots),
-        group_(*call.group),
+        q_(call.group->q),
+        u_(call.group->u),
+        bodies_(call.group->bodies == q_ ? nullptr : call.group->bodies),
+        rotor_speed_(call.group->rotor_speed),
         lanes_(first),
-        in_{LaneValues<Real>(group_.rotor_speed + first),
-            LaneValues<Real>(group_.rotor_command + first),
-            LaneValues<Real>(group_.wrench + first),
-            HeldLanes<Real>(group_.held, first),
+        in_{LaneValues<Real>(rotor_speed_ + first),
+            LaneValues<Real>(call.group->rotor_command + first),
+            LaneValues<Real>(call.group->wrench + first),
+            HeldLanes<Real>(call.group->held, first),
             params,
             derived + call.plan->derived.lags,
             derived + call.plan->derived.factors,
@@ -81,7 +84,7 @@ class FreeLanes {
   template <int kLevelRotors>
   SKYBODY_INLINE MaskOf<Real> advance(const FreeRobot& robot, FreeMotion<Real>& motion,
                                       Real* end_speeds) const {
-    const LaneValues<Real> q(lanes_.at(group_.q, robot.q)), u(lanes_.at(group_.u, robot.u));
+    const LaneValues<Real> q(lanes_.at(q_, robot.q)), u(lanes_.at(u_, robot.u));
     const auto load = [&]() SKYBODY_INLINE_LAMBDA {
       return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
     };
@@ -105,10 +108,9 @@ class FreeLanes {
                              m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
                              m.spin.x,     m.spin.y,     m.spin.z};
     // All places first: nothing needs to be looked up again between the stores.
-    double *q = lanes_.at(group_.q, robot.q), *u = lanes_.at(group_.u, robot.u);
-    double* bodies =
-        group_.bodies == group_.q ? nullptr : lanes_.at(group_.bodies, 13 * robot.body);
-    double* rotor_speed = lanes_.at(group_.rotor_speed, robot.rotors.first);
+    double *q = lanes_.at(q_, robot.q), *u = lanes_.at(u_, robot.u);
+    double* bodies = bodies_ == nullptr ? nullptr : lanes_.at(bodies_, 13 * robot.body);
+    double* rotor_speed = lanes_.at(rotor_speed_, robot.rotors.first);
     const int rotors = kLevelRotors > 0 ? kLevelRotors : robot.rotors.count;
     const LanePlace<Real> here(0);
     here.store(values, 7, mask, q);
@@ -119,7 +121,10 @@ class FreeLanes {
   }
 
   const FreeRobots& robots_;
-  GroupBlocks group_;  ///< copied: the compiler sees that stores cannot change it
+  // Copied, so that the compiler knows that stores cannot change them.
+  double *q_, *u_;
+  double* bodies_;  ///< null: the coordinates are the bodies' motion
+  double* rotor_speed_;
   LanePlace<Real> lanes_;
   FreeStepInputs<Real, Values> in_;
   FreeMotion<Real>* motions_;  ///< at the step's end; only where there are several robots
@@ -130,15 +135,14 @@ template <IntegratorChoice kIntegrator, bool kIsHeld>
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return for_packs<W, kIsHeld>(
-        call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            SKYBODY_INLINE_LAMBDA {
-              using Values = std::decay_t<decltype(params)>;
-              return FreeLanes<RealOf<W>, Values, kIntegrator, kIsHeld>(call, first, params,
-                                                                        derived)
-                  .advance(bits);
-            });
+    return for_packs<W, kIsHeld>(call, lanes,
+                                 [&](int first, std::uint32_t bits, const auto& params,
+                                     const auto& derived) SKYBODY_INLINE_LAMBDA {
+                                   using Values = std::decay_t<decltype(params)>;
+                                   return FreeLanes<RealOf<W>, Values, kIntegrator, kIsHeld>(
+                                              call, first, params, derived)
+                                       .advance(bits);
+                                 });
   }
 };
 

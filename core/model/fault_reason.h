@@ -1,0 +1,29 @@
+// Why an episode ended as a fault, in words.
+#pragma once
+
+#include <string>
+
+#include "core/model/layout.h"
+
+namespace skybody {
+
+/// @param status  EpisodeStatus bits @returns the reasons, separated by "; "; empty: no fault
+inline std::string fault_reason(std::uint64_t status) {
+  struct Row {
+    EpisodeStatus bit;
+    const char* text;
+  };
+  static constexpr Row kRows[] = {
+      {kBadAction, "the action was not finite"},
+      {kBadState, "the physics gave up or left the finite numbers"},
+      {kBadOutcome, "an observed value or the reward was not finite as a float"},
+  };
+  std::string reasons;
+  if ((status & kFault) == 0) return reasons;
+  for (const Row& row : kRows) {
+    if ((status & row.bit) != 0) reasons += (reasons.empty() ? "" : "; ") + std::string(row.text);
+  }
+  return reasons;
+}
+
+}  // namespace skybody
