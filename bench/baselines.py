@@ -10,7 +10,7 @@ Hover (one physics step an action), constant zero action, ended episodes reset; 
 * threads: Python threads, one per processor, each with its share of the Simulations;
 * processes: the same with processes (spawn); they answer by pipe with all observations, rewards and
   ends of their share;
-* pool: SimulationPool, one C++ thread per world, one call for all;
+* pool: SimulationPool, C++ threads, one per processor, one call for all;
 * vec: make_vec, C++ threads, one per processor.
 
 All of them wait for all worlds in every step, and hand over observations, rewards and ends. Each

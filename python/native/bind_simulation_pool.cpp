@@ -40,8 +40,8 @@ std::vector<int> chosen(const WorldPool& pool, nb::handle worlds) {
 }
 
 void construct(WorldPool* self, const LoadedEnvironment& environment, int num_worlds,
-               std::uint64_t seed, std::uint64_t first_env_id, bool pin_threads) {
-  new (self) WorldPool(environment, {num_worlds, seed, first_env_id, pin_threads});
+               std::uint64_t seed, std::uint64_t first_env_id, bool pin_threads, int num_threads) {
+  new (self) WorldPool(environment, {num_worlds, seed, first_env_id, pin_threads, num_threads});
 }
 
 void reset(WorldPool& pool, nb::handle worlds, std::optional<std::uint64_t> seed) {
@@ -295,24 +295,27 @@ void bind_one_world(Class& c) {
 
 void bind_simulation_pool(nb::module_& m) {
   Class c(m, "SimulationPool",
-          "Worlds under direct control, one thread each. What steps or resets worlds runs on\n"
-          "their threads, without the GIL, waits for all of them, and then raises what the first\n"
-          "of them met, with its number. For learning at speed take make_vec or make_pool.\n"
+          "Worlds under direct control, shared out among threads. What steps or resets worlds\n"
+          "runs on all threads, without the GIL, waits for all worlds, and then raises what the\n"
+          "first of them met, with its number. For learning at speed take make_vec or make_pool.\n"
           "One Python thread at a time: a call while another is inside one raises Error.");
   c.def("__init__", &construct, nb::arg("environment"), nb::arg("num_worlds"), nb::arg("seed") = 0,
-        nb::arg("first_env_id") = 0, nb::arg("pin_threads") = false,
+        nb::arg("first_env_id") = 0, nb::arg("pin_threads") = false, nb::arg("num_threads") = 0,
         "num_worlds: N >= 1\n"
         "seed, first_env_id: world i draws with the key (seed, first_env_id + i)\n"
-        "pin_threads: keep each thread on one processor, cyclically, where the system allows it\n\n"
-        "Raises ValueError if num_worlds is out of range.");
+        "pin_threads: give each worker a processor of its own where the system allows it; the\n"
+        "    caller is left where it is\n"
+        "num_threads: the caller counted; 0: one per processor\n\n"
+        "Raises ValueError if a number is out of range.");
   bind_flow(c);
   bind_states(c);
   bind_one_world(c);
   c.def_prop_ro("environment", &WorldPool::environment, nb::rv_policy::reference_internal,
                 "The scenario that it steps.");
   c.def_prop_ro("num_worlds", &WorldPool::size, "N: number of worlds.");
+  c.def_prop_ro("num_threads", &WorldPool::threads, "Threads that step, the caller counted.");
   c.def_prop_ro("pinned_threads", &WorldPool::pinned_threads,
-                "Threads kept on a processor; 0 where pinning is not allowed.");
+                "Workers kept on a processor; 0 where pinning is not allowed.");
   c.def_prop_ro("closed", &WorldPool::closed, "Whether close() was called.");
   c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
 }

@@ -111,7 +111,8 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         task: the task; one object for all worlds.
         scenario: name of a shipped scenario, a YAML file, or (where the task keeps the scenario's
             controllers) a loaded `Environment`.
-        num_envs: number of worlds, a thread each.
+        num_envs: number of worlds.
+        num_threads: threads that step, the caller's counted; 0: one per processor.
         seed: key of all random numbers until a `reset(seed=...)`.
         autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
         overrides, plugin_path, pin_threads: as for `SimulationPool`.
@@ -128,6 +129,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         scenario: Scenario,
         num_envs: int,
         *,
+        num_threads: int = 0,
         seed: int = 0,
         autoreset: str | AutoresetMode = "next_step",
         overrides: Iterable[str] = (),
@@ -141,6 +143,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
             scenario,
             num_envs,
             task.control,
+            num_threads=num_threads,
             seed=seed,
             overrides=overrides,
             plugin_path=plugin_path,
