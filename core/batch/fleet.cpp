@@ -210,6 +210,17 @@ void Fleet::image(int env, int image, std::uint8_t* out) const {
   std::copy_n(state(env).images().bytes_of(lane_of(env)) + place.from, place.bytes, out);
 }
 
+void Fleet::state(const StateValue& value, double* out) {
+  const int count = value.count();
+  for (int g = 0; g < groups(); ++g) {
+    StateGroup& group = states_[index(g)];
+    if (value.needs_bodies()) environment_->update(group, *works_[0], all_lanes(g));
+    each_lane(all_lanes(g), [&](int l) {
+      environment_->state_values().read(value, group, l, out + index(env_of(g, l)) * index(count));
+    });
+  }
+}
+
 std::vector<std::uint64_t> Fleet::words(int env) const {
   std::vector<std::uint64_t> saved = state(env).save(lane_of(env));
   saved.resize(index(environment_->layout().words));

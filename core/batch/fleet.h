@@ -15,6 +15,7 @@
 #include "core/batch/vec_env.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
+#include "core/env/state_values.h"
 
 namespace skybody {
 
@@ -70,6 +71,8 @@ class Fleet {
   void privileged(int env, float* out) const;
   /// An image of an environment, as its sensor last made it.
   void image(int env, int image, std::uint8_t* out) const;
+  /// A value of every environment's state, one after the other. All have begun an episode.
+  void state(const StateValue& value, double* out);
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }

@@ -148,6 +148,19 @@ void VecEnv::image(int image, std::span<std::uint8_t> pixels) const {
   }
 }
 
+void VecEnv::state(std::string_view path, std::span<double> values) const {
+  engine_->check_idle("state()");
+  const StateValue& value = environment().state_values().at(path);
+  check_values("values", values.size(), static_cast<std::size_t>(envs()), value.count());
+  for (int env = 0; env < envs(); ++env) {
+    if (engine_->fleet.started(env)) continue;
+    throw Error("state() of environment " + std::to_string(env) +
+                ", which has not begun an episode: reset it first");
+  }
+  const FpEnvironment guard;
+  engine_->fleet.state(value, values.data());
+}
+
 double VecEnv::param(int env, const std::string& path) const {
   engine_->check_idle("param()");
   engine_->check_id(env);

@@ -176,4 +176,14 @@ void SimulationPool::evaluate(std::span<const int> worlds) {
   run(worlds, [](Simulation& world, int) { world.evaluate(); });
 }
 
+void SimulationPool::state(std::string_view path, std::span<double> values) {
+  check_open();
+  const StateValue& value = environment_->state_values().at(path);
+  check_values("values", values.size(), all_.size(), value.count());
+  const auto count = static_cast<std::size_t>(value.count());
+  for (const int i : all_) {
+    (*worlds_)[i].state(value, values.subspan(static_cast<std::size_t>(i) * count, count));
+  }
+}
+
 }  // namespace skybody

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/simulation/simulation.h"
@@ -76,6 +77,11 @@ class SimulationPool {
   void advance(std::span<const int> worlds, std::int64_t physics_steps);
   /// Ends a transition made by command() and advance(). @throws Error as run()
   void evaluate(std::span<const int> worlds);
+
+  /// A value of the state of every world, on the caller's thread: see Environment::state_values().
+  /// @param values  size() x StateValue::count(), written
+  /// @throws Error if there is no such value, on another number of values, or after close()
+  void state(std::string_view path, std::span<double> values);
 
   /// Ends the threads and destroys the worlds. May be called again.
   void close();

@@ -17,7 +17,7 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
-from . import spaces
+from . import _native, spaces
 from .arguments import Scenario, check_array, check_seed, shape_error
 from .simulation import SimulationPool, WorldStates
 from .vector import autoreset_mode, reset_mask
@@ -318,6 +318,18 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         for name, values in self.task.info(states or self.pool.states()).items():
             infos[name], infos[f"_{name}"] = values, mask.copy()
         return infos
+
+    def state(self, path: str) -> NDArray[np.float64]:
+        """A value of the state of every world, (num_envs, *shape), as `make_vec(...).state`.
+
+        Raises:
+            ValueError: no such path; the nearest ones are named.
+        """
+        return self.pool.state(path)
+
+    def state_paths(self) -> dict[str, _native.StateValue]:
+        """What `state` can give: path -> unit, frame, shape and meaning."""
+        return self.pool.state_paths()
 
     def close_extras(self, **_: Any) -> None:
         """Ends the threads; called by `close`."""

@@ -180,6 +180,10 @@ class Simulation(_native.Simulation):
             link, mass=mass, com=_floats(com), inertia=_floats(inertia), robot=robot
         )
 
+    def state_paths(self) -> dict[str, _native.StateValue]:
+        """What `state` can give: path -> unit, frame, shape and meaning."""
+        return self.environment.state_values
+
     def fork(self, rekey: bool = False) -> Simulation:
         """A copy with the same future; with `rekey` its random numbers are its own."""
         copy = type(self)(self.environment)
@@ -333,6 +337,19 @@ class SimulationPool(_native.SimulationPool):
         if ids is None:
             return WorldStates(*all_worlds)
         return WorldStates(*(values[ids] for values in all_worlds))
+
+    def state(self, path: str, worlds: ArrayLike | None = None) -> NDArray[np.float64]:
+        """A value of the state of some worlds, a new array (n, *shape), as `make_vec(...).state`.
+
+        Raises:
+            ValueError: no such path; the nearest ones are named.
+        """
+        values, ids = super().state(path), self._ids(worlds)
+        return values if ids is None else values[ids]
+
+    def state_paths(self) -> dict[str, _native.StateValue]:
+        """What `state` can give: path -> unit, frame, shape and meaning."""
+        return self.environment.state_values
 
     def _has(self, bit: int) -> NDArray[np.bool_]:
         mask: NDArray[np.bool_] = (self.status & np.uint64(bit)) != 0
