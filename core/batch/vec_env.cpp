@@ -114,6 +114,8 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
   };
   check(source);
   for (const std::int32_t target : targets) check(target);
+  engine_->settle(source);
+  for (const std::int32_t target : targets) engine_->settle(target);
   for (const std::int32_t target : targets) engine_->fleet.fork(source, target, rekey);
   if (engine_->observer) engine_->observer->forked(source, targets, rekey);
 }

@@ -35,6 +35,33 @@ std::string refusal(Call&& call) {
   return "nothing was thrown";
 }
 
+/// Asks for contacts and gives the force on the base.
+class Feel : public Sensor {
+ public:
+  void configure(const Setup& setup) override {
+    setup.need_contacts();
+    setup.channel("force", "N", 3, -kInfinity, kInfinity);
+  }
+  template <class Real>
+  void sense(const Lanes<Real>& env, State<Real>&, Values<Real> out) const {
+    out.set(0, env.contact(0).force);
+  }
+};
+
+/// The robot at a height above the ground, with a ball of 5 cm around its origin.
+std::shared_ptr<const Environment> env_at(double height) {
+  test::InProcessFactory factory;
+  Scenario scenario = test::small_scenario(factory);
+  factory.add<Feel>("feel");
+  scenario.sensors.push_back(factory.use("feel", "feel"));
+  scenario.contact.ground = true;
+  Shape ball;
+  ball.radius = 0.05;
+  scenario.robots[0].model.bodies[0].collisions.push_back(ball);
+  scenario.robots[0].pose.position.z = height;
+  return std::make_shared<Environment>(scenario, factory);
+}
+
 class InAnyShape : public testing::TestWithParam<VecEnvOptions> {};
 INSTANTIATE_TEST_SUITE_P(
     StateOfABatch, InAnyShape,
@@ -73,6 +100,23 @@ TEST(StateOfABatch, AskingLeavesTheFutureAsItIs) {
     }
   }
   EXPECT_EQ(asked.hash(), left.hash());
+}
+
+TEST(StateOfABatch, HasSumsOfContactsWhereAPluginAsksForThem) {
+  EXPECT_THAT(refusal<Error>(
+                  [] { small_env()->state_values().at("robots.quad.links.base.contact.force"); }),
+              HasSubstr("`robots.quad.links.base` has position, rotation"));
+  for (const double height : {0.049, 1.0}) {
+    VecEnv envs(env_at(height), {.envs = kEnvs, .threads = 2});
+    test::begin(envs);
+    const std::vector<double> force = state_of(envs, "robots.quad.links.base.contact.force");
+    EXPECT_EQ(force, state_of(envs, "sensors.feel.force"));
+    for (const double touching : state_of(envs, "robots.quad.links.base.contact.touching")) {
+      EXPECT_EQ(touching, height < 0.05 ? 1.0 : 0.0);
+    }
+    EXPECT_EQ(force[2] > 0.0, height < 0.05);
+    EXPECT_EQ(state_of(envs, "robots.quad.links.base.contact.moment").size(), 3u * kEnvs);
+  }
 }
 
 TEST(StateOfABatch, FollowsASetParameterAndAFork) {
