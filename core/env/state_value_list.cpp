@@ -179,7 +179,7 @@ class List {
 
   /// @param rotors  their place within the world's
   void add_rotors(const std::string& path, Block rotors) {
-    const auto add = [&](const std::string& prefix, Block place, std::vector<int> shape) {
+    const auto add = [&](const std::string& prefix, Block place, const std::vector<int>& shape) {
       add_words(prefix + ".speed", "rad/s", "",
                 {layout_.rotor_speed.offset + place.offset, place.size}, shape, "0 or more");
       add_words(prefix + ".command", "rad/s", "",

@@ -31,8 +31,8 @@ class SimulationPool::Worlds final : GroupRunner {
  public:
   Worlds(const std::shared_ptr<const Environment>& environment,
          const SimulationPoolOptions& options)
-      : failures_(static_cast<std::size_t>(options.worlds)),
-        crew_(options.threads, options.worlds, options.pin_threads, *this) {
+      : crew_(options.threads, options.worlds, options.pin_threads, *this) {
+    failures_.resize(static_cast<std::size_t>(options.worlds));
     worlds_.reserve(failures_.size());
     for (int i = 0; i < options.worlds; ++i) {
       worlds_.emplace_back(environment, options.seed,

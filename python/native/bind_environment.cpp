@@ -257,6 +257,7 @@ void bind_params(nb::class_<LoadedEnvironment>& c) {
         for (const StateValue& value : e->state_values().all()) values[value.path] = value;
         return values;
       },
+      nb::sig("def state_values(self) -> dict[str, StateValue]"),
       "What can be read of the state, by path.");
   c.def(
       "param_info",
