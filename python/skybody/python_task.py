@@ -41,7 +41,8 @@ class PythonTask:
     """Of one world. Actions are clipped to it."""
 
     def setup(self, pool: SimulationPool) -> None:
-        """Called once, before anything else: to look constants up."""
+        """Called once, before anything else: to look constants up, or to keep the pool, whose
+        `state(path)` gives what `states` has not."""
 
     def begin(
         self, pool: SimulationPool, worlds: NDArray[np.int32], rng: np.random.Generator
