@@ -1,6 +1,6 @@
 """How many steps a second each way of stepping N worlds takes, as in the paper's Table III.
 
-    .venv/bin/python bench/baselines.py [--quick] [--json FILE]
+    .venv/bin/python bench/baselines.py [--quick] [--counts N ...] [--json FILE]
 
 experiments/scalability.py sets them beside the asynchronous pool and the paper's own figures.
 
@@ -253,9 +253,10 @@ def processor() -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer, shorter trials: seconds")
+    parser.add_argument("--counts", type=int, nargs="+", metavar="N", help="worlds, for each row")
     parser.add_argument("--json", metavar="FILE", help="write all trials there")
     options = parser.parse_args()
-    counts = (1, 8, 64) if options.quick else COUNTS
+    counts = options.counts or ((1, 8, 64) if options.quick else COUNTS)
     trials, seconds = (3, 0.1) if options.quick else (5, 1.0)
 
     print(
