@@ -8,6 +8,7 @@
 #include "app/scenario_options.h"
 #include "app/text_table.h"
 #include "core/base/hash.h"
+#include "core/env/state_values.h"
 #include "core/env/value_names.h"
 #include "core/io/text.h"
 
@@ -27,6 +28,7 @@ struct CheckOptions {
   LoadOptions load;
   bool parameters = false;
   bool columns = false;
+  bool states = false;
 };
 
 std::string count(std::size_t n, const char* one, const char* several) {
@@ -44,9 +46,9 @@ std::string describe(const Environment& environment) {
          to_hex(scenario.hash);
 }
 
-std::string shape_text(const ObservationColumn& column) {
+std::string shape_text(const std::vector<int>& shape) {
   std::string text;
-  for (const int extent : column.shape) {
+  for (const int extent : shape) {
     text += (text.empty() ? "" : " x ") + std::to_string(extent);
   }
   return text;
@@ -71,9 +73,17 @@ std::string parameter_table(const Environment& environment) {
 std::string column_table(const Environment& environment) {
   TextTable table({"column", "unit", "type", "shape", "low", "high", "from", "for"});
   for (const ObservationColumn& column : environment.columns()) {
-    table.add({column.name, column.unit, info_of(column.type).name, shape_text(column),
+    table.add({column.name, column.unit, info_of(column.type).name, shape_text(column.shape),
                format_number(column.low), format_number(column.high),
                source_of(environment, column), owner_text(environment, column)});
+  }
+  return table.to_string();
+}
+
+std::string state_table(const Environment& environment) {
+  TextTable table({"state value", "unit", "shape", "frame", "meaning"});
+  for (const StateValue& value : environment.state_values().all()) {
+    table.add({value.path, value.unit, shape_text(value.shape), value.frame, value.doc});
   }
   return table.to_string();
 }
@@ -88,6 +98,7 @@ int check(CheckOptions options, const RefusedFiles& refused) {
   std::printf("%s\n", describe(*environment).c_str());
   if (options.parameters) std::printf("\n%s", parameter_table(*environment).c_str());
   if (options.columns) std::printf("\n%s", column_table(*environment).c_str());
+  if (options.states) std::printf("\n%s", state_table(*environment).c_str());
   return kExitDone;
 }
 
@@ -102,6 +113,8 @@ void add_check_command(CLI::App& app, Action& chosen) {
                     "List all randomizable values: path, unit, nominal, least, greatest");
   command->add_flag("--columns", options->columns,
                     "List the observation's columns: name, unit, type, shape, bounds, source");
+  command->add_flag("--states", options->states,
+                    "List what can be read of the state: path, unit, shape, frame, meaning");
   command->callback([options, &chosen] {
     chosen = [options] {
       return run_in_child([&](const RefusedFiles& refused) { return check(*options, refused); });

@@ -1,6 +1,6 @@
 """How many steps a second each way of stepping N worlds takes, as in the paper's Table III.
 
-    .venv/bin/python bench/baselines.py [--quick] [--json FILE]
+    .venv/bin/python bench/baselines.py [--quick] [--counts N ...] [--json FILE]
 
 experiments/scalability.py sets them beside the asynchronous pool and the paper's own figures.
 
@@ -10,7 +10,7 @@ Hover (one physics step an action), constant zero action, ended episodes reset; 
 * threads: Python threads, one per processor, each with its share of the Simulations;
 * processes: the same with processes (spawn); they answer by pipe with all observations, rewards and
   ends of their share;
-* pool: SimulationPool, one C++ thread per world, one call for all;
+* pool: SimulationPool, C++ threads, one per processor, one call for all;
 * vec: make_vec, C++ threads, one per processor.
 
 All of them wait for all worlds in every step, and hand over observations, rewards and ends. Each
@@ -253,9 +253,10 @@ def processor() -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer, shorter trials: seconds")
+    parser.add_argument("--counts", type=int, nargs="+", metavar="N", help="worlds, for each row")
     parser.add_argument("--json", metavar="FILE", help="write all trials there")
     options = parser.parse_args()
-    counts = (1, 8, 64) if options.quick else COUNTS
+    counts = options.counts or ((1, 8, 64) if options.quick else COUNTS)
     trials, seconds = (3, 0.1) if options.quick else (5, 1.0)
 
     print(

@@ -70,10 +70,10 @@ BASELINE_HEAD = """\
 ## The paper's baselines
 
 `bench/baselines.py`: all of them wait for all N worlds in every step, under `zero`. Threads and
-processes are one per processor, each with its share of the worlds; `SimulationPool` has one thread
-per world, like the paper's AsyncDRLServerPool. They do not follow the protocol above: the trials
-of a row, {seconds:g} s each, step the same worlds, after a fifth of that as warm-up. CPU [%] in
-brackets."""
+processes are one per processor, each with its share of the worlds; so are the threads of
+`SimulationPool`, while the paper's AsyncDRLServerPool has one per world. They do not follow the
+protocol above: the trials of a row, {seconds:g} s each, step the same worlds, after a fifth of that
+as warm-up. CPU [%] in brackets."""
 
 
 def markdown(content: dict[str, Any]) -> str:

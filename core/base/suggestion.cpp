@@ -42,6 +42,12 @@ std::string join(const std::vector<std::string>& words, std::string_view separat
   return text;
 }
 
+std::string join_first(const std::vector<std::string>& words) {
+  if (words.size() <= kMostListed) return join(words);
+  const std::vector<std::string> first(words.begin(), words.begin() + kMostListed);
+  return join(first) + " and " + std::to_string(words.size() - kMostListed) + " more";
+}
+
 std::string closest(std::string_view word, const std::vector<std::string>& candidates) {
   if (word.size() > kLongestCompared || candidates.size() > kMostCompared) return "";
   const int limit = std::max<int>(1, static_cast<int>(word.size()) / 3);
@@ -64,10 +70,7 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
   const std::string found = closest(word, candidates);
   if (!found.empty()) return "; did you mean `" + found + "`?";
   if (candidates.empty()) return "";
-  if (candidates.size() <= kMostListed) return "; " + std::string(noun) + ": " + join(candidates);
-  const std::vector<std::string> first(candidates.begin(), candidates.begin() + kMostListed);
-  return "; " + std::string(noun) + ": " + join(first) + " and " +
-         std::to_string(candidates.size() - kMostListed) + " more";
+  return "; " + std::string(noun) + ": " + join_first(candidates);
 }
 
 }  // namespace skybody

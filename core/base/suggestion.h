@@ -10,6 +10,9 @@ namespace skybody {
 /// `a, b, c`.
 std::string join(const std::vector<std::string>& words, std::string_view separator = ", ");
 
+/// The same of the first 40, and how many more there are.
+std::string join_first(const std::vector<std::string>& words);
+
 /// The candidate closest to `word` by edit distance (transpositions count one, case is ignored), or
 /// empty if none is close.
 std::string closest(std::string_view word, const std::vector<std::string>& candidates);

@@ -93,8 +93,15 @@ void Crew::submit() {
 
 void Crew::submit_round() {
   const int wanted = std::min(threads_worth(groups_ * usual_cost()), groups_);
+  open_shares(groups_, wanted, true);
+}
+
+void Crew::submit_unknown(int count) { open_shares(count, std::min(threads(), count), false); }
+
+void Crew::open_shares(int groups, int wanted, bool costs_are_known) {
   wanted_.store(wanted, std::memory_order_relaxed);
-  shares_.open(groups_, wanted);
+  costs_are_known_.store(costs_are_known, std::memory_order_relaxed);
+  shares_.open(groups, wanted);
   if (wanted > 1) summon();
 }
 
@@ -168,7 +175,7 @@ bool Crew::run_share(int thread) {
       shares_.take(thread, first, [&](int available) { return choose_share(available); });
   if (count == 0) return false;
   std::iota(groups, groups + count, first);
-  run_taken(groups, count, thread, thread == 0);
+  run_taken(groups, count, thread, thread == 0 && costs_are_known_.load(std::memory_order_relaxed));
   return true;
 }
 
@@ -230,6 +237,9 @@ double Crew::usual_cost() const {
 /// How many groups of a range to take: half of it, so that others may help at its end; but neither
 /// so few that claims cost much nor so many that slow ones among them would have to wait for long.
 int Crew::choose_share(int available) const {
+  if (!costs_are_known_.load(std::memory_order_relaxed)) {
+    return std::min((available + 3) / 4, kMostGroups);
+  }
   const int few = std::max(static_cast<int>(kSmallestShare / usual_cost()), 1);
   const int many = std::max(static_cast<int>(kBlock / usual_cost()), few);
   const int wanted = workers_.empty() ? many : std::clamp((available + 1) / 2, few, many);

@@ -50,6 +50,10 @@ class Crew {
   void submit();
   /// Hands over all groups at once, none of which waits or runs; the caller wants them all.
   void submit_round();
+  /// Hands over groups 0 to `count` - 1 at once, none of which waits or runs. What they cost is
+  /// unknown, since the work differs from call to call: all threads are woken, and each takes a
+  /// quarter of what is left of its range.
+  void submit_unknown(int count);
 
   /// The caller works and waits until `done()` holds. @returns false when the time is over
   /// @throws what a worker met
@@ -107,6 +111,7 @@ class Crew {
 
   bool has_work() const { return !queue_.empty() || shares_.left() > 0; }
   int threads_worth(double waiting) const;
+  void open_shares(int groups, int wanted, bool costs_are_known);
   void start_workers(int count);
   void dismiss_workers();
   void work(int index);
@@ -138,6 +143,7 @@ class Crew {
   double added_cost_ = 0.0;             ///< expected, of what was added and not yet submitted
   int spin_limit_ = 0;
 
+  std::atomic<bool> costs_are_known_{true};  ///< of the present round
   std::atomic<int> wanted_{1};  ///< threads that shall work at present, the caller counted
   std::atomic<int> sleepers_{0};
   std::atomic<int> quick_running_{0};  ///< workers that run groups which are not slow

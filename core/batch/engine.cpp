@@ -73,6 +73,13 @@ void VecEnv::Engine::check_id(std::int32_t env) const {
   check_index("environment", env, fleet.envs());
 }
 
+void VecEnv::Engine::settle(int env) {
+  const std::atomic<std::uint64_t>& state =
+      group_state_[static_cast<std::size_t>(fleet.group_of(env))];
+  crew_.wait([&] { return state.load(std::memory_order_acquire) == 0; },
+             Crew::Clock::time_point::max());
+}
+
 void VecEnv::Engine::send_reset(std::span<const std::uint8_t> mask) {
   check_alive();
   int count = 0;

@@ -36,6 +36,9 @@ class VecEnv::Engine : private GroupRunner {
   /// @throws Error while environments are in flight
   void check_idle(const char* what);
   void check_id(std::int32_t env) const;
+  /// Waits until no thread runs an environment's group, in which others may be in flight: a group's
+  /// words and flags belong to whoever runs it.
+  void settle(int env);
   bool in_flight(int env) const { return in_flight_[static_cast<std::size_t>(env)] != 0; }
 
   VecEnvOptions options;

@@ -24,16 +24,12 @@ int span_for(const Environment& environment, const VecEnvOptions& options) {
   return kOctet * share(share(options.envs, threads * rounds), kOctet);
 }
 
+int groups_of(int envs, int span) { return (envs + span - 1) / span; }
+
 std::vector<int> image_widths(const Environment& environment) {
   std::vector<int> bytes;
   for (const ObservedImage& image : environment.images()) bytes.push_back(image.bytes);
   return bytes;
-}
-
-/// Writes only where something changes: neighbouring groups' flags share a cache line.
-void set(std::uint32_t& flags, std::uint32_t lanes, bool value) {
-  const std::uint32_t now = value ? flags | lanes : flags & ~lanes;
-  if (now != flags) flags = now;
 }
 
 }  // namespace
@@ -48,14 +44,14 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
       has_info_(options.info && environment_->info_size() > 0),
       first_env_id_(options.first_env_id),
       actions_(index(envs_) * action_size_),
+      wants_reset_(groups_of(envs_, span_)),
+      started_(groups_of(envs_, span_)),
+      ended_(groups_of(envs_, span_)),
       chains_(index(envs_)) {
-  const int groups = (envs_ + span_ - 1) / span_;
+  const int groups = groups_of(envs_, span_);
   const int lanes = span_ == 1 ? 1 : environment_->preferred_lanes();
   states_.reserve(index(groups));
   for (int g = 0; g < groups; ++g) states_.push_back(environment_->make_state(lanes));
-  wants_reset_.resize(index(groups));
-  started_.resize(index(groups));
-  ended_.resize(index(groups));
   for (int t = 0; t < std::max(options.threads, 1); ++t) {
     works_.push_back(environment_->make_work(lanes));
   }
@@ -73,17 +69,17 @@ void Fleet::initialize(std::uint64_t seed) {
     environment_->initialize(state(env), lane_of(env), seed,
                              first_env_id_ + static_cast<std::uint64_t>(env));
   }
-  std::fill(started_.begin(), started_.end(), 0u);
-  std::fill(ended_.begin(), ended_.end(), 0u);
+  started_.clear();
+  ended_.clear();
 }
 
-void Fleet::want_step_all() { std::fill(wants_reset_.begin(), wants_reset_.end(), 0u); }
+void Fleet::want_step_all() { wants_reset_.clear(); }
 
 bool Fleet::can_step_all() const {
   std::uint32_t missing = 0;
   for (int g = 0; g < groups(); ++g) {
-    missing |= all_lanes(g) & ~started_[index(g)];
-    if (autoreset_ == Autoreset::kDisabled) missing |= ended_[index(g)];
+    missing |= all_lanes(g) & ~started_.of(g);
+    if (autoreset_ == Autoreset::kDisabled) missing |= ended_.of(g);
   }
   return missing == 0;
 }
@@ -92,8 +88,7 @@ void Fleet::transition(int group, std::uint32_t mask, Batch& rows, int thread) {
   GroupWork& work = *works_[index(thread)];
   // kSameStep comes here with an ended episode too: restored, or its reset was itself a fault.
   const bool renews = autoreset_ != Autoreset::kDisabled;
-  const std::uint32_t resets =
-      mask & (wants_reset_[index(group)] | (renews ? ended_[index(group)] : 0u));
+  const std::uint32_t resets = mask & (wants_reset_.of(group) | (renews ? ended_.of(group) : 0u));
   if ((mask & ~resets) != 0) step(group, mask & ~resets, rows, work);
   if (resets != 0) reset(group, resets, rows, work);
 }
@@ -133,7 +128,7 @@ void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 /// kSameStep: keeps the last row of episodes that have ended and begins the next; reward, status
 /// and step count of the row stay those of the end.
 void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
-  const std::uint32_t over = mask & ended_[index(group)];
+  const std::uint32_t over = mask & ended_.of(group);
   each_lane(over, [&](int l) { rows.keep_final(env_of(group, l)); });
   if (over == 0) return;
   float reward[kGroupLanes];
@@ -145,7 +140,7 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& w
   environment_->reset(states_[index(group)], work, over, out);
   add_to_hash(group, over, out);
   // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
-  each_lane(over, [&](int l) { set(ended_[index(group)], 1u << l, status[l] != kRunning); });
+  each_lane(over, [&](int l) { ended_.set(group, 1u << l, status[l] != kRunning); });
 }
 
 void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
@@ -176,9 +171,9 @@ void Fleet::describe(int group, std::uint32_t mask, bool is_reset, Batch& rows) 
     rows.episode_step[env] = static_cast<std::int32_t>(steps[l]);
     if (status != kRunning) over |= 1u << l;
   });
-  set(started_[index(group)], mask, true);
-  set(ended_[index(group)], mask & ~over, false);
-  set(ended_[index(group)], over, true);
+  started_.set(group, mask, true);
+  ended_.set(group, mask & ~over, false);
+  ended_.set(group, over, true);
 }
 
 /// The same for an octet of lanes whose episodes all go on; false, and nothing is written, if not.
@@ -208,6 +203,17 @@ void Fleet::privileged(int env, float* out) const {
 void Fleet::image(int env, int image, std::uint8_t* out) const {
   const ObservedImage& place = environment_->images()[index(image)];
   std::copy_n(state(env).images().bytes_of(lane_of(env)) + place.from, place.bytes, out);
+}
+
+void Fleet::state(const StateValue& value, double* out) {
+  const int count = value.count();
+  for (int g = 0; g < groups(); ++g) {
+    StateGroup& group = states_[index(g)];
+    if (value.needs_bodies()) environment_->update(group, *works_[0], all_lanes(g));
+    each_lane(all_lanes(g), [&](int l) {
+      environment_->state_values().read(value, group, l, out + index(env_of(g, l)) * index(count));
+    });
+  }
 }
 
 std::vector<std::uint64_t> Fleet::words(int env) const {

@@ -12,9 +12,11 @@
 #include "core/base/hash.h"
 #include "core/base/octets.h"
 #include "core/batch/batch.h"
+#include "core/batch/lane_flags.h"
 #include "core/batch/vec_env.h"
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
+#include "core/env/state_values.h"
 
 namespace skybody {
 
@@ -39,12 +41,12 @@ class Fleet {
 
   /// What the next transition of an environment is to be.
   float* action(int env) { return actions_.data() + static_cast<std::size_t>(env) * action_size_; }
-  void want_reset(int env) { wants_reset_[index(group_of(env))] |= bit(env); }
-  void want_step(int env) { wants_reset_[index(group_of(env))] &= ~bit(env); }
+  void want_reset(int env) { wants_reset_.set(group_of(env), bit(env), true); }
+  void want_step(int env) { wants_reset_.set(group_of(env), bit(env), false); }
   void want_step_all();
 
-  bool started(int env) const { return (started_[index(group_of(env))] & bit(env)) != 0; }
-  bool ended(int env) const { return (ended_[index(group_of(env))] & bit(env)) != 0; }
+  bool started(int env) const { return (started_.of(group_of(env)) & bit(env)) != 0; }
+  bool ended(int env) const { return (ended_.of(group_of(env)) & bit(env)) != 0; }
   /// Whether a step of all is possible without a reset of one.
   bool can_step_all() const;
   /// The lanes of a group that have an environment.
@@ -70,6 +72,8 @@ class Fleet {
   void privileged(int env, float* out) const;
   /// An image of an environment, as its sensor last made it.
   void image(int env, int image, std::uint8_t* out) const;
+  /// A value of every environment's state, one after the other. All have begun an episode.
+  void state(const StateValue& value, double* out);
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
   std::uint64_t hash(int env) const { return chains_[index(env)].value(); }
@@ -108,7 +112,8 @@ class Fleet {
   std::vector<StateGroup> states_;
   std::vector<std::unique_ptr<GroupWork>> works_;  ///< one per thread
   std::vector<float> actions_;
-  std::vector<std::uint32_t> wants_reset_, started_, ended_;  ///< lanes of each group
+  LaneFlags wants_reset_;      ///< the caller's
+  LaneFlags started_, ended_;  ///< of whoever runs the group
   std::vector<HashChain> chains_;
 };
 

@@ -85,11 +85,9 @@ void Fleet::restore(std::span<const std::uint64_t> saved) {
 
 /// What the flags say follows from WorldState.
 void Fleet::refresh_flags(int env) {
-  const auto put = [&](std::uint32_t& flags, bool value) {
-    flags = value ? flags | bit(env) : flags & ~bit(env);
-  };
-  put(started_[index(group_of(env))], state(env).bits(kEpisode)[lane_of(env)] > 0);
-  put(ended_[index(group_of(env))], state(env).bits(kStatus)[lane_of(env)] != kRunning);
+  const StateGroup& group = state(env);
+  started_.set(group_of(env), bit(env), group.bits(kEpisode)[lane_of(env)] > 0);
+  ended_.set(group_of(env), bit(env), group.bits(kStatus)[lane_of(env)] != kRunning);
 }
 
 }  // namespace skybody

@@ -114,6 +114,8 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
   };
   check(source);
   for (const std::int32_t target : targets) check(target);
+  engine_->settle(source);
+  for (const std::int32_t target : targets) engine_->settle(target);
   for (const std::int32_t target : targets) engine_->fleet.fork(source, target, rekey);
   if (engine_->observer) engine_->observer->forked(source, targets, rekey);
 }
@@ -146,6 +148,19 @@ void VecEnv::image(int image, std::span<std::uint8_t> pixels) const {
   for (int env = 0; env < envs(); ++env) {
     engine_->fleet.image(env, image, pixels.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
+}
+
+void VecEnv::state(std::string_view path, std::span<double> values) const {
+  engine_->check_idle("state()");
+  const StateValue& value = environment().state_values().at(path);
+  check_values("values", values.size(), static_cast<std::size_t>(envs()), value.count());
+  for (int env = 0; env < envs(); ++env) {
+    if (engine_->fleet.started(env)) continue;
+    throw Error("state() of environment " + std::to_string(env) +
+                ", which has not begun an episode: reset it first");
+  }
+  const FpEnvironment guard;
+  engine_->fleet.state(value, values.data());
 }
 
 double VecEnv::param(int env, const std::string& path) const {

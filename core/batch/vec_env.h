@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/error.h"
@@ -15,6 +16,7 @@
 #include "core/batch/observer.h"
 #include "core/batch/vec_env_options.h"
 #include "core/env/environment.h"
+#include "core/env/state_values.h"
 
 namespace skybody {
 
@@ -103,6 +105,13 @@ class VecEnv {
   /// @param pixels  N_E times its bytes. @throws Error on another size, or if there is no such
   /// image
   void image(int image, std::span<std::uint8_t> pixels) const;
+  /// A value of the state of every environment, such as robots.quad.base.position: see
+  /// Environment::state_values() for what there is, with units, frames and shapes. Does not
+  /// allocate.
+  /// @param values  N_E x StateValue::count(), written
+  /// @throws Error if there is no such value, on another number of values, or if an environment has
+  ///         not begun an episode; StateError while some are in flight
+  void state(std::string_view path, std::span<double> values) const;
   /// Value of a randomizable parameter. @throws Error as Simulation::param
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);

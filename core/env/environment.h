@@ -20,6 +20,7 @@
 namespace skybody {
 
 class GroupWork;
+class StateValues;
 
 /// Rows that a transition writes: the row of lane l lies l times its width further on.
 struct Rows {
@@ -84,6 +85,8 @@ class Environment {
   std::size_t saved_words() const {
     return static_cast<std::size_t>(layout().words) + image_words_;
   }
+  /// What can be read of an environment's state, by path.
+  const StateValues& state_values() const { return *state_values_; }
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
@@ -198,6 +201,7 @@ class Environment {
   ObservationPlan plan_;
   std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
   std::vector<int> agents_;
+  std::unique_ptr<const StateValues> state_values_;
   LaneState initial_;  ///< what every reset starts from; nominal parameters
 };
 

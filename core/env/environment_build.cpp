@@ -10,6 +10,7 @@
 #include "core/env/environment.h"
 #include "core/env/group_work.h"
 #include "core/env/setup_tables.h"
+#include "core/env/state_values.h"
 #include "core/model/marked_error.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/world/lane_values.h"
@@ -305,6 +306,7 @@ Environment::Environment(Scenario scenario, PluginFactory& factory, Checking che
   Builder(*this, std::move(scenario), factory).build();
   write_default_state(*world_, initial_);
   physics_ = std::make_unique<const GroupPhysics>(*world_);
+  state_values_ = std::make_unique<const StateValues>(*this);
 }
 
 Environment::~Environment() = default;

@@ -1,5 +1,7 @@
 #include "core/io/urdf_merge.h"
 
+#include <cstdio>
+
 #include "core/base/inertia.h"
 #include "core/io/pose.h"
 #include "core/io/text.h"
@@ -11,6 +13,13 @@ std::string inertia_text(const SymMat3<double>& i) {
   const auto number = [](double value) { return format_number(value); };
   return "ixx=" + number(i.xx) + " ixy=" + number(i.xy) + " ixz=" + number(i.xz) +
          " iyy=" + number(i.yy) + " iyz=" + number(i.yz) + " izz=" + number(i.zz);
+}
+
+/// Six digits: more are the rounding of the solver.
+std::string moments_text(const Vec3<double>& moments) {
+  char text[80];
+  std::snprintf(text, sizeof(text), "[%.6g, %.6g, %.6g]", moments.x, moments.y, moments.z);
+  return text;
 }
 
 bool is_zero(const SymMat3<double>& i) {
@@ -194,7 +203,7 @@ class Merger {
         p.x > 0.0 ? "the largest must not exceed the sum of the other two" : "all must be above 0";
     const std::string message = "no rigid body has the inertia of " + what + ", " +
                                 inertia_text(inertia) + ": its principal moments are " +
-                                format_numbers({p.x, p.y, p.z}) + " kg m^2; " + rule;
+                                moments_text(p) + " kg m^2; " + rule;
     const SourceMark mark = document_.mark(source.line);
     if (only_warn) {
       diagnostics_.warning(mark, message + " (the body that it merges into is sound)");

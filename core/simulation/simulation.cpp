@@ -127,6 +127,19 @@ std::vector<double> Simulation::goals() const {
   return out;
 }
 
+std::vector<double> Simulation::state(std::string_view path) const {
+  const StateValue& value = environment_->state_values().at(path);
+  std::vector<double> values(static_cast<std::size_t>(value.count()));
+  state(value, values);
+  return values;
+}
+
+void Simulation::state(const StateValue& value, std::span<double> values) const {
+  check_values("values", values.size(), 1, value.count());
+  if (value.needs_bodies()) touch();
+  environment_->state_values().read(value, data_->group, 0, values.data());
+}
+
 double Simulation::param(const std::string& path) const {
   return get_param(*environment_, data_->group, 0, path);
 }

@@ -6,10 +6,12 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/assemble/load.h"
 #include "core/env/environment.h"
+#include "core/env/state_values.h"
 #include "core/physics/bodies/body_accelerations.h"
 #include "core/physics/forces/contact.h"
 #include "core/physics/world/lane_state.h"
@@ -144,6 +146,13 @@ class Simulation {
   std::vector<Contact> contacts() const;
   /// Where the task wants its goals: 4 values each, position (W) [m], yaw [rad].
   std::vector<double> goals() const;
+
+  /// A value of the state, such as robots.quad.base.position: see Environment::state_values().
+  /// @throws Error with the nearest paths if there is none at `path`
+  std::vector<double> state(std::string_view path) const;
+  /// The same into the caller's memory.
+  /// @param values  value.count() of them, written. @throws Error on another number
+  void state(const StateValue& value, std::span<double> values) const;
 
   /// Value of a randomizable parameter. @throws Error if there is none at `path`
   double param(const std::string& path) const;

@@ -1,136 +1,125 @@
 #include "core/simulation/simulation_pool.h"
 
-#include <condition_variable>
+#include <algorithm>
+#include <atomic>
 #include <exception>
-#include <mutex>
 #include <numeric>
-#include <system_error>
-#include <thread>
 #include <utility>
 
 #include "core/base/arguments.h"
 #include "core/base/error.h"
-#include "core/base/fp_environment.h"
 #include "core/base/processors.h"
+#include "core/batch/crew.h"
+#include "core/batch/vec_env_options.h"
 
 namespace skybody {
+namespace {
 
-/// One world and its thread, which sleeps while there is no work.
-class SimulationPool::Worker {
+SimulationPoolOptions checked(SimulationPoolOptions options) {
+  check_range("number of worlds", options.worlds, 1, kMostEnvs, "take at least one");
+  check_range("threads", options.threads, 0, kMostThreads, "take 0 for one per processor");
+  if (options.threads == 0) {
+    options.threads = std::min(static_cast<int>(allowed_processors().size()), options.worlds);
+  }
+  return options;
+}
+
+}  // namespace
+
+/// The worlds and the threads that work in them.
+class SimulationPool::Worlds final : GroupRunner {
  public:
-  Worker(Simulation simulation, int index)
-      : simulation_(std::move(simulation)), index_(index), thread_([this] { live(); }) {}
-
-  ~Worker() {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
+  Worlds(const std::shared_ptr<const Environment>& environment,
+         const SimulationPoolOptions& options)
+      : crew_(options.threads, options.worlds, options.pin_threads, *this) {
+    failures_.resize(static_cast<std::size_t>(options.worlds));
+    worlds_.reserve(failures_.size());
+    for (int i = 0; i < options.worlds; ++i) {
+      worlds_.emplace_back(environment, options.seed,
+                           options.first_env_id + static_cast<std::uint64_t>(i));
     }
-    wake_.notify_one();
-    thread_.join();
   }
 
-  Simulation& simulation() { return simulation_; }
-  std::thread& thread() { return thread_; }
+  const Crew& crew() const { return crew_; }
+  Simulation& operator[](int world) { return worlds_[static_cast<std::size_t>(world)]; }
 
-  /// Hands work over; it must live until finish() has returned.
-  void begin(const Work& work) {
-    {
-      const std::lock_guard lock(mutex_);
-      work_ = &work;
-    }
-    wake_.notify_one();
-  }
-
-  /// Waits for the work's end. @returns what it threw, if anything
-  std::exception_ptr finish() {
-    std::unique_lock lock(mutex_);
-    done_.wait(lock, [this] { return work_ == nullptr; });
-    return std::exchange(failure_, nullptr);
+  /// Does the work in some worlds and waits for all of them. @returns what each threw, in the order
+  /// of `chosen`; null: nothing
+  std::span<std::exception_ptr> run(std::span<const int> chosen, const Work& work) {
+    chosen_ = chosen;
+    work_ = &work;
+    left_.store(static_cast<int>(chosen.size()), std::memory_order_relaxed);
+    crew_.submit_unknown(static_cast<int>(chosen.size()));
+    crew_.wait([this] { return left_.load(std::memory_order_seq_cst) == 0; },
+               Crew::Clock::time_point::max());
+    return std::span(failures_).first(chosen.size());
   }
 
  private:
-  void live() {
-    const FpEnvironment guard;
-    std::unique_lock lock(mutex_);
-    for (;;) {
-      wake_.wait(lock, [this] { return stop_ || work_ != nullptr; });
-      if (work_ == nullptr) return;
-      const Work& work = *work_;
-      lock.unlock();
-      std::exception_ptr failure;
+  /// A group is a place within the chosen worlds.
+  void run(const int* groups, int count, int /*thread*/) override {
+    for (int k = 0; k < count; ++k) {
+      const auto place = static_cast<std::size_t>(groups[k]);
       try {
-        work(simulation_, index_);
+        (*work_)((*this)[chosen_[place]], chosen_[place]);
       } catch (...) {
-        failure = std::current_exception();
+        failures_[place] = std::current_exception();
       }
-      lock.lock();
-      failure_ = failure;
-      work_ = nullptr;
-      done_.notify_one();
     }
+    left_.fetch_sub(count, std::memory_order_seq_cst);
+    crew_.announce();
   }
 
-  Simulation simulation_;
-  const int index_;
-  std::mutex mutex_;
-  std::condition_variable wake_, done_;
+  std::vector<Simulation> worlds_;
+  std::vector<std::exception_ptr> failures_;  ///< one per place within the chosen worlds
+  std::span<const int> chosen_;
   const Work* work_ = nullptr;
-  std::exception_ptr failure_;
-  bool stop_ = false;
-  std::thread thread_;  ///< last: it uses all of the above
+  std::atomic<int> left_{0};  ///< chosen worlds that are not yet done
+  Crew crew_;                 ///< last: its threads use the rest
 };
 
 SimulationPool::SimulationPool(std::shared_ptr<const Environment> environment,
                                const SimulationPoolOptions& options)
     : environment_(std::move(environment)) {
-  constexpr int kMostWorlds = 4096;  // each is a thread
-  check_range("number of worlds", options.worlds, 1, kMostWorlds,
-              "each has a thread; VecEnv has no such limit");
-  all_.resize(static_cast<std::size_t>(options.worlds));
+  const SimulationPoolOptions completed = checked(options);
+  all_.resize(static_cast<std::size_t>(completed.worlds));
   std::iota(all_.begin(), all_.end(), 0);
-  const std::vector<int> processors =
-      options.pin_threads ? allowed_processors() : std::vector<int>();
-  try {
-    for (const int i : all_) {
-      const auto id = static_cast<std::uint64_t>(i);
-      workers_.push_back(std::make_unique<Worker>(
-          Simulation(environment_, options.seed, options.first_env_id + id), i));
-      if (processors.empty()) continue;
-      const int processor = processors[static_cast<std::size_t>(i) % processors.size()];
-      pinned_ += pin_thread(workers_.back()->thread(), processor) ? 1 : 0;
-    }
-  } catch (const std::system_error& error) {
-    throw Error("thread " + std::to_string(workers_.size()) + " of " +
-                std::to_string(options.worlds) + " cannot be made: " + error.what() +
-                "; take fewer worlds, or VecEnv");
-  }
+  rows_.resize(all_.size());
+  worlds_ = std::make_unique<Worlds>(environment_, completed);
+  threads_ = worlds_->crew().threads();
+  pinned_ = worlds_->crew().pinned();
 }
 
 SimulationPool::~SimulationPool() = default;
 
-void SimulationPool::close() { workers_.clear(); }
+void SimulationPool::close() { worlds_.reset(); }
+
+void SimulationPool::check_open() const {
+  if (closed()) throw Error("this pool of simulations is closed: make a new one");
+}
 
 void SimulationPool::check(std::span<const int> worlds) const {
-  if (closed()) throw Error("this pool of simulations is closed: make a new one");
+  check_open();
   check_indices("world", worlds, size());
 }
 
 Simulation& SimulationPool::world(int index) {
-  check({&index, 1});
-  return workers_[static_cast<std::size_t>(index)]->simulation();
+  check_open();
+  check_index("world", index, size());
+  return (*worlds_)[index];
 }
 
 void SimulationPool::run(std::span<const int> worlds, const Work& work) {
   check(worlds);
-  for (const int i : worlds) workers_[static_cast<std::size_t>(i)]->begin(work);
+  if (worlds.empty()) return;
   int first = size();
   std::exception_ptr failure;
-  for (const int i : worlds) {
-    const std::exception_ptr thrown = workers_[static_cast<std::size_t>(i)]->finish();
-    if (thrown && i < first) {
-      first = i;
-      failure = thrown;
+  const std::span<std::exception_ptr> thrown = worlds_->run(worlds, work);
+  for (std::size_t k = 0; k < worlds.size(); ++k) {
+    const std::exception_ptr what = std::exchange(thrown[k], nullptr);
+    if (what && worlds[k] < first) {
+      first = worlds[k];
+      failure = what;
     }
   }
   if (!failure) return;
@@ -152,25 +141,14 @@ void SimulationPool::reset(std::span<const int> worlds, std::uint64_t seed) {
   run(worlds, [seed](Simulation& world, int) { world.reset(seed); });
 }
 
-namespace {
-
-/// Row of each world, by its number.
-std::vector<std::size_t> rows_of(std::span<const int> worlds, int size) {
-  std::vector<std::size_t> row(static_cast<std::size_t>(size));
-  for (std::size_t k = 0; k < worlds.size(); ++k) row[static_cast<std::size_t>(worlds[k])] = k;
-  return row;
-}
-
-}  // namespace
-
 void SimulationPool::step(std::span<const int> worlds, std::span<const float> actions) {
   check(worlds);
   const int width = environment_->action_size();
   check_values("actions", actions.size(), worlds.size(), width);
-  const auto row = rows_of(worlds, size());
   const auto count = static_cast<std::size_t>(width);
+  for (std::size_t k = 0; k < worlds.size(); ++k) rows_[static_cast<std::size_t>(worlds[k])] = k;
   run(worlds, [&](Simulation& world, int i) {
-    world.step(actions.subspan(row[static_cast<std::size_t>(i)] * count, count));
+    world.step(actions.subspan(rows_[static_cast<std::size_t>(i)] * count, count));
   });
 }
 
@@ -178,15 +156,12 @@ void SimulationPool::command(std::span<const int> worlds, const std::string& rob
                              std::span<const double> values) {
   check(worlds);
   if (worlds.empty()) return;
-  const auto simulation = [this](int i) -> Simulation& {
-    return workers_[static_cast<std::size_t>(i)]->simulation();
-  };
-  const int width = simulation(worlds.front()).command_size(robot);
+  const int width = (*worlds_)[worlds.front()].command_size(robot);
   check_values("values", values.size(), worlds.size(), width);
   const auto count = static_cast<std::size_t>(width);
   for (std::size_t k = 0; k < worlds.size(); ++k) {
     try {  // too little work for a thread
-      simulation(worlds[k]).command(robot, values.subspan(k * count, count));
+      (*worlds_)[worlds[k]].command(robot, values.subspan(k * count, count));
     } catch (const Error& error) {
       throw Error("world " + std::to_string(worlds[k]) + ": " + error.what());
     }
@@ -199,6 +174,16 @@ void SimulationPool::advance(std::span<const int> worlds, std::int64_t physics_s
 
 void SimulationPool::evaluate(std::span<const int> worlds) {
   run(worlds, [](Simulation& world, int) { world.evaluate(); });
+}
+
+void SimulationPool::state(std::string_view path, std::span<double> values) {
+  check_open();
+  const StateValue& value = environment_->state_values().at(path);
+  check_values("values", values.size(), all_.size(), value.count());
+  const auto count = static_cast<std::size_t>(value.count());
+  for (const int i : all_) {
+    (*worlds_)[i].state(value, values.subspan(static_cast<std::size_t>(i) * count, count));
+  }
 }
 
 }  // namespace skybody

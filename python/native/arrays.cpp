@@ -150,16 +150,16 @@ void check_image(int index, std::size_t images) {
 }
 
 template <class T>
-nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape) {
+nb::object copy_of(std::span<const T> values, std::span<const std::size_t> shape) {
   auto* memory = new T[std::max<std::size_t>(values.size(), 1)];
   std::copy(values.begin(), values.end(), memory);
   const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<T*>(p); });
-  return nb::cast(nb::ndarray<nb::numpy, T>(memory, shape.size(), shape.begin(), owner));
+  return nb::cast(nb::ndarray<nb::numpy, T>(memory, shape.size(), shape.data(), owner));
 }
 
-template nb::object copy_of(std::span<const float>, std::initializer_list<std::size_t>);
-template nb::object copy_of(std::span<const double>, std::initializer_list<std::size_t>);
-template nb::object copy_of(std::span<const std::uint8_t>, std::initializer_list<std::size_t>);
-template nb::object copy_of(std::span<const std::uint64_t>, std::initializer_list<std::size_t>);
+template nb::object copy_of(std::span<const float>, std::span<const std::size_t>);
+template nb::object copy_of(std::span<const double>, std::span<const std::size_t>);
+template nb::object copy_of(std::span<const std::uint8_t>, std::span<const std::size_t>);
+template nb::object copy_of(std::span<const std::uint64_t>, std::span<const std::size_t>);
 
 }  // namespace skybody::python

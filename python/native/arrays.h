@@ -52,7 +52,11 @@ void check_image(int index, std::size_t images);
 
 /// A fresh array with a copy of `values`.
 template <class T>
-nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape);
+nb::object copy_of(std::span<const T> values, std::span<const std::size_t> shape);
+template <class T>
+nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape) {
+  return copy_of(values, std::span(shape.begin(), shape.size()));
+}
 
 /// The same for a vector: (3,) float64.
 inline nb::object vector3(const Vec3<double>& v) {

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/env/setup_tables.h"
+#include "core/env/state_values.h"
 #include "core/env/value_names.h"
 #include "python/native/bindings.h"
 #include "python/native/environment.h"
@@ -140,6 +141,26 @@ void bind_channels(nb::module_& m) {
       });
 }
 
+void bind_state_value(nb::module_& m) {
+  using V = StateValue;
+  nb::class_<V>(m, "StateValue", "What can be read of an environment's state at one path.")
+      .def_ro("path", &V::path, "Such as robots.quad.base.position.")
+      .def_ro("unit", &V::unit, "SI unit; empty for a pure number.")
+      .def_prop_ro(
+          "frame", [](const V& v) { return v.frame; },
+          "Axes of vectors: `W` world (z up), `B` the body or link itself; `W from B` of a "
+          "rotation; else empty.")
+      .def_prop_ro(
+          "shape", [](const V& v) { return nb::tuple(nb::cast(v.shape)); },
+          nb::sig("def shape(self) -> tuple[int, ...]"),
+          "Shape for one environment; empty for a single number.")
+      .def_prop_ro(
+          "doc", [](const V& v) { return v.doc; }, "Meaning, one line.")
+      .def("__repr__", [](const V& v) {
+        return "StateValue(" + v.path + (v.unit.empty() ? "" : " [" + v.unit + "]") + ")";
+      });
+}
+
 void construct(LoadedEnvironment* self, const std::filesystem::path& scenario,
                std::vector<std::string> overrides, std::vector<std::filesystem::path> plugin_path) {
   new (self) LoadedEnvironment({scenario.string(), std::move(overrides), std::move(plugin_path)});
@@ -229,6 +250,15 @@ void bind_params(nb::class_<LoadedEnvironment>& c) {
   c.def_prop_ro(
       "param_paths", [](const E& e) { return param_paths(*e); },
       "Paths of all randomizable parameters, such as robots.quad.links.base_link.mass.");
+  c.def_prop_ro(
+      "state_values",
+      [](const E& e) {
+        std::map<std::string, StateValue> values;
+        for (const StateValue& value : e->state_values().all()) values[value.path] = value;
+        return values;
+      },
+      nb::sig("def state_values(self) -> dict[str, StateValue]"),
+      "What can be read of the state, by path.");
   c.def(
       "param_info",
       [](const E& e, const std::string& path) {
@@ -244,6 +274,7 @@ void bind_params(nb::class_<LoadedEnvironment>& c) {
 
 void bind_environment(nb::module_& m) {
   bind_channels(m);
+  bind_state_value(m);
   nb::class_<LoadedEnvironment> c(m, "Environment",
                                   "One scenario, loaded: immutable, shared by the pools and "
                                   "simulations that are made of it.");

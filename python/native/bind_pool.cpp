@@ -12,6 +12,7 @@
 #include "python/native/batch.h"
 #include "python/native/bindings.h"
 #include "python/native/pool.h"
+#include "python/native/state_array.h"
 
 namespace skybody::python {
 namespace {
@@ -117,6 +118,13 @@ nb::object image(Pool& pool, int index) {
   return copy_of<std::uint8_t>(pixels, {rows, width});
 }
 
+nb::object state(Pool& pool, const std::string& path) {
+  return state_array(pool.environment(), path, {static_cast<std::size_t>(pool.envs())},
+                     [&](std::vector<double>& values) {
+                       pool.call_with_argument([&](VecEnv& engine) { engine.state(path, values); });
+                     });
+}
+
 void fork(Pool& pool, int source, nb::handle targets, bool rekey) {
   const auto ids = read_array<std::int32_t>(targets, "targets", {-1});
   pool.call_with_argument([&](VecEnv& engine) { engine.fork(source, ids.span(), rekey); });
@@ -176,6 +184,13 @@ void bind_flow(Class& c) {
 }
 
 void bind_state(Class& c) {
+  c.def("state", &state, nb::arg("path"),
+        nb::sig("def state(self, path: str) -> numpy.typing.NDArray[numpy.float64]"),
+        "A value of the state of all environments, (num_envs, *shape) float64, fresh. What there "
+        "is, with\n"
+        "units, frames and shapes: Environment.state_values.\n\n"
+        "Raises ValueError naming the nearest paths if there is none, or before a reset; Error\n"
+        "while environments are in flight.");
   c.def(
       "save", &save,
       "Everything of all environments as bytes: motion, drawn values, plugin states, random keys.\n"

@@ -11,6 +11,7 @@
 #include "python/native/bindings.h"
 #include "python/native/errors.h"
 #include "python/native/simulation.h"
+#include "python/native/state_array.h"
 
 namespace skybody::python {
 namespace {
@@ -196,6 +197,17 @@ void bind_motion(Class& c) {
 }
 
 void bind_params(Class& c) {
+  c.def(
+      "state",
+      [](S& s, const std::string& path) {
+        return state_array(s.environment(), path, {}, [&](std::vector<double>& values) {
+          values = s.look([&](Simulation& sim) { return sim.state(path); });
+        });
+      },
+      nb::arg("path"), nb::sig("def state(self, path: str) -> numpy.typing.NDArray[numpy.float64]"),
+      "A value of the state, float64, fresh; () for a single number. What there is, with units,\n"
+      "frames and shapes: Environment.state_values.\n\n"
+      "Raises ValueError naming the nearest paths if there is none.");
   c.def(
       "param",
       [](S& s, const std::string& path) {

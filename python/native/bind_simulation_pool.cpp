@@ -10,6 +10,7 @@
 #include "python/native/bindings.h"
 #include "python/native/direct_control.h"
 #include "python/native/simulation_pool.h"
+#include "python/native/state_array.h"
 
 namespace skybody::python {
 namespace {
@@ -40,8 +41,8 @@ std::vector<int> chosen(const WorldPool& pool, nb::handle worlds) {
 }
 
 void construct(WorldPool* self, const LoadedEnvironment& environment, int num_worlds,
-               std::uint64_t seed, std::uint64_t first_env_id, bool pin_threads) {
-  new (self) WorldPool(environment, {num_worlds, seed, first_env_id, pin_threads});
+               std::uint64_t seed, std::uint64_t first_env_id, bool pin_threads, int num_threads) {
+  new (self) WorldPool(environment, {num_worlds, seed, first_env_id, pin_threads, num_threads});
 }
 
 void reset(WorldPool& pool, nb::handle worlds, std::optional<std::uint64_t> seed) {
@@ -88,24 +89,11 @@ std::vector<T> gather(WorldPool& pool, std::size_t width, Write&& write) {
   return values;
 }
 
-nb::object body_values(WorldPool& pool, std::size_t first, std::size_t count) {
-  const std::size_t bodies = pool.environment()->world().bodies.size();
-  const auto values = gather<double>(pool, bodies * count, [&](Simulation& world, double* out) {
-    for (const BodyState& body : world.bodies()) {
-      const auto* all = reinterpret_cast<const double*>(&body);
-      out = std::copy_n(all + first, count, out);
-    }
-  });
-  return copy_of<double>(values, {static_cast<std::size_t>(pool.size()), bodies, count});
-}
-
-nb::object rotor_speeds(WorldPool& pool) {
-  const std::size_t rotors = pool.environment()->world().rotors.size();
-  const auto values = gather<double>(pool, rotors, [](Simulation& world, double* out) {
-    const std::vector<double> speeds = world.rotor_speeds();
-    std::copy(speeds.begin(), speeds.end(), out);
-  });
-  return copy_of<double>(values, {static_cast<std::size_t>(pool.size()), rotors});
+nb::object state(WorldPool& pool, const std::string& path) {
+  return state_array(pool.environment(), path, {static_cast<std::size_t>(pool.size())},
+                     [&](std::vector<double>& values) {
+                       pool.call([&](SimulationPool& p) { p.state(path, values); });
+                     });
 }
 
 nb::object observations(WorldPool& pool) {
@@ -186,30 +174,34 @@ void bind_flow(Class& c) {
 }
 
 void bind_states(Class& c) {
+  c.def("state", &state, nb::arg("path"),
+        nb::sig("def state(self, path: str) -> numpy.typing.NDArray[numpy.float64]"),
+        "A value of the state of all worlds, (num_worlds, *shape) float64, fresh. What there is, "
+        "with\n"
+        "units, frames and shapes: Environment.state_values.\n\n"
+        "Raises ValueError naming the nearest paths if there is none.");
   c.def_prop_ro(
-      "positions", [](WorldPool& p) { return body_values(p, 0, 3); },
+      "positions", [](WorldPool& p) { return state(p, "bodies.position"); },
       nb::sig("def positions(self) -> numpy.typing.NDArray[numpy.float64]"),
       "(num_worlds, bodies, 3) float64, fresh: origins, world axes [m].");
   c.def_prop_ro(
-      "rotations", [](WorldPool& p) { return body_values(p, 3, 4); },
+      "rotations", [](WorldPool& p) { return state(p, "bodies.rotation"); },
       nb::sig("def rotations(self) -> numpy.typing.NDArray[numpy.float64]"),
       "(num_worlds, bodies, 4) float64, fresh: unit quaternions w x y z, world from body.");
   c.def_prop_ro(
-      "velocities", [](WorldPool& p) { return body_values(p, 7, 3); },
+      "velocities", [](WorldPool& p) { return state(p, "bodies.velocity"); },
       nb::sig("def velocities(self) -> numpy.typing.NDArray[numpy.float64]"),
       "(num_worlds, bodies, 3) float64, fresh: of the origins, world axes [m/s].");
   c.def_prop_ro(
-      "angular_velocities", [](WorldPool& p) { return body_values(p, 10, 3); },
+      "angular_velocities", [](WorldPool& p) { return state(p, "bodies.angular_velocity"); },
       nb::sig("def angular_velocities(self) -> numpy.typing.NDArray[numpy.float64]"),
       "(num_worlds, bodies, 3) float64, fresh: body axes [rad/s].");
-  c.def_prop_ro("rotor_speeds", &rotor_speeds,
-                nb::sig("def rotor_speeds(self) -> numpy.typing.NDArray[numpy.float64]"),
-                "(num_worlds, rotors) float64, fresh [rad/s].");
   c.def_prop_ro(
-      "times",
-      [](WorldPool& p) {
-        return each_value<double>(p, [](Simulation& world) { return world.time(); });
-      },
+      "rotor_speeds", [](WorldPool& p) { return state(p, "rotor_speed"); },
+      nb::sig("def rotor_speeds(self) -> numpy.typing.NDArray[numpy.float64]"),
+      "(num_worlds, rotors) float64, fresh [rad/s].");
+  c.def_prop_ro(
+      "times", [](WorldPool& p) { return state(p, "time"); },
       nb::sig("def times(self) -> numpy.typing.NDArray[numpy.float64]"),
       "(num_worlds,) float64: since each world's reset [s].");
   c.def_prop_ro("observations", &observations,
@@ -295,24 +287,27 @@ void bind_one_world(Class& c) {
 
 void bind_simulation_pool(nb::module_& m) {
   Class c(m, "SimulationPool",
-          "Worlds under direct control, one thread each. What steps or resets worlds runs on\n"
-          "their threads, without the GIL, waits for all of them, and then raises what the first\n"
-          "of them met, with its number. For learning at speed take make_vec or make_pool.\n"
+          "Worlds under direct control, shared out among threads. What steps or resets worlds\n"
+          "runs on all threads, without the GIL, waits for all worlds, and then raises what the\n"
+          "first of them met, with its number. For learning at speed take make_vec or make_pool.\n"
           "One Python thread at a time: a call while another is inside one raises Error.");
   c.def("__init__", &construct, nb::arg("environment"), nb::arg("num_worlds"), nb::arg("seed") = 0,
-        nb::arg("first_env_id") = 0, nb::arg("pin_threads") = false,
+        nb::arg("first_env_id") = 0, nb::arg("pin_threads") = false, nb::arg("num_threads") = 0,
         "num_worlds: N >= 1\n"
         "seed, first_env_id: world i draws with the key (seed, first_env_id + i)\n"
-        "pin_threads: keep each thread on one processor, cyclically, where the system allows it\n\n"
-        "Raises ValueError if num_worlds is out of range.");
+        "pin_threads: give each worker a processor of its own where the system allows it; the\n"
+        "    caller is left where it is\n"
+        "num_threads: the caller counted; 0: one per processor\n\n"
+        "Raises ValueError if a number is out of range.");
   bind_flow(c);
   bind_states(c);
   bind_one_world(c);
   c.def_prop_ro("environment", &WorldPool::environment, nb::rv_policy::reference_internal,
                 "The scenario that it steps.");
   c.def_prop_ro("num_worlds", &WorldPool::size, "N: number of worlds.");
+  c.def_prop_ro("num_threads", &WorldPool::threads, "Threads that step, the caller counted.");
   c.def_prop_ro("pinned_threads", &WorldPool::pinned_threads,
-                "Threads kept on a processor; 0 where pinning is not allowed.");
+                "Workers kept on a processor; 0 where pinning is not allowed.");
   c.def_prop_ro("closed", &WorldPool::closed, "Whether close() was called.");
   c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
 }

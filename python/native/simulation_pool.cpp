@@ -10,6 +10,7 @@ WorldPool::WorldPool(const LoadedEnvironment& environment, const SimulationPoolO
   pool_ = blame_argument(
       [&] { return std::make_unique<SimulationPool>(environment_.shared(), options); });
   size_ = pool_->size();
+  threads_ = pool_->threads();
   pinned_threads_ = pool_->pinned_threads();
 }
 

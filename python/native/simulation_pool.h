@@ -37,6 +37,7 @@ class WorldPool {
   bool closed() const { return !pool_; }
   const LoadedEnvironment& environment() const { return environment_; }
   int size() const { return size_; }
+  int threads() const { return threads_; }
   int pinned_threads() const { return pinned_threads_; }
 
  private:
@@ -45,7 +46,7 @@ class WorldPool {
   LoadedEnvironment environment_;
   int process_;
   std::unique_ptr<SimulationPool> pool_;
-  int size_ = 0, pinned_threads_ = 0;
+  int size_ = 0, threads_ = 0, pinned_threads_ = 0;
   std::atomic<bool> in_use_ = false;
 };
 

@@ -16,7 +16,6 @@ Scenario = str | os.PathLike[str] | Environment
 
 MOST_ENVS = 2**24  # the native pools' own limits
 MOST_THREADS = 1024
-MOST_WORLDS = 4096  # of a SimulationPool: each is a thread
 
 
 def load(

@@ -92,6 +92,37 @@ class PooledEnvironments:
         """
         self.native.fork(source, env_ids(targets), rekey)
 
+    def state(self, path: str) -> NDArray[np.float64]:
+        """A value of the state of every environment, in a new array (num_envs, *shape).
+
+        `state_paths` has what there is, with units, frames and shapes. Vectors are in world axes W
+        (z up) or in axes B of their own body or link, quaternions w x y z, W from B; SI units. For
+        one robot `quad`:
+
+        * `robots.quad.base.position` (3,), `.rotation` (4,), `.velocity` (3,) of the origin, all in
+          W, `.angular_velocity` (3,) in B; so `robots.quad.links.NAME.position` and so on, and
+          `bodies.position` (bodies, 3) of all bodies;
+        * `robots.quad.joints.NAME.position`, `.velocity`: () for one coordinate;
+        * `robots.quad.rotors.speed`, `.command` (rotors,), `robots.quad.rotors[0].speed` ();
+        * `sensors.NAME.CHANNEL`, as last sampled (images: `observations`);
+        * `robots.quad.links.NAME.contact.force`, `.moment`, `.touching`, where a plugin of the
+          scenario asks for contacts;
+        * `time`, `steps`, `episode`, `status`, `q`, `u`, `action`, `command`;
+        * every randomizable parameter, drawn as it is now: `robots.quad.links.NAME.mass`.
+
+        Where an episode has ended, it is the state of that end until the environment is reset (with
+        autoreset "same_step" it is the new episode's first).
+
+        Raises:
+            ValueError: no such path (the nearest ones are named), or no episode has begun.
+            skybody.Error: some environments are in flight: `recv` them first.
+        """
+        return self.native.state(path)
+
+    def state_paths(self) -> dict[str, _native.StateValue]:
+        """What `state` can give: path -> unit, frame, shape and meaning."""
+        return self.native.environment.state_values
+
     def param(self, env: int, path: str) -> float:
         """Value of a randomizable parameter (`environment.param_paths`) in one environment."""
         return self.native.param(env, path)

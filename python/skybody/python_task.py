@@ -17,7 +17,7 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
-from . import spaces
+from . import _native, spaces
 from .arguments import Scenario, check_array, check_seed, shape_error
 from .simulation import SimulationPool, WorldStates
 from .vector import autoreset_mode, reset_mask
@@ -41,7 +41,8 @@ class PythonTask:
     """Of one world. Actions are clipped to it."""
 
     def setup(self, pool: SimulationPool) -> None:
-        """Called once, before anything else: to look constants up."""
+        """Called once, before anything else: to look constants up, or to keep the pool, whose
+        `state(path)` gives what `states` has not."""
 
     def begin(
         self, pool: SimulationPool, worlds: NDArray[np.int32], rng: np.random.Generator
@@ -111,7 +112,8 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         task: the task; one object for all worlds.
         scenario: name of a shipped scenario, a YAML file, or (where the task keeps the scenario's
             controllers) a loaded `Environment`.
-        num_envs: number of worlds, a thread each.
+        num_envs: number of worlds.
+        num_threads: threads that step, the caller's counted; 0: one per processor.
         seed: key of all random numbers until a `reset(seed=...)`.
         autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
         overrides, plugin_path, pin_threads: as for `SimulationPool`.
@@ -128,6 +130,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         scenario: Scenario,
         num_envs: int,
         *,
+        num_threads: int = 0,
         seed: int = 0,
         autoreset: str | AutoresetMode = "next_step",
         overrides: Iterable[str] = (),
@@ -141,6 +144,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
             scenario,
             num_envs,
             task.control,
+            num_threads=num_threads,
             seed=seed,
             overrides=overrides,
             plugin_path=plugin_path,
@@ -315,6 +319,18 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         for name, values in self.task.info(states or self.pool.states()).items():
             infos[name], infos[f"_{name}"] = values, mask.copy()
         return infos
+
+    def state(self, path: str) -> NDArray[np.float64]:
+        """A value of the state of every world, (num_envs, *shape), as `make_vec(...).state`.
+
+        Raises:
+            ValueError: no such path; the nearest ones are named.
+        """
+        return self.pool.state(path)
+
+    def state_paths(self) -> dict[str, _native.StateValue]:
+        """What `state` can give: path -> unit, frame, shape and meaning."""
+        return self.pool.state_paths()
 
     def close_extras(self, **_: Any) -> None:
         """Ends the threads; called by `close`."""

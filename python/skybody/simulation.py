@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._native import Environment
 from .arguments import (
-    MOST_WORLDS,
+    MOST_ENVS,
+    MOST_THREADS,
     Scenario,
     check_array,
     check_seed,
@@ -179,6 +180,10 @@ class Simulation(_native.Simulation):
             link, mass=mass, com=_floats(com), inertia=_floats(inertia), robot=robot
         )
 
+    def state_paths(self) -> dict[str, _native.StateValue]:
+        """What `state` can give: path -> unit, frame, shape and meaning."""
+        return self.environment.state_values
+
     def fork(self, rekey: bool = False) -> Simulation:
         """A copy with the same future; with `rekey` its random numbers are its own."""
         copy = type(self)(self.environment)
@@ -204,9 +209,9 @@ class WorldStates(NamedTuple):
 
 
 class SimulationPool(_native.SimulationPool):
-    """Worlds of one scenario under direct control, one thread each, batched calls.
+    """Worlds of one scenario under direct control, shared out among threads, batched calls.
 
-    What steps or resets worlds runs on their threads, without the GIL, and waits for all of them.
+    What steps or resets worlds runs on all threads, without the GIL, and waits for all worlds.
     Where one fails the others finish; the error names the first that failed. Nothing resets
     itself. What a world does depends on its key and its own calls alone.
 
@@ -214,10 +219,11 @@ class SimulationPool(_native.SimulationPool):
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
-        num_worlds: number of worlds and of threads.
+        num_worlds: number of worlds.
         control: as for `Simulation`.
         seed, first_env_id: world i draws with the key (seed, first_env_id + i).
-        pin_threads: keep each thread on one processor where the system allows it.
+        num_threads: threads that step, the caller's counted; 0: one per processor.
+        pin_threads: each worker on a processor of its own, where the system allows it.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
         plugin_path: folders that are searched for plugins before the default ones.
 
@@ -234,13 +240,20 @@ class SimulationPool(_native.SimulationPool):
         *,
         seed: int = 0,
         first_env_id: int = 0,
+        num_threads: int = 0,
         pin_threads: bool = False,
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
     ) -> None:
         environment = load_with_control(scenario, control, overrides, plugin_path)
-        worlds = integer_within("num_worlds", num_worlds, 1, MOST_WORLDS)
-        super().__init__(environment, worlds, check_seed(seed) or 0, first_env_id, pin_threads)
+        super().__init__(
+            environment,
+            integer_within("num_worlds", num_worlds, 1, MOST_ENVS),
+            check_seed(seed) or 0,
+            first_env_id,
+            pin_threads,
+            integer_within("num_threads", num_threads, 0, MOST_THREADS),
+        )
 
     def _ids(self, worlds: ArrayLike | None) -> NDArray[np.int32] | None:
         if worlds is None:
@@ -324,6 +337,19 @@ class SimulationPool(_native.SimulationPool):
         if ids is None:
             return WorldStates(*all_worlds)
         return WorldStates(*(values[ids] for values in all_worlds))
+
+    def state(self, path: str, worlds: ArrayLike | None = None) -> NDArray[np.float64]:
+        """A value of the state of some worlds, a new array (n, *shape), as `make_vec(...).state`.
+
+        Raises:
+            ValueError: no such path; the nearest ones are named.
+        """
+        values, ids = super().state(path), self._ids(worlds)
+        return values if ids is None else values[ids]
+
+    def state_paths(self) -> dict[str, _native.StateValue]:
+        """What `state` can give: path -> unit, frame, shape and meaning."""
+        return self.environment.state_values
 
     def _has(self, bit: int) -> NDArray[np.bool_]:
         mask: NDArray[np.bool_] = (self.status & np.uint64(bit)) != 0

@@ -161,6 +161,20 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
   while (envs.in_flight() > 0) envs.recv();
 }
 
+TEST(Allocation, DoesNotHappenWhileTheStateIsRead) {
+  const auto environment = load_environment({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
+  VecEnv envs(environment, {.envs = kEnvs, .threads = 2});
+  envs.send_reset();
+  envs.recv();
+  std::vector<double> values(kEnvs * 4);
+  all_counted = 0;
+  counting = true;
+  envs.state("robots.quad.base.rotation", values);
+  envs.state("robots.quad.rotors.speed", values);
+  counting = false;
+  EXPECT_EQ(all_counted.load(), 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Shapes, NoAllocationInBatches,
     testing::Values(VecEnvOptions{.batch = kEnvs, .threads = 2},

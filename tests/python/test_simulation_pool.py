@@ -1,4 +1,4 @@
-"""Many worlds under direct control, a thread each."""
+"""Many worlds under direct control."""
 
 from __future__ import annotations
 
@@ -16,9 +16,12 @@ from skybody.simulation import Simulation, SimulationPool
 N = 5
 
 
-def test_worlds_do_what_they_do_alone():
+@pytest.mark.parametrize("num_threads", [1, 2, 7])
+def test_worlds_do_what_they_do_alone(num_threads):
     commands = np.random.default_rng(0).uniform(500, 1500, (N, 4))
-    with SimulationPool("hover", N, "rotor_speed", seed=3, first_env_id=7) as pool:
+    options = {"seed": 3, "first_env_id": 7, "num_threads": num_threads}
+    with SimulationPool("hover", N, "rotor_speed", **options) as pool:
+        assert pool.num_threads == num_threads
         pool.reset()
         pool.command(commands)
         pool.advance(300)
@@ -98,10 +101,12 @@ def test_misuse_is_refused_before_anything_is_done():
         with pytest.raises(ValueError, match="there is no world 5; allowed"):
             pool.set_param(5, "x", 1.0)
         assert (pool.states().times == 0).all()
-    with pytest.raises(ValueError, match="num_worlds is 2147483648; it must be from 1 to 4096"):
+    with pytest.raises(ValueError, match="num_worlds is 2147483648; it must be from 1 to 16777216"):
         SimulationPool("hover", 2**31)
-    with pytest.raises(ValueError, match="from 1 to 4096"):
+    with pytest.raises(ValueError, match="from 1 to 16777216"):
         SimulationPool("hover", 0)
+    with pytest.raises(ValueError, match="num_threads is -1; it must be from 0 to 1024"):
+        SimulationPool("hover", 2, num_threads=-1)
 
 
 def test_a_fault_stays_in_its_world():

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/isa.h"
 #include "core/env/setup_tables.h"
 #include "core/io/parameter_reader.h"
 #include "core/model/held_inputs.h"

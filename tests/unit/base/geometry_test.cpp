@@ -109,6 +109,16 @@ TEST(Inertia, EigenvaluesAreThePrincipalMomentsOnTurnedAxes) {
   expect_near(eigenvalues(SymMat3<double>{1, 1, 1, 0, 0, 0}), V{1, 1, 1}, 0.0);
 }
 
+TEST(Inertia, EigenvaluesOfDiagonalMatricesHoldOverManyOrdersOfMagnitude) {
+  // Each is scaled by the largest entry and back: a rounding each way.
+  const V moments = eigenvalues(SymMat3<double>{0.3, 1e-12, 0.1, 0, 0, 0});
+  EXPECT_NEAR(moments.x, 1e-12, 1e-27);
+  EXPECT_NEAR(moments.z, 0.3, 1e-16);
+  expect_near(eigenvalues(SymMat3<double>{1e300, 2e300, 3e300, 0, 0, 0}), V{1e300, 2e300, 3e300},
+              1e285);
+  EXPECT_FALSE(is_finite(eigenvalues(SymMat3<double>{kNan, 1, 1, 0, 0, 0})));
+}
+
 TEST(Inertia, OnlyPossibleBodiesAreAccepted) {
   EXPECT_TRUE(is_physical_inertia({0.01, 0.01, 0.017, 0, 0, 0}));
   EXPECT_TRUE(is_physical_inertia({1, 1, 2, 0, 0, 0}));     // a flat plate: the bound itself

@@ -1,6 +1,7 @@
 // Save, restore, fork and new seeds.
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <vector>
 
 #include "tests/unit/batch/small_env.h"
@@ -191,6 +192,28 @@ TEST(Params, AreOfOneEnvironment) {
   envs.recv();
   const auto rows = observations(envs);
   EXPECT_LT(rows[4][1], rows[3][1] + 0.2f);  // heavier: slower upwards, whatever the kick
+}
+
+/// Environments of a group share its words: a fork must not meet a thread that steps a neighbour.
+TEST(Fork, WhileNeighboursAreInFlightCopiesAllTheSame) {
+  VecEnv envs(small_env(), {.envs = 16, .batch = 4, .threads = 2, .order = Order::kArrival});
+  ASSERT_GT(envs.lanes(), 1);
+  begin(envs);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<std::int32_t> all(16);
+    std::iota(all.begin(), all.end(), 0);
+    envs.send(test::actions_of(all, round, 4), all);
+    const auto batch = envs.recv();
+    const std::int32_t source = batch->env_id[0], target = batch->env_id[3];
+    envs.fork(source, {&target, 1}, false);
+    while (envs.in_flight() > 0) envs.recv();
+    std::vector<double> height(16 * 3);
+    envs.state("robots.quad.base.position", height);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(height[static_cast<std::size_t>(3 * target + k)],
+                height[static_cast<std::size_t>(3 * source + k)]);
+    }
+  }
 }
 
 }  // namespace

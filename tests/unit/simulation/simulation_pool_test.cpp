@@ -1,4 +1,4 @@
-// Worlds on threads of their own: the same bits as alone, errors with the world's number, no hang.
+// Worlds on several threads: the same bits as alone, errors with the world's number, no hang.
 #include "core/simulation/simulation_pool.h"
 
 #include <gmock/gmock.h>
@@ -34,9 +34,14 @@ std::string refusal(Call&& call) {
   return "nothing was thrown";
 }
 
-TEST(SimulationPool, WorldsDoWhatTheyDoAlone) {
+class AnyThreads : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(SimulationPool, AnyThreads, testing::Values(1, 2, 3, 9));
+
+TEST_P(AnyThreads, WorldsDoWhatTheyDoAlone) {
   const auto environment = hover();
-  SimulationPool pool(environment, {.worlds = kWorlds, .seed = 9, .first_env_id = 3});
+  SimulationPool pool(environment,
+                      {.worlds = kWorlds, .seed = 9, .first_env_id = 3, .threads = GetParam()});
+  EXPECT_EQ(pool.threads(), GetParam());
   pool.reset(pool.all());
   std::vector<float> actions(kWorlds * 4);
   for (std::size_t k = 0; k < actions.size(); ++k) actions[k] = 0.01f * static_cast<float>(k);
@@ -59,19 +64,41 @@ TEST(SimulationPool, WorldsDoWhatTheyDoAlone) {
   }
 }
 
-TEST(SimulationPool, EveryWorldHasAThreadOfItsOwnAndTheyRunAtTheSameTime) {
-  SimulationPool pool(hover(), {.worlds = kWorlds, .pin_threads = true});
-  EXPECT_LE(pool.pinned_threads(), kWorlds);
+TEST(SimulationPool, AllThreadsWorkAtTheSameTimeHoweverShortTheWorkBeforeWas) {
+  constexpr int kThreads = 3;
+  SimulationPool pool(hover(), {.worlds = kWorlds, .pin_threads = true, .threads = kThreads});
+  EXPECT_LT(pool.pinned_threads(), kThreads);  // the caller stays where it is
+  for (int k = 0; k < 100; ++k) pool.run(pool.all(), [](Simulation&, int) {});
   std::atomic<int> inside{0};
   std::vector<std::thread::id> ids(kWorlds);
-  // Nobody leaves before all are inside: this ends only if they run at the same time.
+  // Nobody leaves before one world for each thread is entered: this ends only if they run at once.
   pool.run(pool.all(), [&](Simulation&, int i) {
     ids[static_cast<std::size_t>(i)] = std::this_thread::get_id();
     ++inside;
-    while (inside < kWorlds) std::this_thread::yield();
+    while (inside < kThreads) std::this_thread::yield();
   });
+  EXPECT_EQ(inside, kWorlds);
   EXPECT_EQ(std::set<std::thread::id>(ids.begin(), ids.end()).size(),
-            static_cast<std::size_t>(kWorlds));
+            static_cast<std::size_t>(kThreads));
+}
+
+TEST(SimulationPool, PinsAsManyWorkersAsThereAreProcessorsBesideTheCallers) {
+  const SimulationPool free(hover(), {.worlds = kWorlds, .threads = 2});
+  EXPECT_EQ(free.pinned_threads(), 0);
+  const SimulationPool pinned(hover(), {.worlds = kWorlds, .pin_threads = true, .threads = 2});
+  EXPECT_LE(pinned.pinned_threads(), 1);
+}
+
+TEST(SimulationPool, EveryWorldIsDoneOnceForAnyNumberOfThem) {
+  constexpr int kMany = 300;
+  SimulationPool pool(hover(), {.worlds = kMany, .threads = 3});
+  std::vector<int> order(pool.all().rbegin(), pool.all().rend());
+  for (std::size_t count = 1; count <= kMany; count += 23) {
+    std::vector<std::atomic<int>> done(kMany);
+    pool.run(std::span(order).first(count),
+             [&](Simulation&, int i) { ++done[static_cast<std::size_t>(i)]; });
+    for (std::size_t i = 0; i < kMany; ++i) EXPECT_EQ(done[i], i >= kMany - count ? 1 : 0) << i;
+  }
 }
 
 TEST(SimulationPool, AnErrorNamesTheFirstWorldAndTheOthersFinish) {
@@ -102,6 +129,7 @@ TEST(SimulationPool, AStepBeforeAResetIsAnErrorOfThatWorldOnly) {
 
 TEST(SimulationPool, RefusesMisuseBeforeAnythingIsDone) {
   EXPECT_THROW(SimulationPool(hover(), {.worlds = 0}), Error);
+  EXPECT_THROW(SimulationPool(hover(), {.worlds = 1, .threads = -1}), Error);
   SimulationPool pool(hover(), {.worlds = 3});
   pool.reset(pool.all());
   const std::vector<int> twice = {1, 1}, beyond = {0, 3}, negative = {-1};

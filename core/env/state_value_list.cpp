@@ -1,0 +1,219 @@
+#include "core/env/state_value_list.h"
+
+#include <string>
+#include <utility>
+
+#include "core/env/environment.h"
+#include "core/physics/bodies/pose_math.h"
+
+namespace skybody {
+namespace {
+
+/// A few values within a run of them.
+struct Part {
+  const char* name;
+  const char* unit;
+  const char* frame;
+  int first, count;
+  const char* doc;
+};
+
+/// Of a BodyState.
+constexpr Part kMotion[] = {
+    {"position", "m", "W", 0, 3, "of the origin"},
+    {"rotation", "", "W from B", 3, 4, "unit quaternion w x y z"},
+    {"velocity", "m/s", "W", 7, 3, "of the origin"},
+    {"angular_velocity", "rad/s", "B", 10, 3, "against the world"},
+};
+
+/// Of what touches a body (SKYBODY_CONTACT_VALUES).
+constexpr Part kContact[] = {
+    {"force", "N", "W", 0, 3, "sum over all contacts of the body, when plugins last asked"},
+    {"moment", "N m", "W", 3, 3, "likewise, about the body's origin"},
+    {"touching", "", "", 6, 1, "1 where anything touches the body, else 0"},
+};
+
+/// What a joint's coordinates are.
+struct JointText {
+  const char* unit;
+  const char* velocity_unit;
+  const char* doc;
+  const char* velocity_doc;
+};
+
+JointText text_of(JointType type) {
+  switch (type) {
+    case JointType::kSlider:
+      return {"m", "m/s", "travel", "its rate"};
+    case JointType::kBall:
+      return {"", "rad/s",
+              "unit quaternion w x y z, joint frame of the parent from that of the body",
+              "angular velocity, axes of the body's joint frame"};
+    case JointType::kUniversal:
+      return {"rad", "rad/s", "angles about x, then about y", "their rates"};
+    default:
+      return {"rad", "rad/s", "angle", "its rate"};
+  }
+}
+
+std::vector<int> shape_of(int count) {
+  return count == 1 ? std::vector<int>{} : std::vector<int>{count};
+}
+
+class List {
+ public:
+  explicit List(const Environment& environment)
+      : environment_(environment), world_(environment.world()), layout_(environment.layout()) {}
+
+  std::vector<StateValue> all() {
+    add_world();
+    const auto robots = static_cast<int>(world_.scenario.robots.size());
+    for (int robot = 0; robot < robots; ++robot) add_robot(robot);
+    add_sensors();
+    for (std::size_t k = 0; k < layout_.param_info.size(); ++k) {
+      const EnvParam& param = layout_.param_info[k];
+      add_words(param.path, param.unit, "", {layout_.params.offset + static_cast<int>(k), 1}, {},
+                "drawn value");
+    }
+    return std::move(values_);
+  }
+
+ private:
+  void add_words(std::string path, std::string unit, const char* frame, Block block,
+                 std::vector<int> shape, const char* doc) {
+    if (block.size == 0) return;
+    StateValue& value = values_.emplace_back();
+    value.path = std::move(path);
+    value.unit = std::move(unit);
+    value.frame = frame;
+    value.shape = std::move(shape);
+    value.doc = doc;
+    value.first = block.offset;
+  }
+
+  void add_header(const char* path, const char* unit, StateSource source, HeaderWord word,
+                  const char* doc) {
+    add_words(path, unit, "", {word, 1}, {}, doc);
+    values_.back().source = source;
+  }
+
+  /// @param bodies  more than 0: an array over so many bodies, from `body` on
+  void add_motion(const std::string& prefix, int body, int bodies, const Pose& pose) {
+    for (const Part& part : kMotion) {
+      StateValue& value = values_.emplace_back();
+      value.path = prefix + "." + part.name;
+      value.unit = part.unit;
+      value.frame = part.frame;
+      if (bodies > 0) value.shape.push_back(bodies);
+      value.shape.push_back(part.count);
+      value.doc = part.doc;
+      value.source = is_identity(pose) ? StateSource::kBodies : StateSource::kLink;
+      value.first = body;
+      value.part = part.first;
+      value.pose = pose;
+    }
+  }
+
+  void add_world() {
+    add_header("time", "s", StateSource::kTime, kPhysicsStep, "since the reset");
+    add_header("episode", "", StateSource::kHeader, kEpisode, "resets so far");
+    add_header("steps", "", StateSource::kHeader, kStep, "actions taken in this episode");
+    add_header("physics_steps", "", StateSource::kHeader, kPhysicsStep, "taken in this episode");
+    add_header("status", "", StateSource::kHeader, kStatus,
+               "bits of the last transition: 1 terminated, 2 truncated, 4 fault");
+    add_motion("bodies", 0, static_cast<int>(world_.bodies.size()), {});
+    add_block("q", "", layout_.q, "coordinates of all joints, bases included");
+    add_block("u", "", layout_.u, "their velocities");
+    add_block("rotor_speed", "rad/s", layout_.rotor_speed, "of all rotors of all robots");
+    add_block("rotor_command", "rad/s", layout_.rotor_command,
+              "of all rotors, held during the last physics step");
+    add_block("action", "", layout_.action, "the last one, clipped to [-1, 1]");
+    add_block("command", "", layout_.command, "of all chains of controllers, physical units");
+  }
+
+  void add_block(const char* path, const char* unit, Block block, const char* doc) {
+    add_words(path, unit, "", block, {block.size}, doc);
+  }
+
+  void add_robot(int robot) {
+    const RobotUse& use = world_.scenario.robots[static_cast<std::size_t>(robot)];
+    const RobotLayout& place = layout_.robots[static_cast<std::size_t>(robot)];
+    const std::string prefix = "robots." + use.name + ".";
+    add_motion(prefix + "base", place.first_body, 0, {});
+    for (const Link& link : use.model.links) {
+      add_motion(prefix + "links." + link.name, place.first_body + link.body, 0, link.pose);
+    }
+    for (int b = 0; b < place.body_count; ++b) {
+      add_joint(prefix, place.first_body + b);
+      add_contact(prefix, place.first_body + b);
+    }
+    add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count});
+    const Block command = environment_.commands_of(robot);
+    add_words(prefix + "command", "", "", command, {command.size},
+              "of its chains of controllers, physical units (docs/control-modes.md)");
+  }
+
+  /// The inboard joint of a body; a base has `base` instead.
+  void add_joint(const std::string& prefix, int index) {
+    const WorldBody& body = world_.bodies[static_cast<std::size_t>(index)];
+    const Joint& joint = body.model->joint;
+    if (joint.type == JointType::kFree || joint.type == JointType::kWeld) return;
+    const JointText text = text_of(joint.type);
+    const int q = position_size(joint.type), u = velocity_size(joint.type);
+    const std::string path = prefix + "joints." + joint.name + ".";
+    add_words(path + "position", text.unit, "", {layout_.q.offset + body.q, q}, shape_of(q),
+              text.doc);
+    add_words(path + "velocity", text.velocity_unit, "", {layout_.u.offset + body.u, u},
+              shape_of(u), text.velocity_doc);
+  }
+
+  void add_contact(const std::string& prefix, int index) {
+    if (layout_.contacts.size == 0) return;
+    const WorldBody& body = world_.bodies[static_cast<std::size_t>(index)];
+    const int first = layout_.contacts.offset + SKYBODY_CONTACT_VALUES * index;
+    for (const Part& part : kContact) {
+      add_words(prefix + "links." + body.model->name + ".contact." + part.name, part.unit,
+                part.frame, {first + part.first, part.count}, shape_of(part.count), part.doc);
+    }
+  }
+
+  /// @param rotors  their place within the world's
+  void add_rotors(const std::string& path, Block rotors) {
+    const auto add = [&](const std::string& prefix, Block place, const std::vector<int>& shape) {
+      add_words(prefix + ".speed", "rad/s", "",
+                {layout_.rotor_speed.offset + place.offset, place.size}, shape, "0 or more");
+      add_words(prefix + ".command", "rad/s", "",
+                {layout_.rotor_command.offset + place.offset, place.size}, shape,
+                "held during the last physics step");
+    };
+    add(path, rotors, {rotors.size});
+    for (int k = 0; k < rotors.size; ++k) {
+      add(path + "[" + std::to_string(k) + "]", {rotors.offset + k, 1}, {});
+    }
+  }
+
+  void add_sensors() {
+    for (const PluginInstance& sensor : environment_.plugins(SKYBODY_SENSOR)) {
+      int word = layout_.sensors.offset + sensor.output;
+      for (const Channel& channel : sensor.channels) {
+        if (channel.is_image()) continue;
+        add_words("sensors." + sensor.name + "." + channel.name, channel.unit, "",
+                  {word, channel.count}, shape_of(channel.count), "as last sampled");
+        word += channel.count;
+      }
+    }
+  }
+
+  const Environment& environment_;
+  const World& world_;
+  const Layout& layout_;
+  std::vector<StateValue> values_;
+};
+
+}  // namespace
+
+std::vector<StateValue> list_state_values(const Environment& environment) {
+  return List(environment).all();
+}
+
+}  // namespace skybody

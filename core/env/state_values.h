@@ -1,0 +1,78 @@
+// The values of an environment's state that can be asked for by path: motion, rotors, sensors,
+// contacts, counters and EnvParams. This list is the only one: VecEnv, SimulationPool, Simulation,
+// Python and `skybody check --states` read through it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/env/state_group.h"
+
+namespace skybody {
+
+class Environment;
+
+/// What a state value is read from.
+enum class StateSource {
+  kReals,   ///< doubles of WorldState, one after the other
+  kHeader,  ///< a counter or status of the header, as a double
+  kTime,    ///< physics steps of the episode times dt
+  kBodies,  ///< a part of the BodyState of one body, or of several one after another
+  kLink,    ///< a part of the motion of a link, which lies in its body at `pose`
+};
+
+/// One value, or array of values, that every environment of a scenario has.
+struct StateValue {
+  std::string path;        ///< such as robots.quad.base.position
+  std::string unit;        ///< SI; empty for a pure number
+  const char* frame = "";  ///< W: world axes, B: axes of the body or link; empty: has none
+  std::vector<int> shape;  ///< of one environment; empty: a single number
+  const char* doc = "";    ///< one line
+
+  StateSource source = StateSource::kReals;
+  int first = 0;  ///< kReals, kHeader: word of WorldState; kBodies, kLink: world body index
+  int part = 0;   ///< kBodies, kLink: first of the 13 values of a BodyState
+  Pose pose;      ///< kLink: of the link in its body
+
+  /// Number of doubles for one environment.
+  int count() const {
+    int product = 1;
+    for (const int extent : shape) product *= extent;
+    return product;
+  }
+  /// Whether it follows from the bodies, which must then be current in the group.
+  bool needs_bodies() const {
+    return source == StateSource::kBodies || source == StateSource::kLink;
+  }
+};
+
+/// All values of one environment, found by path. Immutable.
+///
+/// A sensor's channel comes before an EnvParam of the same path, which then is left to param().
+class StateValues {
+ public:
+  explicit StateValues(const Environment& environment);
+
+  /// World first, then robots, sensors and EnvParams.
+  const std::vector<StateValue>& all() const { return values_; }
+  /// Does not allocate where there is such a value.
+  /// @throws Error with the nearest paths if there is none
+  const StateValue& at(std::string_view path) const;
+
+  /// Reads a value of one lane. With needs_bodies() the lane must be up to date
+  /// (Environment::update).
+  /// @param out  room for value.count() doubles
+  void read(const StateValue& value, const StateGroup& group, int lane, double* out) const;
+
+ private:
+  bool has_prefix(const std::string& prefix) const;
+  std::vector<std::string> words_after(const std::string& prefix) const;
+  [[noreturn]] void refuse(std::string_view path) const;
+
+  double dt_ = 0.0;
+  std::vector<StateValue> values_;
+  std::vector<int> by_path_;  ///< indices of values_ in the order of their paths
+};
+
+}  // namespace skybody

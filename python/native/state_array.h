@@ -1,0 +1,32 @@
+// Values of the state of many environments as arrays for Python.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/env/state_values.h"
+#include "python/native/arrays.h"
+#include "python/native/environment.h"
+#include "python/native/errors.h"
+
+namespace skybody::python {
+
+/// A fresh array (*rows, *shape of the value), float64.
+/// @param rows  {number of environments}, or {} for one alone
+/// @param fill  writes all values: called with a std::vector<double>&
+/// @throws ValueError naming the nearest paths if there is no such value
+template <class Fill>
+nb::object state_array(const LoadedEnvironment& environment, const std::string& path,
+                       std::vector<std::size_t> rows, Fill&& fill) {
+  const StateValue& value =
+      blame_argument([&]() -> const StateValue& { return environment->state_values().at(path); });
+  std::vector<std::size_t> shape = std::move(rows);
+  shape.insert(shape.end(), value.shape.begin(), value.shape.end());
+  std::size_t size = 1;
+  for (const std::size_t extent : shape) size *= extent;
+  std::vector<double> values(size);
+  fill(values);
+  return copy_of<double>(values, std::span<const std::size_t>(shape));
+}
+
+}  // namespace skybody::python
