@@ -31,6 +31,7 @@ sys.path.insert(0, str(ROOT / "tests/golden"))
 
 import golden  # noqa: E402
 from golden import ENVS, LEAST_STEPS, SEED, STEPS, Flight, FlightError  # noqa: E402
+from program import run_program  # noqa: E402
 
 REPORT = ROOT / "docs/results/determinism_matrix.md"
 FLIGHTS = {flight.name: flight for flight in golden.FLIGHTS}
@@ -281,4 +282,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

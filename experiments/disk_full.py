@@ -23,6 +23,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from program import run_program
+
 ROOT = Path(__file__).resolve().parent.parent
 DISK_BYTES = 64 << 20
 NOT_POSSIBLE = 3  # exit code
@@ -281,4 +283,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from program import run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 VEHICLES = ("qdrone2", "crazyflie", "hummingbird", "firefly")
@@ -128,4 +129,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

@@ -22,6 +22,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from policy_flight import PICTURE
+from program import run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 ON_TREE = ("stepping.dynamics=tree", "randomization=[]", "stepping.horizon=4000")
@@ -136,4 +137,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

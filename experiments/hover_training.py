@@ -30,8 +30,10 @@ import numpy as np
 import training_reproducibility
 from hover_report import draw, markdown
 from policy_flight import PICTURE, fly_policy
+from program import run_program
 from skybody import Environment
 from skybody.train.checkpoint import checkpoint_folders
+from skybody.train.run_folder import read_evaluation
 from training_runs import (
     ROOT,
     Run,
@@ -90,7 +92,8 @@ def evaluate(run: Run) -> None:
     """Flies every checkpoint that has not been, each in a new process."""
     for checkpoint in checkpoint_folders(run.folder):
         result = checkpoint / "evaluation.json"
-        if result.exists() and json.loads(result.read_text())["episodes"] == EPISODES:
+        found = read_evaluation(checkpoint)
+        if found is not None and found["episodes"] == EPISODES:
             continue
         command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
         command += ["--episodes", str(EPISODES), "--json", str(result)]
@@ -243,4 +246,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

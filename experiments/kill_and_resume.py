@@ -24,6 +24,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from program import run_program
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.run_folder import read_table
 from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
@@ -227,4 +228,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

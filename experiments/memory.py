@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 import skybody
 from numpy.typing import NDArray
+from program import run_program
 
 ENVS = 1024
 STEPS = 10_000_000
@@ -200,4 +201,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import paper_tables
+from program import run_program
 from throughput import (
     FULL,
     QUICK,
@@ -192,4 +193,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

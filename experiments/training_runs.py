@@ -18,6 +18,7 @@ from typing import Any
 from skybody import Environment
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.presets import preset, with_settings
+from skybody.train.run_folder import read_evaluation
 
 ROOT = Path(__file__).resolve().parent.parent
 INTERRUPTED = 130  # exit code of skybody.train after Ctrl-C
@@ -95,7 +96,7 @@ class Run:
         found = checkpoint_folders(self.folder)
         if not found or read_meta(found[-1])["steps"] < self.total_steps:
             return False
-        evaluated = all((folder / "evaluation.json").exists() for folder in found)
+        evaluated = all(read_evaluation(folder) is not None for folder in found)
         return evaluated or self.eval_episodes == 0
 
     def config(self) -> dict[str, Any]:
@@ -104,9 +105,9 @@ class Run:
         return made
 
     def evaluations(self) -> list[dict[str, Any]]:
-        """Of all checkpoints, oldest first."""
-        paths = [folder / "evaluation.json" for folder in checkpoint_folders(self.folder)]
-        return [json.loads(path.read_text()) for path in paths]
+        """Of all checkpoints that have one, oldest first."""
+        found = [read_evaluation(folder) for folder in checkpoint_folders(self.folder)]
+        return [row for row in found if row is not None]
 
     def train(self) -> None:
         """Begins it, or goes on with it, until its end. Raises RunError, KeyboardInterrupt."""

@@ -18,6 +18,9 @@ namespace {
 
 static_assert(kGroupLanes == SKYBODY_GROUP_LANES, "plugins are made for other groups");
 
+/// Physics steps over which a sensor that is called only when it is read is left out at most.
+constexpr std::int64_t kLongestLeftOut = 1024;
+
 }  // namespace
 
 void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
@@ -152,8 +155,10 @@ void Environment::process(StateGroup& group, GroupWork& work, const SkybodyLanes
   const double* action = has_own ? work.action.data() : view.action;
   call_plugin(
       task().kernels.process, task(), group, view,
-      [&] { return CallSizes{action_size(), layout().command.size, 0}; }, action,
-      group.writable(layout().command, view.active));
+      [&] {
+        return CallSizes{action_size(), layout().command.size, 0};
+      },
+      action, group.writable(layout().command, view.active));
 }
 
 /// The lanes in which a plugin that has a period is to be called before this physics step, or
@@ -195,7 +200,10 @@ void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes
     if (v.active != 0) {
       call_plugin(
           c.kernels.control, c, group, v,
-          [&] { return CallSizes{c.input_count(), c.output_count(), 0}; }, input, output);
+          [&] {
+            return CallSizes{c.input_count(), c.output_count(), 0};
+          },
+          input, output);
     }
     input = held != nullptr ? held : output;
     if (is_direct) continue;
@@ -232,11 +240,12 @@ void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
 }
 
 /// Sensors that are due after this physics step, each lane by its own count; but those that are
-/// called only when they are read not if they will be due once more before that.
+/// called only when they are read not if they will be due once more before that. A sensor may have
+/// to make up for what was left out, so that is not more than kLongestLeftOut steps.
 void Environment::sense(StateGroup& group, const SkybodyLanes& view,
                         std::int64_t steps_left) const {
   for (const PluginInstance& s : plugins_[SKYBODY_SENSOR]) {
-    if (s.is_only_when_read && std::max(s.period, 1) <= steps_left) continue;
+    if (s.is_only_when_read && std::max(s.period, 1) <= steps_left % kLongestLeftOut) continue;
     SkybodyLanes v = view;
     v.active = due(s, group, view.active);
     if (v.active != 0) sense(group, v, s);
@@ -250,7 +259,9 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& view,
   v.image_stride = 8 * image_words_;
   call_plugin(
       sensor.kernels.sense, sensor, group, v,
-      [&] { return CallSizes{0, sensor.channel_count(), 0}; },
+      [&] {
+        return CallSizes{0, sensor.channel_count(), 0};
+      },
       group.writable(layout().sensors, v.active) + sensor.output * group.lanes());
 }
 
@@ -264,7 +275,10 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLane
                               work.info.data(), wants_info ? 1u : 0u};
   call_plugin(
       task().kernels.evaluate, task(), group, view,
-      [&] { return CallSizes{0, task().channel_count(), value_count(task().infos)}; }, &out);
+      [&] {
+        return CallSizes{0, task().channel_count(), value_count(task().infos)};
+      },
+      &out);
   if (wants_info) write_reports(group, work);
   gather_observation(group, work);
 }
@@ -305,7 +319,10 @@ void Environment::goal(StateGroup& group, GroupWork& work, int lane,
   const SkybodyLanes v = view(group, work, 1u << lane);
   call_plugin(
       task().kernels.goal, task(), group, v,
-      [&] { return CallSizes{0, static_cast<int>(out.size()), 0}; }, values.data());
+      [&] {
+        return CallSizes{0, static_cast<int>(out.size()), 0};
+      },
+      values.data());
   for (std::size_t k = 0; k < out.size(); ++k) {
     out[k] = values[k * lanes + static_cast<std::size_t>(lane)];
   }

@@ -79,8 +79,10 @@ class Mapping {
 /// What this program was compiled for.
 #if defined(__x86_64__)
 constexpr std::uint16_t kOwnMachine = EM_X86_64;
+constexpr const char* kOwnMachineName = "x86-64";
 #elif defined(__aarch64__)
 constexpr std::uint16_t kOwnMachine = EM_AARCH64;
+constexpr const char* kOwnMachineName = "aarch64";
 #else
 #error "plugins of this processor have an ELF machine number that is missing here"
 #endif
@@ -96,8 +98,8 @@ class Elf {
     if (!same) {
       return "is built for another machine (ELF class " +
              std::to_string(header_.e_ident[EI_CLASS]) + ", machine " +
-             std::to_string(header_.e_machine) + "), this is machine " +
-             std::to_string(kOwnMachine) + ": build it here";
+             std::to_string(header_.e_machine) + "), this is " + kOwnMachineName +
+             ": build it here";
     }
     if (header_.e_type == ET_DYN) return {};
     return "is an ELF file of type " + std::to_string(header_.e_type) +

@@ -1,7 +1,12 @@
+#include <nanobind/stl/optional.h>
+
+#include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/model/fault_reason.h"
 #include "python/native/arrays.h"
 #include "python/native/batch.h"
 #include "python/native/bindings.h"
@@ -23,6 +28,16 @@ Array1<Element> values(nb::handle_t<ReceivedBatch> self) {
   const Batch& batch = *nb::cast<const ReceivedBatch&>(self).core;
   return Array1<Element>(memory<Element>(batch.*column), {static_cast<std::size_t>(batch.rows)},
                          self);
+}
+
+/// Nothing where no row is a fault, as nearly always.
+std::optional<std::vector<std::string>> fault_reasons(const ReceivedBatch& self) {
+  const Batch& batch = *self.core;
+  const auto count = static_cast<std::size_t>(batch.rows);
+  if (std::memchr(batch.fault.data(), 1, count) == nullptr) return std::nullopt;
+  std::vector<std::string> reasons;
+  for (std::size_t i = 0; i < count; ++i) reasons.push_back(fault_reason(batch.status[i]));
+  return reasons;
 }
 
 template <auto column, auto width>
@@ -107,6 +122,8 @@ void bind_flags(Class& c) {
                 "(n,) bool: horizon, task or fault ended the episode.");
   c.def_prop_ro("fault", &values<&Batch::fault, bool>,
                 "(n,) bool: a non-finite action or state ended the episode; do not bootstrap it.");
+  c.def_prop_ro("fault_reasons", &fault_reasons,
+                "Per row why it is a fault, \"\" where it is none; None where no row is one.");
   c.def_prop_ro("was_reset", &values<&Batch::was_reset, bool>,
                 "(n,) bool: the transition was a reset: no reward, the action was ignored.");
   c.def_prop_ro("status", &values<&Batch::status, std::uint64_t>,

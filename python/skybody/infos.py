@@ -7,18 +7,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._native import Environment
+from ._native import Batch, Environment
 
 RESERVED = (
     "env_id",
     "was_reset",
     "fault",
+    "fault_reason",
     "agent_reward",
     "privileged",
     "final_obs",
     "final_info",
     "terminal_observation",  # Stable-Baselines3's
 )
+
+
+def add_fault_reasons(infos: dict[str, Any], batch: Batch) -> None:
+    """`fault_reason`, text per row, only where some row is a fault; the mask is `fault`."""
+    reasons = batch.fault_reasons
+    if reasons is not None:
+        infos["fault_reason"] = np.array(reasons, dtype=object)
+        infos["_fault_reason"] = batch.fault
 
 
 class InfoChannels:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arguments import MOST_ENVS, Scenario, check_seed, env_ids, integer_within, load
-from .infos import InfoChannels
+from .infos import InfoChannels, add_fault_reasons
 from .observations import Observations
 from .pooled import PooledEnvironments, make_native
 
@@ -149,7 +149,8 @@ class Pool(PooledEnvironments):
               was sent had no effect;
             * `fault` (n,) bool: action, observation or reward was not finite, or the physics
               diverged (beyond 1e6 in SI units). The row is truncated; its value must not be
-              bootstrapped;
+              bootstrapped. Where some row is one, `fault_reason` (n,) has the reasons as texts, and
+              `_fault_reason` is `fault`;
             * `agent_reward` (n, agents) float32;
             * one entry per info value of the task, (n,) or (n, count) float32;
             * with privileged columns `privileged` (n, privileged_size) float32, for a critic only;
@@ -167,6 +168,7 @@ class Pool(PooledEnvironments):
             "fault": batch.fault,
             "agent_reward": batch.agent_reward,
         }
+        add_fault_reasons(info, batch)
         info.update(self._channels.columns(batch.info, batch.privileged))
         if self._same_step:
             info["final_obs"] = self._observations.final_of(batch)

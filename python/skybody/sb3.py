@@ -142,6 +142,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         terminated, fault = batch.terminated, batch.fault
         final, final_info = self._observations.final_of(batch), batch.final_info
         final_privileged = batch.final_privileged
+        reasons = batch.fault_reasons
         for i in np.flatnonzero(dones).tolist():
             infos[i] = {
                 **self._channels.of_row(final_info[i], final_privileged[i]),
@@ -149,6 +150,8 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
                 "TimeLimit.truncated": not (terminated[i] or fault[i]),
                 "fault": bool(fault[i]),
             }
+            if reasons is not None and fault[i]:
+                infos[i]["fault_reason"] = reasons[i]
 
     @property
     def last_info(self) -> dict[str, NDArray[np.float32]]:

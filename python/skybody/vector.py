@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import _native, spaces
 from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, load, shape_error
-from .infos import InfoChannels
+from .infos import InfoChannels, add_fault_reasons
 from .observations import Observations, row_of
 from .pool import Autoreset, Order
 from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
@@ -240,6 +240,7 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
     def _infos(self, batch: _native.Batch) -> dict[str, Any]:
         infos: dict[str, Any] = self._channels.masked(batch.info, batch.privileged, self._all)
         infos["fault"], infos["_fault"] = batch.fault, self._all
+        add_fault_reasons(infos, batch)
         if self._team:
             infos["agent_reward"], infos["_agent_reward"] = batch.agent_reward, self._all
         return infos

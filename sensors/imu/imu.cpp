@@ -70,6 +70,9 @@ class Imu : public Sensor {
  private:
   static constexpr std::uint64_t kSampleDraws = 0, kStartDraws = 1, kWalkDraws = 2;
   static constexpr int kSize = 6;
+  /// Physics steps over which the engine leaves out calls at most. A state that was restored may
+  /// say anything.
+  static constexpr double kLongestLeftOut = 1024.0;
 
   /// Standard normals, in a loop: the code of one draw is large.
   template <class Real, int N>
@@ -125,7 +128,9 @@ class Imu : public Sensor {
       return;
     }
     const double period = static_cast<double>(period_.value());
-    Real sample = (floor(state.walked / period) + 1.0) * period;
+    const Real longest_ago = now - (kLongestLeftOut + period);
+    const Real walked = select(state.walked >= longest_ago, state.walked, longest_ago);
+    Real sample = (floor(walked / period) + 1.0) * period;
     for (; any(logical_and(sample <= now, env.served())); sample += period) {
       Real draws[6];
       fill_normal(random_at(env, to_word(sample), kWalkDraws), draws);

@@ -267,6 +267,8 @@ def test_a_nan_action_faults_its_environment_and_the_others_go_on():
     np.testing.assert_array_equal(observations[others], expected[0][others])
     np.testing.assert_array_equal(rewards[others], expected[1][others])
     np.testing.assert_array_equal(infos["fault"], ~others)
+    assert set(infos["fault_reason"][~others]) == {"the action was not finite"}
+    assert set(infos["fault_reason"][others]) == {""}
     np.testing.assert_array_equal(truncations, ~others)
     assert not terminations.any()
     assert np.isfinite(observations).all()

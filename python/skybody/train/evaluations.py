@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import IO
 
 from skybody.train.checkpoint import checkpoint_folders
+from skybody.train.run_folder import read_evaluation
 
 
 class Evaluations:
@@ -29,7 +30,7 @@ class Evaluations:
 
     def add(self, checkpoint: Path) -> None:
         """Evaluates a checkpoint as soon as those before it are done."""
-        if self._episodes > 0 and not (checkpoint / "evaluation.json").exists():
+        if self._episodes > 0 and read_evaluation(checkpoint) is None:
             self._waiting.append(checkpoint)
         self.poll()
 

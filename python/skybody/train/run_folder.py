@@ -107,10 +107,20 @@ class ProgressTable:
             file.write(_csv(self._columns, [row], header))
 
 
+def read_evaluation(checkpoint: Path) -> dict[str, Any] | None:
+    """The evaluation beside a checkpoint; None where there is none, or where it was cut short."""
+    try:
+        row = json.loads((checkpoint / "evaluation.json").read_text())
+    except (FileNotFoundError, ValueError):
+        return None
+    is_whole = isinstance(row, dict) and {"steps", "episodes"} <= set(row)
+    return row if is_whole else None
+
+
 def write_evaluations(run: Path) -> list[dict[str, Any]]:
     """evaluation.csv from the evaluations beside the checkpoints; returns its rows."""
-    paths = [folder / "evaluation.json" for folder in checkpoint_folders(run)]
-    rows = [json.loads(path.read_text()) for path in paths if path.exists()]
+    found = [read_evaluation(folder) for folder in checkpoint_folders(run)]
+    rows = [row for row in found if row is not None]
     if rows:
         files.write_file(run / "evaluation.csv", _csv(list(EVALUATION_COLUMNS), rows, header=True))
     return rows

@@ -21,7 +21,7 @@ const char* const kModel = R"(<robot name="r">
   <link name="arm"><inertial><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
   <link name="mount"/>
   <joint name="tilt" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
-    <limit lower="-1" upper="1" effort="1" velocity="1"/><dynamics damping="0.25"/></joint>
+    <limit lower="-1" upper="1" effort="0" velocity="0"/><dynamics damping="0.25"/></joint>
   <joint name="fix" type="fixed"><origin xyz="0 0 1" rpy="1.5707963267948966 0 0"/><parent link="arm"/><child link="mount"/></joint>
 </robot>)";
 
