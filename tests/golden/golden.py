@@ -8,8 +8,10 @@ and each dynamics that its world can have with each fixed-step integrator. Each 
 `words` is the trajectory hash over all words of state, `motion` covers q, u, rotor speeds,
 observation, reward and status alone (`skybody hash --motion`). A version that keeps other words
 moves the first, one that moves the vehicle otherwise moves both. Every way is flown on each
-instruction set that the processor has, and all must give the same. Exit status 0: as pinned, 1:
-some moved, 2: a process failed.
+instruction set that the processor has, and all must give the same.
+
+`tests/golden/trees.txt` (`--flights trees`) pins random worlds on the tree engine, one hash each
+(`tests/portable/tree_flights.cpp`). Exit status 0: as pinned, 1: some moved, 2: a process failed.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = Path(__file__).resolve().parent
 PROGRAM = ROOT / "build/release/bin/skybody"
+TREES = FOLDER / "trees.txt"
 SEED = 7
 ENVS = 12
 STEPS = 250  # of one environment with one robot
@@ -117,21 +120,26 @@ def can_fly(program: Path, flight: Flight, options: list[str]) -> bool:
     return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-def fly(program: Path, flight: Flight, way: list[str], instruction_set: str) -> Hashes:
-    """The two hashes of one way, from a process of its own."""
-    command = [str(program), "hash", "--motion", *flight.options(), *way]
+def output_of(command: list[str], instruction_set: str) -> str:
+    """What a process prints. Raises FlightError where it fails."""
     environment = {**os.environ, "SKYBODY_ISA": instruction_set}
     try:
         done = subprocess.run(
             command, capture_output=True, text=True, check=False, timeout=TIMEOUT, env=environment
         )
     except OSError as error:
-        raise FlightError(f"{program}: {error.strerror}; build it, or give --program") from None
+        raise FlightError(f"{command[0]}: {error.strerror}; build it, or give --program") from None
     except subprocess.TimeoutExpired:
         raise FlightError(f"{' '.join(command)}: no result after {TIMEOUT:g} s") from None
     if done.returncode != 0:
         raise FlightError(f"{' '.join(command)}: exit status {done.returncode}\n{done.stderr}")
-    words, motion = done.stdout.split()
+    return done.stdout
+
+
+def fly(program: Path, flight: Flight, way: list[str], instruction_set: str) -> Hashes:
+    """The two hashes of one way, from a process of its own."""
+    command = [str(program), "hash", "--motion", *flight.options(), *way]
+    words, motion = output_of(command, instruction_set).split()
     return {"words": words, "motion": motion}
 
 
@@ -157,6 +165,16 @@ def fly_all(program: Path, flight: Flight) -> dict[str, Hashes]:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         flown = pool.map(lambda way: fly_way(program, flight, way), options.values())
         return dict(zip(options, flown, strict=True))
+
+
+def fly_trees(program: Path) -> str:
+    """The lines of all random worlds. Raises FlightError where instruction sets do not agree."""
+    found = {isa: output_of([str(program)], isa) for isa in instruction_sets()}
+    first = next(iter(found.values()))
+    for isa, lines in found.items():
+        if lines != first:
+            raise FlightError("\n".join([f"{program.name}, {isa}:", *lines_moved(first, lines)]))
+    return first
 
 
 # --- files --------------------------------------------------------------------------------------
@@ -204,12 +222,31 @@ def moves(flight: Flight, flown: dict[str, Hashes]) -> list[str]:
     return lines
 
 
+def lines_moved(before: str, after: str) -> list[str]:
+    """One line for each random world whose hash is not as before."""
+    old, new = (dict(line.split() for line in text.splitlines()) for text in (before, after))
+    return [
+        f"trees, {world}: {old.get(world, 'not pinned')} -> {new.get(world, 'no longer flown')}"
+        for world in {**old, **new}
+        if old.get(world) != new.get(world)
+    ]
+
+
+def compare_trees(program: Path, *, rewrite: bool) -> list[str]:
+    """The random worlds that moved; with `rewrite` they are pinned."""
+    lines = fly_trees(program)
+    moved = lines_moved(TREES.read_text() if TREES.is_file() else "", lines)
+    if rewrite:
+        TREES.write_text(lines)
+    return moved
+
+
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values, checked."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    names = [flight.name for flight in FLIGHTS]
+    names = [*(flight.name for flight in FLIGHTS), TREES.stem]
     parser.add_argument("--flights", nargs="+", metavar="NAME", help="default: all")
     parser.add_argument("--program", type=Path, default=PROGRAM, help="skybody")
     parser.add_argument("--write", action="store_true", help="rewrite the files")
@@ -231,6 +268,9 @@ def main(arguments: list[str] | None = None) -> int:
             moved += moves(flight, flown)
             if options.write:
                 write(flight, flown)
+        if TREES.stem in options.flights:
+            program = options.program.with_name("tree_flights")
+            moved += compare_trees(program, rewrite=options.write)
     except FlightError as error:
         print(f"golden: {error}", file=sys.stderr)
         return 2

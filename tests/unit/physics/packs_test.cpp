@@ -6,80 +6,11 @@
 #include <string>
 
 #include "core/base/isa.h"
-#include "core/physics/world/lane_values.h"
-#include "tests/unit/physics/random_trees.h"
+#include "tests/unit/physics/random_worlds.h"
 #include "tests/unit/physics/two_ways.h"
 
 namespace skybody::test {
 namespace {
-
-constexpr std::uint32_t kAll = ~0u >> (32 - kGroupLanes);
-constexpr std::uint32_t kSome = 0x6bff4f6b;  // now and then a part only
-
-/// With joints that are sprung and limited, and rotors with every effect on two of the bodies.
-RobotModel busy(RobotModel model, Random<double>& random) {
-  for (Body& body : model.bodies) {
-    if (random.uniform() < 0.5) body.collisions.push_back(make_box(0.2, 0.1, 0.15));
-    if (body.joint.parent < 0 || random.uniform() < 0.5) continue;
-    body.joint.constants[kJointDamping] = 0.01;
-    body.joint.constants[kJointStiffness] = 2.0;
-    body.joint.limit = {true, -0.2, 0.2};
-    body.joint.constants[kLimitStiffness] = 50.0;
-    body.joint.constants[kLimitDamping] = 0.1;
-  }
-  for (int i = 0; i < 4; ++i) {
-    Rotor rotor;
-    rotor.name = "rotor_" + std::to_string(i);
-    rotor.body = random.uniform() < 0.7 ? 0 : static_cast<int>(model.bodies.size()) - 1;
-    rotor.position = in_cube(random, 0.2);
-    rotor.axis = random.uniform() < 0.5 ? Vec3<double>{0, 0, 1}
-                                        : rotate(random.quaternion(), Vec3<double>{0, 0, 1});
-    rotor.direction = i % 2 == 0 ? 1 : -1;
-    rotor.constants[kThrustConstant] = 2e-6;
-    rotor.constants[kMomentConstant] = 3e-8;
-    rotor.constants[kDragConstant] = random.uniform() < 0.5 ? 2e-5 : 0.0;
-    rotor.constants[kRollingMomentConstant] = random.uniform() < 0.5 ? 1e-6 : 0.0;
-    rotor.constants[kRotorInertia] = random.uniform() < 0.5 ? 5e-6 : 0.0;
-    rotor.constants[kMaxSpeed] = 2200.0;
-    rotor.constants[kTauUp] = random.uniform() < 0.2 ? 0.0 : 0.0125;
-    rotor.constants[kTauDown] = 0.025;
-    model.rotors.push_back(rotor);
-  }
-  return model;
-}
-
-LaneState random_lane(Random<double>& random, const World& world, bool drawn) {
-  LaneState state;
-  write_default_state(world, state);
-  state.params = nominal_params(world);
-  random_state(random, world, state.q, state.u);
-  if (world.bodies[0].model->joint.type == JointType::kFree) {
-    state.q[2] = random.uniform(-0.05, 1.0);  // some touch the ground
-  }
-  for (double& w : state.rotor_speed) w = random.uniform(0.0, 1500.0);
-  for (double& w : state.rotor_command) w = random.uniform(-100.0, 3000.0);
-  for (double& f : state.wrench) f = random.uniform(-1.0, 1.0);
-  for (double& r : state.joint_command) r = random.uniform(-1.0, 1.0);
-  for (double& r : state.joint_state) r = random.uniform(-1.0, 1.0);
-  for (double& v : state.held[SKYBODY_HELD_WIND]) v = random.uniform(-5.0, 5.0);
-  for (double& f : state.held[SKYBODY_HELD_WRENCH]) f = max(0.0, random.uniform(-1.0, 1.0));
-  for (double& c : state.held[SKYBODY_HELD_BODY_DRAG]) c = max(0.0, random.uniform(-0.05, 0.05));
-  for (double& g : state.held[SKYBODY_HELD_ROTOR_GAIN]) g = random.uniform(0.0, 2.0);
-  for (double& w : state.held[SKYBODY_HELD_ROTOR_LIMIT]) w += random.uniform(0.0, 300.0);
-  for (double& r : state.held[SKYBODY_HELD_ROTOR_RATE]) {
-    if (random.uniform() < 0.5) r = random.uniform(-4000.0, 4000.0);
-  }
-  if (!drawn) return state;
-  for (double& p : state.params) p *= random.uniform(0.95, 1.05);
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {  // some are 0
-    const int count = joint_constant_count(world.bodies[i].model->joint);
-    for (int k = 0; k < count; ++k) {
-      state.params[static_cast<std::size_t>(world.layout.joint_params[i] + k)] +=
-          max(0.0, random.uniform(-0.5, 0.5));
-    }
-  }
-  return state;
-}
 
 class Packs : public testing::TestWithParam<Isa> {
  protected:
@@ -108,10 +39,10 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOne) {
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       ways.set(lane, random_lane(random, world, k % 2 == 0 && lane % 3 != 0));
     }
-    ways.refresh(kAll);
-    std::uint32_t lanes = kAll;
+    ways.refresh(kAllLanes);
+    std::uint32_t lanes = kAllLanes;
     for (int step = 0; step < 20; ++step) {
-      const std::uint32_t some = step % 5 == 4 ? lanes & kSome : lanes;
+      const std::uint32_t some = step % 5 == 4 ? lanes & kSomeLanes : lanes;
       const std::uint32_t through =
           ways.advance(some, "tree " + std::to_string(k) + ", step " + std::to_string(step));
       if (testing::Test::HasFatalFailure()) return;
@@ -135,31 +66,16 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithHeldInputs) {
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       ways.set(lane, random_lane(random, world, k % 4 < 2 && lane % 3 != 0));
     }
-    ways.refresh(kAll);
-    std::uint32_t lanes = kAll;
+    ways.refresh(kAllLanes);
+    std::uint32_t lanes = kAllLanes;
     for (int step = 0; step < 10; ++step) {
-      const std::uint32_t some = step % 5 == 4 ? lanes & kSome : lanes;
+      const std::uint32_t some = step % 5 == 4 ? lanes & kSomeLanes : lanes;
       const std::uint32_t through =
           ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
       if (testing::Test::HasFatalFailure()) return;
       lanes &= ~(some & ~through);
     }
   }
-}
-
-/// A drive in every joint that may have one, of any mode.
-std::vector<JointDrive> drives_for(Random<double>& random, const Topology& world) {
-  std::vector<JointDrive> drives;
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    const JointType type = world.bodies[i].model->joint.type;
-    if (type == JointType::kBall || type == JointType::kFree) continue;
-    for (int k = 0; k < velocity_size(type); ++k) {
-      const auto mode = static_cast<JointMode>(static_cast<int>(random.uniform() * 3.0));
-      drives.push_back({static_cast<int>(i), k, mode, random.uniform(), random.uniform(),
-                        random.uniform(), random.uniform() < 0.5 ? 0.0 : 0.01});
-    }
-  }
-  return drives;
 }
 
 TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithJointDrives) {
@@ -175,8 +91,8 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithJointDrives) {
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       ways.set(lane, random_lane(random, world, k % 2 == 0 && lane % 3 != 0));
     }
-    ways.refresh(kAll);
-    std::uint32_t lanes = kAll;
+    ways.refresh(kAllLanes);
+    std::uint32_t lanes = kAllLanes;
     for (int step = 0; step < 10; ++step) {
       lanes = ways.advance(lanes, "tree " + std::to_string(k) + ", step " + std::to_string(step));
       if (testing::Test::HasFatalFailure()) return;
@@ -195,8 +111,8 @@ TEST_P(Packs, LeaveALaneThatFailsAsItWasAndTheOthersGoOn) {
   LaneState weightless = random_lane(random, world, false);
   weightless.params[static_cast<std::size_t>(world.layout.body_params[0]) + kMass] = -1.0;
   ways.set(21, weightless);
-  ways.refresh(kAll);
-  EXPECT_EQ(ways.advance(kAll, "both"), kAll & ~(1u << 2 | 1u << 21));
+  ways.refresh(kAllLanes);
+  EXPECT_EQ(ways.advance(kAllLanes, "both"), kAllLanes & ~(1u << 2 | 1u << 21));
   weightless.params = nominal_params(world);  // and comes back
   ways.set(21, weightless);
   ways.refresh(1u << 21);
@@ -208,20 +124,20 @@ void expect_same_bits_shared_or_not(const World& world, Random<double>& random) 
   TwoWays ways(world);
   const LaneState state = random_lane(random, world, false);
   for (int lane = 0; lane < kGroupLanes; ++lane) ways.set(lane, state);
-  ways.refresh(kAll);
-  for (int step = 0; step < 5; ++step) ways.advance(kAll, "shared");
+  ways.refresh(kAllLanes);
+  for (int step = 0; step < 5; ++step) ways.advance(kAllLanes, "shared");
   ways.set(7, random_lane(random, world, true));
   ways.refresh(1u << 7);
-  for (int step = 0; step < 5; ++step) ways.advance(kAll, "one drawn");
+  for (int step = 0; step < 5; ++step) ways.advance(kAllLanes, "one drawn");
   LaneState aside = random_lane(random, world, true);  // its centre of mass is off the z axis
   aside.params[static_cast<std::size_t>(world.layout.body_params[0]) + kCom] += 0.01;
   ways.set(12, aside);
   ways.refresh(1u << 12);
-  for (int step = 0; step < 5; ++step) ways.advance(kAll, "one off the axis");
+  for (int step = 0; step < 5; ++step) ways.advance(kAllLanes, "one off the axis");
   ways.set(7, state);
   ways.set(12, state);
   ways.refresh(1u << 7 | 1u << 12);
-  for (int step = 0; step < 5; ++step) ways.advance(kAll, "shared again");
+  for (int step = 0; step < 5; ++step) ways.advance(kAllLanes, "shared again");
 }
 
 TEST_P(Packs, HaveTheSameBitsWhetherALaneSharesItsConstantsOrNot) {
@@ -231,22 +147,6 @@ TEST_P(Packs, HaveTheSameBitsWhetherALaneSharesItsConstantsOrNot) {
     const World world(make_scenario(is_busy ? busy(vehicle, random) : vehicle));
     expect_same_bits_shared_or_not(world, random);
   }
-}
-
-/// Two or three robots, now and then beside an obstacle.
-Scenario several(Random<double>& random, IntegratorChoice integrator) {
-  Scenario scenario = make_scenario(busy(random_tree(random), random), integrator);
-  scenario.robots.push_back(scenario.robots[0]);
-  scenario.robots.push_back(scenario.robots[0]);
-  scenario.robots[1].model = busy(make_vehicle(qdrone2()), random);
-  scenario.robots[1].name = "s";
-  scenario.robots[2].model = make_vehicle(crazyflie());
-  scenario.robots[2].name = "t";
-  if (random.uniform() < 0.5) scenario.robots.pop_back();
-  if (random.uniform() < 0.5) return scenario;
-  scenario.obstacles.push_back({"wall", make_box(0.5, 3.0, 3.0)});
-  scenario.obstacles[0].shape.pose.position = {4.0, 0.0, 0.0};
-  return scenario;
 }
 
 /// Free bases somewhere near x = 2 k, or in one lane of three crowded together.
@@ -270,10 +170,10 @@ TEST_P(Packs, HandLanesOverToSimbodyEachForItself) {
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       ways.set(lane, scattered_lane(random, world, k % 2 == 0 && lane % 3 != 0, lane % 3 == 1));
     }
-    ways.refresh(kAll);
-    std::uint32_t lanes = kAll, before = 0;
+    ways.refresh(kAllLanes);
+    std::uint32_t lanes = kAllLanes, before = 0;
     for (int step = 0; step < 40; ++step) {
-      const std::uint32_t some = step % 5 == 4 ? lanes & kSome : lanes;
+      const std::uint32_t some = step % 5 == 4 ? lanes & kSomeLanes : lanes;
       const std::uint32_t through =
           ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
       if (testing::Test::HasFatalFailure()) return;
@@ -305,12 +205,12 @@ TEST_P(Packs, LeaveTheOthersAloneWhereOneFailsOnSimbody) {
     }
     ways.set(lane, state);
   }
-  ways.refresh(kAll);
-  EXPECT_EQ(ways.advance(kAll, "two fail"), kAll & ~(1u << 2 | 1u << 4));
+  ways.refresh(kAllLanes);
+  EXPECT_EQ(ways.advance(kAllLanes, "two fail"), kAllLanes & ~(1u << 2 | 1u << 4));
   EXPECT_EQ(ways.packs.stepper->on_simbody(), 0x55555555u);
   EXPECT_EQ(ways.packs.stepper->counts().simbody, 16u);
   EXPECT_EQ(ways.packs.stepper->counts().tree, 16u);
-  ways.advance(kAll & ~(1u << 2 | 1u << 4), "and the others go on");
+  ways.advance(kAllLanes & ~(1u << 2 | 1u << 4), "and the others go on");
 }
 
 INSTANTIATE_TEST_SUITE_P(Isas, Packs, testing::ValuesIn(kIsas),

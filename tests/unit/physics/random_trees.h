@@ -18,12 +18,17 @@ inline Vec3<double> in_cube(Random<double>& random, double half_edge) {
   return {x, y, z};
 }
 
+/// Between two values, evenly by the logarithm. Without libm, whose last bits differ by machine.
+inline double log_uniform(Random<double>& random, double low, double high) {
+  return low * exp(random.uniform() * log(high / low));
+}
+
 /// From 10 g in 2 cm to 50 kg in 1 m; flat, long and compact ones, on turned axes, the centre of
 /// mass anywhere within the body's size.
 inline MassProperties random_mass(Random<double>& random) {
-  const double size = 0.02 * std::pow(50.0, random.uniform());
+  const double size = log_uniform(random, 0.02, 1.0);
   MassProperties mass;
-  mass.mass = 0.01 * std::pow(5000.0, random.uniform());
+  mass.mass = log_uniform(random, 0.01, 50.0);
   mass.com = in_cube(random, size);
   const double scale = mass.mass * size * size;
   const auto spread = [&] { return scale * random.uniform(0.02, 0.3); };  // integrals of x^2 dm

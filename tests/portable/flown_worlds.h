@@ -1,0 +1,23 @@
+// The random worlds that tree_flights flies: each part of the tree engine is in some of them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/physics/world/lane_state.h"
+#include "core/physics/world/world.h"
+
+namespace skybody::test {
+
+/// A world, and the values that the lanes of a group begin with.
+struct FlownWorld {
+  std::string name;
+  std::unique_ptr<const World> world;
+  std::vector<LaneState> lanes;
+};
+
+/// The same worlds at every call.
+std::vector<FlownWorld> make_flown_worlds();
+
+}  // namespace skybody::test
