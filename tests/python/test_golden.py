@@ -51,3 +51,16 @@ def test_a_hash_that_moved_is_named_with_its_way(tmp_path: Path):
     done = golden(root / "golden.py", "--flights", "hover", "--program", str(program))
     assert done.stdout == f"hover, tree, rk4: motion 00000000deadbeef -> {before}\n"
     assert done.returncode == 1
+
+
+def test_a_random_world_that_moved_is_named(tmp_path: Path):
+    root = tmp_path / "tests/golden"
+    root.mkdir(parents=True)
+    shutil.copy(SCRIPT, root)
+    pinned = (FOLDER / "trees.txt").read_text()
+    before = next(line for line in pinned.splitlines() if line.startswith("tree_3 ")).split()[1]
+    (root / "trees.txt").write_text(pinned.replace(before, "00000000deadbeef"))
+    program = FOLDER.parents[1] / "build/release/bin/skybody"
+    done = golden(root / "golden.py", "--flights", "trees", "--program", str(program))
+    assert done.stdout == f"trees, tree_3: 00000000deadbeef -> {before}\n"
+    assert done.returncode == 1
