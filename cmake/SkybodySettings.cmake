@@ -2,6 +2,10 @@
 
 include(GNUInstallDirs)
 
+option(SKYBODY_PORTABLE "Kernels for the compiler's own instruction set alone, as on processors other than x86-64" OFF)
+option(SKYBODY_CCACHE "Compile through ccache where it is found" ON)
+set(SKYBODY_SANITIZE "" CACHE STRING "Sanitizers: 'address,undefined', 'thread' or empty")
+
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()
