@@ -1,4 +1,6 @@
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <cstring>
 #include <optional>
@@ -31,12 +33,14 @@ Array1<Element> values(nb::handle_t<ReceivedBatch> self) {
 }
 
 /// Nothing where no row is a fault, as nearly always.
-std::optional<std::vector<std::string>> fault_reasons(const ReceivedBatch& self) {
+std::optional<std::vector<std::optional<std::string>>> fault_reasons(const ReceivedBatch& self) {
   const Batch& batch = *self.core;
   const auto count = static_cast<std::size_t>(batch.rows);
   if (std::memchr(batch.fault.data(), 1, count) == nullptr) return std::nullopt;
-  std::vector<std::string> reasons;
-  for (std::size_t i = 0; i < count; ++i) reasons.push_back(fault_reason(batch.status[i]));
+  std::vector<std::optional<std::string>> reasons(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (batch.fault[i] != 0) reasons[i] = fault_reason(batch.status[i]);
+  }
   return reasons;
 }
 
@@ -123,7 +127,7 @@ void bind_flags(Class& c) {
   c.def_prop_ro("fault", &values<&Batch::fault, bool>,
                 "(n,) bool: a non-finite action or state ended the episode; do not bootstrap it.");
   c.def_prop_ro("fault_reasons", &fault_reasons,
-                "Per row why it is a fault, \"\" where it is none; None where no row is one.");
+                "Per row why it is a fault, None where it is none; None where no row is one.");
   c.def_prop_ro("was_reset", &values<&Batch::was_reset, bool>,
                 "(n,) bool: the transition was a reset: no reward, the action was ignored.");
   c.def_prop_ro("status", &values<&Batch::status, std::uint64_t>,

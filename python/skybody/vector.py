@@ -280,6 +280,10 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
 
         infos: dict[str, Any] = self._channels.masked(scattered(info), scattered(privileged), mask)
         infos["fault"], infos["_fault"] = scattered(batch.fault), mask
+        if (reasons := batch.fault_reasons) is not None and infos["fault"].any():
+            infos["fault_reason"] = np.full(self.num_envs, None, dtype=object)
+            infos["fault_reason"][envs] = np.array(reasons, dtype=object)[rows]
+            infos["_fault_reason"] = infos["fault"]
         if self._team:
             infos["agent_reward"], infos["_agent_reward"] = scattered(batch.agent_reward), mask
         return infos
