@@ -76,6 +76,7 @@ void bind_policy(nb::module_& m) {
       "The first 512 bytes of a policy.h5 whose other bytes are `content`. docs/policies.md says "
       "what they hold.");
   m.def("read_policy_file", &read_policy_file, nb::arg("path"),
+        nb::sig("def read_policy_file(path: str) -> dict[str, typing.Any]"),
         "What a policy.h5 holds, by the rules of `skybody run --policy`: sizes fit together and "
         "every number is finite. `layers` are (weight, bias, activation); `mean` and `scale` are "
         "empty without a normalization. Error, which names the file, for any other file.");
