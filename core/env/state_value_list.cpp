@@ -79,9 +79,15 @@ class List {
   }
 
  private:
+  /// Leaves out what this scenario does not keep.
+  void add_words_if_any(std::string path, std::string unit, const char* frame, Block block,
+                        std::vector<int> shape, const char* doc) {
+    if (block.size == 0) return;
+    add_words(std::move(path), std::move(unit), frame, block, std::move(shape), doc);
+  }
+
   void add_words(std::string path, std::string unit, const char* frame, Block block,
                  std::vector<int> shape, const char* doc) {
-    if (block.size == 0) return;
     StateValue& value = values_.emplace_back();
     value.path = std::move(path);
     value.unit = std::move(unit);
@@ -119,8 +125,10 @@ class List {
     add_header("episode", "", StateSource::kHeader, kEpisode, "resets so far");
     add_header("steps", "", StateSource::kHeader, kStep, "actions taken in this episode");
     add_header("physics_steps", "", StateSource::kHeader, kPhysicsStep, "taken in this episode");
-    add_header("status", "", StateSource::kHeader, kStatus,
-               "bits of the last transition: 1 terminated, 2 truncated, 4 fault");
+    add_header(
+        "status", "", StateSource::kHeader, kStatus,
+        "bits of the last transition: 1 terminated, 2 truncated, 4 fault, with a fault also 8 bad "
+        "action, 16 bad state, 32 bad outcome");
     add_motion("bodies", 0, static_cast<int>(world_.bodies.size()), {});
     add_block("q", "", layout_.q, "coordinates of all joints, bases included");
     add_block("u", "", layout_.u, "their velocities");
@@ -149,8 +157,8 @@ class List {
     }
     add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count});
     const Block command = environment_.commands_of(robot);
-    add_words(prefix + "command", "", "", command, {command.size},
-              "of its chains of controllers, physical units (docs/control-modes.md)");
+    add_words_if_any(prefix + "command", "", "", command, {command.size},
+                     "of its chains of controllers, physical units (docs/control-modes.md)");
   }
 
   /// The inboard joint of a body; a base has `base` instead.
@@ -161,10 +169,10 @@ class List {
     const JointText text = text_of(joint.type);
     const int q = position_size(joint.type), u = velocity_size(joint.type);
     const std::string path = prefix + "joints." + joint.name + ".";
-    add_words(path + "position", text.unit, "", {layout_.q.offset + body.q, q}, shape_of(q),
-              text.doc);
-    add_words(path + "velocity", text.velocity_unit, "", {layout_.u.offset + body.u, u},
-              shape_of(u), text.velocity_doc);
+    add_words_if_any(path + "position", text.unit, "", {layout_.q.offset + body.q, q}, shape_of(q),
+                     text.doc);
+    add_words_if_any(path + "velocity", text.velocity_unit, "", {layout_.u.offset + body.u, u},
+                     shape_of(u), text.velocity_doc);
   }
 
   void add_contact(const std::string& prefix, int index) {
@@ -172,19 +180,20 @@ class List {
     const WorldBody& body = world_.bodies[static_cast<std::size_t>(index)];
     const int first = layout_.contacts.offset + SKYBODY_CONTACT_VALUES * index;
     for (const Part& part : kContact) {
-      add_words(prefix + "links." + body.model->name + ".contact." + part.name, part.unit,
-                part.frame, {first + part.first, part.count}, shape_of(part.count), part.doc);
+      add_words_if_any(prefix + "links." + body.model->name + ".contact." + part.name, part.unit,
+                       part.frame, {first + part.first, part.count}, shape_of(part.count),
+                       part.doc);
     }
   }
 
   /// @param rotors  their place within the world's
   void add_rotors(const std::string& path, Block rotors) {
     const auto add = [&](const std::string& prefix, Block place, const std::vector<int>& shape) {
-      add_words(prefix + ".speed", "rad/s", "",
-                {layout_.rotor_speed.offset + place.offset, place.size}, shape, "0 or more");
-      add_words(prefix + ".command", "rad/s", "",
-                {layout_.rotor_command.offset + place.offset, place.size}, shape,
-                "held during the last physics step");
+      add_words_if_any(prefix + ".speed", "rad/s", "",
+                       {layout_.rotor_speed.offset + place.offset, place.size}, shape, "0 or more");
+      add_words_if_any(prefix + ".command", "rad/s", "",
+                       {layout_.rotor_command.offset + place.offset, place.size}, shape,
+                       "held during the last physics step");
     };
     add(path, rotors, {rotors.size});
     for (int k = 0; k < rotors.size; ++k) {
@@ -197,8 +206,8 @@ class List {
       int word = layout_.sensors.offset + sensor.output;
       for (const Channel& channel : sensor.channels) {
         if (channel.is_image()) continue;
-        add_words("sensors." + sensor.name + "." + channel.name, channel.unit, "",
-                  {word, channel.count}, shape_of(channel.count), "as last sampled");
+        add_words_if_any("sensors." + sensor.name + "." + channel.name, channel.unit, "",
+                         {word, channel.count}, shape_of(channel.count), "as last sampled");
         word += channel.count;
       }
     }

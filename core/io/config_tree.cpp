@@ -77,10 +77,8 @@ const std::string& name_of(const ConfigNode& item) {
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
                          const SourceMark& mark, Diagnostics& diagnostics) {
   ConfigNode* found = nullptr;
-  std::vector<std::string> names;
   for (ConfigNode& item : list.items) {
-    names.push_back(name_of(item));
-    if (names.back() != name) continue;
+    if (name.empty() || name_of(item) != name) continue;
     if (found != nullptr) {
       diagnostics.error(mark, "`" + path + "` has several entries called `" + name +
                                   "`; use an index such as [0]");
@@ -89,6 +87,10 @@ ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::s
     found = &item;
   }
   if (found == nullptr) {
+    std::vector<std::string> names;
+    for (const ConfigNode& item : list.items) {
+      if (!name_of(item).empty()) names.push_back(name_of(item));
+    }
     diagnostics.error(mark, "`" + path + "` has no entry called `" + name + "`" +
                                 suggestion(name, names, "entries"));
   }
@@ -97,11 +99,26 @@ ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::s
 
 namespace {
 
+bool has_names(const ConfigNode& list) {
+  return list.is_sequence() && std::any_of(list.items.begin(), list.items.end(),
+                                           [](const ConfigNode& i) { return !name_of(i).empty(); });
+}
+
+/// Looks the names up once, since both may be long; where that does not settle it, entry_called()
+/// says what is wrong.
 bool patch_list(ConfigNode& list, const ConfigNode& over, Diagnostics& diagnostics,
                 const std::string& path) {
+  std::unordered_map<std::string, int> count;
+  std::unordered_map<std::string, ConfigNode*> places;
+  for (ConfigNode& item : list.items) {
+    ++count[name_of(item)];
+    places[name_of(item)] = &item;
+  }
   bool good = true;
   for (const ConfigEntry& entry : over.entries) {
-    ConfigNode* item = entry_called(list, entry.key, path, entry.key_mark, diagnostics);
+    const bool is_clear = !entry.key.empty() && count[entry.key] == 1;
+    ConfigNode* item = is_clear ? places[entry.key]
+                                : entry_called(list, entry.key, path, entry.key_mark, diagnostics);
     good = item != nullptr &&
            merge_config(*item, entry.value, diagnostics, path + "." + entry.key) && good;
   }
@@ -112,7 +129,7 @@ bool patch_list(ConfigNode& list, const ConfigNode& over, Diagnostics& diagnosti
 
 bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnostics,
                   const std::string& path) {
-  if (base.is_sequence() && over.is_map()) return patch_list(base, over, diagnostics, path);
+  if (has_names(base) && over.is_map()) return patch_list(base, over, diagnostics, path);
   if (!base.is_map() || !over.is_map()) {
     base = over;
     return true;

@@ -96,7 +96,7 @@ const std::string& name_of(const ConfigNode& item);
 ConfigNode* entry_called(ConfigNode& list, const std::string& name, const std::string& path,
                          const SourceMark& mark, Diagnostics& diagnostics);
 
-/// Merges `over` into `base`. A map over a list patches the entries that its keys name.
+/// Merges `over` into `base`. A map over a list of named entries patches those that its keys name.
 /// @param path  of both, for messages
 /// @returns false after errors
 bool merge_config(ConfigNode& base, const ConfigNode& over, Diagnostics& diagnostics,

@@ -117,9 +117,11 @@ class BodyMaker {
     }
     const bool is_welded = joint.type == JointType::kWeld;
     push_body(g, std::move(joint));
-    // Simbody wants a mass of every body. Nothing feels this one's.
+    // Simbody wants a mass of every body: one that no sum of masses feels.
     if (is_welded && source.is_massless()) {
-      model_.bodies.back().mass = {1.0, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0, 0.0, 0.0, 0.0}};
+      constexpr double kNearlyNone = 1e-9;  // [kg], [kg m^2]
+      model_.bodies.back().mass = {
+          kNearlyNone, {0.0, 0.0, 0.0}, {kNearlyNone, kNearlyNone, kNearlyNone, 0.0, 0.0, 0.0}};
     }
   }
 

@@ -1,3 +1,5 @@
+// As in core/base/inertia.cpp: the library has one form of each of Eigen's functions.
+#define EIGEN_DONT_VECTORIZE
 #include "core/policy/pseudo_inverse.h"
 
 #include <Eigen/LU>

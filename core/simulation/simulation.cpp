@@ -137,6 +137,7 @@ std::vector<double> Simulation::state(std::string_view path) const {
 void Simulation::state(const StateValue& value, std::span<double> values) const {
   check_values("values", values.size(), 1, value.count());
   if (value.needs_bodies()) touch();
+  const FpEnvironment guard;
   environment_->state_values().read(value, data_->group, 0, values.data());
 }
 

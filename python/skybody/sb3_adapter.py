@@ -63,6 +63,8 @@ class VectorEnvForSb3(UniformVecEnv):
                 "TimeLimit.truncated": bool(truncated[i]) and not (terminated[i] or fault),
                 "fault": fault,
             }
+            if fault and "fault_reason" in given:
+                infos[i]["fault_reason"] = given["fault_reason"][i]
         return observation, np.asarray(reward, np.float32), dones, infos
 
     def attribute(self, name: str) -> Any:

@@ -131,11 +131,15 @@ class Imu : public Sensor {
     const Real longest_ago = now - (kLongestLeftOut + period);
     const Real walked = select(state.walked >= longest_ago, state.walked, longest_ago);
     Real sample = (floor(walked / period) + 1.0) * period;
-    for (; any(logical_and(sample <= now, env.served())); sample += period) {
+    // Counted: a step number that was restored may be so large that adding a period changes
+    // nothing.
+    const int most = static_cast<int>(kLongestLeftOut / period) + 2;
+    for (int k = 0; k < most && any(logical_and(sample <= now, env.served())); ++k) {
       Real draws[6];
       fill_normal(random_at(env, to_word(sample), kWalkDraws), draws);
       walk(vec3(draws, 0), accelerometer_walk_(env), sample <= now, state.force_bias);
       walk(vec3(draws, 3), gyroscope_walk_(env), sample <= now, state.rate_bias);
+      sample += period;
     }
     state.walked = now;
   }

@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -212,3 +213,17 @@ def test_a_forked_child_is_refused_and_ends():
         os._exit(2)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
     pool.reset()
+
+
+def test_a_pool_of_worlds_without_rotors_has_speeds_of_none(tmp_path: Path) -> None:
+    scenario = tmp_path / "bare.yaml"
+    scenario.write_text(
+        "robots:\n  - name: quad\n    model: qdrone2\n    rotors: none\n"
+        "    pose: {position: [0, 0, 2]}\n"
+        "    controllers: [{plugin: wrench, parameters: {max_moment: [1, 1, 1]}}]\n"
+        "task: {plugin: hover}\n"
+    )
+    pool = SimulationPool(str(scenario), 3)
+    pool.reset()
+    assert pool.rotor_speeds.shape == (3, 0)
+    assert pool.states().rotor_speeds.shape == (3, 0)

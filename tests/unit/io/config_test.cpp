@@ -134,6 +134,16 @@ TEST(Include, APatchOfAnEntryThatTheListLacksNamesThoseThatItHas) {
                         "`quad`?"));
 }
 
+TEST(Include, AMapReplacesAListWithoutNamesForTheReaderToJudge) {
+  const TempFolder folder;
+  folder.write("base.yaml", "a: [0, 0, 1]\n");
+  folder.write("top.yaml", "include: base.yaml\na: {z: 2}\n");
+  Diagnostics diagnostics;
+  const auto root = load_config(folder.path("top.yaml"), diagnostics);
+  ASSERT_TRUE(root.has_value()) << diagnostics.to_string();
+  EXPECT_EQ(root->find("a")->find("z")->scalar, "2");
+}
+
 TEST(Include, IsRelativeToTheIncludingFile) {
   TempFolder folder;
   folder.write("sub/inner.yaml", "include: ../base.yaml\nb: 2\n");
