@@ -1,5 +1,5 @@
 // Kernels: functions that are compiled once for each instruction set, with the same bits in each.
-// The sets are listed in isa.h.
+// The sets are listed in isa_sets.h.
 //
 //   struct Scale {
 //     template <int W>  // lanes of a pack of doubles

@@ -27,7 +27,7 @@
 namespace skybody {
 namespace lanes {
 
-/// Native vectors of W lanes. Only W = 2, 4 and 8 exist: the widths of the sets in isa.h.
+/// Native vectors of W lanes. Only W = 2, 4 and 8 exist: the widths of the sets in isa_sets.h.
 template <int W>
 struct Native;
 

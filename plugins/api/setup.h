@@ -100,8 +100,8 @@ class Setup {
   const BodyInfo& joint(int robot, const std::string& name) const;
   /// Its world body index.
   int index_of(const BodyInfo& body) const { return static_cast<int>(&body - raw_.bodies); }
-  /// Index for Lanes::sensor() of the first value of a sensor's channel, and its size. Says that the
-  /// plugin reads it.
+  /// Index for Lanes::sensor() of the first value of a sensor's channel, and its size. Says that
+  /// the plugin reads it.
   /// @throws std::runtime_error naming those that exist
   int sensor(const std::string& instance, const std::string& channel, int* count = nullptr) const;
   /// Indices for Lanes::param() of the parameters that `path` means. A path may begin with
@@ -164,8 +164,9 @@ class Setup {
   void scratch(int count) const { declare_.scratch(declare_.host, count); }
   /// Asks for Lanes::contact(), which costs time in large batches.
   void need_contacts() const { declare_.contacts(declare_.host); }
-  /// Sensors: sense() may be left out where nobody would read its output before the next call. What
-  /// it gives must not depend on the calls before.
+  /// Sensors: sense() may be left out where nobody would read its output before the next call, over
+  /// 1024 physics steps at most. It must give the same whether the calls before were made or left
+  /// out: a walk is made up for by Plugin::random_at().
   void only_when_read() const { declare_.only_when_read(declare_.host); }
   /// Asks for Lanes::body_before().
   void need_bodies_before() const { declare_.bodies_before(declare_.host); }
