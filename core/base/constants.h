@@ -11,8 +11,8 @@
  * - count: number of values, at most 6; six are a symmetric matrix: xx yy zz xy xz yz
  * - fallback: the values where a file has none, in parentheses; (): a file has to give them
  * - least, greatest: what a file may give, each value, inclusive
- * - least_drawn: what an EnvParam may be at least; there is no upper bound. Of a symmetric matrix the
- *   bound holds on the diagonal
+ * - least_drawn: what an EnvParam may be at least; there is no upper bound. Of a symmetric matrix
+ * the bound holds on the diagonal
  * - doc: one line
  */
 #ifndef SKYBODY_CORE_BASE_CONSTANTS_H

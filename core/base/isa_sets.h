@@ -1,8 +1,9 @@
 /* The instruction sets that a build has kernels for, in one list. Plain C: the ABI counts them.
  *
- * X(name, lanes of a pack of doubles, the compiler's target), the lowest first. On x86-64 the levels
- * of its psABI: v2 has SSE4.2, v3 AVX2 and FMA, v4 AVX-512 (F, BW, CD, DQ, VL). On other processors,
- * and with SKYBODY_PORTABLE (CMake), one set: what the compiler makes of packs of two by itself.
+ * X(name, lanes of a pack of doubles, the compiler's target), the lowest first. On x86-64 the
+ * levels of its psABI: v2 has SSE4.2, v3 AVX2 and FMA, v4 AVX-512 (F, BW, CD, DQ, VL). On other
+ * processors, and with SKYBODY_PORTABLE (CMake), one set: what the compiler makes of packs of two
+ * by itself.
  */
 #ifndef SKYBODY_CORE_BASE_ISA_SETS_H
 #define SKYBODY_CORE_BASE_ISA_SETS_H

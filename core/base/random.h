@@ -76,9 +76,9 @@ class Random {
     const Real radius = sqrt(-2.0 * log(1.0 - uniform()));
     return radius * cos(kTwoPi * uniform());
   }
-  /// Two independent standard normals for one draw, for noise that is drawn often: both branches, the
-  /// cosine first, of a radius from its upper 32 bits and an angle from its lower ones. The magnitude
-  /// is at most 6.77: a normal lies beyond that once in 8e10.
+  /// Two independent standard normals for one draw, for noise that is drawn often: both branches,
+  /// the cosine first, of a radius from its upper 32 bits and an angle from its lower ones. The
+  /// magnitude is at most 6.77: a normal lies beyond that once in 8e10.
   SKYBODY_INLINE void normal_pair(Real& first, Real& second) {
     const Word<Real> word = bits();
     const Real radius = sqrt(-2.0 * log((to_real(word >> 32) + 0.5) * 0x1p-32));

@@ -94,8 +94,8 @@ struct PluginInstance {
   int scratch = 0;               ///< doubles of memory for a call
   bool needs_bodies_before = false;
   bool needs_contacts = false;
-  /// Sensors: called only where the output is read before the next call. Declared, and then no plugin
-  /// reads it between the physics steps of an action.
+  /// Sensors: called only where the output is read before the next call. Declared, and then no
+  /// plugin reads it between the physics steps of an action.
   bool is_only_when_read = false;
 
   // Where things lie, within the blocks plugin_state and sensors:
