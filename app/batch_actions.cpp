@@ -10,11 +10,11 @@ namespace {
 constexpr std::size_t kMoreRows = 61;  // beyond a batch, so that actions of environments change
 
 /// What the hold policy does after a reset.
-std::vector<float> hold_row(const std::shared_ptr<const Environment>& environment) {
-  Simulation simulation(environment, 0, 0);
+std::vector<float> hold_row(const std::shared_ptr<const CompiledScenario>& compiled) {
+  Simulation simulation(compiled, 0, 0);
   simulation.reset();
   std::vector<float> row(static_cast<std::size_t>(simulation.action_size()));
-  HoldPolicy(*environment).act(simulation, row);
+  HoldPolicy(*compiled).act(simulation, row);
   return row;
 }
 
@@ -26,12 +26,12 @@ const std::vector<std::string>& BatchActions::names() {
 }
 
 BatchActions::BatchActions(const std::string& name,
-                           const std::shared_ptr<const Environment>& environment, int rows)
-    : width_(static_cast<std::size_t>(environment->action_size())),
+                           const std::shared_ptr<const CompiledScenario>& compiled, int rows)
+    : width_(static_cast<std::size_t>(compiled->action_size())),
       rows_(static_cast<std::size_t>(rows) + kMoreRows),
       table_(rows_ * width_) {
   if (name == "hold") {
-    const std::vector<float> row = hold_row(environment);
+    const std::vector<float> row = hold_row(compiled);
     for (std::size_t k = 0; k < table_.size(); ++k) table_[k] = row[k % width_];
   } else if (name == "random") {
     Random<double> random(RandomKey{0, 0}, 0, 0, derive_stream("bench.action"));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 
 namespace skybody {
 
@@ -18,7 +18,7 @@ class BatchActions {
 
   /// @param name  one of names()   @param rows  the most that next() will be asked for
   /// @throws Error if the hold policy cannot fly the environment
-  BatchActions(const std::string& name, const std::shared_ptr<const Environment>& environment,
+  BatchActions(const std::string& name, const std::shared_ptr<const CompiledScenario>& compiled,
                int rows);
 
   /// So many rows; valid until the object goes.

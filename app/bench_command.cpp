@@ -11,9 +11,9 @@
 #include "app/machine.h"
 #include "app/output.h"
 #include "app/physics_cost.h"
+#include "app/pool_options.h"
 #include "app/scenario_options.h"
 #include "app/text_table.h"
-#include "app/vec_env_options.h"
 #include "core/base/hash.h"
 #include "core/io/json.h"
 #include "core/io/text.h"
@@ -41,7 +41,7 @@ constexpr const char* kFooter =
 
 struct BenchOptions {
   LoadOptions load;
-  VecEnvOptions envs = {.envs = 64};
+  PoolOptions envs = {.envs = 64};
   std::string actions = "hold";
   double seconds = 5.0;
   bool json = false;
@@ -54,12 +54,12 @@ struct Counts {
 };
 
 /// Waits for what is under way, without sending it on.
-void drain(VecEnv& envs) {
+void drain(Pool& envs) {
   while (envs.in_flight() > 0) envs.recv();
 }
 
 /// Sends every environment on as it comes back, until the time is over.
-Counts run_for(double seconds, VecEnv& envs, BatchActions& actions) {
+Counts run_for(double seconds, Pool& envs, BatchActions& actions) {
   Counts counts;
   const std::uint64_t faults = envs.faults();
   const Clock::time_point begin = Clock::now();
@@ -87,8 +87,8 @@ struct Figures {
   double tree_share;  ///< of the physics steps, warm-up included, those on the tree dynamics
 };
 
-Figures figures_of(const Counts& counts, const VecEnv& envs, double physics_cost) {
-  const double repeat = envs.environment().scenario().stepping.action_repeat;
+Figures figures_of(const Counts& counts, const Pool& envs, double physics_cost) {
+  const double repeat = envs.compiled().scenario().stepping.action_repeat;
   const double steps = static_cast<double>(counts.steps) / counts.seconds;
   const StepCounts physics = envs.step_counts();
   const auto tree = static_cast<double>(physics.tree),
@@ -99,10 +99,10 @@ Figures figures_of(const Counts& counts, const VecEnv& envs, double physics_cost
 
 std::string count_text(double value) { return fixed(value, value < 1000.0 ? 1 : 0); }
 
-void print_table(const BenchOptions& options, const VecEnv& envs, const Counts& counts,
+void print_table(const BenchOptions& options, const Pool& envs, const Counts& counts,
                  const Figures& figures) {
   std::printf("%s: %d environments, batches of %d (%s), %d threads, actions %s, %s s\n%s (%s)\n\n",
-              envs.environment().scenario().name.c_str(), envs.envs(), envs.batch(),
+              envs.compiled().scenario().name.c_str(), envs.envs(), envs.batch(),
               to_text(options.envs.order).c_str(), envs.threads(), options.actions.c_str(),
               fixed(counts.seconds, 1).c_str(), machine_name().c_str(), processor_name().c_str());
   TextTable table({"", "value"});
@@ -116,9 +116,9 @@ void print_table(const BenchOptions& options, const VecEnv& envs, const Counts& 
   print(table.to_string());
 }
 
-void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& counts,
+void print_json(const BenchOptions& options, const Pool& envs, const Counts& counts,
                 const Figures& figures) {
-  const Scenario& scenario = envs.environment().scenario();
+  const Scenario& scenario = envs.compiled().scenario();
   JsonObject json;
   json.set_text("scenario", scenario.name)
       .set_text("scenario_hash", to_hex(scenario.hash))
@@ -148,13 +148,13 @@ void print_json(const BenchOptions& options, const VecEnv& envs, const Counts& c
 }
 
 int bench(const BenchOptions& options) {
-  const auto environment = load_and_warn(options.load);
-  VecEnvOptions how = options.envs;
+  const auto compiled = load_and_warn(options.load);
+  PoolOptions how = options.envs;
   how.info = false;
-  VecEnv envs(environment, how);
-  BatchActions actions(options.actions, environment, envs.envs());
+  Pool envs(compiled, how);
+  BatchActions actions(options.actions, compiled, envs.envs());
   const InterruptGuard guard;
-  const double physics_cost = physics_step_cost(*environment, envs.lanes());
+  const double physics_cost = physics_step_cost(*compiled, envs.lanes());
   envs.send_reset();
   run_for(std::min(kLongestWarmUp, options.seconds), envs, actions);
   const Counts counts = run_for(options.seconds, envs, actions);
@@ -173,7 +173,7 @@ void add_bench_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<BenchOptions>();
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
-  add_vec_env_options(*command, options->envs);
+  add_pool_options(*command, options->envs);
   command->add_option("--seconds", options->seconds, "Time to measure, after a warm-up (5)")
       ->type_name("S")
       ->check(number_within(0.05, 86400.0));

@@ -35,14 +35,14 @@ std::string count(std::size_t n, const char* one, const char* several) {
   return std::to_string(n) + " " + (n == 1 ? one : several);
 }
 
-std::string describe(const Environment& environment) {
-  const Scenario& scenario = environment.scenario();
-  const World& world = environment.world();
+std::string describe(const CompiledScenario& compiled) {
+  const Scenario& scenario = compiled.scenario();
+  const World& world = compiled.world();
   return "ok: " + scenario.name + ": " + count(scenario.robots.size(), "robot", "robots") + ", " +
          count(world.bodies.size(), "body", "bodies") + ", " +
          count(world.rotors.size(), "rotor", "rotors") + ", " +
-         std::to_string(environment.observation_size()) + " observations, " +
-         std::to_string(environment.action_size()) + " actions, scenario hash " +
+         std::to_string(compiled.observation_size()) + " observations, " +
+         std::to_string(compiled.action_size()) + " actions, scenario hash " +
          to_hex(scenario.hash);
 }
 
@@ -55,34 +55,34 @@ std::string shape_text(const std::vector<int>& shape) {
 }
 
 /// Who sees it: a robot, or all; or a critic alone.
-std::string owner_text(const Environment& environment, const ObservationColumn& column) {
+std::string owner_text(const CompiledScenario& compiled, const ObservationColumn& column) {
   if (column.privileged) return "critic";
   if (column.robot < 0) return "all";
-  return environment.scenario().robots[static_cast<std::size_t>(column.robot)].name;
+  return compiled.scenario().robots[static_cast<std::size_t>(column.robot)].name;
 }
 
-std::string parameter_table(const Environment& environment) {
+std::string parameter_table(const CompiledScenario& compiled) {
   TextTable table({"parameter", "unit", "nominal", "min", "max"});
-  for (const EnvParam& param : environment.layout().param_info) {
+  for (const EnvParam& param : compiled.layout().param_info) {
     table.add({param.path, param.unit, format_number(param.nominal), format_number(param.min),
                format_number(param.max)});
   }
   return table.to_string();
 }
 
-std::string column_table(const Environment& environment) {
+std::string column_table(const CompiledScenario& compiled) {
   TextTable table({"column", "unit", "type", "shape", "low", "high", "from", "for"});
-  for (const ObservationColumn& column : environment.columns()) {
+  for (const ObservationColumn& column : compiled.columns()) {
     table.add({column.name, column.unit, info_of(column.type).name, shape_text(column.shape),
-               format_number(column.low), format_number(column.high),
-               source_of(environment, column), owner_text(environment, column)});
+               format_number(column.low), format_number(column.high), source_of(compiled, column),
+               owner_text(compiled, column)});
   }
   return table.to_string();
 }
 
-std::string state_table(const Environment& environment) {
+std::string state_table(const CompiledScenario& compiled) {
   TextTable table({"state value", "unit", "shape", "frame", "meaning"});
-  for (const StateValue& value : environment.state_values().all()) {
+  for (const StateValue& value : compiled.state_values().all()) {
     table.add({value.path, value.unit, shape_text(value.shape), value.frame, value.doc});
   }
   return table.to_string();
@@ -91,14 +91,14 @@ std::string state_table(const Environment& environment) {
 int check(CheckOptions options, const RefusedFiles& refused) {
   options.load.refused_plugins = refused;
   options.load.checked = true;
-  const auto environment = load_and_warn(options.load);
+  const auto compiled = load_and_warn(options.load);
   Diagnostics diagnostics;
-  fly_for_a_moment(environment, diagnostics);
+  fly_for_a_moment(compiled, diagnostics);
   std::fputs(diagnostics.to_string().c_str(), stderr);
-  std::printf("%s\n", describe(*environment).c_str());
-  if (options.parameters) std::printf("\n%s", parameter_table(*environment).c_str());
-  if (options.columns) std::printf("\n%s", column_table(*environment).c_str());
-  if (options.states) std::printf("\n%s", state_table(*environment).c_str());
+  std::printf("%s\n", describe(*compiled).c_str());
+  if (options.parameters) std::printf("\n%s", parameter_table(*compiled).c_str());
+  if (options.columns) std::printf("\n%s", column_table(*compiled).c_str());
+  if (options.states) std::printf("\n%s", state_table(*compiled).c_str());
   return kExitDone;
 }
 

@@ -17,43 +17,43 @@ constexpr int kSteps = 8;
 /// A robot that stands on the ground sinks in by about ContactSettings::penetration.
 constexpr double kDeep = 10.0;
 
-std::string robot_of(const Environment& environment, int body) {
-  const World& world = environment.world();
+std::string robot_of(const CompiledScenario& compiled, int body) {
+  const World& world = compiled.world();
   const int robot = world.bodies[static_cast<std::size_t>(body)].robot;
-  return "robot `" + environment.scenario().robots[static_cast<std::size_t>(robot)].name + "`";
+  return "robot `" + compiled.scenario().robots[static_cast<std::size_t>(robot)].name + "`";
 }
 
-std::string other_of(const Environment& environment, const Contact& contact) {
+std::string other_of(const CompiledScenario& compiled, const Contact& contact) {
   if (contact.other == kGround) return "the ground";
   if (contact.other == kObstacle) return "an obstacle";
-  return robot_of(environment, contact.other);
+  return robot_of(compiled, contact.other);
 }
 
 /// Contact pushes apart what begins inside one another, hard.
-void warn_of_overlaps(const Environment& environment, const std::vector<Contact>& contacts,
+void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<Contact>& contacts,
                       Diagnostics& diagnostics) {
-  const double deep = kDeep * environment.scenario().contact.penetration;
+  const double deep = kDeep * compiled.scenario().contact.penetration;
   std::map<std::string, double> depths;
   for (const Contact& contact : contacts) {
-    const std::string robot = robot_of(environment, contact.body);
-    const std::string other = other_of(environment, contact);
+    const std::string robot = robot_of(compiled, contact.body);
+    const std::string other = other_of(compiled, contact);
     if (contact.depth < deep || robot == other) continue;
     double& depth = depths[robot + " begins inside " + other];
     depth = max(depth, contact.depth);
   }
   for (const auto& [what, depth] : depths) {
-    diagnostics.warning({environment.scenario().file, 0, 0},
+    diagnostics.warning({compiled.scenario().file, 0, 0},
                         what + ", by " + format_number(depth) + " m; move its `pose`");
   }
 }
 
 /// Robots that are to hover, and would need speeds that their rotors do not reach.
-void warn_of_weight(const Environment& environment, Diagnostics& diagnostics) {
-  const Scenario& scenario = environment.scenario();
+void warn_of_weight(const CompiledScenario& compiled, Diagnostics& diagnostics) {
+  const Scenario& scenario = compiled.scenario();
   for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
     const RobotUse& use = scenario.robots[r];
     if (use.rotor_speed >= 0.0) continue;
-    const double speed = hover_rotor_speed(environment.world(), static_cast<int>(r));
+    const double speed = hover_rotor_speed(compiled.world(), static_cast<int>(r));
     double slowest = kInfinity;
     for (const Rotor& rotor : use.model.rotors) {
       slowest = min(slowest, rotor.constants[kMaxSpeed]);
@@ -75,12 +75,12 @@ std::vector<float> random_action(int size, std::uint64_t step) {
 
 }  // namespace
 
-void fly_for_a_moment(const std::shared_ptr<const Environment>& environment,
+void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics) {
-  Simulation simulation(environment, 0, 0);
+  Simulation simulation(compiled, 0, 0);
   simulation.reset();
-  warn_of_overlaps(*environment, simulation.contacts(), diagnostics);
-  warn_of_weight(*environment, diagnostics);
+  warn_of_overlaps(*compiled, simulation.contacts(), diagnostics);
+  warn_of_weight(*compiled, diagnostics);
   for (int k = 0; k < kSteps; ++k) {
     if (simulation.done()) simulation.reset();
     const std::vector<float> idle(static_cast<std::size_t>(simulation.action_size()), 0.0f);

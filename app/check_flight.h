@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/io/diagnostics.h"
 
 namespace skybody {
@@ -13,7 +13,7 @@ namespace skybody {
 /// hover.
 /// @param environment  in checked mode
 /// @throws MarkedError where a plugin touches values beyond those that it may
-void fly_for_a_moment(const std::shared_ptr<const Environment>& environment,
+void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics);
 
 }  // namespace skybody

@@ -52,10 +52,10 @@ std::vector<LogColumn> rotor_columns(const RobotModel& model, int signal) {
 
 }  // namespace
 
-std::vector<LogColumn> command_columns(const Environment& environment,
+std::vector<LogColumn> command_columns(const CompiledScenario& compiled,
                                        const ControllerChain& chain) {
   const int signal = chain.signal;
-  const RobotUse& robot = environment.scenario().robots.at(static_cast<std::size_t>(chain.robot));
+  const RobotUse& robot = compiled.scenario().robots.at(static_cast<std::size_t>(chain.robot));
   std::vector<LogColumn> one = fixed_columns(signal);
   if (signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_SRT) {
     one = rotor_columns(robot.model, signal);
@@ -71,19 +71,19 @@ std::vector<LogColumn> command_columns(const Environment& environment,
   return columns;
 }
 
-std::vector<std::string> action_names(const Environment& environment) {
+std::vector<std::string> action_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
-  if (environment.task().actions.empty()) {
-    for (const ControllerChain& chain : environment.chains()) {
-      for (const LogColumn& column : command_columns(environment, chain)) {
+  if (compiled.task().actions.empty()) {
+    for (const ControllerChain& chain : compiled.chains()) {
+      for (const LogColumn& column : command_columns(compiled, chain)) {
         names.push_back(column.name);
       }
     }
     return names;
   }
-  for (const ActionChannel& channel : environment.action_channels()) {
+  for (const ActionChannel& channel : compiled.action_channels()) {
     const std::size_t count = channel.low.size();
-    const RobotUse& robot = environment.scenario().robots[static_cast<std::size_t>(channel.robot)];
+    const RobotUse& robot = compiled.scenario().robots[static_cast<std::size_t>(channel.robot)];
     for (std::size_t k = 0; k < count; ++k) {
       const std::string index = count == 1 ? "" : "[" + std::to_string(k) + "]";
       names.push_back(robot.name + "." + channel.name + index);

@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/io/flight_log.h"
 
 namespace skybody {
 
 /// One column per value of a chain's command, named ROBOT.COMPONENT.
-std::vector<LogColumn> command_columns(const Environment& environment,
+std::vector<LogColumn> command_columns(const CompiledScenario& compiled,
                                        const ControllerChain& chain);
 
 /// The values of the action row: the commands' names, or the task's own.
-std::vector<std::string> action_names(const Environment& environment);
+std::vector<std::string> action_names(const CompiledScenario& compiled);
 
 }  // namespace skybody

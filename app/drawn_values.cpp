@@ -30,10 +30,10 @@ std::pair<double, double> range_of(const std::vector<EpisodeSummary>& episodes, 
 
 }  // namespace
 
-std::string drawn_values(const Environment& environment,
+std::string drawn_values(const CompiledScenario& compiled,
                          const std::vector<EpisodeSummary>& episodes) {
   TextTable table({"drawn value", "unit", "nominal", "least", "greatest"});
-  const std::vector<EnvParam>& params = environment.layout().param_info;
+  const std::vector<EnvParam>& params = compiled.layout().param_info;
   if (episodes.empty()) return "";
   int count = 0;
   for (std::size_t k = 0; k < params.size(); ++k) {

@@ -9,7 +9,7 @@
 namespace skybody {
 
 /// A table of what was drawn, its longer part left to the log; empty if nothing was.
-std::string drawn_values(const Environment& environment,
+std::string drawn_values(const CompiledScenario& compiled,
                          const std::vector<EpisodeSummary>& episodes);
 
 }  // namespace skybody

@@ -29,7 +29,7 @@ struct EpisodeSummary {
 /// Keeps the goal errors of the last second of simulated time.
 class ErrorWindow {
  public:
-  explicit ErrorWindow(const Environment& environment);
+  explicit ErrorWindow(const CompiledScenario& compiled);
 
   /// Takes in the state after a step.
   void add(const Simulation& simulation);

@@ -30,7 +30,7 @@ std::string progress(std::uint64_t episode, const FlightPlan& plan, const Simula
 EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulation& simulation,
                            Policy& policy, FlightLog& log, ProgressLine& line) {
   EpisodeSummary summary;
-  ErrorWindow window(simulation.environment());
+  ErrorWindow window(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
   summary.params = simulation.params();

@@ -64,19 +64,19 @@ void append(std::vector<LogColumn>& columns, const std::string& name, const std:
 }
 
 /// The columns of the row of observations, then those of the privileged row.
-void describe_observation(const Environment& environment, FlightLogHeader& header) {
+void describe_observation(const CompiledScenario& compiled, FlightLogHeader& header) {
   for (const bool privileged : {false, true}) {
-    for (const ObservationColumn& column : environment.columns()) {
+    for (const ObservationColumn& column : compiled.columns()) {
       if (column.privileged != privileged || column.image >= 0) continue;
       append(header.observation, column.name, column.unit, column.count());
     }
   }
 }
 
-void describe_bodies(const Environment& environment, FlightLogHeader& header) {
-  const World& world = environment.world();
+void describe_bodies(const CompiledScenario& compiled, FlightLogHeader& header) {
+  const World& world = compiled.world();
   for (std::size_t k = 0; k < world.bodies.size(); ++k) {
-    const std::string name = body_name(environment, static_cast<int>(k));
+    const std::string name = body_name(compiled, static_cast<int>(k));
     header.bodies.push_back(name);
     append(header.q, name, position_columns(world.bodies[k].model->joint.type));
     append(header.u, name, velocity_columns(world.bodies[k].model->joint.type));
@@ -87,22 +87,22 @@ void describe_bodies(const Environment& environment, FlightLogHeader& header) {
   }
 }
 
-void describe_signals(const Environment& environment, FlightLogHeader& header) {
-  for (const ControllerChain& chain : environment.chains()) {
-    for (const LogColumn& column : command_columns(environment, chain)) {
+void describe_signals(const CompiledScenario& compiled, FlightLogHeader& header) {
+  for (const ControllerChain& chain : compiled.chains()) {
+    for (const LogColumn& column : command_columns(compiled, chain)) {
       header.command.push_back(column);
     }
   }
-  for (const std::string& name : action_names(environment)) header.action.push_back({name, ""});
-  for (const PluginInstance& sensor : environment.plugins(SKYBODY_SENSOR)) {
+  for (const std::string& name : action_names(compiled)) header.action.push_back({name, ""});
+  for (const PluginInstance& sensor : compiled.plugins(SKYBODY_SENSOR)) {
     for (const Channel& channel : sensor.channels) {
       if (channel.is_image()) continue;
       append(header.sensors, sensor.name + "." + channel.name, channel.unit, channel.count);
     }
   }
-  describe_observation(environment, header);
-  for (const Goal& goal : environment.task().goals) {
-    header.goals.push_back(body_name(environment, goal.body));
+  describe_observation(compiled, header);
+  for (const Goal& goal : compiled.task().goals) {
+    header.goals.push_back(body_name(compiled, goal.body));
   }
 }
 
@@ -116,7 +116,7 @@ std::vector<std::pair<std::string, std::string>> versions() {
           {"libraries", SKYBODY_LIBRARY_VERSIONS}};
 }
 
-/// A block of WorldState as doubles.
+/// A block of state words as doubles.
 std::vector<double> values_of(const Snapshot& snapshot, Block block) {
   std::vector<double> values(static_cast<std::size_t>(block.size));
   if (!values.empty()) {
@@ -128,15 +128,14 @@ std::vector<double> values_of(const Snapshot& snapshot, Block block) {
 
 }  // namespace
 
-std::string body_name(const Environment& environment, int body) {
-  const WorldBody& b = environment.world().bodies.at(static_cast<std::size_t>(body));
-  return environment.scenario().robots[static_cast<std::size_t>(b.robot)].name + "." +
-         b.model->name;
+std::string body_name(const CompiledScenario& compiled, int body) {
+  const WorldBody& b = compiled.world().bodies.at(static_cast<std::size_t>(body));
+  return compiled.scenario().robots[static_cast<std::size_t>(b.robot)].name + "." + b.model->name;
 }
 
-FlightLogHeader describe_flight(const Environment& environment, std::uint64_t seed,
+FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t seed,
                                 const std::string& policy) {
-  const Scenario& scenario = environment.scenario();
+  const Scenario& scenario = compiled.scenario();
   FlightLogHeader header;
   header.scenario_name = scenario.name;
   header.scenario_file = scenario.file;
@@ -147,9 +146,9 @@ FlightLogHeader describe_flight(const Environment& environment, std::uint64_t se
   header.dt = scenario.stepping.dt;
   header.action_repeat = scenario.stepping.action_repeat;
   header.versions = versions();
-  describe_bodies(environment, header);
-  describe_signals(environment, header);
-  for (const EnvParam& param : environment.layout().param_info) {
+  describe_bodies(compiled, header);
+  describe_signals(compiled, header);
+  for (const EnvParam& param : compiled.layout().param_info) {
     header.params.push_back({param.path, param.unit});
     header.nominal_params.push_back(param.nominal);
   }
@@ -157,7 +156,7 @@ FlightLogHeader describe_flight(const Environment& environment, std::uint64_t se
 }
 
 void record(const Simulation& simulation, bool on_simbody, FlightLog& log) {
-  const Layout& layout = simulation.environment().layout();
+  const Layout& layout = simulation.compiled().layout();
   const Snapshot state = simulation.save();
   const std::vector<double> q = values_of(state, layout.q), u = values_of(state, layout.u);
   const std::vector<double> speed = values_of(state, layout.rotor_speed);

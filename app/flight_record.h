@@ -11,10 +11,10 @@
 namespace skybody {
 
 /// `robot.body` of a body in the world's numbering.
-std::string body_name(const Environment& environment, int body);
+std::string body_name(const CompiledScenario& compiled, int body);
 
 /// What holds for the whole flight.
-FlightLogHeader describe_flight(const Environment& environment, std::uint64_t seed,
+FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t seed,
                                 const std::string& policy);
 
 /// Appends the simulation's present state to the log's episode.

@@ -9,8 +9,8 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/interrupt.h"
+#include "app/pool_options.h"
 #include "app/scenario_options.h"
-#include "app/vec_env_options.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/random.h"
@@ -43,7 +43,7 @@ constexpr const char* kFooter =
 
 struct HashOptions {
   LoadOptions load;
-  VecEnvOptions envs = {.threads = 1};
+  PoolOptions envs = {.threads = 1};
   std::uint64_t steps = 1000;
   std::filesystem::path record;
   bool states = false;
@@ -53,11 +53,11 @@ struct HashOptions {
 /// Gives every environment its steps, as its earlier ones come back.
 class Run {
  public:
-  Run(VecEnv& envs, std::uint64_t steps)
+  Run(Pool& envs, std::uint64_t steps)
       : envs_(envs),
         steps_(steps),
         taken_(static_cast<std::size_t>(envs.envs())),
-        width_(static_cast<std::size_t>(envs.environment().action_size())),
+        width_(static_cast<std::size_t>(envs.compiled().action_size())),
         actions_(taken_.size() * width_) {
     ids_.reserve(taken_.size());
   }
@@ -92,7 +92,7 @@ class Run {
     }
   }
 
-  VecEnv& envs_;
+  Pool& envs_;
   std::uint64_t steps_;
   std::vector<std::uint64_t> taken_;  ///< by each environment
   std::size_t width_;
@@ -102,7 +102,7 @@ class Run {
 
 /// Runs with a recording; what was recorded before an interruption is kept. @returns its signal or
 /// 0
-int record(VecEnv& envs, Run& run, const HashOptions& options) {
+int record(Pool& envs, Run& run, const HashOptions& options) {
   skip_hdf5_cleanup_at_exit();
   const InterruptGuard guard;
   const auto recorder = start_recording(envs, options.record, {options.load, options.states});
@@ -125,10 +125,10 @@ void check(const HashOptions& options) {
 
 int hash(const HashOptions& options) {
   check(options);
-  const auto environment = load_and_warn(options.load);
-  VecEnvOptions how = options.envs;
+  const auto compiled = load_and_warn(options.load);
+  PoolOptions how = options.envs;
   how.keep_hash = true;
-  VecEnv envs(environment, how);
+  Pool envs(compiled, how);
   Run run(envs, options.steps);
   const auto motion = options.motion ? std::make_shared<MotionHash>(envs) : nullptr;
   if (motion) envs.observe(motion);
@@ -150,7 +150,7 @@ void add_hash_command(CLI::App& app, Action& chosen) {
   command->footer(kFooter);
   add_scenario_options(*command, options->load);
   add_checked(*command, options->load);
-  add_vec_env_options(*command, options->envs);
+  add_pool_options(*command, options->envs);
   command->add_option("--steps", options->steps, "Steps of each environment (1000)")
       ->type_name("K")
       ->check(whole_number(1, kMost));

@@ -16,19 +16,18 @@ constexpr int kRun = 50;  // steps from the start, so that the world stays near 
 
 }  // namespace
 
-double physics_step_cost(const Environment& environment, int side_by_side) {
-  const int room = side_by_side > 1 ? environment.preferred_lanes() : 1, lanes = side_by_side;
-  StateGroup group = environment.make_state(room);
-  const std::unique_ptr<GroupWork> work = environment.make_work(room);
+double physics_step_cost(const CompiledScenario& compiled, int side_by_side) {
+  const int room = side_by_side > 1 ? compiled.preferred_lanes() : 1, lanes = side_by_side;
+  StateGroup group = compiled.make_state(room);
+  const std::unique_ptr<GroupWork> work = compiled.make_work(room);
   const auto rows = static_cast<std::size_t>(room);
-  std::vector<float> observation(static_cast<std::size_t>(environment.observation_size()) * rows);
+  std::vector<float> observation(static_cast<std::size_t>(compiled.observation_size()) * rows);
   std::vector<float> reward(rows);
   std::vector<std::uint64_t> status(rows);
   const std::uint32_t all = first_lanes(lanes);
-  for (int l = 0; l < lanes; ++l)
-    environment.initialize(group, l, 0, static_cast<std::uint64_t>(l));
+  for (int l = 0; l < lanes; ++l) compiled.initialize(group, l, 0, static_cast<std::uint64_t>(l));
   const FpEnvironment guard;
-  environment.reset(group, *work, all, {observation.data(), reward.data(), status.data()});
+  compiled.reset(group, *work, all, {observation.data(), reward.data(), status.data()});
   std::vector<std::vector<std::uint64_t>> start;
   for (int l = 0; l < lanes; ++l) start.push_back(group.save(l));
   std::uint64_t steps = 0;

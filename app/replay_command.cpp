@@ -10,7 +10,7 @@
 #include "app/output.h"
 #include "app/scenario_options.h"
 #include "core/base/printable.h"
-#include "core/batch/vec_env_options.h"
+#include "core/batch/pool_options.h"
 #include "core/io/flight_log.h"
 #include "core/replay/replay_player.h"
 #include "core/version.h"
@@ -86,8 +86,8 @@ int replay(const ReplayOptions& options) {
   }
   warn_of_version(recording);
   warn_of_plugin_path(options, recording);
-  const auto environment = load_and_warn(load_options(options, recording.header()));
-  return conclude(play(recording, environment, options.threads), recording.header(), "recorded",
+  const auto compiled = load_and_warn(load_options(options, recording.header()));
+  return conclude(play(recording, compiled, options.threads), recording.header(), "recorded",
                   "replayed");
 }
 

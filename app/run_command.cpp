@@ -77,19 +77,19 @@ std::uint64_t most_steps(const FlightPlan& plan, const Stepping& stepping) {
 
 /// Flies and leaves the finished log in `folder`.
 FlightResult fly_and_log(const RunOptions& options, const FlightPlan& plan,
-                         const std::shared_ptr<const Environment>& environment, Policy& policy,
+                         const std::shared_ptr<const CompiledScenario>& compiled, Policy& policy,
                          OutputFolder& folder) {
-  Simulation simulation(environment, options.seed, 0);
-  FlightLog log(folder.partial_log(), describe_flight(*environment, options.seed, options.policy));
+  Simulation simulation(compiled, options.seed, 0);
+  FlightLog log(folder.partial_log(), describe_flight(*compiled, options.seed, options.policy));
   FlightResult result = fly(plan, simulation, policy, log);
   log.close();
   folder.commit();
   return result;
 }
 
-void print_summary(const Environment& environment, const FlightResult& result) {
-  print(summary_table(environment, result.episodes));
-  const std::string drawn = drawn_values(environment, result.episodes);
+void print_summary(const CompiledScenario& compiled, const FlightResult& result) {
+  print(summary_table(compiled, result.episodes));
+  const std::string drawn = drawn_values(compiled, result.episodes);
   if (!drawn.empty()) std::printf("\n%s", drawn.c_str());
 }
 
@@ -103,15 +103,15 @@ void draw_and_print(const std::filesystem::path& log) {
 
 int run(const RunOptions& options) {
   skip_hdf5_cleanup_at_exit();
-  const auto environment = load_and_warn(options.load);
-  const auto policy = make_policy(options.policy, *environment, options.seed);
-  const std::string warning = policy->check_fits(*environment);
+  const auto compiled = load_and_warn(options.load);
+  const auto policy = make_policy(options.policy, *compiled, options.seed);
+  const std::string warning = policy->check_fits(*compiled);
   if (!warning.empty()) spdlog::warn(warning);
   FlightPlan plan = options.plan;
-  plan.most_steps = most_steps(plan, environment->scenario().stepping);
-  OutputFolder folder(options.out, environment->scenario().name, options.seed);
-  const FlightResult result = fly_and_log(options, plan, environment, *policy, folder);
-  print_summary(*environment, result);
+  plan.most_steps = most_steps(plan, compiled->scenario().stepping);
+  OutputFolder folder(options.out, compiled->scenario().name, options.seed);
+  const FlightResult result = fly_and_log(options, plan, compiled, *policy, folder);
+  print_summary(*compiled, result);
   std::printf("\nlog      %s\n", folder.log().c_str());
   std::fflush(stdout);
   if (result.signal != 0) {

@@ -42,12 +42,12 @@ void add_checked(CLI::App& command, LoadOptions& options) {
                    "Hold plugins to the values that they may touch: slower, the same bits");
 }
 
-std::shared_ptr<const Environment> load_and_warn(const LoadOptions& options) {
+std::shared_ptr<const CompiledScenario> load_and_warn(const LoadOptions& options) {
   Diagnostics diagnostics;
-  std::shared_ptr<const Environment> environment = load_environment(options, diagnostics);
+  std::shared_ptr<const CompiledScenario> compiled = compile_scenario(options, diagnostics);
   if (diagnostics.has_errors()) throw InputError(diagnostics.all());
   std::fputs(diagnostics.to_string().c_str(), stderr);
-  return environment;
+  return compiled;
 }
 
 }  // namespace skybody

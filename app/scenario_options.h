@@ -24,6 +24,6 @@ void add_checked(CLI::App& command, LoadOptions& options);
 
 /// Loads it and prints its warnings.
 /// @throws InputError with errors and warnings
-std::shared_ptr<const Environment> load_and_warn(const LoadOptions& options);
+std::shared_ptr<const CompiledScenario> load_and_warn(const LoadOptions& options);
 
 }  // namespace skybody

@@ -84,11 +84,11 @@ void add_total(TextTable& table, const std::vector<std::string>& goals,
 
 }  // namespace
 
-std::string summary_table(const Environment& environment,
+std::string summary_table(const CompiledScenario& compiled,
                           const std::vector<EpisodeSummary>& episodes) {
   std::vector<std::string> goals;
-  for (const Goal& goal : environment.task().goals) {
-    goals.push_back(body_name(environment, goal.body));
+  for (const Goal& goal : compiled.task().goals) {
+    goals.push_back(body_name(compiled, goal.body));
   }
   std::vector<std::string> heading = {"episode", "steps", "time [s]", "return", "end"};
   if (!goals.empty()) {

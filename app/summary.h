@@ -9,7 +9,7 @@
 namespace skybody {
 
 /// One row per episode and goal, and a row for all.
-std::string summary_table(const Environment& environment,
+std::string summary_table(const CompiledScenario& compiled,
                           const std::vector<EpisodeSummary>& episodes);
 
 }  // namespace skybody

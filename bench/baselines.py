@@ -1,10 +1,10 @@
-"""How many steps a second each way of stepping N worlds takes, as in the paper's Table III.
+"""How many steps a second each way of stepping N environments takes, as in the paper's Table III.
 
     .venv/bin/python bench/baselines.py [--quick] [--counts N ...] [--json FILE]
 
 experiments/scalability.py sets them beside the asynchronous pool and the paper's own figures.
 
-Hover (one physics step an action), constant zero action, ended episodes reset; N worlds:
+Hover (one physics step an action), constant zero action, ended episodes reset; N envs:
 
 * loop: one Python thread, one Simulation after the other;
 * threads: Python threads, one per processor, each with its share of the Simulations;
@@ -13,9 +13,9 @@ Hover (one physics step an action), constant zero action, ended episodes reset; 
 * pool: SimulationPool, C++ threads, one per processor, one call for all;
 * vec: make_vec, C++ threads, one per processor.
 
-All of them wait for all worlds in every step, and hand over observations, rewards and ends. Each
-figure is the mean of several trials in one process, with the 95 % interval of Student's t, and the
-share of all processors that the process and its children used.
+All of them wait for all environments in every step, and hand over observations, rewards and ends.
+Each figure is the mean of several trials in one process, with the 95 % interval of Student's t, and
+the share of all processors that the process and its children used.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from typing import Any, Protocol
 import numpy as np
 import skybody
 from numpy.typing import NDArray
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody._native import Simulation as NativeSimulation
 from skybody.simulation import SimulationPool
 
@@ -50,8 +50,8 @@ STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)
 Rows = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]
 
 
-class Worlds(Protocol):
-    """N worlds: each call steps all of them once and gives observations, rewards and ends."""
+class Environments(Protocol):
+    """N envs: each call steps all of them once and gives observations, rewards and ends."""
 
     def step(self) -> Rows: ...
     def close(self) -> None: ...
@@ -60,27 +60,27 @@ class Worlds(Protocol):
 class Share:
     """Some Simulations, stepped one after the other by whoever calls."""
 
-    def __init__(self, environment: Environment, first: int, count: int) -> None:
-        self.worlds = [NativeSimulation(environment, 0, first + i) for i in range(count)]
-        for world in self.worlds:
-            world.reset()
-        self.action = np.zeros(environment.action_size, np.float32)
-        self.observations = np.zeros((count, environment.observation_size), np.float32)
+    def __init__(self, compiled: CompiledScenario, first: int, count: int) -> None:
+        self.envs = [NativeSimulation(compiled, 0, first + i) for i in range(count)]
+        for sim in self.envs:
+            sim.reset()
+        self.action = np.zeros(compiled.action_size, np.float32)
+        self.observations = np.zeros((count, compiled.observation_size), np.float32)
         self.rewards = np.zeros(count, np.float32)
         self.ends = np.zeros(count, np.bool_)
 
     def step(self) -> Rows:
-        for i, world in enumerate(self.worlds):
-            world.step(self.action)
-            self.rewards[i] = world.reward
-            self.ends[i] = world.status != 0
+        for i, sim in enumerate(self.envs):
+            sim.step(self.action)
+            self.rewards[i] = sim.reward
+            self.ends[i] = sim.status != 0
             if self.ends[i]:
-                world.reset()
-            self.observations[i] = world.observation
+                sim.reset()
+            self.observations[i] = sim.observation
         return self.observations, self.rewards, self.ends
 
     def close(self) -> None:
-        self.worlds.clear()
+        self.envs.clear()
 
 
 def joined(parts: list[Rows]) -> Rows:
@@ -89,7 +89,7 @@ def joined(parts: list[Rows]) -> Rows:
 
 
 def shares(count: int) -> list[tuple[int, int]]:
-    """First world and number of worlds for each thread or process: one per processor at most."""
+    """First environment and number for each thread or process: one per processor at most."""
     workers = min(count, processors())
     edges = [count * k // workers for k in range(workers + 1)]
     return [(a, b - a) for a, b in itertools.pairwise(edges)]
@@ -97,13 +97,13 @@ def shares(count: int) -> list[tuple[int, int]]:
 
 class Loop(Share):
     def __init__(self, count: int) -> None:
-        super().__init__(Environment("hover"), 0, count)
+        super().__init__(CompiledScenario("hover"), 0, count)
 
 
 class Threads:
     def __init__(self, count: int) -> None:
-        environment = Environment("hover")
-        self.shares = [Share(environment, first, size) for first, size in shares(count)]
+        compiled = CompiledScenario("hover")
+        self.shares = [Share(compiled, first, size) for first, size in shares(count)]
         self.threads = ThreadPoolExecutor(len(self.shares))
 
     def step(self) -> Rows:
@@ -115,7 +115,7 @@ class Threads:
 
 def serve(pipe: Connection, first: int, count: int) -> None:
     """A process: steps its share whenever it is told to, until the pipe closes."""
-    share = Share(Environment("hover"), first, count)
+    share = Share(CompiledScenario("hover"), first, count)
     pipe.send(None)
     while pipe.recv():
         pipe.send(share.step())
@@ -151,7 +151,7 @@ class Pool:
     def __init__(self, count: int) -> None:
         self.pool = SimulationPool("hover", count, pin_threads=True)
         self.pool.reset()
-        self.actions = np.zeros((count, self.pool.environment.action_size), np.float32)
+        self.actions = np.zeros((count, self.pool.compiled.action_size), np.float32)
 
     def step(self) -> Rows:
         self.pool.step(self.actions)
@@ -168,7 +168,7 @@ class Vec:
     def __init__(self, count: int) -> None:
         self.envs = skybody.make_vec("hover", count, autoreset="same_step")
         self.envs.reset()
-        self.actions = np.zeros((count, self.envs.environment.action_size), np.float32)
+        self.actions = np.zeros((count, self.envs.compiled.action_size), np.float32)
 
     def step(self) -> Rows:
         observations, rewards, terminated, truncated, _ = self.envs.step(self.actions)
@@ -178,7 +178,7 @@ class Vec:
         self.envs.close()
 
 
-WAYS: dict[str, Callable[[int], Worlds]] = {
+WAYS: dict[str, Callable[[int], Environments]] = {
     "loop": Loop,
     "threads": Threads,
     "processes": Processes,
@@ -209,29 +209,29 @@ def processor_seconds() -> float:
     return time.process_time() + ticks / os.sysconf("SC_CLK_TCK")
 
 
-def rate(worlds: Worlds, count: int, seconds: float) -> float:
-    """Steps of worlds per second, over about that long."""
+def rate(envs: Environments, count: int, seconds: float) -> float:
+    """Steps of environments per second, over about that long."""
     steps, start = 0, time.perf_counter()
     while True:
         for _ in range(10):
-            worlds.step()
+            envs.step()
         steps += 10 * count
         taken = time.perf_counter() - start
         if taken >= seconds:
             return steps / taken
 
 
-def measure(way: Callable[[int], Worlds], count: int, trials: int, seconds: float) -> Trials:
+def measure(way: Callable[[int], Environments], count: int, trials: int, seconds: float) -> Trials:
     """Some trials, one after another, after a fifth of one that is not counted."""
-    worlds = way(count)
+    envs = way(count)
     try:
-        rate(worlds, count, 0.2 * seconds)  # the first steps make what is made once
+        rate(envs, count, 0.2 * seconds)  # the first steps make what is made once
         computed, start = processor_seconds(), time.perf_counter()
-        rates = [rate(worlds, count, seconds) for _ in range(trials)]
+        rates = [rate(envs, count, seconds) for _ in range(trials)]
         available = processors() * (time.perf_counter() - start)
         return Trials(rates, (processor_seconds() - computed) / available)
     finally:
-        worlds.close()
+        envs.close()
 
 
 def interval(rates: list[float]) -> float:
@@ -253,7 +253,9 @@ def processor() -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer, shorter trials: seconds")
-    parser.add_argument("--counts", type=int, nargs="+", metavar="N", help="worlds, for each row")
+    parser.add_argument(
+        "--counts", type=int, nargs="+", metavar="N", help="environments, for each row"
+    )
     parser.add_argument("--json", metavar="FILE", help="write all trials there")
     options = parser.parse_args()
     counts = options.counts or ((1, 8, 64) if options.quick else COUNTS)
@@ -271,7 +273,7 @@ def main() -> None:
             found = measure(way, count, trials, seconds)
             mean, half = statistics.mean(found.rates), interval(found.rates)
             results.append(
-                {"way": name, "worlds": count, "mean": mean, "interval": half}
+                {"way": name, "envs": count, "mean": mean, "interval": half}
                 | dataclasses.asdict(found)
             )
             cells.append(f"{text(mean)} +- {text(half)}")

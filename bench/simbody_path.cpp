@@ -85,25 +85,25 @@ class Physics {
 class Whole {
  public:
   Whole()
-      : environment_(load_environment({"hover", {"stepping.dynamics=simbody"}, {}})),
-        group_(environment_->make_state(1)),
-        work_(environment_->make_work(1)),
-        observation_(static_cast<std::size_t>(environment_->observation_size())),
+      : compiled_(compile_scenario({"hover", {"stepping.dynamics=simbody"}, {}})),
+        group_(compiled_->make_state(1)),
+        work_(compiled_->make_work(1)),
+        observation_(static_cast<std::size_t>(compiled_->observation_size())),
         // 1391 rad/s of 2300
-        action_(static_cast<std::size_t>(environment_->action_size()),
+        action_(static_cast<std::size_t>(compiled_->action_size()),
                 2.0f * 1391.0f / 2300.0f - 1.0f) {
-    environment_->initialize(group_, 0, 1, 0);
-    environment_->reset(group_, *work_, 1u, rows());
+    compiled_->initialize(group_, 0, 1, 0);
+    compiled_->reset(group_, *work_, 1u, rows());
   }
   void step() {
-    environment_->step(group_, *work_, 1u, action_.data(), environment_->action_size(), rows());
-    if (status_ != kRunning) environment_->reset(group_, *work_, 1u, rows());
+    compiled_->step(group_, *work_, 1u, action_.data(), compiled_->action_size(), rows());
+    if (status_ != kRunning) compiled_->reset(group_, *work_, 1u, rows());
   }
   double height() const { return 0.0; }
 
  private:
   Rows rows() { return {observation_.data(), &reward_, &status_}; }
-  std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const CompiledScenario> compiled_;
   StateGroup group_;
   std::unique_ptr<GroupWork> work_;
   std::vector<float> observation_, action_;

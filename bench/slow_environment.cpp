@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace skybody::bench {
 namespace {
@@ -28,11 +28,11 @@ struct Case {
   int env = 0;  ///< the slow one, -1: all
 };
 
-std::shared_ptr<const Environment> load(const Case& c) {
+std::shared_ptr<const CompiledScenario> load(const Case& c) {
   const std::string slow = "{plugin: slow_controller, parameters: {env: " + std::to_string(c.env) +
                            ", turns: " + std::to_string(c.turns) +
                            ", sleep: " + std::to_string(c.sleep) + "}}";
-  return load_environment(
+  return compile_scenario(
       {"hover",
        {"stepping.dynamics=simbody",
         "robots.quad.controllers=[{plugin: rotor_speed, name: motors, parameters: "
@@ -42,15 +42,15 @@ std::shared_ptr<const Environment> load(const Case& c) {
 }
 
 /// Steps a second, every received environment being sent on at once.
-double rate(const std::shared_ptr<const Environment>& environment, int envs_count, int threads,
+double rate(const std::shared_ptr<const CompiledScenario>& compiled, int envs_count, int threads,
             Order order) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.envs = envs_count;
   options.batch = envs_count == kEnvs ? kBatch : envs_count;
   options.threads = threads;
   options.order = order;
-  VecEnv envs(environment, options);
-  const auto width = static_cast<std::size_t>(environment->action_size());
+  Pool envs(compiled, options);
+  const auto width = static_cast<std::size_t>(compiled->action_size());
   const std::vector<float> actions(kEnvs * width, 0.2f);
   envs.send_reset();
   long steps = 0;
@@ -66,9 +66,9 @@ double rate(const std::shared_ptr<const Environment>& environment, int envs_coun
 }
 
 double best_rate(const Case& c, int threads, Order order, int envs = kEnvs) {
-  const auto environment = load(c);
+  const auto compiled = load(c);
   double best = 0.0;
-  for (int k = 0; k < kTrials; ++k) best = std::max(best, rate(environment, envs, threads, order));
+  for (int k = 0; k < kTrials; ++k) best = std::max(best, rate(compiled, envs, threads, order));
   return best;
 }
 

@@ -2,8 +2,8 @@
 
     python examples/python_task.py [--steps 200000] [--envs 16] [--seed 0]
 
-Worlds are stepped in C++ on a thread each; what the learner sees and earns is NumPy, below. PPO of
-Stable-Baselines3 learns it; the mean return is printed before and after.
+Environments are stepped in C++ on several threads; what the learner sees and earns is NumPy, below.
+PPO of Stable-Baselines3 learns it; the mean return is printed before and after.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import numpy as np
 import torch
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
-from skybody.python_task import PythonTask, PythonTaskVecEnv
+from skybody.python_task import PythonTask, PythonTaskVectorEnv
 from skybody.sb3_adapter import VectorEnvForSb3
-from skybody.simulation import SimulationPool, WorldStates
+from skybody.simulation import EnvStates, SimulationPool
 from stable_baselines3 import PPO
 
 RADIUS, HEIGHT, PERIOD = 1.0, 1.5, 4.0  # m, m, s
@@ -49,16 +49,16 @@ class FollowCircle(PythonTask):
     action_space = Box(-1, 1, (4,), np.float32)
 
     def setup(self, pool: SimulationPool) -> None:
-        environment = pool.environment
-        mass = pool.param(0, f"robots.{environment.robots[0]}.links.base_link.mass")
+        compiled = pool.compiled
+        mass = pool.param(0, f"robots.{compiled.robots[0]}.links.base_link.mass")
         self.weight = mass * 9.81
 
-    def command(self, actions: NDArray[np.float32], states: WorldStates) -> NDArray[np.float64]:
+    def command(self, actions: NDArray[np.float32], states: EnvStates) -> NDArray[np.float64]:
         """Action 0 is level flight: thrust around the weight [N], rates in rad/s."""
         thrust = self.weight * (1 + 0.5 * actions[:, :1])
         return np.hstack([thrust, actions[:, 1:] * [3.0, 3.0, 1.5]])
 
-    def reference(self, states: WorldStates) -> list[NDArray[np.float64]]:
+    def reference(self, states: EnvStates) -> list[NDArray[np.float64]]:
         """The point's position, velocity and acceleration, (n, 3) each."""
         rate = 2 * np.pi / PERIOD
         phase = rate * states.times
@@ -67,13 +67,13 @@ class FollowCircle(PythonTask):
         velocity = rate * np.stack([-sin, cos, none], axis=1)
         return [position, velocity, rate**2 * np.stack([-cos, -sin, none], axis=1)]
 
-    def error(self, states: WorldStates) -> NDArray[np.float64]:
+    def error(self, states: EnvStates) -> NDArray[np.float64]:
         """Distance to the point, (n,) [m]."""
         away = states.positions[:, 0] - self.reference(states)[0]
         distance: NDArray[np.float64] = np.linalg.norm(away, axis=1)
         return distance
 
-    def observation(self, states: WorldStates) -> NDArray[np.float64]:
+    def observation(self, states: EnvStates) -> NDArray[np.float64]:
         """All in body axes: where the point is and how it moves, seen from here; up; own rates."""
         position, velocity, acceleration = self.reference(states)
         rotation = states.rotations[:, 0]
@@ -88,22 +88,22 @@ class FollowCircle(PythonTask):
             ]
         )
 
-    def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
+    def reward(self, states: EnvStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
         """1 at the point, less further away and for hasty commands."""
         effort: NDArray[np.float32] = np.square(actions).sum(axis=1)
         value: NDArray[np.float64] = np.exp(-2 * self.error(states)) - 0.02 * effort
         return value
 
-    def terminated(self, states: WorldStates) -> NDArray[np.bool_]:
+    def terminated(self, states: EnvStates) -> NDArray[np.bool_]:
         return self.error(states) > LOST
 
-    def info(self, states: WorldStates) -> dict[str, NDArray[np.float64]]:
+    def info(self, states: EnvStates) -> dict[str, NDArray[np.float64]]:
         return {"error": self.error(states)}
 
 
 def evaluate(model: PPO, episodes: int = 32, seed: int = 1000) -> tuple[float, float]:
     """Mean return, and mean distance in the last second [m], of the policy's mean actions."""
-    with_ends = PythonTaskVecEnv(
+    with_ends = PythonTaskVectorEnv(
         FollowCircle(), "hover", episodes, seed=seed, autoreset="next_step", overrides=OVERRIDES
     )
     observation, _ = with_ends.reset()
@@ -123,12 +123,12 @@ def evaluate(model: PPO, episodes: int = 32, seed: int = 1000) -> tuple[float, f
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--steps", type=int, default=200_000, help="actions to learn from")
-    parser.add_argument("--envs", type=int, default=16, help="worlds, a thread each")
+    parser.add_argument("--envs", type=int, default=16, help="environments")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
 
     torch.set_num_threads(1)  # small networks: more only get in one another's way
-    envs = PythonTaskVecEnv(
+    envs = PythonTaskVectorEnv(
         FollowCircle(),
         "hover",
         options.envs,

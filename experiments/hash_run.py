@@ -98,13 +98,13 @@ class Flight:
 
 def hashes(options: argparse.Namespace) -> list[str]:
     """The four that the program prints."""
-    environment = skybody.Environment(options.scenario, options.set)
+    compiled = skybody.CompiledScenario(options.scenario, options.set)
     steps, half = options.steps, options.steps // 2
-    actions = hash_actions(options.seed, options.envs, steps, environment.action_size)
+    actions = hash_actions(options.seed, options.envs, steps, compiled.action_size)
 
     def flight(threads: int, batch: int, order: skybody.pool.Order) -> Flight:
         pool = skybody.make_pool(
-            environment,
+            compiled,
             options.envs,
             batch_size=batch,
             num_threads=threads,

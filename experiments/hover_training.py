@@ -31,7 +31,7 @@ import training_reproducibility
 from hover_report import draw, markdown
 from policy_flight import PICTURE, fly_policy
 from program import run_program
-from skybody import Environment
+from skybody import CompiledScenario
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.run_folder import read_evaluation
 from training_runs import (
@@ -106,7 +106,7 @@ def curve(run: Run) -> dict[str, Any]:
     """Of the evaluations, and by what returns are divided to be compared."""
     keep = ("steps", "wall_clock", "return_mean", "position_error_median", "success_share")
     points = [{name: evaluation[name] for name in keep} for evaluation in run.evaluations()]
-    return {"horizon": Environment(run.scenario, list(run.overrides)).horizon, "curve": points}
+    return {"horizon": CompiledScenario(run.scenario, list(run.overrides)).horizon, "curve": points}
 
 
 def record(run: Run, measured: dict[str, float]) -> dict[str, Any]:

@@ -169,7 +169,7 @@ class Replay:
         self.world = skybody.Simulation(
             flight.scenario, control="rotor_speed", seed=SEED, overrides=changes
         )
-        robots = self.world.environment.robots
+        robots = self.world.compiled.robots
         ends = np.cumsum([self.world.command_size(robot) for robot in robots])
         self.robots = list(zip(robots, np.split(np.arange(ends[-1]), ends[:-1]), strict=True))
 

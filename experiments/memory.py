@@ -103,7 +103,7 @@ def step_pool(steps: int) -> bool:
     memory = Memory(steps, "steps")
     done = 0
     with skybody.make_pool("hover", ENVS, batch_size=ENVS // 3, seed=1) as pool:
-        chance = Chance(pool.environment.action_size)
+        chance = Chance(pool.compiled.action_size)
         pool.async_reset()
         while done < steps:
             ids = pool.recv()[-1]["env_id"].copy()
@@ -123,7 +123,7 @@ def step_vector(steps: int) -> bool:
     memory = Memory(steps, "steps")
     done = 0
     envs = skybody.make_vec("hover", ENVS, seed=1)
-    chance = Chance(envs.environment.action_size)
+    chance = Chance(envs.compiled.action_size)
     envs.reset()
     while done < steps:
         mask = chance.resets(ENVS)
@@ -137,13 +137,13 @@ def step_vector(steps: int) -> bool:
     return memory.flat()
 
 
-def use_and_close(environment: skybody.Environment, number: int) -> None:
+def use_and_close(compiled: skybody.CompiledScenario, number: int) -> None:
     """A pool in flight and a vector environment; each second one is left to the collector."""
-    actions = np.zeros((CYCLE_ENVS, environment.action_size), np.float32)
-    pool = skybody.make_pool(environment, CYCLE_ENVS, num_threads=CYCLE_THREADS)
+    actions = np.zeros((CYCLE_ENVS, compiled.action_size), np.float32)
+    pool = skybody.make_pool(compiled, CYCLE_ENVS, num_threads=CYCLE_THREADS)
     pool.reset()
     pool.send(actions)
-    envs = skybody.make_vec(environment, CYCLE_ENVS, num_threads=CYCLE_THREADS)
+    envs = skybody.make_vec(compiled, CYCLE_ENVS, num_threads=CYCLE_THREADS)
     envs.reset()
     envs.step(actions)
     if number % 2 == 0:
@@ -156,7 +156,7 @@ def open_and_close(cycles: int) -> bool:
     memory = Memory(cycles, "cycles")
     before: tuple[int, int] | None = None
     for cycle in range(1, cycles + 1):
-        use_and_close(skybody.Environment("hover"), cycle)
+        use_and_close(skybody.CompiledScenario("hover"), cycle)
         if cycle % memory.every == 0:
             gc.collect()
         memory.report(cycle)

@@ -26,7 +26,7 @@ from training_runs import ROOT, machine, machine_line
 
 @dataclass(frozen=True)
 class Case:
-    """One workload. `arguments` go to `skybody bench`; of Python: environments of a VecEnv."""
+    """One workload. `arguments` go to `skybody bench`; of Python: environments of a Pool."""
 
     name: str
     arguments: tuple[str, ...] = ()

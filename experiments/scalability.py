@@ -106,8 +106,8 @@ def reset_share(action: str) -> float:
     """How many of all rows begin an episode, over the length of the longest."""
     with skybody.make_pool(SCENARIO, EPISODE_ENVS, infos=False) as pool:
         pool.reset()
-        rows = np.full((EPISODE_ENVS, pool.environment.action_size), ACTIONS[action], np.float32)
-        receives = pool.environment.horizon + 1
+        rows = np.full((EPISODE_ENVS, pool.compiled.action_size), ACTIONS[action], np.float32)
+        receives = pool.compiled.horizon + 1
         begun = 0
         for _ in range(receives):
             pool.send(rows)

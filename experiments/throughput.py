@@ -105,13 +105,13 @@ def summary(trials: Sequence[Trial]) -> Summary:
 
 def measure(case: Case, length: Length) -> list[Trial]:
     """All trials of one case."""
-    environment = skybody.Environment(case.scenario, overrides=list(case.overrides))
-    return [_trial(environment, case, length, seed) for seed in range(length.trials)]
+    compiled = skybody.CompiledScenario(case.scenario, overrides=list(case.overrides))
+    return [_trial(compiled, case, length, seed) for seed in range(length.trials)]
 
 
-def _trial(environment: skybody.Environment, case: Case, length: Length, seed: int) -> Trial:
+def _trial(compiled: skybody.CompiledScenario, case: Case, length: Length, seed: int) -> Trial:
     with skybody.make_pool(
-        environment,
+        compiled,
         case.envs,
         batch_size=case.batch,
         num_threads=case.threads,
@@ -129,7 +129,7 @@ def _trial(environment: skybody.Environment, case: Case, length: Length, seed: i
 
 def _receiver(pool: skybody.Pool, case: Case) -> Callable[[], None]:
     """Receives a batch and sends those environments on."""
-    shape = (case.batch, pool.environment.action_size)
+    shape = (case.batch, pool.compiled.action_size)
     rows = np.full(shape, ACTIONS[case.action], np.float32)
     recv, send = pool.recv, pool.send
 

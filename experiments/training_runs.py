@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from skybody import Environment
+from skybody import CompiledScenario
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.presets import preset, with_settings
 from skybody.train.run_folder import read_evaluation
@@ -81,8 +81,8 @@ class Run:
             with_settings(preset(self.scenario, self.algorithm), self.settings)
         )
         wanted |= {name: json.loads(json.dumps(value)) for name, value in hyper.items()}
-        environment = Environment(self.scenario, list(self.overrides))
-        wanted["scenario_hash"] = f"{environment.scenario_hash:016x}"
+        compiled = CompiledScenario(self.scenario, list(self.overrides))
+        wanted["scenario_hash"] = f"{compiled.scenario_hash:016x}"
         for name, value in wanted.items():
             found = (config["hyper"] if name in hyper else config)[name]
             if found != value:

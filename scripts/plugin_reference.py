@@ -56,7 +56,7 @@ SETUP = (
     ),
 )
 STEP = (
-    Part("What step methods read", f"{API}/lanes.h", ("Lanes", "BodyMotion", "ContactSum")),
+    Part("What step methods read", f"{API}/env_view.h", ("EnvView", "BodyMotion", "ContactSum")),
     Part("Views of values", f"{API}/values.h", ("ConstValues", "Values")),
     Part("Images", f"{API}/image.h", ("Image",)),
 )
@@ -80,8 +80,8 @@ MATH = (
 
 
 PLACES = """\
-`first_param` of an info is the place of its first value in `Setup::params()` and `Lanes::param()`.
-The values of a constant lie from there on at these places:
+`first_param` of an info is the place of its first value in `Setup::params()` and
+`EnvView::param()`. The values of a constant lie from there on at these places:
 `env.param(rotor.first_param + SKYBODY_ROTOR_MAX_SPEED)`. Those of joints stand behind
 `first_joint_param`, as many as `joint_param_count` says; those of the world have the paths
 `gravity` and `contact` (`Setup::find_params()`)."""

@@ -6,7 +6,7 @@
 
 #include "app/batch_actions.h"
 #include "bench/limit/rate.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace skybody::bench {
 namespace {
@@ -14,11 +14,10 @@ namespace {
 /// Actions of a stream, made beforehand.
 class Stream {
  public:
-  Stream(const std::string& name, const std::shared_ptr<const Environment>& environment, int envs)
+  Stream(const std::string& name, const std::shared_ptr<const CompiledScenario>& compiled, int envs)
       : rows_(static_cast<std::size_t>(envs)),
-        off_(name == "off" ? rows_ * static_cast<std::size_t>(environment->action_size()) : 0,
-             -1.0f),
-        rest_(name == "off" ? "zero" : name, environment, envs) {}
+        off_(name == "off" ? rows_ * static_cast<std::size_t>(compiled->action_size()) : 0, -1.0f),
+        rest_(name == "off" ? "zero" : name, compiled, envs) {}
   std::span<const float> next() { return off_.empty() ? rest_.next(rows_) : std::span(off_); }
 
  private:
@@ -27,22 +26,22 @@ class Stream {
   BatchActions rest_;
 };
 
-std::shared_ptr<const Environment> load(const Contest& contest) {
+std::shared_ptr<const CompiledScenario> load(const Contest& contest) {
   LoadOptions options = contest.scenario;
   options.overrides.push_back("stepping.action_repeat=" + std::to_string(contest.repeats));
-  return load_environment(options);
+  return compile_scenario(options);
 }
 
 /// All environments, sent and received round by round as a learner does.
 class Ours {
  public:
   explicit Ours(const Contest& contest)
-      : environment_(load(contest)),
-        envs_(environment_, options_of(contest)),
-        stream_(contest.actions, environment_, contest.envs) {
+      : compiled_(load(contest)),
+        envs_(compiled_, options_of(contest)),
+        stream_(contest.actions, compiled_, contest.envs) {
     envs_.send_reset();
     envs_.recv();
-    const double step = environment_->scenario().stepping.dt * contest.repeats;
+    const double step = compiled_->scenario().stepping.dt * contest.repeats;
     for (double time = 0.0; time <= contest.settle; time += step) round();
   }
   double rate(double seconds) {
@@ -56,8 +55,8 @@ class Ours {
   }
 
  private:
-  static VecEnvOptions options_of(const Contest& contest) {
-    VecEnvOptions options;
+  static PoolOptions options_of(const Contest& contest) {
+    PoolOptions options;
     options.envs = contest.envs;
     options.threads = contest.threads;
     options.info = false;  // the limit has none
@@ -68,8 +67,8 @@ class Ours {
     envs_.recv();
   }
 
-  std::shared_ptr<const Environment> environment_;
-  VecEnv envs_;
+  std::shared_ptr<const CompiledScenario> compiled_;
+  Pool envs_;
   Stream stream_;
 };
 

@@ -1,4 +1,4 @@
-// A scenario through VecEnv against its limit loops, in turns.
+// A scenario through Pool against its limit loops, in turns.
 #pragma once
 
 #include <map>
@@ -31,7 +31,7 @@ struct Contest {
   double settle = 0.0;  ///< physics time before the measurement [s], for what has to come to rest
 };
 
-/// Environment steps a second.
+/// CompiledScenario steps a second.
 struct Outcome {
   double ours = 0.0, limit = 0.0;
   std::string loop;  ///< the best

@@ -10,7 +10,7 @@
 
 #include "bench/bare_simbody.h"
 #include "core/base/octets.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "core/env/group_work.h"
 
 namespace skybody::bench {
@@ -26,11 +26,11 @@ double resident_bytes() {
 }  // namespace
 
 double bytes_per_environment(const LoadOptions& scenario, int envs) {
-  const auto environment = load_environment(scenario);
+  const auto compiled = compile_scenario(scenario);
   const auto fill = [&](int count) {
-    VecEnvOptions options;
+    PoolOptions options;
     options.envs = count;
-    VecEnv pool(environment, options);
+    Pool pool(compiled, options);
     const std::vector<float> actions(static_cast<std::size_t>(count) * 4, 0.2f);
     pool.send_reset();
     for (int round = 0; round < 4; ++round) {  // so that both rotating buffers are there
@@ -48,26 +48,26 @@ double bytes_per_environment(const LoadOptions& scenario, int envs) {
 
 double reset_time(const LoadOptions& scenario) {
   constexpr int kTrials = 200, kResets = 50;
-  const auto environment = load_environment(scenario);
-  const int lanes = environment->preferred_lanes();
-  StateGroup group = environment->make_state(lanes);
-  const std::unique_ptr<GroupWork> work = environment->make_work(lanes);
+  const auto compiled = compile_scenario(scenario);
+  const int lanes = compiled->preferred_lanes();
+  StateGroup group = compiled->make_state(lanes);
+  const std::unique_ptr<GroupWork> work = compiled->make_work(lanes);
   const auto count = static_cast<std::size_t>(lanes);
-  std::vector<float> observation(count * static_cast<std::size_t>(environment->observation_size()));
+  std::vector<float> observation(count * static_cast<std::size_t>(compiled->observation_size()));
   std::vector<float> reward(count);
   std::vector<std::uint64_t> status(count);
   for (int l = 0; l < lanes; ++l) {
-    environment->initialize(group, l, 0, static_cast<std::uint64_t>(l));
+    compiled->initialize(group, l, 0, static_cast<std::uint64_t>(l));
   }
   // What a reset leaves for the next step to do belongs to it: a step alone is taken off.
   const std::uint32_t all = first_lanes(lanes);
-  const std::vector<float> actions(count * static_cast<std::size_t>(environment->action_size()));
+  const std::vector<float> actions(count * static_cast<std::size_t>(compiled->action_size()));
   const Rows rows{observation.data(), reward.data(), status.data()};
   const auto time_of = [&](bool with_reset) {
     const auto start = std::chrono::steady_clock::now();
     for (int k = 0; k < kResets; ++k) {
-      if (with_reset) environment->reset(group, *work, all, rows);
-      environment->step(group, *work, all, actions.data(), environment->action_size(), rows);
+      if (with_reset) compiled->reset(group, *work, all, rows);
+      compiled->step(group, *work, all, actions.data(), compiled->action_size(), rows);
     }
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
     return time.count() / (kResets * lanes);

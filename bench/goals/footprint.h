@@ -7,7 +7,7 @@
 
 namespace skybody::bench {
 
-/// Resident memory per environment of a VecEnv of so many, rows and buffers included [bytes].
+/// Resident memory per environment of a Pool of so many, rows and buffers included [bytes].
 double bytes_per_environment(const LoadOptions& scenario, int envs);
 
 /// Best time of a reset, all lanes of a group together [s per environment].

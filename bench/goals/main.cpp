@@ -161,7 +161,8 @@ class Goals {
     figures_.push_back({"memory of a hover environment", "", 0, "bytes", bytes, 2048.0, "2 KiB",
                         bytes / 2048.0, "<=", 1.0});
     const std::string drawn =
-        "{plugin: inertia, parameters: {robot: quad, mass: [0.9, 1.1], inertia: [0.9, 1.1], "
+        "{plugin: vehicle_constants, name: inertia, parameters: {robot: quad, mass: [0.9, 1.1], "
+        "inertia: [0.9, 1.1], "
         "thrust_constant: [0.9, 1.1], moment_constant: [0.9, 1.1], drag: [0.9, 1.1], "
         "rolling_moment: [0.9, 1.1], rotor_inertia: [0.9, 1.1], tau_up: [0.9, 1.1], tau_down: "
         "[0.9, 1.1]}}";

@@ -8,7 +8,7 @@
 #include "bench/limit/hover_task.h"
 #include "bench/limit/pin_rod_task.h"
 #include "core/assemble/load.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 
 namespace skybody::bench::limit {
@@ -54,27 +54,25 @@ LoadOptions scenario_of(CheckedTask task, int repeats) {
 class Engine {
  public:
   Engine(CheckedTask task, int repeats)
-      : environment_(load_environment(scenario_of(task, repeats))),
-        group_(environment_->make_state(environment_->preferred_lanes())),
-        work_(environment_->make_work(group_.lanes())),
-        observation_(static_cast<std::size_t>(environment_->observation_size()) * kGroup) {
+      : compiled_(compile_scenario(scenario_of(task, repeats))),
+        group_(compiled_->make_state(compiled_->preferred_lanes())),
+        work_(compiled_->make_work(group_.lanes())),
+        observation_(static_cast<std::size_t>(compiled_->observation_size()) * kGroup) {
     for (int l = 0; l < kGroup; ++l) {
-      environment_->initialize(group_, l, 7, static_cast<std::uint64_t>(l));
+      compiled_->initialize(group_, l, 7, static_cast<std::uint64_t>(l));
     }
-    environment_->reset(group_, *work_, kAll, rows());
+    compiled_->reset(group_, *work_, kAll, rows());
   }
   void step(const std::vector<float>& actions) {
-    environment_->step(group_, *work_, kAll, actions.data(), kActions, rows());
+    compiled_->step(group_, *work_, kAll, actions.data(), kActions, rows());
   }
-  double q(int lane, int k) { return value(environment_->layout().q.offset + k, lane); }
-  double u(int lane, int k) { return value(environment_->layout().u.offset + k, lane); }
-  double rotor(int lane, int k) {
-    return value(environment_->layout().rotor_speed.offset + k, lane);
-  }
+  double q(int lane, int k) { return value(compiled_->layout().q.offset + k, lane); }
+  double u(int lane, int k) { return value(compiled_->layout().u.offset + k, lane); }
+  double rotor(int lane, int k) { return value(compiled_->layout().rotor_speed.offset + k, lane); }
   double task_value(int lane, int k) {
-    return group_.plugin_reals(environment_->task().state + k)[lane];
+    return group_.plugin_reals(compiled_->task().state + k)[lane];
   }
-  int width() const { return environment_->observation_size(); }
+  int width() const { return compiled_->observation_size(); }
   const float* observation(int lane) const {
     return observation_.data() + static_cast<std::ptrdiff_t>(lane) * width();
   }
@@ -85,7 +83,7 @@ class Engine {
   double value(int word, int lane) { return group_.reals(word)[lane]; }
   skybody::Rows rows() { return {observation_.data(), reward_, status_}; }
 
-  std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const CompiledScenario> compiled_;
   StateGroup group_;
   std::unique_ptr<GroupWork> work_;
   std::vector<float> observation_;

@@ -85,14 +85,14 @@ SKYBODY_INLINE std::uint32_t bits(const TwinMask<R>& mask) {
 }
 
 template <class R>
-struct Lanes<Twin<R>> {
-  static constexpr int kCount = 2 * Lanes<R>::kCount;
+struct EnvView<Twin<R>> {
+  static constexpr int kCount = 2 * EnvView<R>::kCount;
   static SKYBODY_INLINE Twin<R> load(const double* p) {
-    return {Lanes<R>::load(p), Lanes<R>::load(p + Lanes<R>::kCount)};
+    return {EnvView<R>::load(p), EnvView<R>::load(p + EnvView<R>::kCount)};
   }
   static SKYBODY_INLINE void store(double* p, const Twin<R>& x) {
-    Lanes<R>::store(p, x.a);
-    Lanes<R>::store(p + Lanes<R>::kCount, x.b);
+    EnvView<R>::store(p, x.a);
+    EnvView<R>::store(p + EnvView<R>::kCount, x.b);
   }
 };
 

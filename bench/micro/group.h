@@ -1,4 +1,4 @@
-// One group of environments as a worker of VecEnv steps it.
+// One group of environments as a worker of Pool steps it.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 
 #include "core/assemble/load.h"
 #include "core/base/octets.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 
 namespace skybody::bench {
@@ -17,28 +17,28 @@ class Group {
  public:
   /// @param lanes  0: as many as the scenario is best stepped in
   Group(const std::string& scenario, const std::vector<std::string>& overrides, int lanes = 0)
-      : environment_(load_environment({scenario, overrides, {SKYBODY_BENCH_PLUGINS}})),
-        group_(environment_->make_state(lanes > 0 ? lanes : environment_->preferred_lanes())),
-        work_(environment_->make_work(group_.lanes())),
-        observation_(count() * static_cast<std::size_t>(environment_->observation_size())),
+      : compiled_(compile_scenario({scenario, overrides, {SKYBODY_BENCH_PLUGINS}})),
+        group_(compiled_->make_state(lanes > 0 ? lanes : compiled_->preferred_lanes())),
+        work_(compiled_->make_work(group_.lanes())),
+        observation_(count() * static_cast<std::size_t>(compiled_->observation_size())),
         reward_(count()),
-        action_(count() * static_cast<std::size_t>(environment_->action_size()), 0.2f),
+        action_(count() * static_cast<std::size_t>(compiled_->action_size()), 0.2f),
         status_(count()) {
     for (int l = 0; l < lanes_of(); ++l) {
-      environment_->initialize(group_, l, 0, static_cast<std::uint64_t>(l));
+      compiled_->initialize(group_, l, 0, static_cast<std::uint64_t>(l));
     }
     reset();
   }
 
   int lanes_of() const { return group_.lanes(); }
-  void reset() { environment_->reset(group_, *work_, all(), rows()); }
+  void reset() { compiled_->reset(group_, *work_, all(), rows()); }
   void step() {
-    environment_->step(group_, *work_, all(), action_.data(), environment_->action_size(), rows());
+    compiled_->step(group_, *work_, all(), action_.data(), compiled_->action_size(), rows());
   }
   /// Physics alone.
-  void advance() { environment_->advance(group_, *work_, all(), 1); }
+  void advance() { compiled_->advance(group_, *work_, all(), 1); }
   /// Task and rows alone.
-  void evaluate() { environment_->evaluate(group_, *work_, all(), rows()); }
+  void evaluate() { compiled_->evaluate(group_, *work_, all(), rows()); }
   /// Begins again where all lanes are long on their way, so that none lies on the ground.
   void keep_flying(long step) {
     if (step % 500 == 0) reset();
@@ -49,7 +49,7 @@ class Group {
   std::uint32_t all() const { return first_lanes(group_.lanes()); }
   Rows rows() { return {observation_.data(), reward_.data(), status_.data()}; }
 
-  std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const CompiledScenario> compiled_;
   StateGroup group_;
   std::unique_ptr<GroupWork> work_;
   std::vector<float> observation_, reward_, action_;

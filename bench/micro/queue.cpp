@@ -1,20 +1,20 @@
-// Rounds of VecEnv: what is left of a step's rate with queue, batches and threads around it.
+// Rounds of Pool: what is left of a step's rate with queue, batches and threads around it.
 #include <benchmark/benchmark.h>
 
 #include "core/assemble/load.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace skybody::bench {
 namespace {
 
 /// @param state  ranges: environments, batch, threads
 void queue(benchmark::State& state, Order order) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.envs = static_cast<int>(state.range(0));
   options.batch = static_cast<int>(state.range(1));
   options.threads = static_cast<int>(state.range(2));
   options.order = order;
-  VecEnv envs(load_environment({"hover", {}, {}}), options);
+  Pool envs(compile_scenario({"hover", {}, {}}), options);
   const std::vector<float> actions(static_cast<std::size_t>(options.envs) * 4, 0.21f);
   const bool whole = options.batch == options.envs;
   envs.send_reset();

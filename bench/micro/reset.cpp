@@ -8,7 +8,8 @@ namespace skybody::bench {
 namespace {
 
 const std::string kDrawn =
-    "randomization=[{plugin: inertia, parameters: {robot: quad, mass: [0.9, 1.1], inertia: [0.9, "
+    "randomization=[{plugin: vehicle_constants, name: inertia, parameters: {robot: quad, mass: "
+    "[0.9, 1.1], inertia: [0.9, "
     "1.1], thrust_constant: [0.9, 1.1], moment_constant: [0.9, 1.1], tau_up: [0.9, 1.1], tau_down: "
     "[0.9, 1.1]}}, {plugin: start, parameters: {robot: quad, position_min: [-5, -5, 0.3], "
     "position_max: [5, 5, 3], yaw_min: -0.72, yaw_max: 0.72}}]";

@@ -58,12 +58,10 @@ def in_flight(robots: int) -> tuple[str, ...]:
     return ("stepping.horizon=1000", *motors)
 
 
-def climbing(environment: skybody.Environment) -> list[int]:
+def climbing(compiled: skybody.CompiledScenario) -> list[int]:
     """Where an environment's observations hold the speeds upwards of its robots."""
-    names = ("velocity", *(f"{robot}.velocity" for robot in environment.robots))
-    return [
-        channel.first + 2 for channel in environment.observation_channels if channel.name in names
-    ]
+    names = ("velocity", *(f"{robot}.velocity" for robot in compiled.robots))
+    return [channel.first + 2 for channel in compiled.observation_channels if channel.name in names]
 
 
 def check(
@@ -114,7 +112,7 @@ def row(
     try:
         vec.reset()
         actions = np.full(vec.action_space.shape or (), hold, np.float32)
-        upwards = climbing(vec.environment)
+        upwards = climbing(vec.compiled)
 
         def fly(command: float, steps: int) -> Array:
             actions[:] = command
@@ -155,7 +153,7 @@ def single(effort: measure.Effort) -> None:
         if world.status:
             world.reset()
 
-    upwards = climbing(world.environment)
+    upwards = climbing(world.compiled)
 
     def fly(command: float, steps: int) -> Array:
         hold[:] = command

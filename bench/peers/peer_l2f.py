@@ -83,8 +83,8 @@ class Batch:
     def set_vehicle(self) -> None:
         environments, parameters = self.env.environments, self.parameters.parameters
         text = qdrone2(l2f.parameters_to_json(self.device, environments[0], parameters[0]))
-        for environment, own in zip(environments, parameters, strict=True):
-            l2f.parameters_from_json(self.device, environment, text, own)
+        for compiled, own in zip(environments, parameters, strict=True):
+            l2f.parameters_from_json(self.device, compiled, text, own)
 
     def command(self, speed: float) -> None:
         """Rotor speeds [rad/s]; actions reach from -1 at none to 1 at the fastest."""

@@ -18,7 +18,7 @@ class SlowController : public Controller {
     setup.output(Signal::kRotorSpeed, rotors_);
   }
 
-  void control(const Lanes<double>& env, State<double>&, ConstValues<double> input,
+  void control(const EnvView<double>& env, State<double>&, ConstValues<double> input,
                Values<double> output) const {
     const bool slow = env_.value() < 0.0 || static_cast<double>(env.stream_env()) == env_.value();
     for (int i = 0; i < rotors_; ++i) output.set(i, input[i] + (slow ? delay() : 0.0));

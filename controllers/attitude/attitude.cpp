@@ -21,7 +21,7 @@ class Attitude : public Controller {
   }
 
   template <class Real>
-  void control(const Lanes<Real>& env, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     const Quat<Real> wish = input.quat(1);
     const Real size = squared_norm(wish);

@@ -55,7 +55,7 @@ class ThrustTorque {
 
   /// The lag starts from what the rotors do at the reset, so that a hovering start is one here too.
   template <class Real>
-  SKYBODY_INLINE void reset(const Lanes<Real>& env, ThrustTorqueState<Real>& state) const {
+  SKYBODY_INLINE void reset(const EnvView<Real>& env, ThrustTorqueState<Real>& state) const {
     Real thrust(0.0);
     Vec3<Real> torque{Real(0.0), Real(0.0), Real(0.0)};
     for (std::size_t i = 0; i < effects_.size(); ++i) {
@@ -69,7 +69,7 @@ class ThrustTorque {
   }
 
   template <class Real>
-  SKYBODY_INLINE void drive(const Lanes<Real>& env, ThrustTorqueState<Real>& state,
+  SKYBODY_INLINE void drive(const EnvView<Real>& env, ThrustTorqueState<Real>& state,
                             const Real& thrust, const Vec3<Real>& torque,
                             Values<Real> output) const {
     const Real t = clamp(thrust, Real(0.0), Real(limits_.thrust));
@@ -129,7 +129,7 @@ class ThrustTorque {
   double keep(double time) const { return time > 0.0 ? exp(-dt_ / time) : 0.0; }
 
   template <class Real>
-  SKYBODY_INLINE Real lane_keep(const Lanes<Real>& env, double time, double constant,
+  SKYBODY_INLINE Real lane_keep(const EnvView<Real>& env, double time, double constant,
                                 int which) const {
     if (time >= 0.0 || constants_.empty()) return Real(constant);
     Real sum(0.0);

@@ -41,13 +41,13 @@ class Ctbr : public Controller {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state) const {
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
     actuators_.reset(env, state.actuators);
     state.last_rate = env.body(base_).angular_velocity;
   }
 
   template <class Real>
-  void control(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> input,
+  void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
                Values<Real> output) const {
     const Vec3<Real> rate = env.body(base_).angular_velocity;
     const Vec3<Real> reference = control::clamp_symmetric(input.vec3(1), max_rate_.vec3());
@@ -71,7 +71,7 @@ class Ctbr : public Controller {
  private:
   /// The environment's own inertia.
   template <class Real>
-  SKYBODY_INLINE SymMat3<Real> inertia(const Lanes<Real>& env) const {
+  SKYBODY_INLINE SymMat3<Real> inertia(const EnvView<Real>& env) const {
     const int i = first_inertia_;
     return {env.param(i),     env.param(i + 1), env.param(i + 2),
             env.param(i + 3), env.param(i + 4), env.param(i + 5)};

@@ -23,12 +23,12 @@ class Ctbt : public Controller {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state) const {
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
     actuators_.reset(env, state);
   }
 
   template <class Real>
-  void control(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> input,
+  void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
                Values<Real> output) const {
     actuators_.drive(env, state, input[0], input.vec3(1), output);
   }

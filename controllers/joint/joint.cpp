@@ -25,7 +25,7 @@ class Joint : public Controller {
   }
 
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     for (int i = 0; i < count_; ++i) output.set(i, input[i]);
   }

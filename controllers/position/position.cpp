@@ -27,7 +27,7 @@ class Position : public Controller {
   }
 
   template <class Real>
-  void control(const Lanes<Real>& env, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     const BodyMotion<Real> base = env.body(base_);
     const Vec3<Real> target{clamp(input[0], Real(low_.x), Real(high_.x)),

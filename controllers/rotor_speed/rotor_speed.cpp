@@ -22,7 +22,7 @@ class RotorSpeed : public Controller {
   }
 
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     for (int i = 0; i < static_cast<int>(limit_.size()); ++i) {
       output.set(i, clamp(input[i], Real(0.0), Real(limit_[static_cast<std::size_t>(i)])));

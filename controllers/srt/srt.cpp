@@ -23,7 +23,7 @@ class Srt : public Controller {
   }
 
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     for (int i = 0; i < static_cast<int>(rotors_.size()); ++i) {
       const Rotor& rotor = rotors_[static_cast<std::size_t>(i)];

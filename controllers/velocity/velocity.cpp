@@ -34,7 +34,7 @@ class Velocity : public Controller {
   }
 
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     if (as_position_) {
       output.set(0, clamp(input[0], Real(low_.x), Real(high_.x)));

@@ -33,7 +33,7 @@ class Wrench : public Controller {
   }
 
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     for (int i = 0; i < sites_; ++i) {
       output.set(6 * i, control::clamp_symmetric(input.vec3(6 * i), force_));

@@ -171,14 +171,14 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
   return std::make_unique<RegistryCatalog>(std::move(registry));
 }
 
-std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
-                                                    Diagnostics& diagnostics) {
+std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options,
+                                                         Diagnostics& diagnostics) {
   if (!check_name(options.scenario, diagnostics)) return nullptr;
   if (!check_plugin_path(options, diagnostics)) return nullptr;
-  return load_environment(options, find_plugins(options), diagnostics);
+  return compile_scenario(options, find_plugins(options), diagnostics);
 }
 
-std::shared_ptr<const Environment> load_environment(
+std::shared_ptr<const CompiledScenario> compile_scenario(
     const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
     Diagnostics& diagnostics) {
   const FpEnvironment guard;
@@ -189,10 +189,10 @@ std::shared_ptr<const Environment> load_environment(
   const SourceMark whole{scenario->file, 0, 0};
   try {
     RegistryFactory factory(*registry);
-    auto environment = std::make_shared<const Environment>(
+    auto compiled = std::make_shared<const CompiledScenario>(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
-    check_world(environment->world());  // a world that cannot be built is said here
-    return environment;
+    check_world(compiled->world());  // a world that cannot be built is said here
+    return compiled;
   } catch (const MarkedError& e) {
     diagnostics.error(e.mark(), e.what());
   } catch (const Error& e) {
@@ -201,11 +201,11 @@ std::shared_ptr<const Environment> load_environment(
   return nullptr;
 }
 
-std::shared_ptr<const Environment> load_environment(const LoadOptions& options) {
+std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options) {
   Diagnostics diagnostics;
-  auto environment = load_environment(options, diagnostics);
+  auto compiled = compile_scenario(options, diagnostics);
   diagnostics.throw_if_errors();
-  return environment;
+  return compiled;
 }
 
 }  // namespace skybody

@@ -1,4 +1,4 @@
-// The composition root: scenario file + plugins -> Environment.
+// The composition root: scenario file + plugins -> CompiledScenario.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/io/diagnostics.h"
 #include "core/io/plugin_catalog.h"
 #include "core/model/refused_files.h"
@@ -22,7 +22,7 @@ struct LoadOptions {
   std::vector<std::filesystem::path> plugin_path;  ///< searched before the default places
   bool trust_scenario = false;  ///< search the scenario's folder and its `plugins`, too
   RefusedFiles refused_plugins = {};
-  bool checked = false;  ///< checked mode, see Environment
+  bool checked = false;  ///< checked mode, see CompiledScenario
 };
 
 /// Plugins found on the search path of `options` (see docs/plugins.md for the order).
@@ -33,16 +33,16 @@ std::unique_ptr<PluginCatalog> make_catalog(std::shared_ptr<const PluginRegistry
 
 /// Reads the scenario, configures its plugins and builds the world.
 /// @returns null if `diagnostics` has errors afterwards; warnings alone do not prevent loading
-std::shared_ptr<const Environment> load_environment(const LoadOptions& options,
-                                                    Diagnostics& diagnostics);
+std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options,
+                                                         Diagnostics& diagnostics);
 
 /// The same with plugins that were found before, for callers who load many scenarios.
-std::shared_ptr<const Environment> load_environment(
+std::shared_ptr<const CompiledScenario> compile_scenario(
     const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
     Diagnostics& diagnostics);
 
 /// The same for callers who want an exception.
 /// @throws InputError with all messages
-std::shared_ptr<const Environment> load_environment(const LoadOptions& options);
+std::shared_ptr<const CompiledScenario> compile_scenario(const LoadOptions& options);
 
 }  // namespace skybody

@@ -1,6 +1,6 @@
 #include "core/batch/buffer_ring.h"
 
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace skybody {
 

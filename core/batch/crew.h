@@ -1,4 +1,4 @@
-// The threads of a VecEnv: workers that take groups from a queue, and the caller, who works too.
+// The threads of a Pool: workers that take groups from a queue, and the caller, who works too.
 #pragma once
 
 #include <atomic>

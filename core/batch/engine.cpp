@@ -19,12 +19,12 @@ namespace {
 constexpr std::uint64_t kLaneBits = 0xffffffffu;
 constexpr std::uint64_t kOwned = std::uint64_t{1} << 32;
 
-int threads_for(const VecEnvOptions& options) {
+int threads_for(const PoolOptions& options) {
   if (options.threads > 0) return options.threads;
   return std::min(static_cast<int>(allowed_processors().size()), options.envs);
 }
 
-VecEnvOptions completed(VecEnvOptions options) {
+PoolOptions completed(PoolOptions options) {
   if (options.batch == 0) options.batch = options.envs;
   options.threads = threads_for(options);
   return options;
@@ -32,9 +32,9 @@ VecEnvOptions completed(VecEnvOptions options) {
 
 }  // namespace
 
-VecEnv::Engine::Engine(std::shared_ptr<const Environment> environment, const VecEnvOptions& given)
+Pool::Engine::Engine(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& given)
     : options(completed(given)),
-      fleet(std::move(environment), options),
+      fleet(std::move(compiled), options),
       in_flight_(static_cast<std::size_t>(options.envs)),
       finished_(in_flight_.size()),
       marked_(in_flight_.size()),
@@ -50,37 +50,37 @@ VecEnv::Engine::Engine(std::shared_ptr<const Environment> environment, const Vec
   std::iota(staging_.env_id.begin(), staging_.env_id.end(), 0);
 }
 
-bool VecEnv::Engine::of_this_process() const { return process_ == process_id(); }
+bool Pool::Engine::of_this_process() const { return process_ == process_id(); }
 
-void VecEnv::Engine::check_alive() {
+void Pool::Engine::check_alive() {
   if (!of_this_process()) {
     throw StateError(
-        "this VecEnv belongs to the parent process: its threads did not come along with the fork. "
+        "this Pool belongs to the parent process: its threads did not come along with the fork. "
         "Make one in the child, or start processes by `spawn`");
   }
   crew_.rethrow_failure();
   if (!observer_failure_.empty()) throw StateError(std::exchange(observer_failure_, {}));
 }
 
-void VecEnv::Engine::check_idle(const char* what) {
+void Pool::Engine::check_idle(const char* what) {
   check_alive();
   if (in_flight_count == 0) return;
   throw StateError(std::string(what) + " while " + std::to_string(in_flight_count) +
                    " environments are in flight: recv() them first");
 }
 
-void VecEnv::Engine::check_id(std::int32_t env) const {
+void Pool::Engine::check_id(std::int32_t env) const {
   check_index("environment", env, fleet.envs());
 }
 
-void VecEnv::Engine::settle(int env) {
+void Pool::Engine::settle(int env) {
   const std::atomic<std::uint64_t>& state =
       group_state_[static_cast<std::size_t>(fleet.group_of(env))];
   crew_.wait([&] { return state.load(std::memory_order_acquire) == 0; },
              Crew::Clock::time_point::max());
 }
 
-void VecEnv::Engine::send_reset(std::span<const std::uint8_t> mask) {
+void Pool::Engine::send_reset(std::span<const std::uint8_t> mask) {
   check_alive();
   int count = 0;
   for (int env = 0; env < fleet.envs(); ++env) {
@@ -101,7 +101,7 @@ void VecEnv::Engine::send_reset(std::span<const std::uint8_t> mask) {
 }
 
 /// All of them, under another seed.
-void VecEnv::Engine::send_reset(std::uint64_t seed) {
+void Pool::Engine::send_reset(std::uint64_t seed) {
   check_idle("a reset under another seed");
   open_round(fleet.envs());  // may refuse: before anything is changed
   fleet.initialize(seed);
@@ -111,15 +111,15 @@ void VecEnv::Engine::send_reset(std::uint64_t seed) {
   enqueue_all();
 }
 
-void VecEnv::Engine::send_steps(std::span<const float> actions,
-                                std::span<const std::int32_t> env_ids) {
+void Pool::Engine::send_steps(std::span<const float> actions,
+                              std::span<const std::int32_t> env_ids) {
   check_alive();
   if (env_ids.empty() && in_flight_count == 0 && fleet.can_step_all()) {
     send_all_steps(actions);
     return;
   }
   check_steps(actions, env_ids);
-  const auto width = static_cast<std::size_t>(fleet.environment().action_size());
+  const auto width = static_cast<std::size_t>(fleet.compiled().action_size());
   const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
   open_round(static_cast<int>(count));
   for (std::size_t k = 0; k < count; ++k) {
@@ -132,7 +132,7 @@ void VecEnv::Engine::send_steps(std::span<const float> actions,
 }
 
 /// The same at once for all, none of which is in flight or waits for a reset.
-void VecEnv::Engine::send_all_steps(std::span<const float> actions) {
+void Pool::Engine::send_all_steps(std::span<const float> actions) {
   check_size(actions, in_flight_.size());
   open_round(fleet.envs());
   std::copy(actions.begin(), actions.end(), fleet.action(0));
@@ -140,12 +140,12 @@ void VecEnv::Engine::send_all_steps(std::span<const float> actions) {
   enqueue_all();
 }
 
-void VecEnv::Engine::check_size(std::span<const float> actions, std::size_t count) const {
-  check_values("actions", actions.size(), count, fleet.environment().action_size());
+void Pool::Engine::check_size(std::span<const float> actions, std::size_t count) const {
+  check_values("actions", actions.size(), count, fleet.compiled().action_size());
 }
 
-void VecEnv::Engine::check_steps(std::span<const float> actions,
-                                 std::span<const std::int32_t> env_ids) {
+void Pool::Engine::check_steps(std::span<const float> actions,
+                               std::span<const std::int32_t> env_ids) {
   const std::size_t count = env_ids.empty() ? in_flight_.size() : env_ids.size();
   check_size(actions, count);
   std::size_t k = 0;
@@ -163,7 +163,7 @@ void VecEnv::Engine::check_steps(std::span<const float> actions,
 }
 
 /// May this environment be stepped now? `marked_` are those of the same send().
-void VecEnv::Engine::check_step(std::int32_t env) {
+void Pool::Engine::check_step(std::int32_t env) {
   check_id(env);
   if (marked_[static_cast<std::size_t>(env)] != 0) refuse_twice("environment", env);
   const auto name = [env] { return "environment " + std::to_string(env); };  // only where it failed
@@ -175,7 +175,7 @@ void VecEnv::Engine::check_step(std::int32_t env) {
   }
 }
 
-void VecEnv::Engine::unmark(std::span<const std::int32_t> env_ids, std::size_t count) {
+void Pool::Engine::unmark(std::span<const std::int32_t> env_ids, std::size_t count) {
   if (env_ids.empty()) {
     std::fill(marked_.begin(), marked_.end(), std::uint8_t{0});
     return;
@@ -184,7 +184,7 @@ void VecEnv::Engine::unmark(std::span<const std::int32_t> env_ids, std::size_t c
 }
 
 /// Decides where the rows of the environments that follow will be written.
-void VecEnv::Engine::open_round(int count) {
+void Pool::Engine::open_round(int count) {
   if (in_flight_count > 0) return;  // some are being written to `target_` right now
   round_ = count == fleet.envs() && options.batch == fleet.envs();
   target_ = &staging_;
@@ -194,7 +194,7 @@ void VecEnv::Engine::open_round(int count) {
   round_left_.store(count, std::memory_order_relaxed);
 }
 
-void VecEnv::Engine::enqueue(int env) {
+void Pool::Engine::enqueue(int env) {
   in_flight_[static_cast<std::size_t>(env)] = 1;
   ++in_flight_count;
   const int group = fleet.group_of(env);
@@ -205,7 +205,7 @@ void VecEnv::Engine::enqueue(int env) {
 }
 
 /// All environments, none of which is in flight.
-void VecEnv::Engine::enqueue_all() {
+void Pool::Engine::enqueue_all() {
   std::fill(in_flight_.begin(), in_flight_.end(), std::uint8_t{1});
   in_flight_count = fleet.envs();
   for (int group = 0; group < fleet.groups(); ++group) {
@@ -219,7 +219,7 @@ void VecEnv::Engine::enqueue_all() {
 }
 
 /// In a round all lanes of a group are in flight, so that none can be sent while it runs.
-void VecEnv::Engine::run(const int* groups, int count, int thread) {
+void Pool::Engine::run(const int* groups, int count, int thread) {
   if (!round_) {
     for (int k = 0; k < count; ++k) run_lanes(groups[k], thread);
     return;
@@ -236,7 +236,7 @@ void VecEnv::Engine::run(const int* groups, int count, int thread) {
 }
 
 /// Lanes that are sent while the group runs are run by the same thread right after.
-void VecEnv::Engine::run_lanes(int group, int thread) {
+void Pool::Engine::run_lanes(int group, int thread) {
   std::atomic<std::uint64_t>& state = group_state_[static_cast<std::size_t>(group)];
   for (std::uint64_t idle = kOwned;; idle = kOwned) {
     const auto lanes =
@@ -251,7 +251,7 @@ void VecEnv::Engine::run_lanes(int group, int thread) {
 }
 
 /// Takes what has finished out of the queue.
-void VecEnv::Engine::drain() {
+void Pool::Engine::drain() {
   int group = 0;
   std::uint32_t lanes = 0;
   while (done_.pop(group, lanes)) {
@@ -263,7 +263,7 @@ void VecEnv::Engine::drain() {
   }
 }
 
-std::shared_ptr<const Batch> VecEnv::Engine::recv(Crew::Clock::time_point deadline) {
+std::shared_ptr<const Batch> Pool::Engine::recv(Crew::Clock::time_point deadline) {
   check_alive();
   if (in_flight_count == 0) {
     throw Error("recv() with nothing in flight: send() actions or a reset first");
@@ -282,7 +282,7 @@ std::shared_ptr<const Batch> VecEnv::Engine::recv(Crew::Clock::time_point deadli
   return finish(out);
 }
 
-std::shared_ptr<const Batch> VecEnv::Engine::recv_round(Crew::Clock::time_point deadline) {
+std::shared_ptr<const Batch> Pool::Engine::recv_round(Crew::Clock::time_point deadline) {
   const auto ready = [&] { return round_left_.load(std::memory_order_seq_cst) == 0; };
   if (!crew_.wait(ready, deadline)) return nullptr;
   round_ = false;
@@ -293,19 +293,19 @@ std::shared_ptr<const Batch> VecEnv::Engine::recv_round(Crew::Clock::time_point 
 }
 
 /// The next `count` environments in flight, from the cursor on.
-void VecEnv::Engine::choose_in_turn(int count) {
+void Pool::Engine::choose_in_turn(int count) {
   chosen_.clear();
   for (int env = cursor; static_cast<int>(chosen_.size()) < count; env = (env + 1) % fleet.envs()) {
     if (in_flight(env)) chosen_.push_back(env);
   }
 }
 
-void VecEnv::Engine::choose_oldest(int count) {
+void Pool::Engine::choose_oldest(int count) {
   chosen_.assign(arrived_.begin(), arrived_.begin() + count);
   arrived_.erase(arrived_.begin(), arrived_.begin() + count);
 }
 
-bool VecEnv::Engine::batch_ready(int count) {
+bool Pool::Engine::batch_ready(int count) {
   if (options.order == Order::kArrival) return static_cast<int>(arrived_.size()) >= count;
   return std::all_of(chosen_.begin(), chosen_.end(), [&](std::int32_t env) {
     return finished_[static_cast<std::size_t>(env)] != 0;
@@ -313,7 +313,7 @@ bool VecEnv::Engine::batch_ready(int count) {
 }
 
 /// Copies the chosen environments' rows, runs of consecutive ones at a time.
-void VecEnv::Engine::gather(Batch& out) {
+void Pool::Engine::gather(Batch& out) {
   const auto count = static_cast<int>(chosen_.size());
   for (int at = 0, run = 0; at < count; at += run) {
     const int first = chosen_[static_cast<std::size_t>(at)];
@@ -329,7 +329,7 @@ void VecEnv::Engine::gather(Batch& out) {
   out.rows = count;
 }
 
-std::shared_ptr<const Batch> VecEnv::Engine::finish(Batch& out) {
+std::shared_ptr<const Batch> Pool::Engine::finish(Batch& out) {
   for (int k = 0; k < out.rows; ++k) faults += out.fault[static_cast<std::size_t>(k)];
   auto batch = buffers_.commit();
   try {

@@ -1,4 +1,4 @@
-// The machinery of a VecEnv: who is in flight, where rows go, what recv() gives.
+// The machinery of a Pool: who is in flight, where rows go, what recv() gives.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@
 #include "core/batch/crew.h"
 #include "core/batch/done_queue.h"
 #include "core/batch/fleet.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace skybody {
 
@@ -20,9 +20,9 @@ namespace skybody {
 /// are sent at once while none is in flight, and workers write straight into the buffer that recv()
 /// hands out. Otherwise workers write into a staging row per environment, and recv() gathers rows
 /// in its order.
-class VecEnv::Engine : private GroupRunner {
+class Pool::Engine : private GroupRunner {
  public:
-  Engine(std::shared_ptr<const Environment> environment, const VecEnvOptions& options);
+  Engine(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options);
 
   void send_reset(std::span<const std::uint8_t> mask);
   void send_reset(std::uint64_t seed);
@@ -41,12 +41,12 @@ class VecEnv::Engine : private GroupRunner {
   void settle(int env);
   bool in_flight(int env) const { return in_flight_[static_cast<std::size_t>(env)] != 0; }
 
-  VecEnvOptions options;
+  PoolOptions options;
   Fleet fleet;
   int in_flight_count = 0;
   int cursor = 0;  ///< kFixed: whose turn is next
   std::uint64_t faults = 0;
-  std::shared_ptr<VecEnvObserver> observer;  ///< or null
+  std::shared_ptr<PoolObserver> observer;  ///< or null
 
   std::uint64_t fresh_buffers() const { return buffers_.fresh_buffers(); }
   const Crew& crew() const { return crew_; }

@@ -15,8 +15,8 @@ namespace {
 /// How many environments a group gets: whole octets, where each thread then has one, as many as a
 /// group holds, but about the same number of groups for every thread. In order of arrival no more
 /// than an octet: those that are quick are not to wait for one that is slow.
-int span_for(const Environment& environment, const VecEnvOptions& options) {
-  const int threads = std::max(options.threads, 1), lanes = environment.preferred_lanes();
+int span_for(const CompiledScenario& compiled, const PoolOptions& options) {
+  const int threads = std::max(options.threads, 1), lanes = compiled.preferred_lanes();
   if (lanes == 1 || options.envs < kOctet * threads) return 1;
   if (options.order == Order::kArrival && options.batch < options.envs) return kOctet;
   const auto share = [](int whole, int parts) { return (whole + parts - 1) / parts; };
@@ -26,22 +26,22 @@ int span_for(const Environment& environment, const VecEnvOptions& options) {
 
 int groups_of(int envs, int span) { return (envs + span - 1) / span; }
 
-std::vector<int> image_widths(const Environment& environment) {
+std::vector<int> image_widths(const CompiledScenario& compiled) {
   std::vector<int> bytes;
-  for (const ObservedImage& image : environment.images()) bytes.push_back(image.bytes);
+  for (const ObservedImage& image : compiled.images()) bytes.push_back(image.bytes);
   return bytes;
 }
 
 }  // namespace
 
-Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions& options)
-    : environment_(std::move(environment)),
+Fleet::Fleet(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options)
+    : compiled_(std::move(compiled)),
       envs_(options.envs),
-      span_(span_for(*environment_, options)),
-      action_size_(static_cast<std::size_t>(environment_->action_size())),
+      span_(span_for(*compiled_, options)),
+      action_size_(static_cast<std::size_t>(compiled_->action_size())),
       autoreset_(options.autoreset),
       keep_hash_(options.keep_hash),
-      has_info_(options.info && environment_->info_size() > 0),
+      has_info_(options.info && compiled_->info_size() > 0),
       first_env_id_(options.first_env_id),
       actions_(index(envs_) * action_size_),
       wants_reset_(groups_of(envs_, span_)),
@@ -49,25 +49,25 @@ Fleet::Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions
       ended_(groups_of(envs_, span_)),
       chains_(index(envs_)) {
   const int groups = groups_of(envs_, span_);
-  const int lanes = span_ == 1 ? 1 : environment_->preferred_lanes();
+  const int lanes = span_ == 1 ? 1 : compiled_->preferred_lanes();
   states_.reserve(index(groups));
-  for (int g = 0; g < groups; ++g) states_.push_back(environment_->make_state(lanes));
+  for (int g = 0; g < groups; ++g) states_.push_back(compiled_->make_state(lanes));
   for (int t = 0; t < std::max(options.threads, 1); ++t) {
-    works_.push_back(environment_->make_work(lanes));
+    works_.push_back(compiled_->make_work(lanes));
   }
   initialize(options.seed);
 }
 
 RowWidths Fleet::widths() const {
-  return {environment_->observation_size(), static_cast<int>(environment_->agents().size()),
-          has_info_ ? environment_->info_size() : 0, environment_->privileged_size(),
-          image_widths(*environment_)};
+  return {compiled_->observation_size(), static_cast<int>(compiled_->agents().size()),
+          has_info_ ? compiled_->info_size() : 0, compiled_->privileged_size(),
+          image_widths(*compiled_)};
 }
 
 void Fleet::initialize(std::uint64_t seed) {
   for (int env = 0; env < envs_; ++env) {
-    environment_->initialize(state(env), lane_of(env), seed,
-                             first_env_id_ + static_cast<std::uint64_t>(env));
+    compiled_->initialize(state(env), lane_of(env), seed,
+                          first_env_id_ + static_cast<std::uint64_t>(env));
   }
   started_.clear();
   ended_.clear();
@@ -111,8 +111,8 @@ Rows Fleet::rows_of(int first, Batch& rows, GroupWork& work) const {
 void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const int first = env_of(group, 0);
   const Rows out = rows_of(first, rows, work);
-  environment_->step(states_[index(group)], work, mask, action(first),
-                     static_cast<int>(action_size_), out);
+  compiled_->step(states_[index(group)], work, mask, action(first), static_cast<int>(action_size_),
+                  out);
   add_to_hash(group, mask, out);
   describe(group, mask, false, rows);
   if (autoreset_ == Autoreset::kSameStep) reset_ended(group, mask, rows, work);
@@ -120,7 +120,7 @@ void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 
 void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const Rows out = rows_of(env_of(group, 0), rows, work);
-  environment_->reset(states_[index(group)], work, mask, out);
+  compiled_->reset(states_[index(group)], work, mask, out);
   add_to_hash(group, mask, out);
   describe(group, mask, true, rows);
 }
@@ -137,7 +137,7 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& w
   out.reward = reward;
   out.status = status;
   out.agent_reward = nullptr;
-  environment_->reset(states_[index(group)], work, over, out);
+  compiled_->reset(states_[index(group)], work, over, out);
   add_to_hash(group, over, out);
   // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
   each_lane(over, [&](int l) { ended_.set(group, 1u << l, status[l] != kRunning); });
@@ -146,7 +146,7 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& w
 void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {
   if (!keep_hash_.load(std::memory_order_relaxed)) return;
   each_lane(mask, [&](int l) {
-    environment_->hash(states_[index(group)], l, rows, chains_[index(env_of(group, l))]);
+    compiled_->hash(states_[index(group)], l, rows, chains_[index(env_of(group, l))]);
   });
 }
 
@@ -193,15 +193,15 @@ bool Fleet::describe_running(int first, const std::uint64_t* steps, bool is_rese
 }
 
 void Fleet::observation(int env, float* out) const {
-  last_values(env, 0, environment_->observation_size(), out);
+  last_values(env, 0, compiled_->observation_size(), out);
 }
 
 void Fleet::privileged(int env, float* out) const {
-  last_values(env, environment_->observation_size(), environment_->privileged_size(), out);
+  last_values(env, compiled_->observation_size(), compiled_->privileged_size(), out);
 }
 
 void Fleet::image(int env, int image, std::uint8_t* out) const {
-  const ObservedImage& place = environment_->images()[index(image)];
+  const ObservedImage& place = compiled_->images()[index(image)];
   std::copy_n(state(env).images().bytes_of(lane_of(env)) + place.from, place.bytes, out);
 }
 
@@ -209,22 +209,22 @@ void Fleet::state(const StateValue& value, double* out) {
   const int count = value.count();
   for (int g = 0; g < groups(); ++g) {
     StateGroup& group = states_[index(g)];
-    if (value.needs_bodies()) environment_->update(group, *works_[0], all_lanes(g));
+    if (value.needs_bodies()) compiled_->update(group, *works_[0], all_lanes(g));
     each_lane(all_lanes(g), [&](int l) {
-      environment_->state_values().read(value, group, l, out + index(env_of(g, l)) * index(count));
+      compiled_->state_values().read(value, group, l, out + index(env_of(g, l)) * index(count));
     });
   }
 }
 
 std::vector<std::uint64_t> Fleet::words(int env) const {
   std::vector<std::uint64_t> saved = state(env).save(lane_of(env));
-  saved.resize(index(environment_->layout().words));
+  saved.resize(index(compiled_->layout().words));
   return saved;
 }
 
 /// Values of the last finite observation, from the `first` on.
 void Fleet::last_values(int env, int first, int count, float* out) const {
-  const double* values = state(env).reals(environment_->layout().last_observation);
+  const double* values = state(env).reals(compiled_->layout().last_observation);
   const int lanes = state(env).lanes();
   for (int k = 0; k < count; ++k) {
     out[k] = static_cast<float>(values[(first + k) * lanes + lane_of(env)]);
@@ -241,11 +241,11 @@ StepCounts Fleet::step_counts() const {
 }
 
 double Fleet::param(int env, const std::string& path) const {
-  return get_param(*environment_, state(env), lane_of(env), path);
+  return get_param(*compiled_, state(env), lane_of(env), path);
 }
 
 void Fleet::set_param(int env, const std::string& path, double value) {
-  skybody::set_param(*environment_, state(env), lane_of(env), path, value);
+  skybody::set_param(*compiled_, state(env), lane_of(env), path, value);
 }
 
 void Fleet::fork(int source, int target, bool rekey) {

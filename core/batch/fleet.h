@@ -1,4 +1,4 @@
-// The environments of a VecEnv and one transition of a group of them, resets included.
+// The environments of a Pool and one transition of a group of them, resets included.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 #include "core/base/octets.h"
 #include "core/batch/batch.h"
 #include "core/batch/lane_flags.h"
-#include "core/batch/vec_env.h"
-#include "core/env/environment.h"
+#include "core/batch/pool.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/state_values.h"
 
@@ -25,10 +25,10 @@ namespace skybody {
 /// caller while no group runs.
 class Fleet {
  public:
-  Fleet(std::shared_ptr<const Environment> environment, const VecEnvOptions& options);
+  Fleet(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options);
 
-  const Environment& environment() const { return *environment_; }
-  const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
+  const CompiledScenario& compiled() const { return *compiled_; }
+  const std::shared_ptr<const CompiledScenario>& shared_scenario() const { return compiled_; }
   int envs() const { return envs_; }
   /// Environments of one group lie side by side: span() of them, fewer in the last group. One
   /// each where the physics goes one by one, or where groups would leave threads without work.
@@ -83,7 +83,7 @@ class Fleet {
   StepCounts step_counts() const;
   /// Resets so far.
   std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane_of(env)]; }
-  /// All words of an environment's WorldState, in the order of the layout.
+  /// All words of an environment's state words, in the order of the layout.
   std::vector<std::uint64_t> words(int env) const;
 
  private:
@@ -101,7 +101,7 @@ class Fleet {
   void describe(int group, std::uint32_t mask, bool is_reset, Batch& rows);
   bool describe_running(int first, const std::uint64_t* steps, bool is_reset, Batch& rows);
 
-  std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const CompiledScenario> compiled_;
   int envs_;
   int span_;
   std::size_t action_size_;

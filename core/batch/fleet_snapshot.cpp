@@ -8,7 +8,7 @@
 namespace skybody {
 namespace {
 
-// A saved fleet: these words, then per environment its WorldState, its images and its hash chain.
+// A saved fleet: these words, then per environment its state words, its images and its hash chain.
 enum SavedWord : int {
   kMagicWord,
   kVersionWord,
@@ -18,21 +18,21 @@ enum SavedWord : int {
   kSavedHeader,
 };
 constexpr std::uint64_t kMagic = 0x544545'4c464253ull;  // "SBFLEET"
-constexpr std::uint64_t kVersion = 2;                   // 2: with a checksum (VecEnv::save)
+constexpr std::uint64_t kVersion = 2;                   // 2: with a checksum (Pool::save)
 constexpr std::size_t kChainWords = sizeof(HashChain) / sizeof(std::uint64_t);
 static_assert(std::is_trivially_copyable_v<HashChain> &&
               sizeof(HashChain) == kChainWords * sizeof(std::uint64_t));
 
-std::vector<std::uint64_t> header(const Environment& environment, int envs) {
-  return {kMagic, kVersion, environment.scenario().hash, static_cast<std::uint64_t>(envs),
-          environment.saved_words()};
+std::vector<std::uint64_t> header(const CompiledScenario& compiled, int envs) {
+  return {kMagic, kVersion, compiled.scenario().hash, static_cast<std::uint64_t>(envs),
+          compiled.saved_words()};
 }
 
 }  // namespace
 
 std::vector<std::uint64_t> Fleet::save() const {
-  std::vector<std::uint64_t> out = header(*environment_, envs_);
-  const std::size_t words = environment_->saved_words();
+  std::vector<std::uint64_t> out = header(*compiled_, envs_);
+  const std::size_t words = compiled_->saved_words();
   out.reserve(out.size() + index(envs_) * (words + kChainWords));
   for (int env = 0; env < envs_; ++env) {
     const std::vector<std::uint64_t> lane_words = state(env).save(lane_of(env));
@@ -45,8 +45,8 @@ std::vector<std::uint64_t> Fleet::save() const {
 }
 
 void Fleet::check_saved(std::span<const std::uint64_t> saved) const {
-  const std::vector<std::uint64_t> expected = header(*environment_, envs_);
-  const std::size_t words = environment_->saved_words();
+  const std::vector<std::uint64_t> expected = header(*compiled_, envs_);
+  const std::size_t words = compiled_->saved_words();
   const std::size_t each = words + kChainWords;
   if (saved.size() < kSavedHeader || saved[kMagicWord] != kMagic) {
     throw Error("this is not a saved state: give what save() gave");
@@ -58,7 +58,7 @@ void Fleet::check_saved(std::span<const std::uint64_t> saved) const {
   }
   if (saved[kScenarioWord] != expected[kScenarioWord] ||
       saved[kWordsWord] != expected[kWordsWord]) {
-    throw Error("this state was saved with another scenario than " + environment_->scenario().file +
+    throw Error("this state was saved with another scenario than " + compiled_->scenario().file +
                 ": restore it where it was saved");
   }
   if (saved[kEnvsWord] != expected[kEnvsWord]) {
@@ -73,7 +73,7 @@ void Fleet::check_saved(std::span<const std::uint64_t> saved) const {
 
 void Fleet::restore(std::span<const std::uint64_t> saved) {
   check_saved(saved);
-  const std::size_t words = environment_->saved_words();
+  const std::size_t words = compiled_->saved_words();
   const std::size_t each = words + kChainWords;
   const std::uint64_t* from = saved.data() + kSavedHeader;
   for (int env = 0; env < envs_; ++env, from += each) {
@@ -83,7 +83,7 @@ void Fleet::restore(std::span<const std::uint64_t> saved) {
   }
 }
 
-/// What the flags say follows from WorldState.
+/// What the flags say follows from the state words.
 void Fleet::refresh_flags(int env) {
   const StateGroup& group = state(env);
   started_.set(group_of(env), bit(env), group.bits(kEpisode)[lane_of(env)] > 0);

@@ -1,7 +1,7 @@
 #include "core/batch/motion_hash.h"
 
 #include "core/batch/fleet.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace skybody {
 namespace {
@@ -33,10 +33,10 @@ void add_row(HashChain& chain, const Batch& rows, std::size_t row) {
 
 }  // namespace
 
-MotionHash::MotionHash(const VecEnv& envs) : chains_(static_cast<std::size_t>(envs.envs())) {}
+MotionHash::MotionHash(const Pool& envs) : chains_(static_cast<std::size_t>(envs.envs())) {}
 
 void MotionHash::received(const Batch& rows, const Fleet& fleet) {
-  const Layout& layout = fleet.environment().layout();
+  const Layout& layout = fleet.compiled().layout();
   for (std::size_t row = 0; row < static_cast<std::size_t>(rows.rows); ++row) {
     const std::int32_t env = rows.env_id[row];
     HashChain& chain = chains_[static_cast<std::size_t>(env)];

@@ -9,15 +9,15 @@
 
 namespace skybody {
 
-class VecEnv;
+class Pool;
 
 /// Chains, for each environment after each transition, the coordinates q and u, the rotor speeds,
-/// the observation, the reward and the status. Every NaN counts as one. Observe a VecEnv with it
-/// (VecEnv::observe) before the first reset; not with Autoreset::kSameStep, where the state of the
+/// the observation, the reward and the status. Every NaN counts as one. Observe a Pool with it
+/// (Pool::observe) before the first reset; not with Autoreset::kSameStep, where the state of the
 /// last transition is gone when its row arrives.
-class MotionHash : public VecEnvObserver {
+class MotionHash : public PoolObserver {
  public:
-  explicit MotionHash(const VecEnv& envs);
+  explicit MotionHash(const Pool& envs);
 
   void received(const Batch& rows, const Fleet& fleet) override;
   /// The chains of all environments so far, combined in the order of their ids.

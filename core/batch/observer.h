@@ -1,4 +1,4 @@
-// Whoever wants to know everything that happens in a VecEnv, such as a recorder.
+// Whoever wants to know everything that happens in a Pool, such as a recorder.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace skybody {
 class Fleet;
 
 /// Told of all that determines the environments' future, in order, after it was done, and of every
-/// batch that recv() gives. Called on the thread that calls the VecEnv. What a method throws comes
-/// out of the VecEnv's method, whose work is done by then.
-class VecEnvObserver {
+/// batch that recv() gives. Called on the thread that calls the Pool. What a method throws comes
+/// out of the Pool's method, whose work is done by then.
+class PoolObserver {
  public:
-  virtual ~VecEnvObserver() = default;
+  virtual ~PoolObserver() = default;
 
   /// Resets were sent to the environments whose byte in `mask` is not 0.
   virtual void reset_sent(std::span<const std::uint8_t> /*mask*/) {}
@@ -25,7 +25,7 @@ class VecEnvObserver {
   /// One action row each was sent to these environments; no ids: all, in order.
   virtual void actions_sent(std::span<const float> /*actions*/,
                             std::span<const std::int32_t> /*env_ids*/) {}
-  /// `saved` is what VecEnv::restore() was given.
+  /// `saved` is what Pool::restore() was given.
   virtual void restored(std::span<const std::uint64_t> /*saved*/) {}
   virtual void forked(int /*source*/, std::span<const std::int32_t> /*targets*/, bool /*rekey*/) {}
   virtual void param_set(int /*env*/, const std::string& /*path*/, double /*value*/) {}

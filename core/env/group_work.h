@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "core/base/aligned_array.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 
 namespace skybody {
 
-/// Made by Environment::make_work for groups of one size. Nothing in it survives a call: any group
-/// may be stepped with any work of its environment.
+/// Made by CompiledScenario::make_work for groups of one size. Nothing in it survives a call: any
+/// group may be stepped with any work of its environment.
 class GroupWork {
  public:
   /// Before the task speaks: what it leaves out is 0.

@@ -10,12 +10,12 @@ namespace skybody {
 
 /// Whether the task or a sensor gives a column's values.
 struct ColumnSource {
-  int sensor = -1;  ///< index within Environment::sensors(); -1: the task
+  int sensor = -1;  ///< index within CompiledScenario::sensors(); -1: the task
   int channel = 0;  ///< index within its channels
 };
 
-/// A part of the observation that has a name, a type and a shape. The columns of an Environment say
-/// what batches, spaces, replays and logs hold.
+/// A part of the observation that has a name, a type and a shape. The columns of a CompiledScenario
+/// say what batches, spaces, replays and logs hold.
 struct ObservationColumn {
   std::string name;  ///< unique within the observation
   std::string unit;  ///< SI; empty for a pure number
@@ -27,7 +27,7 @@ struct ObservationColumn {
   bool privileged = false;  ///< for a critic only: not in the policy's observation
   ColumnSource source;
   int first = 0;   ///< its first value within the row of observations, or the privileged row
-  int image = -1;  ///< an image's place among Environment::images(); -1: part of a row
+  int image = -1;  ///< an image's place among CompiledScenario::images(); -1: part of a row
 
   int count() const {
     int product = 1;

@@ -7,8 +7,8 @@
 namespace skybody {
 namespace {
 
-int index_of(const Environment& environment, const std::string& path) {
-  const int index = environment.layout().find_param(path);
+int index_of(const CompiledScenario& compiled, const std::string& path) {
+  const int index = compiled.layout().find_param(path);
   if (index < 0) {
     throw Error("nothing randomizable is called `" + path +
                 "`; `skybody check --parameters` lists what is");
@@ -18,23 +18,23 @@ int index_of(const Environment& environment, const std::string& path) {
 
 }  // namespace
 
-double get_param(const Environment& environment, const StateGroup& group, int lane,
+double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,
                  const std::string& path) {
-  const int index = index_of(environment, path);
-  return group.reals(environment.layout().params.offset + index)[lane];
+  const int index = index_of(compiled, path);
+  return group.reals(compiled.layout().params.offset + index)[lane];
 }
 
-void set_param(const Environment& environment, StateGroup& group, int lane, const std::string& path,
-               double value) {
-  const int index = index_of(environment, path);
-  const EnvParam& info = environment.layout().param_info[static_cast<std::size_t>(index)];
+void set_param(const CompiledScenario& compiled, StateGroup& group, int lane,
+               const std::string& path, double value) {
+  const int index = index_of(compiled, path);
+  const EnvParam& info = compiled.layout().param_info[static_cast<std::size_t>(index)];
   if (!(value >= info.min && value <= info.max)) {
     std::ostringstream message;
     message << path << " = " << value << " is outside [" << info.min << ", " << info.max << "] "
             << info.unit;
     throw Error(message.str());
   }
-  group.writable({environment.layout().params.offset + index, 1}, 1u << lane)[lane] = value;
+  group.writable({compiled.layout().params.offset + index, 1}, 1u << lane)[lane] = value;
 }
 
 }  // namespace skybody

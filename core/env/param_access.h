@@ -3,16 +3,16 @@
 
 #include <string>
 
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 
 namespace skybody {
 
 /// Value of a randomizable parameter in one lane. @throws Error if there is none at `path`
-double get_param(const Environment& environment, const StateGroup& group, int lane,
+double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,
                  const std::string& path);
 
 /// Sets one. @throws Error if unknown or outside its bounds
-void set_param(const Environment& environment, StateGroup& group, int lane, const std::string& path,
-               double value);
+void set_param(const CompiledScenario& compiled, StateGroup& group, int lane,
+               const std::string& path, double value);
 
 }  // namespace skybody

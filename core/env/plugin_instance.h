@@ -62,7 +62,7 @@ struct Report {
   int word = 0;  ///< of the buffer
 };
 
-/// A plugin instance. Immutable once the Environment is built.
+/// A plugin instance. Immutable once the CompiledScenario is built.
 struct PluginInstance {
   SkybodyKind kind = SKYBODY_CONTROLLER;
   std::string name;    ///< instance, as in paths
@@ -102,7 +102,7 @@ struct PluginInstance {
   int state = 0, state_words = 0;
   int buffer = 0, buffer_words = 0;
   int output = 0;  ///< sensors: first word of the output
-  /// Words of WorldState: what it gave last, of a controller that others follow and that is not
+  /// Words of state words: what it gave last, of a controller that others follow and that is not
   /// called in every physics step; and, per held input, what this effect adds.
   Block last_output;
   std::array<Block, SKYBODY_HELD_COUNT> held;

@@ -1,4 +1,4 @@
-// WorldState of one lane group: L environments side by side, every value a 64-bit word; and what
+// state words of one lane group: L environments side by side, every value a 64-bit word; and what
 // follows from it.
 #pragma once
 

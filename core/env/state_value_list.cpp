@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/physics/bodies/pose_math.h"
 
 namespace skybody {
@@ -62,8 +62,8 @@ std::vector<int> shape_of(int count) {
 
 class List {
  public:
-  explicit List(const Environment& environment)
-      : environment_(environment), world_(environment.world()), layout_(environment.layout()) {}
+  explicit List(const CompiledScenario& compiled)
+      : compiled_(compiled), world_(compiled.world()), layout_(compiled.layout()) {}
 
   std::vector<StateValue> all() {
     add_world();
@@ -156,7 +156,7 @@ class List {
       add_contact(prefix, place.first_body + b);
     }
     add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count});
-    const Block command = environment_.commands_of(robot);
+    const Block command = compiled_.commands_of(robot);
     add_words_if_any(prefix + "command", "", "", command, {command.size},
                      "of its chains of controllers, physical units (docs/control-modes.md)");
   }
@@ -202,7 +202,7 @@ class List {
   }
 
   void add_sensors() {
-    for (const PluginInstance& sensor : environment_.plugins(SKYBODY_SENSOR)) {
+    for (const PluginInstance& sensor : compiled_.plugins(SKYBODY_SENSOR)) {
       int word = layout_.sensors.offset + sensor.output;
       for (const Channel& channel : sensor.channels) {
         if (channel.is_image()) continue;
@@ -213,7 +213,7 @@ class List {
     }
   }
 
-  const Environment& environment_;
+  const CompiledScenario& compiled_;
   const World& world_;
   const Layout& layout_;
   std::vector<StateValue> values_;
@@ -221,8 +221,8 @@ class List {
 
 }  // namespace
 
-std::vector<StateValue> list_state_values(const Environment& environment) {
-  return List(environment).all();
+std::vector<StateValue> list_state_values(const CompiledScenario& compiled) {
+  return List(compiled).all();
 }
 
 }  // namespace skybody

@@ -8,6 +8,6 @@
 namespace skybody {
 
 /// In the order of StateValues::all(). Paths may be there twice: the first one counts.
-std::vector<StateValue> list_state_values(const Environment& environment);
+std::vector<StateValue> list_state_values(const CompiledScenario& compiled);
 
 }  // namespace skybody

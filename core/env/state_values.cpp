@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/suggestion.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/state_value_list.h"
 
 namespace skybody {
@@ -38,8 +38,8 @@ std::string word_at(const std::string& path, std::size_t from) {
 
 }  // namespace
 
-StateValues::StateValues(const Environment& environment)
-    : dt_(environment.scenario().stepping.dt), values_(list_state_values(environment)) {
+StateValues::StateValues(const CompiledScenario& compiled)
+    : dt_(compiled.scenario().stepping.dt), values_(list_state_values(compiled)) {
   std::set<std::string> known;
   std::erase_if(values_, [&](const StateValue& value) { return !known.insert(value.path).second; });
   by_path_.resize(values_.size());

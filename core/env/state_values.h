@@ -1,5 +1,5 @@
 // The values of an environment's state that can be asked for by path: motion, rotors, sensors,
-// contacts, counters and EnvParams. This list is the only one: VecEnv, SimulationPool, Simulation,
+// contacts, counters and EnvParams. This list is the only one: Pool, SimulationPool, Simulation,
 // Python and `skybody check --states` read through it.
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace skybody {
 
-class Environment;
+class CompiledScenario;
 
 /// What a state value is read from.
 enum class StateSource {
-  kReals,   ///< doubles of WorldState, one after the other
+  kReals,   ///< doubles of state words, one after the other
   kHeader,  ///< a counter or status of the header, as a double
   kTime,    ///< physics steps of the episode times dt
   kBodies,  ///< a part of the BodyState of one body, or of several one after another
@@ -31,7 +31,7 @@ struct StateValue {
   const char* doc = "";    ///< one line
 
   StateSource source = StateSource::kReals;
-  int first = 0;  ///< kReals, kHeader: word of WorldState; kBodies, kLink: world body index
+  int first = 0;  ///< kReals, kHeader: word of state words; kBodies, kLink: world body index
   int part = 0;   ///< kBodies, kLink: first of the 13 values of a BodyState
   Pose pose;      ///< kLink: of the link in its body
 
@@ -52,7 +52,7 @@ struct StateValue {
 /// A sensor's channel comes before an EnvParam of the same path, which then is left to param().
 class StateValues {
  public:
-  explicit StateValues(const Environment& environment);
+  explicit StateValues(const CompiledScenario& compiled);
 
   /// World first, then robots, sensors and EnvParams.
   const std::vector<StateValue>& all() const { return values_; }
@@ -61,7 +61,7 @@ class StateValues {
   const StateValue& at(std::string_view path) const;
 
   /// Reads a value of one lane. With needs_bodies() the lane must be up to date
-  /// (Environment::update).
+  /// (CompiledScenario::update).
   /// @param out  room for value.count() doubles
   void read(const StateValue& value, const StateGroup& group, int lane, double* out) const;
 

@@ -16,8 +16,8 @@ void append(std::vector<std::string>& names, const std::string& name, int count)
 
 /// The columns of the row of observations, or of the privileged one.
 void append_observation(std::vector<std::string>& names, const std::string& prefix,
-                        const Environment& environment, bool privileged) {
-  for (const ObservationColumn& column : environment.columns()) {
+                        const CompiledScenario& compiled, bool privileged) {
+  for (const ObservationColumn& column : compiled.columns()) {
     if (column.image >= 0) continue;
     if (column.privileged == privileged) append(names, prefix + column.name, column.count());
   }
@@ -26,8 +26,8 @@ void append_observation(std::vector<std::string>& names, const std::string& pref
 /// Names the words one after the other, as the layout has them.
 class StateNames {
  public:
-  explicit StateNames(const Environment& environment)
-      : environment_(environment), layout_(environment.layout()) {}
+  explicit StateNames(const CompiledScenario& compiled)
+      : compiled_(compiled), layout_(compiled.layout()) {}
 
   std::vector<std::string> all() {
     names_ = {"seed",         "stream_env", "episode", "step",
@@ -53,8 +53,8 @@ class StateNames {
     name_block(layout_.contacts, "contacts");
     name_block(layout_.plugin_state, "plugin_state");
     expect(layout_.last_observation);
-    append_observation(names_, "last_observation ", environment_, false);
-    append_observation(names_, "last_observation ", environment_, true);
+    append_observation(names_, "last_observation ", compiled_, false);
+    append_observation(names_, "last_observation ", compiled_, true);
     SKYBODY_DEMAND(static_cast<int>(names_.size()) == layout_.words, "words without a name");
     return std::move(names_);
   }
@@ -73,7 +73,7 @@ class StateNames {
   template <class First>
   void name_coordinates(Block block, const std::string& name, First&& first) {
     expect(block);
-    const std::vector<WorldBody>& bodies = environment_.world().bodies;
+    const std::vector<WorldBody>& bodies = compiled_.world().bodies;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       const int end = b + 1 < bodies.size() ? first(bodies[b + 1]) : block.size;
       const std::string body = robot_name(bodies[b].robot) + "." + bodies[b].model->name;
@@ -85,14 +85,14 @@ class StateNames {
 
   void name_rotors(Block block, const std::string& prefix) {
     expect(block);
-    for (const WorldRotor& rotor : environment_.world().rotors) {
+    for (const WorldRotor& rotor : compiled_.world().rotors) {
       names_.push_back(prefix + robot_name(rotor.robot) + "." + rotor.model->name);
     }
   }
 
   void name_sensors() {
     expect(layout_.sensors);
-    for (const PluginInstance& sensor : environment_.plugins(SKYBODY_SENSOR)) {
+    for (const PluginInstance& sensor : compiled_.plugins(SKYBODY_SENSOR)) {
       for (const Channel& channel : sensor.channels) {
         if (channel.is_image()) continue;
         append(names_, "sensors " + sensor.name + "." + channel.name, channel.count);
@@ -101,47 +101,47 @@ class StateNames {
   }
 
   std::string robot_name(int robot) const {
-    return environment_.scenario().robots[static_cast<std::size_t>(robot)].name;
+    return compiled_.scenario().robots[static_cast<std::size_t>(robot)].name;
   }
 
-  const Environment& environment_;
+  const CompiledScenario& compiled_;
   const Layout& layout_;
   std::vector<std::string> names_;
 };
 
 }  // namespace
 
-std::vector<std::string> state_names(const Environment& environment) {
-  return StateNames(environment).all();
+std::vector<std::string> state_names(const CompiledScenario& compiled) {
+  return StateNames(compiled).all();
 }
 
-std::vector<std::string> observation_names(const Environment& environment) {
+std::vector<std::string> observation_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
-  append_observation(names, "", environment, false);
+  append_observation(names, "", compiled, false);
   return names;
 }
 
-std::string source_of(const Environment& environment, const ObservationColumn& column) {
+std::string source_of(const CompiledScenario& compiled, const ObservationColumn& column) {
   if (column.source.sensor < 0) return "task";
   const PluginInstance& sensor =
-      environment.plugins(SKYBODY_SENSOR)[static_cast<std::size_t>(column.source.sensor)];
+      compiled.plugins(SKYBODY_SENSOR)[static_cast<std::size_t>(column.source.sensor)];
   return sensor.name + "." + sensor.channels[static_cast<std::size_t>(column.source.channel)].name;
 }
 
-std::vector<std::string> column_texts(const Environment& environment) {
+std::vector<std::string> column_texts(const CompiledScenario& compiled) {
   std::vector<std::string> texts;
-  for (const ObservationColumn& column : environment.columns()) {
+  for (const ObservationColumn& column : compiled.columns()) {
     std::vector<std::string> shape;
     for (const int extent : column.shape) shape.push_back(std::to_string(extent));
     texts.push_back(column.name + " " + info_of(column.type).name + " [" + join(shape) + "] from " +
-                    source_of(environment, column) + (column.privileged ? ", privileged" : ""));
+                    source_of(compiled, column) + (column.privileged ? ", privileged" : ""));
   }
   return texts;
 }
 
-std::vector<std::string> privileged_names(const Environment& environment) {
+std::vector<std::string> privileged_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
-  append_observation(names, "", environment, true);
+  append_observation(names, "", compiled, true);
   return names;
 }
 

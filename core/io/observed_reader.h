@@ -11,7 +11,7 @@ namespace skybody {
 
 /// Reads the list (null or absent: none). An entry is `SENSOR.CHANNEL`, or a map of
 /// observed_fields. Two entries of one channel or of one name are an error. Whether the channels
-/// exist is not known here: sensors declare them when the Environment is built.
+/// exist is not known here: sensors declare them when the CompiledScenario is built.
 std::vector<ObservedChannel> read_observed(const ConfigNode* node, Diagnostics& diagnostics);
 
 }  // namespace skybody

@@ -43,7 +43,7 @@ struct ReplayEvent {
   std::vector<float> actions;        ///< kSend: a row per id
   std::uint64_t argument = 0;        ///< see the kinds
   std::string path;                  ///< kSetParam
-  std::vector<std::uint64_t> saved;  ///< kRestore: what VecEnv::save() gave
+  std::vector<std::uint64_t> saved;  ///< kRestore: what Pool::save() gave
 };
 
 /// A finished transition of one environment.

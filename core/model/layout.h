@@ -1,4 +1,4 @@
-// Where every value of an environment lies: the one place that knows the order of WorldState.
+// Where every value of an environment lies: the one place that knows the order of state words.
 //
 // Scalar k of lane l of a group of L lanes is at data[k * L + l]. All values are 64-bit words:
 // doubles, or std::uint64_t for the header and for words of plugin states.
@@ -14,7 +14,7 @@
 
 namespace skybody {
 
-/// A run of consecutive words of WorldState.
+/// A run of consecutive words of state words.
 struct Block {
   int offset = 0;  ///< first word
   int size = 0;    ///< number of words
@@ -63,7 +63,7 @@ struct EnvParam {
   double max = 0.0;
 };
 
-/// The order of WorldState. Blocks follow one another in the order of the members.
+/// The order of state words. Blocks follow one another in the order of the members.
 struct Layout {
   Block header;         ///< kHeaderSize words
   Block q, u;           ///< coordinates of all robots, in body order

@@ -52,9 +52,9 @@ V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia) {
 
 /// What keeps joints as the scenario has them at a reset: position drives at their positions,
 /// others at rest.
-std::vector<double> joints_at_reset(const World& world, const Environment& environment,
+std::vector<double> joints_at_reset(const World& world, const CompiledScenario& compiled,
                                     const ControllerChain& chain) {
-  const auto& controllers = environment.plugins(SKYBODY_CONTROLLER);
+  const auto& controllers = compiled.plugins(SKYBODY_CONTROLLER);
   const PluginInstance& last = controllers[static_cast<std::size_t>(chain.first + chain.count - 1)];
   std::vector<double> commands(static_cast<std::size_t>(chain.inputs), 0.0);
   for (std::size_t k = 0; k < std::min(commands.size(), last.joints.size()); ++k) {
@@ -89,27 +89,27 @@ struct HoldPolicy::View {
   SymMat3<double> inertia;  // of the base [kg m^2]
 };
 
-HoldPolicy::HoldPolicy(const Environment& environment) : environment_(environment) {
-  const World& world = environment.world();
-  if (!environment.task().actions.empty()) {
-    throw Error("the hold baseline cannot fly task `" + environment.task().plugin +
+HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
+  const World& world = compiled.world();
+  if (!compiled.task().actions.empty()) {
+    throw Error("the hold baseline cannot fly task `" + compiled.task().plugin +
                 "`, which has actions of its own; use --policy zero or random");
   }
-  for (const ControllerChain& chain : environment.chains()) {
+  for (const ControllerChain& chain : compiled.chains()) {
     const int r = chain.robot;
     const PluginInstance& first =
-        environment.plugins(SKYBODY_CONTROLLER)[static_cast<std::size_t>(chain.first)];
+        compiled.plugins(SKYBODY_CONTROLLER)[static_cast<std::size_t>(chain.first)];
     Robot robot;
     robot.index = r;
-    robot.base = environment.layout().robots[static_cast<std::size_t>(r)].first_body;
-    robot.body_count = environment.layout().robots[static_cast<std::size_t>(r)].body_count;
+    robot.base = compiled.layout().robots[static_cast<std::size_t>(r)].first_body;
+    robot.body_count = compiled.layout().robots[static_cast<std::size_t>(r)].body_count;
     robot.goal_body = robot.base;
     robot.signal = first.input_signal;
     robot.action = chain.command;
     robot.low = first.low;
-    if (robot.signal == SKYBODY_JOINT) robot.joints = joints_at_reset(world, environment, chain);
+    if (robot.signal == SKYBODY_JOINT) robot.joints = joints_at_reset(world, compiled, chain);
     robot.high = first.high;
-    const auto& goals = environment.task().goals;
+    const auto& goals = compiled.task().goals;
     for (std::size_t g = 0; g < goals.size(); ++g) {
       if (goals[g].robot != r) continue;
       robot.goal = static_cast<int>(g);
@@ -138,7 +138,7 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
   const std::vector<double> params = simulation.params();
   const std::vector<double> goals = simulation.goals();
   const std::vector<BodyState>& bodies = simulation.bodies();
-  const std::vector<int>& first = environment_.layout().body_params;
+  const std::vector<int>& first = compiled_.layout().body_params;
   for (const Robot& robot : robots_) {
     const double* base = params.data() + first[static_cast<std::size_t>(robot.base)];
     View view{bodies,
@@ -163,13 +163,13 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
 
 /// As it is drawn [m/s^2], W.
 Vec3<double> HoldPolicy::gravity_of(const View& view) const {
-  const double* g = view.params.data() + environment_.layout().world_params + kGravity;
+  const double* g = view.params.data() + compiled_.layout().world_params + kGravity;
   return {g[0], g[1], g[2]};
 }
 
 /// Goal -> force -> attitude -> rates -> torque.
 HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
-  const World& world = environment_.world();
+  const World& world = compiled_.world();
   const RobotUse& use = world.scenario.robots[static_cast<std::size_t>(robot.index)];
   Wish wish;
   wish.position = use.pose.position;
@@ -182,8 +182,7 @@ HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
   // Thrust carries weight, the wanted acceleration, and what disturbs.
   const V gravity = gravity_of(view);
   const double* disturbance =
-      view.params.data() +
-      environment_.layout().robot_params[static_cast<std::size_t>(robot.index)];
+      view.params.data() + compiled_.layout().robot_params[static_cast<std::size_t>(robot.index)];
   wish.force = view.mass * (acceleration(robot, view, wish) - gravity) -
                V{disturbance[0], disturbance[1], disturbance[2]};
   wish.attitude = attitude_along(wish.force, wish.yaw);
@@ -233,7 +232,7 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return rotor_thrusts(robot, wish);
     case SKYBODY_ROTOR_SPEED: {
       std::vector<double> speeds = rotor_thrusts(robot, wish);
-      const Layout& layout = environment_.layout();
+      const Layout& layout = compiled_.layout();
       const int first = layout.robots[static_cast<std::size_t>(robot.index)].first_rotor;
       for (std::size_t i = 0; i < speeds.size(); ++i) {
         const int k = layout.rotor_params[static_cast<std::size_t>(first) + i] + kThrustConstant;

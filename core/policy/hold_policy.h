@@ -22,7 +22,7 @@ namespace skybody {
 class HoldPolicy : public Policy {
  public:
   /// @throws Error naming the robot if its command is none of the above
-  explicit HoldPolicy(const Environment& environment);
+  explicit HoldPolicy(const CompiledScenario& compiled);
 
   void act(const Simulation& simulation, std::span<float> action) override;
 
@@ -50,7 +50,7 @@ class HoldPolicy : public Policy {
   std::vector<double> rotor_thrusts(const Robot& robot, const Wish& wish) const;
   std::vector<double> wrench(const Robot& robot, const View& view, const Wish& wish) const;
 
-  const Environment& environment_;
+  const CompiledScenario& compiled_;
   std::vector<Robot> robots_;
 };
 

@@ -39,10 +39,10 @@ void evaluate(const PolicyLayer& layer, const std::vector<double>& in, std::vect
 }
 
 void check_size(const char* what, int trained, int needed, const std::filesystem::path& file,
-                const Environment& environment) {
+                const CompiledScenario& compiled) {
   if (trained == needed) return;
   throw Error(std::string("the policy ") + file.string() + " has " + what + " of " +
-              std::to_string(trained) + " values; " + environment.scenario().file + " has " +
+              std::to_string(trained) + " values; " + compiled.scenario().file + " has " +
               std::to_string(needed) + ": fly it in the scenario that it was trained on");
 }
 
@@ -62,15 +62,14 @@ void NetworkPolicy::prepare() {
   next_.resize(values_.size());
 }
 
-std::string NetworkPolicy::check_fits(const Environment& environment) const {
-  check_size("observations", policy_.observation_size, environment.observation_size(), file_,
-             environment);
-  check_size("actions", policy_.action_size, environment.action_size(), file_, environment);
-  const std::string hash = to_hex(environment.scenario().hash);
+std::string NetworkPolicy::check_fits(const CompiledScenario& compiled) const {
+  check_size("observations", policy_.observation_size, compiled.observation_size(), file_,
+             compiled);
+  check_size("actions", policy_.action_size, compiled.action_size(), file_, compiled);
+  const std::string hash = to_hex(compiled.scenario().hash);
   if (policy_.scenario_hash == hash) return "";
   return "the policy " + file_.string() + " was trained on `" + policy_.scenario + "` with hash " +
-         policy_.scenario_hash + "; this is `" + environment.scenario().name + "` with hash " +
-         hash;
+         policy_.scenario_hash + "; this is `" + compiled.scenario().name + "` with hash " + hash;
 }
 
 void NetworkPolicy::act(std::span<const float> observation, std::span<float> action) {

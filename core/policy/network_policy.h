@@ -26,7 +26,7 @@ class NetworkPolicy : public Policy {
   /// Where it was read from.
   const std::filesystem::path& file() const { return file_; }
 
-  std::string check_fits(const Environment& environment) const override;
+  std::string check_fits(const CompiledScenario& compiled) const override;
 
   /// Allocates nothing. A value of the observation that is not finite gives actions that are not.
   /// @param observation  observation_size values   @param action  action_size values in [-1, 1]

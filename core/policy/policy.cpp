@@ -34,21 +34,21 @@ class RandomPolicy : public Policy {
 
 struct Baseline {
   const char* name;
-  std::unique_ptr<Policy> (*make)(const Environment& environment, std::uint64_t seed);
+  std::unique_ptr<Policy> (*make)(const CompiledScenario& compiled, std::uint64_t seed);
 };
 
 constexpr Baseline kBaselines[] = {
     {"zero",
-     [](const Environment&, std::uint64_t) -> std::unique_ptr<Policy> {
+     [](const CompiledScenario&, std::uint64_t) -> std::unique_ptr<Policy> {
        return std::make_unique<ZeroPolicy>();
      }},
     {"random",
-     [](const Environment&, std::uint64_t seed) -> std::unique_ptr<Policy> {
+     [](const CompiledScenario&, std::uint64_t seed) -> std::unique_ptr<Policy> {
        return std::make_unique<RandomPolicy>(seed);
      }},
     {"hold",
-     [](const Environment& environment, std::uint64_t) -> std::unique_ptr<Policy> {
-       return std::make_unique<HoldPolicy>(environment);
+     [](const CompiledScenario& compiled, std::uint64_t) -> std::unique_ptr<Policy> {
+       return std::make_unique<HoldPolicy>(compiled);
      }},
 };
 
@@ -63,10 +63,10 @@ const std::vector<std::string>& policy_names() {
   return names;
 }
 
-std::unique_ptr<Policy> make_policy(const std::string& name, const Environment& environment,
+std::unique_ptr<Policy> make_policy(const std::string& name, const CompiledScenario& compiled,
                                     std::uint64_t seed) {
   for (const Baseline& baseline : kBaselines) {
-    if (name == baseline.name) return baseline.make(environment, seed);
+    if (name == baseline.name) return baseline.make(compiled, seed);
   }
   return std::make_unique<NetworkPolicy>(name);
 }

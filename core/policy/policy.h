@@ -19,7 +19,7 @@ class Policy {
   virtual void act(const Simulation& simulation, std::span<float> action) = 0;
   /// @returns a warning if the policy was made for another scenario, else ""
   /// @throws Error if its sizes are not the environment's
-  virtual std::string check_fits(const Environment&) const { return ""; }
+  virtual std::string check_fits(const CompiledScenario&) const { return ""; }
 };
 
 /// The baselines: zero, random, hold.
@@ -28,7 +28,7 @@ const std::vector<std::string>& policy_names();
 /// @param name  one of policy_names(), or where a trained policy lies (see find_policy)
 /// @param seed  of `random`
 /// @throws Error if the policy cannot be read; baselines also if they cannot fly the environment
-std::unique_ptr<Policy> make_policy(const std::string& name, const Environment& environment,
+std::unique_ptr<Policy> make_policy(const std::string& name, const CompiledScenario& compiled,
                                     std::uint64_t seed);
 
 }  // namespace skybody

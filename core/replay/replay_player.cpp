@@ -14,8 +14,8 @@
 namespace skybody {
 namespace {
 
-VecEnvOptions options_of(const ReplayHeader& header, int threads) {
-  VecEnvOptions options;
+PoolOptions options_of(const ReplayHeader& header, int threads) {
+  PoolOptions options;
   options.envs = header.envs;
   options.threads = threads;
   options.autoreset = autoreset_from(header.autoreset).value();  // the reader has checked it
@@ -26,7 +26,7 @@ VecEnvOptions options_of(const ReplayHeader& header, int threads) {
 }
 
 /// Sees the rows that come and compares them with the recording's.
-class Comparer : public VecEnvObserver {
+class Comparer : public PoolObserver {
  public:
   Comparer(const ReplayReader& replay, ReplayReport& report)
       : replay_(replay),
@@ -72,7 +72,7 @@ class Comparer : public VecEnvObserver {
 /// Does what the events say. Environments are received only where the next event needs that.
 class Player {
  public:
-  Player(ReplayReader& replay, VecEnv& envs) : replay_(replay), envs_(envs), in_flight_(size()) {}
+  Player(ReplayReader& replay, Pool& envs) : replay_(replay), envs_(envs), in_flight_(size()) {}
 
   void play() {
     while (replay_.next(event_)) apply();
@@ -139,7 +139,7 @@ class Player {
   }
 
   ReplayReader& replay_;
-  VecEnv& envs_;
+  Pool& envs_;
   ReplayEvent event_;
   std::vector<std::uint8_t> in_flight_;
 };
@@ -171,9 +171,9 @@ LoadOptions replay_load_options(const ReplayHeader& header) {
   return options;
 }
 
-void check_same_scenario(const ReplayReader& replay, const Environment& environment) {
+void check_same_scenario(const ReplayReader& replay, const CompiledScenario& compiled) {
   const ReplayHeader& header = replay.header();
-  const Scenario& scenario = environment.scenario();
+  const Scenario& scenario = compiled.scenario();
   if (header.scenario_hash == scenario.hash) return;
   throw Error(replay.file().string() + " was recorded in the scenario `" +
               printable(header.scenario_name) + "` with hash " + to_hex(header.scenario_hash) +
@@ -181,11 +181,11 @@ void check_same_scenario(const ReplayReader& replay, const Environment& environm
               " now: " + what_changed(header, scenario));
 }
 
-ReplayReport play(ReplayReader& replay, const std::shared_ptr<const Environment>& environment,
+ReplayReport play(ReplayReader& replay, const std::shared_ptr<const CompiledScenario>& compiled,
                   int threads) {
-  check_same_scenario(replay, *environment);
+  check_same_scenario(replay, *compiled);
   ReplayReport report;
-  VecEnv envs(environment, options_of(replay.header(), threads));
+  Pool envs(compiled, options_of(replay.header(), threads));
   envs.observe(std::make_shared<Comparer>(replay, report));
   try {
     Player(replay, envs).play();

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/assemble/load.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/io/replay_file.h"
 #include "core/replay/replay_report.h"
 
@@ -17,12 +17,12 @@ LoadOptions replay_load_options(const ReplayHeader& header);
 
 /// @throws Error naming both hashes, and where the texts part, if `environment` is not what was
 ///         recorded
-void check_same_scenario(const ReplayReader& replay, const Environment& environment);
+void check_same_scenario(const ReplayReader& replay, const CompiledScenario& compiled);
 
 /// Does again what was recorded, from the recording's beginning, and compares every transition that
 /// it has. Reads the recording to its end.
-/// @param threads  as VecEnvOptions::threads; the outcome does not depend on it
-ReplayReport play(ReplayReader& replay, const std::shared_ptr<const Environment>& environment,
+/// @param threads  as PoolOptions::threads; the outcome does not depend on it
+ReplayReport play(ReplayReader& replay, const std::shared_ptr<const CompiledScenario>& compiled,
                   int threads);
 
 }  // namespace skybody

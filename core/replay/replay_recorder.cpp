@@ -19,9 +19,9 @@ std::string absolute_text(const std::filesystem::path& path) {
   return error ? path.string() : whole.string();
 }
 
-ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
-  const Environment& environment = envs.environment();
-  const Scenario& scenario = environment.scenario();
+ReplayHeader describe(const Pool& envs, const RecordOptions& options) {
+  const CompiledScenario& compiled = envs.compiled();
+  const Scenario& scenario = compiled.scenario();
   ReplayHeader header;
   header.scenario_name = scenario.name;
   header.scenario_file = absolute_text(scenario.file);
@@ -36,13 +36,13 @@ ReplayHeader describe(const VecEnv& envs, const RecordOptions& options) {
   header.first_env_id = envs.options().first_env_id;
   header.envs = envs.envs();
   header.autoreset = to_text(envs.options().autoreset);
-  header.action_size = environment.action_size();
-  header.columns = column_texts(environment);
-  header.observation_names = observation_names(environment);
-  for (std::string& name : privileged_names(environment)) {
+  header.action_size = compiled.action_size();
+  header.columns = column_texts(compiled);
+  header.observation_names = observation_names(compiled);
+  for (std::string& name : privileged_names(compiled)) {
     header.observation_names.push_back(std::move(name));
   }
-  if (options.states) header.state_names = state_names(environment);
+  if (options.states) header.state_names = state_names(compiled);
   return header;
 }
 
@@ -71,7 +71,7 @@ void read_row(const Batch& rows, int k, const Fleet& fleet, bool same_step, bool
   if (states) out.state = fleet.words(out.env);
 }
 
-ReplayRecorder::ReplayRecorder(const VecEnv& envs, const std::filesystem::path& file,
+ReplayRecorder::ReplayRecorder(const Pool& envs, const std::filesystem::path& file,
                                const RecordOptions& options)
     : file_(file),
       same_step_(envs.options().autoreset == Autoreset::kSameStep),
@@ -192,14 +192,14 @@ void ReplayRecorder::received(const Batch& rows, const Fleet& fleet) {
   });
 }
 
-std::shared_ptr<ReplayRecorder> start_recording(VecEnv& envs, const std::filesystem::path& file,
+std::shared_ptr<ReplayRecorder> start_recording(Pool& envs, const std::filesystem::path& file,
                                                 const RecordOptions& options) {
   std::shared_ptr<ReplayRecorder> recorder(new ReplayRecorder(envs, file, options));
   envs.observe(recorder);
   return recorder;
 }
 
-void stop_recording(VecEnv& envs, ReplayRecorder& recorder) {
+void stop_recording(Pool& envs, ReplayRecorder& recorder) {
   envs.observe(nullptr);
   recorder.close();
 }

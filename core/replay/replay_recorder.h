@@ -1,4 +1,4 @@
-// Records what happens in a VecEnv, for `skybody replay`.
+// Records what happens in a Pool, for `skybody replay`.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/assemble/load.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "core/io/replay_file.h"
 
 namespace skybody {
@@ -22,9 +22,9 @@ struct RecordOptions {
 };
 
 /// A recording under way. Rows are noted when recv() gives them; what is in flight when it ends is
-/// not in it. Where writing fails, the VecEnv's call throws Error and the recording is over; what
+/// not in it. Where writing fails, the Pool's call throws Error and the recording is over; what
 /// was written in whole bursts before is kept.
-class ReplayRecorder : public VecEnvObserver {
+class ReplayRecorder : public PoolObserver {
  public:
   ~ReplayRecorder() override;
 
@@ -45,10 +45,9 @@ class ReplayRecorder : public VecEnvObserver {
   void received(const Batch& rows, const Fleet& fleet) override;
 
  private:
-  friend std::shared_ptr<ReplayRecorder> start_recording(VecEnv&, const std::filesystem::path&,
+  friend std::shared_ptr<ReplayRecorder> start_recording(Pool&, const std::filesystem::path&,
                                                          const RecordOptions&);
-  ReplayRecorder(const VecEnv& envs, const std::filesystem::path& file,
-                 const RecordOptions& options);
+  ReplayRecorder(const Pool& envs, const std::filesystem::path& file, const RecordOptions& options);
   std::string give_up();
   template <class Write>
   void write(Write&& write);
@@ -64,11 +63,11 @@ class ReplayRecorder : public VecEnvObserver {
 /// Records everything that happens in `envs` from now on; replaces a file that is there. End it by
 /// stop_recording() or by close(). @throws Error if the file cannot be written, or while some
 /// environments are in flight
-std::shared_ptr<ReplayRecorder> start_recording(VecEnv& envs, const std::filesystem::path& file,
+std::shared_ptr<ReplayRecorder> start_recording(Pool& envs, const std::filesystem::path& file,
                                                 const RecordOptions& options = {});
 
-/// Ends a recording and detaches it from its VecEnv. @throws Error if the file cannot be finished
-void stop_recording(VecEnv& envs, ReplayRecorder& recorder);
+/// Ends a recording and detaches it from its Pool. @throws Error if the file cannot be finished
+void stop_recording(Pool& envs, ReplayRecorder& recorder);
 
 /// The row of a batch and what the fleet knows beside it.
 /// @param states  whether to take all state words

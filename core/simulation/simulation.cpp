@@ -12,13 +12,12 @@
 namespace skybody {
 
 Simulation::Simulation(const SimulationOptions& options)
-    : Simulation(load_environment({options.scenario, options.overrides, options.plugin_path}),
+    : Simulation(compile_scenario({options.scenario, options.overrides, options.plugin_path}),
                  options.seed, options.env_id) {}
 
-Simulation::Simulation(std::shared_ptr<const Environment> environment, std::uint64_t seed,
+Simulation::Simulation(std::shared_ptr<const CompiledScenario> compiled, std::uint64_t seed,
                        std::uint64_t env_id)
-    : environment_(std::move(environment)),
-      data_(std::make_unique<Data>(*environment_, seed, env_id)) {}
+    : compiled_(std::move(compiled)), data_(std::make_unique<Data>(*compiled_, seed, env_id)) {}
 
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -26,13 +25,13 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::reset() {
   const FpEnvironment guard;
-  environment_->reset(data_->group, *data_->work, 1u, data_->rows());
+  compiled_->reset(data_->group, *data_->work, 1u, data_->rows());
   add_to_hash();
   data_->started = true;
 }
 
 void Simulation::reset(std::uint64_t seed) {
-  environment_->initialize(data_->group, 0, seed, data_->group.bits(kStreamEnv)[0]);
+  compiled_->initialize(data_->group, 0, seed, data_->group.bits(kStreamEnv)[0]);
   reset();
 }
 
@@ -40,20 +39,20 @@ void Simulation::step(std::span<const float> action) {
   demand_started("step");
   check_values("action", action.size(), 1, action_size());
   const FpEnvironment guard;
-  environment_->step(data_->group, *data_->work, 1u, action.data(), action_size(), data_->rows());
+  compiled_->step(data_->group, *data_->work, 1u, action.data(), action_size(), data_->rows());
   add_to_hash();
 }
 
 void Simulation::keep_hash(bool keep) { data_->keeps_hash = keep; }
 
 void Simulation::add_to_hash() {
-  if (data_->keeps_hash) environment_->hash(data_->group, 0, data_->rows(), data_->chain);
+  if (data_->keeps_hash) compiled_->hash(data_->group, 0, data_->rows(), data_->chain);
 }
 
 std::span<const float> Simulation::privileged() const { return data_->privileged; }
 std::span<const std::uint8_t> Simulation::image(int image) const {
-  check_index("image", image, static_cast<int>(environment_->images().size()));
-  const ObservedImage& place = environment_->images()[static_cast<std::size_t>(image)];
+  check_index("image", image, static_cast<int>(compiled_->images().size()));
+  const ObservedImage& place = compiled_->images()[static_cast<std::size_t>(image)];
   return {data_->group.images().bytes_of(0) + place.from, static_cast<std::size_t>(place.bytes)};
 }
 std::span<const float> Simulation::observation() const { return data_->observation; }
@@ -64,8 +63,8 @@ bool Simulation::terminated() const { return (data_->status & kTerminated) != 0;
 bool Simulation::truncated() const { return (data_->status & kTruncated) != 0; }
 std::uint64_t Simulation::status() const { return data_->status; }
 bool Simulation::fault() const { return (data_->status & kFault) != 0; }
-int Simulation::action_size() const { return environment_->action_size(); }
-int Simulation::observation_size() const { return environment_->observation_size(); }
+int Simulation::action_size() const { return compiled_->action_size(); }
+int Simulation::observation_size() const { return compiled_->observation_size(); }
 const StepCounts& Simulation::step_counts() const { return data_->group.step_counts(); }
 std::uint64_t Simulation::episode() const { return data_->group.bits(kEpisode)[0]; }
 std::uint64_t Simulation::steps() const { return data_->group.bits(kStep)[0]; }
@@ -76,7 +75,7 @@ double Simulation::time() const {
 
 void Simulation::touch() const {
   const FpEnvironment guard;
-  environment_->update(data_->group, *data_->work, 1u);
+  compiled_->update(data_->group, *data_->work, 1u);
 }
 
 const std::vector<BodyState>& Simulation::bodies() const {
@@ -90,7 +89,7 @@ const BodyState& Simulation::body(const std::string& robot, const std::string& l
 
 const BodyState& Simulation::base(const std::string& robot) const {
   const auto r = static_cast<std::size_t>(robot_index(robot));
-  return bodies()[static_cast<std::size_t>(environment_->layout().robots[r].first_body)];
+  return bodies()[static_cast<std::size_t>(compiled_->layout().robots[r].first_body)];
 }
 
 namespace {
@@ -102,33 +101,33 @@ std::vector<double> block_of(const StateGroup& group, Block block) {
 }  // namespace
 
 std::vector<double> Simulation::rotor_speeds() const {
-  return block_of(data_->group, environment_->layout().rotor_speed);
+  return block_of(data_->group, compiled_->layout().rotor_speed);
 }
 std::vector<double> Simulation::rotor_commands() const {
-  return block_of(data_->group, environment_->layout().rotor_command);
+  return block_of(data_->group, compiled_->layout().rotor_command);
 }
 std::vector<double> Simulation::commands() const {
-  return block_of(data_->group, environment_->layout().command);
+  return block_of(data_->group, compiled_->layout().command);
 }
 std::vector<double> Simulation::actions() const {
-  return block_of(data_->group, environment_->layout().action);
+  return block_of(data_->group, compiled_->layout().action);
 }
 std::vector<double> Simulation::sensors() const {
-  return block_of(data_->group, environment_->layout().sensors);
+  return block_of(data_->group, compiled_->layout().sensors);
 }
 std::vector<double> Simulation::params() const {
-  return block_of(data_->group, environment_->layout().params);
+  return block_of(data_->group, compiled_->layout().params);
 }
 
 std::vector<double> Simulation::goals() const {
   touch();
   std::vector<double> out;
-  environment_->goal(data_->group, *data_->work, 0, out);
+  compiled_->goal(data_->group, *data_->work, 0, out);
   return out;
 }
 
 std::vector<double> Simulation::state(std::string_view path) const {
-  const StateValue& value = environment_->state_values().at(path);
+  const StateValue& value = compiled_->state_values().at(path);
   std::vector<double> values(static_cast<std::size_t>(value.count()));
   state(value, values);
   return values;
@@ -138,20 +137,20 @@ void Simulation::state(const StateValue& value, std::span<double> values) const 
   check_values("values", values.size(), 1, value.count());
   if (value.needs_bodies()) touch();
   const FpEnvironment guard;
-  environment_->state_values().read(value, data_->group, 0, values.data());
+  compiled_->state_values().read(value, data_->group, 0, values.data());
 }
 
 double Simulation::param(const std::string& path) const {
-  return get_param(*environment_, data_->group, 0, path);
+  return get_param(*compiled_, data_->group, 0, path);
 }
 
 void Simulation::set_param(const std::string& path, double value) {
-  skybody::set_param(*environment_, data_->group, 0, path, value);
+  skybody::set_param(*compiled_, data_->group, 0, path, value);
 }
 
 void Simulation::randomize() {
   const FpEnvironment guard;
-  environment_->randomize(data_->group, *data_->work, 1u);
+  compiled_->randomize(data_->group, *data_->work, 1u);
 }
 
 Snapshot Simulation::save() const {
@@ -170,7 +169,7 @@ Snapshot Simulation::save() const {
 
 void Simulation::restore(const Snapshot& snapshot) {
   if (snapshot.scenario_hash != scenario().hash ||
-      snapshot.words.size() != environment_->saved_words()) {
+      snapshot.words.size() != compiled_->saved_words()) {
     throw Error("this snapshot is of another scenario than " + scenario().file +
                 ": restore it where it was saved");
   }
@@ -187,7 +186,7 @@ void Simulation::restore(const Snapshot& snapshot) {
 
 Simulation Simulation::fork(bool rekey) {
   if (rekey) count_fork(data_->group, 0);
-  Simulation copy(environment_, 0, 0);
+  Simulation copy(compiled_, 0, 0);
   copy.restore(save());
   if (rekey) give_fork_key(copy.data_->group, 0);
   return copy;

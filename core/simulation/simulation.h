@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/state_values.h"
 #include "core/physics/bodies/body_accelerations.h"
 #include "core/physics/forces/contact.h"
@@ -33,7 +33,7 @@ struct Accelerations {
   std::vector<BodyAcceleration> bodies;  ///< of all body frames, in the world's numbering
 };
 
-/// The whole WorldState of one environment. Only for environments of the same scenario.
+/// The whole state words of one environment. Only for environments of the same scenario.
 struct Snapshot {
   std::uint64_t scenario_hash = 0;
   std::vector<std::uint64_t> words;
@@ -54,7 +54,7 @@ class Simulation {
   /// @throws InputError with every message, each with file:line:column
   explicit Simulation(const SimulationOptions& options);
   /// Shares an already loaded environment.
-  Simulation(std::shared_ptr<const Environment> environment, std::uint64_t seed,
+  Simulation(std::shared_ptr<const CompiledScenario> compiled, std::uint64_t seed,
              std::uint64_t env_id);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
@@ -101,7 +101,7 @@ class Simulation {
 
   std::span<const float> observation() const;  ///< after the last reset or step
   std::span<const float> privileged() const;   ///< likewise: what a critic sees besides
-  /// One of the observation's images (Environment::images), as its sensor last made it.
+  /// One of the observation's images (CompiledScenario::images), as its sensor last made it.
   /// @throws Error if there is no such image
   std::span<const std::uint8_t> image(int image) const;
   float reward() const;
@@ -122,8 +122,8 @@ class Simulation {
   /// Physics steps since it was made, by the dynamics that took them. No part of the state.
   const StepCounts& step_counts() const;
 
-  const Environment& environment() const { return *environment_; }
-  const Scenario& scenario() const { return environment_->scenario(); }
+  const CompiledScenario& compiled() const { return *compiled_; }
+  const Scenario& scenario() const { return compiled_->scenario(); }
 
   /// Motion of the body that a link belongs to. Robot "" is the only one.
   /// @throws Error naming the robots or links that exist
@@ -147,7 +147,7 @@ class Simulation {
   /// Where the task wants its goals: 4 values each, position (W) [m], yaw [rad].
   std::vector<double> goals() const;
 
-  /// A value of the state, such as robots.quad.base.position: see Environment::state_values().
+  /// A value of the state, such as robots.quad.base.position: see CompiledScenario::state_values().
   /// @throws Error with the nearest paths if there is none at `path`
   std::vector<double> state(std::string_view path) const;
   /// The same into the caller's memory.
@@ -195,7 +195,7 @@ class Simulation {
   int body_index(const std::string& robot, const std::string& link) const;
   std::string rotor_path(const std::string& robot, int rotor, const std::string& name) const;
   void add_to_hash();
-  std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const CompiledScenario> compiled_;
   struct Data;
   std::unique_ptr<Data> data_;
 };

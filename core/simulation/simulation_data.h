@@ -10,14 +10,14 @@
 namespace skybody {
 
 struct Simulation::Data {
-  Data(const Environment& environment, std::uint64_t seed, std::uint64_t env_id)
-      : group(environment.make_state(1)),
-        work(environment.make_work(1)),
-        observation(static_cast<std::size_t>(environment.observation_size())),
-        agent_reward(environment.agents().size()),
-        info(static_cast<std::size_t>(environment.info_size())),
-        privileged(static_cast<std::size_t>(environment.privileged_size())) {
-    environment.initialize(group, 0, seed, env_id);
+  Data(const CompiledScenario& compiled, std::uint64_t seed, std::uint64_t env_id)
+      : group(compiled.make_state(1)),
+        work(compiled.make_work(1)),
+        observation(static_cast<std::size_t>(compiled.observation_size())),
+        agent_reward(compiled.agents().size()),
+        info(static_cast<std::size_t>(compiled.info_size())),
+        privileged(static_cast<std::size_t>(compiled.privileged_size())) {
+    compiled.initialize(group, 0, seed, env_id);
   }
 
   Rows rows() {

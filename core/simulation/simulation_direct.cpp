@@ -53,7 +53,7 @@ int Simulation::body_index(const std::string& robot, const std::string& link) co
     throw Error("robot `" + scenario().robots[r].name + "` has no link `" + link + "`: there are " +
                 joined(known));
   }
-  return environment_->layout().robots[r].first_body +
+  return compiled_->layout().robots[r].first_body +
          model.links[static_cast<std::size_t>(index)].body;
 }
 
@@ -65,7 +65,7 @@ void Simulation::demand_started(const char* call) const {
 
 int Simulation::command_size(const std::string& robot) const {
   const auto r = static_cast<std::size_t>(robot_index(robot));
-  const int size = environment_->commands_of(static_cast<int>(r)).size;
+  const int size = compiled_->commands_of(static_cast<int>(r)).size;
   if (size == 0) {
     throw Error("robot `" + scenario().robots[r].name +
                 "` takes no commands: give it `controllers` in the scenario");
@@ -79,14 +79,14 @@ void Simulation::command(const std::string& robot, std::span<const double> value
   const auto r = static_cast<std::size_t>(robot_index(robot));
   check_values("command", values.size(), 1, size);
   demand_finite("command", values);
-  data_->group.scatter(0, environment_->commands_of(static_cast<int>(r)), values.data());
+  data_->group.scatter(0, compiled_->commands_of(static_cast<int>(r)), values.data());
 }
 
 bool Simulation::advance(std::int64_t physics_steps) {
   demand_started("advance");
   check_physics_steps(physics_steps);
   if ((data_->status & kBadState) != 0) return false;  // ended: in parts as at once
-  const bool through = environment_->advance(data_->group, *data_->work, 1u, physics_steps) != 0;
+  const bool through = compiled_->advance(data_->group, *data_->work, 1u, physics_steps) != 0;
   data_->status = data_->group.bits(kStatus)[0];
   return through;
 }
@@ -94,28 +94,28 @@ bool Simulation::advance(std::int64_t physics_steps) {
 void Simulation::evaluate() {
   demand_started("evaluate");
   const FpEnvironment guard;
-  environment_->evaluate(data_->group, *data_->work, 1u, data_->rows());
+  compiled_->evaluate(data_->group, *data_->work, 1u, data_->rows());
   add_to_hash();
 }
 
 Accelerations Simulation::accelerations() const {
-  const Layout& layout = environment_->layout();
+  const Layout& layout = compiled_->layout();
   Accelerations out;
   out.udot.resize(static_cast<std::size_t>(layout.u.size));
   try {
-    environment_->accelerations(data_->group, *data_->work, 0, out.udot.data());
+    compiled_->accelerations(data_->group, *data_->work, 0, out.udot.data());
   } catch (const std::runtime_error& error) {
     throw Error(std::string("the dynamics has no accelerations at this state: ") + error.what());
   }
   const StateGroup& group = data_->group;
-  out.bodies = body_accelerations(make_tree(environment_->world()), group.reals(layout.q),
+  out.bodies = body_accelerations(make_tree(compiled_->world()), group.reals(layout.q),
                                   group.reals(layout.u), out.udot.data());
   return out;
 }
 
 std::vector<Contact> Simulation::contacts() const {
   try {
-    return environment_->contacts(data_->group, *data_->work, 0);
+    return compiled_->contacts(data_->group, *data_->work, 0);
   } catch (const std::runtime_error& error) {
     throw Error(std::string("the dynamics has no contacts at this state: ") + error.what());
   }
@@ -137,7 +137,7 @@ void Simulation::teleport(const std::string& robot, const BodyState& base) {
   // Scaled first: the square of a large finite number need not be finite.
   const Quat<double> unit = normalized(
       Quat<double>{turn.w / largest, turn.x / largest, turn.y / largest, turn.z / largest});
-  const Layout& layout = environment_->layout();
+  const Layout& layout = compiled_->layout();
   const RobotLayout& place = layout.robots[r];
   const std::array<double, 7> q{base.position.x, base.position.y, base.position.z, unit.w,
                                 unit.x,          unit.y,          unit.z};
@@ -150,7 +150,7 @@ void Simulation::teleport(const std::string& robot, const BodyState& base) {
 
 MassProperties Simulation::mass_properties(const std::string& robot,
                                            const std::string& link) const {
-  const Layout& layout = environment_->layout();
+  const Layout& layout = compiled_->layout();
   const int first = layout.body_params[static_cast<std::size_t>(body_index(robot, link))];
   std::array<double, kBodyParamCount> p;
   data_->group.gather(0, {layout.params.offset + first, kBodyParamCount}, p.data());
@@ -162,9 +162,9 @@ void Simulation::set_mass_properties(const std::string& robot, const std::string
   const int body = body_index(robot, link);
   const std::array<double, kBodyParamCount> p = body_constants(mass);
   demand_finite("mass property", p);
-  const auto& model = *environment_->world().bodies[static_cast<std::size_t>(body)].model;
+  const auto& model = *compiled_->world().bodies[static_cast<std::size_t>(body)].model;
   checked_mass(model.name, p.data());
-  const Layout& layout = environment_->layout();
+  const Layout& layout = compiled_->layout();
   const int first = layout.body_params[static_cast<std::size_t>(body)];
   data_->group.scatter(0, {layout.params.offset + first, kBodyParamCount}, p.data());
 }
@@ -172,7 +172,7 @@ void Simulation::set_mass_properties(const std::string& robot, const std::string
 std::string Simulation::rotor_path(const std::string& robot, int rotor,
                                    const std::string& name) const {
   const auto r = static_cast<std::size_t>(robot_index(robot));
-  const int count = environment_->layout().robots[r].rotor_count;
+  const int count = compiled_->layout().robots[r].rotor_count;
   if (rotor < 0 || rotor >= count) {
     throw Error("robot `" + scenario().robots[r].name + "` has no rotor " + std::to_string(rotor) +
                 ": it has " + std::to_string(count) +

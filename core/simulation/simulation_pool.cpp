@@ -10,41 +10,41 @@
 #include "core/base/error.h"
 #include "core/base/processors.h"
 #include "core/batch/crew.h"
-#include "core/batch/vec_env_options.h"
+#include "core/batch/pool_options.h"
 
 namespace skybody {
 namespace {
 
 SimulationPoolOptions checked(SimulationPoolOptions options) {
-  check_range("number of worlds", options.worlds, 1, kMostEnvs, "take at least one");
+  check_range("number of environments", options.envs, 1, kMostEnvs, "take at least one");
   check_range("threads", options.threads, 0, kMostThreads, "take 0 for one per processor");
   if (options.threads == 0) {
-    options.threads = std::min(static_cast<int>(allowed_processors().size()), options.worlds);
+    options.threads = std::min(static_cast<int>(allowed_processors().size()), options.envs);
   }
   return options;
 }
 
 }  // namespace
 
-/// The worlds and the threads that work in them.
-class SimulationPool::Worlds final : GroupRunner {
+/// The environments and the threads that work in them.
+class SimulationPool::Simulations final : GroupRunner {
  public:
-  Worlds(const std::shared_ptr<const Environment>& environment,
-         const SimulationPoolOptions& options)
-      : crew_(options.threads, options.worlds, options.pin_threads, *this) {
-    failures_.resize(static_cast<std::size_t>(options.worlds));
-    worlds_.reserve(failures_.size());
-    for (int i = 0; i < options.worlds; ++i) {
-      worlds_.emplace_back(environment, options.seed,
-                           options.first_env_id + static_cast<std::uint64_t>(i));
+  Simulations(const std::shared_ptr<const CompiledScenario>& compiled,
+              const SimulationPoolOptions& options)
+      : crew_(options.threads, options.envs, options.pin_threads, *this) {
+    failures_.resize(static_cast<std::size_t>(options.envs));
+    simulations_.reserve(failures_.size());
+    for (int i = 0; i < options.envs; ++i) {
+      simulations_.emplace_back(compiled, options.seed,
+                                options.first_env_id + static_cast<std::uint64_t>(i));
     }
   }
 
   const Crew& crew() const { return crew_; }
-  Simulation& operator[](int world) { return worlds_[static_cast<std::size_t>(world)]; }
+  Simulation& operator[](int sim) { return simulations_[static_cast<std::size_t>(sim)]; }
 
-  /// Does the work in some worlds and waits for all of them. @returns what each threw, in the order
-  /// of `chosen`; null: nothing
+  /// Does the work in some environments and waits for all of them. @returns what each threw, in the
+  /// order of `chosen`; null: nothing
   std::span<std::exception_ptr> run(std::span<const int> chosen, const Work& work) {
     chosen_ = chosen;
     work_ = &work;
@@ -56,7 +56,7 @@ class SimulationPool::Worlds final : GroupRunner {
   }
 
  private:
-  /// A group is a place within the chosen worlds.
+  /// A group is a place within the chosen environments.
   void run(const int* groups, int count, int /*thread*/) override {
     for (int k = 0; k < count; ++k) {
       const auto place = static_cast<std::size_t>(groups[k]);
@@ -70,60 +70,60 @@ class SimulationPool::Worlds final : GroupRunner {
     crew_.announce();
   }
 
-  std::vector<Simulation> worlds_;
-  std::vector<std::exception_ptr> failures_;  ///< one per place within the chosen worlds
+  std::vector<Simulation> simulations_;
+  std::vector<std::exception_ptr> failures_;  ///< one per place within the chosen environments
   std::span<const int> chosen_;
   const Work* work_ = nullptr;
-  std::atomic<int> left_{0};  ///< chosen worlds that are not yet done
+  std::atomic<int> left_{0};  ///< chosen environments that are not yet done
   Crew crew_;                 ///< last: its threads use the rest
 };
 
-SimulationPool::SimulationPool(std::shared_ptr<const Environment> environment,
+SimulationPool::SimulationPool(std::shared_ptr<const CompiledScenario> compiled,
                                const SimulationPoolOptions& options)
-    : environment_(std::move(environment)) {
+    : compiled_(std::move(compiled)) {
   const SimulationPoolOptions completed = checked(options);
-  all_.resize(static_cast<std::size_t>(completed.worlds));
+  all_.resize(static_cast<std::size_t>(completed.envs));
   std::iota(all_.begin(), all_.end(), 0);
   rows_.resize(all_.size());
-  worlds_ = std::make_unique<Worlds>(environment_, completed);
-  threads_ = worlds_->crew().threads();
-  pinned_ = worlds_->crew().pinned();
+  simulations_ = std::make_unique<Simulations>(compiled_, completed);
+  threads_ = simulations_->crew().threads();
+  pinned_ = simulations_->crew().pinned();
 }
 
 SimulationPool::~SimulationPool() = default;
 
-void SimulationPool::close() { worlds_.reset(); }
+void SimulationPool::close() { simulations_.reset(); }
 
 void SimulationPool::check_open() const {
   if (closed()) throw Error("this pool of simulations is closed: make a new one");
 }
 
-void SimulationPool::check(std::span<const int> worlds) const {
+void SimulationPool::check(std::span<const int> envs) const {
   check_open();
-  check_indices("world", worlds, size());
+  check_indices("environment", envs, size());
 }
 
-Simulation& SimulationPool::world(int index) {
+Simulation& SimulationPool::simulation(int index) {
   check_open();
-  check_index("world", index, size());
-  return (*worlds_)[index];
+  check_index("environment", index, size());
+  return (*simulations_)[index];
 }
 
-void SimulationPool::run(std::span<const int> worlds, const Work& work) {
-  check(worlds);
-  if (worlds.empty()) return;
+void SimulationPool::run(std::span<const int> envs, const Work& work) {
+  check(envs);
+  if (envs.empty()) return;
   int first = size();
   std::exception_ptr failure;
-  const std::span<std::exception_ptr> thrown = worlds_->run(worlds, work);
-  for (std::size_t k = 0; k < worlds.size(); ++k) {
+  const std::span<std::exception_ptr> thrown = simulations_->run(envs, work);
+  for (std::size_t k = 0; k < envs.size(); ++k) {
     const std::exception_ptr what = std::exchange(thrown[k], nullptr);
-    if (what && worlds[k] < first) {
-      first = worlds[k];
+    if (what && envs[k] < first) {
+      first = envs[k];
       failure = what;
     }
   }
   if (!failure) return;
-  const std::string where = "world " + std::to_string(first) + ": ";
+  const std::string where = "environment " + std::to_string(first) + ": ";
   try {
     std::rethrow_exception(failure);
   } catch (const std::exception& error) {
@@ -133,56 +133,56 @@ void SimulationPool::run(std::span<const int> worlds, const Work& work) {
   }
 }
 
-void SimulationPool::reset(std::span<const int> worlds) {
-  run(worlds, [](Simulation& world, int) { world.reset(); });
+void SimulationPool::reset(std::span<const int> envs) {
+  run(envs, [](Simulation& sim, int) { sim.reset(); });
 }
 
-void SimulationPool::reset(std::span<const int> worlds, std::uint64_t seed) {
-  run(worlds, [seed](Simulation& world, int) { world.reset(seed); });
+void SimulationPool::reset(std::span<const int> envs, std::uint64_t seed) {
+  run(envs, [seed](Simulation& sim, int) { sim.reset(seed); });
 }
 
-void SimulationPool::step(std::span<const int> worlds, std::span<const float> actions) {
-  check(worlds);
-  const int width = environment_->action_size();
-  check_values("actions", actions.size(), worlds.size(), width);
+void SimulationPool::step(std::span<const int> envs, std::span<const float> actions) {
+  check(envs);
+  const int width = compiled_->action_size();
+  check_values("actions", actions.size(), envs.size(), width);
   const auto count = static_cast<std::size_t>(width);
-  for (std::size_t k = 0; k < worlds.size(); ++k) rows_[static_cast<std::size_t>(worlds[k])] = k;
-  run(worlds, [&](Simulation& world, int i) {
-    world.step(actions.subspan(rows_[static_cast<std::size_t>(i)] * count, count));
+  for (std::size_t k = 0; k < envs.size(); ++k) rows_[static_cast<std::size_t>(envs[k])] = k;
+  run(envs, [&](Simulation& sim, int i) {
+    sim.step(actions.subspan(rows_[static_cast<std::size_t>(i)] * count, count));
   });
 }
 
-void SimulationPool::command(std::span<const int> worlds, const std::string& robot,
+void SimulationPool::command(std::span<const int> envs, const std::string& robot,
                              std::span<const double> values) {
-  check(worlds);
-  if (worlds.empty()) return;
-  const int width = (*worlds_)[worlds.front()].command_size(robot);
-  check_values("values", values.size(), worlds.size(), width);
+  check(envs);
+  if (envs.empty()) return;
+  const int width = (*simulations_)[envs.front()].command_size(robot);
+  check_values("values", values.size(), envs.size(), width);
   const auto count = static_cast<std::size_t>(width);
-  for (std::size_t k = 0; k < worlds.size(); ++k) {
+  for (std::size_t k = 0; k < envs.size(); ++k) {
     try {  // too little work for a thread
-      (*worlds_)[worlds[k]].command(robot, values.subspan(k * count, count));
+      (*simulations_)[envs[k]].command(robot, values.subspan(k * count, count));
     } catch (const Error& error) {
-      throw Error("world " + std::to_string(worlds[k]) + ": " + error.what());
+      throw Error("environment " + std::to_string(envs[k]) + ": " + error.what());
     }
   }
 }
 
-void SimulationPool::advance(std::span<const int> worlds, std::int64_t physics_steps) {
-  run(worlds, [physics_steps](Simulation& world, int) { world.advance(physics_steps); });
+void SimulationPool::advance(std::span<const int> envs, std::int64_t physics_steps) {
+  run(envs, [physics_steps](Simulation& sim, int) { sim.advance(physics_steps); });
 }
 
-void SimulationPool::evaluate(std::span<const int> worlds) {
-  run(worlds, [](Simulation& world, int) { world.evaluate(); });
+void SimulationPool::evaluate(std::span<const int> envs) {
+  run(envs, [](Simulation& sim, int) { sim.evaluate(); });
 }
 
 void SimulationPool::state(std::string_view path, std::span<double> values) {
   check_open();
-  const StateValue& value = environment_->state_values().at(path);
+  const StateValue& value = compiled_->state_values().at(path);
   check_values("values", values.size(), all_.size(), value.count());
   const auto count = static_cast<std::size_t>(value.count());
   for (const int i : all_) {
-    (*worlds_)[i].state(value, values.subspan(static_cast<std::size_t>(i) * count, count));
+    (*simulations_)[i].state(value, values.subspan(static_cast<std::size_t>(i) * count, count));
   }
 }
 

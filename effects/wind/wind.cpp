@@ -30,14 +30,14 @@ class Wind : public Effect {
 
   /// The first gust of the episode.
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state) const {
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
     Random<Real> draw = random(env, kResetDraws);
     state.begin = wait(draw);
     state.direction = direction(draw);
   }
 
   template <class Real>
-  void apply(const Lanes<Real>& env, State<Real>& state, Held<Real>& held) const {
+  void apply(const EnvView<Real>& env, State<Real>& state, Held<Real>& held) const {
     const Real time = to_real(env.physics_step()) * dt_;
     const Vec3<Real> wind = velocity_.vec3(env) + gust(env, time, state);
     for (const int body : bodies_) held.add_wind(body, wind);
@@ -82,7 +82,7 @@ class Wind : public Effect {
 
   /// The 1-cosine gust; where it is over, the next one is drawn.
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> gust(const Lanes<Real>& env, const Real& time,
+  SKYBODY_INLINE Vec3<Real> gust(const EnvView<Real>& env, const Real& time,
                                  State<Real>& state) const {
     const Real duration = gust_duration_(env), age = time - state.begin;
     const auto is_on = logical_and(age > 0.0, age < duration);

@@ -25,7 +25,7 @@ using RowMap =
     Eigen::Map<std::conditional_t<std::is_const_v<Scalar>,
                                   const RowMatrix<std::remove_const_t<Scalar>>, RowMatrix<Scalar>>>;
 
-/// Values as rows, such as what VecEnv::state() wrote.
+/// Values as rows, such as what Pool::state() wrote.
 /// @throws Error unless there are rows * width of them
 template <class Scalar>
 RowMap<Scalar> row_map(std::span<Scalar> values, int rows, int width) {
@@ -33,7 +33,7 @@ RowMap<Scalar> row_map(std::span<Scalar> values, int rows, int width) {
   return {values.data(), rows, width};
 }
 
-/// The values of a matrix of rows: actions for VecEnv::send(), memory for VecEnv::state().
+/// The values of a matrix of rows: actions for Pool::send(), memory for Pool::state().
 template <class Scalar>
 std::span<Scalar> values_of(RowMatrix<Scalar>& rows) {
   return {rows.data(), static_cast<std::size_t>(rows.size())};
@@ -53,7 +53,7 @@ inline RowMap<const float> privileged(const Batch& batch) {
   return {batch.privileged.data(), batch.rows, batch.width.privileged};
 }
 
-/// Info values of a batch: rows x info_size(), or x 0 without VecEnvOptions::info.
+/// Info values of a batch: rows x info_size(), or x 0 without PoolOptions::info.
 inline RowMap<const float> infos(const Batch& batch) {
   return {batch.info.data(), batch.rows, batch.width.info};
 }

@@ -1,8 +1,8 @@
 // Everything that lab code includes to fly scenarios in its own process: one world (Simulation),
-// many under direct control (SimulationPool), many for a learner (VecEnv).
+// many under direct control (SimulationPool), many for a learner (Pool).
 #pragma once
 
 #include "core/assemble/load.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "core/simulation/simulation.h"
 #include "core/simulation/simulation_pool.h"

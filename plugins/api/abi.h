@@ -51,7 +51,7 @@ typedef struct SkybodyParameter {
   int32_t min_count;
   int32_t max_count;
   uint32_t required;     /* 1: no default */
-  uint32_t randomizable; /* 1: one value per environment, in WorldState; reals only */
+  uint32_t randomizable; /* 1: one value per environment, in state words; reals only */
   double min;            /* inclusive */
   double max;            /* inclusive */
   const double* default_numbers;

@@ -10,7 +10,8 @@
 
 namespace skybody {
 
-/// Where an image of a sensor lies in its memory. Made by Setup::image(), used by Lanes::pixels().
+/// Where an image of a sensor lies in its memory. Made by Setup::image(), used by
+/// EnvView::pixels().
 /// @tparam T  of its values: std::uint8_t, std::uint16_t or float
 template <class T>
 struct Image {

@@ -27,7 +27,7 @@ inline void serve(const SkybodyLanes& lanes, std::uint32_t first, std::uint64_t*
   const std::uint32_t bits = (lanes.active >> first) & ((1u << kLanesOf<Real>)-1u);
   if (bits == 0) return;
   const MaskOf<Real> mask = mask_from_bits<Real>(bits);
-  const Lanes<Real> env(lanes, first, mask);
+  const EnvView<Real> env(lanes, first, mask);
   StateOf<T, Real> state;
   load_state<Real>(state, words, first, lanes.lanes);
   function(env, state, first, mask);
@@ -195,7 +195,7 @@ void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const do
           double* goal) {
   for (std::uint32_t first = 0; first < l->lanes; ++first) {
     if (((l->active >> first) & 1u) == 0) continue;
-    const Lanes<double> env(*l, first, true);
+    const EnvView<double> env(*l, first, true);
     StateOf<T, double> state;
     load_state<double>(state, s, first, l->lanes);
     call<GoalMethod>(self<T>(p), env, std::as_const(state),

@@ -13,10 +13,10 @@ namespace skybody::plugin_export {
 template <class Env>
 struct RealOfImpl;
 template <class Real>
-struct RealOfImpl<Lanes<Real>> {
+struct RealOfImpl<EnvView<Real>> {
   using type = Real;
 };
-/// The Real of a `const Lanes<Real>&`.
+/// The Real of a `const EnvView<Real>&`.
 template <class Env>
 using RealOf = typename RealOfImpl<std::remove_cvref_t<Env>>::type;
 
@@ -24,7 +24,7 @@ template <class... Types>
 struct TypeList {};
 
 /// A method that plugin classes may have: its name, how it takes the State, and the arguments
-/// behind `const Lanes<Real>&` and State.
+/// behind `const EnvView<Real>&` and State.
 // No call below is always_inline, see kernels.h.
 #define SKYBODY_PLUGIN_METHOD(TYPE, NAME, STATE, ...)                      \
   struct TYPE {                                                            \
@@ -66,11 +66,11 @@ template <class Method, class T, class Real, class... Arguments>
 struct Callable<Method, T, Real, TypeList<Arguments...>> {
   using State = typename Method::template State<T, Real>;
   static constexpr bool kPlain =
-      requires(const T& t, const Lanes<Real>& e, State s, Arguments... a) {
+      requires(const T& t, const EnvView<Real>& e, State s, Arguments... a) {
     Method::call(t, e, s, a...);
   };
   static constexpr bool kWithBuffer =
-      requires(const T& t, const Lanes<Real>& e, State s, Values<Real> b, Arguments... a) {
+      requires(const T& t, const EnvView<Real>& e, State s, Values<Real> b, Arguments... a) {
     Method::call(t, e, s, a..., b);
   };
 };
@@ -97,7 +97,7 @@ inline constexpr bool kIsNamed = !Method::template kNamesOneThing<WithNamesake<M
 
 /// Calls the method, with the buffer where it takes it.
 template <class Method, class T, class Real, class State, class... Arguments>
-inline void call(const T& t, const Lanes<Real>& e, State& s, const Values<Real>& buffer,
+inline void call(const T& t, const EnvView<Real>& e, State& s, const Values<Real>& buffer,
                  Arguments&&... a) {
   if constexpr (CallableOn<Method, T, Real>::kWithBuffer) {
     Method::call(t, e, s, a..., buffer);
@@ -165,30 +165,33 @@ constexpr void check_class() {
   constexpr bool kSteps = kHas<StepMethod<T>, T, double>;
   static_assert(
       T::kKind != SKYBODY_CONTROLLER || kSteps,
-      "a controller needs `void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> "
+      "a controller needs `void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> "
       "input, Values<Real> output) const`, public and const");
-  static_assert(T::kKind != SKYBODY_SENSOR || kSteps,
-                "a sensor needs `void sense(const Lanes<Real>&, State<Real>&, Values<Real> output) "
-                "const`, public and const");
+  static_assert(
+      T::kKind != SKYBODY_SENSOR || kSteps,
+      "a sensor needs `void sense(const EnvView<Real>&, State<Real>&, Values<Real> output) "
+      "const`, public and const");
   static_assert(T::kKind != SKYBODY_RANDOMIZER || kSteps,
-                "a randomizer needs `void randomize(const Lanes<Real>&, State<Real>&, "
+                "a randomizer needs `void randomize(const EnvView<Real>&, State<Real>&, "
                 "Start<Real>&) const`, public and const");
-  static_assert(T::kKind != SKYBODY_TASK || kSteps,
-                "a task needs `void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) "
-                "const`, public and const");
+  static_assert(
+      T::kKind != SKYBODY_TASK || kSteps,
+      "a task needs `void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) "
+      "const`, public and const");
   static_assert(T::kKind != SKYBODY_EFFECT || kSteps,
-                "an effect needs `void apply(const Lanes<Real>&, State<Real>&, Held<Real>&) "
+                "an effect needs `void apply(const EnvView<Real>&, State<Real>&, Held<Real>&) "
                 "const`, public and const");
-  static_assert(is_sound<ResetMethod, T>(),
-                "reset() must be `void reset(const Lanes<Real>&, State<Real>&) const`, public and "
-                "const; a template on Real if the step method is one");
+  static_assert(
+      is_sound<ResetMethod, T>(),
+      "reset() must be `void reset(const EnvView<Real>&, State<Real>&) const`, public and "
+      "const; a template on Real if the step method is one");
   if constexpr (T::kKind == SKYBODY_TASK) {
     static_assert(is_sound<ProcessMethod, T>(),
-                  "process() must be `void process(const Lanes<Real>&, State<Real>&, "
+                  "process() must be `void process(const EnvView<Real>&, State<Real>&, "
                   "ConstValues<Real> action, Values<Real> command) const`, public and const; a "
                   "template on Real if evaluate() is one");
     static_assert(is_sound<GoalMethod, T, false>(),
-                  "goal() must be `void goal(const Lanes<double>&, const State<double>&, "
+                  "goal() must be `void goal(const EnvView<double>&, const State<double>&, "
                   "Values<double> goal) const`, public and const");
   }
 }

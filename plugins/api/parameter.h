@@ -9,7 +9,7 @@
 
 #include "core/base/math_basic.h"
 #include "plugins/api/abi.h"
-#include "plugins/api/lanes.h"
+#include "plugins/api/env_view.h"
 
 namespace skybody {
 
@@ -112,7 +112,7 @@ class RealParameter : public Parameter {
   double value() const { return numbers_[0]; }
   /// The value of each environment: drawn if it is randomizable, else the scenario's.
   template <class Real>
-  Real operator()(const Lanes<Real>& env) const {
+  Real operator()(const EnvView<Real>& env) const {
     return env_param_ < 0 ? Real(numbers_[0]) : env.param(env_param_);
   }
 };
@@ -130,12 +130,12 @@ class RealsParameter : public Parameter {
   Vec3<double> vec3() const { return {value(0), value(1), value(2)}; }
   /// Value i of each environment: drawn if it is randomizable, else the scenario's.
   template <class Real>
-  Real operator()(const Lanes<Real>& env, int i) const {
+  Real operator()(const EnvView<Real>& env, int i) const {
     return env_param_ < 0 ? Real(numbers_[static_cast<std::size_t>(i)]) : env.param(env_param_ + i);
   }
   /// The first three values of each environment.
   template <class Real>
-  Vec3<Real> vec3(const Lanes<Real>& env) const {
+  Vec3<Real> vec3(const EnvView<Real>& env) const {
     return {(*this)(env, 0), (*this)(env, 1), (*this)(env, 2)};
   }
 };

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "plugins/api/lanes.h"
+#include "plugins/api/env_view.h"
 #include "plugins/api/parameter.h"
 #include "plugins/api/setup.h"
 
@@ -55,13 +55,13 @@ class Plugin {
   ///     step also evaluate(), and process() of the next step.
   /// Draws that are asked for in mid-episode (Start::requested) have a count of their own.
   template <class Real>
-  Random<Real> random(const Lanes<Real>& env, std::uint64_t substream = 0) const {
+  Random<Real> random(const EnvView<Real>& env, std::uint64_t substream = 0) const {
     return random_at(env, env.physics_step(), substream);
   }
   /// The numbers that random() gives in another physics step of the episode: for what a call makes
   /// up for (Setup::only_when_read).
   template <class Real>
-  Random<Real> random_at(const Lanes<Real>& env, const Word<Real>& physics_step,
+  Random<Real> random_at(const EnvView<Real>& env, const Word<Real>& physics_step,
                          std::uint64_t substream = 0) const {
     return Random<Real>(env.seed(), env.stream_env(), env.episode(), physics_step,
                         stream_ + substream);
@@ -78,13 +78,13 @@ class Plugin {
 ///
 /// Required; called before every physics step, or before every Setup::period() of them:
 ///   template <class Real>
-///   void control(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> input,
+///   void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
 ///                Values<Real> output) const;
 /// `input` has the values of Setup::input(), in physical units; `output` those of Setup::output()
 /// and has to be written whole.
 ///
 /// Optional; called at a reset, when the robots have been placed and all State is 0:
-///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
+///   template <class Real> void reset(const EnvView<Real>& env, State<Real>& state) const;
 class Controller : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_CONTROLLER;
@@ -94,11 +94,11 @@ class Controller : public Plugin {
 ///
 /// Required; called at a reset and after every physics step, or every Setup::period() of them:
 ///   template <class Real>
-///   void sense(const Lanes<Real>& env, State<Real>& state, Values<Real> output) const;
+///   void sense(const EnvView<Real>& env, State<Real>& state, Values<Real> output) const;
 /// `output` has the values of all channels in order; they stay until the next call.
 ///
 /// Optional; called at a reset before the first sense():
-///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
+///   template <class Real> void reset(const EnvView<Real>& env, State<Real>& state) const;
 class Sensor : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_SENSOR;
@@ -135,7 +135,7 @@ class Start {
 /// Required; called at every reset, after the scenario's own start was set, in the order of the
 /// scenario. Parameters have what was drawn before:
 ///   template <class Real>
-///   void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const;
+///   void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const;
 class Randomizer : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_RANDOMIZER;
@@ -223,10 +223,10 @@ class Held {
 /// Required; called after the controllers before every physics step, or every Setup::period() of
 /// them. What it adds holds until its next call:
 ///   template <class Real>
-///   void apply(const Lanes<Real>& env, State<Real>& state, Held<Real>& held) const;
+///   void apply(const EnvView<Real>& env, State<Real>& state, Held<Real>& held) const;
 ///
 /// Optional; called at a reset, after controllers and the task:
-///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
+///   template <class Real> void reset(const EnvView<Real>& env, State<Real>& state) const;
 class Effect : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_EFFECT;
@@ -279,21 +279,21 @@ class Evaluation {
 ///
 /// Required; called after every step, and once after a reset, where reward and end are ignored:
 ///   template <class Real>
-///   void evaluate(const Lanes<Real>& env, State<Real>& state, Evaluation<Real>& out) const;
+///   void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const;
 ///
 /// Optional; called at a reset, when the robots have been placed: draws targets:
-///   template <class Real> void reset(const Lanes<Real>& env, State<Real>& state) const;
+///   template <class Real> void reset(const EnvView<Real>& env, State<Real>& state) const;
 ///
 /// Optional; makes the chains' commands, in physical units, once a step or every Setup::period()
 /// physics steps. Without it each chain's first controller scales its part of the action. `action`
 /// has values in [-1, 1]; after Setup::action() it has physical values, and process() is required:
 ///   template <class Real>
-///   void process(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> action,
+///   void process(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> action,
 ///                Values<Real> command) const;
 ///
 /// Required after Setup::goal(); position (W) [m] and yaw [rad], four values for each goal in
 /// order, for tables and the `hold` baseline. For plain double:
-///   void goal(const Lanes<double>& env, const State<double>& state, Values<double> goal) const;
+///   void goal(const EnvView<double>& env, const State<double>& state, Values<double> goal) const;
 class Task : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_TASK;

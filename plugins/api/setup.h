@@ -79,7 +79,7 @@ class Setup {
   View<LinkInfo> links() const { return {raw_.links, raw_.link_count}; }
   /// All rotors: robot after robot, in the order of the rotors file.
   View<RotorInfo> rotors() const { return {raw_.rotors, raw_.rotor_count}; }
-  /// All randomizable values, in the order of Lanes::param().
+  /// All randomizable values, in the order of EnvView::param().
   View<EnvParamInfo> params() const { return {raw_.params, raw_.param_count}; }
   /// Tasks and randomizers: the chains of controllers, in robot order. Empty for others.
   View<ChainInfo> chains() const { return {raw_.chains, raw_.chain_count}; }
@@ -100,11 +100,11 @@ class Setup {
   const BodyInfo& joint(int robot, const std::string& name) const;
   /// Its world body index.
   int index_of(const BodyInfo& body) const { return static_cast<int>(&body - raw_.bodies); }
-  /// Index for Lanes::sensor() of the first value of a sensor's channel, and its size. Says that
+  /// Index for EnvView::sensor() of the first value of a sensor's channel, and its size. Says that
   /// the plugin reads it.
   /// @throws std::runtime_error naming those that exist
   int sensor(const std::string& instance, const std::string& channel, int* count = nullptr) const;
-  /// Indices for Lanes::param() of the parameters that `path` means. A path may begin with
+  /// Indices for EnvView::param() of the parameters that `path` means. A path may begin with
   /// `robot.` for every robot, and with `controllers.`, `sensors.`, `task.` for plugins; `[*]`
   /// means all elements. @throws std::runtime_error if nothing matches
   std::vector<int> find_params(const std::string& path) const;
@@ -131,8 +131,8 @@ class Setup {
   /// The same for a critic only: an observed value that the policy does not see.
   void privileged_channel(const std::string& name, const std::string& unit, int count, double low,
                           double high, int robot = -1) const;
-  /// Sensors: an image, which is written through Lanes::pixels(). It is no value of
-  /// Lanes::sensor().
+  /// Sensors: an image, which is written through EnvView::pixels(). It is no value of
+  /// EnvView::sensor().
   /// @tparam T     std::uint8_t, std::uint16_t or float
   /// @param shape  one to three extents, such as {height, width, channels}; the last varies fastest
   /// @param low, high  bounds for the space; by default those of T
@@ -160,15 +160,15 @@ class Setup {
   void period(int physics_steps) const { declare_.period(declare_.host, physics_steps); }
   /// `words` doubles of state beside State, for sizes known only now; zero at a reset.
   void buffer(int words) const { declare_.buffer(declare_.host, words); }
-  /// `count` values of memory for a call (Lanes::scratch); no state.
+  /// `count` values of memory for a call (EnvView::scratch); no state.
   void scratch(int count) const { declare_.scratch(declare_.host, count); }
-  /// Asks for Lanes::contact(), which costs time in large batches.
+  /// Asks for EnvView::contact(), which costs time in large batches.
   void need_contacts() const { declare_.contacts(declare_.host); }
   /// Sensors: sense() may be left out where nobody would read its output before the next call, over
   /// 1024 physics steps at most. It must give the same whether the calls before were made or left
   /// out: a walk is made up for by Plugin::random_at().
   void only_when_read() const { declare_.only_when_read(declare_.host); }
-  /// Asks for Lanes::body_before().
+  /// Asks for EnvView::body_before().
   void need_bodies_before() const { declare_.bodies_before(declare_.host); }
   /// Randomizers: announces that parameter `param` of params() will be written; it is then held to
   /// its bounds after every draw. Two randomizers that announce one are an error of the scenario.

@@ -1,4 +1,4 @@
-// How a plugin's State lies in WorldState: one 64-bit word per member and environment.
+// How a plugin's State lies in state words: one 64-bit word per member and environment.
 #pragma once
 
 #include <cstddef>

@@ -97,7 +97,7 @@ void bind_outcome(Class& c) {
   c.def_prop_ro("agent_reward", &rows<&Batch::agent_reward, &RowWidths::agents>,
                 "(n, agents) float32: each agent's own; the team's where the task gives no own.");
   c.def_prop_ro("info", &rows<&Batch::info, &RowWidths::info>,
-                "(n, I) float32: the task's values, as Environment.info_channels names them.");
+                "(n, I) float32: the task's values, as CompiledScenario.info_channels names them.");
   c.def_prop_ro("final_observation",
                 &final_rows<&Batch::final_observation, &RowWidths::observation>,
                 "(n, O) float32: before the reset, meaningful where terminated or truncated.\n\n"
@@ -107,9 +107,10 @@ void bind_outcome(Class& c) {
 }
 
 void bind_columns(Class& c) {
-  c.def_prop_ro("privileged", &rows<&Batch::privileged, &RowWidths::privileged>,
-                "(n, P) float32: what a critic sees besides, as Environment.observation_columns\n"
-                "names it.");
+  c.def_prop_ro(
+      "privileged", &rows<&Batch::privileged, &RowWidths::privileged>,
+      "(n, P) float32: what a critic sees besides, as CompiledScenario.observation_columns\n"
+      "names it.");
   c.def_prop_ro("final_privileged", &final_rows<&Batch::final_privileged, &RowWidths::privileged>,
                 "(n, P) float32: like final_observation.");
   c.def("image", &image, nb::arg("index"),

@@ -106,7 +106,7 @@ void teleport(S& s, nb::handle position, nb::handle rotation, nb::handle velocit
 }
 
 std::vector<NamedContact> contacts(S& s) {
-  const std::vector<std::string> names = body_names(*s.environment());
+  const std::vector<std::string> names = body_names(*s.compiled());
   std::vector<NamedContact> out;
   for (const Contact& c : s.call([](Simulation& sim) { return sim.contacts(); })) {
     const std::string other = c.other == kGround     ? "ground"
@@ -186,7 +186,7 @@ void bind_commands(Class& c) {
 
 void bind_looking(Class& c) {
   c.def_prop_ro(
-      "body_names", [](const S& s) { return body_names(*s.environment()); },
+      "body_names", [](const S& s) { return body_names(*s.compiled()); },
       "Names of all bodies, such as `quad.base_link`, in the world's numbering.");
   c.def(
       "base",

@@ -11,7 +11,7 @@
 #include "python/native/arrays.h"
 #include "python/native/batch.h"
 #include "python/native/bindings.h"
-#include "python/native/pool.h"
+#include "python/native/python_pool.h"
 #include "python/native/state_array.h"
 
 namespace skybody::python {
@@ -28,11 +28,11 @@ Autoreset to_autoreset(const std::string& text) {
       ("autoreset is '" + text + "'; allowed: 'next_step', 'same_step', 'disabled'").c_str());
 }
 
-void construct(Pool* self, const LoadedEnvironment& environment, int num_envs, int batch_size,
+void construct(PythonPool* self, const LoadedScenario& compiled, int num_envs, int batch_size,
                int num_threads, const std::string& order, const std::string& autoreset,
                std::uint64_t seed, std::uint64_t first_env_id, bool pin_threads, bool keep_hash,
                bool info, bool debug) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.envs = num_envs;
   options.batch = batch_size;
   options.threads = num_threads;
@@ -44,44 +44,44 @@ void construct(Pool* self, const LoadedEnvironment& environment, int num_envs, i
   options.keep_hash = keep_hash;
   options.info = info;
   options.debug_buffers = debug;
-  new (self) Pool(environment, options);
+  new (self) PythonPool(compiled, options);
 }
 
-void send_reset(Pool& pool, nb::handle mask, std::optional<std::uint64_t> seed) {
+void send_reset(PythonPool& pool, nb::handle mask, std::optional<std::uint64_t> seed) {
   if (!mask.is_none() && seed) {
     throw nb::value_error("send_reset() takes a mask or a seed: a seed begins all environments");
   }
   if (seed) {
-    pool.call_with_argument([&](VecEnv& engine) { engine.send_reset(*seed); });
+    pool.call_with_argument([&](Pool& engine) { engine.send_reset(*seed); });
   } else if (mask.is_none()) {
-    pool.call_with_argument([](VecEnv& engine) { engine.send_reset(); });
+    pool.call_with_argument([](Pool& engine) { engine.send_reset(); });
   } else {
     const auto chosen = read_mask(mask, "mask", pool.envs());
-    pool.call_with_argument([&](VecEnv& engine) { engine.send_reset(chosen); });
+    pool.call_with_argument([&](Pool& engine) { engine.send_reset(chosen); });
   }
 }
 
-void send(Pool& pool, nb::handle actions, nb::handle env_ids) {
-  const std::int64_t width = pool.environment()->action_size();
+void send(PythonPool& pool, nb::handle actions, nb::handle env_ids) {
+  const std::int64_t width = pool.compiled()->action_size();
   if (env_ids.is_none()) {
     const auto rows = read_array<float>(actions, "actions", {pool.envs(), width});
-    pool.call_with_argument([&](VecEnv& engine) { engine.send(rows.span()); });
+    pool.call_with_argument([&](Pool& engine) { engine.send(rows.span()); });
     return;
   }
   const auto ids = read_array<std::int32_t>(env_ids, "env_ids", {-1});
   const auto rows =
       read_array<float>(actions, "actions", {static_cast<std::int64_t>(ids.rows()), width});
-  pool.call_with_argument([&](VecEnv& engine) {
+  pool.call_with_argument([&](Pool& engine) {
     if (!ids.span().empty()) engine.send(rows.span(), ids.span());  // empty means all to the engine
   });
 }
 
-nb::bytes save(Pool& pool) {
-  const auto words = pool.call([](VecEnv& engine) { return engine.save(); });
+nb::bytes save(PythonPool& pool) {
+  const auto words = pool.call([](Pool& engine) { return engine.save(); });
   return nb::bytes(words.data(), words.size() * sizeof(std::uint64_t));
 }
 
-void restore(Pool& pool, const nb::bytes& saved) {
+void restore(PythonPool& pool, const nb::bytes& saved) {
   if (saved.size() % sizeof(std::uint64_t) != 0) {
     throw nb::value_error(("saved state of " + std::to_string(saved.size()) +
                            " bytes is not what save() gave: it was cut or changed")
@@ -89,60 +89,60 @@ void restore(Pool& pool, const nb::bytes& saved) {
   }
   std::vector<std::uint64_t> words(saved.size() / sizeof(std::uint64_t));
   if (!words.empty()) std::memcpy(words.data(), saved.data(), saved.size());
-  pool.call_with_argument([&](VecEnv& engine) { engine.restore(words); });
+  pool.call_with_argument([&](Pool& engine) { engine.restore(words); });
 }
 
-nb::object observations(Pool& pool) {
+nb::object observations(PythonPool& pool) {
   const auto rows = static_cast<std::size_t>(pool.envs());
-  const auto width = static_cast<std::size_t>(pool.environment()->observation_size());
+  const auto width = static_cast<std::size_t>(pool.compiled()->observation_size());
   std::vector<float> values(rows * width);
-  pool.call([&](VecEnv& engine) { engine.observations(values); });
+  pool.call([&](Pool& engine) { engine.observations(values); });
   return copy_of<float>(values, {rows, width});
 }
 
-nb::object privileged(Pool& pool) {
+nb::object privileged(PythonPool& pool) {
   const auto rows = static_cast<std::size_t>(pool.envs());
-  const auto width = static_cast<std::size_t>(pool.environment()->privileged_size());
+  const auto width = static_cast<std::size_t>(pool.compiled()->privileged_size());
   std::vector<float> values(rows * width);
-  pool.call([&](VecEnv& engine) { engine.privileged(values); });
+  pool.call([&](Pool& engine) { engine.privileged(values); });
   return copy_of<float>(values, {rows, width});
 }
 
-nb::object image(Pool& pool, int index) {
-  const auto& images = pool.environment()->images();
+nb::object image(PythonPool& pool, int index) {
+  const auto& images = pool.compiled()->images();
   check_image(index, images.size());
   const auto rows = static_cast<std::size_t>(pool.envs());
   const auto width = static_cast<std::size_t>(images[static_cast<std::size_t>(index)].bytes);
   std::vector<std::uint8_t> pixels(rows * width);
-  pool.call([&](VecEnv& engine) { engine.image(index, pixels); });
+  pool.call([&](Pool& engine) { engine.image(index, pixels); });
   return copy_of<std::uint8_t>(pixels, {rows, width});
 }
 
-nb::object state(Pool& pool, const std::string& path) {
-  return state_array(pool.environment(), path, {static_cast<std::size_t>(pool.envs())},
+nb::object state(PythonPool& pool, const std::string& path) {
+  return state_array(pool.compiled(), path, {static_cast<std::size_t>(pool.envs())},
                      [&](std::vector<double>& values) {
-                       pool.call_with_argument([&](VecEnv& engine) { engine.state(path, values); });
+                       pool.call_with_argument([&](Pool& engine) { engine.state(path, values); });
                      });
 }
 
-void fork(Pool& pool, int source, nb::handle targets, bool rekey) {
+void fork(PythonPool& pool, int source, nb::handle targets, bool rekey) {
   const auto ids = read_array<std::int32_t>(targets, "targets", {-1});
-  pool.call_with_argument([&](VecEnv& engine) { engine.fork(source, ids.span(), rekey); });
+  pool.call_with_argument([&](Pool& engine) { engine.fork(source, ids.span(), rekey); });
 }
 
-std::uint64_t hash(Pool& pool, std::optional<int> env) {
-  if (!env) return pool.call([](VecEnv& engine) { return engine.hash(); });
-  return pool.call_with_argument([&](VecEnv& engine) { return engine.hash(*env); });
+std::uint64_t hash(PythonPool& pool, std::optional<int> env) {
+  if (!env) return pool.call([](Pool& engine) { return engine.hash(); });
+  return pool.call_with_argument([&](Pool& engine) { return engine.hash(*env); });
 }
 
-nb::object refuse_pickling(const Pool&) {
+nb::object refuse_pickling(const PythonPool&) {
   throw nb::type_error(
       "a Pool cannot be pickled or copied: it has threads. Make one anew in the other process, "
       "from the "
       "scenario and the seed; save() gives the state as bytes for restore() there");
 }
 
-using Class = nb::class_<Pool>;
+using Class = nb::class_<PythonPool>;
 
 void bind_flow(Class& c) {
   c.def("send_reset", &send_reset, nb::arg("mask") = nb::none(), nb::arg("seed") = nb::none(),
@@ -165,21 +165,21 @@ void bind_flow(Class& c) {
         "(with\n"
         "autoreset disabled) its episode has ended; then nothing was sent.");
   c.def(
-      "recv", [](Pool& pool) { return ReceivedBatch{pool.recv()}; },
+      "recv", [](PythonPool& pool) { return ReceivedBatch{pool.recv()}; },
       "Waits for batch_size finished environments, fewer where fewer are in flight. Works with\n"
       "the other threads meanwhile, without the GIL; KeyboardInterrupt gets through.\n\n"
       "Raises ValueError if nothing is in flight; BufferError in debug mode if the buffer that\n"
       "would be reused is still referred to; Error with whatever a worker met.");
   c.def(
-      "close", &Pool::close,
+      "close", &PythonPool::close,
       "Finishes a recording and stops the threads; steps under way are waited for. May be called\n"
       "again; any other call raises Error from then on. Batches and their views stay valid.\n\n"
       "Raises Error if the recording cannot be finished; the pool is closed all the same.");
   c.def(
-      "__enter__", [](nb::handle_t<Pool> self) { return nb::borrow(self); },
+      "__enter__", [](nb::handle_t<PythonPool> self) { return nb::borrow(self); },
       nb::sig("def __enter__(self) -> Pool"));
   c.def(
-      "__exit__", [](Pool& pool, const nb::args&) { pool.close(); },
+      "__exit__", [](PythonPool& pool, const nb::args&) { pool.close(); },
       nb::sig("def __exit__(self, *exception: object) -> None"));
 }
 
@@ -188,7 +188,7 @@ void bind_state(Class& c) {
         nb::sig("def state(self, path: str) -> numpy.typing.NDArray[numpy.float64]"),
         "A value of the state of all environments, (num_envs, *shape) float64, fresh. What there "
         "is, with\n"
-        "units, frames and shapes: Environment.state_values.\n\n"
+        "units, frames and shapes: CompiledScenario.state_values.\n\n"
         "Raises ValueError naming the nearest paths if there is none, or before a reset; Error\n"
         "while environments are in flight.");
   c.def(
@@ -222,16 +222,17 @@ void bind_state(Class& c) {
       "environment.");
   c.def(
       "param",
-      [](Pool& pool, int env, const std::string& path) {
-        return pool.call_with_argument([&](VecEnv& engine) { return engine.param(env, path); });
+      [](PythonPool& pool, int env, const std::string& path) {
+        return pool.call_with_argument([&](Pool& engine) { return engine.param(env, path); });
       },
       nb::arg("env"), nb::arg("path"),
-      "Value of a randomizable parameter in one environment; units in Environment.param_info.\n\n"
+      "Value of a randomizable parameter in one environment; units in "
+      "CompiledScenario.param_info.\n\n"
       "Raises ValueError if there is no such environment or parameter.");
   c.def(
       "set_param",
-      [](Pool& pool, int env, const std::string& path, double value) {
-        pool.call_with_argument([&](VecEnv& engine) { engine.set_param(env, path, value); });
+      [](PythonPool& pool, int env, const std::string& path, double value) {
+        pool.call_with_argument([&](Pool& engine) { engine.set_param(env, path, value); });
       },
       nb::arg("env"), nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
@@ -239,7 +240,7 @@ void bind_state(Class& c) {
 
 void bind_recording(Class& c) {
   c.def(
-      "record", &Pool::record, nb::arg("path"), nb::arg("states") = false,
+      "record", &PythonPool::record, nb::arg("path"), nb::arg("states") = false,
       nb::sig("def record(self, path: str | os.PathLike[str], states: bool = False) -> None"),
       "Writes everything that happens from now on to a file, for `skybody replay`: what is sent,\n"
       "and what comes back with a trajectory hash. Replaces a file that is there. Rows are\n"
@@ -248,32 +249,33 @@ void bind_recording(Class& c) {
       "Raises Error while some are in flight or the pool is recorded already, or if the file\n"
       "cannot be written. Where writing fails later, send() or recv() raises it and the recording\n"
       "is over.");
-  c.def("stop_recording", &Pool::stop_recording,
+  c.def("stop_recording", &PythonPool::stop_recording,
         "Finishes the file. What is in flight is not in it.\n\n"
         "Raises Error if nothing was being recorded, or the file cannot be finished.");
 }
 
 void bind_facts(Class& c) {
-  c.def_prop_ro("environment", &Pool::environment, nb::rv_policy::reference_internal,
+  c.def_prop_ro("compiled", &PythonPool::compiled, nb::rv_policy::reference_internal,
                 "The scenario that it steps.");
-  c.def_prop_ro("num_envs", &Pool::envs, "N_E: number of environments.");
-  c.def_prop_ro("batch_size", &Pool::batch, "N_B: rows of a full batch.");
-  c.def_prop_ro("num_threads", &Pool::threads, "N_T: threads that step, the caller counted.");
-  c.def_prop_ro("pinned_threads", &Pool::pinned_threads,
+  c.def_prop_ro("num_envs", &PythonPool::envs, "N_E: number of environments.");
+  c.def_prop_ro("batch_size", &PythonPool::batch, "N_B: rows of a full batch.");
+  c.def_prop_ro("num_threads", &PythonPool::threads, "N_T: threads that step, the caller counted.");
+  c.def_prop_ro("pinned_threads", &PythonPool::pinned_threads,
                 "Threads that have a processor of their own; 0 where pinning is not allowed.");
-  c.def_prop_ro("closed", &Pool::closed, "Whether close() was called.");
+  c.def_prop_ro("closed", &PythonPool::closed, "Whether close() was called.");
   c.def_prop_ro(
-      "in_flight", [](Pool& p) { return p.call([](VecEnv& e) { return e.in_flight(); }); },
+      "in_flight", [](PythonPool& p) { return p.call([](Pool& e) { return e.in_flight(); }); },
       "Environments sent and not yet received.");
   c.def_prop_ro(
-      "fresh_buffers", [](Pool& p) { return p.call([](VecEnv& e) { return e.fresh_buffers(); }); },
+      "fresh_buffers",
+      [](PythonPool& p) { return p.call([](Pool& e) { return e.fresh_buffers(); }); },
       "Buffers made because Python still held the one to be reused.");
   c.def_prop_ro(
-      "faults", [](Pool& p) { return p.call([](VecEnv& e) { return e.faults(); }); },
+      "faults", [](PythonPool& p) { return p.call([](Pool& e) { return e.faults(); }); },
       "Faulted transitions received so far.");
   c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
-  c.def("__repr__", [](const Pool& p) {
-    return "Pool(" + p.environment()->scenario().name + ", " + std::to_string(p.envs()) +
+  c.def("__repr__", [](const PythonPool& p) {
+    return "Pool(" + p.compiled()->scenario().name + ", " + std::to_string(p.envs()) +
            " environments, " + std::to_string(p.threads()) + " threads" +
            (p.closed() ? ", closed)" : ")");
   });
@@ -287,11 +289,10 @@ void bind_pool(nb::module_& m) {
       "Many environments of one scenario, stepped on several threads. What each environment\n"
       "does depends on scenario, seed, its id and its actions alone: not on threads, batches or\n"
       "order. One Python thread at a time: a call while another is inside one raises Error.");
-  c.def("__init__", &construct, nb::arg("environment"), nb::arg("num_envs"),
-        nb::arg("batch_size") = 0, nb::arg("num_threads") = 0, nb::arg("order") = "fixed",
-        nb::arg("autoreset") = "next_step", nb::arg("seed") = 0, nb::arg("first_env_id") = 0,
-        nb::arg("pin_threads") = false, nb::arg("keep_hash") = false, nb::arg("info") = true,
-        nb::arg("debug") = false,
+  c.def("__init__", &construct, nb::arg("compiled"), nb::arg("num_envs"), nb::arg("batch_size") = 0,
+        nb::arg("num_threads") = 0, nb::arg("order") = "fixed", nb::arg("autoreset") = "next_step",
+        nb::arg("seed") = 0, nb::arg("first_env_id") = 0, nb::arg("pin_threads") = false,
+        nb::arg("keep_hash") = false, nb::arg("info") = true, nb::arg("debug") = false,
         "num_envs: N_E >= 1\n"
         "batch_size: N_B, rows that recv() waits for, 1 ... num_envs; 0: num_envs\n"
         "num_threads: N_T, the caller counted; 0: one per processor\n"

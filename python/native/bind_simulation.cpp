@@ -25,14 +25,13 @@ nb::object row(const std::vector<double>& values) {
   return copy_of<double>(values, {values.size()});
 }
 
-void construct(S* self, const LoadedEnvironment& environment, std::uint64_t seed,
-               std::uint64_t env_id) {
-  new (self) S(environment, Simulation(environment.shared(), seed, env_id));
+void construct(S* self, const LoadedScenario& compiled, std::uint64_t seed, std::uint64_t env_id) {
+  new (self) S(compiled, Simulation(compiled.shared(), seed, env_id));
 }
 
 void construct_by_name(S* self, const std::string& scenario, std::uint64_t seed,
                        std::uint64_t env_id) {
-  construct(self, LoadedEnvironment({scenario, {}, {}}), seed, env_id);
+  construct(self, LoadedScenario({scenario, {}, {}}), seed, env_id);
 }
 
 void reset(S& s, std::optional<std::uint64_t> seed) {
@@ -40,12 +39,12 @@ void reset(S& s, std::optional<std::uint64_t> seed) {
 }
 
 void step(S& s, nb::handle action) {
-  const auto values = read_array<float>(action, "action", {s.environment()->action_size()});
+  const auto values = read_array<float>(action, "action", {s.compiled()->action_size()});
   s.call([&](Simulation& sim) { sim.step(values.span()); });
 }
 
 S* fork(S& s, bool rekey) {
-  return new S(s.environment(), s.call([&](Simulation& sim) { return sim.fork(rekey); }));
+  return new S(s.compiled(), s.call([&](Simulation& sim) { return sim.fork(rekey); }));
 }
 
 nb::object refuse_pickling(const S&) {
@@ -133,7 +132,7 @@ void bind_outcome(Class& c) {
   c.def_prop_ro(
       "info", [](S& s) { return s.look([](Simulation& sim) { return row(sim.info()); }); },
       nb::sig("def info(self) -> numpy.typing.NDArray[numpy.float32]"),
-      "(I,) float32: the task's values, as Environment.info_channels names them.");
+      "(I,) float32: the task's values, as CompiledScenario.info_channels names them.");
   c.def_prop_ro(
       "terminated", [](S& s) { return s.look([](Simulation& sim) { return sim.terminated(); }); },
       "Whether the task ended the episode.");
@@ -200,13 +199,13 @@ void bind_params(Class& c) {
   c.def(
       "state",
       [](S& s, const std::string& path) {
-        return state_array(s.environment(), path, {}, [&](std::vector<double>& values) {
+        return state_array(s.compiled(), path, {}, [&](std::vector<double>& values) {
           values = s.look([&](Simulation& sim) { return sim.state(path); });
         });
       },
       nb::arg("path"), nb::sig("def state(self, path: str) -> numpy.typing.NDArray[numpy.float64]"),
       "A value of the state, float64, fresh; () for a single number. What there is, with units,\n"
-      "frames and shapes: Environment.state_values.\n\n"
+      "frames and shapes: CompiledScenario.state_values.\n\n"
       "Raises ValueError naming the nearest paths if there is none.");
   c.def(
       "param",
@@ -215,7 +214,7 @@ void bind_params(Class& c) {
             [&](Simulation& sim) { return blame_argument([&] { return sim.param(path); }); });
       },
       nb::arg("path"),
-      "Value of a randomizable parameter; units in Environment.param_info.\n\n"
+      "Value of a randomizable parameter; units in CompiledScenario.param_info.\n\n"
       "Raises ValueError if there is none.");
   c.def(
       "set_param",
@@ -234,12 +233,12 @@ void bind_simulation(nb::module_& m) {
   Class c(m, "Simulation",
           "One environment under direct control. One Python thread at a time; several Simulations "
           "are\nindependent.");
-  c.def("__init__", &construct, nb::arg("environment"), nb::arg("seed") = 0, nb::arg("env_id") = 0,
+  c.def("__init__", &construct, nb::arg("compiled"), nb::arg("seed") = 0, nb::arg("env_id") = 0,
         "seed, env_id: key of all random numbers; equal keys, equal draws.");
   c.def("__init__", &construct_by_name, nb::arg("scenario"), nb::arg("seed") = 0,
         nb::arg("env_id") = 0,
         "scenario: YAML file or name of a shipped one.\n\nRaises InputError (a ValueError).");
-  c.def_prop_ro("environment", &S::environment, nb::rv_policy::reference_internal,
+  c.def_prop_ro("compiled", &S::compiled, nb::rv_policy::reference_internal,
                 "The scenario that it steps.");
   bind_flow(c);
   bind_outcome(c);

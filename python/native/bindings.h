@@ -8,7 +8,7 @@ namespace skybody::python {
 namespace nb = nanobind;
 
 void bind_errors(nb::module_& m);
-void bind_environment(nb::module_& m);
+void bind_compiled_scenario(nb::module_& m);
 void bind_batch(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_pool(nb::module_& m);

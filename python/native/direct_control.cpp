@@ -29,10 +29,10 @@ BodyState NewMotion::applied_to(const BodyState& base) const {
   return to;
 }
 
-std::vector<std::string> body_names(const Environment& environment) {
+std::vector<std::string> body_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
-  for (const WorldBody& body : environment.world().bodies) {
-    const auto& robots = environment.scenario().robots;
+  for (const WorldBody& body : compiled.world().bodies) {
+    const auto& robots = compiled.scenario().robots;
     names.push_back(robots[static_cast<std::size_t>(body.robot)].name + "." + body.model->name);
   }
   return names;

@@ -30,7 +30,7 @@ class NewMotion {
 };
 
 /// A name for every body of a world: "quad.base_link".
-std::vector<std::string> body_names(const Environment& environment);
+std::vector<std::string> body_names(const CompiledScenario& compiled);
 
 /// Physics steps in pieces, between which Python may interrupt. Calls `advance(piece)` until all
 /// are done or it returns false.

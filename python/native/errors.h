@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace skybody::python {
 

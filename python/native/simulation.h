@@ -7,17 +7,17 @@
 #include <utility>
 
 #include "core/simulation/simulation.h"
-#include "python/native/environment.h"
 #include "python/native/exclusive.h"
+#include "python/native/loaded_scenario.h"
 
 namespace skybody::python {
 
 class DirectSimulation {
  public:
-  DirectSimulation(const LoadedEnvironment& environment, Simulation simulation)
-      : environment_(environment), simulation_(std::move(simulation)) {}
+  DirectSimulation(const LoadedScenario& compiled, Simulation simulation)
+      : compiled_(compiled), simulation_(std::move(simulation)) {}
 
-  const LoadedEnvironment& environment() const { return environment_; }
+  const LoadedScenario& compiled() const { return compiled_; }
 
   /// Calls work(Simulation&) alone and without the GIL.
   /// @throws Error if in use by another thread
@@ -35,7 +35,7 @@ class DirectSimulation {
   }
 
  private:
-  LoadedEnvironment environment_;
+  LoadedScenario compiled_;
   Simulation simulation_;
   std::atomic<bool> in_use_ = false;
 };

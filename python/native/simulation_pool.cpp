@@ -4,22 +4,23 @@
 
 namespace skybody::python {
 
-WorldPool::WorldPool(const LoadedEnvironment& environment, const SimulationPoolOptions& options)
-    : environment_(environment), process_(process_id()) {
+PythonSimulationPool::PythonSimulationPool(const LoadedScenario& compiled,
+                                           const SimulationPoolOptions& options)
+    : compiled_(compiled), process_(process_id()) {
   const nb::gil_scoped_release release;
-  pool_ = blame_argument(
-      [&] { return std::make_unique<SimulationPool>(environment_.shared(), options); });
+  pool_ =
+      blame_argument([&] { return std::make_unique<SimulationPool>(compiled_.shared(), options); });
   size_ = pool_->size();
   threads_ = pool_->threads();
   pinned_threads_ = pool_->pinned_threads();
 }
 
 /// The threads live in the process that made them: a fork of it has none to wait for.
-WorldPool::~WorldPool() {
+PythonSimulationPool::~PythonSimulationPool() {
   if (process_id() != process_) static_cast<void>(pool_.release());
 }
 
-SimulationPool& WorldPool::open() const {
+SimulationPool& PythonSimulationPool::open() const {
   if (!pool_) throw Error("this pool of simulations is closed: make a new one");
   if (process_id() != process_) {
     throw Error("this pool of simulations was made in process " + std::to_string(process_) +
@@ -28,7 +29,7 @@ SimulationPool& WorldPool::open() const {
   return *pool_;
 }
 
-void WorldPool::close() {
+void PythonSimulationPool::close() {
   const Exclusive alone(in_use_, "pool of simulations");
   if (process_id() != process_) {
     static_cast<void>(pool_.release());

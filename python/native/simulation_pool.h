@@ -9,19 +9,19 @@
 #include <utility>
 
 #include "core/simulation/simulation_pool.h"
-#include "python/native/environment.h"
 #include "python/native/errors.h"
 #include "python/native/exclusive.h"
+#include "python/native/loaded_scenario.h"
 
 namespace skybody::python {
 
-class WorldPool {
+class PythonSimulationPool {
  public:
   /// @throws ValueError if an option is out of range
-  WorldPool(const LoadedEnvironment& environment, const SimulationPoolOptions& options);
-  ~WorldPool();
-  WorldPool(const WorldPool&) = delete;
-  WorldPool& operator=(const WorldPool&) = delete;
+  PythonSimulationPool(const LoadedScenario& compiled, const SimulationPoolOptions& options);
+  ~PythonSimulationPool();
+  PythonSimulationPool(const PythonSimulationPool&) = delete;
+  PythonSimulationPool& operator=(const PythonSimulationPool&) = delete;
 
   /// Calls work(SimulationPool&) alone and without the GIL.
   /// @throws Error if closed, in use by another thread, or made before a fork()
@@ -35,7 +35,7 @@ class WorldPool {
 
   void close();
   bool closed() const { return !pool_; }
-  const LoadedEnvironment& environment() const { return environment_; }
+  const LoadedScenario& compiled() const { return compiled_; }
   int size() const { return size_; }
   int threads() const { return threads_; }
   int pinned_threads() const { return pinned_threads_; }
@@ -43,7 +43,7 @@ class WorldPool {
  private:
   SimulationPool& open() const;
 
-  LoadedEnvironment environment_;
+  LoadedScenario compiled_;
   int process_;
   std::unique_ptr<SimulationPool> pool_;
   int size_ = 0, threads_ = 0, pinned_threads_ = 0;

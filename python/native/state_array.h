@@ -6,8 +6,8 @@
 
 #include "core/env/state_values.h"
 #include "python/native/arrays.h"
-#include "python/native/environment.h"
 #include "python/native/errors.h"
+#include "python/native/loaded_scenario.h"
 
 namespace skybody::python {
 
@@ -16,10 +16,10 @@ namespace skybody::python {
 /// @param fill  writes all values: called with a std::vector<double>&
 /// @throws ValueError naming the nearest paths if there is no such value
 template <class Fill>
-nb::object state_array(const LoadedEnvironment& environment, const std::string& path,
+nb::object state_array(const LoadedScenario& compiled, const std::string& path,
                        std::vector<std::size_t> rows, Fill&& fill) {
   const StateValue& value =
-      blame_argument([&]() -> const StateValue& { return environment->state_values().at(path); });
+      blame_argument([&]() -> const StateValue& { return compiled->state_values().at(path); });
   std::vector<std::size_t> shape = std::move(rows);
   shape.insert(shape.end(), value.shape.begin(), value.shape.end());
   std::size_t size = 1;

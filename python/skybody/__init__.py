@@ -1,9 +1,9 @@
 """Skybody: learn to fly, from Python.
 
 `make_vec` gives many environments as a Gymnasium vector environment, `make_pool` the asynchronous
-form (send, recv), `Simulation` and `SimulationPool` worlds under direct control. `skybody.sb3`
-serves Stable-Baselines3, `skybody.multi_agent` PettingZoo, `skybody.env` single Gymnasium
-environments, `skybody.python_task` tasks written in Python;
+form (send, recv), `Simulation` and `SimulationPool` environments under direct control.
+`skybody.sb3` serves Stable-Baselines3, `skybody.multi_agent` PettingZoo, `skybody.env` single
+Gymnasium environments, `skybody.python_task` tasks written in Python;
 `gymnasium.make` and `gymnasium.make_vec` know the shipped scenarios as `skybody/Hover-v0` and so
 on. All of them are imported when they are first used.
 """
@@ -22,8 +22,8 @@ try:
         Batch,
         BodyState,
         Channel,
+        CompiledScenario,
         Contact,
-        Environment,
         Error,
         InputError,
         MassProperties,
@@ -40,7 +40,7 @@ from .arguments import Scenario
 from .extras import INSTALLED_BY, missing_package
 from .pool import Order, Pool
 from .registration import register
-from .simulation import CONTROL_MODES, Simulation, SimulationPool, WorldStates
+from .simulation import CONTROL_MODES, EnvStates, Simulation, SimulationPool
 
 if TYPE_CHECKING:
     from gymnasium.vector import AutoresetMode
@@ -57,8 +57,9 @@ __all__ = [
     "Batch",
     "BodyState",
     "Channel",
+    "CompiledScenario",
     "Contact",
-    "Environment",
+    "EnvStates",
     "Error",
     "InputError",
     "MassProperties",
@@ -67,7 +68,6 @@ __all__ = [
     "Simulation",
     "SimulationPool",
     "Snapshot",
-    "WorldStates",
     "__version__",
     "make_pool",
     "make_vec",

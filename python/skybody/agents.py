@@ -5,25 +5,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ._native import Environment
+from ._native import CompiledScenario
 
 
-def observed_by(environment: Environment, robot: int) -> NDArray[np.intp]:
+def observed_by(compiled: CompiledScenario, robot: int) -> NDArray[np.intp]:
     """Entries of the observation row that an agent sees: its own channels, and those of nobody."""
     entries = [
         np.arange(channel.first, channel.first + channel.count)
-        for channel in environment.observation_channels
+        for channel in compiled.observation_channels
         if channel.robot in (robot, -1)
     ]
     return np.concatenate(entries) if entries else np.empty(0, np.intp)
 
 
-def commanded_by(environment: Environment, robot: int) -> NDArray[np.intp]:
+def commanded_by(compiled: CompiledScenario, robot: int) -> NDArray[np.intp]:
     """Entries of the action row that an agent decides."""
     return np.concatenate(
         [
             np.arange(channel.first, channel.first + channel.count)
-            for channel in environment.action_channels
+            for channel in compiled.action_channels
             if channel.robot == robot
         ]
     )
@@ -40,21 +40,21 @@ class JointLayout:
             number.
     """
 
-    def __init__(self, environment: Environment) -> None:
-        seen = [observed_by(environment, robot) for robot in environment.agents]
-        commanded = [commanded_by(environment, robot) for robot in environment.agents]
-        self.observation_shape = self._shape(environment, "observation", seen)
-        self.action_shape = self._shape(environment, "action", commanded)
+    def __init__(self, compiled: CompiledScenario) -> None:
+        seen = [observed_by(compiled, robot) for robot in compiled.agents]
+        commanded = [commanded_by(compiled, robot) for robot in compiled.agents]
+        self.observation_shape = self._shape(compiled, "observation", seen)
+        self.action_shape = self._shape(compiled, "action", commanded)
 
     @staticmethod
     def _shape(
-        environment: Environment, kind: str, entries: list[NDArray[np.intp]]
+        compiled: CompiledScenario, kind: str, entries: list[NDArray[np.intp]]
     ) -> tuple[int, int]:
-        size = environment.observation_size if kind == "observation" else environment.action_size
+        size = compiled.observation_size if kind == "observation" else compiled.action_size
         widths = sorted({len(e) for e in entries})
         if len(widths) != 1 or not np.array_equal(np.concatenate(entries), np.arange(size)):
             raise ValueError(
-                f"`{environment.name}` has no joint {kind} array: its agents have "
+                f"`{compiled.name}` has no joint {kind} array: its agents have "
                 f"{', '.join(map(str, widths))} of {size} values, and joint=True needs equally "
                 "many, one agent's after the other's; use joint=False"
             )

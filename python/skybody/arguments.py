@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from ._native import Environment
+from ._native import CompiledScenario
 
-Scenario = str | os.PathLike[str] | Environment
+Scenario = str | os.PathLike[str] | CompiledScenario
 
 MOST_ENVS = 2**24  # the native pools' own limits
 MOST_THREADS = 1024
@@ -22,7 +22,7 @@ def load(
     scenario: Scenario,
     overrides: Iterable[str] = (),
     plugin_path: Iterable[str | os.PathLike[str]] = (),
-) -> Environment:
+) -> CompiledScenario:
     """Loads a scenario: a shipped one's name, or a YAML file. One that is loaded already is shared.
 
     Args:
@@ -41,14 +41,14 @@ def load(
     paths = [os.fspath(folder) for folder in plugin_path]
     check_plugin_path(paths, "plugin_path")
     changes = list(overrides)
-    if isinstance(scenario, Environment):
+    if isinstance(scenario, CompiledScenario):
         if changes or paths:
             raise ValueError(
                 f"`{scenario.name}` is loaded already, overrides and plugin_path come too late: "
-                "give them to Environment(...), or give the scenario's name here"
+                "give them to CompiledScenario(...), or give the scenario's name here"
             )
         return scenario
-    return Environment(os.fspath(scenario), changes, paths)
+    return CompiledScenario(os.fspath(scenario), changes, paths)
 
 
 def check_plugin_path(folders: Iterable[str], name: str) -> None:

@@ -28,7 +28,7 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     `privileged` (privileged_size,) float32, for a critic only.
 
     Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         seed: key of all random numbers until a `reset(seed=...)`; None: as Gymnasium does,
             a reset without a seed begins with one that the system draws.
         env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
@@ -61,16 +61,16 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
                 f"render_mode is {render_mode!r}; it must be None: fly with `skybody run` for "
                 "pictures"
             )
-        self.environment = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, overrides, plugin_path)
         self.render_mode = None
-        self._observations = Observations(self.environment, dict_observations)
-        self.observation_space = spaces.space_of(self.environment, self._observations)
-        self.action_space: Box[np.float32] = spaces.action_space(self.environment)
+        self._observations = Observations(self.compiled, dict_observations)
+        self.observation_space = spaces.space_of(self.compiled, self._observations)
+        self.action_space: Box[np.float32] = spaces.action_space(self.compiled)
         self._seed = check_seed(seed)
-        self._channels = InfoChannels(self.environment)
+        self._channels = InfoChannels(self.compiled)
         first = integer("env_id", env_id)
         self._pool = make_native(
-            self.environment, 1, 1, self._seed, autoreset="disabled", first_env_id=first
+            self.compiled, 1, 1, self._seed, autoreset="disabled", first_env_id=first
         )
 
     def reset(
@@ -131,7 +131,7 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         info["fault"] = bool(batch.fault[0])
         if (reasons := batch.fault_reasons) is not None:
             info["fault_reason"] = reasons[0]
-        if len(self.environment.agents) > 1:
+        if len(self.compiled.agents) > 1:
             info["agent_reward"] = batch.agent_reward[0].copy()
         return info
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._native import Batch, Environment
+from ._native import Batch, CompiledScenario
 
 RESERVED = (
     "env_id",
@@ -42,13 +42,13 @@ class InfoChannels:
         ValueError: a task declares an info value under a name that Skybody uses itself.
     """
 
-    def __init__(self, environment: Environment, present: bool = True) -> None:
-        self._has_privileged = environment.privileged_size > 0
+    def __init__(self, compiled: CompiledScenario, present: bool = True) -> None:
+        self._has_privileged = compiled.privileged_size > 0
         self._columns: list[tuple[str, str, int | slice]] = []
-        for channel in environment.info_channels if present else ():
+        for channel in compiled.info_channels if present else ():
             if channel.name in RESERVED:
                 raise ValueError(
-                    f"the task of `{environment.name}` declares an info value `{channel.name}`, "
+                    f"the task of `{compiled.name}` declares an info value `{channel.name}`, "
                     f"but Skybody itself uses the names {', '.join(RESERVED)}: rename it"
                 )
             end = channel.first + channel.count

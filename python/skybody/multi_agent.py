@@ -36,7 +36,7 @@ class ParallelEnv(
     task's info values, `fault` and `privileged`, as `SkybodyEnv` has.
 
     Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         seed: key of all random numbers until a `reset(seed=...)`; None: a reset without a seed
             begins with one that the system draws.
         env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
@@ -67,18 +67,18 @@ class ParallelEnv(
             plugin_path=plugin_path,
             dict_observations=dict_observations,
         )
-        self.environment = self._env.environment
-        self.metadata: dict[str, Any] = {"name": self.environment.name, "render_modes": []}
+        self.compiled = self._env.compiled
+        self.metadata: dict[str, Any] = {"name": self.compiled.name, "render_modes": []}
         self.render_mode = None
-        robots, agents = self.environment.robots, self.environment.agents
+        robots, agents = self.compiled.robots, self.compiled.agents
         self.possible_agents = [robots[robot] for robot in agents]
         self.agents: list[str] = []
         self._observation: Any = None
-        self._seen = {robots[r]: observed_by(self.environment, r) for r in agents}
-        self._commanded = {robots[r]: commanded_by(self.environment, r) for r in agents}
+        self._seen = {robots[r]: observed_by(self.compiled, r) for r in agents}
+        self._commanded = {robots[r]: commanded_by(self.compiled, r) for r in agents}
         self._columns = None
         if isinstance(self._env.observation_space, Dict):
-            columns = policy_columns(self.environment)
+            columns = policy_columns(self.compiled)
             self._columns = {
                 robots[r]: [column for column in columns if column.robot in (r, -1)] for r in agents
             }
@@ -91,7 +91,7 @@ class ParallelEnv(
     def _space_of(self, agent: str) -> Box[np.float32] | Dict:
         if self._columns is not None:
             return spaces.dict_space(self._columns[agent])
-        return spaces.select(spaces.observation_space(self.environment), self._seen[agent])
+        return spaces.select(spaces.observation_space(self.compiled), self._seen[agent])
 
     def observation_space(self, agent: str) -> Box[np.float32] | Dict:
         """What an agent sees: (width,) float32, or with dict_observations a Dict of its columns."""
@@ -151,7 +151,7 @@ class ParallelEnv(
                 f"an action for `{unknown}`, which is no agent; there must be one for each of "
                 f"{', '.join(self.possible_agents)}"
             )
-        row = np.empty(self.environment.action_size, np.float32)
+        row = np.empty(self.compiled.action_size, np.float32)
         for agent, commanded in self._commanded.items():
             if agent not in actions:
                 raise ValueError(

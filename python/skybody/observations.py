@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._native import Batch, Environment, ObservationColumn, Pool
+from ._native import Batch, CompiledScenario, ObservationColumn, Pool
 
 
 def key_of(column: ObservationColumn) -> str:
@@ -16,18 +16,18 @@ def key_of(column: ObservationColumn) -> str:
     return column.name.replace(".", "_")
 
 
-def policy_columns(environment: Environment) -> list[ObservationColumn]:
+def policy_columns(compiled: CompiledScenario) -> list[ObservationColumn]:
     """The columns that a policy sees, in order.
 
     Raises:
         ValueError: two of them would have the same key.
     """
-    columns = [column for column in environment.observation_columns if not column.privileged]
+    columns = [column for column in compiled.observation_columns if not column.privileged]
     keys = [key_of(column) for column in columns]
     for key in keys:
         if keys.count(key) > 1:
             raise ValueError(
-                f"two columns of `{environment.name}` would have the key `{key}`: give one of them "
+                f"two columns of `{compiled.name}` would have the key `{key}`: give one of them "
                 "another `name` in `observe`"
             )
     return columns
@@ -40,9 +40,9 @@ class Observations:
     column is an image, they are always dictionaries.
     """
 
-    def __init__(self, environment: Environment, as_dict: bool) -> None:
-        has_images = any(column.image >= 0 for column in environment.observation_columns)
-        self.columns = policy_columns(environment) if as_dict or has_images else None
+    def __init__(self, compiled: CompiledScenario, as_dict: bool) -> None:
+        has_images = any(column.image >= 0 for column in compiled.observation_columns)
+        self.columns = policy_columns(compiled) if as_dict or has_images else None
 
     def of(self, batch: Batch) -> Any:
         """Observations after the transition."""

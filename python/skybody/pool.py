@@ -31,7 +31,7 @@ class Pool(PooledEnvironments):
     counts it in `fresh_buffers`; with debug=True it raises BufferError instead).
 
     Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments, N_E.
         batch_size: rows that one `recv` waits for, at most num_envs; 0: num_envs.
         num_threads: threads that step, the caller's counted; 0: one per processor.
@@ -74,9 +74,9 @@ class Pool(PooledEnvironments):
         infos: bool = True,
         debug: bool = False,
     ) -> None:
-        self.environment = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, overrides, plugin_path)
         self.native = make_native(
-            self.environment,
+            self.compiled,
             num_envs,
             num_threads,
             seed,
@@ -88,8 +88,8 @@ class Pool(PooledEnvironments):
             info=infos,
             debug=debug,
         )
-        self._observations = Observations(self.environment, dict_observations)
-        self._channels = InfoChannels(self.environment, infos)
+        self._observations = Observations(self.compiled, dict_observations)
+        self._channels = InfoChannels(self.compiled, infos)
         self._same_step = autoreset == "same_step"
 
     def async_reset(self, mask: NDArray[np.bool_] | None = None, seed: int | None = None) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._native import Environment
+from ._native import CompiledScenario
 from .arguments import MOST_ENVS, MOST_THREADS, check_seed, env_ids, integer_within
 from .observations import Observations
 
@@ -31,11 +31,11 @@ def drain(pool: _native.Pool) -> None:
 
 
 def make_native(
-    environment: Environment, num_envs: int, num_threads: int, seed: int | None, **options: Any
+    compiled: CompiledScenario, num_envs: int, num_threads: int, seed: int | None, **options: Any
 ) -> _native.Pool:
     """The C++ pool of an environment. Raises TypeError and ValueError for what it cannot be."""
     return _native.Pool(
-        environment,
+        compiled,
         integer_within("num_envs", num_envs, 1, MOST_ENVS),
         num_threads=integer_within("num_threads", num_threads, 0, MOST_THREADS),
         seed=check_seed(seed) or 0,
@@ -121,7 +121,7 @@ class PooledEnvironments:
 
     def state_paths(self) -> dict[str, _native.StateValue]:
         """What `state` can give: path -> unit, frame, shape and meaning."""
-        return self.native.environment.state_values
+        return self.native.compiled.state_values
 
     def param(self, env: int, path: str) -> float:
         """Value of a randomizable parameter (`environment.param_paths`) in one environment."""

@@ -1,7 +1,7 @@
 """Tasks written in Python: observation, reward and end in NumPy, over a pool of simulations.
 
-Worlds are stepped in C++, all at the same time; the task sees all of them at once, as arrays. It is
-the way to try an idea in minutes. A task in C++ (docs/plugins.md) is faster and flies from
+Environments are stepped in C++, all at the same time; the task sees all of them at once, as arrays.
+It is the way to try an idea in minutes. A task in C++ (docs/plugins.md) is faster and flies from
 `skybody run` as well.
 """
 
@@ -19,12 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native, spaces
 from .arguments import Scenario, check_array, check_seed, shape_error
-from .simulation import SimulationPool, WorldStates
+from .simulation import EnvStates, SimulationPool
 from .vector import autoreset_mode, reset_mask
 
 
 class PythonTask:
-    """What a learner is to do; derive from it. n is the number of worlds that the arrays are about.
+    """What a learner is to do; derive from it. n: environments that the arrays are about.
 
     The scenario's own task is not asked; its randomizers work as ever.
     """
@@ -36,36 +36,36 @@ class PythonTask:
     horizon: int = 1000
     """Actions after which an episode is truncated, >= 1."""
     observation_space: Box[np.float32]
-    """Of one world."""
+    """Of one environment."""
     action_space: Box[np.float32]
-    """Of one world. Actions are clipped to it."""
+    """Of one environment. Actions are clipped to it."""
 
     def setup(self, pool: SimulationPool) -> None:
         """Called once, before anything else: to look constants up, or to keep the pool, whose
         `state(path)` gives what `states` has not."""
 
     def begin(
-        self, pool: SimulationPool, worlds: NDArray[np.int32], rng: np.random.Generator
+        self, pool: SimulationPool, envs: NDArray[np.int32], rng: np.random.Generator
     ) -> None:
-        """Some worlds have just been reset: to teleport them, to draw goals, or to forget."""
+        """Some environments have just been reset: to teleport them, to draw goals, or to forget."""
 
-    def command(self, actions: NDArray[np.float32], states: WorldStates) -> ArrayLike:
+    def command(self, actions: NDArray[np.float32], states: EnvStates) -> ArrayLike:
         """Commands (n, command_size), in the units of the control mode, from actions (n, A)."""
         raise self._lacks("command")
 
-    def observation(self, states: WorldStates) -> ArrayLike:
+    def observation(self, states: EnvStates) -> ArrayLike:
         """What the learner sees, (n, O)."""
         raise self._lacks("observation")
 
-    def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> ArrayLike:
+    def reward(self, states: EnvStates, actions: NDArray[np.float32]) -> ArrayLike:
         """Rewards (n,) of the states after these actions (n, A)."""
         raise self._lacks("reward")
 
-    def terminated(self, states: WorldStates) -> ArrayLike:
+    def terminated(self, states: EnvStates) -> ArrayLike:
         """Which episodes end here for a reason of the task's own, (n,) bool."""
         return np.zeros(len(states.times), np.bool_)
 
-    def info(self, states: WorldStates) -> dict[str, NDArray[Any]]:
+    def info(self, states: EnvStates) -> dict[str, NDArray[Any]]:
         """Values beside the observation, (n, ...) each."""
         return {}
 
@@ -94,25 +94,26 @@ def _check_task(task: PythonTask) -> None:
 def _demand_finite(bad: NDArray[np.bool_]) -> None:
     """An episode cannot begin with what no policy can see. Raises ValueError."""
     if bad.any():
-        raise ValueError(f"the first observation of world {np.argmax(bad)} is not finite")
+        raise ValueError(f"the first observation of environment {np.argmax(bad)} is not finite")
 
 
-class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """A task in Python as a `gymnasium.vector.VectorEnv` over a `SimulationPool`.
 
     `fault` in the infos (num_envs,) bool marks episodes that end because the physics gave up or
     because an action, observation or reward was not finite: truncated, reward 0, the last finite
-    observation; their value must not be bootstrapped. Other worlds go on. With SAME_STEP, `fault`
-    is the ended episode's, other infos are the new one's; `final_info` has all of the ended one's.
+    observation; their value must not be bootstrapped. Other environments go on. With SAME_STEP,
+    `fault` is the ended episode's, other infos are the new one's; `final_info` has all of
+    the ended one's.
 
     An exception in the task reaches the caller of `step` or `reset`. `reset()` then begins anew and
     `close` works as ever.
 
     Args:
-        task: the task; one object for all worlds.
+        task: the task; one object for all environments.
         scenario: name of a shipped scenario, a YAML file, or (where the task keeps the scenario's
-            controllers) a loaded `Environment`.
-        num_envs: number of worlds.
+            controllers) a loaded `CompiledScenario`.
+        num_envs: number of environments.
         num_threads: threads that step, the caller's counted; 0: one per processor.
         seed: key of all random numbers until a `reset(seed=...)`.
         autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
@@ -175,7 +176,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         """Begins new episodes; under a seed, the first ones of that seed.
 
         Args:
-            options: {"reset_mask": (num_envs,) bool array} resets only these worlds.
+            options: {"reset_mask": (num_envs,) bool array} resets only these environments.
 
         Raises:
             TypeError: a mask that is no bool array.
@@ -186,7 +187,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         if mask is None:
             mask = np.ones(self.num_envs, np.bool_)
         elif seed is not None or not self._ready:
-            raise ValueError("reset all worlds: leave out `reset_mask`")
+            raise ValueError("reset all environments: leave out `reset_mask`")
         self._ready = False
         if seed is not None:
             self._rng = np.random.default_rng(check_seed(seed))
@@ -206,7 +207,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         NDArray[np.bool_],
         dict[str, Any],
     ]:
-        """One action in every world; worlds whose episode ended before are reset instead.
+        """One action in every environment; those whose episode ended before are reset instead.
 
         Args:
             actions: (num_envs, A) float32, clipped to the task's action space.
@@ -222,7 +223,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         given = check_array("actions", actions, self._action_shape, np.float32)
         if self._mode is AutoresetMode.DISABLED and self._ended.any():
             raise ValueError(
-                f"the episode of world {np.argmax(self._ended)} has ended: reset it by "
+                f"the episode of environment {np.argmax(self._ended)} has ended: reset it by "
                 'reset(options={"reset_mask": ...})'
             )
         self._ready = False
@@ -248,7 +249,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         commands = np.asarray(self.task.command(actions, self.pool.states()), np.float64)
         if len(commands) != self.num_envs:
             raise shape_error("command()", commands, f"({self.num_envs}, n)")
-        self.pool.command(commands[flying], worlds=flying)
+        self.pool.command(commands[flying], envs=flying)
         self.pool.advance(self.task.physics_steps, flying)
         self._steps[flying] += 1
 
@@ -273,8 +274,8 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         return self._last.copy(), reward, terminated, truncated, infos | final
 
     def _begin_at_once(
-        self, fault: NDArray[np.bool_], states: WorldStates
-    ) -> tuple[dict[str, Any], WorldStates]:
+        self, fault: NDArray[np.bool_], states: EnvStates
+    ) -> tuple[dict[str, Any], EnvStates]:
         """SAME_STEP: begins anew where episodes ended; their last infos, and the states now."""
         ended = self._ended.copy()
         rows = np.full(self.num_envs, None, dtype=object)
@@ -293,10 +294,10 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         return final, states
 
     def _observation(
-        self, states: WorldStates, mask: NDArray[np.bool_]
+        self, states: EnvStates, mask: NDArray[np.bool_]
     ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Observations of the worlds in `mask`, the last ones of the others; which are not finite,
-        where the last finite one stands in."""
+        """Observations of the environments in `mask`, the last ones of the others; and which are
+        not finite, where the last finite one stands in."""
         shape = self._last.shape
         rows = self._float32("observation", self.task.observation(states), shape)
         bad = mask & ~np.isfinite(rows).reshape(self.num_envs, -1).all(axis=1)
@@ -313,7 +314,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         self,
         mask: NDArray[np.bool_],
         fault: NDArray[np.bool_],
-        states: WorldStates | None = None,
+        states: EnvStates | None = None,
     ) -> dict[str, Any]:
         infos: dict[str, Any] = {"fault": fault, "_fault": mask.copy()}
         for name, values in self.task.info(states or self.pool.states()).items():
@@ -321,7 +322,7 @@ class PythonTaskVecEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArr
         return infos
 
     def state(self, path: str) -> NDArray[np.float64]:
-        """A value of the state of every world, (num_envs, *shape), as `make_vec(...).state`.
+        """A value of the state of every environment, (num_envs, *shape), as `make_vec(...).state`.
 
         Raises:
             ValueError: no such path; the nearest ones are named.

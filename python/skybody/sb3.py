@@ -44,7 +44,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     bootstrapped values to the rewards in place, and its callbacks keep both.
 
     Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
         num_threads: threads that step, the caller's counted; 0: one per processor.
         seed: key of all random numbers until a `seed(...)`; environment i draws from (seed, i).
@@ -73,9 +73,9 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         pin_threads: bool = False,
         keep_hash: bool = False,
     ) -> None:
-        self.environment = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, overrides, plugin_path)
         self.native = make_native(
-            self.environment,
+            self.compiled,
             num_envs,
             num_threads,
             seed,
@@ -84,14 +84,14 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
             pin_threads=pin_threads,
             keep_hash=keep_hash,
         )
-        self._observations = Observations(self.environment, dict_observations)
-        self._channels = InfoChannels(self.environment)
-        self._last_info = np.zeros((num_envs, self.environment.info_size), np.float32)
-        self._last_privileged = np.zeros((num_envs, self.environment.privileged_size), np.float32)
+        self._observations = Observations(self.compiled, dict_observations)
+        self._channels = InfoChannels(self.compiled)
+        self._last_info = np.zeros((num_envs, self.compiled.info_size), np.float32)
+        self._last_privileged = np.zeros((num_envs, self.compiled.privileged_size), np.float32)
         super().__init__(
             num_envs,
-            spaces.space_of(self.environment, self._observations),
-            spaces.action_space(self.environment),
+            spaces.space_of(self.compiled, self._observations),
+            spaces.action_space(self.compiled),
         )
 
     def reset(self) -> Any:

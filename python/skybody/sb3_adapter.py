@@ -17,7 +17,7 @@ except ModuleNotFoundError as error:
 
 
 class VectorEnvForSb3(UniformVecEnv):
-    """A `PythonTaskVecEnv` (or another vector environment) for Stable-Baselines3.
+    """A `PythonTaskVectorEnv` (or another vector environment) for Stable-Baselines3.
 
     `skybody.sb3.SkybodyVecEnv` is the one for tasks in C++. Infos of ended episodes have
     `terminal_observation`, and `TimeLimit.truncated`: True where its value is to be bootstrapped,

@@ -1,4 +1,4 @@
-"""Direct control of one world or of many: commands in physical units, physics steps, states."""
+"""Direct control of one environment or of many: physical commands, physics steps, states."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._native import Environment
+from ._native import CompiledScenario
 from .arguments import (
     MOST_ENVS,
     MOST_THREADS,
@@ -43,7 +43,7 @@ def load_with_control(
     control: str | None = None,
     overrides: Iterable[str] = (),
     plugin_path: Iterable[str | os.PathLike[str]] = (),
-) -> Environment:
+) -> CompiledScenario:
     """Loads a scenario, with other controllers on all of its robots.
 
     Args:
@@ -69,7 +69,7 @@ def load_with_control(
             f"control is {control!r}; it must be one of {', '.join(CONTROL_MODES)}, or a list as "
             "in YAML, such as '[{plugin: ctbr, parameters: {apply: body}}]'"
         )
-    if isinstance(scenario, Environment):
+    if isinstance(scenario, CompiledScenario):
         raise ValueError(
             f"`{scenario.name}` is loaded already, control comes too late: give the scenario's name"
         )
@@ -83,14 +83,14 @@ def _floats(values: ArrayLike | None) -> NDArray[np.float64] | None:
 
 
 class Simulation(_native.Simulation):
-    """One world under direct control.
+    """One environment under direct control.
 
     It is stepped as a learner does, by `step(action)`, or by hand: `command(values)` in the units
     of the control mode, `advance(n)` physics steps, `evaluate()` where the task is to be asked.
     Frames: world (z up), body (x forward, y left, z up); SI units. One Python thread at a time.
 
     Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         control: one of `CONTROL_MODES` ("ctbr", "position", ...) for all robots, or a list of
             controllers as in YAML; None: the scenario's own.
         seed, env_id: key of all random numbers; equal keys, equal draws.
@@ -112,8 +112,8 @@ class Simulation(_native.Simulation):
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
     ) -> None:
-        environment = load_with_control(scenario, control, overrides, plugin_path)
-        super().__init__(environment, check_seed(seed) or 0, env_id)
+        compiled = load_with_control(scenario, control, overrides, plugin_path)
+        super().__init__(compiled, check_seed(seed) or 0, env_id)
 
     def command(self, values: ArrayLike, robot: str = "") -> None:
         """Sets the commands of a robot's chains of controllers, in order; held until the next ones.
@@ -182,17 +182,17 @@ class Simulation(_native.Simulation):
 
     def state_paths(self) -> dict[str, _native.StateValue]:
         """What `state` can give: path -> unit, frame, shape and meaning."""
-        return self.environment.state_values
+        return self.compiled.state_values
 
     def fork(self, rekey: bool = False) -> Simulation:
         """A copy with the same future; with `rekey` its random numbers are its own."""
-        copy = type(self)(self.environment)
+        copy = type(self)(self.compiled)
         copy.restore(super().fork(rekey).save())
         return copy
 
 
-class WorldStates(NamedTuple):
-    """States of some worlds, a row each; float64, copies. B: bodies, R: rotors of a world."""
+class EnvStates(NamedTuple):
+    """States of some environments, a row each; float64, copies. B bodies, R rotors each."""
 
     positions: NDArray[np.float64]
     """(n, B, 3): origins of the bodies, world axes [m]."""
@@ -205,23 +205,23 @@ class WorldStates(NamedTuple):
     rotor_speeds: NDArray[np.float64]
     """(n, R) [rad/s]."""
     times: NDArray[np.float64]
-    """(n,): since each world's reset [s]."""
+    """(n,): since each environment's reset [s]."""
 
 
 class SimulationPool(_native.SimulationPool):
-    """Worlds of one scenario under direct control, shared out among threads, batched calls.
+    """Environments of one scenario under direct control, shared out among threads, batched calls.
 
-    What steps or resets worlds runs on all threads, without the GIL, and waits for all worlds.
+    What steps or resets environments runs on all threads, without the GIL, and waits for all.
     Where one fails the others finish; the error names the first that failed. Nothing resets
-    itself. What a world does depends on its key and its own calls alone.
+    itself. What an environment does depends on its key and its own calls alone.
 
-    `worlds` is everywhere None for all, a (num_worlds,) bool mask, or numbers, each at most once.
+    `envs` is everywhere None for all, a (num_envs,) bool mask, or numbers, each at most once.
 
     Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
-        num_worlds: number of worlds.
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
+        num_envs: number of environments.
         control: as for `Simulation`.
-        seed, first_env_id: world i draws with the key (seed, first_env_id + i).
+        seed, first_env_id: environment i draws with the key (seed, first_env_id + i).
         num_threads: threads that step, the caller's counted; 0: one per processor.
         pin_threads: each worker on a processor of its own, where the system allows it.
         overrides: "PATH=VALUE" each, as for `skybody run --set`.
@@ -235,7 +235,7 @@ class SimulationPool(_native.SimulationPool):
     def __init__(
         self,
         scenario: Scenario,
-        num_worlds: int,
+        num_envs: int,
         control: str | None = None,
         *,
         seed: int = 0,
@@ -245,40 +245,40 @@ class SimulationPool(_native.SimulationPool):
         overrides: Iterable[str] = (),
         plugin_path: Iterable[str | os.PathLike[str]] = (),
     ) -> None:
-        environment = load_with_control(scenario, control, overrides, plugin_path)
+        compiled = load_with_control(scenario, control, overrides, plugin_path)
         super().__init__(
-            environment,
-            integer_within("num_worlds", num_worlds, 1, MOST_ENVS),
+            compiled,
+            integer_within("num_envs", num_envs, 1, MOST_ENVS),
             check_seed(seed) or 0,
             first_env_id,
             pin_threads,
             integer_within("num_threads", num_threads, 0, MOST_THREADS),
         )
 
-    def _ids(self, worlds: ArrayLike | None) -> NDArray[np.int32] | None:
-        if worlds is None:
+    def _ids(self, envs: ArrayLike | None) -> NDArray[np.int32] | None:
+        if envs is None:
             return None
-        given = np.asarray(worlds)
+        given = np.asarray(envs)
         if given.dtype != np.bool_:
             return env_ids(given)
-        mask = check_array("worlds", given, (self.num_worlds,))
+        mask = check_array("envs", given, (self.num_envs,))
         return np.flatnonzero(mask).astype(np.int32)
 
-    def reset(self, worlds: ArrayLike | None = None, seed: int | None = None) -> None:
-        """Begins the next episode of some worlds, or with a seed episode 1 under that seed."""
-        super().reset(self._ids(worlds), check_seed(seed))
+    def reset(self, envs: ArrayLike | None = None, seed: int | None = None) -> None:
+        """Begins the next episode of some environments, or with a seed episode 1 under it."""
+        super().reset(self._ids(envs), check_seed(seed))
 
-    def step(self, actions: ArrayLike, worlds: ArrayLike | None = None) -> None:
+    def step(self, actions: ArrayLike, envs: ArrayLike | None = None) -> None:
         """One step of each: action_repeat physics steps under an action.
 
         Args:
-            actions: (n, action_size) in [-1, 1] (clipped); one that is not finite ends that world's
-                episode as a fault.
+            actions: (n, action_size) in [-1, 1] (clipped); one that is not finite ends the
+                environment's episode as a fault.
         """
-        super().step(np.asarray(actions, np.float32), self._ids(worlds))
+        super().step(np.asarray(actions, np.float32), self._ids(envs))
 
-    def command(self, values: ArrayLike, robot: str = "", worlds: ArrayLike | None = None) -> None:
-        """Sets the input of a robot's first controller in some worlds; held until the next one.
+    def command(self, values: ArrayLike, robot: str = "", envs: ArrayLike | None = None) -> None:
+        """Sets the input of a robot's first controller in some environments, held until the next.
 
         Args:
             values: (n, command_size), or (command_size,) for all of them alike, in the units of the
@@ -287,35 +287,35 @@ class SimulationPool(_native.SimulationPool):
         Raises:
             ValueError: another shape, a value that is not finite, no such robot, before `reset`.
         """
-        ids = self._ids(worlds)
+        ids = self._ids(envs)
         rows = np.asarray(values, np.float64)
         if rows.ndim == 1:
-            rows = np.tile(rows, (self.num_worlds if ids is None else ids.size, 1))
+            rows = np.tile(rows, (self.num_envs if ids is None else ids.size, 1))
         super().command(rows, robot, ids)
 
-    def advance(self, physics_steps: int = 1, worlds: ArrayLike | None = None) -> None:
+    def advance(self, physics_steps: int = 1, envs: ArrayLike | None = None) -> None:
         """Physics steps of each under its commands, without action and task.
 
-        A world whose physics gives up ends its episode as a fault: see `faults`.
+        An environment whose physics gives up ends its episode as a fault: see `faults`.
         """
-        super().advance(physics_steps, self._ids(worlds))
+        super().advance(physics_steps, self._ids(envs))
 
-    def evaluate(self, worlds: ArrayLike | None = None) -> None:
+    def evaluate(self, envs: ArrayLike | None = None) -> None:
         """Ends a transition made by command and advance: asks the scenario's task."""
-        super().evaluate(self._ids(worlds))
+        super().evaluate(self._ids(envs))
 
     def teleport(
         self,
-        world: int,
+        env: int,
         position: ArrayLike | None = None,
         rotation: ArrayLike | None = None,
         velocity: ArrayLike | None = None,
         angular_velocity: ArrayLike | None = None,
         robot: str = "",
     ) -> None:
-        """`Simulation.teleport` in one world."""
+        """`Simulation.teleport` in one environment."""
         super().teleport(
-            world,
+            env,
             _floats(position),
             _floats(rotation),
             _floats(velocity),
@@ -323,9 +323,9 @@ class SimulationPool(_native.SimulationPool):
             robot,
         )
 
-    def states(self, worlds: ArrayLike | None = None) -> WorldStates:
-        """Motion of all bodies and rotors of some worlds."""
-        all_worlds = (
+    def states(self, envs: ArrayLike | None = None) -> EnvStates:
+        """Motion of all bodies and rotors of some environments."""
+        of_all = (
             self.positions,
             self.rotations,
             self.velocities,
@@ -333,23 +333,23 @@ class SimulationPool(_native.SimulationPool):
             self.rotor_speeds,
             self.times,
         )
-        ids = self._ids(worlds)
+        ids = self._ids(envs)
         if ids is None:
-            return WorldStates(*all_worlds)
-        return WorldStates(*(values[ids] for values in all_worlds))
+            return EnvStates(*of_all)
+        return EnvStates(*(values[ids] for values in of_all))
 
-    def state(self, path: str, worlds: ArrayLike | None = None) -> NDArray[np.float64]:
-        """A value of the state of some worlds, a new array (n, *shape), as `make_vec(...).state`.
+    def state(self, path: str, envs: ArrayLike | None = None) -> NDArray[np.float64]:
+        """A value of some environments' state, a new array (n, *shape), as `make_vec(...).state`.
 
         Raises:
             ValueError: no such path; the nearest ones are named.
         """
-        values, ids = super().state(path), self._ids(worlds)
+        values, ids = super().state(path), self._ids(envs)
         return values if ids is None else values[ids]
 
     def state_paths(self) -> dict[str, _native.StateValue]:
         """What `state` can give: path -> unit, frame, shape and meaning."""
-        return self.environment.state_values
+        return self.compiled.state_values
 
     def _has(self, bit: int) -> NDArray[np.bool_]:
         mask: NDArray[np.bool_] = (self.status & np.uint64(bit)) != 0
@@ -357,15 +357,15 @@ class SimulationPool(_native.SimulationPool):
 
     @property
     def terminated(self) -> NDArray[np.bool_]:
-        """(num_worlds,): the scenario's task ended the episode."""
+        """(num_envs,): the scenario's task ended the episode."""
         return self._has(_TERMINATED)
 
     @property
     def truncated(self) -> NDArray[np.bool_]:
-        """(num_worlds,): horizon, task or fault ended it."""
+        """(num_envs,): horizon, task or fault ended it."""
         return self._has(_TRUNCATED)
 
     @property
     def faults(self) -> NDArray[np.bool_]:
-        """(num_worlds,): the physics gave up, or an action was not finite."""
+        """(num_envs,): the physics gave up, or an action was not finite."""
         return self._has(_FAULT)

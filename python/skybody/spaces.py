@@ -9,26 +9,28 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 
-from ._native import Environment, ObservationColumn
+from ._native import CompiledScenario, ObservationColumn
 from .observations import Observations, key_of
 
 
-def observation_bounds(environment: Environment) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def observation_bounds(
+    compiled: CompiledScenario,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Lowest and highest value of each entry of an observation row, (observation_size,) each.
 
     Units are the channels' own (SI); an entry without a bound has -inf or inf.
     """
-    low = np.empty(environment.observation_size, np.float32)
-    high = np.empty(environment.observation_size, np.float32)
-    for channel in environment.observation_channels:
+    low = np.empty(compiled.observation_size, np.float32)
+    high = np.empty(compiled.observation_size, np.float32)
+    for channel in compiled.observation_channels:
         low[channel.first : channel.first + channel.count] = channel.low
         high[channel.first : channel.first + channel.count] = channel.high
     return low, high
 
 
-def observation_space(environment: Environment) -> Box[np.float32]:
+def observation_space(compiled: CompiledScenario) -> Box[np.float32]:
     """Observations of one environment: Box (observation_size,), float32."""
-    return Box(*observation_bounds(environment), dtype=np.float32)
+    return Box(*observation_bounds(compiled), dtype=np.float32)
 
 
 def column_space(column: ObservationColumn) -> Box[Any]:
@@ -41,10 +43,10 @@ def dict_space(columns: Iterable[ObservationColumn]) -> Dict:
     return Dict({key_of(column): column_space(column) for column in columns})
 
 
-def space_of(environment: Environment, observations: Observations) -> Box[np.float32] | Dict:
+def space_of(compiled: CompiledScenario, observations: Observations) -> Box[np.float32] | Dict:
     """What one environment gives: a Box, or a Dict with a Box for each column under its key."""
     if observations.columns is None:
-        return observation_space(environment)
+        return observation_space(compiled)
     return dict_space(observations.columns)
 
 
@@ -56,12 +58,12 @@ def batched(space: Box[np.float32] | Dict, count: int) -> Box[np.float32] | Dict
     return batch(space, count)
 
 
-def action_space(environment: Environment) -> Box[np.float32]:
+def action_space(compiled: CompiledScenario) -> Box[np.float32]:
     """Actions of one environment: Box [-1, 1] (action_size,), float32.
 
     What -1 and 1 mean is in `environment.action_channels[k].low` and `.high`, in SI units.
     """
-    return Box(-1.0, 1.0, (environment.action_size,), np.float32)
+    return Box(-1.0, 1.0, (compiled.action_size,), np.float32)
 
 
 def select(space: Box[np.float32], entries: Sequence[int] | NDArray[np.intp]) -> Box[np.float32]:

@@ -78,7 +78,7 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
     critic only.
 
     Args:
-        scenario: name of a shipped scenario, a YAML file, or a loaded `Environment`.
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
         num_threads: threads that step, the caller's counted; 0: one per processor.
         seed: key of all random numbers until a `reset(seed=...)`; environment i draws from
@@ -124,11 +124,11 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
     ) -> None:
         if order not in get_args(Order):
             raise ValueError(f"order is {order!r}; it must be one of {', '.join(get_args(Order))}")
-        self.environment = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, overrides, plugin_path)
         self._mode = autoreset_mode(autoreset)
         names = {mode: name for name, mode in _MODES.items()}
         self.native = make_native(
-            self.environment,
+            self.compiled,
             num_envs,
             num_threads,
             seed,
@@ -141,19 +141,19 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
-        self._observations = Observations(self.environment, dict_observations)
-        self._channels = InfoChannels(self.environment, infos)
+        self._observations = Observations(self.compiled, dict_observations)
+        self._channels = InfoChannels(self.compiled, infos)
         if joint and self._observations.columns is not None:
             raise ValueError("joint and dict_observations exclude one another: leave one out")
-        self._joint = JointLayout(self.environment) if joint else None
-        self._team = len(self.environment.agents) > 1
+        self._joint = JointLayout(self.compiled) if joint else None
+        self._team = len(self.compiled.agents) > 1
         self._all = np.ones(num_envs, np.bool_)
         self._all.setflags(write=False)  # one mask in all infos
         self._define_spaces()
 
     def _define_spaces(self) -> None:
-        observation = spaces.space_of(self.environment, self._observations)
-        action = spaces.action_space(self.environment)
+        observation = spaces.space_of(self.compiled, self._observations)
+        action = spaces.action_space(self.compiled)
         if self._joint is not None and isinstance(observation, Box):
             observation = spaces.reshape(observation, self._joint.observation_shape)
             action = spaces.reshape(action, self._joint.action_shape)

@@ -34,7 +34,7 @@ class RandomStart : public Randomizer {
   }
 
   template <class Real>
-  void randomize(const Lanes<Real>& env, State<Real>&, Start<Real>& start) const {
+  void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       place(random(env, together_.value() ? 0 : i), robots_[i], start);
       if (hover_.value() == "hover") spin(env, robots_[i], start);
@@ -158,7 +158,7 @@ class RandomStart : public Randomizer {
 
   /// One speed for all rotors that carries the environment's own weight, level.
   template <class Real>
-  SKYBODY_INLINE void spin(const Lanes<Real>& env, const Target& t, Start<Real>& start) const {
+  SKYBODY_INLINE void spin(const EnvView<Real>& env, const Target& t, Start<Real>& start) const {
     Real mass(0.0), lift(0.0);
     for (const int param : t.masses) mass += env.param(param);
     for (const Rotor& r : t.rotors)

@@ -42,7 +42,7 @@ class Uniform : public Randomizer {
   }
 
   template <class Real>
-  void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const {
+  void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const {
     const auto due = randomization::is_due(state, start.requested);
     Random<Real> draw = random(env, start.requested ? 1 : 0);
     Real value = draw.uniform(Real(low_), Real(high_));

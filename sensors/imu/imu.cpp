@@ -49,7 +49,7 @@ class Imu : public Sensor {
 
   /// Draws the biases that the episode starts with.
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state) const {
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
     Real draws[6];
     fill_normal(random(env, kStartDraws), draws);
     state.force_bias = vec3(draws, 0) * accelerometer_bias_(env);
@@ -58,7 +58,7 @@ class Imu : public Sensor {
   }
 
   template <class Real>
-  void sense(const Lanes<Real>& env, State<Real>& state, Values<Real> output,
+  void sense(const EnvView<Real>& env, State<Real>& state, Values<Real> output,
              Values<Real> buffer) const {
     const Real step = to_real(env.physics_step());
     const double period = static_cast<double>(period_.value());
@@ -93,7 +93,7 @@ class Imu : public Sensor {
 
   /// Measures where `due` holds.
   template <class Real>
-  SKYBODY_INLINE void sample(const Lanes<Real>& env, State<Real>& state, MaskOf<Real> due) const {
+  SKYBODY_INLINE void sample(const EnvView<Real>& env, State<Real>& state, MaskOf<Real> due) const {
     const BodyMotion<Real> now = env.body(body_), before = env.body_before(body_);
     const Vec3<Real> acceleration = (point_velocity(now) - point_velocity(before)) / Real(dt_);
     const Quat<Real> mount{Real(rotation_.w), Real(rotation_.x), Real(rotation_.y),
@@ -121,7 +121,7 @@ class Imu : public Sensor {
 
   /// The biases' walk since the last call, by the samples that are due, one after another.
   template <class Real>
-  SKYBODY_INLINE void walk(const Lanes<Real>& env, State<Real>& state) const {
+  SKYBODY_INLINE void walk(const EnvView<Real>& env, State<Real>& state) const {
     const Real now = to_real(env.physics_step());
     if (none(is_on(accelerometer_walk_(env), gyroscope_walk_(env)))) {
       state.walked = now;

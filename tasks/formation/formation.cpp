@@ -28,7 +28,7 @@ class Formation : public Task {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state) const {
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
     Random<Real> draw = random(env);
     Real drawn[3];
     for (int k = 0; k < 3; ++k)
@@ -41,7 +41,7 @@ class Formation : public Task {
   }
 
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
     observe(env, state, out.observation);
     const Vec3<Real> centroid = centroid_of(env);
     const Real centroid_error = norm(centroid - state.target);
@@ -67,7 +67,7 @@ class Formation : public Task {
   }
 
   template <class Real>
-  void goal(const Lanes<Real>&, const State<Real>& state, Values<Real> goal) const {
+  void goal(const EnvView<Real>&, const State<Real>& state, Values<Real> goal) const {
     for (int i = 0; i < count(); ++i) {
       goal.set(4 * i, state.target + place<Real>(i));
       goal.set(4 * i + 3, Real(0.0));
@@ -150,7 +150,7 @@ class Formation : public Task {
   }
 
   template <class Real>
-  SKYBODY_INLINE BodyMotion<Real> motion(const Lanes<Real>& env, int i) const {
+  SKYBODY_INLINE BodyMotion<Real> motion(const EnvView<Real>& env, int i) const {
     return env.body(at(i).body);
   }
 
@@ -161,7 +161,7 @@ class Formation : public Task {
   }
 
   template <class Real>
-  void observe(const Lanes<Real>& env, const State<Real>& state, Values<Real> observation) const {
+  void observe(const EnvView<Real>& env, const State<Real>& state, Values<Real> observation) const {
     for (int j = 0; j < count(); ++j) {  // what all others see of it is the same
       const BodyMotion<Real> seen = motion(env, j);
       const Mat3<Real> rotation = to_mat3(seen.rotation);
@@ -195,7 +195,7 @@ class Formation : public Task {
   }
 
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> centroid_of(const Lanes<Real>& env) const {
+  SKYBODY_INLINE Vec3<Real> centroid_of(const EnvView<Real>& env) const {
     Vec3<Real> sum = motion(env, 0).position;
     for (int i = 1; i < count(); ++i) sum += motion(env, i).position;
     return sum / Real(static_cast<double>(count()));
@@ -213,7 +213,8 @@ class Formation : public Task {
 
   /// How far any robot is from the closest place, or any place from the closest robot.
   template <class Real>
-  SKYBODY_INLINE Real hausdorff_distance(const Lanes<Real>& env, const Vec3<Real>& centroid) const {
+  SKYBODY_INLINE Real hausdorff_distance(const EnvView<Real>& env,
+                                         const Vec3<Real>& centroid) const {
     Real farthest(0.0);
     for (int i = 0; i < count(); ++i) {
       const Vec3<Real> robot = motion(env, i).position - centroid;

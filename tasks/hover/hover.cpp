@@ -31,7 +31,7 @@ class Hover : public Task {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state, Values<Real> buffer) const {
+  void reset(const EnvView<Real>& env, State<Real>& state, Values<Real> buffer) const {
     Random<Real> draw = random(env);
     Real drawn[4];
     for (int k = 0; k < 4; ++k) {
@@ -46,7 +46,7 @@ class Hover : public Task {
   }
 
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>& state, Evaluation<Real>& out,
+  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out,
                 Values<Real> buffer) const {
     remember(env, buffer);
     Real reward(0.0);
@@ -87,7 +87,7 @@ class Hover : public Task {
   }
 
   template <class Real>
-  void goal(const Lanes<Real>&, const State<Real>& state, Values<Real> goal) const {
+  void goal(const EnvView<Real>&, const State<Real>& state, Values<Real> goal) const {
     for (int i = 0; i < static_cast<int>(robots_.size()); ++i) {
       goal.set(4 * i, target_of(robots_[static_cast<std::size_t>(i)], state));
       goal.set(4 * i + 3, state.yaw);
@@ -187,7 +187,7 @@ class Hover : public Task {
 
   /// Shifts the action of this step in; there is none at a reset.
   template <class Real>
-  SKYBODY_INLINE void remember(const Lanes<Real>& env, Values<Real> buffer) const {
+  SKYBODY_INLINE void remember(const EnvView<Real>& env, Values<Real> buffer) const {
     const auto stepped = env.step() > Word<Real>(0);
     for (const Robot& robot : robots_) {
       for (int k = 0; k < robot.actions; ++k) {

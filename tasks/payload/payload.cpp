@@ -42,12 +42,12 @@ class Payload : public Task {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>&, State<Real>& state) const {
+  void reset(const EnvView<Real>&, State<Real>& state) const {
     state.target = {Real(target_.value(0)), Real(target_.value(1)), Real(target_.value(2))};
   }
 
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
     const BodyMotion<Real> robot = env.body(base_), load = env.body(payload_);
     const Vec3<Real> arm = rotate(load.rotation, center<Real>());
     const Vec3<Real> position = load.position + arm;
@@ -78,7 +78,7 @@ class Payload : public Task {
 
   /// Where the payload's frame belongs, turned as it is now.
   template <class Real>
-  void goal(const Lanes<Real>& env, const State<Real>& state, Values<Real> goal) const {
+  void goal(const EnvView<Real>& env, const State<Real>& state, Values<Real> goal) const {
     const Quat<Real> rotation = env.body(payload_).rotation;
     goal.set(0, state.target - rotate(rotation, center<Real>()));
     goal.set(3, yaw(rotation));

@@ -15,4 +15,4 @@ fi
 cmake -S "$source_tree/tests/consumer/project" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release "${config[@]}" >"$work/configure.log"
 cmake --build "$work/build" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 "$work/build/consumer" "$scenario"
-"$work/build/vec_env" "$scenario"
+"$work/build/pool" "$scenario"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "core/assemble/load.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "core/policy/hold_policy.h"
 #include "core/simulation/simulation.h"
 
@@ -77,7 +77,7 @@ class NoAllocation : public testing::TestWithParam<const char*> {};
 
 TEST_P(NoAllocation, OfOursHappensWhileStepping) {
   Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/" + std::string(GetParam())});
-  HoldPolicy hold(simulation.environment());
+  HoldPolicy hold(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
   hold.act(simulation, action);
@@ -99,7 +99,7 @@ TEST_P(NoAllocation, OfOursHappensWhileStepping) {
 TEST(Allocation, OfOursHappensInTheFirstHandOverOnly) {
   Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/collision.yaml"});
   simulation.keep_hash(false);
-  HoldPolicy hold(simulation.environment());
+  HoldPolicy hold(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   const auto fly = [&](bool count) {  // through the collision
     simulation.reset();
@@ -130,17 +130,17 @@ TEST(Allocation, IsCounted) {
 /// Ids beyond 999: numbers that no longer fit into a short string.
 constexpr int kEnvs = 1010;
 
-class NoAllocationInBatches : public testing::TestWithParam<VecEnvOptions> {};
+class NoAllocationInBatches : public testing::TestWithParam<PoolOptions> {};
 
 TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
-  VecEnvOptions options = GetParam();
+  PoolOptions options = GetParam();
   options.envs = kEnvs;
-  const auto environment = load_environment({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
-  VecEnv envs(environment, options);
+  const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
+  Pool envs(compiled, options);
   envs.send_reset();
   std::vector<std::int32_t> ids;
   ids.reserve(kEnvs);
-  const std::vector<float> actions(kEnvs * static_cast<std::size_t>(environment->action_size()));
+  const std::vector<float> actions(kEnvs * static_cast<std::size_t>(compiled->action_size()));
   std::vector<int> received(kEnvs);
   const auto step = [&] {
     const auto batch = envs.recv();
@@ -162,8 +162,8 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
 }
 
 TEST(Allocation, DoesNotHappenWhileTheStateIsRead) {
-  const auto environment = load_environment({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
-  VecEnv envs(environment, {.envs = kEnvs, .threads = 2});
+  const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
+  Pool envs(compiled, {.envs = kEnvs, .threads = 2});
   envs.send_reset();
   envs.recv();
   std::vector<double> values(kEnvs * 4);
@@ -177,11 +177,11 @@ TEST(Allocation, DoesNotHappenWhileTheStateIsRead) {
 
 INSTANTIATE_TEST_SUITE_P(
     Shapes, NoAllocationInBatches,
-    testing::Values(VecEnvOptions{.batch = kEnvs, .threads = 2},
-                    VecEnvOptions{.batch = kEnvs / 5, .threads = 2},
-                    VecEnvOptions{.batch = kEnvs / 5, .threads = 4, .order = Order::kArrival},
-                    VecEnvOptions{.batch = kEnvs, .threads = 1, .autoreset = Autoreset::kSameStep},
-                    VecEnvOptions{.batch = kEnvs, .threads = 2, .keep_hash = true}));
+    testing::Values(PoolOptions{.batch = kEnvs, .threads = 2},
+                    PoolOptions{.batch = kEnvs / 5, .threads = 2},
+                    PoolOptions{.batch = kEnvs / 5, .threads = 4, .order = Order::kArrival},
+                    PoolOptions{.batch = kEnvs, .threads = 1, .autoreset = Autoreset::kSameStep},
+                    PoolOptions{.batch = kEnvs, .threads = 2, .keep_hash = true}));
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                          testing::Values("hover.yaml", "payload.yaml", "formation.yaml",

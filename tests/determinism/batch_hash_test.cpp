@@ -15,7 +15,7 @@
 
 #include "core/assemble/load.h"
 #include "core/base/random.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "core/policy/hold_policy.h"
 #include "core/simulation/simulation.h"
 
@@ -37,9 +37,9 @@ std::vector<float> action_of(int env, int k, int width, int faulty) {
 }
 
 /// A reset and `steps` steps, resets where an episode has ended among them.
-std::uint64_t hash_alone(const std::shared_ptr<const Environment>& environment, int env, int steps,
-                         int faulty) {
-  Simulation simulation(environment, kSeed, static_cast<std::uint64_t>(env));
+std::uint64_t hash_alone(const std::shared_ptr<const CompiledScenario>& compiled, int env,
+                         int steps, int faulty) {
+  Simulation simulation(compiled, kSeed, static_cast<std::uint64_t>(env));
   simulation.reset();
   for (int k = 0; k < steps; ++k) {
     if (simulation.done()) {
@@ -52,7 +52,7 @@ std::uint64_t hash_alone(const std::shared_ptr<const Environment>& environment, 
 }
 
 /// Steps begin ... end - 1 of all environments, each sent again as soon as it is back.
-void fly(VecEnv& envs, int begin, int end, int faulty) {
+void fly(Pool& envs, int begin, int end, int faulty) {
   std::array<int, kEnvs> next;
   next.fill(begin);
   const auto send = [&](std::vector<std::int32_t> ids) {
@@ -60,7 +60,7 @@ void fly(VecEnv& envs, int begin, int end, int faulty) {
     std::vector<float> actions;
     for (const std::int32_t env : ids) {
       const std::vector<float> row = action_of(env, next[static_cast<std::size_t>(env)]++,
-                                               envs.environment().action_size(), faulty);
+                                               envs.compiled().action_size(), faulty);
       actions.insert(actions.end(), row.begin(), row.end());
     }
     if (!ids.empty()) envs.send(actions, ids);
@@ -72,7 +72,7 @@ void fly(VecEnv& envs, int begin, int end, int faulty) {
   }
 }
 
-void reset(VecEnv& envs) {
+void reset(Pool& envs) {
   envs.send_reset();
   while (envs.in_flight() > 0) envs.recv();
 }
@@ -94,13 +94,13 @@ std::vector<Shape> shapes() {
   return all;
 }
 
-VecEnv make(const std::shared_ptr<const Environment>& environment, const Shape& shape) {
-  return VecEnv(environment, {.envs = kEnvs,
-                              .batch = shape.batch,
-                              .threads = shape.threads,
-                              .order = shape.order,
-                              .seed = kSeed,
-                              .keep_hash = true});
+Pool make(const std::shared_ptr<const CompiledScenario>& compiled, const Shape& shape) {
+  return Pool(compiled, {.envs = kEnvs,
+                         .batch = shape.batch,
+                         .threads = shape.threads,
+                         .order = shape.order,
+                         .seed = kSeed,
+                         .keep_hash = true});
 }
 
 std::string file_of(const std::string& name) {
@@ -144,22 +144,22 @@ std::vector<Flight> solvers() {
 
 class EveryShippedScenario : public testing::TestWithParam<Flight> {
  protected:
-  std::shared_ptr<const Environment> environment_ =
-      load_environment({file_of(GetParam().scenario), GetParam().overrides, {}});
+  std::shared_ptr<const CompiledScenario> compiled_ =
+      compile_scenario({file_of(GetParam().scenario), GetParam().overrides, {}});
   /// Worlds of many robots, and those whose integrator takes steps of its own, take about as much
   /// time in all as others.
   int steps_ =
-      std::max(8, 60 / static_cast<int>(environment_->scenario().robots.size()) /
-                      (is_error_controlled(environment_->scenario().stepping.integrator) ? 6 : 1));
+      std::max(8, 60 / static_cast<int>(compiled_->scenario().robots.size()) /
+                      (is_error_controlled(compiled_->scenario().stepping.integrator) ? 6 : 1));
 
   std::array<std::uint64_t, kEnvs> alone(int faulty) const {
     std::array<std::uint64_t, kEnvs> hashes;
     for (int e = 0; e < kEnvs; ++e) {
-      hashes[static_cast<std::size_t>(e)] = hash_alone(environment_, e, steps_, faulty);
+      hashes[static_cast<std::size_t>(e)] = hash_alone(compiled_, e, steps_, faulty);
     }
     return hashes;
   }
-  static void expect(const VecEnv& envs, const std::array<std::uint64_t, kEnvs>& hashes) {
+  static void expect(const Pool& envs, const std::array<std::uint64_t, kEnvs>& hashes) {
     HashChain all;
     for (int e = 0; e < kEnvs; ++e) {
       ASSERT_EQ(envs.hash(e), hashes[static_cast<std::size_t>(e)])
@@ -175,10 +175,10 @@ TEST_P(EveryShippedScenario, HasTheHashOfEnvironmentsAloneForAllThreadsBatchesAn
   const auto hashes = alone(kNobody);
   std::vector<std::uint64_t> saved;
   for (const Shape& shape : shapes()) {
-    VecEnv envs = make(environment_, shape);
+    Pool envs = make(compiled_, shape);
     reset(envs);
     fly(envs, 0, steps_ / 2, kNobody);
-    if (!saved.empty()) envs.restore(saved);  // what a VecEnv of another shape has saved
+    if (!saved.empty()) envs.restore(saved);  // what a Pool of another shape has saved
     saved = envs.save();
     fly(envs, steps_ / 2, steps_, kNobody);
     expect(envs, hashes);
@@ -188,7 +188,7 @@ TEST_P(EveryShippedScenario, HasTheHashOfEnvironmentsAloneForAllThreadsBatchesAn
 TEST_P(EveryShippedScenario, ANeighbourThatFaultsChangesNoOthersHash) {
   const auto unharmed = alone(kNobody), harmed = alone(2);
   for (const Shape& shape : {Shape{2, kEnvs, Order::kFixed}, Shape{4, 2, Order::kArrival}}) {
-    VecEnv envs = make(environment_, shape);
+    Pool envs = make(compiled_, shape);
     reset(envs);
     fly(envs, 0, steps_, 2);
     expect(envs, harmed);
@@ -207,9 +207,9 @@ INSTANTIATE_TEST_SUITE_P(Solvers, EveryShippedScenario, testing::ValuesIn(solver
 /// Denormals flushed, rounding downwards: what another library may have left in the caller's
 /// thread.
 TEST(CallersFloatingPointMode, MovesNoHash) {
-  const auto environment = load_environment({file_of("hover"), {}, {}});
+  const auto compiled = compile_scenario({file_of("hover"), {}, {}});
   const auto run = [&](int envs_count) {
-    VecEnv envs(environment, {.envs = envs_count, .threads = 1, .keep_hash = true});
+    Pool envs(compiled, {.envs = envs_count, .threads = 1, .keep_hash = true});
     reset(envs);
     const std::vector<float> actions(static_cast<std::size_t>(envs_count) * 4, 0.1f);
     for (int k = 0; k < 50; ++k) {
@@ -229,9 +229,9 @@ TEST(CallersFloatingPointMode, MovesNoHash) {
 }
 
 TEST(CallersFloatingPointMode, MovesNothingInADirectWorld) {
-  const auto environment = load_environment({file_of("hover"), {}, {}});
+  const auto compiled = compile_scenario({file_of("hover"), {}, {}});
   const auto run = [&] {
-    Simulation simulation(environment, kSeed, 0);
+    Simulation simulation(compiled, kSeed, 0);
     simulation.reset();
     const std::vector<float> action(4, 0.1f);
     for (int k = 0; k < 20; ++k) {
@@ -250,11 +250,11 @@ TEST(CallersFloatingPointMode, MovesNothingInADirectWorld) {
 }
 
 TEST(Groups, AreAsLargeAsThreadsBatchesAndDynamicsAllow) {
-  const auto tree = load_environment({file_of("hover"), {}, {}});
-  const auto simbody = load_environment({file_of("hover"), {"stepping.dynamics=simbody"}, {}});
-  const auto lanes = [](const auto& environment, int envs, int threads, int batch = 0,
+  const auto tree = compile_scenario({file_of("hover"), {}, {}});
+  const auto simbody = compile_scenario({file_of("hover"), {"stepping.dynamics=simbody"}, {}});
+  const auto lanes = [](const auto& compiled, int envs, int threads, int batch = 0,
                         Order order = Order::kFixed) {
-    return VecEnv(environment, {.envs = envs, .batch = batch, .threads = threads, .order = order})
+    return Pool(compiled, {.envs = envs, .batch = batch, .threads = threads, .order = order})
         .lanes();
   };
   EXPECT_EQ(lanes(tree, 64, 1), 32);
@@ -269,16 +269,16 @@ TEST(Groups, AreAsLargeAsThreadsBatchesAndDynamicsAllow) {
 /// times. Saved and restored in the midst of them, in lanes and one by one.
 TEST(HandOver, HasOneHashInLanesAndAlone) {
   constexpr int kLanes = 8, kSteps = 140, kMidst = 102;
-  const auto environment = load_environment({file_of("collision"), {}, {}});
-  Simulation simulation(environment, kSeed, 0);
+  const auto compiled = compile_scenario({file_of("collision"), {}, {}});
+  Simulation simulation(compiled, kSeed, 0);
   simulation.reset();
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
-  HoldPolicy(*environment).act(simulation, action);  // both goals: the same in every step
+  HoldPolicy(*compiled).act(simulation, action);  // both goals: the same in every step
   std::vector<float> actions;
   for (int e = 0; e < kLanes; ++e) actions.insert(actions.end(), action.begin(), action.end());
   std::vector<std::uint64_t> hashes, saved;
   for (const int threads : {1, 2}) {
-    VecEnv envs(environment, {.envs = kLanes, .threads = threads, .keep_hash = true});
+    Pool envs(compiled, {.envs = kLanes, .threads = threads, .keep_hash = true});
     EXPECT_EQ(envs.lanes(), threads == 1 ? kLanes : 1);
     reset(envs);
     for (int e = 0; e < kLanes; ++e) {
@@ -314,7 +314,7 @@ std::string output_of(const std::string& command) {
 
 TEST(AnotherProcess, HasTheHashOfThisOne) {
   for (const std::string name : {"hover", "payload"}) {
-    VecEnv envs = make(load_environment({file_of(name), {}, {}}), {2, 2, Order::kArrival});
+    Pool envs = make(compile_scenario({file_of(name), {}, {}}), {2, 2, Order::kArrival});
     reset(envs);
     fly(envs, 0, 60, kNobody);
     HashChain first;

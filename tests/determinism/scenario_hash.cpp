@@ -6,7 +6,7 @@
 #include "core/assemble/load.h"
 #include "core/base/hash.h"
 #include "core/base/random.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace {
 
@@ -19,9 +19,8 @@ constexpr int kSteps = 300;
 std::uint64_t hash_of(const std::string& scenario) {
   LoadOptions options;
   options.scenario = scenario;
-  VecEnv envs(load_environment(options),
-              {.envs = kEnvs, .threads = 1, .seed = 7, .keep_hash = true});
-  std::vector<float> actions(static_cast<std::size_t>(kEnvs * envs.environment().action_size()));
+  Pool envs(compile_scenario(options), {.envs = kEnvs, .threads = 1, .seed = 7, .keep_hash = true});
+  std::vector<float> actions(static_cast<std::size_t>(kEnvs * envs.compiled().action_size()));
   Random<double> random({7, 0}, 0, 0, derive_stream("hash.action"));
   envs.send_reset();
   envs.recv();

@@ -144,7 +144,7 @@ TEST(Simulation, RandomizingInMidFlightChangesParametersAndNotTheMotion) {
 TEST(Simulation, ParametersAreReadSetAndHeldToTheirBounds) {
   Simulation hover({.scenario = scenario("hover.yaml")});
   hover.reset();
-  const std::string path = hover.environment().layout().param_info[0].path;
+  const std::string path = hover.compiled().layout().param_info[0].path;
   hover.set_param(path, 1.0);
   EXPECT_EQ(hover.param(path), 1.0);
   EXPECT_THROW(hover.set_param(path, -1.0), Error);

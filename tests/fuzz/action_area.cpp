@@ -31,8 +31,8 @@ const char* const kScripts[] = {
     "\nbatch 0.1 0.1 0.1 0.1\nset 0 1.2\nbatch 0.2 0.2 0.2 0.2\nadopt 2 1\nbatch 0 0 0 0\nend\n",
 };
 
-VecEnvOptions batch_options() {
-  VecEnvOptions options;
+PoolOptions batch_options() {
+  PoolOptions options;
   options.envs = kEnvs;
   options.threads = 1;
   return options;
@@ -41,8 +41,8 @@ VecEnvOptions batch_options() {
 /// Environments of one scenario; only environment 1 is ever treated differently.
 class Flock {
  public:
-  explicit Flock(std::shared_ptr<const Environment> environment)
-      : envs_(std::move(environment), batch_options()),
+  explicit Flock(std::shared_ptr<const CompiledScenario> compiled)
+      : envs_(std::move(compiled), batch_options()),
         actions_(static_cast<std::size_t>(kEnvs) * width(), 0.2f) {
     restart();
     const std::vector<float> same(width(), 0.2f);
@@ -65,7 +65,7 @@ class Flock {
   }
 
  private:
-  std::size_t width() const { return static_cast<std::size_t>(envs_.environment().action_size()); }
+  std::size_t width() const { return static_cast<std::size_t>(envs_.compiled().action_size()); }
 
   BatchRows step(const std::vector<float>& row) {
     std::copy(row.begin(), row.end(), actions_.begin() + static_cast<std::ptrdiff_t>(width()));
@@ -84,7 +84,7 @@ class Flock {
   }
 
   bool set(const Values& values) {
-    const auto& params = envs_.environment().layout().param_info;
+    const auto& params = envs_.compiled().layout().param_info;
     if (values.size() < 2 || !(std::abs(values[0]) < 1e9) || params.empty()) return true;
     const std::size_t k = static_cast<std::size_t>(std::abs(values[0])) % params.size();
     envs_.set_param(kChanged, params[k].path, values[1]);
@@ -106,7 +106,7 @@ class Flock {
     return true;
   }
 
-  VecEnv envs_;
+  Pool envs_;
   std::vector<float> actions_;
   std::vector<BatchRows> expected_;
   std::size_t steps_ = 0;
@@ -129,7 +129,7 @@ class ActionArea : public Area {
       Diagnostics diagnostics;
       LoadOptions options;
       options.scenario = name;
-      environments_[name] = load_environment(options, shipped_plugins(), diagnostics);
+      environments_[name] = compile_scenario(options, shipped_plugins(), diagnostics);
       diagnostics.throw_if_errors();
       for (const char* script : kScripts) material_.seeds.push_back(std::string(name) + script);
     }
@@ -182,7 +182,7 @@ class ActionArea : public Area {
     return true;
   }
 
-  std::map<std::string, std::shared_ptr<const Environment>> environments_;
+  std::map<std::string, std::shared_ptr<const CompiledScenario>> environments_;
   std::map<std::string, std::unique_ptr<Flock>> flocks_;
 };
 

@@ -22,7 +22,7 @@ std::span<const float> row_of(const Column<float>& column, int width, int row) {
 
 }  // namespace
 
-BatchRows BatchRows::receive(VecEnv& envs, Faults faults) {
+BatchRows BatchRows::receive(Pool& envs, Faults faults) {
   BatchRows rows;
   rows.words_.resize(static_cast<std::size_t>(envs.envs()));
   while (envs.in_flight() > 0) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "tests/fuzz/flight_check.h"
 
 namespace skybody::fuzz {
@@ -14,7 +14,7 @@ class BatchRows {
  public:
   /// Receives everything that is in flight.
   /// @throws Finding if a value is not finite, but for rows with a fault under Faults::kAreAnything
-  static BatchRows receive(VecEnv& envs, Faults faults = Faults::kAreFinite);
+  static BatchRows receive(Pool& envs, Faults faults = Faults::kAreFinite);
 
   /// Words of one environment's row.
   const std::vector<std::uint32_t>& of(int env) const {

@@ -38,8 +38,8 @@ bool takes_too_long(const Stepping& stepping) {
   return is_error_controlled(stepping.integrator) && stepping.solver.max_steps > kMostSolverSteps;
 }
 
-std::uint64_t fly(std::shared_ptr<const Environment> environment) {
-  Simulation simulation(std::move(environment), 1, 0);
+std::uint64_t fly(std::shared_ptr<const CompiledScenario> compiled) {
+  Simulation simulation(std::move(compiled), 1, 0);
   const Stepping& stepping = simulation.scenario().stepping;
   simulation.reset();
   check_rows(simulation);
@@ -59,14 +59,14 @@ std::uint64_t fly(std::shared_ptr<const Environment> environment) {
 Outcome load_and_fly(const LoadOptions& options) {
   Outcome outcome;
   Diagnostics diagnostics;
-  auto environment = load_environment(options, shipped_plugins(), diagnostics);
-  if (environment == nullptr) {
+  auto compiled = compile_scenario(options, shipped_plugins(), diagnostics);
+  if (compiled == nullptr) {
     outcome.messages = check_messages(diagnostics);
     return outcome;
   }
   outcome.answer = Answer::kAccepted;
   outcome.messages = diagnostics.to_string();
-  outcome.hash = fly(std::move(environment));
+  outcome.hash = fly(std::move(compiled));
   return outcome;
 }
 

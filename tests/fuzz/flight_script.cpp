@@ -56,8 +56,8 @@ const std::vector<FlightScript::Call>& FlightScript::calls() {
   return rows;
 }
 
-FlightScript::FlightScript(std::shared_ptr<const Environment> environment)
-    : simulation_(std::move(environment), 1, 0), budget_(kPhysicsSteps) {
+FlightScript::FlightScript(std::shared_ptr<const CompiledScenario> compiled)
+    : simulation_(std::move(compiled), 1, 0), budget_(kPhysicsSteps) {
   simulation_.reset();
   saved_ = simulation_.save();
 }
@@ -116,7 +116,7 @@ void FlightScript::teleport(const Values& values) {
 }
 
 void FlightScript::set_param(const Values& values, bool is_factor) {
-  const std::vector<EnvParam>& params = simulation_.environment().layout().param_info;
+  const std::vector<EnvParam>& params = simulation_.compiled().layout().param_info;
   if (params.empty()) return;
   const std::string& path = params[index_of(values, 0, params.size())].path;
   simulation_.set_param(path, value_at(values, 1) * (is_factor ? simulation_.param(path) : 1.0));

@@ -1,4 +1,4 @@
-// Calls of Simulation and VecEnv as lines of text: `step 0.1 nan 1e300`, `teleport 0 0 1 ...`.
+// Calls of Simulation and Pool as lines of text: `step 0.1 nan 1e300`, `teleport 0 0 1 ...`.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ using Values = std::vector<double>;
 /// Does what lines say to one environment under direct control.
 class FlightScript {
  public:
-  explicit FlightScript(std::shared_ptr<const Environment> environment);
+  explicit FlightScript(std::shared_ptr<const CompiledScenario> compiled);
 
   /// @returns whether there is such a call
   /// @throws Error as the call

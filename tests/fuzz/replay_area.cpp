@@ -17,13 +17,13 @@ constexpr int kEnvs = 2, kSteps = 6;
 /// Transitions that a changed file may claim; each takes time to replay.
 constexpr std::size_t kMostTransitions = 10000;
 
-std::shared_ptr<const Environment> load_hover() {
+std::shared_ptr<const CompiledScenario> load_hover() {
   Diagnostics diagnostics;
   LoadOptions options;
   options.scenario = "hover";
-  auto environment = load_environment(options, shipped_plugins(), diagnostics);
+  auto compiled = compile_scenario(options, shipped_plugins(), diagnostics);
   diagnostics.throw_if_errors();
-  return environment;
+  return compiled;
 }
 
 /// Within the range, so that a changed bit changes the flight.
@@ -35,18 +35,18 @@ std::vector<float> actions_of(int step, int width) {
   return actions;
 }
 
-void receive_all(VecEnv& envs) {
+void receive_all(Pool& envs) {
   while (envs.in_flight() > 0) envs.recv();
 }
 
 /// One event of every kind.
-void record(const std::shared_ptr<const Environment>& environment, const fs::path& file,
+void record(const std::shared_ptr<const CompiledScenario>& compiled, const fs::path& file,
             bool states) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.envs = kEnvs;
   options.threads = 1;
   options.seed = 5;
-  VecEnv envs(environment, options);
+  Pool envs(compiled, options);
   LoadOptions load;
   load.scenario = "hover";
   const auto recorder = start_recording(envs, file, {load, states});
@@ -57,7 +57,7 @@ void record(const std::shared_ptr<const Environment>& environment, const fs::pat
     if (step == 3) envs.set_param(1, "robots.quad.links.base_link.mass", 1.3);
     if (step == 4) envs.send_reset(std::uint64_t{9});
     receive_all(envs);
-    envs.send(actions_of(step, environment->action_size()));
+    envs.send(actions_of(step, compiled->action_size()));
     receive_all(envs);
   }
   stop_recording(envs, *recorder);
@@ -93,10 +93,10 @@ std::uint64_t digest(const ReplayReader& replay) {
 
 class ReplayArea : public Area {
  public:
-  explicit ReplayArea(const AreaOptions& options) : environment_(load_hover()) {
+  explicit ReplayArea(const AreaOptions& options) : compiled_(load_hover()) {
     for (const bool states : {false, true}) {
       const fs::path file = options.folder / "seed.replay";
-      record(environment_, file, states);
+      record(compiled_, file, states);
       material_.seeds.push_back(read_bytes(file));
       originals_.push_back(digest(ReplayReader(file)));
     }
@@ -123,7 +123,7 @@ class ReplayArea : public Area {
   Answer replay() const {
     ReplayReader reader(file_);
     if (reader.transitions() > kMostTransitions) return Answer::kAccepted;
-    const ReplayReport report = play(reader, environment_, 1);
+    const ReplayReport report = play(reader, compiled_, 1);
     if (!report.identical()) return Answer::kRefused;
     const std::uint64_t read = digest(reader);
     for (const std::uint64_t original : originals_) {
@@ -133,7 +133,7 @@ class ReplayArea : public Area {
                   std::to_string(report.transitions) + " compared)");
   }
 
-  std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const CompiledScenario> compiled_;
   std::vector<std::uint64_t> originals_;
   fs::path file_;
 };

@@ -20,22 +20,22 @@ const char* const kScenarios[] = {"hover", "payload", "collision"};
 
 using Words = std::vector<std::uint64_t>;
 
-VecEnvOptions batch_options() {
-  VecEnvOptions options;
+PoolOptions batch_options() {
+  PoolOptions options;
   options.envs = kEnvs;
   options.threads = 1;
   options.seed = 3;
   return options;
 }
 
-BatchRows receive_all(VecEnv& envs) { return BatchRows::receive(envs, Faults::kAreAnything); }
+BatchRows receive_all(Pool& envs) { return BatchRows::receive(envs, Faults::kAreAnything); }
 
 /// A batch that is restored again and again.
 class Flock {
  public:
-  explicit Flock(std::shared_ptr<const Environment> environment)
-      : envs_(std::move(environment), batch_options()),
-        actions_(static_cast<std::size_t>(kEnvs * envs_.environment().action_size()), 0.2f) {}
+  explicit Flock(std::shared_ptr<const CompiledScenario> compiled)
+      : envs_(std::move(compiled), batch_options()),
+        actions_(static_cast<std::size_t>(kEnvs * envs_.compiled().action_size()), 0.2f) {}
 
   /// What save() gives after a few steps.
   Words saved() {
@@ -62,13 +62,13 @@ class Flock {
     return receive_all(envs_);
   }
 
-  VecEnv envs_;
+  Pool envs_;
   std::vector<float> actions_;
 };
 
 /// One scenario's environments, and what they do when nothing is changed.
 struct Stage {
-  std::shared_ptr<const Environment> environment;
+  std::shared_ptr<const CompiledScenario> compiled;
   Words saved;
   std::unique_ptr<Flock> flock;  ///< of this process
   std::vector<BatchRows> expected;
@@ -88,9 +88,9 @@ class StateArea : public Area {
       LoadOptions options;
       options.scenario = name;
       Stage stage;
-      stage.environment = load_environment(options, shipped_plugins(), diagnostics);
+      stage.compiled = compile_scenario(options, shipped_plugins(), diagnostics);
       diagnostics.throw_if_errors();
-      stage.saved = Flock(stage.environment).saved();
+      stage.saved = Flock(stage.compiled).saved();
       for (const char kind : {'.', '!', '!', '!'}) add_seed(name[0], kind, stage.saved);
       stages_.push_back(std::move(stage));
     }
@@ -99,7 +99,7 @@ class StateArea : public Area {
 
   void begin(const std::filesystem::path&) override {
     for (Stage& stage : stages_) {
-      stage.flock = std::make_unique<Flock>(stage.environment);
+      stage.flock = std::make_unique<Flock>(stage.compiled);
       stage.expected = stage.flock->fly(stage.saved);
     }
   }
@@ -139,7 +139,7 @@ class StateArea : public Area {
   }
 
   static Answer restore_one(Stage& stage, const Words& words) {
-    const auto size = static_cast<std::size_t>(stage.environment->layout().words);
+    const auto size = static_cast<std::size_t>(stage.compiled->layout().words);
     const std::size_t each = (stage.saved.size() - 7) / kEnvs;  // behind 5 words, before 2
     const std::size_t first = 5 + kChanged * each;
     Words changed = stage.saved;
@@ -157,7 +157,7 @@ class StateArea : public Area {
   }
 
   static void fly_alone(const Stage& stage, Words words) {
-    Simulation simulation(stage.environment, 1, 0);
+    Simulation simulation(stage.compiled, 1, 0);
     simulation.reset();
     Snapshot snapshot = simulation.save();
     snapshot.words = std::move(words);

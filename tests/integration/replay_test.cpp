@@ -27,42 +27,42 @@ using testing::StartsWith;
 // Short episodes, so that resets are among what is compared.
 const std::string kHorizon = "stepping.horizon=7";
 
-/// A VecEnv that is driven in a few ways, with whatever a recording must hold.
+/// A Pool that is driven in a few ways, with whatever a recording must hold.
 class Recorded : public testing::Test {
  protected:
   static constexpr int kEnvs = 5;
 
-  std::unique_ptr<VecEnv> make(VecEnvOptions options = {}) {
+  std::unique_ptr<Pool> make(PoolOptions options = {}) {
     options.envs = kEnvs;
     options.seed = 9;
-    return std::make_unique<VecEnv>(environment_, options);
+    return std::make_unique<Pool>(compiled_, options);
   }
 
   std::vector<float> actions(std::size_t rows) {
-    std::vector<float> values(rows * static_cast<std::size_t>(environment_->action_size()));
+    std::vector<float> values(rows * static_cast<std::size_t>(compiled_->action_size()));
     Random<double> random(RandomKey{1, 0}, 0, ++draws_, 5);
     for (float& value : values) value = static_cast<float>(random.uniform(-1.0, 1.0));
     return values;
   }
 
-  void fly(VecEnv& envs, int steps) {
+  void fly(Pool& envs, int steps) {
     for (int k = 0; k < steps; ++k) {
       const auto batch = envs.recv();
       const auto rows = static_cast<std::size_t>(batch->rows);
       envs.send(actions(rows), std::span(batch->env_id).first(rows));
     }
   }
-  static void finish(VecEnv& envs) {
+  static void finish(Pool& envs) {
     while (envs.in_flight() > 0) envs.recv();
   }
 
   ReplayReport replay(int threads = 2) {
     ReplayReader reader(file_);
-    return play(reader, environment_, threads);
+    return play(reader, compiled_, threads);
   }
 
   const LoadOptions load_ = {"hover", {kHorizon}, {}};
-  const std::shared_ptr<const Environment> environment_ = load_environment(load_);
+  const std::shared_ptr<const CompiledScenario> compiled_ = compile_scenario(load_);
   const TemporaryFolder folder_;
   const fs::path file_ = folder_.path() / "run.h5";
   std::uint64_t draws_ = 0;
@@ -75,8 +75,8 @@ TEST_F(Recorded, EverythingThatCanBeDoneIsReplayedOnAnyNumberOfThreads) {
   fly(*envs, 30);
   finish(*envs);
   const std::vector<std::uint64_t> saved = envs->save();
-  const std::string path = environment_->layout().param_info.at(0).path;
-  envs->set_param(3, path, environment_->layout().param_info[0].nominal);
+  const std::string path = compiled_->layout().param_info.at(0).path;
+  envs->set_param(3, path, compiled_->layout().param_info[0].nominal);
   const std::int32_t targets[] = {0, 4};
   envs->fork(2, targets, true);
   envs->send(actions(kEnvs));
@@ -141,7 +141,7 @@ TEST_F(Recorded, IsReadableUpToTheLastFlushWhateverHappensAfterwards) {
   const fs::path copy = folder_.path() / "copy.h5";  // what a crash now would leave
   fs::copy_file(file_, copy);
   ReplayReader reader(copy);
-  const ReplayReport report = play(reader, environment_, 1);
+  const ReplayReport report = play(reader, compiled_, 1);
   EXPECT_TRUE(report.identical());
   EXPECT_EQ(report.transitions, 10u * kEnvs);
   stop_recording(*envs, *recorder);
@@ -210,7 +210,7 @@ TEST_F(Recorded, IsRemovedWhereNoBurstWithTransitionsWasWritten) {
 }
 
 TEST_F(Recorded, IsRefusedInAnotherScenario) {
-  const auto other = load_environment({"hover", {kHorizon, "gravity=[0, 0, -9.8]"}, {}});
+  const auto other = compile_scenario({"hover", {kHorizon, "gravity=[0, 0, -9.8]"}, {}});
   const auto envs = make();
   const auto recorder = start_recording(*envs, file_, {load_, true});
   envs->send_reset();
@@ -228,7 +228,7 @@ TEST_F(Recorded, IsRefusedInAnotherScenario) {
 }
 
 TEST_F(Recorded, AChangeThatIsNotInTheRecordingIsFoundAndNamed) {
-  const EnvParam param = environment_->layout().param_info.at(0);
+  const EnvParam param = compiled_->layout().param_info.at(0);
   const auto envs = make();
   const auto recorder = start_recording(*envs, file_, {load_, true});
   envs->send_reset();

@@ -19,7 +19,7 @@ Simulation make(const std::string& scenario, const std::vector<std::string>& ove
 
 /// Actions of the hold policy for so many seconds, or until the episode ends.
 void fly(Simulation& simulation, double seconds) {
-  HoldPolicy hold(simulation.environment());
+  HoldPolicy hold(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
   while (simulation.time() < seconds && !simulation.done()) {

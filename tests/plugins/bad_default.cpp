@@ -8,7 +8,7 @@ using namespace skybody;
 class BadDefault : public Controller {
  public:
   void configure(const Setup&) override {}
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 
  private:
   RealParameter tau_{

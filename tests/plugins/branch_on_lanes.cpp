@@ -9,7 +9,7 @@ class BranchOnLanes : public Controller {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> input,
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
     if (input[0] > 1.0) {
       output.set(0, Real(1.0));

@@ -12,7 +12,7 @@ namespace {
 class Idle : public skybody::Controller {
  public:
   void configure(const skybody::Setup&) override {}
-  void control(const skybody::Lanes<double>&, State<double>&, skybody::ConstValues<double>,
+  void control(const skybody::EnvView<double>&, State<double>&, skybody::ConstValues<double>,
                skybody::Values<double>) const {}
 };
 

@@ -9,7 +9,7 @@ using namespace skybody;
 class CrashesInConfigure : public Controller {
  public:
   void configure(const Setup&) override { abort(); }
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

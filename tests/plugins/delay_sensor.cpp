@@ -32,7 +32,7 @@ class DelaySensor : public Sensor {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state, Values<Real> buffer) const {
+  void reset(const EnvView<Real>& env, State<Real>& state, Values<Real> buffer) const {
     state.bias = random(env).normal(Real(0.0), Real(noise_.value()));
     const Real height = env.body(0).position.z;
     for (int i = 0; i <= delay_steps_; ++i) buffer.set(i, height);
@@ -40,7 +40,7 @@ class DelaySensor : public Sensor {
   }
 
   template <class Real>
-  void sense(const Lanes<Real>& env, State<Real>& state, Values<Real> output,
+  void sense(const EnvView<Real>& env, State<Real>& state, Values<Real> output,
              Values<Real> buffer) const {
     for (int i = delay_steps_; i > 0; --i) buffer.set(i, buffer[i - 1]);
     buffer.set(0, env.body(0).position.z);
@@ -55,7 +55,7 @@ class DelaySensor : public Sensor {
 
  private:
   template <class Real>
-  Real helper(const Lanes<Real>& env, const State<Real>& state) const {
+  Real helper(const EnvView<Real>& env, const State<Real>& state) const {
     return curve(state.history[1], env.body(0).velocity) +
            curve(state.history[2], env.body(0).angular_velocity);
   }

@@ -9,7 +9,7 @@ using namespace skybody;
 class ExitsInConfigure : public Controller {
  public:
   void configure(const Setup&) override { exit(0); }
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

@@ -23,7 +23,7 @@ class ImageSensor : public Sensor {
     range_ = setup.image<float>("range", {2, 2}, robot, 0.0, 100.0);
   }
 
-  void sense(const Lanes<double>& env, State&, Values<double> output) const {
+  void sense(const EnvView<double>& env, State&, Values<double> output) const {
     const double height = env.body(body_).position.z;
     const auto step = static_cast<int>(env.physics_step());
     output.set(0, height);
@@ -34,7 +34,7 @@ class ImageSensor : public Sensor {
 
  private:
   template <class T, class Value>
-  static void fill(const Lanes<double>& env, const Image<T>& image, Value&& value) {
+  static void fill(const EnvView<double>& env, const Image<T>& image, Value&& value) {
     T* pixels = env.pixels(image);
     for (int k = 0; k < image.count; ++k) pixels[k] = value(k);
   }

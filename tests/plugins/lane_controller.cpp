@@ -22,14 +22,14 @@ class LaneController : public Controller {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state) const {
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
     const Real start = env.rotor_speed(0);
     state.filtered = {start, start, start};
     state.fourth = start;
   }
 
   template <class Real>
-  void control(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> input,
+  void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
                Values<Real> output) const {
     const Real gain = gain_(env);
     state.filtered += (input.vec3(0) * gain - state.filtered) * Real(share_);

@@ -15,7 +15,7 @@ class LaneRandomizer : public Randomizer {
   void configure(const Setup& setup) override { setup.writes(0); }
 
   template <class Real>
-  void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const {
+  void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const {
     state.resets += 1;
     auto draw = random(env);
     start.params.set(0, draw.uniform(Real(spread_.value(0)), Real(spread_.value(1))));

@@ -19,18 +19,18 @@ class LaneTask : public Task {
   }
 
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& state) const {
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
     state.target = random(env).uniform(Real(1.0), Real(2.0));
   }
 
   template <class Real>
-  void process(const Lanes<Real>& env, State<Real>& state, ConstValues<Real> action,
+  void process(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> action,
                Values<Real> command) const {
     command.set(0, 500.0 + 100.0 * action[0] + state.target + to_real(env.step()));
   }
 
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
     const Vec3<Real> p = env.body(0).position;
     const Vec3<Real> error{p.x, p.y, p.z - state.target};
     out.observation.set(0, error);
@@ -41,7 +41,7 @@ class LaneTask : public Task {
   }
 
   template <class Real>
-  void goal(const Lanes<Real>&, const State<Real>& state, Values<Real> goal) const {
+  void goal(const EnvView<Real>&, const State<Real>& state, Values<Real> goal) const {
     goal.set(0, Vec3<Real>{Real(0.0), Real(0.0), state.target});
     goal.set(3, Real(0.0));
   }

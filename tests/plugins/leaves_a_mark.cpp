@@ -23,7 +23,7 @@ class LeavesAMark : public Controller {
     setup.output(Signal::kCtbt, 4);
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
     for (int i = 0; i < 4; ++i) out.set(i, in[i]);
   }
 };

@@ -9,7 +9,7 @@ class NoMethod : public Controller {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) {}
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) {}
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ class OverflowsInConfigure : public Controller {
     volatile int depth = 0;
     depth = fill_stack(&depth);
   }
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

@@ -19,13 +19,13 @@ class PlainController : public Controller {
     setup.output(Signal::kRotorSpeed, 4);
   }
 
-  void reset(const Lanes<double>& env, State& state) const {
+  void reset(const EnvView<double>& env, State& state) const {
     const double start = env.rotor_speed(0);
     state.filtered = {start, start, start};
     state.fourth = start;
   }
 
-  void control(const Lanes<double>& env, State& state, ConstValues<double> input,
+  void control(const EnvView<double>& env, State& state, ConstValues<double> input,
                Values<double> output) const {
     const double gain = gain_(env);
     state.filtered += (input.vec3(0) * gain - state.filtered) * share_;

@@ -14,7 +14,7 @@ class ShortState : public Controller {
   };
   void configure(const Setup&) override {}
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>& state, ConstValues<Real>, Values<Real>) const {
+  void control(const EnvView<Real>&, State<Real>& state, ConstValues<Real>, Values<Real>) const {
     ++state.calls;
   }
 };

@@ -10,7 +10,7 @@ using namespace skybody;
 class TerminatesInConfigure : public Controller {
  public:
   void configure(const Setup&) override { kill(getpid(), SIGTERM); }
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

@@ -13,7 +13,7 @@ class ThrowsError : public Controller {
     throw std::runtime_error("needs 6 rotors, robot `" + std::string(setup.robots()[0].name) +
                              "` has 4");
   }
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

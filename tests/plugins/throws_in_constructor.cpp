@@ -11,7 +11,7 @@ class ThrowsInConstructor : public Controller {
  public:
   ThrowsInConstructor() { throw std::runtime_error("no licence"); }
   void configure(const Setup&) override {}
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

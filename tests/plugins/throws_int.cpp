@@ -8,7 +8,7 @@ using namespace skybody;
 class ThrowsInt : public Controller {
  public:
   void configure(const Setup&) override { throw 3; }
-  void control(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void control(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

@@ -9,8 +9,8 @@ class WrongGoal : public Task {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
-  void goal(const Lanes<double>&, const State<double>&, Values<double>) {}
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void goal(const EnvView<double>&, const State<double>&, Values<double>) {}
 };
 
 }  // namespace

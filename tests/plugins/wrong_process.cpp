@@ -9,8 +9,8 @@ class WrongProcess : public Task {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
-  void process(const Lanes<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void process(const EnvView<double>&, State<double>&, ConstValues<double>, Values<double>) const {}
 };
 
 }  // namespace

@@ -9,9 +9,9 @@ class WrongReset : public Task {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
   template <class Real>
-  void reset(const Lanes<Real>&) const {}
+  void reset(const EnvView<Real>&) const {}
 };
 
 }  // namespace

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from skybody._native import Environment, Pool
+from skybody._native import CompiledScenario, Pool
 
 Finished = subprocess.CompletedProcess[str]
 
@@ -20,9 +20,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
-def hover() -> Environment:
+def hover() -> CompiledScenario:
     """Hover, shared: an environment never changes."""
-    return Environment("hover")
+    return CompiledScenario("hover")
 
 
 @pytest.fixture
@@ -45,4 +45,4 @@ def begin(pool: Pool) -> NDArray[np.float32]:
     """Resets all environments of a pool that waits for all; gives an action row for each."""
     pool.send_reset()
     pool.recv()
-    return np.zeros((pool.num_envs, pool.environment.action_size), np.float32)
+    return np.zeros((pool.num_envs, pool.compiled.action_size), np.float32)

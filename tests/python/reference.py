@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from skybody._native import Environment, Simulation
+from skybody._native import CompiledScenario, Simulation
 
 SEED = 7
 STEPS = 120
 
 
-def short_hover(*more: str) -> Environment:
+def short_hover(*more: str) -> CompiledScenario:
     """Hover with episodes of at most 40 steps, of which many end earlier, by tilting."""
     overrides = [
         "stepping.action_repeat=10",
@@ -20,7 +20,7 @@ def short_hover(*more: str) -> Environment:
         "task.parameters.tilt_max=0.4",
         *more,
     ]
-    return Environment("hover", overrides)
+    return CompiledScenario("hover", overrides)
 
 
 def actions(step: int, num_envs: int, size: int = 4) -> NDArray[np.float32]:
@@ -44,8 +44,8 @@ class Row:
 class Rollout:
     """One environment, reset as soon as its episode has ended."""
 
-    def __init__(self, environment: Environment, env: int, seed: int = SEED) -> None:
-        self.simulation = Simulation(environment, seed=seed, env_id=env)
+    def __init__(self, compiled: CompiledScenario, env: int, seed: int = SEED) -> None:
+        self.simulation = Simulation(compiled, seed=seed, env_id=env)
         self.simulation.reset()
         self.first = self.simulation.observation.copy()
 

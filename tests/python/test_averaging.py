@@ -47,16 +47,16 @@ def test_restored_it_goes_on_as_if_it_had_not_stopped() -> None:
 
 @pytest.mark.parametrize("algorithm", ["lean-ppo", "ppo"])
 def test_exploration_noise_falls_along_its_line(algorithm: str) -> None:
-    from skybody import Environment
+    from skybody import CompiledScenario
     from skybody.train.presets import Hyperparameters
 
     hyper = Hyperparameters(envs=4, rollout_steps=8, minibatch=16, log_std=-1.0, final_log_std=-3.0)
-    environment = Environment("hover_learn")
+    compiled = CompiledScenario("hover_learn")
     if algorithm == "ppo":
         from skybody.train.sb3_ppo import Sb3Ppo as Learner
     else:
         from skybody.train.lean_ppo import LeanPpo as Learner  # type: ignore[assignment]
-    learner = Learner(environment, hyper, 1, 1, total_steps=64)  # two rollouts
+    learner = Learner(compiled, hyper, 1, 1, total_steps=64)  # two rollouts
     for line in (-1.0, -2.0):
         learner.iterate()
         log_std = learner.parameters()["log_std"].numpy()

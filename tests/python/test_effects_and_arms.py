@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from skybody import Environment, InputError, Simulation
+from skybody import CompiledScenario, InputError, Simulation
 
 ROOT = Path(__file__).resolve().parents[2]
 MODELS = ROOT / "scenarios/models"
@@ -82,7 +82,7 @@ def test_wind_carries_a_vehicle_along(tmp_path: Path) -> None:
     for speed in (0.0, 5.0):
         sim = windy(tmp_path, speed)
         sim.reset()
-        weight = sum(sim.param(p) for p in sim.environment.param_paths if p.endswith(".mass"))
+        weight = sum(sim.param(p) for p in sim.compiled.param_paths if p.endswith(".mass"))
         sim.command([weight * 9.81, 0.0, 0.0, 0.0])
         sim.advance(1000)
         ways.append(sim.body("base_link").position[0])
@@ -103,9 +103,9 @@ def test_wind_is_in_state_and_hash(tmp_path: Path) -> None:
 
 def test_an_arm_is_driven_beside_live_rotors(tmp_path: Path) -> None:
     sim = Simulation(armed(tmp_path))
-    assert [c.name for c in sim.environment.action_channels] == ["ctbr", "joint"]
-    assert sim.environment.action_size == 5
-    assert sim.environment.action_channels[1].low == [-0.5]
+    assert [c.name for c in sim.compiled.action_channels] == ["ctbr", "joint"]
+    assert sim.compiled.action_size == 5
+    assert sim.compiled.action_channels[1].low == [-0.5]
     sim.reset()
     assert shoulder(sim) == pytest.approx(0.3, abs=1e-12)
     before = np.asarray(sim.rotor_speeds)
@@ -118,7 +118,7 @@ def test_an_arm_is_driven_beside_live_rotors(tmp_path: Path) -> None:
 def test_a_position_drive_holds_the_arm(tmp_path: Path) -> None:
     servo = "stiffness: 2, damping: 0.1, tau: 0.02"
     sim = Simulation(armed(tmp_path, "position", servo))
-    assert sim.environment.action_channels[1].low == [-1.5]  # the joint's own limits
+    assert sim.compiled.action_channels[1].low == [-1.5]  # the joint's own limits
     sim.reset()
     sim.command([16.0, 0.0, 0.0, 0.0, -0.4])
     sim.advance(1500)
@@ -139,7 +139,7 @@ def test_what_an_arm_cannot_be_is_said(tmp_path: Path, change: str, message: str
     if "plugin" in change:
         overrides.append("robots[0].controllers[1].parameters={}")
     with pytest.raises(InputError, match=message.replace("[", r"\[")):
-        Environment(armed(tmp_path), overrides=overrides)
+        CompiledScenario(armed(tmp_path), overrides=overrides)
 
 
 def test_a_hexacopter_with_tilted_rotors_hovers(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ def test_every_shipped_scenario_has_an_id():
 def test_gymnasium_make_gives_the_scenario():
     env = gymnasium.make("skybody/HoverCrazyflie-v0", seed=1)
     assert isinstance(env.unwrapped, SkybodyEnv)
-    assert env.unwrapped.environment.name == "hover_crazyflie"
+    assert env.unwrapped.compiled.name == "hover_crazyflie"
     env.reset()
     env.step(env.action_space.sample())
     env.close()
@@ -77,8 +77,8 @@ def test_a_module_whose_package_is_missing_says_what_installs_it(
 
 
 def test_steps_as_a_world_by_hand_does():
-    environment = short_hover()
-    env, world = SkybodyEnv(environment, seed=SEED, env_id=3), Rollout(environment, 3)
+    compiled = short_hover()
+    env, world = SkybodyEnv(compiled, seed=SEED, env_id=3), Rollout(compiled, 3)
     observation, _ = env.reset()
     np.testing.assert_array_equal(observation, world.first)
     for step in range(100):
@@ -96,8 +96,8 @@ def test_steps_as_a_world_by_hand_does():
 
 
 def test_without_a_seed_two_environments_differ_and_with_one_they_do_not():
-    environment = short_hover()
-    one, other = SkybodyEnv(environment), SkybodyEnv(environment)
+    compiled = short_hover()
+    one, other = SkybodyEnv(compiled), SkybodyEnv(compiled)
     assert not np.array_equal(one.reset()[0], other.reset()[0])
     assert np.array_equal(one.reset(seed=3)[0], other.reset(seed=3)[0])
     assert np.array_equal(one.reset()[0], other.reset()[0])  # the second episode under seed 3

@@ -145,7 +145,7 @@ def test_an_agent_sees_its_own_camera_alone() -> None:
     assert "a_grey" in observation["quad1"]
     assert "a_grey" not in observation["quad2"]
     assert observation["quad2"] in env.observation_space("quad2")
-    assert env.state().shape == (env.environment.observation_size,)
+    assert env.state().shape == (env.compiled.observation_size,)
 
 
 def test_joint_rows_have_no_place_for_images() -> None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.train.lean_ppo import RunningMoments
 from training import HORIZON, SCENARIO, SMALL, both, learner_of
 
@@ -19,8 +19,8 @@ pytestmark = pytest.mark.timeout(120)
 
 
 @pytest.fixture(scope="module")
-def environment() -> Environment:
-    return Environment(SCENARIO, [HORIZON])
+def compiled() -> CompiledScenario:
+    return CompiledScenario(SCENARIO, [HORIZON])
 
 
 class ScriptedPool:
@@ -50,17 +50,17 @@ class ScriptedPool:
 
 
 def test_lean_ppo_bootstraps_truncations_from_the_last_observation_and_nothing_else(
-    environment: Environment,
+    compiled: CompiledScenario,
 ) -> None:
     hyper = dataclasses.replace(
         SMALL, envs=3, rollout_steps=1, minibatch=3, normalize_rewards=False, discount=0.5
     )
-    with learner_of("lean-ppo", environment, hyper=hyper) as learner:
+    with learner_of("lean-ppo", compiled, hyper=hyper) as learner:
         learner.pool.close()
-        learner.pool = ScriptedPool(environment.observation_size)
+        learner.pool = ScriptedPool(compiled.observation_size)
         learner.observation = learner.pool.observation
         # the value of an observation: 2 plus its first entry
-        learner.critic = torch.nn.Sequential(torch.nn.Linear(environment.observation_size, 1))
+        learner.critic = torch.nn.Sequential(torch.nn.Linear(compiled.observation_size, 1))
         with torch.no_grad():
             learner.critic[0].weight.zero_()
             learner.critic[0].weight[0, 0] = 1.0
@@ -102,10 +102,10 @@ class Poisoned:
 
 @both
 def test_an_environment_of_64_that_faults_in_every_step_leaves_the_weights_finite(
-    algorithm: str, environment: Environment
+    algorithm: str, compiled: CompiledScenario
 ) -> None:
     hyper = dataclasses.replace(SMALL, envs=64, rollout_steps=16, minibatch=256)
-    with learner_of(algorithm, environment, hyper=hyper) as learner:
+    with learner_of(algorithm, compiled, hyper=hyper) as learner:
         if algorithm == "lean-ppo":
             learner.pool = Poisoned(learner.pool)
         else:
@@ -116,9 +116,9 @@ def test_an_environment_of_64_that_faults_in_every_step_leaves_the_weights_finit
             assert bool(value.isfinite().all()), name
 
 
-def test_lean_ppo_spreads_episodes_over_the_horizon(environment: Environment) -> None:
+def test_lean_ppo_spreads_episodes_over_the_horizon(compiled: CompiledScenario) -> None:
     hyper = dataclasses.replace(SMALL, envs=8, rollout_steps=10, minibatch=40)
-    with learner_of("lean-ppo", environment, hyper=hyper) as learner:
+    with learner_of("lean-ppo", compiled, hyper=hyper) as learner:
         starts = []
         send_reset = learner.pool.send_reset
         learner.pool = Recorded(learner.pool, lambda mask: (starts.append(mask), send_reset(mask)))
@@ -140,11 +140,11 @@ def test_running_moments_are_those_of_all_rows() -> None:
 
 @both
 def test_observation_statistics_stay_after_normalization_steps(
-    algorithm: str, environment: Environment
+    algorithm: str, compiled: CompiledScenario
 ) -> None:
     rollout = SMALL.envs * SMALL.rollout_steps
     hyper = dataclasses.replace(SMALL, normalization_steps=rollout)
-    with learner_of(algorithm, environment, hyper=hyper) as learner:
+    with learner_of(algorithm, compiled, hyper=hyper) as learner:
         means = [learner.policy().mean.copy()]
         for _ in range(3):
             learner.iterate()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 from skybody import make_vec
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.agents import commanded_by, observed_by
 from skybody.multi_agent import ParallelEnv
 
@@ -30,7 +30,7 @@ def test_passes_pettingzoos_tests_without_a_warning(scenario: str):
 def test_agents_are_the_robots_by_name_and_end_together():
     env = ParallelEnv("formation", overrides=SHORT, seed=2)
     env.reset()
-    assert env.agents == env.possible_agents == env.environment.robots
+    assert env.agents == env.possible_agents == env.compiled.robots
     for step in range(25):
         _, _, terminations, truncations, infos = env.step(hovering(env))
         last = step == 24
@@ -41,43 +41,43 @@ def test_agents_are_the_robots_by_name_and_end_together():
 
 
 def test_agents_see_their_own_channels_and_those_of_nobody():
-    environment = Environment("formation")
-    env = ParallelEnv(environment, seed=2)
+    compiled = CompiledScenario("formation")
+    env = ParallelEnv(compiled, seed=2)
     observations, _ = env.reset()
     row = env.state()
-    for robot, agent in zip(environment.agents, env.possible_agents, strict=True):
+    for robot, agent in zip(compiled.agents, env.possible_agents, strict=True):
         expected = [
             row[channel.first : channel.first + channel.count]
-            for channel in environment.observation_channels
+            for channel in compiled.observation_channels
             if channel.robot in (robot, -1)
         ]
         np.testing.assert_array_equal(observations[agent], np.concatenate(expected))
         assert observations[agent] in env.observation_space(agent)
-    owned = np.concatenate([commanded_by(environment, robot) for robot in environment.agents])
-    assert sorted(owned.tolist()) == list(range(environment.action_size))
+    owned = np.concatenate([commanded_by(compiled, robot) for robot in compiled.agents])
+    assert sorted(owned.tolist()) == list(range(compiled.action_size))
 
 
 def test_steps_as_the_vector_environment_does():
-    environment = Environment("formation", list(SHORT))
-    env = ParallelEnv(environment, seed=2)
-    envs = make_vec(environment, 1, seed=2)
+    compiled = CompiledScenario("formation", list(SHORT))
+    env = ParallelEnv(compiled, seed=2)
+    envs = make_vec(compiled, 1, seed=2)
     env.reset()
     envs.reset()
     for _ in range(20):
         observations, rewards, _, _, _ = env.step(hovering(env))
-        rows, _, _, _, infos = envs.step(np.full((1, environment.action_size), 0.2, np.float32))
-        for k, (robot, agent) in enumerate(zip(environment.agents, env.agents, strict=True)):
+        rows, _, _, _, infos = envs.step(np.full((1, compiled.action_size), 0.2, np.float32))
+        for k, (robot, agent) in enumerate(zip(compiled.agents, env.agents, strict=True)):
             np.testing.assert_array_equal(
-                observations[agent], rows[0, observed_by(environment, robot)]
+                observations[agent], rows[0, observed_by(compiled, robot)]
             )
             assert rewards[agent] == infos["agent_reward"][0, k]
 
 
 def test_a_joint_observation_is_a_view_of_agents_times_width():
     """The paper's arrays: (N, 18 + 16 (N - 1)) observed, (N, 4) commanded, one team reward."""
-    environment = Environment("formation")
-    agents = len(environment.agents)
-    joint, flat = (make_vec(environment, 3, seed=1, joint=flag) for flag in (True, False))
+    compiled = CompiledScenario("formation")
+    agents = len(compiled.agents)
+    joint, flat = (make_vec(compiled, 3, seed=1, joint=flag) for flag in (True, False))
     assert joint.single_observation_space.shape == (agents, 18 + 16 * (agents - 1))
     assert joint.single_action_space.shape == (agents, 4)
     observations, _ = joint.reset()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import begin
 from numpy.typing import NDArray
-from skybody._native import Batch, Environment, Pool
+from skybody._native import Batch, CompiledScenario, Pool
 
 
 def address(array: NDArray[np.float32]) -> int:
@@ -20,7 +20,7 @@ def step(pool: Pool, actions: NDArray[np.float32]) -> Batch:
     return pool.recv()
 
 
-def test_every_view_of_a_column_is_the_same_memory(hover: Environment) -> None:
+def test_every_view_of_a_column_is_the_same_memory(hover: CompiledScenario) -> None:
     pool = Pool(hover, 4)
     pool.send_reset()
     batch = pool.recv()
@@ -32,7 +32,7 @@ def test_every_view_of_a_column_is_the_same_memory(hover: Environment) -> None:
     assert batch.observation[0, 0] == 42.0
 
 
-def test_batches_come_from_few_buffers_in_turn(hover: Environment) -> None:
+def test_batches_come_from_few_buffers_in_turn(hover: CompiledScenario) -> None:
     # A copy would lie elsewhere each time: three buffers in turn show that there is none.
     pool = Pool(hover, 4)
     actions = begin(pool)
@@ -43,7 +43,7 @@ def test_batches_come_from_few_buffers_in_turn(hover: Environment) -> None:
     assert pool.fresh_buffers == 0
 
 
-def test_rows_keep_their_values_until_the_second_next_recv(hover: Environment) -> None:
+def test_rows_keep_their_values_until_the_second_next_recv(hover: CompiledScenario) -> None:
     pool = Pool(hover, 4)
     actions = begin(pool)
     batch = step(pool, actions)
@@ -55,7 +55,7 @@ def test_rows_keep_their_values_until_the_second_next_recv(hover: Environment) -
     np.testing.assert_array_equal(view, values)
 
 
-def test_a_held_view_keeps_its_values_for_ever_and_is_counted(hover: Environment) -> None:
+def test_a_held_view_keeps_its_values_for_ever_and_is_counted(hover: CompiledScenario) -> None:
     pool = Pool(hover, 4)
     actions = begin(pool)
     view = step(pool, actions).observation
@@ -66,7 +66,7 @@ def test_a_held_view_keeps_its_values_for_ever_and_is_counted(hover: Environment
     assert pool.fresh_buffers == 1
 
 
-def test_a_view_outlives_batch_and_pool(hover: Environment) -> None:
+def test_a_view_outlives_batch_and_pool(hover: CompiledScenario) -> None:
     pool = Pool(hover, 64)
     pool.send_reset()
     view = pool.recv().observation
@@ -79,7 +79,7 @@ def test_a_view_outlives_batch_and_pool(hover: Environment) -> None:
     assert len(others) == 8
 
 
-def test_debug_mode_refuses_to_reuse_a_held_buffer(hover: Environment) -> None:
+def test_debug_mode_refuses_to_reuse_a_held_buffer(hover: CompiledScenario) -> None:
     pool = Pool(hover, 4, debug=True)
     actions = begin(pool)
     held = step(pool, actions).observation
@@ -90,7 +90,7 @@ def test_debug_mode_refuses_to_reuse_a_held_buffer(hover: Environment) -> None:
     np.testing.assert_array_equal(held, values)
 
 
-def test_debug_mode_goes_on_once_the_buffer_is_free(hover: Environment) -> None:
+def test_debug_mode_goes_on_once_the_buffer_is_free(hover: CompiledScenario) -> None:
     pool = Pool(hover, 4, debug=True)
     actions = begin(pool)
     held = step(pool, actions)
@@ -104,7 +104,7 @@ def test_debug_mode_goes_on_once_the_buffer_is_free(hover: Environment) -> None:
     assert batch.episode_step.tolist() == [4, 4, 4, 4]  # nothing was lost, nothing done twice
 
 
-def test_debug_mode_fills_reused_buffers_with_nan(hover: Environment) -> None:
+def test_debug_mode_fills_reused_buffers_with_nan(hover: CompiledScenario) -> None:
     pool = Pool(hover, 4, debug=True)
     actions = begin(pool)
     batch = step(pool, actions)
@@ -125,7 +125,7 @@ def test_debug_mode_fills_reused_buffers_with_nan(hover: Environment) -> None:
     assert np.isnan(stale[short.observation.size :]).all()
 
 
-def test_observations_are_a_fresh_array(hover: Environment) -> None:
+def test_observations_are_a_fresh_array(hover: CompiledScenario) -> None:
     pool = Pool(hover, 4)
     begin(pool)
     first, second = pool.observations(), pool.observations()

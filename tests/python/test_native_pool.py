@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import skybody
 from conftest import begin
-from skybody._native import Environment, Pool, Simulation
+from skybody._native import CompiledScenario, Pool, Simulation
 
 SEED = 5
 
 
 @pytest.fixture
-def pool(hover: Environment) -> Pool:
+def pool(hover: CompiledScenario) -> Pool:
     return Pool(hover, 4, num_threads=2, seed=SEED, keep_hash=True)
 
 
@@ -32,7 +32,7 @@ def test_reset_rows_are_marked_and_come_in_order(pool: Pool) -> None:
     assert (batch.episode_step == 0).all()
 
 
-def test_dtypes_and_shapes_of_a_batch(pool: Pool, hover: Environment) -> None:
+def test_dtypes_and_shapes_of_a_batch(pool: Pool, hover: CompiledScenario) -> None:
     pool.send(begin(pool))
     batch = pool.recv()
     expected = {
@@ -54,7 +54,7 @@ def test_dtypes_and_shapes_of_a_batch(pool: Pool, hover: Environment) -> None:
 
 
 def test_each_environment_does_what_a_simulation_of_its_key_does(
-    pool: Pool, hover: Environment
+    pool: Pool, hover: CompiledScenario
 ) -> None:
     pool.send_reset()
     pool.recv()
@@ -71,7 +71,7 @@ def test_each_environment_does_what_a_simulation_of_its_key_does(
             assert batch.reward[env] == simulation.reward
 
 
-def test_send_copies_its_rows(hover: Environment) -> None:
+def test_send_copies_its_rows(hover: CompiledScenario) -> None:
     pools = [Pool(hover, 4, seed=SEED) for _ in range(2)]
     batches = []
     for overwrite, pool in enumerate(pools):
@@ -84,7 +84,7 @@ def test_send_copies_its_rows(hover: Environment) -> None:
     assert not batches[1].fault.any()
 
 
-def test_rows_that_are_not_contiguous_are_accepted(hover: Environment) -> None:
+def test_rows_that_are_not_contiguous_are_accepted(hover: CompiledScenario) -> None:
     rng = np.random.default_rng(1)
     plain = rng.uniform(-1, 1, (4, 4)).astype(np.float32)
     wide = np.zeros((4, 8), np.float32)
@@ -116,7 +116,7 @@ def test_a_mask_resets_the_marked_environments(pool: Pool) -> None:
         assert batch.was_reset.all()
 
 
-def test_a_seed_begins_everything_again(pool: Pool, hover: Environment) -> None:
+def test_a_seed_begins_everything_again(pool: Pool, hover: CompiledScenario) -> None:
     actions = begin(pool)
     pool.send(actions)
     pool.recv()
@@ -209,7 +209,7 @@ def test_a_mask_of_another_shape_or_dtype_is_refused(pool: Pool) -> None:
         {"num_envs": 4, "autoreset": "sometimes"},
     ],
 )
-def test_options_out_of_range_are_refused(hover: Environment, options: dict[str, int]) -> None:
+def test_options_out_of_range_are_refused(hover: CompiledScenario, options: dict[str, int]) -> None:
     with pytest.raises(ValueError, match="allowed"):
         Pool(hover, **options)  # type: ignore[arg-type]
 
@@ -226,8 +226,8 @@ def test_a_row_that_is_not_finite_faults_that_environment_alone(pool: Pool) -> N
 
 
 def test_same_step_keeps_the_row_before_the_reset() -> None:
-    environment = Environment("hover", ["stepping.horizon=3"])
-    pool = Pool(environment, 2, autoreset="same_step", seed=SEED)
+    compiled = CompiledScenario("hover", ["stepping.horizon=3"])
+    pool = Pool(compiled, 2, autoreset="same_step", seed=SEED)
     actions = begin(pool)
     for _ in range(3):
         pool.send(actions)
@@ -258,7 +258,7 @@ def test_saved_state_has_the_same_future(pool: Pool) -> None:
     assert futures[0][1:] == futures[1][1:]
 
 
-def test_a_saved_state_that_does_not_fit_is_refused(pool: Pool, hover: Environment) -> None:
+def test_a_saved_state_that_does_not_fit_is_refused(pool: Pool, hover: CompiledScenario) -> None:
     begin(pool)
     saved = pool.save()
     for wrong in (b"", saved[:-8], saved[:-3], b"12345678"):
@@ -299,7 +299,7 @@ def test_parameters_are_read_and_set_per_environment(pool: Pool) -> None:
         pool.param(0, "no.such")
 
 
-def test_without_keep_hash_there_is_none(hover: Environment) -> None:
+def test_without_keep_hash_there_is_none(hover: CompiledScenario) -> None:
     with pytest.raises(skybody.Error, match="keep_hash"):
         Pool(hover, 2).hash()
 
@@ -324,7 +324,7 @@ def test_a_closed_pool_refuses_every_call(pool: Pool) -> None:
     assert np.isfinite(batch.observation).all()  # batches outlive it
 
 
-def test_a_pool_closes_at_the_end_of_with(hover: Environment) -> None:
+def test_a_pool_closes_at_the_end_of_with(hover: CompiledScenario) -> None:
     with Pool(hover, 2) as pool:
         assert not pool.closed
     assert pool.closed
@@ -336,7 +336,9 @@ def test_closing_with_environments_in_flight_does_not_hang(pool: Pool) -> None:
     assert pool.closed
 
 
-def test_pickling_and_copying_are_refused_with_a_remedy(pool: Pool, hover: Environment) -> None:
+def test_pickling_and_copying_are_refused_with_a_remedy(
+    pool: Pool, hover: CompiledScenario
+) -> None:
     for refused in (pool, Simulation(hover)):
         for attempt in (pickle.dumps, copy.copy, copy.deepcopy):
             with pytest.raises(TypeError, match=r"[Mm]ake one anew"):

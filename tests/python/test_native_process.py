@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import skybody
 from conftest import Finished, begin
-from skybody._native import Environment, Pool
+from skybody._native import CompiledScenario, Pool
 
 # So long a step that what a test does while it runs is surely done before it ends: half a
 # millisecond for each environment on a fast machine, so seconds for some thousands of them.
@@ -29,8 +29,8 @@ def test_the_interpreter_exits_quietly_with_live_pools(
     python: Callable[[str], Finished],
 ) -> None:
     result = python("""
-        from skybody._native import Environment, Pool
-        environment = Environment("hover")
+        from skybody._native import CompiledScenario, Pool
+        environment = CompiledScenario("hover")
         idle, busy, halfway = (Pool(environment, 8, num_threads=2) for _ in range(3))
         busy.send_reset()
         halfway.send_reset()
@@ -46,8 +46,8 @@ def test_an_exception_with_a_live_pool_ends_the_program(
     python: Callable[[str], Finished],
 ) -> None:
     result = python("""
-        from skybody._native import Environment, Pool
-        pool = Pool(Environment("hover"), 8, num_threads=2)
+        from skybody._native import CompiledScenario, Pool
+        pool = Pool(CompiledScenario("hover"), 8, num_threads=2)
         pool.send_reset()
         raise KeyError("mine")
     """)
@@ -60,9 +60,9 @@ def test_keyboard_interrupt_gets_out_of_recv() -> None:
     script = f"""
         import signal
         import numpy as np
-        from skybody._native import Environment, Pool
+        from skybody._native import CompiledScenario, Pool
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
-        pool = Pool(Environment(*{SLOW}), 4000, num_threads=1)
+        pool = Pool(CompiledScenario(*{SLOW}), 4000, num_threads=1)
         pool.send_reset()
         pool.recv()
         print("waiting", flush=True)
@@ -92,7 +92,7 @@ def test_keyboard_interrupt_gets_out_of_recv() -> None:
 
 
 def test_the_gil_is_free_while_recv_steps() -> None:
-    pool = Pool(Environment("hover", ["stepping.action_repeat=100000"]), 64, num_threads=1)
+    pool = Pool(CompiledScenario("hover", ["stepping.action_repeat=100000"]), 64, num_threads=1)
     actions = begin(pool)
     counted, stop = [0], threading.Event()
 
@@ -117,8 +117,8 @@ def test_a_forked_child_gets_an_error_and_exits(python: Callable[[str], Finished
     result = python("""
         import os, sys
         import numpy as np
-        from skybody._native import Environment, Pool
-        pool = Pool(Environment("hover"), 8, num_threads=2)
+        from skybody._native import CompiledScenario, Pool
+        pool = Pool(CompiledScenario("hover"), 8, num_threads=2)
         pool.send_reset()
         pool.recv()
         for leave in (sys.exit, os._exit):
@@ -133,7 +133,7 @@ def test_a_forked_child_gets_an_error_and_exits(python: Callable[[str], Finished
                     except RuntimeError as error:
                         refused += "fork" in str(error)
                 pool.close()
-                own = Pool(pool.environment, 2, num_threads=2)
+                own = Pool(pool.compiled, 2, num_threads=2)
                 own.send_reset()
                 refused += len(own.recv())
                 leave(10 * refused + 1)
@@ -145,7 +145,7 @@ def test_a_forked_child_gets_an_error_and_exits(python: Callable[[str], Finished
 
 
 def test_a_second_thread_in_a_pool_gets_an_error() -> None:
-    pool = Pool(Environment(*SLOW), 400, num_threads=1)
+    pool = Pool(CompiledScenario(*SLOW), 400, num_threads=1)
     actions = begin(pool)
     started = threading.Event()
     received: list[int] = []
@@ -172,7 +172,7 @@ def test_a_second_thread_in_a_pool_gets_an_error() -> None:
 
 
 def test_threads_that_share_a_pool_get_errors_or_results_and_lose_nothing(
-    hover: Environment,
+    hover: CompiledScenario,
 ) -> None:
     pool = Pool(hover, 8, num_threads=2)
     actions = begin(pool)
@@ -216,9 +216,9 @@ def test_pools_of_different_scenarios_and_plugin_paths_are_built_at_once(tmp_pat
         folder.mkdir()
         shutil.copy(plugins / f"{name}.so", folder)
         for _ in range(5):
-            environment = Environment("hover", needs[name], [folder])
-            assert name in environment.plugins
-            pool = Pool(environment, 4, num_threads=2, seed=1, keep_hash=True)
+            compiled = CompiledScenario("hover", needs[name], [folder])
+            assert name in compiled.plugins
+            pool = Pool(compiled, 4, num_threads=2, seed=1, keep_hash=True)
             actions = begin(pool)
             for _ in range(5):
                 pool.send(actions)
@@ -236,7 +236,7 @@ def resident_bytes() -> int:
     return pages * os.sysconf("SC_PAGESIZE")
 
 
-def test_a_thousand_pools_leave_memory_handles_and_threads_flat(hover: Environment) -> None:
+def test_a_thousand_pools_leave_memory_handles_and_threads_flat(hover: CompiledScenario) -> None:
     actions = np.zeros((2, 4), np.float32)
 
     def cycle(count: int) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import skybody
-from skybody._native import Environment, Simulation
+from skybody._native import CompiledScenario, Simulation
 
 ACTION = np.full(4, 0.2, np.float32)
 MASS = "robots.quad.links.base_link.mass"
 
 
 @pytest.fixture
-def simulation(hover: Environment) -> Simulation:
+def simulation(hover: CompiledScenario) -> Simulation:
     simulation = Simulation(hover, seed=3)
     simulation.reset()
     return simulation
@@ -30,10 +30,10 @@ def test_time_and_steps_count(simulation: Simulation) -> None:
 def test_the_scenario_may_be_named() -> None:
     simulation = Simulation("hover", seed=3)
     simulation.reset()
-    assert simulation.environment.name == "hover"
+    assert simulation.compiled.name == "hover"
 
 
-def test_equal_keys_give_equal_flights(hover: Environment) -> None:
+def test_equal_keys_give_equal_flights(hover: CompiledScenario) -> None:
     hashes = []
     for seed in (3, 3, 4):
         simulation = Simulation(hover, seed=seed)
@@ -81,7 +81,7 @@ def test_saved_and_forked_have_the_same_future(simulation: Simulation) -> None:
 
 
 def test_a_snapshot_of_another_scenario_is_refused(simulation: Simulation) -> None:
-    other = Simulation(Environment("hover", ["stepping.horizon=9"]))
+    other = Simulation(CompiledScenario("hover", ["stepping.horizon=9"]))
     other.reset()
     with pytest.raises(ValueError, match="another scenario"):
         simulation.restore(other.save())
@@ -103,7 +103,7 @@ def test_wrong_actions_are_refused(simulation: Simulation) -> None:
         simulation.step(np.zeros(3, np.float32))
 
 
-def test_a_step_before_the_first_reset_is_refused(hover: Environment) -> None:
+def test_a_step_before_the_first_reset_is_refused(hover: CompiledScenario) -> None:
     with pytest.raises(skybody.Error, match="before reset"):
         Simulation(hover).step(ACTION)
 

@@ -42,7 +42,7 @@ def test_observed_channels_follow_the_tasks_in_a_flat_box() -> None:
     space = envs.single_observation_space
     assert isinstance(space, Box)
     assert space.shape == (28,)
-    names = [column.name for column in envs.environment.observation_columns]
+    names = [column.name for column in envs.compiled.observation_columns]
     assert names[-2:] == ["imu.specific_force", "gyro"]
     observation, _ = envs.reset()
     assert observation.flags.c_contiguous

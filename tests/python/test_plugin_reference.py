@@ -47,7 +47,7 @@ def test_every_method_that_plugins_may_have_is_under_a_kind(load) -> None:
         m[1] for line in lines if (m := re.match(r"SKYBODY_PLUGIN_METHOD\(\w+, (\w+),", line))
     ]
     assert len(methods) >= 8
-    assert [m for m in methods if f"void {m}(const Lanes<" not in kinds] == []
+    assert [m for m in methods if f"void {m}(const EnvView<" not in kinds] == []
 
 
 def test_every_request_of_setup_is_on_the_page(load) -> None:

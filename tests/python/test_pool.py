@@ -55,8 +55,8 @@ def test_fixed_order_gives_ids_cyclically():
 
 def test_was_reset_marks_the_rows_that_begin_an_episode():
     pool = make_pool(short_hover(), NUM_ENVS, seed=SEED, order="fixed")
-    environment = short_hover()
-    worlds = [Rollout(environment, i) for i in range(NUM_ENVS)]
+    compiled = short_hover()
+    worlds = [Rollout(compiled, i) for i in range(NUM_ENVS)]
     observation, info = pool.reset()
     assert info["was_reset"].all()
     pending: list[np.ndarray | None] = [None] * NUM_ENVS
@@ -75,8 +75,8 @@ def test_was_reset_marks_the_rows_that_begin_an_episode():
 
 def test_same_step_has_the_final_rows_of_ended_episodes():
     pool = make_pool(short_hover(), NUM_ENVS, seed=SEED, order="fixed", autoreset="same_step")
-    environment = short_hover()
-    worlds = [Rollout(environment, i) for i in range(NUM_ENVS)]
+    compiled = short_hover()
+    worlds = [Rollout(compiled, i) for i in range(NUM_ENVS)]
     pool.reset()
     ends = 0
     for step in range(90):

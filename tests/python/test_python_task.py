@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
-from skybody.python_task import PythonTask, PythonTaskVecEnv
-from skybody.simulation import Simulation, SimulationPool, WorldStates
+from skybody.python_task import PythonTask, PythonTaskVectorEnv
+from skybody.simulation import EnvStates, Simulation, SimulationPool
 
 N = 4
 
@@ -26,27 +26,27 @@ class Climb(PythonTask):
         self.begun: list[list[int]] = []
 
     def begin(
-        self, pool: SimulationPool, worlds: NDArray[np.int32], rng: np.random.Generator
+        self, pool: SimulationPool, envs: NDArray[np.int32], rng: np.random.Generator
     ) -> None:
-        self.begun.append(worlds.tolist())
-        for world in worlds.tolist():
+        self.begun.append(envs.tolist())
+        for world in envs.tolist():
             pool.teleport(world, position=[0, 0, rng.uniform(1, 2.5)], rotation=[1, 0, 0, 0])
 
-    def command(self, actions: NDArray[np.float32], states: WorldStates) -> NDArray[np.float64]:
+    def command(self, actions: NDArray[np.float32], states: EnvStates) -> NDArray[np.float64]:
         return np.pad(15 * (1 + actions), ((0, 0), (0, 3)))
 
-    def observation(self, states: WorldStates) -> NDArray[np.float64]:
+    def observation(self, states: EnvStates) -> NDArray[np.float64]:
         return np.stack([states.positions[:, 0, 2], states.velocities[:, 0, 2]], axis=1)
 
-    def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
+    def reward(self, states: EnvStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
         return states.positions[:, 0, 2]
 
-    def terminated(self, states: WorldStates) -> NDArray[np.bool_]:
+    def terminated(self, states: EnvStates) -> NDArray[np.bool_]:
         return states.positions[:, 0, 2] > 3
 
 
-def climb(task: PythonTask | None = None, **options: object) -> PythonTaskVecEnv:
-    return PythonTaskVecEnv(task or Climb(), "hover", N, seed=5, **options)  # type: ignore[arg-type]
+def climb(task: PythonTask | None = None, **options: object) -> PythonTaskVectorEnv:
+    return PythonTaskVectorEnv(task or Climb(), "hover", N, seed=5, **options)  # type: ignore[arg-type]
 
 
 def up(value: float = 1.0) -> NDArray[np.float32]:
@@ -70,7 +70,7 @@ def test_a_step_is_the_command_held_for_the_physics_steps():
     envs.close()
 
 
-def test_next_step_resets_ended_worlds_instead_of_stepping_them():
+def test_next_step_resets_ended_environments_instead_of_stepping_them():
     envs = climb()
     envs.reset()
     ended = np.zeros(N, np.bool_)
@@ -121,7 +121,7 @@ def test_same_step_gives_the_last_observation_apart():
 
 def test_same_step_tells_infos_of_the_end_apart_from_those_of_the_next_episode():
     class Tells(Climb):
-        def info(self, states: WorldStates) -> dict[str, NDArray[np.float64]]:
+        def info(self, states: EnvStates) -> dict[str, NDArray[np.float64]]:
             return {"speed": states.velocities[:, 0, 2]}
 
     envs = climb(Tells(), autoreset="same_step")
@@ -160,7 +160,7 @@ def test_disabled_wants_a_reset_by_mask():
 
 
 def test_seeds_repeat_bit_for_bit():
-    def play(envs: PythonTaskVecEnv, seed: int | None) -> NDArray[np.float32]:
+    def play(envs: PythonTaskVectorEnv, seed: int | None) -> NDArray[np.float32]:
         rows = [envs.reset(seed=seed)[0]]
         rows += [envs.step(up(0.5))[0] for _ in range(80)]
         return np.stack(rows)
@@ -178,7 +178,7 @@ def test_a_non_finite_action_or_outcome_faults_its_world_only():
     class Breaks(Climb):
         broken = False
 
-        def observation(self, states: WorldStates) -> NDArray[np.float64]:
+        def observation(self, states: EnvStates) -> NDArray[np.float64]:
             rows = super().observation(states)
             if self.broken:
                 rows[2] = np.inf
@@ -246,7 +246,7 @@ def test_an_exception_in_setup_closes_the_pool():
 
 def test_arrays_of_another_shape_are_refused_by_name():
     class Wrong(Climb):
-        def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> float:
+        def reward(self, states: EnvStates, actions: NDArray[np.float32]) -> float:
             return 1.0
 
     envs = climb(Wrong())
@@ -301,7 +301,7 @@ def test_actions_and_rewards_are_float32_and_nothing_is_converted_silently():
 
 def test_a_reward_that_float32_cannot_hold_is_a_fault():
     class Huge(Climb):
-        def reward(self, states: WorldStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
+        def reward(self, states: EnvStates, actions: NDArray[np.float32]) -> NDArray[np.float64]:
             return np.array([1e300, 1, 1, 1])
 
     envs = climb(Huge())
@@ -314,9 +314,9 @@ def test_a_reward_that_float32_cannot_hold_is_a_fault():
 
 def test_a_class_or_another_object_is_no_task():
     with pytest.raises(TypeError, match=r"task is the class Climb; give an object: Climb\(\)"):
-        PythonTaskVecEnv(Climb, "hover", N)  # type: ignore[arg-type]
+        PythonTaskVectorEnv(Climb, "hover", N)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="task is a int; it must be an object of a class that"):
-        PythonTaskVecEnv(3, "hover", N)  # type: ignore[arg-type]
+        PythonTaskVectorEnv(3, "hover", N)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("method", ["command", "observation", "reward"])
@@ -348,7 +348,7 @@ class Blind(Climb):
 
     blind = False
 
-    def observation(self, states: WorldStates) -> NDArray[np.float64]:
+    def observation(self, states: EnvStates) -> NDArray[np.float64]:
         return np.where(self.blind, np.nan, super().observation(states))
 
 
@@ -357,7 +357,7 @@ def test_an_episode_does_not_begin_with_an_observation_that_is_not_finite(autore
     task = Blind()
     envs = climb(task, autoreset=autoreset)
     envs.reset()
-    with pytest.raises(ValueError, match="the first observation of world 0 is not finite"):
+    with pytest.raises(ValueError, match="the first observation of environment 0 is not finite"):
         for _ in range(3):  # where nothing is seen the episode ends, as a fault
             task.blind = True
             envs.step(up(0.2))

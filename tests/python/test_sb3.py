@@ -81,8 +81,8 @@ def collected(change: Change | None = None) -> tuple[PPO, Tap]:
 
 def test_a_truncation_is_bootstrapped_from_the_observation_before_the_reset():
     model, tap = collected()
-    environment = short_hover(*EASY_TO_END)
-    worlds = [Rollout(environment, i) for i in range(NUM_ENVS)]
+    compiled = short_hover(*EASY_TO_END)
+    worlds = [Rollout(compiled, i) for i in range(NUM_ENVS)]
     truncations = terminations = 0
     for k, step in enumerate(tap.steps):
         for i, world in enumerate(worlds):
@@ -102,9 +102,9 @@ def test_a_truncation_is_bootstrapped_from_the_observation_before_the_reset():
 
 def test_the_rollout_buffer_has_the_observations_that_were_acted_on():
     model, tap = collected()
-    environment = short_hover(*EASY_TO_END)
+    compiled = short_hover(*EASY_TO_END)
     for i in range(NUM_ENVS):
-        world = Rollout(environment, i)
+        world = Rollout(compiled, i)
         observation = world.first
         for k, step in enumerate(tap.steps):
             flat = i * STEPS + k  # training has put one environment's rows after the other's

@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import pytest
 import skybody
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.simulation import CONTROL_MODES, Simulation
 
 PLAIN = ["randomization=[]", "robots[0].pose.position=[0, 0, 2]"]
@@ -43,7 +43,7 @@ def test_a_chain_in_yaml_is_a_mode_too_and_overrides_reach_it():
     with pytest.raises(TypeError, match="control is 3; it must be a text: one of rotor_speed"):
         Simulation("hover", 3)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="too late"):
-        Simulation(Environment("hover"), "ctbr")
+        Simulation(CompiledScenario("hover"), "ctbr")
     with pytest.raises(skybody.InputError, match="nothing_of_that_name"):
         Simulation("hover", "[{plugin: nothing_of_that_name}]")
 
@@ -55,7 +55,7 @@ def test_a_command_does_what_its_action_does_bit_for_bit():
     for _ in range(10):
         by_action.step(action)
         by_command.command(0.5 * (action.astype(float) + 1) * full)
-        assert by_command.advance(by_command.environment.action_repeat)
+        assert by_command.advance(by_command.compiled.action_repeat)
         by_command.evaluate()
     np.testing.assert_array_equal(by_command.base().position, by_action.base().position)
     np.testing.assert_array_equal(by_command.observation[:14], by_action.observation[:14])
@@ -129,7 +129,7 @@ def test_accelerations_in_balance_are_none_and_twice_the_mass_falls():
     np.testing.assert_allclose(simulation.accelerations().linear, 0, atol=1e-9)
     mass = simulation.mass_properties("base_link")
     simulation.set_mass_properties("base_link", mass=2 * mass.mass)
-    half = simulation.environment.gravity[2] / 2
+    half = simulation.compiled.gravity[2] / 2
     accelerations = simulation.accelerations()
     assert accelerations.linear[0, 2] == pytest.approx(half, abs=1e-9)
     assert accelerations.udot.shape == (6,)
@@ -166,7 +166,7 @@ def test_contacts_on_the_ground_carry_the_weight():
     assert {(c.body, c.other) for c in contacts} == {("quad.base_link", "ground")}
     assert all(c.depth > 0 and c.point[2] == -c.depth for c in contacts)
     mass = simulation.mass_properties("base_link").mass
-    weight = -simulation.environment.gravity[2] * mass
+    weight = -simulation.compiled.gravity[2] * mass
     # At rest: what still moves is far below a thousandth of g.
     assert sum(c.force[2] for c in contacts) == pytest.approx(weight, rel=1e-3)
 
@@ -185,7 +185,7 @@ def test_a_fork_is_a_simulation_with_the_same_future_and_a_rekeyed_one_with_its_
 def test_restored_and_forked_simulations_have_every_row_of_the_transition():
     simulation = Simulation("formation_2", seed=4)
     simulation.reset()
-    simulation.step(np.zeros(simulation.environment.action_size, np.float32))
+    simulation.step(np.zeros(simulation.compiled.action_size, np.float32))
     rows = (simulation.observation, simulation.agent_rewards, simulation.info)
     assert all(row.any() for row in rows)
     saved, copy = simulation.save(), simulation.fork()

@@ -1,4 +1,4 @@
-"""Many worlds under direct control."""
+"""Many environments under direct control."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ N = 5
 
 
 @pytest.mark.parametrize("num_threads", [1, 2, 7])
-def test_worlds_do_what_they_do_alone(num_threads):
+def test_environments_do_what_they_do_alone(num_threads):
     commands = np.random.default_rng(0).uniform(500, 1500, (N, 4))
     options = {"seed": 3, "first_env_id": 7, "num_threads": num_threads}
     with SimulationPool("hover", N, "rotor_speed", **options) as pool:
@@ -26,7 +26,7 @@ def test_worlds_do_what_they_do_alone(num_threads):
         pool.reset()
         pool.command(commands)
         pool.advance(300)
-        pool.evaluate(worlds=[0, 2])
+        pool.evaluate(envs=[0, 2])
         states, hashes = pool.states(), [pool.hash(i) for i in range(N)]
         observations, rewards = pool.observations, pool.rewards
     for i in range(N):
@@ -66,43 +66,43 @@ def test_arrays_have_a_row_for_every_world_body_and_rotor():
         assert pool.states([2, 0]).times.shape == (2,)
 
 
-def test_masks_and_numbers_choose_worlds():
+def test_masks_and_numbers_choose_environments():
     with SimulationPool("hover", N, "ctbr") as pool:
         pool.reset()
         pool.advance(10)
         mask = np.array([True, False, True, False, False])
         pool.reset(mask)
         np.testing.assert_allclose(pool.states().times, np.where(mask, 0, 0.01))
-        pool.advance(5, worlds=[4])
+        pool.advance(5, envs=[4])
         assert pool.states([4]).times[0] == pytest.approx(0.015)
-        pool.advance(5, worlds=np.zeros(N, np.bool_))  # nobody
-        pool.command([5, 0, 0, 0], worlds=mask)  # one command for all of them
+        pool.advance(5, envs=np.zeros(N, np.bool_))  # nobody
+        pool.command([5, 0, 0, 0], envs=mask)  # one command for all of them
         pool.reset(seed=2)
         assert (pool.states().times == 0).all()
 
 
 def test_misuse_is_refused_before_anything_is_done():
     with SimulationPool("hover", 3, "ctbr") as pool:
-        with pytest.raises(skybody.Error, match=r"^world 0: .*before reset\(\)"):
+        with pytest.raises(skybody.Error, match=r"^environment 0: .*before reset\(\)"):
             pool.advance()
         pool.reset()
-        for worlds in ([3], [-1], [1, 1], np.ones(2, np.bool_)):
+        for envs in ([3], [-1], [1, 1], np.ones(2, np.bool_)):
             with pytest.raises(ValueError):
-                pool.advance(1, worlds)
+                pool.advance(1, envs)
         with pytest.raises(TypeError):
             pool.advance(1, [0.5])
         with pytest.raises(ValueError, match="shape"):
             pool.command(np.zeros((3, 5)))
         with pytest.raises(ValueError, match="shape"):
             pool.step(np.zeros((2, 4)))
-        with pytest.raises(ValueError, match=r"world 1: .*nan"):
+        with pytest.raises(ValueError, match=r"environment 1: .*nan"):
             pool.command([[1, 0, 0, 0], [1, np.nan, 0, 0], [1, 0, 0, 0]])
         with pytest.raises(ValueError, match="-2"):
             pool.advance(-2)
-        with pytest.raises(ValueError, match="there is no world 5; allowed"):
+        with pytest.raises(ValueError, match="there is no environment 5; allowed"):
             pool.set_param(5, "x", 1.0)
         assert (pool.states().times == 0).all()
-    with pytest.raises(ValueError, match="num_worlds is 2147483648; it must be from 1 to 16777216"):
+    with pytest.raises(ValueError, match="num_envs is 2147483648; it must be from 1 to 16777216"):
         SimulationPool("hover", 2**31)
     with pytest.raises(ValueError, match="from 1 to 16777216"):
         SimulationPool("hover", 0)
@@ -110,7 +110,7 @@ def test_misuse_is_refused_before_anything_is_done():
         SimulationPool("hover", 2, num_threads=-1)
 
 
-def test_a_fault_stays_in_its_world():
+def test_a_fault_stays_in_its_environment():
     with SimulationPool("hover", 3, "ctbr") as pool:
         pool.reset()
         pool.teleport(1, angular_velocity=[1e200, 1e200, 0])
@@ -132,7 +132,7 @@ def test_a_non_finite_action_faults_its_world_only():
         assert not pool.terminated.any()
 
 
-def test_worlds_are_saved_restored_and_set_one_by_one():
+def test_environments_are_saved_restored_and_set_one_by_one():
     with SimulationPool("hover", 3, "ctbr", seed=1) as pool:
         pool.reset()
         saved = pool.save(0)
@@ -170,7 +170,7 @@ def test_pools_come_and_go_without_leaving_threads_behind():
     assert threads() <= before
 
 
-def test_the_gil_is_free_while_worlds_advance():
+def test_the_gil_is_free_while_environments_advance():
     with SimulationPool("hover", 2, "ctbr") as pool:
         pool.reset()
         counted, stop = [0], threading.Event()
@@ -215,7 +215,7 @@ def test_a_forked_child_is_refused_and_ends():
     pool.reset()
 
 
-def test_a_pool_of_worlds_without_rotors_has_speeds_of_none(tmp_path: Path) -> None:
+def test_a_pool_of_environments_without_rotors_has_speeds_of_none(tmp_path: Path) -> None:
     scenario = tmp_path / "bare.yaml"
     scenario.write_text(
         "robots:\n  - name: quad\n    model: qdrone2\n    rotors: none\n"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import skybody
 from gymnasium.spaces import Box
-from skybody.python_task import PythonTask, PythonTaskVecEnv
+from skybody.python_task import PythonTask, PythonTaskVectorEnv
 from skybody.simulation import Simulation, SimulationPool
 
 N = 37
@@ -28,59 +28,59 @@ PATHS = {
 }
 
 
-def worlds_alone(steps: int) -> list[Simulation]:
-    worlds = [Simulation("payload", seed=4, env_id=i) for i in range(N)]
-    for i, world in enumerate(worlds):
-        world.reset()
+def sims_alone(steps: int) -> list[Simulation]:
+    sims = [Simulation("payload", seed=4, env_id=i) for i in range(N)]
+    for i, sim in enumerate(sims):
+        sim.reset()
         for _ in range(steps):
-            world.step(np.full(4, 0.01 * (i % 7), np.float32))
-    return worlds
+            sim.step(np.full(4, 0.01 * (i % 7), np.float32))
+    return sims
 
 
 def actions() -> np.ndarray:
     return np.repeat(np.float32(0.01) * (np.arange(N, dtype=np.float32) % 7), 4).reshape(N, 4)
 
 
-def check(owner, worlds: list[Simulation]) -> None:
+def check(owner, sims: list[Simulation]) -> None:
     for path, shape in PATHS.items():
         values = owner.state(path)
-        assert values.shape == (len(worlds), *shape)
+        assert values.shape == (len(sims), *shape)
         assert values.dtype == np.float64
         assert owner.state_paths()[path].shape == shape
-        np.testing.assert_array_equal(values, [world.state(path) for world in worlds])
+        np.testing.assert_array_equal(values, [sim.state(path) for sim in sims])
 
 
 def test_a_vector_environment_gives_the_state_of_each_environment_alone():
     with_threads = [skybody.make_vec("payload", N, seed=4, num_threads=k) for k in (1, 2)]
-    worlds = [Simulation("payload", seed=4, env_id=i) for i in range(N)]
-    for world in worlds:
-        world.reset()
+    sims = [Simulation("payload", seed=4, env_id=i) for i in range(N)]
+    for sim in sims:
+        sim.reset()
     rows = actions()
     for envs in with_threads:
         envs.reset()
     for _ in range(6):
         for envs in with_threads:
             envs.step(rows)
-        for world, row in zip(worlds, rows, strict=True):
-            world.step(row)
+        for sim, row in zip(sims, rows, strict=True):
+            sim.step(row)
     for envs in with_threads:
-        check(envs, worlds)
+        check(envs, sims)
         envs.close()
 
 
 def test_the_values_of_a_simulation_are_those_it_has_names_for():
-    world = worlds_alone(5)[3]
-    base = world.base()
-    np.testing.assert_array_equal(world.state("robots.quad.base.position"), base.position)
-    np.testing.assert_array_equal(world.state("robots.quad.base.rotation"), base.rotation)
+    sim = sims_alone(5)[3]
+    base = sim.base()
+    np.testing.assert_array_equal(sim.state("robots.quad.base.position"), base.position)
+    np.testing.assert_array_equal(sim.state("robots.quad.base.rotation"), base.rotation)
     np.testing.assert_array_equal(
-        world.state("robots.quad.links.bob.position"), world.body("bob").position
+        sim.state("robots.quad.links.bob.position"), sim.body("bob").position
     )
-    np.testing.assert_array_equal(world.state("robots.quad.rotors.speed"), world.rotor_speeds)
-    assert world.state("time").shape == ()
-    assert world.state("time") == world.time
-    for path in world.environment.param_paths:
-        assert world.state(path) == world.param(path)
+    np.testing.assert_array_equal(sim.state("robots.quad.rotors.speed"), sim.rotor_speeds)
+    assert sim.state("time").shape == ()
+    assert sim.state("time") == sim.time
+    for path in sim.compiled.param_paths:
+        assert sim.state(path) == sim.param(path)
 
 
 def test_a_pool_gives_it_at_rest_and_refuses_it_in_flight():
@@ -140,7 +140,7 @@ class Watch(PythonTask):
 
 
 def test_python_tasks_and_their_pool_give_it():
-    envs = PythonTaskVecEnv(Watch(), "hover", 4, seed=2)
+    envs = PythonTaskVectorEnv(Watch(), "hover", 4, seed=2)
     observation, _ = envs.reset()
     observation, reward, *_ = envs.step(np.full((4, 1), 0.1, np.float32))
     heights = envs.state("robots.quad.base.position")[:, 2]

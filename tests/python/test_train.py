@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 import pytest
 import torch
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.train import evaluate, parameter_hash
 from skybody.train.__main__ import main
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, read_meta
@@ -31,8 +31,8 @@ pytestmark = pytest.mark.timeout(120)
 
 
 @pytest.fixture(scope="module")
-def environment() -> Environment:
-    return Environment(SCENARIO, [HORIZON])
+def compiled() -> CompiledScenario:
+    return CompiledScenario(SCENARIO, [HORIZON])
 
 
 @pytest.fixture(scope="module")
@@ -60,11 +60,11 @@ def final_hash(run: Path) -> str:
 
 @both
 def test_one_seed_gives_the_same_parameters_for_any_number_of_threads(
-    algorithm: str, environment: Environment
+    algorithm: str, compiled: CompiledScenario
 ) -> None:
     hashes = []
     for seed, threads in ((1, 1), (1, 2), (2, 1)):
-        with learner_of(algorithm, environment, seed, threads) as learner:
+        with learner_of(algorithm, compiled, seed, threads) as learner:
             for _ in range(3):
                 learner.iterate()
             hashes.append(parameter_hash(learner.parameters()))
@@ -73,8 +73,8 @@ def test_one_seed_gives_the_same_parameters_for_any_number_of_threads(
 
 
 @both
-def test_training_changes_every_parameter(algorithm: str, environment: Environment) -> None:
-    with learner_of(algorithm, environment) as learner:
+def test_training_changes_every_parameter(algorithm: str, compiled: CompiledScenario) -> None:
+    with learner_of(algorithm, compiled) as learner:
         before = {name: value.clone() for name, value in learner.parameters().items()}
         learner.iterate()
         assert learner.steps == 300
@@ -150,9 +150,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_checkpoints_are_stamped_with_scenario_versions_and_seed(
-    run: Path, environment: Environment
+    run: Path, compiled: CompiledScenario
 ) -> None:
-    expected_hash = f"{environment.scenario_hash:016x}"
+    expected_hash = f"{compiled.scenario_hash:016x}"
     folders = checkpoint_folders(run)
     assert [folder.name for folder in folders] == ["step_000000000600", "step_000000001200"]
     for folder in folders:
@@ -167,7 +167,7 @@ def test_checkpoints_are_stamped_with_scenario_versions_and_seed(
             assert (file.attrs["seed"], file.attrs["steps"]) == (3, meta["steps"])
             assert (file.attrs["observation_size"], file.attrs["action_size"]) == (22, 4)
     config = json.loads((run / "config.json").read_text())
-    assert config["scenario_text"] == environment.scenario_text
+    assert config["scenario_text"] == compiled.scenario_text
     assert config["hyper"]["hidden"] == [8, 8]
 
 
@@ -188,10 +188,10 @@ def test_a_run_has_its_tables_its_picture_and_an_evaluation_of_each_checkpoint(r
 @both
 @pytest.mark.parametrize("bounded_mean", [False, True])
 def test_policy_files_give_the_actions_of_the_network(
-    algorithm: str, bounded_mean: bool, environment: Environment, tmp_path: Path
+    algorithm: str, bounded_mean: bool, compiled: CompiledScenario, tmp_path: Path
 ) -> None:
     hyper = dataclasses.replace(SMALL, bounded_mean=bounded_mean)
-    with learner_of(algorithm, environment, hyper=hyper) as learner:
+    with learner_of(algorithm, compiled, hyper=hyper) as learner:
         for _ in range(3):
             learner.iterate()
         attributes = {"scenario": "", "scenario_hash": "", "algorithm": algorithm, "steps": 300}
@@ -212,12 +212,12 @@ def test_policy_files_give_the_actions_of_the_network(
 
 
 def test_evaluations_repeat_and_an_episode_is_the_same_among_more(
-    run: Path, environment: Environment
+    run: Path, compiled: CompiledScenario
 ) -> None:
     policy = read_policy(checkpoint_folders(run)[-1] / "policy.h5")
-    few = evaluate.evaluate(environment, policy, 3, seed=9, threads=1)
-    many = evaluate.evaluate(environment, policy, 8, seed=9, threads=2)
-    other = evaluate.evaluate(environment, policy, 3, seed=10, threads=1)
+    few = evaluate.evaluate(compiled, policy, 3, seed=9, threads=1)
+    many = evaluate.evaluate(compiled, policy, 8, seed=9, threads=2)
+    other = evaluate.evaluate(compiled, policy, 3, seed=10, threads=1)
     assert many["returns"][:3] == few["returns"]
     assert many["position_errors"][:3] == few["position_errors"]
     assert other["returns"] != few["returns"]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import Finished
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.train import curve, evaluate
 from skybody.train.__main__ import main
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
@@ -333,7 +333,10 @@ def test_a_run_that_goes_on_under_other_versions_says_so(
 def test_a_policy_with_a_flipped_bit_does_not_fly(tmp_path: Path) -> None:
     weight = np.random.default_rng(0).standard_normal((4, 22)).astype(np.float32)
     layer = Layer(weight, np.zeros(4, np.float32), "none")
-    stamps = {"scenario": "hover", "scenario_hash": f"{Environment('hover').scenario_hash:016x}"}
+    stamps = {
+        "scenario": "hover",
+        "scenario_hash": f"{CompiledScenario('hover').scenario_hash:016x}",
+    }
     stamps |= {"seed": "1", "algorithm": "ppo", "steps": 1, "skybody_version": "0"}
     file = tmp_path / "policy.h5"
     write_policy(file, Policy([layer], np.zeros(22), np.ones(22), 10.0, stamps))

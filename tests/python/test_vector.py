@@ -22,8 +22,8 @@ def make(autoreset: str = "next_step", **options: Any) -> SkybodyVectorEnv:
 
 
 def rollouts() -> list[Rollout]:
-    environment = short_hover()
-    return [Rollout(environment, i) for i in range(NUM_ENVS)]
+    compiled = short_hover()
+    return [Rollout(compiled, i) for i in range(NUM_ENVS)]
 
 
 def test_spaces_are_those_of_the_channels():
@@ -35,7 +35,7 @@ def test_spaces_are_those_of_the_channels():
     assert np.all(envs.single_action_space.high == 1.0)
     assert envs.action_space.shape == (NUM_ENVS, 4)
     low, high = envs.single_observation_space.low, envs.single_observation_space.high
-    for channel in envs.environment.observation_channels:
+    for channel in envs.compiled.observation_channels:
         part = slice(channel.first, channel.first + channel.count)
         assert np.all(low[part] == np.float32(channel.low))
         assert np.all(high[part] == np.float32(channel.high))
@@ -155,10 +155,10 @@ def test_every_mode_gives_what_gymnasiums_own_sync_vector_env_gives(
     With SAME_STEP, `fault` and `agent_reward` beside `final_info` differ by design: ours are the
     transition's, as the reward and the flags are.
     """
-    environment = short_hover() if scenario == "hover" else short(scenario)
-    ours = make_vec(environment, NUM_ENVS, autoreset=mode)
+    compiled = short_hover() if scenario == "hover" else short(scenario)
+    ours = make_vec(compiled, NUM_ENVS, autoreset=mode)
     theirs = SyncVectorEnv(
-        [lambda i=i: SkybodyEnv(environment, env_id=i) for i in range(NUM_ENVS)],
+        [lambda i=i: SkybodyEnv(compiled, env_id=i) for i in range(NUM_ENVS)],
         autoreset_mode=mode,
     )
     assert ours.metadata["autoreset_mode"] is theirs.metadata["autoreset_mode"]
@@ -167,7 +167,7 @@ def test_every_mode_gives_what_gymnasiums_own_sync_vector_env_gives(
     same = [ours.reset(seed=5), theirs.reset(seed=[5] * NUM_ENVS)]
     for step in range(STEPS):
         assert_equal(same[0], same[1])
-        given = actions(step, NUM_ENVS, environment.action_size)
+        given = actions(step, NUM_ENVS, compiled.action_size)
         if step % 7 == 0:
             given[step % NUM_ENVS, 0] = np.nan
         same = [ours.step(given), theirs.step(given)]
@@ -182,9 +182,9 @@ def test_every_mode_gives_what_gymnasiums_own_sync_vector_env_gives(
                     infos.pop(key, None)
 
 
-def short(scenario: str) -> skybody.Environment:
+def short(scenario: str) -> skybody.CompiledScenario:
     """Episodes of 23 steps of 5 ms."""
-    return skybody.Environment(scenario, ["stepping.action_repeat=5", "stepping.horizon=23"])
+    return skybody.CompiledScenario(scenario, ["stepping.action_repeat=5", "stepping.horizon=23"])
 
 
 def assert_equal(ours: Any, theirs: Any) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.train.__main__ import main
 from skybody.train.lean_ppo import LeanPpo
 from skybody.train.presets import Hyperparameters
@@ -26,12 +26,12 @@ both = pytest.mark.parametrize("algorithm", LEARNERS)
 @contextmanager
 def learner_of(
     algorithm: str,
-    environment: Environment,
+    compiled: CompiledScenario,
     seed: int = 1,
     threads: int = 1,
     hyper: Hyperparameters = SMALL,
 ) -> Iterator[Any]:
-    made = LEARNERS[algorithm](environment, hyper, seed, threads, 10_000)
+    made = LEARNERS[algorithm](compiled, hyper, seed, threads, 10_000)
     try:
         yield made
     finally:

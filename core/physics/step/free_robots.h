@@ -11,7 +11,7 @@
 
 namespace skybody {
 
-/// One robot. Places are within the blocks of WorldState.
+/// One robot. Places are within the blocks of state words.
 struct FreeRobot {
   int body = 0, q = 0, u = 0;
   RotorGroup rotors;          ///< all of them; none where `count` is 0

@@ -30,7 +30,7 @@ struct GroupBlocks {
   const double* held[SKYBODY_HELD_COUNT] = {};  ///< core/base/held_inputs.h; null: not used
 };
 
-/// A block that steps read, and where it lies in WorldState. Those that effects hold come on top.
+/// A block that steps read, and where it lies in state words. Those that effects hold come on top.
 struct InputBlock {
   const double* GroupBlocks::*values;
   Block Layout::*place;

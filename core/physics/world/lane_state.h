@@ -19,7 +19,7 @@ struct BodyState {
 };
 static_assert(sizeof(BodyState) == 13 * sizeof(double));
 
-/// Values of one lane gathered from WorldState, in the order of the layout's blocks.
+/// Values of one lane gathered from state words, in the order of the layout's blocks.
 struct LaneState {
   std::vector<double> q, u, rotor_speed, rotor_command, wrench, drive, params;
   std::vector<double> joint_command, joint_state;
@@ -27,7 +27,7 @@ struct LaneState {
   std::vector<BodyState> bodies;                             ///< those of q and u
 };
 
-/// A block of WorldState as a lane state has it. Those that effects hold come on top.
+/// A block of state words as a lane state has it. Those that effects hold come on top.
 struct LaneBlock {
   std::vector<double> LaneState::*values;
   Block Layout::*place;

@@ -1,5 +1,5 @@
 // What never changes while environments step: the bodies, rotors and contact points of all robots
-// of a scenario in one numbering, and where each value lies in WorldState. Shared by all.
+// of a scenario in one numbering, and where each value lies in state words. Shared by all.
 //
 // Plugins are configured by the numbering and say then what the world has to hold for them. So it
 // is made in two steps: Topology, what plugins ask for (WorldPlan), World. Both classes are

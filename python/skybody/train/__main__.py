@@ -16,7 +16,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from skybody._native import Environment, Error, InputError, versions
+from skybody._native import CompiledScenario, Error, InputError, versions
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.train import evaluate, files
 from skybody.train.checkpoint import checkpoint_folders, read_meta
@@ -181,29 +181,29 @@ def check(config: Config) -> None:
     config.hyper.check()
 
 
-def stamped(config: Config, environment: Environment) -> Config:
+def stamped(config: Config, compiled: CompiledScenario) -> Config:
     """With what the scenario is now and which versions run it."""
     return dataclasses.replace(
         config,
-        scenario_name=environment.name,
-        scenario_hash=f"{environment.scenario_hash:016x}",
-        scenario_text=environment.scenario_text,
-        versions=all_versions(environment),
+        scenario_name=compiled.name,
+        scenario_hash=f"{compiled.scenario_hash:016x}",
+        scenario_text=compiled.scenario_text,
+        versions=all_versions(compiled),
     )
 
 
-def all_versions(environment: Environment) -> dict[str, str]:
+def all_versions(compiled: CompiledScenario) -> dict[str, str]:
     """Of everything that the result may depend on."""
     packages = ("torch", "numpy", "stable-baselines3", "gymnasium")
     return {
         **{name: str(version) for name, version in versions().items()},
-        **{f"plugin {name}": str(version) for name, version in environment.plugins.items()},
+        **{f"plugin {name}": str(version) for name, version in compiled.plugins.items()},
         "python": platform.python_version(),
         **{name: metadata.version(name) for name in packages},
     }
 
 
-def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
+def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     """The run's configuration, checked, and its scenario, loaded."""
     run: Path = options.out
     if options.resume:
@@ -213,15 +213,15 @@ def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
             raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
         config = new_config(options)
     check_plugin_path(config.searched, "--plugin-path")
-    environment = Environment(config.scenario, config.overrides, config.searched)
+    compiled = CompiledScenario(config.scenario, config.overrides, config.searched)
     if options.resume:
-        found = f"{environment.scenario_hash:016x}"
+        found = f"{compiled.scenario_hash:016x}"
         if found != config.scenario_hash:
             raise UsageError(
                 f"--resume: scenario {config.scenario} has changed since this run began "
                 f"(hash {config.scenario_hash} then, {found} now; its text then is in config.json)"
             )
-        now = all_versions(environment)
+        now = all_versions(compiled)
         changed = [n for n, v in now.items() if config.versions.get(n) != v]
         if changed:
             was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)
@@ -230,17 +230,17 @@ def prepare(options: argparse.Namespace) -> tuple[Config, Environment]:
     else:
         if options.envs is not None and any(s.startswith("envs=") for s in options.set):
             raise UsageError("--envs and --set envs=...: give one of them")
-        hyper = with_settings(preset(environment.name, config.algorithm), options.set)
+        hyper = with_settings(preset(compiled.name, config.algorithm), options.set)
         if options.envs is not None:
             hyper = dataclasses.replace(hyper, envs=options.envs)
-        config = stamped(dataclasses.replace(config, hyper=hyper), environment)
+        config = stamped(dataclasses.replace(config, hyper=hyper), compiled)
     check(config)
-    if config.eval_episodes > 0 and environment.horizon == 0:
+    if config.eval_episodes > 0 and compiled.horizon == 0:
         raise UsageError(
-            f"scenario {environment.name} has no horizon, evaluations might never end: "
+            f"scenario {compiled.name} has no horizon, evaluations might never end: "
             "--override stepping.horizon=N, or --eval-episodes 0"
         )
-    return config, environment
+    return config, compiled
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -268,7 +268,7 @@ def main(arguments: list[str] | None = None) -> int:
 def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Trainer:
     """Writes the configuration to the run folder, which is then this process's."""
     demand_packages(TRAINING)
-    config, environment = prepare(options)
+    config, compiled = prepare(options)
     from skybody.train.trainer import Trainer
 
     run: Path = options.out
@@ -276,7 +276,7 @@ def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Tr
     (run / "checkpoints").mkdir(parents=True, exist_ok=True)
     locks.enter_context(files.folder_lock(run))
     try:
-        trainer = Trainer(run, config, environment)
+        trainer = Trainer(run, config, compiled)
         config.write(run)
     except BaseException:
         if is_new:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody._native import Environment, Error, InputError, Pool, printable
+from skybody._native import CompiledScenario, Error, InputError, Pool, printable
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
@@ -33,11 +33,11 @@ SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds dra
 
 
 def evaluate(
-    environment: Environment, policy: Policy, episodes: int, seed: int, threads: int = 0
+    compiled: CompiledScenario, policy: Policy, episodes: int, seed: int, threads: int = 0
 ) -> dict[str, Any]:
     """Flies one episode in each of `episodes` environments; returns what summarize() says."""
     pool = Pool(
-        environment,
+        compiled,
         episodes,
         num_threads=threads,
         order="fixed",
@@ -45,17 +45,17 @@ def evaluate(
         seed=seed,
     )
     try:
-        return summarize(*_fly(environment, policy, pool))
+        return summarize(*_fly(compiled, policy, pool))
     finally:
         pool.close()
 
 
 def _fly(
-    environment: Environment, policy: Policy, pool: Pool
+    compiled: CompiledScenario, policy: Policy, pool: Pool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]:
     """Per episode: return, mean position error of the last second [m], length, failure."""
     n = pool.num_envs
-    second = max(1, round(1.0 / (environment.dt * environment.action_repeat)))
+    second = max(1, round(1.0 / (compiled.dt * compiled.action_repeat)))
     errors = np.full((n, second), np.nan)
     returns, lengths = np.zeros(n), np.zeros(n, np.int64)
     failed, flying = np.zeros(n, bool), np.ones(n, bool)
@@ -68,7 +68,7 @@ def _fly(
         ids = batch.env_id
         observation[ids] = batch.observation
         returns[ids] += batch.reward
-        errors[ids, lengths[ids] % second] = _position_error(environment, batch)
+        errors[ids, lengths[ids] % second] = _position_error(compiled, batch)
         lengths[ids] += 1
         failed[ids] = batch.terminated | batch.fault
         flying[ids] = ~(batch.terminated | batch.truncated)
@@ -77,11 +77,11 @@ def _fly(
     return returns, np.where(known.any(1), mean_error, np.nan), lengths, failed
 
 
-def _position_error(environment: Environment, batch: Any) -> NDArray[np.float64]:
+def _position_error(compiled: CompiledScenario, batch: Any) -> NDArray[np.float64]:
     """Distance from the goal per row [m]; nan where neither info nor observation says it."""
     for channels, rows in (
-        (environment.info_channels, batch.info),
-        (environment.observation_channels, batch.observation),
+        (compiled.info_channels, batch.info),
+        (compiled.observation_channels, batch.observation),
     ):
         if (distance := goal_distance(columns_of(channels, rows))) is not None:
             return distance
@@ -134,8 +134,8 @@ def evaluate_checkpoint(
     warn_of_plugin_path("evaluate", folder, meta["plugin_path"], plugin_path)
     if overrides is None:
         overrides = meta["overrides"] if scenario is None else []
-    environment = Environment(scenario or meta["scenario"], overrides, plugin_path)
-    found = f"{environment.scenario_hash:016x}"
+    compiled = CompiledScenario(scenario or meta["scenario"], overrides, plugin_path)
+    found = f"{compiled.scenario_hash:016x}"
     if found != meta["scenario_hash"]:
         print(
             f"warning: trained on scenario {meta['scenario_hash']}, evaluated in {found}",
@@ -149,15 +149,15 @@ def evaluate_checkpoint(
         "scenario_hash": found,
         "seed": seed,
     }
-    if environment.horizon == 0:
-        raise ValueError(f"{environment.name} has no horizon: its episodes might never end")
+    if compiled.horizon == 0:
+        raise ValueError(f"{compiled.name} has no horizon: its episodes might never end")
     policy = read_policy(check_file(folder, meta, "policy.h5"))
-    if len(policy.mean) != environment.observation_size:
+    if len(policy.mean) != compiled.observation_size:
         raise ValueError(
             f"{folder}: the policy takes {len(policy.mean)} observations, "
-            f"{environment.name} gives {environment.observation_size}"
+            f"{compiled.name} gives {compiled.observation_size}"
         )
-    return {**stamps, **evaluate(environment, policy, episodes, seed, threads)}
+    return {**stamps, **evaluate(compiled, policy, episodes, seed, threads)}
 
 
 def warn_of_plugin_path(who: str, where: Path, recorded: list[str], given: list[str]) -> None:

@@ -28,7 +28,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from skybody._native import Batch, Environment, Pool
+from skybody._native import Batch, CompiledScenario, Pool
 from skybody.train.learner import Report, check_finite, columns_of, goal_distance, layers_of
 from skybody.train.policy_file import Policy
 from skybody.train.presets import Hyperparameters
@@ -109,7 +109,7 @@ class LeanPpo:
 
     def __init__(
         self,
-        environment: Environment,
+        compiled: CompiledScenario,
         hyper: Hyperparameters,
         seed: int,
         threads: int,
@@ -119,21 +119,21 @@ class LeanPpo:
         torch.use_deterministic_algorithms(True)
         self.hyper, self.total_steps, self.steps = hyper, total_steps, 0
         self.generator = torch.Generator().manual_seed(seed)
-        sizes = (environment.observation_size, environment.action_size)
+        sizes = (compiled.observation_size, compiled.action_size)
         self._make_networks(*sizes)
         self.moments = RunningMoments(sizes[0])
         self.return_moments = RunningMoments(1)
         self.discounted = torch.zeros(hyper.envs)  # return so far, for return_moments
         self.rollout = Rollout.empty(hyper.rollout_steps, hyper.envs, *sizes)
         self.episode_return = torch.zeros(hyper.envs)
-        self.info_channels = environment.info_channels
+        self.info_channels = compiled.info_channels
         self.helper = ThreadPoolExecutor(
             1, initializer=torch.set_num_threads, initargs=(hyper.torch_threads,)
         )
         self.pool = Pool(
-            environment, hyper.envs, num_threads=threads, autoreset="same_step", seed=seed
+            compiled, hyper.envs, num_threads=threads, autoreset="same_step", seed=seed
         )
-        self.horizon = environment.horizon
+        self.horizon = compiled.horizon
         self.pool.send_reset()
         self.observation = self.pool.recv().observation  # a view, which the next step reads
 

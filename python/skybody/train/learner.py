@@ -39,7 +39,7 @@ class Learner(Protocol):
 
     @property
     def steps(self) -> int:
-        """Environment steps so far, over all environments."""
+        """CompiledScenario steps so far, over all environments."""
 
     def iterate(self) -> Report:
         """One rollout and its update."""

@@ -22,7 +22,7 @@ from stable_baselines3.common.type_aliases import Schedule
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecMonitor, VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.sb3 import SkybodyVecEnv
 from skybody.train.learner import Report, check_finite, goal_distance, layers_of
 from skybody.train.policy_file import Policy
@@ -103,7 +103,7 @@ class Sb3Ppo:
 
     def __init__(
         self,
-        environment: Environment,
+        compiled: CompiledScenario,
         hyper: Hyperparameters,
         seed: int,
         threads: int,
@@ -112,7 +112,7 @@ class Sb3Ppo:
         torch.set_num_threads(hyper.torch_threads)
         torch.use_deterministic_algorithms(True)
         self.total_steps, self.hyper = total_steps, hyper
-        self.vec_env = SkybodyVecEnv(environment, hyper.envs, num_threads=threads, seed=seed)
+        self.vec_env = SkybodyVecEnv(compiled, hyper.envs, num_threads=threads, seed=seed)
         self.stopwatch = Stopwatch(self.vec_env)
         self.monitor = VecMonitor(self.stopwatch)
         self.normalize = VecNormalize(
@@ -131,7 +131,7 @@ class Sb3Ppo:
 
     @property
     def steps(self) -> int:
-        """Environment steps so far."""
+        """CompiledScenario steps so far."""
         return self.model.num_timesteps
 
     def iterate(self) -> Report:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm  # type: ignore[import-untyped]
 
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 from skybody.train import files
 from skybody.train.averaging import PolicyAverage
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, write_checkpoint
@@ -30,20 +30,20 @@ from skybody.train.run_folder import Config, ProgressTable, write_evaluations
 RECENT_EPISODES = 100  # that the progress bar's return is the mean of
 
 
-def make_learner(config: Config, environment: Environment) -> Learner:
+def make_learner(config: Config, compiled: CompiledScenario) -> Learner:
     """The learner of the configuration, at its beginning.
 
     Raises:
         ValueError: the scenario observes images, which neither learner takes.
     """
-    images = [c.name for c in environment.observation_columns if c.image >= 0]
+    images = [c.name for c in compiled.observation_columns if c.image >= 0]
     if images:
         raise ValueError(
-            f"`{environment.name}` observes {', '.join(images)}, and `{config.algorithm}` learns "
+            f"`{compiled.name}` observes {', '.join(images)}, and `{config.algorithm}` learns "
             "from vectors alone: leave images out of `observe`, or use "
             "`skybody.sb3.SkybodyVecEnv` with MultiInputPolicy"
         )
-    arguments = (environment, config.hyper, config.seed, config.threads, config.total_steps)
+    arguments = (compiled, config.hyper, config.seed, config.threads, config.total_steps)
     if config.algorithm == "ppo":
         from skybody.train.sb3_ppo import Sb3Ppo
 
@@ -56,9 +56,9 @@ def make_learner(config: Config, environment: Environment) -> Learner:
 class Trainer:
     """Trains until `total_steps` or a first Ctrl-C; begins at the newest checkpoint, if any."""
 
-    def __init__(self, run: Path, config: Config, environment: Environment) -> None:
+    def __init__(self, run: Path, config: Config, compiled: CompiledScenario) -> None:
         self.run, self.config = run, config
-        self.learner = make_learner(config, environment)
+        self.learner = make_learner(config, compiled)
         self.average = PolicyAverage(config.hyper.averaging_steps)
         self.shares = {"environment": 0.0, "inference": 0.0, "update": 0.0}
         self.recent: deque[float] = deque(maxlen=RECENT_EPISODES)

@@ -1,4 +1,4 @@
-// What a VecEnv refuses, and that a refusal leaves it as it was.
+// What a Pool refuses, and that a refusal leaves it as it was.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@ using testing::ThrowsMessage;
 using Ids = std::vector<std::int32_t>;
 
 TEST(Options, OutOfRangeAreRefusedWithValueRangeAndRemedy) {
-  const auto environment = small_env();
-  const auto make = [&](const VecEnvOptions& options) { VecEnv envs(environment, options); };
+  const auto compiled = small_env();
+  const auto make = [&](const PoolOptions& options) { Pool envs(compiled, options); };
   EXPECT_THAT([&] { make({.envs = 0}); },
               ThrowsMessage<Error>(HasSubstr("number of environments is 0; allowed: 1 ...")));
   EXPECT_THAT([&] { make({.envs = -3}); },
@@ -33,7 +33,7 @@ TEST(Options, OutOfRangeAreRefusedWithValueRangeAndRemedy) {
 }
 
 TEST(Options, ZeroMeansAllEnvironmentsInABatchAndAThreadPerProcessor) {
-  VecEnv envs(small_env(), {.envs = 3});
+  Pool envs(small_env(), {.envs = 3});
   EXPECT_EQ(envs.batch(), 3);
   EXPECT_GE(envs.threads(), 1);
   EXPECT_LE(envs.threads(), 3);
@@ -41,7 +41,7 @@ TEST(Options, ZeroMeansAllEnvironmentsInABatchAndAThreadPerProcessor) {
 
 class Refusal : public testing::Test {
  protected:
-  VecEnv envs_{small_env(), {.envs = 4, .batch = 2, .threads = 2}};
+  Pool envs_{small_env(), {.envs = 4, .batch = 2, .threads = 2}};
 
   void expect_usable() {
     EXPECT_EQ(envs_.in_flight(), 0);

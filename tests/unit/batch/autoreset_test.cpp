@@ -1,4 +1,4 @@
-// Rows of a VecEnv against single Simulations of the same seed and ids, bit for bit.
+// Rows of a Pool against single Simulations of the same seed and ids, bit for bit.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -22,8 +22,8 @@ constexpr std::uint64_t kFirstId = 100;
 /// One environment, stepped by hand.
 class ByHand {
  public:
-  ByHand(const std::shared_ptr<const Environment>& environment, int env, Autoreset autoreset)
-      : simulation_(environment, kSeed, kFirstId + static_cast<std::uint64_t>(env)),
+  ByHand(const std::shared_ptr<const CompiledScenario>& compiled, int env, Autoreset autoreset)
+      : simulation_(compiled, kSeed, kFirstId + static_cast<std::uint64_t>(env)),
         env_(env),
         autoreset_(autoreset) {}
 
@@ -75,17 +75,17 @@ class EveryRow : public testing::TestWithParam<Case> {};
 
 TEST_P(EveryRow, HasTheBitsOfAnEnvironmentSteppedByHand) {
   const auto [autoreset, threads, batch_size, order] = GetParam();
-  const auto environment = small_env();
-  VecEnv envs(environment, {.envs = kEnvs,
-                            .batch = batch_size,
-                            .threads = threads,
-                            .order = order,
-                            .autoreset = autoreset,
-                            .seed = kSeed,
-                            .first_env_id = kFirstId,
-                            .keep_hash = true});
+  const auto compiled = small_env();
+  Pool envs(compiled, {.envs = kEnvs,
+                       .batch = batch_size,
+                       .threads = threads,
+                       .order = order,
+                       .autoreset = autoreset,
+                       .seed = kSeed,
+                       .first_env_id = kFirstId,
+                       .keep_hash = true});
   std::vector<ByHand> by_hand;
-  for (int e = 0; e < kEnvs; ++e) by_hand.emplace_back(environment, e, autoreset);
+  for (int e = 0; e < kEnvs; ++e) by_hand.emplace_back(compiled, e, autoreset);
   int rows = 0;
   fly(envs, 0, kTransitions, [&](const Batch& batch, int i) {
     const std::int32_t env = batch.env_id[static_cast<std::size_t>(i)];
@@ -114,8 +114,8 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryRow,
                                           testing::Values(Order::kFixed, Order::kArrival)));
 
 TEST(Disabled, SteppingAnEndedEpisodeIsRefusedUntilItsReset) {
-  VecEnv envs(small_env(),
-              {.envs = 2, .threads = 1, .autoreset = Autoreset::kDisabled, .seed = kSeed});
+  Pool envs(small_env(),
+            {.envs = 2, .threads = 1, .autoreset = Autoreset::kDisabled, .seed = kSeed});
   envs.send_reset();
   auto batch = envs.recv();
   std::vector<float> actions(8, 1.0f);  // straight up: both end
@@ -137,7 +137,7 @@ TEST(Disabled, SteppingAnEndedEpisodeIsRefusedUntilItsReset) {
 }
 
 TEST(SameStep, AResetThatIsItselfAFaultShowsInTheNextRowAndIsTriedAgain) {
-  VecEnv envs(small_env(), {.envs = 1, .threads = 1, .autoreset = Autoreset::kSameStep});
+  Pool envs(small_env(), {.envs = 1, .threads = 1, .autoreset = Autoreset::kSameStep});
   envs.send_reset();
   envs.recv();
   envs.set_param(0, "task.mode", test::kBadReset);

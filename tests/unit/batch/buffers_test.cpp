@@ -13,7 +13,7 @@ using test::actions_of;
 using test::begin;
 using test::small_env;
 
-std::shared_ptr<const Batch> step(VecEnv& envs, int k) {
+std::shared_ptr<const Batch> step(Pool& envs, int k) {
   std::vector<std::int32_t> all(static_cast<std::size_t>(envs.envs()));
   for (std::size_t e = 0; e < all.size(); ++e) all[e] = static_cast<std::int32_t>(e);
   envs.send(actions_of(all, k, 4));
@@ -22,12 +22,12 @@ std::shared_ptr<const Batch> step(VecEnv& envs, int k) {
 
 class Buffers : public testing::TestWithParam<int> {  // N_B of 2 environments
  protected:
-  VecEnv make(bool debug) {
-    return VecEnv(small_env(),
-                  {.envs = 2, .batch = GetParam(), .threads = 2, .debug_buffers = debug});
+  Pool make(bool debug) {
+    return Pool(small_env(),
+                {.envs = 2, .batch = GetParam(), .threads = 2, .debug_buffers = debug});
   }
   /// Sends the actions of all, then gives the first batch and waits for the others.
-  static std::shared_ptr<const Batch> first_of(VecEnv& envs, int k) {
+  static std::shared_ptr<const Batch> first_of(Pool& envs, int k) {
     auto batch = step(envs, k);
     while (envs.in_flight() > 0) envs.recv();
     return batch;
@@ -36,7 +36,7 @@ class Buffers : public testing::TestWithParam<int> {  // N_B of 2 environments
 
 TEST_P(Buffers, KeepTheirValuesUntilTheSecondNextRecv) {
   for (const bool debug : {false, true}) {
-    VecEnv envs = make(debug);
+    Pool envs = make(debug);
     begin(envs);
     std::vector<const float*> rows;
     std::vector<float> heights;
@@ -58,7 +58,7 @@ TEST_P(Buffers, KeepTheirValuesUntilTheSecondNextRecv) {
 }
 
 TEST_P(Buffers, StayAsTheyAreForAsLongAsTheyAreHeld) {
-  VecEnv envs = make(false);
+  Pool envs = make(false);
   begin(envs);
   const auto held = first_of(envs, 1);
   const Column<float> before = held->observation;
@@ -71,7 +71,7 @@ TEST_P(Buffers, StayAsTheyAreForAsLongAsTheyAreHeld) {
 }
 
 TEST_P(Buffers, HeldTooLongAreAnErrorInDebugModeAndNothingIsLost) {
-  VecEnv envs = make(true);
+  Pool envs = make(true);
   begin(envs);
   auto held = first_of(envs, 1);
   const auto on = [&] {
@@ -85,7 +85,7 @@ TEST_P(Buffers, HeldTooLongAreAnErrorInDebugModeAndNothingIsLost) {
 }
 
 TEST_P(Buffers, AreFilledWithNanBeforeTheyAreUsedAgainInDebugMode) {
-  VecEnv envs = make(true);
+  Pool envs = make(true);
   begin(envs);
   const auto held = first_of(envs, 1);
   const float* row = held->observation.data() + 3 * (GetParam() - 1);  // a row that will be unused
@@ -105,7 +105,7 @@ TEST_P(Buffers, AreFilledWithNanBeforeTheyAreUsedAgainInDebugMode) {
 }
 
 TEST(Reseeding, RefusedByABufferThatIsHeldChangesNothing) {
-  VecEnv envs(small_env(), {.envs = 2, .threads = 2, .seed = 4, .debug_buffers = true});
+  Pool envs(small_env(), {.envs = 2, .threads = 2, .seed = 4, .debug_buffers = true});
   begin(envs);
   auto held = step(envs, 1);
   const auto on = [&] {

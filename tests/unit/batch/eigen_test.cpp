@@ -14,13 +14,13 @@ namespace {
 using test::small_env;
 
 TEST(Eigen, MapsOfABatchAreViewsOfItsRows) {
-  VecEnv envs(small_env(), {.envs = 5, .threads = 1});
+  Pool envs(small_env(), {.envs = 5, .threads = 1});
   envs.send_reset();
   const std::shared_ptr<const Batch> batch = envs.recv();
   const RowMap<const float> rows = observations(*batch);
   EXPECT_EQ(rows.data(), batch->observation.data());
   ASSERT_EQ(rows.rows(), 5);
-  ASSERT_EQ(rows.cols(), envs.environment().observation_size());
+  ASSERT_EQ(rows.cols(), envs.compiled().observation_size());
   for (int env = 0; env < 5; ++env) {
     for (int k = 0; k < rows.cols(); ++k) {
       EXPECT_EQ(rows(env, k), batch->observation[static_cast<std::size_t>(env * rows.cols() + k)]);
@@ -28,13 +28,13 @@ TEST(Eigen, MapsOfABatchAreViewsOfItsRows) {
   }
   EXPECT_EQ(rewards(*batch).data(), batch->reward.data());
   EXPECT_EQ(rewards(*batch).size(), 5);
-  EXPECT_EQ(infos(*batch).cols(), envs.environment().info_size());
+  EXPECT_EQ(infos(*batch).cols(), envs.compiled().info_size());
   EXPECT_EQ(agent_rewards(*batch).rows(), 5);
   EXPECT_EQ(privileged(*batch).size(), 0);
 }
 
 TEST(Eigen, APartialBatchHasItsOwnNumberOfRows) {
-  VecEnv envs(small_env(), {.envs = 5, .batch = 2, .threads = 1});
+  Pool envs(small_env(), {.envs = 5, .batch = 2, .threads = 1});
   envs.send_reset();
   EXPECT_EQ(observations(*envs.recv()).rows(), 2);
   EXPECT_EQ(rewards(*envs.recv()).size(), 2);
@@ -42,7 +42,7 @@ TEST(Eigen, APartialBatchHasItsOwnNumberOfRows) {
 }
 
 TEST(Eigen, ActionsAndStatesGoInAndOutWithoutACopy) {
-  VecEnv envs(small_env(), {.envs = 3, .threads = 1});
+  Pool envs(small_env(), {.envs = 3, .threads = 1});
   test::begin(envs);
   RowMatrix<float> actions(3, 4);
   actions << 0.1f, 0.2f, 0.3f, 0.4f, 0.0f, 0.0f, 0.0f, 0.0f, -0.1f, -0.2f, -0.3f, -0.4f;

@@ -21,8 +21,8 @@ using test::small_env;
 
 TEST(NanAction, EndsItsOwnEpisodeAndIsCounted) {
   constexpr int kEnvs = 5;
-  const VecEnvOptions options{.envs = kEnvs, .batch = 2, .threads = 3, .keep_hash = true};
-  VecEnv envs(small_env(), options), untouched(small_env(), options);
+  const PoolOptions options{.envs = kEnvs, .batch = 2, .threads = 3, .keep_hash = true};
+  Pool envs(small_env(), options), untouched(small_env(), options);
   begin(envs);
   begin(untouched);
   for (int k = 1; k < 20; ++k) {
@@ -59,8 +59,8 @@ TEST(Exception, OfAWorkerComesOutOfRecvAndOfEveryLaterCall) {
   for (const int threads : {1, 2, 4}) {
     for (const int batch_size : {6, 2}) {
       for (const Order order : {Order::kFixed, Order::kArrival}) {
-        VecEnv envs(small_env(),
-                    {.envs = 6, .batch = batch_size, .threads = threads, .order = order});
+        Pool envs(small_env(),
+                  {.envs = 6, .batch = batch_size, .threads = threads, .order = order});
         begin(envs);
         envs.set_param(3, "task.mode", test::kThrow);
         envs.send(actions_of({0, 1, 2, 3, 4, 5}, 1, 4));
@@ -82,7 +82,7 @@ TEST(Exception, OfAWorkerComesOutOfRecvAndOfEveryLaterCall) {
 
 TEST(Exception, WhileTheCallerSleepsWakesIt) {
   constexpr int kEnvs = 512;  // worth a second thread
-  VecEnv envs(small_env(), {.envs = kEnvs, .threads = 2});
+  Pool envs(small_env(), {.envs = kEnvs, .threads = 2});
   begin(envs);
   for (int e = 0; e < kEnvs; ++e) envs.set_param(e, "task.mode", test::kWait);
   std::vector<std::int32_t> all(kEnvs);
@@ -130,16 +130,16 @@ bool threads_come_down_to(int count) {
 }
 
 TEST(Destructor, WithWorkUnderWayNeitherHangsNorLeaks) {
-  const auto environment = small_env();
+  const auto compiled = small_env();
   // ThreadSanitizer starts a thread of its own with the process's first one.
-  { const VecEnv first(environment, {.envs = 2, .threads = 2}); }
+  { const Pool first(compiled, {.envs = 2, .threads = 2}); }
   const int threads = threads_of_this_process(), files = files_of_this_process();
   for (int i = 0; i < 200; ++i) {
-    VecEnv envs(environment, {.envs = 5,
-                              .batch = 1 + i % 5,
-                              .threads = 1 + i % 4,
-                              .order = i % 2 == 0 ? Order::kFixed : Order::kArrival,
-                              .pin_threads = i % 3 == 0});
+    Pool envs(compiled, {.envs = 5,
+                         .batch = 1 + i % 5,
+                         .threads = 1 + i % 4,
+                         .order = i % 2 == 0 ? Order::kFixed : Order::kArrival,
+                         .pin_threads = i % 3 == 0});
     if (i % 8 == 7) continue;  // nothing was ever sent
     envs.send_reset();
     for (int k = 0; k < i % 4; ++k) {
@@ -156,7 +156,7 @@ TEST(Destructor, WithWorkUnderWayNeitherHangsNorLeaks) {
 TEST(Destructor, LeavesABatchThatIsStillHeld) {
   std::shared_ptr<const Batch> batch;
   {
-    VecEnv envs(small_env(), {.envs = 3, .threads = 2});
+    Pool envs(small_env(), {.envs = 3, .threads = 2});
     envs.send_reset();
     batch = envs.recv();
   }
@@ -165,7 +165,7 @@ TEST(Destructor, LeavesABatchThatIsStillHeld) {
 }
 
 TEST(Threads, MoreThanProcessorsAndThanEnvironmentsStillWork) {
-  VecEnv envs(small_env(), {.envs = 5, .batch = 2, .threads = 24, .order = Order::kArrival});
+  Pool envs(small_env(), {.envs = 5, .batch = 2, .threads = 24, .order = Order::kArrival});
   EXPECT_EQ(envs.threads(), 24);
   int rows = 0;
   test::fly(envs, 0, 100, [&](const Batch&, int) { ++rows; });
@@ -188,8 +188,8 @@ int in_child(Body&& body) {
 }
 
 TEST(ProcessFork, CallsInTheChildThrowAndItsDestructorReturns) {
-  auto envs = std::make_unique<VecEnv>(
-      small_env(), VecEnvOptions{.envs = 4, .batch = 2, .threads = 4, .keep_hash = true});
+  auto envs = std::make_unique<Pool>(
+      small_env(), PoolOptions{.envs = 4, .batch = 2, .threads = 4, .keep_hash = true});
   begin(*envs);
   const auto throws = [&](auto&& call) {
     try {
@@ -217,8 +217,8 @@ TEST(ProcessFork, CallsInTheChildThrowAndItsDestructorReturns) {
 }
 
 TEST(ProcessFork, WhileWorkersAreBusyDoesNotHangTheChild) {
-  auto envs = std::make_unique<VecEnv>(
-      small_env(), VecEnvOptions{.envs = 8, .batch = 2, .threads = 4, .order = Order::kArrival});
+  auto envs = std::make_unique<Pool>(
+      small_env(), PoolOptions{.envs = 8, .batch = 2, .threads = 4, .order = Order::kArrival});
   begin(*envs);
   for (int i = 0; i < 10; ++i) {
     envs->send(actions_of({0, 1, 2, 3, 4, 5, 6, 7}, i + 1, 4));
@@ -232,12 +232,12 @@ TEST(ProcessFork, WhileWorkersAreBusyDoesNotHangTheChild) {
 }
 
 TEST(Threads, FewerThanAskedForAreAnErrorThatSaysSo) {
-  const auto environment = small_env();
+  const auto compiled = small_env();
   EXPECT_EQ(in_child([&] {
               const rlimit little{std::uint64_t{1} << 30, std::uint64_t{1} << 30};
               setrlimit(RLIMIT_AS, &little);  // no room for the stacks of a thousand threads
               try {
-                VecEnv envs(environment, {.envs = 2, .threads = 1024});
+                Pool envs(compiled, {.envs = 2, .threads = 1024});
               } catch (const Error& error) {
                 return std::string(error.what()).find("of 1023 threads") != std::string::npos ? 0
                                                                                               : 1;

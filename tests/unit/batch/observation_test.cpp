@@ -22,7 +22,7 @@ class Gauge : public Sensor {
     setup.channel("speed", "m/s", 1, -kInfinity, kInfinity);
   }
   template <class Real>
-  void sense(const Lanes<Real>& env, State<Real>&, Values<Real> out) const {
+  void sense(const EnvView<Real>& env, State<Real>&, Values<Real> out) const {
     out.set(0, env.body(0).position.z);
     out.set(1, env.body(0).velocity.z);
   }
@@ -38,7 +38,7 @@ class Camera : public Sensor {
     image_ = setup.image<std::uint8_t>("image", {2, 3});
     setup.channel("calls", "", 1, 0, kInfinity);
   }
-  void sense(const Lanes<double>& env, State& s, Values<double> out) const {
+  void sense(const EnvView<double>& env, State& s, Values<double> out) const {
     ++s.calls;
     for (int k = 0; k < image_.count; ++k)
       env.pixels(image_)[k] = static_cast<std::uint8_t>(s.calls);
@@ -56,22 +56,22 @@ ObservedChannel observed(const std::string& channel, bool privileged) {
   return o;
 }
 
-std::shared_ptr<const Environment> observed_env() {
+std::shared_ptr<const CompiledScenario> observed_env() {
   InProcessFactory factory;
   factory.add<Gauge>("gauge");
   Scenario s = test::small_scenario(factory);
   s.sensors.push_back(factory.use("gauge", "gauge"));
   s.observe = {observed("gauge.height", false), observed("gauge.speed", true)};
-  return std::make_shared<Environment>(std::move(s), factory);
+  return std::make_shared<CompiledScenario>(std::move(s), factory);
 }
 
-std::shared_ptr<const Environment> seeing_env() {
+std::shared_ptr<const CompiledScenario> seeing_env() {
   InProcessFactory factory;
   factory.add<Camera>("camera");
   Scenario s = test::small_scenario(factory);
   s.sensors.push_back(factory.use("camera", "camera"));
   s.observe = {observed("camera.image", false), observed("camera.calls", false)};
-  return std::make_shared<Environment>(std::move(s), factory);
+  return std::make_shared<CompiledScenario>(std::move(s), factory);
 }
 
 struct Shape {
@@ -82,13 +82,13 @@ struct Shape {
 
 /// Every row of a flight: observation, then privileged values, by environment and transition.
 std::map<int, std::vector<std::vector<float>>> rows_of(const Shape& shape) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.envs = shape.envs;
   options.batch = shape.batch;
   options.threads = shape.threads;
   options.order = shape.order;
   options.autoreset = shape.autoreset;
-  VecEnv envs(observed_env(), options);
+  Pool envs(observed_env(), options);
   std::map<int, std::vector<std::vector<float>>> rows;
   test::fly(envs, 0, 40, [&](const Batch& batch, int i) {
     const float* seen = batch.observation.data() + i * batch.width.observation;
@@ -118,11 +118,11 @@ TEST(ObservationBatch, RowsDoNotDependOnBatchesThreadsAndOrder) {
 
 TEST(ObservationBatch, FinalRowsHaveThePrivilegedValuesOfTheEnd) {
   for (const int batch_size : {40, 7}) {  // a round, and rows that are gathered
-    VecEnvOptions options;
+    PoolOptions options;
     options.envs = 40;
     options.batch = batch_size;
     options.autoreset = Autoreset::kSameStep;
-    VecEnv envs(observed_env(), options);
+    Pool envs(observed_env(), options);
     int ends = 0;
     test::fly(envs, 0, 30, [&](const Batch& batch, int i) {
       const auto k = static_cast<std::size_t>(i);
@@ -137,9 +137,9 @@ TEST(ObservationBatch, FinalRowsHaveThePrivilegedValuesOfTheEnd) {
 }
 
 TEST(ObservationBatch, LastRowsComeBackAfterARestoreAndAFork) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.envs = 3;
-  VecEnv envs(observed_env(), options);
+  Pool envs(observed_env(), options);
   test::fly(envs, 0, 5);
   const std::vector<std::uint64_t> saved = envs.save();
   std::vector<float> before(3), after(3);
@@ -154,7 +154,7 @@ TEST(ObservationBatch, LastRowsComeBackAfterARestoreAndAFork) {
 }
 
 TEST(ObservationBatch, PrivilegedRowsOfAnotherSizeAreRefused) {
-  VecEnv envs(observed_env(), {});
+  Pool envs(observed_env(), {});
   std::vector<float> rows(2);
   EXPECT_THROW(envs.privileged(rows), Error);
 }
@@ -169,12 +169,12 @@ void expect_pixels(const Column<std::uint8_t>& image, const Column<float>& obser
 
 TEST(ImageBatch, RowsAndFinalRowsHaveTheImagesOfTheirObservations) {
   for (const int batch_size : {40, 7}) {  // a round, and rows that are gathered
-    VecEnvOptions options;
+    PoolOptions options;
     options.envs = 40;
     options.batch = batch_size;
     options.threads = 2;
     options.autoreset = Autoreset::kSameStep;
-    VecEnv envs(seeing_env(), options);
+    Pool envs(seeing_env(), options);
     int ends = 0;
     test::fly(envs, 0, 30, [&](const Batch& batch, int i) {
       expect_pixels(batch.images[0], batch.observation, i);
@@ -187,10 +187,10 @@ TEST(ImageBatch, RowsAndFinalRowsHaveTheImagesOfTheirObservations) {
 }
 
 TEST(ImageBatch, ImagesComeBackAfterARestoreAndAFork) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.envs = 3;
   options.keep_hash = true;
-  VecEnv envs(seeing_env(), options), copy(seeing_env(), options);
+  Pool envs(seeing_env(), options), copy(seeing_env(), options);
   test::fly(envs, 0, 4);
   const std::vector<std::uint64_t> saved = envs.save();
   std::vector<std::uint8_t> before(18), after(18);
@@ -207,10 +207,10 @@ TEST(ImageBatch, ImagesComeBackAfterARestoreAndAFork) {
 }
 
 TEST(ImageBatch, ASimulationHasTheSameImageAndHash) {
-  VecEnvOptions options;
+  PoolOptions options;
   options.seed = 4;
   options.keep_hash = true;
-  VecEnv envs(seeing_env(), options);
+  Pool envs(seeing_env(), options);
   Simulation simulation(seeing_env(), 4, 0);
   test::begin(envs);
   simulation.reset();
@@ -226,7 +226,7 @@ TEST(ImageBatch, ASimulationHasTheSameImageAndHash) {
 }
 
 TEST(ObservationBatch, ABatchWithoutPrivilegedColumnsHasNone) {
-  VecEnv envs(test::small_env(), {});
+  Pool envs(test::small_env(), {});
   envs.send_reset();
   const auto batch = envs.recv();
   EXPECT_EQ(batch->width.privileged, 0);

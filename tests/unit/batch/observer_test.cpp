@@ -1,4 +1,4 @@
-// Whoever watches a VecEnv cannot make its caller lose anything.
+// Whoever watches a Pool cannot make its caller lose anything.
 #include "core/batch/observer.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ using test::begin;
 using test::small_env;
 
 /// Cannot write what it is told, once.
-class FullDisk : public VecEnvObserver {
+class FullDisk : public PoolObserver {
  public:
   void received(const Batch&, const Fleet&) override {
     if (++calls == 2) throw Error("no space left");
@@ -26,8 +26,8 @@ class FullDisk : public VecEnvObserver {
 };
 
 TEST(Observer, ThatFailsLosesNoRowsAndIsReportedByTheNextCall) {
-  VecEnv envs(small_env(), {.envs = 2, .threads = 1});
-  VecEnv alone(small_env(), {.envs = 2, .threads = 1});
+  Pool envs(small_env(), {.envs = 2, .threads = 1});
+  Pool alone(small_env(), {.envs = 2, .threads = 1});
   const auto disk = std::make_shared<FullDisk>();
   envs.observe(disk);
   begin(envs);

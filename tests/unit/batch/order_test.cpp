@@ -20,14 +20,14 @@ std::vector<std::int32_t> ids_of(const Batch& batch) {
 }
 
 /// Sends the next actions of those that have just come back.
-void send_back(VecEnv& envs, const Batch& batch, int k) {
+void send_back(Pool& envs, const Batch& batch, int k) {
   const std::vector<std::int32_t> ids = ids_of(batch);
   envs.send(actions_of(ids, k, 4), ids);
 }
 
 TEST(FixedOrder, GoesRoundAndRoundInOrderOfIds) {
   for (const int threads : {1, 3}) {
-    VecEnv envs(small_env(), {.envs = 7, .batch = 3, .threads = threads});
+    Pool envs(small_env(), {.envs = 7, .batch = 3, .threads = threads});
     envs.send_reset();
     int expected = 0;
     for (int k = 1; k < 40; ++k) {
@@ -43,7 +43,7 @@ TEST(FixedOrder, GoesRoundAndRoundInOrderOfIds) {
 }
 
 TEST(FixedOrder, SkipsThoseThatAreNotInFlight) {
-  VecEnv envs(small_env(), {.envs = 8, .batch = 2, .threads = 2});
+  Pool envs(small_env(), {.envs = 8, .batch = 2, .threads = 2});
   begin(envs);
   envs.send(actions_of({6, 1, 4}, 1, 4), std::vector<std::int32_t>{6, 1, 4});
   EXPECT_EQ(ids_of(*envs.recv()), (std::vector<std::int32_t>{1, 4}));
@@ -56,8 +56,8 @@ TEST(FixedOrder, SkipsThoseThatAreNotInFlight) {
 TEST(ArrivalOrder, GivesEveryEnvironmentOnceBeforeItIsSentAgain) {
   for (const int threads : {1, 2, 4}) {
     for (const int batch_size : {1, 3, 7}) {
-      VecEnv envs(small_env(),
-                  {.envs = 7, .batch = batch_size, .threads = threads, .order = Order::kArrival});
+      Pool envs(small_env(),
+                {.envs = 7, .batch = batch_size, .threads = threads, .order = Order::kArrival});
       envs.send_reset();
       for (int cycle = 1; cycle < 20; ++cycle) {
         std::vector<std::int32_t> seen;
@@ -76,7 +76,7 @@ TEST(ArrivalOrder, GivesEveryEnvironmentOnceBeforeItIsSentAgain) {
 
 TEST(ShortBatch, IsGivenWhereFewerAreInFlight) {
   for (const Order order : {Order::kFixed, Order::kArrival}) {
-    VecEnv envs(small_env(), {.envs = 5, .batch = 5, .threads = 2, .order = order});
+    Pool envs(small_env(), {.envs = 5, .batch = 5, .threads = 2, .order = order});
     begin(envs);
     const std::vector<std::int32_t> two = {1, 3};
     envs.send(actions_of(two, 1, 4), two);
@@ -92,8 +92,8 @@ TEST(ShortBatch, IsGivenWhereFewerAreInFlight) {
 
 TEST(Send, OfAllAtOnceRunsEachOnceHoweverLateAThreadLeavesItsGroup) {
   for (const int batch_size : {2, 6}) {
-    VecEnv envs(small_env(), {.envs = 6, .batch = batch_size, .threads = 4, .keep_hash = true});
-    VecEnv one(small_env(), {.envs = 6, .threads = 1, .keep_hash = true});
+    Pool envs(small_env(), {.envs = 6, .batch = batch_size, .threads = 4, .keep_hash = true});
+    Pool one(small_env(), {.envs = 6, .threads = 1, .keep_hash = true});
     begin(envs);
     begin(one);
     const std::vector<std::int32_t> all = {0, 1, 2, 3, 4, 5};
@@ -114,7 +114,7 @@ TEST(Send, OfAllAtOnceRunsEachOnceHoweverLateAThreadLeavesItsGroup) {
 }
 
 TEST(Recv, WithNothingInFlightIsAnErrorAndNotAHang) {
-  VecEnv envs(small_env(), {.envs = 2, .threads = 2});
+  Pool envs(small_env(), {.envs = 2, .threads = 2});
   EXPECT_THROW(envs.recv(), Error);
   begin(envs);
   EXPECT_THROW(envs.recv(), Error);
@@ -125,7 +125,7 @@ TEST(Recv, WithNothingInFlightIsAnErrorAndNotAHang) {
 
 TEST(Recv, GivesUpAfterItsPatienceAndLosesNothing) {
   for (const int batch_size : {2, 1}) {
-    VecEnv envs(small_env(), {.envs = 2, .batch = batch_size, .threads = 2});
+    Pool envs(small_env(), {.envs = 2, .batch = batch_size, .threads = 2});
     begin(envs);
     envs.set_param(1, "task.mode", test::kWait);
     test::ClosedGate closed;
@@ -152,7 +152,7 @@ TEST(Recv, GivesUpAfterItsPatienceAndLosesNothing) {
 
 TEST(ArrivalOrder, OneThatIsStuckDoesNotHoldUpTheOthers) {
   constexpr int kEnvs = 8;
-  VecEnv envs(small_env(), {.envs = kEnvs, .batch = 2, .threads = 2, .order = Order::kArrival});
+  Pool envs(small_env(), {.envs = kEnvs, .batch = 2, .threads = 2, .order = Order::kArrival});
   begin(envs);
   envs.set_param(0, "task.mode", test::kWait);
   test::ClosedGate closed;
@@ -179,7 +179,7 @@ TEST(ArrivalOrder, OneThatIsStuckDoesNotHoldUpTheOthers) {
 
 TEST(ArrivalOrder, ASlowOneComesBackMoreRarelyThanTheQuickOnes) {
   constexpr int kEnvs = 8;
-  VecEnv envs(small_env(), {.envs = kEnvs, .batch = 1, .threads = 2, .order = Order::kArrival});
+  Pool envs(small_env(), {.envs = kEnvs, .batch = 1, .threads = 2, .order = Order::kArrival});
   begin(envs);
   envs.set_param(0, "task.mode", test::kSlow);
   std::vector<std::int32_t> all(kEnvs);

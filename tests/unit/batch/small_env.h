@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "core/simulation/simulation.h"
 #include "tests/unit/env/in_process_factory.h"
 
@@ -57,7 +57,7 @@ class Direct : public Controller {
     setup.output(Signal::kRotorSpeed, 4);
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
     for (int i = 0; i < 4; ++i) out.set(i, in[i]);
   }
 };
@@ -67,7 +67,7 @@ class Kick : public Randomizer {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void randomize(const Lanes<Real>& env, State<Real>&, Start<Real>& start) const {
+  void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     auto rng = random(env);
     start.u.set(5, rng.uniform(Real(-0.2), Real(0.2)));
   }
@@ -93,11 +93,11 @@ class Probe : public Task {
     setup.channel("target", "m", 1, 0, 1);
     setup.info("error", "m", 1);
   }
-  void reset(const Lanes<double>& env, State& s) const {
+  void reset(const EnvView<double>& env, State& s) const {
     auto rng = random(env);
     s.target = rng.uniform();
   }
-  void evaluate(const Lanes<double>& env, State& s, Evaluation<double>& out) const {
+  void evaluate(const EnvView<double>& env, State& s, Evaluation<double>& out) const {
     const BodyMotion<double> b = env.body(0);
     const int what = static_cast<int>(mode(env));
     if (what != kPlain) act_up(what);
@@ -149,9 +149,9 @@ inline Scenario small_scenario(InProcessFactory& factory) {
   return s;
 }
 
-inline std::shared_ptr<const Environment> small_env() {
+inline std::shared_ptr<const CompiledScenario> small_env() {
   InProcessFactory factory;
-  return std::make_shared<Environment>(small_scenario(factory), factory);
+  return std::make_shared<CompiledScenario>(small_scenario(factory), factory);
 }
 
 /// The action of an environment's k-th transition: of (env, k) and nothing else.
@@ -174,9 +174,9 @@ inline std::vector<float> actions_of(const std::vector<std::int32_t>& envs, int 
 /// Hands every environment its transitions 0 ... count - 1, each as soon as it is back, and calls
 /// `on_row(batch, i)` for every row. Transition 0 is a reset where `begin` holds.
 template <class OnRow>
-void fly(VecEnv& envs, int begin, int end, OnRow&& on_row) {
+void fly(Pool& envs, int begin, int end, OnRow&& on_row) {
   const auto n = static_cast<std::size_t>(envs.envs());
-  const int width = envs.environment().action_size();
+  const int width = envs.compiled().action_size();
   std::vector<int> next(n, begin);
   std::vector<std::int32_t> ids(n);
   for (std::size_t e = 0; e < n; ++e) ids[e] = static_cast<std::int32_t>(e);
@@ -213,12 +213,12 @@ void fly(VecEnv& envs, int begin, int end, OnRow&& on_row) {
   }
 }
 
-inline void fly(VecEnv& envs, int begin, int end) {
+inline void fly(Pool& envs, int begin, int end) {
   fly(envs, begin, end, [](const Batch&, int) {});
 }
 
 /// Resets and waits for all.
-inline void begin(VecEnv& envs) {
+inline void begin(Pool& envs) {
   envs.send_reset();
   while (envs.in_flight() > 0) envs.recv();
 }

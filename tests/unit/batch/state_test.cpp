@@ -13,13 +13,13 @@ using test::begin;
 using test::fly;
 using test::small_env;
 
-VecEnvOptions options_of(int threads, int batch, Order order = Order::kFixed) {
+PoolOptions options_of(int threads, int batch, Order order = Order::kFixed) {
   return {
       .envs = 6, .batch = batch, .threads = threads, .order = order, .seed = 3, .keep_hash = true};
 }
 
-std::vector<std::vector<float>> observations(const VecEnv& envs) {
-  const auto width = static_cast<std::size_t>(envs.environment().observation_size());
+std::vector<std::vector<float>> observations(const Pool& envs) {
+  const auto width = static_cast<std::size_t>(envs.compiled().observation_size());
   std::vector<float> flat(width * static_cast<std::size_t>(envs.envs()));
   envs.observations(flat);
   std::vector<std::vector<float>> rows;
@@ -30,8 +30,8 @@ std::vector<std::vector<float>> observations(const VecEnv& envs) {
 }
 
 TEST(Restore, InMidEpisodeGivesTheSameFutureWhateverTheThreads) {
-  const auto environment = small_env();
-  VecEnv a(environment, options_of(2, 2));
+  const auto compiled = small_env();
+  Pool a(compiled, options_of(2, 2));
   fly(a, 0, 20);
   const auto saved = a.save();
   fly(a, 20, 50);
@@ -44,9 +44,9 @@ TEST(Restore, InMidEpisodeGivesTheSameFutureWhateverTheThreads) {
   EXPECT_EQ(a.hash(), hash);
   for (const int threads : {1, 4}) {
     for (const Order order : {Order::kFixed, Order::kArrival}) {
-      VecEnvOptions other = options_of(threads, 3, order);
+      PoolOptions other = options_of(threads, 3, order);
       other.seed = 77;  // keys travel with the state
-      VecEnv b(environment, other);
+      Pool b(compiled, other);
       b.restore(saved);
       fly(b, 20, 50);
       EXPECT_EQ(b.hash(), hash);
@@ -55,7 +55,7 @@ TEST(Restore, InMidEpisodeGivesTheSameFutureWhateverTheThreads) {
 }
 
 TEST(Restore, RefusesAStateThatWasChangedAndChangesNothing) {
-  VecEnv envs(small_env(), options_of(2, 2));
+  Pool envs(small_env(), options_of(2, 2));
   fly(envs, 0, 5);
   const auto saved = envs.save();
   for (const std::size_t word : {saved.size() / 2, saved.size() - 2, saved.size() - 1}) {
@@ -67,8 +67,8 @@ TEST(Restore, RefusesAStateThatWasChangedAndChangesNothing) {
 }
 
 TEST(Restore, GoesOnWhereTheOrderWas) {
-  const auto environment = small_env();
-  VecEnv a(environment, options_of(1, 4)), b(environment, options_of(2, 4));
+  const auto compiled = small_env();
+  Pool a(compiled, options_of(1, 4)), b(compiled, options_of(2, 4));
   a.send_reset();
   EXPECT_EQ(a.recv()->env_id[0], 0);
   EXPECT_EQ(a.recv()->rows, 2);
@@ -76,15 +76,15 @@ TEST(Restore, GoesOnWhereTheOrderWas) {
   a.send(std::vector<float>(8), two);
   a.recv();
   b.restore(a.save());
-  for (VecEnv* envs : {&a, &b}) {
+  for (Pool* envs : {&a, &b}) {
     envs->send(std::vector<float>(24));
     EXPECT_EQ(envs->recv()->env_id[0], 3);
   }
 }
 
 TEST(Restore, OfAnEndedEpisodeIntoAnotherAutoresetBeginsTheNext) {
-  const auto environment = small_env();
-  VecEnv disabled(environment, {.envs = 1, .threads = 1, .autoreset = Autoreset::kDisabled});
+  const auto compiled = small_env();
+  Pool disabled(compiled, {.envs = 1, .threads = 1, .autoreset = Autoreset::kDisabled});
   begin(disabled);
   const std::vector<float> up(4, 1.0f);
   std::shared_ptr<const Batch> batch;
@@ -93,7 +93,7 @@ TEST(Restore, OfAnEndedEpisodeIntoAnotherAutoresetBeginsTheNext) {
     batch = disabled.recv();
   } while (batch->status[0] == kRunning);
   for (const Autoreset autoreset : {Autoreset::kNextStep, Autoreset::kSameStep}) {
-    VecEnv envs(environment, {.envs = 1, .threads = 1, .autoreset = autoreset});
+    Pool envs(compiled, {.envs = 1, .threads = 1, .autoreset = autoreset});
     envs.restore(disabled.save());
     envs.send(up);
     batch = envs.recv();
@@ -103,10 +103,10 @@ TEST(Restore, OfAnEndedEpisodeIntoAnotherAutoresetBeginsTheNext) {
 }
 
 TEST(Restore, RefusesWhatDoesNotFit) {
-  VecEnv envs(small_env(), options_of(1, 2));
-  VecEnvOptions five = options_of(1, 2);
+  Pool envs(small_env(), options_of(1, 2));
+  PoolOptions five = options_of(1, 2);
   five.envs = 5;
-  VecEnv fewer(small_env(), five);
+  Pool fewer(small_env(), five);
   begin(envs);
   const auto saved = envs.save();
   EXPECT_THROW(fewer.restore(saved), Error);
@@ -118,7 +118,7 @@ TEST(Restore, RefusesWhatDoesNotFit) {
 }
 
 TEST(Fork, CopiesHaveTheSameFuture) {
-  VecEnv envs(small_env(), options_of(2, 6));
+  Pool envs(small_env(), options_of(2, 6));
   fly(envs, 0, 7);
   envs.fork(1, std::vector<std::int32_t>{0, 4}, false);
   EXPECT_EQ(envs.hash(4), envs.hash(1));
@@ -134,18 +134,18 @@ TEST(Fork, CopiesHaveTheSameFuture) {
 }
 
 TEST(Fork, RekeyedCopiesDifferFromTheNextEpisodeOnAndReproducibly) {
-  const auto environment = small_env();
+  const auto compiled = small_env();
   std::vector<std::vector<float>> rows[2];
   for (int run = 0; run < 2; ++run) {
-    VecEnv envs(environment, options_of(1 + 3 * run, 6));
+    Pool envs(compiled, options_of(1 + 3 * run, 6));
     fly(envs, 0, 7);
-    VecEnv parent(environment, options_of(1, 6));
+    Pool parent(compiled, options_of(1, 6));
     parent.restore(envs.save());
     envs.fork(1, std::vector<std::int32_t>{0, 2, 3}, true);
     auto now = observations(envs);
     EXPECT_EQ(now[0], now[1]);  // the same motion so far
     EXPECT_EQ(now[3], now[1]);
-    for (VecEnv* each : {&envs, &parent}) {
+    for (Pool* each : {&envs, &parent}) {
       each->send_reset();
       while (each->in_flight() > 0) each->recv();
     }
@@ -163,8 +163,8 @@ TEST(Fork, RekeyedCopiesDifferFromTheNextEpisodeOnAndReproducibly) {
 }
 
 TEST(Seed, AResetUnderASeedIsThatOfANewVecEnv) {
-  const auto environment = small_env();
-  VecEnv used(environment, options_of(2, 6)), fresh(environment, options_of(2, 6));
+  const auto compiled = small_env();
+  Pool used(compiled, options_of(2, 6)), fresh(compiled, options_of(2, 6));
   fly(used, 0, 30);
   used.set_param(2, "task.mode", test::kSlow);
   begin(fresh);
@@ -172,7 +172,7 @@ TEST(Seed, AResetUnderASeedIsThatOfANewVecEnv) {
   while (used.in_flight() > 0) used.recv();
   EXPECT_EQ(observations(used), observations(fresh));
   EXPECT_EQ(used.param(2, "task.mode"), 0.0);
-  for (VecEnv* envs : {&used, &fresh}) fly(*envs, 1, 30);  // episode counters are equal as well
+  for (Pool* envs : {&used, &fresh}) fly(*envs, 1, 30);  // episode counters are equal as well
   EXPECT_EQ(observations(used), observations(fresh));
   used.send_reset(std::uint64_t{4});
   while (used.in_flight() > 0) used.recv();
@@ -182,7 +182,7 @@ TEST(Seed, AResetUnderASeedIsThatOfANewVecEnv) {
 }
 
 TEST(Params, AreOfOneEnvironment) {
-  VecEnv envs(small_env(), options_of(1, 6));
+  Pool envs(small_env(), options_of(1, 6));
   begin(envs);
   const std::string mass = "robots.quad.links.base.mass";
   envs.set_param(4, mass, 2.0);
@@ -196,7 +196,7 @@ TEST(Params, AreOfOneEnvironment) {
 
 /// Environments of a group share its words: a fork must not meet a thread that steps a neighbour.
 TEST(Fork, WhileNeighboursAreInFlightCopiesAllTheSame) {
-  VecEnv envs(small_env(), {.envs = 16, .batch = 4, .threads = 2, .order = Order::kArrival});
+  Pool envs(small_env(), {.envs = 16, .batch = 4, .threads = 2, .order = Order::kArrival});
   ASSERT_GT(envs.lanes(), 1);
   begin(envs);
   for (int round = 0; round < 200; ++round) {

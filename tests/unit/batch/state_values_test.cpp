@@ -18,8 +18,8 @@ using testing::HasSubstr;
 
 constexpr int kEnvs = 21;
 
-std::vector<double> state_of(const VecEnv& envs, const std::string& path) {
-  const int width = envs.environment().state_values().at(path).count();
+std::vector<double> state_of(const Pool& envs, const std::string& path) {
+  const int width = envs.compiled().state_values().at(path).count();
   std::vector<double> values(static_cast<std::size_t>(envs.envs() * width));
   envs.state(path, values);
   return values;
@@ -43,13 +43,13 @@ class Feel : public Sensor {
     setup.channel("force", "N", 3, -kInfinity, kInfinity);
   }
   template <class Real>
-  void sense(const Lanes<Real>& env, State<Real>&, Values<Real> out) const {
+  void sense(const EnvView<Real>& env, State<Real>&, Values<Real> out) const {
     out.set(0, env.contact(0).force);
   }
 };
 
 /// The robot at a height above the ground, with a ball of 5 cm around its origin.
-std::shared_ptr<const Environment> env_at(double height) {
+std::shared_ptr<const CompiledScenario> env_at(double height) {
   test::InProcessFactory factory;
   Scenario scenario = test::small_scenario(factory);
   factory.add<Feel>("feel");
@@ -59,37 +59,36 @@ std::shared_ptr<const Environment> env_at(double height) {
   ball.radius = 0.05;
   scenario.robots[0].model.bodies[0].collisions.push_back(ball);
   scenario.robots[0].pose.position.z = height;
-  return std::make_shared<Environment>(scenario, factory);
+  return std::make_shared<CompiledScenario>(scenario, factory);
 }
 
-class InAnyShape : public testing::TestWithParam<VecEnvOptions> {};
+class InAnyShape : public testing::TestWithParam<PoolOptions> {};
 INSTANTIATE_TEST_SUITE_P(
     StateOfABatch, InAnyShape,
-    testing::Values(VecEnvOptions{.envs = kEnvs, .threads = 1},
-                    VecEnvOptions{.envs = kEnvs, .threads = 3},
-                    VecEnvOptions{
-                        .envs = kEnvs, .batch = 5, .threads = 2, .order = Order::kArrival},
-                    VecEnvOptions{.envs = kEnvs, .threads = 2, .autoreset = Autoreset::kSameStep}));
+    testing::Values(PoolOptions{.envs = kEnvs, .threads = 1},
+                    PoolOptions{.envs = kEnvs, .threads = 3},
+                    PoolOptions{.envs = kEnvs, .batch = 5, .threads = 2, .order = Order::kArrival},
+                    PoolOptions{.envs = kEnvs, .threads = 2, .autoreset = Autoreset::kSameStep}));
 
 TEST_P(InAnyShape, EveryValueIsThatOfTheWordsOfEachEnvironment) {
-  const auto environment = small_env();
-  VecEnv envs(environment, GetParam());
+  const auto compiled = small_env();
+  Pool envs(compiled, GetParam());
   fly(envs, 0, 30);
   const std::vector<std::uint64_t> saved = envs.save();
   // A second batch whose environments lie in groups of one, put where the first one is.
-  VecEnv alone(environment, {.envs = kEnvs, .threads = 64});
+  Pool alone(compiled, {.envs = kEnvs, .threads = 64});
   ASSERT_EQ(alone.lanes(), 1);
   fly(alone, 0, 1);
   alone.restore(saved);
-  for (const StateValue& value : environment->state_values().all()) {
+  for (const StateValue& value : compiled->state_values().all()) {
     EXPECT_EQ(state_of(envs, value.path), state_of(alone, value.path)) << value.path;
   }
   EXPECT_EQ(envs.save(), saved);
 }
 
 TEST(StateOfABatch, AskingLeavesTheFutureAsItIs) {
-  const VecEnvOptions options{.envs = kEnvs, .threads = 2, .seed = 4, .keep_hash = true};
-  VecEnv asked(small_env(), options), left(small_env(), options);
+  const PoolOptions options{.envs = kEnvs, .threads = 2, .seed = 4, .keep_hash = true};
+  Pool asked(small_env(), options), left(small_env(), options);
   fly(asked, 0, 1);
   fly(left, 0, 1);
   for (int k = 1; k < 40; ++k) {
@@ -107,7 +106,7 @@ TEST(StateOfABatch, HasSumsOfContactsWhereAPluginAsksForThem) {
                   [] { small_env()->state_values().at("robots.quad.links.base.contact.force"); }),
               HasSubstr("`robots.quad.links.base` has position, rotation"));
   for (const double height : {0.049, 1.0}) {
-    VecEnv envs(env_at(height), {.envs = kEnvs, .threads = 2});
+    Pool envs(env_at(height), {.envs = kEnvs, .threads = 2});
     test::begin(envs);
     const std::vector<double> force = state_of(envs, "robots.quad.links.base.contact.force");
     EXPECT_EQ(force, state_of(envs, "sensors.feel.force"));
@@ -120,7 +119,7 @@ TEST(StateOfABatch, HasSumsOfContactsWhereAPluginAsksForThem) {
 }
 
 TEST(StateOfABatch, FollowsASetParameterAndAFork) {
-  VecEnv envs(small_env(), {.envs = kEnvs, .threads = 2});
+  Pool envs(small_env(), {.envs = kEnvs, .threads = 2});
   fly(envs, 0, 8);
   const std::string mass = "robots.quad.links.base.mass";
   envs.set_param(3, mass, 7.5);
@@ -135,7 +134,7 @@ TEST(StateOfABatch, FollowsASetParameterAndAFork) {
 }
 
 TEST(StateOfABatch, IsRefusedInFlightBeforeAResetAndForWrongSizesAndPaths) {
-  VecEnv envs(small_env(), {.envs = 4, .threads = 2});
+  Pool envs(small_env(), {.envs = 4, .threads = 2});
   std::vector<double> time(4);
   const auto ask = [&] { envs.state("time", time); };
   std::vector<std::uint8_t> mask = {1, 1, 0, 1};

@@ -19,7 +19,7 @@ class ArmTorque : public Controller {
     setup.joint({1, 0, SKYBODY_JOINT_EFFORT, 0.0, 0.0, 2.0, 0.0, -2.0, 2.0});
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
     out.set(0, in[0]);
   }
 };
@@ -35,7 +35,7 @@ class ArmTwice : public Controller {
     }
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
 /// One command for rotors and arm: two ends.
@@ -48,7 +48,7 @@ class Both : public Controller {
     setup.joint({1, 0, SKYBODY_JOINT_EFFORT, 0.0, 0.0, 2.0, 0.0, -2.0, 2.0});
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
     for (int i = 0; i < 4; ++i) out.set(i, in[0] + i);
     out.set(4, in[3]);
   }
@@ -67,7 +67,7 @@ class Slow : public Controller {
     setup.period(3);
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>& s, ConstValues<Real>, Values<Real> out) const {
+  void control(const EnvView<Real>&, State<Real>& s, ConstValues<Real>, Values<Real> out) const {
     s.calls += Real(1.0);
     for (int i = 0; i < 4; ++i) out.set(i, s.calls);
   }
@@ -82,7 +82,7 @@ class Twice : public Controller {
     setup.output(Signal::kRotorSpeed, 4);
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
 /// Takes four values of a signal that has thirteen.
@@ -93,7 +93,7 @@ class WrongSize : public Controller {
     setup.output(Signal::kRotorSpeed, 4);
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
 /// Has an action of its own: one height, 0 to 8, given to all rotors; commands change step by step.
@@ -105,12 +105,12 @@ class Climb : public Task {
     setup.interpolate();
   }
   template <class Real>
-  void process(const Lanes<Real>&, State<Real>&, ConstValues<Real> action,
+  void process(const EnvView<Real>&, State<Real>&, ConstValues<Real> action,
                Values<Real> command) const {
     for (int i = 0; i < 4; ++i) command.set(i, action[0]);
   }
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
     out.observation.set(0, env.body(0).position.z);
   }
 };
@@ -127,12 +127,13 @@ class Count : public Task {
     setup.period(2);
   }
   template <class Real>
-  void process(const Lanes<Real>&, State<Real>& s, ConstValues<Real>, Values<Real> command) const {
+  void process(const EnvView<Real>&, State<Real>& s, ConstValues<Real>,
+               Values<Real> command) const {
     s.calls += Real(1.0);
     for (int i = 0; i < 4; ++i) command.set(i, s.calls);
   }
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>& s, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>&, State<Real>& s, Evaluation<Real>& out) const {
     out.observation.set(0, s.calls);
   }
 };
@@ -145,7 +146,7 @@ class Mute : public Task {
     setup.action("push", "", 1, 0.0, 1.0, 0);
   }
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
 };
 
 /// A goal, and no goal().
@@ -156,7 +157,7 @@ class Aimless : public Task {
     setup.goal(0, 0);
   }
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
 };
 
 RobotModel with_arm() {
@@ -171,9 +172,10 @@ RobotModel with_arm() {
   return model;
 }
 
-std::unique_ptr<Environment> make(InProcessFactory& factory, std::vector<std::string> controllers,
-                                  const std::string& task = "watch", int action_repeat = 4,
-                                  Checking checking = Checking::kNo) {
+std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
+                                       std::vector<std::string> controllers,
+                                       const std::string& task = "watch", int action_repeat = 4,
+                                       Checking checking = Checking::kNo) {
   factory.add<test::Direct>("direct");
   factory.add<test::Watch>("watch");
   factory.add<ArmTorque>("arm_torque");
@@ -200,7 +202,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, std::vector<std::st
   }
   s.robots.push_back(robot);
   s.task = factory.use(task, "task");
-  return std::make_unique<Environment>(std::move(s), factory, checking);
+  return std::make_unique<CompiledScenario>(std::move(s), factory, checking);
 }
 
 /// What making it is refused with, after the line.

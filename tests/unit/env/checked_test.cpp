@@ -14,7 +14,7 @@ class Talkative : public Task {
  public:
   void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>& out) const {
     out.observation.set(0, Real(1.0));
     out.observation.set(1, Real(2.0));
   }
@@ -25,7 +25,7 @@ class FarLook : public Task {
  public:
   void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
     out.observation.set(0, env.body(3).position.z);
   }
 };
@@ -39,7 +39,7 @@ class Greedy : public Controller {
     setup.buffer(2);
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out,
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out,
                Values<Real> buffer) const {
     buffer.set(2, Real(1.0));
     for (int i = 0; i < 4; ++i) out.set(i, in[i]);
@@ -62,7 +62,7 @@ std::string mistake(const std::string& controller, const std::string& task) {
   robot.controllers.push_back(factory.use(controller, controller));
   s.robots.push_back(robot);
   s.task = factory.use(task, "task");
-  const Environment env(std::move(s), factory, Checking::kYes);
+  const CompiledScenario env(std::move(s), factory, Checking::kYes);
   Flight flight(env, 1);
   try {
     flight.reset();
@@ -99,7 +99,7 @@ TEST(CheckedMode, GivesTheSameBits) {
   robot.controllers.push_back(factory.use("direct", "direct"));
   s.robots.push_back(robot);
   s.task = factory.use("watch", "task");
-  const Environment env(s, factory), checked_env(s, factory, Checking::kYes);
+  const CompiledScenario env(s, factory), checked_env(s, factory, Checking::kYes);
   EXPECT_EQ(checked_env.preferred_lanes(), 1);
   Flight plain(env, 1), checked(checked_env, 1);
   for (Flight* flight : {&plain, &checked}) {

@@ -33,7 +33,8 @@ class Breeze : public Effect {
     setup.report("calls", "", 1, 0);
   }
   template <class Real>
-  void apply(const Lanes<Real>& env, State<Real>& s, Held<Real>& held, Values<Real> buffer) const {
+  void apply(const EnvView<Real>& env, State<Real>& s, Held<Real>& held,
+             Values<Real> buffer) const {
     s.calls += Real(1.0);
     s.last_physics_step = env.physics_step();
     buffer.set(0, s.calls);
@@ -48,13 +49,14 @@ class Liar : public Effect {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void apply(const Lanes<Real>&, State<Real>&, Held<Real>& held) const {
+  void apply(const EnvView<Real>&, State<Real>&, Held<Real>& held) const {
     held.add_wind(0, {Real(1.0), Real(0.0), Real(0.0)});
   }
 };
 
-std::unique_ptr<Environment> make(InProcessFactory& factory, const std::vector<std::string>& names,
-                                  double period = 1.0, Checking checking = Checking::kNo) {
+std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
+                                       const std::vector<std::string>& names, double period = 1.0,
+                                       Checking checking = Checking::kNo) {
   factory.add<test::Direct>("direct");
   factory.add<test::Watch>("watch");
   factory.add<Breeze>("breeze");
@@ -74,7 +76,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const std::vector<s
     if (plugin == "breeze") s.effects.back().parameters[0].numbers = {period};
   }
   s.task = factory.use("watch", "task");
-  return std::make_unique<Environment>(std::move(s), factory, checking);
+  return std::make_unique<CompiledScenario>(std::move(s), factory, checking);
 }
 
 double held(const Flight& flight, SkybodyHeldInput input, int k) {

@@ -30,7 +30,7 @@ class Camera : public Sensor {
     setup.channel("height", "m", 1, -kInfinity, kInfinity);
     depth_ = setup.image<std::uint16_t>("depth", {2, 2, 1});
   }
-  void sense(const Lanes<double>& env, State&, Values<double> out) const {
+  void sense(const EnvView<double>& env, State&, Values<double> out) const {
     const auto step = static_cast<int>(env.physics_step());
     out.set(0, env.body(0).position.z);
     std::uint8_t* grey = env.pixels(grey_);
@@ -52,7 +52,7 @@ class OddCamera : public Sensor {
   void configure(const Setup& setup) override {
     setup.image<float>("range", {static_cast<int>(extent.value()), 2});
   }
-  void sense(const Lanes<double>&, State&, Values<double>) const {}
+  void sense(const EnvView<double>&, State&, Values<double>) const {}
 };
 
 /// A task must not give images.
@@ -63,7 +63,7 @@ class Painter : public Task {
     setup.channel("height", "m", 1, 0, 1);
     setup.image<std::uint8_t>("picture", {2, 2});
   }
-  void evaluate(const Lanes<double>&, State&, Evaluation<double>&) const {}
+  void evaluate(const EnvView<double>&, State&, Evaluation<double>&) const {}
 };
 
 ObservedChannel observed(const std::string& channel) {
@@ -79,7 +79,7 @@ struct Options {
   std::vector<ObservedChannel> observe = {};
 };
 
-std::unique_ptr<Environment> make(const Options& options) {
+std::unique_ptr<CompiledScenario> make(const Options& options) {
   InProcessFactory factory;
   factory.add<test::Direct>("direct");
   factory.add<test::Watch>("watch");
@@ -99,7 +99,7 @@ std::unique_ptr<Environment> make(const Options& options) {
   s.sensors.push_back(sensor);
   s.observe = options.observe;
   s.task = factory.use(options.task, "task");
-  return std::make_unique<Environment>(std::move(s), factory);
+  return std::make_unique<CompiledScenario>(std::move(s), factory);
 }
 
 std::string message_of(const Options& options) {
@@ -113,8 +113,8 @@ std::string message_of(const Options& options) {
 
 /// A flight with rows of two images: depth, then grey.
 struct ImageFlight : Flight {
-  ImageFlight(const Environment& environment, int lanes)
-      : Flight(environment, lanes),
+  ImageFlight(const CompiledScenario& compiled, int lanes)
+      : Flight(compiled, lanes),
         depth(4 * static_cast<std::size_t>(lanes)),
         grey(15 * static_cast<std::size_t>(lanes)),
         images{reinterpret_cast<std::uint8_t*>(depth.data()), grey.data()} {}

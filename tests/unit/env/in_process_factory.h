@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/isa.h"
 #include "core/base/octets.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_instance.h"
 #include "core/io/parameter_reader.h"
@@ -87,11 +87,11 @@ inline RobotModel quadrotor() {
 
 /// Group, work and rows of one environment, ready to reset.
 struct Flight {
-  Flight(const Environment& environment, int lanes, std::uint64_t seed = 1)
-      : env(environment),
-        group(environment.make_state(lanes)),
-        work(environment.make_work(lanes)),
-        observation(static_cast<std::size_t>(lanes * environment.observation_size())),
+  Flight(const CompiledScenario& compiled, int lanes, std::uint64_t seed = 1)
+      : env(compiled),
+        group(compiled.make_state(lanes)),
+        work(compiled.make_work(lanes)),
+        observation(static_cast<std::size_t>(lanes * compiled.observation_size())),
         reward(static_cast<std::size_t>(lanes)),
         status(static_cast<std::size_t>(lanes)),
         all(first_lanes(lanes)) {
@@ -103,7 +103,7 @@ struct Flight {
     env.step(group, *work, all, actions.data(), env.action_size(), rows());
   }
 
-  const Environment& env;
+  const CompiledScenario& env;
   StateGroup group;
   std::unique_ptr<GroupWork> work;
   std::vector<float> observation, reward;

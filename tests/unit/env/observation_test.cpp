@@ -40,7 +40,7 @@ ObservedChannel privileged(const std::string& channel) {
   return o;
 }
 
-std::unique_ptr<Environment> make(const Options& options) {
+std::unique_ptr<CompiledScenario> make(const Options& options) {
   InProcessFactory factory;
   factory.add<test::Direct>("direct");
   factory.add<test::Kick>("kick");
@@ -64,14 +64,14 @@ std::unique_ptr<Environment> make(const Options& options) {
   s.sensors.push_back(sensor);
   s.observe = options.observe;
   s.task = factory.use(options.task, "task");
-  return std::make_unique<Environment>(std::move(s), factory);
+  return std::make_unique<CompiledScenario>(std::move(s), factory);
 }
 
 /// A flight with privileged rows.
 struct CriticFlight : Flight {
-  CriticFlight(const Environment& environment, int lanes)
-      : Flight(environment, lanes),
-        privileged(static_cast<std::size_t>(lanes * environment.privileged_size())) {}
+  CriticFlight(const CompiledScenario& compiled, int lanes)
+      : Flight(compiled, lanes),
+        privileged(static_cast<std::size_t>(lanes * compiled.privileged_size())) {}
   Rows rows() {
     Rows out = Flight::rows();
     out.privileged = privileged.data();
@@ -90,7 +90,7 @@ struct CriticFlight : Flight {
   std::vector<float> privileged;
 };
 
-std::vector<std::string> names_of(const Environment& env) {
+std::vector<std::string> names_of(const CompiledScenario& env) {
   std::vector<std::string> names;
   for (const ObservationColumn& column : env.columns()) names.push_back(column.name);
   return names;

@@ -20,7 +20,7 @@ class Gauge : public Sensor {
     setup.privileged_channel("step", "", 1, 0.0, kInfinity);
   }
   template <class Real>
-  void sense(const Lanes<Real>& env, State<Real>&, Values<Real> out) const {
+  void sense(const EnvView<Real>& env, State<Real>&, Values<Real> out) const {
     const BodyMotion<Real> b = env.body(0);
     const Real step = to_real(env.physics_step());
     out.set(0, b.position.z);
@@ -39,7 +39,7 @@ class Critic : public Task {
     setup.channel("one", "", 1, 1, 1);
   }
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
     out.observation.set(0, env.body(0).position.z);
     out.observation.set(1, env.body(0).velocity.z);
     out.observation.set(2, Real(1.0));
@@ -53,7 +53,7 @@ class Blind : public Task {
     setup.privileged_channel("height", "m", 1, -kInfinity, kInfinity);
   }
   template <class Real>
-  void evaluate(const Lanes<Real>&, State<Real>&, Evaluation<Real>&) const {}
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
 };
 
 /// Has one name twice.
@@ -64,7 +64,7 @@ class Twice : public Sensor {
     setup.channel("height", "m", 1, -kInfinity, kInfinity);
   }
   template <class Real>
-  void sense(const Lanes<Real>&, State<Real>&, Values<Real>) const {}
+  void sense(const EnvView<Real>&, State<Real>&, Values<Real>) const {}
 };
 
 }  // namespace skybody::test

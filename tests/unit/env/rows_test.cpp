@@ -159,14 +159,14 @@ class Team : public test::Watch {
     setup.info("speed", "m/s", 1);
   }
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>& s, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>& s, Evaluation<Real>& out) const {
     test::Watch::evaluate(env, s, out);
     for (int r = 0; r < 2; ++r) out.set_reward(r, env.body(r).position.z * Real(r + 2.0));
     out.info.set(0, env.body(0).velocity.z);
   }
 };
 
-std::unique_ptr<Environment> two_robots(test::InProcessFactory& factory) {
+std::unique_ptr<CompiledScenario> two_robots(test::InProcessFactory& factory) {
   factory.add<test::Direct>("direct");
   factory.add<Team>("team");
   Scenario s;
@@ -182,13 +182,13 @@ std::unique_ptr<Environment> two_robots(test::InProcessFactory& factory) {
     s.robots.push_back(robot);
   }
   s.task = factory.use("team", "task");
-  return std::make_unique<Environment>(std::move(s), factory);
+  return std::make_unique<CompiledScenario>(std::move(s), factory);
 }
 
 /// A flight with all kinds of rows, guards in them, and guards behind.
 struct GuardedFlight : test::Flight {
-  GuardedFlight(const Environment& environment, int lanes)
-      : Flight(environment, lanes),
+  GuardedFlight(const CompiledScenario& compiled, int lanes)
+      : Flight(compiled, lanes),
         agent(static_cast<std::size_t>(2 * lanes)),
         info(static_cast<std::size_t>(lanes)) {}
   Rows guarded() {

@@ -34,7 +34,7 @@ class Direct : public Controller {
     count_ = n;
   }
   template <class Real>
-  void control(const Lanes<Real>& env, State<Real>& s, ConstValues<Real> in,
+  void control(const EnvView<Real>& env, State<Real>& s, ConstValues<Real> in,
                Values<Real> out) const {
     s.calls += Real(1.0);
     s.last_height = env.body(body_).position.z;
@@ -57,7 +57,7 @@ class PlainDirect : public Controller {
     setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {4000, 4000, 4000, 4000});
     setup.output(Signal::kRotorSpeed, 4);
   }
-  void control(const Lanes<double>& env, State& s, ConstValues<double> in,
+  void control(const EnvView<double>& env, State& s, ConstValues<double> in,
                Values<double> out) const {
     s.calls += 1.0;
     s.last_height = env.body(0).position.z;
@@ -74,7 +74,7 @@ class Look : public Randomizer {
     setup.writes(param_);
   }
   template <class Real>
-  void randomize(const Lanes<Real>& env, State<Real>&, Start<Real>& start) const {
+  void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     start.params.set(param_, env.body(0).position.z);
   }
 
@@ -91,7 +91,7 @@ class LostSite : public Controller {
     setup.site({7, {0, 0, 0}, 1, 1});
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
 /// Gives a signal that no actuator takes.
@@ -102,7 +102,7 @@ class Dangling : public Controller {
     setup.output(Signal::kSrt, 4);
   }
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
 /// Observes height, vertical speed, physics step and a draw; ends below the ground.
@@ -119,12 +119,12 @@ class Watch : public Task {
     setup.channel("drawn", "", 1, 0, 1);
   }
   template <class Real>
-  void reset(const Lanes<Real>& env, State<Real>& s) const {
+  void reset(const EnvView<Real>& env, State<Real>& s) const {
     auto rng = random(env);
     s.drawn = rng.uniform();
   }
   template <class Real>
-  void evaluate(const Lanes<Real>& env, State<Real>& s, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>& s, Evaluation<Real>& out) const {
     const BodyMotion<Real> b = env.body(0);
     out.observation.set(0, b.position.z);
     out.observation.set(1, b.velocity.z);
@@ -147,7 +147,7 @@ class Kick : public Randomizer {
     setup.writes(param_);
   }
   template <class Real>
-  void randomize(const Lanes<Real>& env, State<Real>& s, Start<Real>& start) const {
+  void randomize(const EnvView<Real>& env, State<Real>& s, Start<Real>& start) const {
     auto rng = random(env);
     start.u.set(0, rng.uniform(Real(-1.0), Real(1.0)));
     start.params.set(param_, rng.uniform(Real(0.0), Real(4.0)));

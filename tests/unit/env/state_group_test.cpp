@@ -17,13 +17,13 @@ using test::InProcessFactory;
 /// A quadrotor in each of 32 lanes, 1 m up.
 class StateGroupTest : public testing::Test {
  protected:
-  StateGroupTest() : environment_(scenario(), factory_), flight_(environment_, kGroupLanes) {
+  StateGroupTest() : compiled_(scenario(), factory_), flight_(compiled_, kGroupLanes) {
     flight_.reset();
   }
 
   StateGroup& group() { return flight_.group; }
   PhysicsScratch& scratch() { return flight_.work->physics; }
-  const Layout& layout() const { return environment_.layout(); }
+  const Layout& layout() const { return compiled_.layout(); }
   /// Vertical velocity after one step of free fall.
   double fall(int lane) {
     group().advance(1u << lane, scratch());
@@ -31,7 +31,7 @@ class StateGroupTest : public testing::Test {
   }
 
   InProcessFactory factory_;
-  Environment environment_;
+  CompiledScenario compiled_;
   Flight flight_;
 
  private:

@@ -11,23 +11,24 @@ namespace skybody::test {
 namespace {
 
 constexpr int kLanes = 4;
-using Lanes = Pack<kLanes>;
+using EnvView = Pack<kLanes>;
 
 /// The values of kLanes environments, interleaved as packs.
-std::vector<Lanes> interleave(const std::vector<std::vector<double>>& rows) {
-  std::vector<Lanes> out(rows[0].size());
+std::vector<EnvView> interleave(const std::vector<std::vector<double>>& rows) {
+  std::vector<EnvView> out(rows[0].size());
   for (std::size_t k = 0; k < out.size(); ++k) {
     for (int lane = 0; lane < kLanes; ++lane) out[k].v[lane] = rows[lane][k];
   }
   return out;
 }
 
-void expect_same_bits(const Lanes& pack, int lane, double value, const char* what) {
+void expect_same_bits(const EnvView& pack, int lane, double value, const char* what) {
   const double in_lane = pack.v[lane];
   EXPECT_EQ(std::memcmp(&in_lane, &value, sizeof(double)), 0)
       << what << ", lane " << lane << ": " << in_lane << " and " << value;
 }
-void expect_same_bits(const Vec3<Lanes>& pack, int lane, const Vec3<double>& v, const char* what) {
+void expect_same_bits(const Vec3<EnvView>& pack, int lane, const Vec3<double>& v,
+                      const char* what) {
   expect_same_bits(pack.x, lane, v.x, what);
   expect_same_bits(pack.y, lane, v.y, what);
   expect_same_bits(pack.z, lane, v.z, what);
@@ -120,7 +121,7 @@ struct Evaluation {
   std::vector<RotorMotion<Real>> rotors;
 };
 
-TEST(Lanes, KinematicsAndForcesHaveTheBitsOfOneEnvironmentAtATime) {
+TEST(EnvView, KinematicsAndForcesHaveTheBitsOfOneEnvironmentAtATime) {
   const BusyWorld busy;
   const World& world = busy.world;
   LaneState start;
@@ -131,8 +132,8 @@ TEST(Lanes, KinematicsAndForcesHaveTheBitsOfOneEnvironmentAtATime) {
     const auto wrench = random.rows(start.wrench.size(), 3.0);
     const auto speed = random.rows(4, 500.0, 600.0), command = random.rows(4, 1500.0, 1000.0);
     const std::vector<std::vector<double>> params(kLanes, start.params);
-    const Evaluation<Lanes> packed(world, interleave(q), interleave(u), interleave(params),
-                                   interleave(wrench), interleave(speed), interleave(command));
+    const Evaluation<EnvView> packed(world, interleave(q), interleave(u), interleave(params),
+                                     interleave(wrench), interleave(speed), interleave(command));
     for (int lane = 0; lane < kLanes; ++lane) {
       const Evaluation<double> one(world, q[lane], u[lane], params[lane], wrench[lane], speed[lane],
                                    command[lane]);
@@ -157,11 +158,11 @@ TEST(Lanes, KinematicsAndForcesHaveTheBitsOfOneEnvironmentAtATime) {
   }
 }
 
-TEST(Lanes, DrivesHaveTheBitsOfOneEnvironmentAtATime) {
+TEST(EnvView, DrivesHaveTheBitsOfOneEnvironmentAtATime) {
   Random random;
   const auto q = random.rows(7, 1.0), target = random.rows(7, 1.0);
-  const std::vector<Lanes> packed_q = interleave(q), packed_target = interleave(target);
-  std::vector<Lanes> packed_u(6);
+  const std::vector<EnvView> packed_q = interleave(q), packed_target = interleave(target);
+  std::vector<EnvView> packed_u(6);
   drive_to_pose(packed_q.data(), packed_target.data(), 0.001, packed_u.data());
   for (int lane = 0; lane < kLanes; ++lane) {
     double u[6];

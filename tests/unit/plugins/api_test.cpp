@@ -13,7 +13,7 @@ class InPacks : public Controller {
  public:
   void configure(const Setup&) override {}
   template <class Real>
-  void control(const Lanes<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real>, Values<Real>) const {}
 };
 
 /// For one width of packs only, which is not what every machine has.
@@ -22,7 +22,7 @@ class InFours : public Controller {
   void configure(const Setup&) override {}
   template <class Real>
   requires(std::is_same_v<Real, double> ||
-           std::is_same_v<Real, Pack<4>>) void control(const Lanes<Real>&, State<Real>&,
+           std::is_same_v<Real, Pack<4>>) void control(const EnvView<Real>&, State<Real>&,
                                                        ConstValues<Real>, Values<Real>) const {}
 };
 

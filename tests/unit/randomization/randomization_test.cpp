@@ -25,7 +25,7 @@ class Randomization : public ::testing::Test {
 
 TEST_F(Randomization, GivesTheBitsOfDouble) {
   world.add_payload("bob");
-  expect_same_bits("inertia", world,
+  expect_same_bits("vehicle_constants", world,
                    {{"mass", Numbers{0.9, 1.1}}, {"tau_up", Numbers{0.5, 2.0}}, {"every", 3}});
   expect_same_bits("start", world,
                    {{"position_min", Numbers{-5, -5, 0.3}},
@@ -41,7 +41,7 @@ TEST_F(Randomization, GivesTheBitsOfDouble) {
 }
 
 TEST_F(Randomization, InertiaStaysPhysicalAndNeverDrifts) {
-  const Instance r("inertia", world,
+  const Instance r("vehicle_constants", world,
                    {{"mass", Numbers{0.9, 1.1}},
                     {"inertia", Numbers{0.8, 1.25}},
                     {"thrust_constant", Numbers{0.95, 1.05}}});
@@ -83,7 +83,7 @@ TEST_F(Randomization, ARangeOfOneReturnsToTheNominalBits) {
 }
 
 TEST_F(Randomization, DrawsAtEveryNthResetTheFirstIncluded) {
-  const Instance r("inertia", world, {{"mass", Numbers{0.5, 1.5}}, {"every", 3}});
+  const Instance r("vehicle_constants", world, {{"mass", Numbers{0.5, 1.5}}, {"every", 3}});
   Group g = r.group(1);
   const int m = world.bodies[0].first_param;
   double last = param(g, m);
@@ -101,7 +101,7 @@ TEST_F(Randomization, DrawsAtEveryNthResetTheFirstIncluded) {
 TEST_F(Randomization, OnlyNamedBodiesAndDeclaredParametersAreWritten) {
   const int bob = world.add_payload("bob");
   const Instance r(
-      "inertia", world,
+      "vehicle_constants", world,
       {{"mass", Numbers{0.5, 1.5}}, {"links", Texts{"bob"}}, {"couple_inertia", false}});
   EXPECT_EQ(r.declared.writes,
             std::vector<int>{world.bodies[static_cast<std::size_t>(bob)].first_param});
@@ -195,12 +195,13 @@ TEST_F(Randomization, StartMovesATeamAsAWholeOrEveryRobotForItself) {
 }
 
 TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
-  EXPECT_THAT(refusal("inertia", world, {}), HasSubstr("every range is [1, 1]"));
-  EXPECT_THAT(refusal("inertia", world, {{"mass", Numbers{1.1, 0.9}}}),
+  EXPECT_THAT(refusal("vehicle_constants", world, {}), HasSubstr("every range is [1, 1]"));
+  EXPECT_THAT(refusal("vehicle_constants", world, {{"mass", Numbers{1.1, 0.9}}}),
               HasSubstr("runs backwards: write [low, high]"));
-  EXPECT_THAT(refusal("inertia", world, {{"mass", Numbers{0.9, 1.1}}, {"links", Texts{"bob"}}}),
-              HasSubstr("has no link `bob`"));
-  EXPECT_THAT(refusal("inertia", world, {{"robot", "q"}, {"mass", Numbers{0.9, 1.1}}}),
+  EXPECT_THAT(
+      refusal("vehicle_constants", world, {{"mass", Numbers{0.9, 1.1}}, {"links", Texts{"bob"}}}),
+      HasSubstr("has no link `bob`"));
+  EXPECT_THAT(refusal("vehicle_constants", world, {{"robot", "q"}, {"mass", Numbers{0.9, 1.1}}}),
               HasSubstr("no robot `q`"));
   EXPECT_THAT(refusal("start", world, {{"yaw_min", 1.0}}),
               HasSubstr("`yaw_min` 1 is above `yaw_max` 0: swap them"));

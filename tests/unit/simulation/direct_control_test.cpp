@@ -308,7 +308,7 @@ TEST(DirectControl, ContactsOfRobotsAreTheForcesThatMoveThem) {
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string& base = robots[r].model.bodies[0].name;
     const MassProperties mass = world.mass_properties(robots[r].name, base);
-    const auto i = static_cast<std::size_t>(world.environment().layout().robots[r].first_body);
+    const auto i = static_cast<std::size_t>(world.compiled().layout().robots[r].first_body);
     const Vec3<double> of_com = now.bodies[i].linear + cross(now.bodies[i].angular, mass.com);
     EXPECT_GT(norm(sum[i]), 1.0);
     // Sums of hundreds of elements' forces of up to 1e3 N: rounding stays below 1e-10 of them.

@@ -1,4 +1,4 @@
-// Worlds on several threads: the same bits as alone, errors with the world's number, no hang.
+// Environments on several threads: the same bits as alone, errors with the world's number, no hang.
 #include "core/simulation/simulation_pool.h"
 
 #include <gmock/gmock.h>
@@ -20,8 +20,8 @@ using testing::HasSubstr;
 
 constexpr int kWorlds = 5;
 
-std::shared_ptr<const Environment> hover() {
-  return load_environment({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
+std::shared_ptr<const CompiledScenario> hover() {
+  return compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
 }
 
 template <class Call>
@@ -38,9 +38,9 @@ class AnyThreads : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(SimulationPool, AnyThreads, testing::Values(1, 2, 3, 9));
 
 TEST_P(AnyThreads, WorldsDoWhatTheyDoAlone) {
-  const auto environment = hover();
-  SimulationPool pool(environment,
-                      {.worlds = kWorlds, .seed = 9, .first_env_id = 3, .threads = GetParam()});
+  const auto compiled = hover();
+  SimulationPool pool(compiled,
+                      {.envs = kWorlds, .seed = 9, .first_env_id = 3, .threads = GetParam()});
   EXPECT_EQ(pool.threads(), GetParam());
   pool.reset(pool.all());
   std::vector<float> actions(kWorlds * 4);
@@ -51,7 +51,7 @@ TEST_P(AnyThreads, WorldsDoWhatTheyDoAlone) {
   pool.advance(some, 30);
   pool.evaluate(some);
   for (int i = 0; i < kWorlds; ++i) {
-    Simulation alone(environment, 9, 3 + static_cast<std::uint64_t>(i));
+    Simulation alone(compiled, 9, 3 + static_cast<std::uint64_t>(i));
     alone.reset();
     for (int k = 0; k < 50; ++k)
       alone.step(std::span(actions).subspan(4 * static_cast<std::size_t>(i), 4));
@@ -60,18 +60,19 @@ TEST_P(AnyThreads, WorldsDoWhatTheyDoAlone) {
       alone.advance(30);
       alone.evaluate();
     }
-    EXPECT_EQ(pool.world(i).hash(), alone.hash()) << i;
+    EXPECT_EQ(pool.simulation(i).hash(), alone.hash()) << i;
   }
 }
 
 TEST(SimulationPool, AllThreadsWorkAtTheSameTimeHoweverShortTheWorkBeforeWas) {
   constexpr int kThreads = 3;
-  SimulationPool pool(hover(), {.worlds = kWorlds, .pin_threads = true, .threads = kThreads});
+  SimulationPool pool(hover(), {.envs = kWorlds, .pin_threads = true, .threads = kThreads});
   EXPECT_LT(pool.pinned_threads(), kThreads);  // the caller stays where it is
   for (int k = 0; k < 100; ++k) pool.run(pool.all(), [](Simulation&, int) {});
   std::atomic<int> inside{0};
   std::vector<std::thread::id> ids(kWorlds);
-  // Nobody leaves before one world for each thread is entered: this ends only if they run at once.
+  // Nobody leaves before one environment for each thread is entered: this ends only if they run at
+  // once.
   pool.run(pool.all(), [&](Simulation&, int i) {
     ids[static_cast<std::size_t>(i)] = std::this_thread::get_id();
     ++inside;
@@ -83,15 +84,15 @@ TEST(SimulationPool, AllThreadsWorkAtTheSameTimeHoweverShortTheWorkBeforeWas) {
 }
 
 TEST(SimulationPool, PinsAsManyWorkersAsThereAreProcessorsBesideTheCallers) {
-  const SimulationPool free(hover(), {.worlds = kWorlds, .threads = 2});
+  const SimulationPool free(hover(), {.envs = kWorlds, .threads = 2});
   EXPECT_EQ(free.pinned_threads(), 0);
-  const SimulationPool pinned(hover(), {.worlds = kWorlds, .pin_threads = true, .threads = 2});
+  const SimulationPool pinned(hover(), {.envs = kWorlds, .pin_threads = true, .threads = 2});
   EXPECT_LE(pinned.pinned_threads(), 1);
 }
 
 TEST(SimulationPool, EveryWorldIsDoneOnceForAnyNumberOfThem) {
   constexpr int kMany = 300;
-  SimulationPool pool(hover(), {.worlds = kMany, .threads = 3});
+  SimulationPool pool(hover(), {.envs = kMany, .threads = 3});
   std::vector<int> order(pool.all().rbegin(), pool.all().rend());
   for (std::size_t count = 1; count <= kMany; count += 23) {
     std::vector<std::atomic<int>> done(kMany);
@@ -102,7 +103,7 @@ TEST(SimulationPool, EveryWorldIsDoneOnceForAnyNumberOfThem) {
 }
 
 TEST(SimulationPool, AnErrorNamesTheFirstWorldAndTheOthersFinish) {
-  SimulationPool pool(hover(), {.worlds = kWorlds});
+  SimulationPool pool(hover(), {.envs = kWorlds});
   pool.reset(pool.all());
   std::atomic<int> finished{0};
   const auto work = [&](Simulation&, int i) {
@@ -110,48 +111,48 @@ TEST(SimulationPool, AnErrorNamesTheFirstWorldAndTheOthersFinish) {
     if (i == 2) throw 42;
     ++finished;
   };
-  EXPECT_THAT(refusal([&] { pool.run(pool.all(), work); }), HasSubstr("world 2: "));
+  EXPECT_THAT(refusal([&] { pool.run(pool.all(), work); }), HasSubstr("environment 2: "));
   EXPECT_EQ(finished, kWorlds - 2);
   const std::vector<int> only = {3};
-  EXPECT_EQ(refusal([&] { pool.run(only, work); }), "world 3: lost its way");
+  EXPECT_EQ(refusal([&] { pool.run(only, work); }), "environment 3: lost its way");
   pool.advance(pool.all(), 1);  // it goes on
-  EXPECT_EQ(pool.world(3).physics_steps(), 1u);
+  EXPECT_EQ(pool.simulation(3).physics_steps(), 1u);
 }
 
 TEST(SimulationPool, AStepBeforeAResetIsAnErrorOfThatWorldOnly) {
-  SimulationPool pool(hover(), {.worlds = 2});
+  SimulationPool pool(hover(), {.envs = 2});
   const std::vector<int> first = {0};
   pool.reset(first);
   EXPECT_EQ(refusal([&] { pool.advance(pool.all(), 1); }),
-            "world 1: advance() before reset(): begin an episode first");
-  EXPECT_EQ(pool.world(0).physics_steps(), 1u);
+            "environment 1: advance() before reset(): begin an episode first");
+  EXPECT_EQ(pool.simulation(0).physics_steps(), 1u);
 }
 
 TEST(SimulationPool, RefusesMisuseBeforeAnythingIsDone) {
-  EXPECT_THROW(SimulationPool(hover(), {.worlds = 0}), Error);
-  EXPECT_THROW(SimulationPool(hover(), {.worlds = 1, .threads = -1}), Error);
-  SimulationPool pool(hover(), {.worlds = 3});
+  EXPECT_THROW(SimulationPool(hover(), {.envs = 0}), Error);
+  EXPECT_THROW(SimulationPool(hover(), {.envs = 1, .threads = -1}), Error);
+  SimulationPool pool(hover(), {.envs = 3});
   pool.reset(pool.all());
   const std::vector<int> twice = {1, 1}, beyond = {0, 3}, negative = {-1};
-  for (const auto* worlds : {&twice, &beyond, &negative}) {
-    EXPECT_THROW(pool.advance(*worlds, 1), Error);
+  for (const auto* envs : {&twice, &beyond, &negative}) {
+    EXPECT_THROW(pool.advance(*envs, 1), Error);
   }
   EXPECT_THAT(refusal([&] { pool.step(pool.all(), std::vector<float>(11)); }),
               HasSubstr("actions has 11 values; expected 3 x 4"));
   EXPECT_THAT(refusal([&] { pool.command(pool.all(), "", std::vector<double>(4)); }),
               HasSubstr("values has 4 values; expected 3 x 4"));
-  EXPECT_EQ(pool.world(0).physics_steps(), 0u);
+  EXPECT_EQ(pool.simulation(0).physics_steps(), 0u);
   pool.advance({}, 5);  // nobody is somebody
 }
 
 TEST(SimulationPool, ClosesOnceOrTwiceAndRefusesAfterwards) {
-  SimulationPool pool(hover(), {.worlds = 2});
+  SimulationPool pool(hover(), {.envs = 2});
   pool.reset(pool.all());
   pool.close();
   pool.close();
   EXPECT_TRUE(pool.closed());
   EXPECT_THAT(refusal([&] { pool.reset(pool.all()); }), HasSubstr("closed"));
-  EXPECT_THAT(refusal([&] { pool.world(0); }), HasSubstr("closed"));
+  EXPECT_THAT(refusal([&] { pool.simulation(0); }), HasSubstr("closed"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The state by path: each value is the one that WorldState or the bodies have, and paths that are
+// The state by path: each value is the one that state words or the bodies have, and paths that are
 // wrong are answered with the nearest ones.
 #include "core/env/state_values.h"
 
@@ -24,7 +24,7 @@ std::string scenario(const std::string& name) {
   return SKYBODY_SOURCE_DIR "/scenarios/" + name + ".yaml";
 }
 
-/// A world in flight.
+/// An environment in flight.
 Simulation flying(const std::string& name) {
   Simulation world({.scenario = scenario(name), .seed = 5});
   world.reset();
@@ -75,14 +75,14 @@ TEST(StateValues, RotorsCountersAndDrawnValuesAreWhatTheSimulationSays) {
   EXPECT_THAT(world.state("time"), ElementsAre(world.time()));
   EXPECT_THAT(world.state("episode"), ElementsAre(1.0));
   EXPECT_THAT(world.state("steps"), ElementsAre(40.0));
-  for (const EnvParam& param : world.environment().layout().param_info) {
+  for (const EnvParam& param : world.compiled().layout().param_info) {
     EXPECT_THAT(world.state(param.path), ElementsAre(world.param(param.path)));
   }
 }
 
 TEST(StateValues, JointsAndSensorsHaveTheirOwnShapes) {
   const Simulation world = flying("payload");
-  const StateValues& values = world.environment().state_values();
+  const StateValues& values = world.compiled().state_values();
   int joints = 0, channels = 0;
   for (const StateValue& value : values.all()) {
     if (value.path.starts_with("robots.quad.joints.") && value.path.ends_with(".position"))
@@ -123,11 +123,11 @@ TEST(StateValues, ALinkOnAFixedJointIsPlacedOnItsBody) {
 
 TEST(StateValues, EveryPathIsThereOnceAndIsFound) {
   for (const char* name : {"hover", "payload", "formation"}) {
-    const auto environment = load_environment({scenario(name), {}, {}});
+    const auto compiled = compile_scenario({scenario(name), {}, {}});
     std::set<std::string> paths;
-    for (const StateValue& value : environment->state_values().all()) {
+    for (const StateValue& value : compiled->state_values().all()) {
       EXPECT_TRUE(paths.insert(value.path).second) << value.path;
-      EXPECT_EQ(&environment->state_values().at(value.path), &value);
+      EXPECT_EQ(&compiled->state_values().at(value.path), &value);
       EXPECT_GE(value.count(), 0) << value.path;
     }
   }

@@ -1,4 +1,4 @@
-#include "python/native/pool.h"
+#include "python/native/python_pool.h"
 
 #include <chrono>
 #include <utility>
@@ -8,24 +8,23 @@
 
 namespace skybody::python {
 
-Pool::Pool(const LoadedEnvironment& environment, const VecEnvOptions& options)
-    : environment_(environment), process_(process_id()) {
+PythonPool::PythonPool(const LoadedScenario& compiled, const PoolOptions& options)
+    : compiled_(compiled), process_(process_id()) {
   const nb::gil_scoped_release release;
-  engine_ =
-      blame_argument([&] { return std::make_unique<VecEnv>(environment_.shared(), options); });
+  engine_ = blame_argument([&] { return std::make_unique<Pool>(compiled_.shared(), options); });
   envs_ = engine_->envs();
   batch_ = engine_->batch();
   threads_ = engine_->threads();
   pinned_threads_ = engine_->pinned_threads();
 }
 
-Pool::~Pool() { let_go(); }
+PythonPool::~PythonPool() { let_go(); }
 
-bool Pool::of_this_process() const { return process_id() == process_; }
+bool PythonPool::of_this_process() const { return process_id() == process_; }
 
 /// In a forked child the engine is left as it is: its threads stayed in the parent, and waiting for
 /// them would never end. A recording that it keeps stays the parent's to finish.
-void Pool::let_go() {
+void PythonPool::let_go() {
   if (!of_this_process()) {
     static_cast<void>(engine_.release());
   } else {
@@ -33,7 +32,7 @@ void Pool::let_go() {
   }
 }
 
-VecEnv& Pool::open() const {
+Pool& PythonPool::open() const {
   if (!engine_) throw Error("this pool is closed: make a new one");
   if (!of_this_process()) {
     throw Error("this pool was made in process " + std::to_string(process_) +
@@ -42,10 +41,10 @@ VecEnv& Pool::open() const {
   return *engine_;
 }
 
-std::shared_ptr<const Batch> Pool::recv() {
+std::shared_ptr<const Batch> PythonPool::recv() {
   constexpr std::chrono::milliseconds kPatience(50);
   const Exclusive alone(in_use_, "pool");
-  VecEnv& engine = open();
+  Pool& engine = open();
   for (;;) {
     std::shared_ptr<const Batch> batch;
     {
@@ -62,30 +61,30 @@ std::shared_ptr<const Batch> Pool::recv() {
 
 /// HDF5's clean-up at exit would crash where a file could not be written for want of space, and in
 /// a forked child it would finish the parent's file. (h5py's packages bring an HDF5 of their own.)
-void Pool::record(const std::filesystem::path& file, bool states) {
+void PythonPool::record(const std::filesystem::path& file, bool states) {
   skip_hdf5_cleanup_at_exit();
-  call([&](VecEnv& engine) {
+  call([&](Pool& engine) {
     if (recorder_ && recorder_->recording()) {
       throw Error("this pool is being recorded to " + recorder_->file().string() +
                   ": stop_recording() first");
     }
-    recorder_ = start_recording(engine, file, {environment_.options(), states});
+    recorder_ = start_recording(engine, file, {compiled_.options(), states});
   });
 }
 
-void Pool::stop_recording() {
-  call([&](VecEnv&) {
+void PythonPool::stop_recording() {
+  call([&](Pool&) {
     if (!recorder_) throw Error("stop_recording() of a pool that is not being recorded");
     finish_recording();
   });
 }
 
-void Pool::finish_recording() {
+void PythonPool::finish_recording() {
   const auto recorder = std::exchange(recorder_, nullptr);
   if (recorder) skybody::stop_recording(*engine_, *recorder);
 }
 
-void Pool::close() {
+void PythonPool::close() {
   const Exclusive alone(in_use_, "pool");
   const nb::gil_scoped_release release;
   try {

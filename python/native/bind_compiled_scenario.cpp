@@ -12,7 +12,7 @@
 #include "core/env/state_values.h"
 #include "core/env/value_names.h"
 #include "python/native/bindings.h"
-#include "python/native/environment.h"
+#include "python/native/loaded_scenario.h"
 
 namespace skybody::python {
 namespace {
@@ -36,9 +36,9 @@ std::vector<PlacedChannel> placed(const std::vector<Channel>& channels) {
 }
 
 /// The columns of the row of observations, as channels in their places.
-std::vector<PlacedChannel> observation_channels(const Environment& environment) {
+std::vector<PlacedChannel> observation_channels(const CompiledScenario& compiled) {
   std::vector<PlacedChannel> list;
-  for (const ObservationColumn& c : environment.columns()) {
+  for (const ObservationColumn& c : compiled.columns()) {
     if (c.privileged || c.image >= 0) continue;
     list.push_back({c.name, c.unit, c.first, c.count(), c.low, c.high, c.robot});
   }
@@ -51,23 +51,23 @@ struct NamedColumn {
   std::string source;
 };
 
-std::vector<NamedColumn> observation_columns(const Environment& environment) {
+std::vector<NamedColumn> observation_columns(const CompiledScenario& compiled) {
   std::vector<NamedColumn> list;
-  for (const ObservationColumn& c : environment.columns()) {
-    list.push_back({c, source_of(environment, c)});
+  for (const ObservationColumn& c : compiled.columns()) {
+    list.push_back({c, source_of(compiled, c)});
   }
   return list;
 }
 
-std::vector<std::string> robot_names(const Environment& environment) {
+std::vector<std::string> robot_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
-  for (const RobotUse& robot : environment.scenario().robots) names.push_back(robot.name);
+  for (const RobotUse& robot : compiled.scenario().robots) names.push_back(robot.name);
   return names;
 }
 
-std::vector<std::string> param_paths(const Environment& environment) {
+std::vector<std::string> param_paths(const CompiledScenario& compiled) {
   std::vector<std::string> paths;
-  for (const EnvParam& p : environment.layout().param_info) paths.push_back(p.path);
+  for (const EnvParam& p : compiled.layout().param_info) paths.push_back(p.path);
   return paths;
 }
 
@@ -161,22 +161,22 @@ void bind_state_value(nb::module_& m) {
       });
 }
 
-void construct(LoadedEnvironment* self, const std::filesystem::path& scenario,
+void construct(LoadedScenario* self, const std::filesystem::path& scenario,
                std::vector<std::string> overrides, std::vector<std::filesystem::path> plugin_path) {
-  new (self) LoadedEnvironment({scenario.string(), std::move(overrides), std::move(plugin_path)});
+  new (self) LoadedScenario({scenario.string(), std::move(overrides), std::move(plugin_path)});
 }
 
 /// Pickled as what it was loaded from: the other process loads it again.
 nb::tuple reduce(nb::handle self) {
-  const LoadOptions& options = nb::cast<const LoadedEnvironment&>(self).options();
+  const LoadOptions& options = nb::cast<const LoadedScenario&>(self).options();
   std::vector<std::string> path;
   for (const auto& folder : options.plugin_path) path.push_back(folder.string());
   return nb::make_tuple(self.type(),
                         nb::make_tuple(options.scenario, options.overrides, std::move(path)));
 }
 
-void bind_identity(nb::class_<LoadedEnvironment>& c) {
-  using E = LoadedEnvironment;
+void bind_identity(nb::class_<LoadedScenario>& c) {
+  using E = LoadedScenario;
   c.def_prop_ro(
       "name", [](const E& e) { return e->scenario().name; }, "The scenario's name.");
   c.def_prop_ro(
@@ -198,13 +198,13 @@ void bind_identity(nb::class_<LoadedEnvironment>& c) {
       "agents", [](const E& e) { return e->agents(); },
       "Indices of the robots that take actions: the agents of a multi-agent learner.");
   c.def("__repr__", [](const E& e) {
-    return "Environment(" + e->scenario().name + ": " + std::to_string(e->action_size()) +
+    return "CompiledScenario(" + e->scenario().name + ": " + std::to_string(e->action_size()) +
            " actions, " + std::to_string(e->observation_size()) + " observations)";
   });
 }
 
-void bind_time_and_spaces(nb::class_<LoadedEnvironment>& c) {
-  using E = LoadedEnvironment;
+void bind_time_and_spaces(nb::class_<LoadedScenario>& c) {
+  using E = LoadedScenario;
   c.def_prop_ro(
       "dt", [](const E& e) { return e->scenario().stepping.dt; }, "Physics step [s].");
   c.def_prop_ro(
@@ -245,8 +245,8 @@ void bind_time_and_spaces(nb::class_<LoadedEnvironment>& c) {
       "What an action row consists of, one channel per agent.");
 }
 
-void bind_params(nb::class_<LoadedEnvironment>& c) {
-  using E = LoadedEnvironment;
+void bind_params(nb::class_<LoadedScenario>& c) {
+  using E = LoadedScenario;
   c.def_prop_ro(
       "param_paths", [](const E& e) { return param_paths(*e); },
       "Paths of all randomizable parameters, such as robots.quad.links.base_link.mass.");
@@ -272,12 +272,12 @@ void bind_params(nb::class_<LoadedEnvironment>& c) {
 
 }  // namespace
 
-void bind_environment(nb::module_& m) {
+void bind_compiled_scenario(nb::module_& m) {
   bind_channels(m);
   bind_state_value(m);
-  nb::class_<LoadedEnvironment> c(m, "Environment",
-                                  "One scenario, loaded: immutable, shared by the pools and "
-                                  "simulations that are made of it.");
+  nb::class_<LoadedScenario> c(m, "CompiledScenario",
+                               "One scenario, loaded: immutable, shared by the pools and "
+                               "simulations that are made of it.");
   c.def("__init__", &construct, nb::arg("scenario"),
         nb::arg("overrides") = std::vector<std::string>(),
         nb::arg("plugin_path") = std::vector<std::filesystem::path>(),

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/octets.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
 #include "core/model/held_inputs.h"
@@ -38,7 +38,7 @@ void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block)
 }  // namespace
 
 /// Lets the effects that are due speak, in order.
-void Environment::apply_effects(StateGroup& group, const SkybodyLanes& view) const {
+void CompiledScenario::apply_effects(StateGroup& group, const SkybodyLanes& view) const {
   std::uint32_t changed[SKYBODY_HELD_COUNT] = {};
   for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
     SkybodyLanes v = view;
@@ -61,7 +61,7 @@ void Environment::apply_effects(StateGroup& group, const SkybodyLanes& view) con
 }
 
 /// Puts together what several effects hold of one input.
-void Environment::add_up_held(StateGroup& group, std::uint32_t mask, int input) const {
+void CompiledScenario::add_up_held(StateGroup& group, std::uint32_t mask, int input) const {
   const auto i = static_cast<std::size_t>(input);
   const Block& block = layout().held[i];
   const int lanes = group.lanes(), size = kHeldInputs[i].size;
@@ -80,7 +80,7 @@ void Environment::add_up_held(StateGroup& group, std::uint32_t mask, int input) 
 }
 
 /// Nothing is held, until the effects speak.
-void Environment::clear_held(StateGroup& group, std::uint32_t mask) const {
+void CompiledScenario::clear_held(StateGroup& group, std::uint32_t mask) const {
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
     const Block& block = layout().held[static_cast<std::size_t>(i)];
     if (block.size > 0) fill_neutral(group, mask, i, block);

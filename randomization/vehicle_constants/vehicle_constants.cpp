@@ -7,7 +7,7 @@
 namespace skybody {
 namespace {
 
-class Inertia : public Randomizer {
+class VehicleConstants : public Randomizer {
  public:
   template <class Real>
   using State = randomization::Schedule<Real>;
@@ -31,7 +31,7 @@ class Inertia : public Randomizer {
   }
 
   template <class Real>
-  void randomize(const Lanes<Real>& env, State<Real>& state, Start<Real>& start) const {
+  void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const {
     const auto due = randomization::is_due(state, start.requested);
     Random<Real> draw = random(env, start.requested ? 1 : 0);
     for (const Target& body : bodies_) scale_body(draw, body, due, start);
@@ -173,5 +173,5 @@ class Inertia : public Randomizer {
 }  // namespace
 }  // namespace skybody
 
-SKYBODY_PLUGIN(skybody::Inertia, "inertia", "1.0.0",
+SKYBODY_PLUGIN(skybody::VehicleConstants, "vehicle_constants", "1.0.0",
                "Scales masses, inertias and rotor constants around the nominal.");

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 import skybody
-from skybody._native import Environment
+from skybody._native import CompiledScenario
 
 
-def test_numbers_are_those_of_the_scenario_file(hover: Environment) -> None:
+def test_numbers_are_those_of_the_scenario_file(hover: CompiledScenario) -> None:
     assert hover.name == "hover"
     assert Path(hover.file).name == "hover.yaml"
     assert hover.dt == 0.001
@@ -21,7 +21,7 @@ def test_numbers_are_those_of_the_scenario_file(hover: Environment) -> None:
     assert hover.agents == [0]
 
 
-def test_observation_channels_fill_the_row_without_gaps(hover: Environment) -> None:
+def test_observation_channels_fill_the_row_without_gaps(hover: CompiledScenario) -> None:
     first = 0
     for channel in hover.observation_channels:
         assert channel.first == first
@@ -32,18 +32,18 @@ def test_observation_channels_fill_the_row_without_gaps(hover: Environment) -> N
     assert hover.observation_channels[0].unit == "m"
 
 
-def test_info_channels_fill_the_info_row(hover: Environment) -> None:
+def test_info_channels_fill_the_info_row(hover: CompiledScenario) -> None:
     assert sum(c.count for c in hover.info_channels) == hover.info_size
 
 
-def test_action_channel_has_the_physical_range_of_the_signal(hover: Environment) -> None:
+def test_action_channel_has_the_physical_range_of_the_signal(hover: CompiledScenario) -> None:
     (channel,) = hover.action_channels
     assert (channel.robot, channel.name, channel.first, channel.count) == (0, "rotor_speed", 0, 4)
     assert channel.low == [0.0] * 4
     assert all(high > 0 for high in channel.high)
 
 
-def test_param_info_has_nominal_value_bounds_and_unit(hover: Environment) -> None:
+def test_param_info_has_nominal_value_bounds_and_unit(hover: CompiledScenario) -> None:
     path = "robots.quad.links.base_link.mass"
     assert path in hover.param_paths
     nominal, low, high, unit = hover.param_info(path)
@@ -53,7 +53,7 @@ def test_param_info_has_nominal_value_bounds_and_unit(hover: Environment) -> Non
         hover.param_info("robots.quad.colour")
 
 
-def test_plugins_in_use_have_versions(hover: Environment) -> None:
+def test_plugins_in_use_have_versions(hover: CompiledScenario) -> None:
     assert set(hover.plugins) >= {"rotor_speed", "hover"}
     assert all(hover.plugins.values())
 
@@ -64,15 +64,15 @@ def test_versions_name_the_library_and_simbody() -> None:
     assert versions["simbody"]
 
 
-def test_overrides_change_values_and_the_hash(hover: Environment) -> None:
-    other = Environment("hover", ["stepping.horizon=50"])
+def test_overrides_change_values_and_the_hash(hover: CompiledScenario) -> None:
+    other = CompiledScenario("hover", ["stepping.horizon=50"])
     assert other.horizon == 50
     assert other.scenario_hash != hover.scenario_hash
     assert other.scenario_text != hover.scenario_text
 
 
-def test_the_same_scenario_has_the_same_hash_from_its_path(hover: Environment) -> None:
-    again = Environment(Path(hover.file))
+def test_the_same_scenario_has_the_same_hash_from_its_path(hover: CompiledScenario) -> None:
+    again = CompiledScenario(Path(hover.file))
     assert again.scenario_hash == hover.scenario_hash
 
 
@@ -80,7 +80,7 @@ def test_every_mistake_of_a_scenario_is_named_with_its_place(tmp_path: Path) -> 
     file = tmp_path / "bad.yaml"
     file.write_text("name: bad\nstepping: {dt: -1, colour: red}\ntask: {plugin: nothing_like_it}\n")
     with pytest.raises(skybody.InputError) as caught:
-        Environment(file)
+        CompiledScenario(file)
     text = str(caught.value)
     assert isinstance(caught.value, ValueError)
     assert f"{file}:2:16: error:" in text  # dt
@@ -91,18 +91,18 @@ def test_every_mistake_of_a_scenario_is_named_with_its_place(tmp_path: Path) -> 
 
 def test_a_scenario_that_is_not_there_is_an_input_error() -> None:
     with pytest.raises(skybody.InputError, match="no_such_scenario"):
-        Environment("no_such_scenario")
+        CompiledScenario("no_such_scenario")
 
 
 def test_an_empty_name_of_a_scenario_is_an_input_error() -> None:
     with pytest.raises(skybody.InputError, match="no scenario is named"):
-        Environment("")
+        CompiledScenario("")
 
 
 def test_a_plugin_folder_that_is_missing_is_an_error_that_names_it(tmp_path: Path):
     missing = tmp_path / "missing"
     with pytest.raises(skybody.InputError, match=f"{missing}: error: the plugin path names this"):
-        Environment("hover", plugin_path=[missing])
+        CompiledScenario("hover", plugin_path=[missing])
 
 
 def test_messages_that_quote_bytes_that_are_no_text_are_text(tmp_path: Path) -> None:
@@ -113,18 +113,18 @@ def test_messages_that_quote_bytes_that_are_no_text_are_text(tmp_path: Path) -> 
         "robots: [{name: r, model: r.urdf}, {name: q, model: q.urdf}]\ntask: {plugin: hover}\n"
     )
     with pytest.raises(skybody.InputError) as caught:
-        Environment(file)
+        CompiledScenario(file)
     assert r"the control character `\x1b`, which XML forbids" in str(caught.value)
     assert r"the name of this <link>, `a\xff`, holds" in str(caught.value)
 
 
 def test_an_override_that_is_nested_too_deep_is_an_input_error() -> None:
     with pytest.raises(skybody.InputError, match="nested more than 64 levels deep"):
-        Environment("hover", ["gravity=" + "[" * 100_000])
+        CompiledScenario("hover", ["gravity=" + "[" * 100_000])
 
 
 def test_an_environment_is_pickled_as_what_it_was_loaded_from() -> None:
-    environment = Environment("hover", ["stepping.horizon=77"])
-    copy = pickle.loads(pickle.dumps(environment))
+    compiled = CompiledScenario("hover", ["stepping.horizon=77"])
+    copy = pickle.loads(pickle.dumps(compiled))
     assert copy.horizon == 77
-    assert copy.scenario_hash == environment.scenario_hash
+    assert copy.scenario_hash == compiled.scenario_hash

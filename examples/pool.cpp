@@ -1,5 +1,5 @@
 // Flies 64 quadrotors to a height of 1.5 m: a batch on two threads, its state by path, and a
-// control law in Eigen for all of them at once. Usage: example_vec_env [SCENARIO]
+// control law in Eigen for all of them at once. Usage: example_pool [SCENARIO]
 #include <skybody/eigen.h>
 #include <skybody/skybody.h>
 
@@ -7,13 +7,13 @@
 #include <cstdio>
 
 int main(int argc, char** argv) {
-  const auto environment = skybody::load_environment({argc > 1 ? argv[1] : "hover", {}, {}});
-  skybody::VecEnv envs(environment, {.envs = 64, .threads = 2, .seed = 1});
+  const auto compiled = skybody::compile_scenario({argc > 1 ? argv[1] : "hover", {}, {}});
+  skybody::Pool envs(compiled, {.envs = 64, .threads = 2, .seed = 1});
   envs.send_reset();
   auto batch = envs.recv();
 
   skybody::RowMatrix<double> position(envs.envs(), 3), velocity(envs.envs(), 3);
-  skybody::RowMatrix<float> actions(envs.envs(), environment->action_size());
+  skybody::RowMatrix<float> actions(envs.envs(), compiled->action_size());
   for (int step = 0; step < 4000; ++step) {
     envs.state("robots.quad.base.position", skybody::values_of(position));  // W [m]
     envs.state("robots.quad.base.velocity", skybody::values_of(velocity));  // W [m/s]
@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
 
   const double error = (position.col(2).array() - 1.5).abs().mean();
   std::printf("after %.1f s: mean height error %.3f m, mean reward %.3f, %lld observed values\n",
-              4000 * environment->scenario().stepping.dt, error, skybody::rewards(*batch).mean(),
+              4000 * compiled->scenario().stepping.dt, error, skybody::rewards(*batch).mean(),
               static_cast<long long>(skybody::observations(*batch).cols()));
   return error < 0.1 ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 #include <string>
 
@@ -15,7 +15,7 @@ std::uint64_t checksum(std::span<const std::uint64_t> words) {
   return hash_bytes(words.data(), words.size_bytes());
 }
 
-const VecEnvOptions& checked(const VecEnvOptions& options) {
+const PoolOptions& checked(const PoolOptions& options) {
   check_range("number of environments", options.envs, 1, kMostEnvs, "take at least one");
   check_range("batch", options.batch, 0, options.envs,
               "take at most the number of environments, or 0 for all of them");
@@ -25,62 +25,60 @@ const VecEnvOptions& checked(const VecEnvOptions& options) {
 
 }  // namespace
 
-VecEnv::VecEnv(std::shared_ptr<const Environment> environment, const VecEnvOptions& options)
-    : engine_(std::make_unique<Engine>(std::move(environment), checked(options))) {}
+Pool::Pool(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options)
+    : engine_(std::make_unique<Engine>(std::move(compiled), checked(options))) {}
 
 /// In a forked child there are no threads to join, and a lock may be held by one that is not there:
 /// nothing can be taken down, so it is left to the end of the process.
-VecEnv::~VecEnv() {
+Pool::~Pool() {
   if (!engine_->of_this_process()) static_cast<void>(engine_.release());
 }
 
-const Environment& VecEnv::environment() const { return engine_->fleet.environment(); }
-const std::shared_ptr<const Environment>& VecEnv::shared_environment() const {
-  return engine_->fleet.shared_environment();
+const CompiledScenario& Pool::compiled() const { return engine_->fleet.compiled(); }
+const std::shared_ptr<const CompiledScenario>& Pool::shared_scenario() const {
+  return engine_->fleet.shared_scenario();
 }
-int VecEnv::envs() const { return engine_->options.envs; }
-int VecEnv::batch() const { return engine_->options.batch; }
-int VecEnv::lanes() const { return engine_->fleet.span(); }
-int VecEnv::threads() const { return engine_->options.threads; }
-int VecEnv::pinned_threads() const { return engine_->crew().pinned(); }
-const VecEnvOptions& VecEnv::options() const { return engine_->options; }
-bool VecEnv::broken() const { return engine_->crew().failed(); }
-int VecEnv::in_flight() const { return engine_->in_flight_count; }
-std::uint64_t VecEnv::fresh_buffers() const { return engine_->fresh_buffers(); }
-std::uint64_t VecEnv::faults() const { return engine_->faults; }
+int Pool::envs() const { return engine_->options.envs; }
+int Pool::batch() const { return engine_->options.batch; }
+int Pool::lanes() const { return engine_->fleet.span(); }
+int Pool::threads() const { return engine_->options.threads; }
+int Pool::pinned_threads() const { return engine_->crew().pinned(); }
+const PoolOptions& Pool::options() const { return engine_->options; }
+bool Pool::broken() const { return engine_->crew().failed(); }
+int Pool::in_flight() const { return engine_->in_flight_count; }
+std::uint64_t Pool::fresh_buffers() const { return engine_->fresh_buffers(); }
+std::uint64_t Pool::faults() const { return engine_->faults; }
 
-void VecEnv::send_reset() {
+void Pool::send_reset() {
   const std::vector<std::uint8_t> all(static_cast<std::size_t>(envs()), 1);
   send_reset(all);
 }
 
-void VecEnv::send_reset(std::span<const std::uint8_t> mask) {
+void Pool::send_reset(std::span<const std::uint8_t> mask) {
   check_values("mask", mask.size(), 1, envs());
   engine_->send_reset(mask);
   if (engine_->observer) engine_->observer->reset_sent(mask);
 }
 
-void VecEnv::send_reset(std::uint64_t seed) {
+void Pool::send_reset(std::uint64_t seed) {
   engine_->send_reset(seed);
   if (engine_->observer) engine_->observer->reseeded(seed);
 }
 
-void VecEnv::send(std::span<const float> actions, std::span<const std::int32_t> env_ids) {
+void Pool::send(std::span<const float> actions, std::span<const std::int32_t> env_ids) {
   engine_->send_steps(actions, env_ids);
   if (engine_->observer) engine_->observer->actions_sent(actions, env_ids);
 }
 
-std::shared_ptr<const Batch> VecEnv::recv() {
-  return engine_->recv(Crew::Clock::time_point::max());
-}
+std::shared_ptr<const Batch> Pool::recv() { return engine_->recv(Crew::Clock::time_point::max()); }
 
-std::shared_ptr<const Batch> VecEnv::recv(std::chrono::milliseconds patience) {
+std::shared_ptr<const Batch> Pool::recv(std::chrono::milliseconds patience) {
   constexpr std::chrono::hours kForEver{24 * 365 * 100};  // later times overflow the clock
   if (patience >= kForEver) return recv();
   return engine_->recv(Crew::Clock::now() + patience);
 }
 
-std::vector<std::uint64_t> VecEnv::save() const {
+std::vector<std::uint64_t> Pool::save() const {
   engine_->check_idle("save()");
   std::vector<std::uint64_t> saved = engine_->fleet.save();
   saved.push_back(static_cast<std::uint64_t>(engine_->cursor));
@@ -88,7 +86,7 @@ std::vector<std::uint64_t> VecEnv::save() const {
   return saved;
 }
 
-void VecEnv::restore(std::span<const std::uint64_t> saved) {
+void Pool::restore(std::span<const std::uint64_t> saved) {
   engine_->check_idle("restore()");
   if (saved.size() < 2) throw Error("this is not a saved state: it is empty");
   const auto content = saved.first(saved.size() - 1);
@@ -104,7 +102,7 @@ void VecEnv::restore(std::span<const std::uint64_t> saved) {
   if (engine_->observer) engine_->observer->restored(saved);
 }
 
-void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey) {
+void Pool::fork(int source, std::span<const std::int32_t> targets, bool rekey) {
   engine_->check_alive();
   const auto check = [&](std::int32_t env) {
     engine_->check_id(env);
@@ -120,39 +118,39 @@ void VecEnv::fork(int source, std::span<const std::int32_t> targets, bool rekey)
   if (engine_->observer) engine_->observer->forked(source, targets, rekey);
 }
 
-void VecEnv::observations(std::span<float> observation) const {
+void Pool::observations(std::span<float> observation) const {
   engine_->check_idle("observations()");
   const FpEnvironment guard;
-  const int width = environment().observation_size();
+  const int width = compiled().observation_size();
   check_values("observation", observation.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
     engine_->fleet.observation(env, observation.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 
-void VecEnv::privileged(std::span<float> privileged) const {
+void Pool::privileged(std::span<float> privileged) const {
   engine_->check_idle("privileged()");
   const FpEnvironment guard;
-  const int width = environment().privileged_size();
+  const int width = compiled().privileged_size();
   check_values("privileged", privileged.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
     engine_->fleet.privileged(env, privileged.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 
-void VecEnv::image(int image, std::span<std::uint8_t> pixels) const {
+void Pool::image(int image, std::span<std::uint8_t> pixels) const {
   engine_->check_idle("image()");
-  check_index("image", image, static_cast<int>(environment().images().size()));
-  const int width = environment().images()[static_cast<std::size_t>(image)].bytes;
+  check_index("image", image, static_cast<int>(compiled().images().size()));
+  const int width = compiled().images()[static_cast<std::size_t>(image)].bytes;
   check_values("pixels", pixels.size(), static_cast<std::size_t>(envs()), width);
   for (int env = 0; env < envs(); ++env) {
     engine_->fleet.image(env, image, pixels.data() + static_cast<std::ptrdiff_t>(env) * width);
   }
 }
 
-void VecEnv::state(std::string_view path, std::span<double> values) const {
+void Pool::state(std::string_view path, std::span<double> values) const {
   engine_->check_idle("state()");
-  const StateValue& value = environment().state_values().at(path);
+  const StateValue& value = compiled().state_values().at(path);
   check_values("values", values.size(), static_cast<std::size_t>(envs()), value.count());
   for (int env = 0; env < envs(); ++env) {
     if (engine_->fleet.started(env)) continue;
@@ -163,40 +161,40 @@ void VecEnv::state(std::string_view path, std::span<double> values) const {
   engine_->fleet.state(value, values.data());
 }
 
-double VecEnv::param(int env, const std::string& path) const {
+double Pool::param(int env, const std::string& path) const {
   engine_->check_idle("param()");
   engine_->check_id(env);
   return engine_->fleet.param(env, path);
 }
 
-void VecEnv::set_param(int env, const std::string& path, double value) {
+void Pool::set_param(int env, const std::string& path, double value) {
   engine_->check_idle("set_param()");
   engine_->check_id(env);
   engine_->fleet.set_param(env, path, value);
   if (engine_->observer) engine_->observer->param_set(env, path, value);
 }
 
-StepCounts VecEnv::step_counts() const {
+StepCounts Pool::step_counts() const {
   engine_->check_idle("step_counts()");
   return engine_->fleet.step_counts();
 }
 
-std::uint64_t VecEnv::hash(int env) const {
+std::uint64_t Pool::hash(int env) const {
   engine_->check_idle("hash()");
   engine_->check_id(env);
   if (!engine_->options.keep_hash && !engine_->observer) {
-    throw StateError("no hash was kept: make the VecEnv with keep_hash");
+    throw StateError("no hash was kept: make the Pool with keep_hash");
   }
   return engine_->fleet.hash(env);
 }
 
-std::uint64_t VecEnv::hash() const {
+std::uint64_t Pool::hash() const {
   HashChain all;
   for (int env = 0; env < envs(); ++env) all.update(hash(env));
   return all.value();
 }
 
-void VecEnv::observe(std::shared_ptr<VecEnvObserver> observer) {
+void Pool::observe(std::shared_ptr<PoolObserver> observer) {
   if (observer) engine_->check_idle("observe()");
   engine_->observer = std::move(observer);
   engine_->fleet.keep_hash(engine_->options.keep_hash || engine_->observer != nullptr);

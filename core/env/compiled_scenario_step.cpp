@@ -6,7 +6,7 @@
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
 #include "core/base/octets.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
@@ -23,8 +23,8 @@ constexpr std::int64_t kLongestLeftOut = 1024;
 
 }  // namespace
 
-void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
-                       int action_stride, const Rows& rows) const {
+void CompiledScenario::step(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                            const float* actions, int action_stride, const Rows& rows) const {
   check(group, work, mask);
   work.bad_action = work.bad_state = 0;
   group.refresh(mask, work.physics);
@@ -37,7 +37,7 @@ void Environment::step(StateGroup& group, GroupWork& work, std::uint32_t mask, c
 }
 
 /// The physics steps of an action.
-void Environment::fly_action(StateGroup& group, GroupWork& work, SkybodyLanes lanes) const {
+void CompiledScenario::fly_action(StateGroup& group, GroupWork& work, SkybodyLanes lanes) const {
   const int steps = scenario().stepping.action_repeat;
   const int period = task().period > 0 ? task().period : steps;  // of the command
   for (int k = 0; k < steps && lanes.active != 0; ++k) {
@@ -51,20 +51,22 @@ void Environment::fly_action(StateGroup& group, GroupWork& work, SkybodyLanes la
 
 /// One physics step. Lanes that do not come through are active no longer.
 /// @param steps_left  behind this one, before anybody but plugins looks
-void Environment::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lanes,
-                      std::int64_t steps_left) const {
+void CompiledScenario::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lanes,
+                           std::int64_t steps_left) const {
   control(group, work, lanes);
   apply_effects(group, lanes);
   lanes.active = advance(group, work, lanes.active);
   sense(group, lanes, steps_left);
 }
 
-void Environment::check(const StateGroup& group, const GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::check(const StateGroup& group, const GroupWork& work,
+                             std::uint32_t mask) const {
   SKYBODY_DEMAND(work.lanes == group.lanes(), "a work of another group size");
   SKYBODY_DEMAND(group.lanes() >= 32 || (mask >> group.lanes()) == 0, "a mask beyond the group");
 }
 
-SkybodyLanes Environment::view(const StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+SkybodyLanes CompiledScenario::view(const StateGroup& group, GroupWork& work,
+                                    std::uint32_t mask) const {
   const Layout& l = layout();
   SkybodyLanes v{};
   v.lanes = static_cast<std::uint32_t>(group.lanes());
@@ -88,14 +90,14 @@ SkybodyLanes Environment::view(const StateGroup& group, GroupWork& work, std::ui
   return v;
 }
 
-void Environment::update(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::update(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
   group.refresh(mask, work.physics);
 }
 
 /// P_i: clip the action. A row that is not finite keeps the last action instead and makes this
 /// transition a fault.
-void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
-                      const float* actions, int action_stride) const {
+void CompiledScenario::act(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
+                           const float* actions, int action_stride) const {
   const Block& action = layout().action;
   work.bad_action =
       view.active & ~row_kernels().read_clipped(view.active, group.lanes(), actions, action_stride,
@@ -103,7 +105,8 @@ void Environment::act(StateGroup& group, GroupWork& work, const SkybodyLanes& vi
 }
 
 /// Turns the action into the command.
-void Environment::make_command(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+void CompiledScenario::make_command(StateGroup& group, GroupWork& work,
+                                    const SkybodyLanes& view) const {
   const Layout& l = layout();
   const auto values = static_cast<std::size_t>(l.command.size * group.lanes());
   if (task().interpolates) {
@@ -118,7 +121,8 @@ void Environment::make_command(StateGroup& group, GroupWork& work, const Skybody
 }
 
 /// From [-1, 1] to what the action's channels mean.
-void Environment::scale_action(const StateGroup& group, std::uint32_t mask, double* out) const {
+void CompiledScenario::scale_action(const StateGroup& group, std::uint32_t mask,
+                                    double* out) const {
   const int lanes = group.lanes();
   const double* action = group.reals(layout().action);
   for (const ActionChannel& channel : action_channels_) {
@@ -132,8 +136,8 @@ void Environment::scale_action(const StateGroup& group, std::uint32_t mask, doub
 /// there was none.
 /// @param step      1..steps
 /// @param is_first  of the action
-void Environment::move_command(StateGroup& group, const GroupWork& work, std::uint32_t mask,
-                               int step, int steps, bool is_first) const {
+void CompiledScenario::move_command(StateGroup& group, const GroupWork& work, std::uint32_t mask,
+                                    int step, int steps, bool is_first) const {
   const Block& block = layout().command;
   const double share = static_cast<double>(step) / steps;
   const std::uint64_t* actions = group.bits(kStep);
@@ -149,7 +153,7 @@ void Environment::move_command(StateGroup& group, const GroupWork& work, std::ui
 }
 
 /// The task makes the command, from physical values where it has an action of its own.
-void Environment::process(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+void CompiledScenario::process(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
   const bool has_own = !task().actions.empty();
   if (has_own) scale_action(group, view.active, work.action.data());
   const double* action = has_own ? work.action.data() : view.action;
@@ -163,8 +167,8 @@ void Environment::process(StateGroup& group, GroupWork& work, const SkybodyLanes
 
 /// The lanes in which a plugin that has a period is to be called before this physics step, or
 /// behind it.
-std::uint32_t Environment::due(const PluginInstance& plugin, const StateGroup& group,
-                               std::uint32_t mask) const {
+std::uint32_t CompiledScenario::due(const PluginInstance& plugin, const StateGroup& group,
+                                    std::uint32_t mask) const {
   if (plugin.period <= 1) return mask;
   const std::uint64_t* count = group.bits(kPhysicsStep);
   std::uint32_t due = 0;
@@ -175,12 +179,12 @@ std::uint32_t Environment::due(const PluginInstance& plugin, const StateGroup& g
 }
 
 /// C_i: every chain's controllers in order, from the latest state.
-void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
+void CompiledScenario::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view) const {
   for (const ControllerChain& chain : chains_) control(group, work, view, chain);
 }
 
-void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
-                          const ControllerChain& chain) const {
+void CompiledScenario::control(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
+                               const ControllerChain& chain) const {
   const int lanes = group.lanes();
   const double* input = group.reals(layout().command) + chain.command * lanes;
   for (int i = 0; i < chain.count; ++i) {
@@ -223,7 +227,8 @@ void Environment::control(StateGroup& group, GroupWork& work, const SkybodyLanes
 /// x_{k-1} -> x_k with the command held; lanes whose physics gives up stay in their last finite
 /// state.
 /// @returns the lanes that came through
-std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWork& work,
+                                        std::uint32_t mask) const {
   remember_bodies(group, mask);
   const std::uint32_t through = group.advance(mask, work.physics);
   work.bad_state |= mask & ~through;
@@ -233,7 +238,7 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
 }
 
 /// For plugins that look at where bodies were before the last physics step.
-void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
+void CompiledScenario::remember_bodies(StateGroup& group, std::uint32_t mask) const {
   if (!needs_bodies_before_) return;
   const Block& block = layout().bodies_before;
   keep(group, mask, block.size, group.bodies(), group.writable(block, mask));
@@ -242,8 +247,8 @@ void Environment::remember_bodies(StateGroup& group, std::uint32_t mask) const {
 /// Sensors that are due after this physics step, each lane by its own count; but those that are
 /// called only when they are read not if they will be due once more before that. A sensor may have
 /// to make up for what was left out, so that is not more than kLongestLeftOut steps.
-void Environment::sense(StateGroup& group, const SkybodyLanes& view,
-                        std::int64_t steps_left) const {
+void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
+                             std::int64_t steps_left) const {
   for (const PluginInstance& s : plugins_[SKYBODY_SENSOR]) {
     if (s.is_only_when_read && std::max(s.period, 1) <= steps_left % kLongestLeftOut) continue;
     SkybodyLanes v = view;
@@ -252,8 +257,8 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& view,
   }
 }
 
-void Environment::sense(StateGroup& group, const SkybodyLanes& view,
-                        const PluginInstance& sensor) const {
+void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
+                             const PluginInstance& sensor) const {
   SkybodyLanes v = view;
   v.images = group.images().bytes() + sensor.images;
   v.image_stride = 8 * image_words_;
@@ -266,8 +271,8 @@ void Environment::sense(StateGroup& group, const SkybodyLanes& view,
 }
 
 /// Psi_i: what the task says about the final state.
-void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
-                           bool wants_info) const {
+void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, const SkybodyLanes& view,
+                                bool wants_info) const {
   work.clear_outcome(wants_info);
   AlignedArray<double>& values = plan_.is_task_in_place ? work.observation : work.task_values;
   const SkybodyEvaluation out{values.data(),    work.reward.data(),
@@ -284,7 +289,7 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, const SkybodyLane
 }
 
 /// Values beside the observation that other plugins keep in their buffers, behind the task's.
-void Environment::write_reports(const StateGroup& group, GroupWork& work) const {
+void CompiledScenario::write_reports(const StateGroup& group, GroupWork& work) const {
   const int lanes = group.lanes();
   double* to = work.info.data() + value_count(task().infos) * lanes;
   for (const auto& list : plugins_) {
@@ -298,7 +303,7 @@ void Environment::write_reports(const StateGroup& group, GroupWork& work) const 
 }
 
 /// Puts the observation together where the task has not written all of it to its place.
-void Environment::gather_observation(const StateGroup& group, GroupWork& work) const {
+void CompiledScenario::gather_observation(const StateGroup& group, GroupWork& work) const {
   const int lanes = group.lanes();
   for (const ObservationPart& part : plan_.parts) {
     const double* values =
@@ -308,8 +313,8 @@ void Environment::gather_observation(const StateGroup& group, GroupWork& work) c
   }
 }
 
-void Environment::goal(StateGroup& group, GroupWork& work, int lane,
-                       std::vector<double>& out) const {
+void CompiledScenario::goal(StateGroup& group, GroupWork& work, int lane,
+                            std::vector<double>& out) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
   out.assign(task().goals.size() * 4, 0.0);
@@ -328,8 +333,8 @@ void Environment::goal(StateGroup& group, GroupWork& work, int lane,
   }
 }
 
-void Environment::hash(const StateGroup& group, int lane, const Rows& rows,
-                       HashChain& chain) const {
+void CompiledScenario::hash(const StateGroup& group, int lane, const Rows& rows,
+                            HashChain& chain) const {
   const auto lanes = static_cast<std::size_t>(group.lanes());
   const std::uint64_t* words = group.bits(0) + lane;
   for (int k = 0; k < layout().words; ++k) {

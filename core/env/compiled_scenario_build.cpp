@@ -1,5 +1,5 @@
-// Building an Environment: parameters of plugins join WorldState, plugins are configured, signals
-// are checked, and every block gets its place.
+// Building a CompiledScenario: parameters of plugins join state words, plugins are configured,
+// signals are checked, and every block gets its place.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/env/check_declarations.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/setup_tables.h"
 #include "core/env/state_values.h"
@@ -32,15 +32,15 @@ struct BoundUse {
 
 }  // namespace
 
-struct Environment::Builder {
-  Environment& env;
+struct CompiledScenario::Builder {
+  CompiledScenario& env;
   PluginFactory& factory;
   const Topology topology;
   const Scenario& scenario = topology.scenario;
   WorldPlan plan;
   std::vector<BoundUse> uses;
 
-  Builder(Environment& e, Scenario s, PluginFactory& f)
+  Builder(CompiledScenario& e, Scenario s, PluginFactory& f)
       : env(e), factory(f), topology(std::move(s)), plan(topology) {}
 
   void build() {
@@ -301,7 +301,7 @@ struct Environment::Builder {
   }
 };
 
-Environment::Environment(Scenario scenario, PluginFactory& factory, Checking checking)
+CompiledScenario::CompiledScenario(Scenario scenario, PluginFactory& factory, Checking checking)
     : is_checked_(checking == Checking::kYes) {
   Builder(*this, std::move(scenario), factory).build();
   write_default_state(*world_, initial_);
@@ -309,9 +309,9 @@ Environment::Environment(Scenario scenario, PluginFactory& factory, Checking che
   state_values_ = std::make_unique<const StateValues>(*this);
 }
 
-Environment::~Environment() = default;
+CompiledScenario::~CompiledScenario() = default;
 
-Block Environment::commands_of(int robot) const {
+Block CompiledScenario::commands_of(int robot) const {
   Block commands{layout().command.offset, 0};
   for (const ControllerChain& chain : chains_) {
     if (chain.robot < robot) commands.offset += chain.inputs;
@@ -320,7 +320,7 @@ Block Environment::commands_of(int robot) const {
   return commands;
 }
 
-StateGroup Environment::make_state(int lanes) const {
+StateGroup CompiledScenario::make_state(int lanes) const {
   SKYBODY_DEMAND(lanes == 1 || lanes == kGroupLanes, "a group has one lane or kGroupLanes");
   const int bodies =
       physics_->bodies_are_coordinates() ? 0 : static_cast<int>(world_->bodies.size());
@@ -328,7 +328,7 @@ StateGroup Environment::make_state(int lanes) const {
 }
 
 /// How many values plugins may touch.
-SkybodyChecks Environment::make_checks() const {
+SkybodyChecks CompiledScenario::make_checks() const {
   SkybodyChecks checks{};
   checks.bodies = static_cast<int>(world_->bodies.size());
   checks.rotors = static_cast<int>(world_->rotors.size());
@@ -342,7 +342,7 @@ SkybodyChecks Environment::make_checks() const {
   return checks;
 }
 
-std::unique_ptr<GroupWork> Environment::make_work(int lanes) const {
+std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   auto work = std::make_unique<GroupWork>();
   const auto n = static_cast<std::size_t>(lanes);
   const auto values = [n](std::size_t count) { return AlignedArray<double>(count * n); };

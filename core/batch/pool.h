@@ -14,8 +14,8 @@
 #include "core/base/error.h"
 #include "core/batch/batch.h"
 #include "core/batch/observer.h"
-#include "core/batch/vec_env_options.h"
-#include "core/env/environment.h"
+#include "core/batch/pool_options.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/state_values.h"
 
 namespace skybody {
@@ -26,7 +26,7 @@ class BufferInUse : public Error {
   using Error::Error;
 };
 
-/// The call does not fit what the VecEnv is doing, whatever its arguments: environments are in
+/// The call does not fit what the Pool is doing, whatever its arguments: environments are in
 /// flight, no hash is kept, it belongs to the parent process.
 class StateError : public Error {
  public:
@@ -37,25 +37,25 @@ class StateError : public Error {
 /// waits for N_B finished environments, working with the others meanwhile. All methods belong to
 /// one thread at a time. A fault in one environment ends its episode and touches no other.
 ///
-/// Any exception that a worker meets comes out of the next recv(); the VecEnv is then broken and
+/// Any exception that a worker meets comes out of the next recv(); the Pool is then broken and
 /// every later call throws the same. After a fork() of the process, calls in the child throw.
-class VecEnv {
+class Pool {
  public:
   /// @throws Error if an option is out of range
-  VecEnv(std::shared_ptr<const Environment> environment, const VecEnvOptions& options);
+  Pool(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions& options);
   /// Waits for steps under way; what was not yet begun is dropped.
-  ~VecEnv();
-  VecEnv(const VecEnv&) = delete;
-  VecEnv& operator=(const VecEnv&) = delete;
+  ~Pool();
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
 
-  const Environment& environment() const;
-  const std::shared_ptr<const Environment>& shared_environment() const;
+  const CompiledScenario& compiled() const;
+  const std::shared_ptr<const CompiledScenario>& shared_scenario() const;
   int envs() const;
   int batch() const;
   int threads() const;
   int lanes() const;           ///< environments that are stepped side by side, 1 ... 32
   int pinned_threads() const;  ///< workers that have a processor of their own
-  const VecEnvOptions& options() const;
+  const PoolOptions& options() const;
 
   /// Begins new episodes in all environments, or in those whose byte in `mask` is not 0; recv()
   /// gives their first observations. @throws Error if one of them is in flight
@@ -101,12 +101,12 @@ class VecEnv {
   void observations(std::span<float> observation) const;
   /// Last privileged row of every environment, N_E x privileged_size().
   void privileged(std::span<float> privileged) const;
-  /// One of the observation's images (Environment::images) of every environment.
+  /// One of the observation's images (CompiledScenario::images) of every environment.
   /// @param pixels  N_E times its bytes. @throws Error on another size, or if there is no such
   /// image
   void image(int image, std::span<std::uint8_t> pixels) const;
   /// A value of the state of every environment, such as robots.quad.base.position: see
-  /// Environment::state_values() for what there is, with units, frames and shapes. Does not
+  /// CompiledScenario::state_values() for what there is, with units, frames and shapes. Does not
   /// allocate.
   /// @param values  N_E x StateValue::count(), written
   /// @throws Error if there is no such value, on another number of values, or if an environment has
@@ -116,7 +116,7 @@ class VecEnv {
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
 
-  /// Physics steps of all environments since the VecEnv was made, by the dynamics that took them.
+  /// Physics steps of all environments since the Pool was made, by the dynamics that took them.
   /// @throws Error while some are in flight
   StepCounts step_counts() const;
 
@@ -127,7 +127,7 @@ class VecEnv {
 
   /// Tells an observer of everything from now on, in the place of the one before; null: nobody.
   /// Hashes are kept while there is one. @throws Error if one comes while some are in flight
-  void observe(std::shared_ptr<VecEnvObserver> observer);
+  void observe(std::shared_ptr<PoolObserver> observer);
 
  private:
   class Engine;

@@ -4,14 +4,14 @@
 
 #include "core/base/fp_environment.h"
 #include "core/base/octets.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
 
 namespace skybody {
 
-void Environment::initialize(StateGroup& group, int lane, std::uint64_t seed,
-                             std::uint64_t stream_env) const {
+void CompiledScenario::initialize(StateGroup& group, int lane, std::uint64_t seed,
+                                  std::uint64_t stream_env) const {
   group.clear(lane);
   group.writable(kSeed)[lane] = seed;
   group.writable(kStreamEnv)[lane] = stream_env;
@@ -20,7 +20,7 @@ void Environment::initialize(StateGroup& group, int lane, std::uint64_t seed,
 }
 
 /// The scenario's poses, velocities, rotors, held commands and joint drives.
-void Environment::place_at_start(StateGroup& group, int lane) const {
+void CompiledScenario::place_at_start(StateGroup& group, int lane) const {
   const Layout& l = layout();
   group.scatter(lane, l.q, initial_.q.data());
   group.scatter(lane, l.u, initial_.u.data());
@@ -31,8 +31,8 @@ void Environment::place_at_start(StateGroup& group, int lane) const {
   group.scatter(lane, l.joint_state, initial_.joint_state.data());
 }
 
-void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                        const Rows& rows) const {
+void CompiledScenario::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                             const Rows& rows) const {
   check(group, work, mask);
   work.bad_action = work.bad_state = 0;
   start(group, mask);
@@ -57,7 +57,7 @@ void Environment::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
 
 /// Counters, the scenario's poses, and no commands. Drawn parameters stay until a randomizer is
 /// due.
-void Environment::start(StateGroup& group, std::uint32_t mask) const {
+void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   each_lane(mask, [&](int lane) {
     ++group.writable(kEpisode)[lane];
@@ -74,7 +74,7 @@ void Environment::start(StateGroup& group, std::uint32_t mask) const {
 }
 
 /// All words of plugins to 0, but those of randomizers, which keep theirs; and nothing is held.
-void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) const {
+void CompiledScenario::clear_plugin_states(StateGroup& group, std::uint32_t mask) const {
   for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
     if (kind == SKYBODY_RANDOMIZER) continue;
     for (const PluginInstance& p : plugins_[static_cast<std::size_t>(kind)]) {
@@ -92,16 +92,16 @@ void Environment::clear_plugin_states(StateGroup& group, std::uint32_t mask) con
   clear_held(group, mask);
 }
 
-void Environment::reset_plugin(const PluginInstance& plugin, StateGroup& group, GroupWork& work,
-                               std::uint32_t mask) const {
+void CompiledScenario::reset_plugin(const PluginInstance& plugin, StateGroup& group,
+                                    GroupWork& work, std::uint32_t mask) const {
   if (plugin.kernels.reset == nullptr) return;
   const SkybodyLanes v = view(group, work, mask);
   call_plugin(plugin.kernels.reset, plugin, group, v, no_sizes);
 }
 
 /// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
-void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                       bool requested) const {
+void CompiledScenario::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                            bool requested) const {
   const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
   if (randomizers.empty()) return;
   const Layout& l = layout();
@@ -118,7 +118,7 @@ void Environment::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
 
 /// Rotors stand still where a wrench or a drive moves the robot in their place: it would be pushed
 /// twice while they run down.
-void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
+void CompiledScenario::silence_rotors(StateGroup& group, std::uint32_t mask) const {
   for (int r = 0; r < static_cast<int>(scenario().robots.size()); ++r) {
     bool is_moved = false, has_live_rotors = false;
     for (const ControllerChain& chain : chains_) {
@@ -139,7 +139,7 @@ void Environment::silence_rotors(StateGroup& group, std::uint32_t mask) const {
 }
 
 /// Position drives begin where the joints are, drawn or not.
-void Environment::settle_joint_drives(StateGroup& group, std::uint32_t mask) const {
+void CompiledScenario::settle_joint_drives(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   for (std::size_t i = 0; i < world_->joint_drives.size(); ++i) {
     const JointDrive& drive = world_->joint_drives[i];
@@ -153,7 +153,7 @@ void Environment::settle_joint_drives(StateGroup& group, std::uint32_t mask) con
   }
 }
 
-void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int param) const {
+void CompiledScenario::hold_to_bounds(StateGroup& group, std::uint32_t mask, int param) const {
   const EnvParam& info = layout().param_info[static_cast<std::size_t>(param)];
   double* values = group.writable({layout().params.offset + param, 1}, mask);
   each_lane(mask, [&](int lane) {
@@ -164,8 +164,8 @@ void Environment::hold_to_bounds(StateGroup& group, std::uint32_t mask, int para
 
 /// Requested draws have counters of their own, beyond all physics steps, so that they differ from
 /// one another and from the reset's.
-const std::uint64_t* Environment::number_requests(StateGroup& group, GroupWork& work,
-                                                  std::uint32_t mask) const {
+const std::uint64_t* CompiledScenario::number_requests(StateGroup& group, GroupWork& work,
+                                                       std::uint32_t mask) const {
   std::uint64_t* requests = group.writable(kRequests);
   for (int lane = 0; lane < group.lanes(); ++lane) {
     if (((mask >> lane) & 1u) != 0) ++requests[lane];
@@ -174,7 +174,7 @@ const std::uint64_t* Environment::number_requests(StateGroup& group, GroupWork& 
   return work.request.data();
 }
 
-void Environment::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
   check(group, work, mask);
   const FpEnvironment guard;
   update(group, work, mask);

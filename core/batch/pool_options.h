@@ -1,4 +1,4 @@
-// How a VecEnv is made, and the words for it in files and on command lines.
+// How a Pool is made, and the words for it in files and on command lines.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ enum class Autoreset {
   kDisabled,  ///< the caller resets; stepping an ended environment is an error
 };
 
-/// How a VecEnv is made.
-struct VecEnvOptions {
+/// How a Pool is made.
+struct PoolOptions {
   int envs = 1;     ///< N_E
   int batch = 0;    ///< N_B <= N_E; 0: N_E
   int threads = 0;  ///< N_T, the caller counted; 0: one per processor, at most one per environment

@@ -1,7 +1,7 @@
 // The arguments of a batch of environments, shared by the commands that step one.
 #pragma once
 
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 
 namespace CLI {
 class App;
@@ -11,6 +11,6 @@ namespace skybody {
 
 /// Declares --envs, --threads, --batch and --order (`fixed` or `arrival`), with the defaults that
 /// `options` has.
-void add_vec_env_options(CLI::App& command, VecEnvOptions& options);
+void add_pool_options(CLI::App& command, PoolOptions& options);
 
 }  // namespace skybody

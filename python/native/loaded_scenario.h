@@ -6,19 +6,19 @@
 #include <string>
 
 #include "core/assemble/load.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 
 namespace skybody::python {
 
-/// Shared with every Pool and Simulation that was made of it; nothing in it changes.
-class LoadedEnvironment {
+/// Shared with every PythonPool and Simulation that was made of it; nothing in it changes.
+class LoadedScenario {
  public:
   /// Releases the GIL while it loads. @throws InputError
-  explicit LoadedEnvironment(LoadOptions options);
+  explicit LoadedScenario(LoadOptions options);
 
-  const std::shared_ptr<const Environment>& shared() const { return environment_; }
-  const Environment& operator*() const { return *environment_; }
-  const Environment* operator->() const { return environment_.get(); }
+  const std::shared_ptr<const CompiledScenario>& shared() const { return compiled_; }
+  const CompiledScenario& operator*() const { return *compiled_; }
+  const CompiledScenario* operator->() const { return compiled_.get(); }
   const LoadOptions& options() const { return options_; }
 
   /// Versions of the plugins that the scenario uses, by their names.
@@ -28,7 +28,7 @@ class LoadedEnvironment {
 
  private:
   LoadOptions options_;
-  std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const CompiledScenario> compiled_;
 };
 
 }  // namespace skybody::python

@@ -37,10 +37,10 @@ inline constexpr int kBodyMotionSize = 13;
 /// One environment (Real = double) or several side by side (Real = Pack<W>), read-only.
 /// Indices of bodies, rotors, sensors and parameters are found in configure().
 template <class Real>
-class Lanes {
+class EnvView {
  public:
   /// @param first  the first lane that this view serves
-  Lanes(const SkybodyLanes& raw, std::uint32_t first, MaskOf<Real> mask)
+  EnvView(const SkybodyLanes& raw, std::uint32_t first, MaskOf<Real> mask)
       : raw_(raw), first_(first), mask_(mask) {}
 
   /// Motion of a world body, at the latest physics state.

@@ -4,7 +4,7 @@
 
 #include "core/base/fp_environment.h"
 #include "core/base/octets.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
 #include "core/env/group_work.h"
 
@@ -28,8 +28,8 @@ void add_contact(const Contact& contact, int body, double sign, const StateGroup
 
 }  // namespace
 
-std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                                   std::int64_t physics_steps) const {
+std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                                        std::int64_t physics_steps) const {
   check(group, work, mask);
   const FpEnvironment guard;
   update(group, work, mask);
@@ -42,8 +42,8 @@ std::uint32_t Environment::advance(StateGroup& group, GroupWork& work, std::uint
   return lanes.active;
 }
 
-void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                           const Rows& rows) const {
+void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                                const Rows& rows) const {
   check(group, work, mask);
   const FpEnvironment guard;
   work.bad_action = work.bad_state = 0;
@@ -56,20 +56,22 @@ void Environment::evaluate(StateGroup& group, GroupWork& work, std::uint32_t mas
   conclude(group, work, mask, false, rows);
 }
 
-void Environment::accelerations(StateGroup& group, GroupWork& work, int lane, double* udot) const {
+void CompiledScenario::accelerations(StateGroup& group, GroupWork& work, int lane,
+                                     double* udot) const {
   const FpEnvironment guard;
   group.accelerations(lane, work.physics, udot);
 }
 
-std::vector<Contact> Environment::contacts(StateGroup& group, GroupWork& work, int lane) const {
+std::vector<Contact> CompiledScenario::contacts(StateGroup& group, GroupWork& work,
+                                                int lane) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
   return find_contacts(group, work, lane);
 }
 
 /// Of a lane that is up to date.
-std::vector<Contact> Environment::find_contacts(StateGroup& group, GroupWork& work,
-                                                int lane) const {
+std::vector<Contact> CompiledScenario::find_contacts(StateGroup& group, GroupWork& work,
+                                                     int lane) const {
   std::array<double, kWorldParamCount> constants;
   const Block block{layout().params.offset + layout().world_params, kWorldParamCount};
   group.gather(lane, block, constants.data());
@@ -79,7 +81,8 @@ std::vector<Contact> Environment::find_contacts(StateGroup& group, GroupWork& wo
 }
 
 /// What touches each body, added up, for plugins that ask.
-void Environment::sense_contacts(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+void CompiledScenario::sense_contacts(StateGroup& group, GroupWork& work,
+                                      std::uint32_t mask) const {
   if (!needs_contacts_ || mask == 0) return;
   const int lanes = group.lanes();
   double* sums = group.writable(layout().contacts, mask);

@@ -1,4 +1,4 @@
-// A VecEnv as Python holds it: one thread at a time, without the GIL, closable.
+// A Pool as Python holds it: one thread at a time, without the GIL, closable.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -9,28 +9,28 @@
 #include <memory>
 #include <utility>
 
-#include "core/batch/vec_env.h"
+#include "core/batch/pool.h"
 #include "core/replay/replay_recorder.h"
-#include "python/native/environment.h"
 #include "python/native/errors.h"
 #include "python/native/exclusive.h"
+#include "python/native/loaded_scenario.h"
 
 namespace skybody::python {
 
-class Pool {
+class PythonPool {
  public:
   /// @throws ValueError if an option is out of range
-  Pool(const LoadedEnvironment& environment, const VecEnvOptions& options);
-  ~Pool();
-  Pool(const Pool&) = delete;
-  Pool& operator=(const Pool&) = delete;
+  PythonPool(const LoadedScenario& compiled, const PoolOptions& options);
+  ~PythonPool();
+  PythonPool(const PythonPool&) = delete;
+  PythonPool& operator=(const PythonPool&) = delete;
 
-  /// Calls work(VecEnv&) alone and without the GIL.
+  /// Calls work(Pool&) alone and without the GIL.
   /// @throws Error if closed, in use by another thread, or made before a fork()
   template <class Work>
   decltype(auto) call(Work&& work) {
     const Exclusive alone(in_use_, "pool");
-    VecEnv& engine = open();
+    Pool& engine = open();
     const nb::gil_scoped_release release;
     return std::forward<Work>(work)(engine);
   }
@@ -39,7 +39,7 @@ class Pool {
   template <class Work>
   decltype(auto) call_with_argument(Work&& work) {
     const Exclusive alone(in_use_, "pool");
-    VecEnv& engine = open();
+    Pool& engine = open();
     const nb::gil_scoped_release release;
     if (engine.broken()) return std::forward<Work>(work)(engine);  // throws what the worker met
     return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(engine); });
@@ -60,21 +60,21 @@ class Pool {
   void close();
   bool closed() const { return engine_ == nullptr; }
 
-  const LoadedEnvironment& environment() const { return environment_; }
+  const LoadedScenario& compiled() const { return compiled_; }
   int envs() const { return envs_; }
   int batch() const { return batch_; }
   int threads() const { return threads_; }
   int pinned_threads() const { return pinned_threads_; }
 
  private:
-  VecEnv& open() const;
+  Pool& open() const;
   bool of_this_process() const;
   void finish_recording();
   void let_go();
 
-  LoadedEnvironment environment_;
+  LoadedScenario compiled_;
   std::shared_ptr<ReplayRecorder> recorder_;  ///< the engine's observer
-  std::unique_ptr<VecEnv> engine_;
+  std::unique_ptr<Pool> engine_;
   std::atomic<bool> in_use_ = false;
   int process_;
   int envs_ = 0, batch_ = 0, threads_ = 0, pinned_threads_ = 0;

@@ -1,5 +1,5 @@
 // The transition contract for one world (paper eq. 3): immutable, shared by all environments of a
-// scenario. Steps lane groups of WorldState; holds none itself.
+// scenario. Steps lane groups of state words; holds none itself.
 #pragma once
 
 #include <array>
@@ -49,14 +49,14 @@ enum class Checking { kNo, kYes };
 /// groups and works. step(), reset(), update() and hash() want an FpEnvironment around them
 /// (reading the mode waits for all arithmetic before it, so it is done once for many groups); the
 /// others set the mode themselves and restore it.
-class Environment {
+class CompiledScenario {
  public:
   /// Configures the plugins and builds the world.
   /// @throws MarkedError with the scenario's line if a plugin refuses or signals do not fit
   /// @param checking  kYes: checked mode. Groups have one lane, and calls throw MarkedError where a
   ///                  plugin touches values beyond those that it may
-  Environment(Scenario scenario, PluginFactory& factory, Checking checking = Checking::kNo);
-  ~Environment();
+  CompiledScenario(Scenario scenario, PluginFactory& factory, Checking checking = Checking::kNo);
+  ~CompiledScenario();
 
   const World& world() const { return *world_; }
   const Layout& layout() const { return world_->layout; }
@@ -81,7 +81,7 @@ class Environment {
   /// The images of the observation, in the order of their columns.
   const std::vector<ObservedImage>& images() const { return plan_.images; }
   int info_size() const { return value_count(info_channels_); }
-  /// Words of what a StateGroup saves of an environment: WorldState, then images.
+  /// Words of what a StateGroup saves of an environment: state words, then images.
   std::size_t saved_words() const {
     return static_cast<std::size_t>(layout().words) + image_words_;
   }
@@ -123,7 +123,7 @@ class Environment {
   /// Draws from all randomizers now, whatever their schedule; episode and motion go on.
   void randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
 
-  /// Makes the work's bodies and sensors' view current after WorldState was changed from outside.
+  /// Makes the work's bodies and sensors' view current after state words were changed from outside.
   void update(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
 
   /// Generalised accelerations of one lane now, with the rotor commands, wrenches and drives of the

@@ -1,4 +1,4 @@
-#include "python/native/environment.h"
+#include "python/native/loaded_scenario.h"
 
 #include <nanobind/nanobind.h>
 
@@ -9,12 +9,12 @@
 namespace skybody::python {
 namespace nb = nanobind;
 
-LoadedEnvironment::LoadedEnvironment(LoadOptions options) : options_(std::move(options)) {
+LoadedScenario::LoadedScenario(LoadOptions options) : options_(std::move(options)) {
   const nb::gil_scoped_release release;
-  environment_ = load_environment(options_);
+  compiled_ = compile_scenario(options_);
 }
 
-std::map<std::string, std::string> LoadedEnvironment::plugins() const {
+std::map<std::string, std::string> LoadedScenario::plugins() const {
   const auto registry = find_plugins(options_);
   std::map<std::string, std::string> versions;
   const auto add = [&](const PluginInstance& instance) {
@@ -22,18 +22,18 @@ std::map<std::string, std::string> LoadedEnvironment::plugins() const {
     if (entry != nullptr) versions[instance.plugin] = entry->version;
   };
   for (int kind = 0; kind < SKYBODY_KIND_COUNT; ++kind) {
-    for (const PluginInstance& p : environment_->plugins(static_cast<SkybodyKind>(kind))) add(p);
+    for (const PluginInstance& p : compiled_->plugins(static_cast<SkybodyKind>(kind))) add(p);
   }
   return versions;
 }
 
-const EnvParam& LoadedEnvironment::param(const std::string& path) const {
-  const int index = environment_->layout().find_param(path);
+const EnvParam& LoadedScenario::param(const std::string& path) const {
+  const int index = compiled_->layout().find_param(path);
   if (index < 0) {
     throw nb::value_error(
         ("nothing randomizable is called `" + path + "`: param_paths lists what there is").c_str());
   }
-  return environment_->layout().param_info[static_cast<std::size_t>(index)];
+  return compiled_->layout().param_info[static_cast<std::size_t>(index)];
 }
 
 }  // namespace skybody::python

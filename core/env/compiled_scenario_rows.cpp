@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "core/base/octets.h"
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 #include "core/env/group_lanes.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
@@ -26,8 +26,8 @@ std::uint64_t fault_reason(const GroupWork& work, int lane, std::uint32_t finite
 }  // namespace
 
 /// Horizon and faults, then the rows. A fault gives the last finite observation and reward 0.
-void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask, bool is_reset,
-                           const Rows& rows) const {
+void CompiledScenario::conclude(StateGroup& group, GroupWork& work, std::uint32_t mask,
+                                bool is_reset, const Rows& rows) const {
   const RowKernels& kernels = row_kernels();
   const int lanes = group.lanes();
   std::uint32_t finite = write_observation(work, mask, rows) &
@@ -50,8 +50,8 @@ void Environment::conclude(StateGroup& group, GroupWork& work, std::uint32_t mas
 }
 
 /// @returns the lanes whose values are finite, the privileged ones included
-std::uint32_t Environment::write_observation(GroupWork& work, std::uint32_t mask,
-                                             const Rows& rows) const {
+std::uint32_t CompiledScenario::write_observation(GroupWork& work, std::uint32_t mask,
+                                                  const Rows& rows) const {
   const RowKernels& kernels = row_kernels();
   const int lanes = work.lanes, size = observation_size();
   const std::uint32_t finite =
@@ -66,8 +66,8 @@ std::uint32_t Environment::write_observation(GroupWork& work, std::uint32_t mask
 
 /// Images as the sensors last made them, at a fault, too: none of their values can be a NaN that
 /// stands for one, but of float32 images, whose makers answer for them.
-void Environment::write_images(const StateGroup& group, std::uint32_t mask,
-                               const Rows& rows) const {
+void CompiledScenario::write_images(const StateGroup& group, std::uint32_t mask,
+                                    const Rows& rows) const {
   for (std::size_t k = 0; k < plan_.images.size(); ++k) {
     const ObservedImage& image = plan_.images[k];
     each_lane(mask, [&](int lane) {
@@ -79,8 +79,8 @@ void Environment::write_images(const StateGroup& group, std::uint32_t mask,
 }
 
 /// The rows of the last finite observation.
-void Environment::write_last_observation(const StateGroup& group, std::uint32_t mask,
-                                         const Rows& rows) const {
+void CompiledScenario::write_last_observation(const StateGroup& group, std::uint32_t mask,
+                                              const Rows& rows) const {
   const int lanes = group.lanes();
   const double* values = group.reals(layout().last_observation);
   row_kernels().write(mask, lanes, values, observation_size(), rows.observation);
@@ -90,7 +90,8 @@ void Environment::write_last_observation(const StateGroup& group, std::uint32_t 
 }
 
 /// The lanes whose agents all have a finite reward of their own.
-std::uint32_t Environment::finite_robot_rewards(const GroupWork& work, std::uint32_t mask) const {
+std::uint32_t CompiledScenario::finite_robot_rewards(const GroupWork& work,
+                                                     std::uint32_t mask) const {
   for (const int robot : agents_) {
     const double* reward = work.robot_reward.data() + robot * work.lanes;
     mask = row_kernels().are_finite(mask, work.lanes, reward, 1);
@@ -99,8 +100,8 @@ std::uint32_t Environment::finite_robot_rewards(const GroupWork& work, std::uint
 }
 
 /// @param finite  lanes whose observation and rewards are: theirs is the last observation
-void Environment::conclude_faults(StateGroup& group, GroupWork& work, std::uint32_t faults,
-                                  std::uint32_t finite, const Rows& rows) const {
+void CompiledScenario::conclude_faults(StateGroup& group, GroupWork& work, std::uint32_t faults,
+                                       std::uint32_t finite, const Rows& rows) const {
   write_last_observation(group, faults & ~finite, rows);
   each_lane(faults, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
@@ -115,7 +116,8 @@ void Environment::conclude_faults(StateGroup& group, GroupWork& work, std::uint3
 }
 
 /// Each agent's own reward where the task says it, else the team's.
-void Environment::write_agent_rewards(GroupWork& work, std::uint32_t mask, const Rows& rows) const {
+void CompiledScenario::write_agent_rewards(GroupWork& work, std::uint32_t mask,
+                                           const Rows& rows) const {
   double* to = work.agent_reward.data();
   for (const int robot : agents_) {
     const double* own = work.robot_reward.data() + robot * work.lanes;

@@ -1,5 +1,5 @@
 // The transition contract (docs/architecture.md, "The way of an action").
-#include "core/env/environment.h"
+#include "core/env/compiled_scenario.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ struct Options {
   bool kick = false, kick_twice = false, look = false;
 };
 
-std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& options = {}) {
+std::unique_ptr<CompiledScenario> make(InProcessFactory& factory, const Options& options = {}) {
   factory.add<Direct>("direct");
   factory.add<PlainDirect>("plain");
   factory.add<Dangling>("dangling");
@@ -56,7 +56,7 @@ std::unique_ptr<Environment> make(InProcessFactory& factory, const Options& opti
   if (options.kick_twice) s.randomization.push_back(factory.use("kick", "again"));
   if (options.look) s.randomization.push_back(factory.use("look", "look"));
   s.task = factory.use("watch", "task");
-  return std::make_unique<Environment>(std::move(s), factory);
+  return std::make_unique<CompiledScenario>(std::move(s), factory);
 }
 
 TEST(TransitionContract, AnActionActsOnTheVeryNextPhysicsStep) {
@@ -180,7 +180,7 @@ TEST(Randomization, SeesTheBodiesOfThisResetWhateverTheWorkServedBefore) {
   EXPECT_EQ(used.group.save(0), fresh.group.save(0));
 }
 
-TEST(Lanes, SideBySideHaveTheBitsOfEnvironmentsOneByOne) {
+TEST(EnvView, SideBySideHaveTheBitsOfEnvironmentsOneByOne) {
   for (const char* controller : {"direct", "plain"}) {
     InProcessFactory factory;
     const auto env = make(factory, {.action_repeat = 3,
@@ -211,7 +211,7 @@ TEST(Lanes, SideBySideHaveTheBitsOfEnvironmentsOneByOne) {
   }
 }
 
-TEST(Lanes, AMaskLeavesTheOthersUntouched) {
+TEST(EnvView, AMaskLeavesTheOthersUntouched) {
   InProcessFactory factory;
   const auto env = make(factory, {.kick = true});
   Flight flight(*env, kLanes);

@@ -1,4 +1,4 @@
-#include "app/vec_env_options.h"
+#include "app/pool_options.h"
 
 #include "app/arguments.h"
 
@@ -11,7 +11,7 @@ std::string with_default(const std::string& doc, int value) {
 
 }  // namespace
 
-void add_vec_env_options(CLI::App& command, VecEnvOptions& options) {
+void add_pool_options(CLI::App& command, PoolOptions& options) {
   command.add_option("--envs", options.envs, with_default("Environments", options.envs))
       ->type_name("N")
       ->check(whole_number(1, kMostEnvs));
