@@ -25,7 +25,10 @@ std::string robot_of(const CompiledScenario& compiled, int body) {
 
 std::string other_of(const CompiledScenario& compiled, const Contact& contact) {
   if (contact.other == kGround) return "the ground";
-  if (contact.other == kObstacle) return "an obstacle";
+  if (is_obstacle(contact.other)) {
+    const auto place = static_cast<std::size_t>(obstacle_of(contact.other));
+    return "the obstacle `" + compiled.scenario().obstacles[place].name + "`";
+  }
   return robot_of(compiled, contact.other);
 }
 

@@ -75,6 +75,7 @@ std::vector<std::string> action_names(const CompiledScenario& compiled) {
   std::vector<std::string> names;
   if (compiled.task().actions.empty()) {
     for (const ControllerChain& chain : compiled.chains()) {
+      if (chain.is_fed) continue;
       for (const LogColumn& column : command_columns(compiled, chain)) {
         names.push_back(column.name);
       }

@@ -63,6 +63,15 @@ if(SKYBODY_SANITIZE MATCHES "address")
   set(SKYBODY_KERNEL_OPTIONS -O0)
 endif()
 
+# Most files take g++ longer to read headers than to compile: several at a time. Files with options of their own
+# (kernels) stay alone. Presets for debuggers and lint leave it off, so that each file is also compiled by itself.
+option(SKYBODY_UNITY "Compile several files of the library and of the program at a time" OFF)
+function(skybody_unite target)
+  if(SKYBODY_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+  endif()
+endfunction()
+
 # Tests run what is compiled at full optimisation; their own code runs once, and at -O1 is compiled in two thirds of
 # the time.
 set(SKYBODY_TEST_OPTIONS "$<$<CONFIG:Release>:-O1>")

@@ -45,9 +45,13 @@ void check_controller(const PluginInstance& p) {
     if (!is_signal(output.signal) || output.count < 1) {
       refuse(p, "declares no output that there is");
     }
+    if (!p.serves(output.robot)) {
+      refuse(p, "declares an output to robot " + std::to_string(output.robot) +
+                    ", which it does not serve");
+    }
     check_size(p, output.signal, output.count, "gives");
     for (std::size_t k = 0; k < i; ++k) {
-      if (p.outputs[k].signal != output.signal) continue;
+      if (p.outputs[k].signal != output.signal || p.outputs[k].robot != output.robot) continue;
       refuse(p, std::string("declares its output ") + signal_name(output.signal) +
                     " twice; one call of output() names all of its values");
     }
@@ -107,12 +111,34 @@ void check_joint(const PluginInstance& p, const JointDrive& j, const Topology& t
     refuse(p, name + "coordinate " + std::to_string(j.coordinate) +
                   "; allowed: coordinates of pin, slider and universal joints");
   }
-  if (body.robot != p.robot) refuse(p, name + "which is another robot's");
+  if (!p.serves(body.robot)) refuse(p, name + "which is another robot's");
   const bool is_sound = j.stiffness >= 0.0 && j.damping >= 0.0 && j.effort_limit > 0.0 &&
                         j.tau >= 0.0 && std::isfinite(j.stiffness) && std::isfinite(j.damping) &&
                         std::isfinite(j.tau) && j.low <= j.high;
   if (!is_sound || j.mode < JointMode::kPosition || j.mode > JointMode::kEffort) {
     refuse(p, name + "with a mode, stiffness, damping, limit, lag or range that there is not");
+  }
+}
+
+/// Bodies, obstacles and joints that there are.
+void check_asked(const PluginInstance& p, const Topology& topology) {
+  const auto bodies = static_cast<int>(topology.bodies.size());
+  const auto obstacles = static_cast<int>(topology.scenario.obstacles.size());
+  for (const ContactPair& pair : p.contact_pairs) {
+    const int others = pair.partner == SKYBODY_OTHER_BODY ? bodies
+                       : pair.partner == SKYBODY_OBSTACLE ? obstacles
+                                                          : 1;
+    const bool is_there = pair.partner >= 0 && pair.partner < SKYBODY_PARTNER_COUNT &&
+                          pair.body >= 0 && pair.body < bodies && pair.other >= 0 &&
+                          pair.other < others;
+    if (is_there) continue;
+    refuse(p, "asks for the contact of body " + std::to_string(pair.body) + " with " +
+                  std::to_string(pair.other) + ", which there is not");
+  }
+  for (const int body : p.joint_reactions) {
+    if (body >= 0 && body < bodies) continue;
+    refuse(p, "asks for the reaction of the joint of body " + std::to_string(body) + " of " +
+                  std::to_string(bodies));
   }
 }
 
@@ -208,6 +234,7 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
     refuse(p, "declares a goal, but has no goal() that says where it is");
   }
   for (const JointDrive& joint : p.joints) check_joint(p, joint, topology);
+  check_asked(p, topology);
   check_actions(p, robots);
   check_names(p, p.actions);
   check_reports(p);

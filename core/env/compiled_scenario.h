@@ -182,7 +182,10 @@ class CompiledScenario {
   void settle_joint_drives(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
-  std::vector<Contact> find_contacts(StateGroup&, GroupWork&, int lane) const;
+  void find_contacts(StateGroup&, GroupWork&, int lane) const;
+  void add_up_bodies(StateGroup&, const std::vector<Contact>&, int lane) const;
+  void add_up_pairs(StateGroup&, const std::vector<Contact>&, int lane) const;
+  void sense_joint_reactions(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void sense_contacts(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void write_reports(const StateGroup&, GroupWork&) const;
   SkybodyLanes view(const StateGroup&, GroupWork&, std::uint32_t mask) const;
@@ -196,8 +199,11 @@ class CompiledScenario {
   bool is_checked_ = false;
   bool needs_bodies_before_ = false;
   bool needs_contacts_ = false;
-  int signal_size_ = 0;   ///< of the widest output of a controller
-  int scratch_size_ = 0;  ///< of the plugin that asks for most
+  std::vector<ContactPair> contact_pairs_;  ///< that plugins ask for
+  std::vector<int> joint_reactions_;        ///< bodies whose joints plugins ask about
+  int commanded_ = 0;                       ///< values of the command that action or task give
+  int signal_size_ = 0;                     ///< of the widest output of a controller
+  int scratch_size_ = 0;                    ///< of the plugin that asks for most
   ObservationPlan plan_;
   std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
   std::vector<int> agents_;

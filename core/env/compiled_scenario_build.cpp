@@ -21,14 +21,29 @@ namespace {
 
 /// A plugin use with its values in C form.
 struct BoundUse {
-  BoundUse(const PluginUse& u, SkybodyKind k, int r, std::string p)
-      : use(&u), kind(k), robot(r), path(std::move(p)), values(u.parameters) {}
+  BoundUse(const PluginUse& u, SkybodyKind k, std::vector<int> robots, std::string p)
+      : use(&u), kind(k), team(std::move(robots)), path(std::move(p)), values(u.parameters) {}
   const PluginUse* use;
   SkybodyKind kind;
-  int robot;
-  std::string path;  ///< of its parameters, such as robots.quad.controllers.rate_pd
+  std::vector<int> team;  ///< controllers: robots that they serve
+  std::string path;       ///< of its parameters, such as robots.quad.controllers.rate_pd
   BoundValues values;
 };
+
+/// Where the mistake is that a plugin finds: at the first of its parameters that the message names
+/// in backticks, else where the scenario names the plugin.
+SourceMark blamed(const PluginUse& use, const std::string& message) {
+  for (std::size_t from = message.find('`'); from != std::string::npos;) {
+    const std::size_t to = message.find('`', from + 1);
+    if (to == std::string::npos) break;
+    const std::string word = message.substr(from + 1, to - from - 1);
+    for (const ParameterValue& value : use.parameters) {
+      if (value.name == word) return value.mark;
+    }
+    from = message.find('`', to + 1);
+  }
+  return use.mark;
+}
 
 }  // namespace
 
@@ -60,23 +75,30 @@ struct CompiledScenario::Builder {
   }
 
   void collect_uses() {
+    const std::vector<int> none;
     for (const PluginUse& use : scenario.sensors) {
-      uses.emplace_back(use, SKYBODY_SENSOR, -1, "sensors." + use.instance);
+      uses.emplace_back(use, SKYBODY_SENSOR, none, "sensors." + use.instance);
     }
     for (int r = 0; r < static_cast<int>(scenario.robots.size()); ++r) {
       const RobotUse& robot = scenario.robots[static_cast<std::size_t>(r)];
       for (const PluginUse& use : robot.controllers) {
-        uses.emplace_back(use, SKYBODY_CONTROLLER, r,
+        uses.emplace_back(use, SKYBODY_CONTROLLER, std::vector<int>{r},
                           "robots." + robot.name + ".controllers." + use.instance);
       }
     }
+    for (const TeamUse& team : scenario.teams) {
+      for (const PluginUse& use : team.controllers) {
+        uses.emplace_back(use, SKYBODY_CONTROLLER, team.robots,
+                          "teams." + team.name + ".controllers." + use.instance);
+      }
+    }
     for (const PluginUse& use : scenario.effects) {
-      uses.emplace_back(use, SKYBODY_EFFECT, -1, "effects." + use.instance);
+      uses.emplace_back(use, SKYBODY_EFFECT, none, "effects." + use.instance);
     }
     for (const PluginUse& use : scenario.randomization) {
-      uses.emplace_back(use, SKYBODY_RANDOMIZER, -1, "randomization." + use.instance);
+      uses.emplace_back(use, SKYBODY_RANDOMIZER, none, "randomization." + use.instance);
     }
-    uses.emplace_back(scenario.task, SKYBODY_TASK, -1, "task");
+    uses.emplace_back(scenario.task, SKYBODY_TASK, none, "task");
   }
 
   /// Randomizable parameters become EnvParams.
@@ -105,6 +127,8 @@ struct CompiledScenario::Builder {
       PluginInstance made = configure(bound, tables);
       env.needs_bodies_before_ |= made.needs_bodies_before;
       env.needs_contacts_ |= made.needs_contacts;
+      append(made.contact_pairs, env.contact_pairs_);
+      append(made.joint_reactions, env.joint_reactions_);
       env.scratch_size_ = std::max(env.scratch_size_, made.scratch);
       env.signal_size_ = std::max(env.signal_size_, made.output_count());
       if (kind == SKYBODY_SENSOR) {
@@ -118,15 +142,22 @@ struct CompiledScenario::Builder {
     }
   }
 
+  template <class T>
+  static void append(const std::vector<T>& more, std::vector<T>& all) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
+
   PluginInstance configure(const BoundUse& bound, const SetupTables& tables) {
     PluginInstance made;
     made.kind = bound.kind;
     made.name = bound.use->instance;
     made.plugin = bound.use->plugin;
-    made.robot = bound.robot;
+    made.team = bound.team;
+    made.first_contact_pair = static_cast<int>(env.contact_pairs_.size());
+    made.first_joint_reaction = static_cast<int>(env.joint_reactions_.size());
     made.mark = bound.use->mark;
     const SkybodyDeclare declare = declare_into(made);
-    const SkybodySetup setup = tables.setup(bound.path, bound.robot, bound.values.table());
+    const SkybodySetup setup = tables.setup(bound.path, bound.team, bound.values.table());
     try {
       PluginFactory::Made result = factory.make(bound.kind, bound.use->plugin, setup, declare);
       made.self = std::move(result.self);
@@ -134,13 +165,16 @@ struct CompiledScenario::Builder {
       made.state_words = result.state_words;
       check_declarations(topology, plan.layout, made);
     } catch (const Error& e) {
-      throw MarkedError(bound.use->mark, e.what());
+      throw MarkedError(blamed(*bound.use, e.what()), e.what());
     }
     return made;
   }
 
   void connect(SetupTables& tables) {
     env.chains_ = connect_controllers(scenario, env.plugins_[SKYBODY_CONTROLLER], plan);
+    for (const ControllerChain& chain : env.chains_) {
+      if (!chain.is_fed) env.commanded_ += chain.inputs;
+    }
     tables.set_chains(env.chains_);
   }
 
@@ -148,7 +182,8 @@ struct CompiledScenario::Builder {
   void check_interpolation() const {
     if (!env.task().interpolates) return;
     for (const ControllerChain& chain : env.chains_) {
-      if (chain.signal != SKYBODY_ATTITUDE && chain.signal != SKYBODY_POSE) continue;
+      const bool has_quaternion = chain.signal == SKYBODY_ATTITUDE || chain.signal == SKYBODY_POSE;
+      if (chain.is_fed || !has_quaternion) continue;
       throw MarkedError(scenario.task.mark,
                         "task `" + env.task().plugin + "` changes commands in equal parts, which " +
                             signal_name(chain.signal) + " does not allow: it has a quaternion");
@@ -174,6 +209,7 @@ struct CompiledScenario::Builder {
     }
     if (size > 0) return;
     for (const ControllerChain& chain : env.chains_) {
+      if (chain.is_fed) continue;
       const PluginInstance& first =
           env.plugins_[SKYBODY_CONTROLLER][static_cast<std::size_t>(chain.first)];
       add({signal_name(chain.signal), "", chain.robot, 0, first.low, first.high});
@@ -203,6 +239,9 @@ struct CompiledScenario::Builder {
         env.needs_bodies_before_ ? 13 * static_cast<int>(topology.bodies.size()) : 0;
     l.contacts.size =
         env.needs_contacts_ ? SKYBODY_CONTACT_VALUES * static_cast<int>(topology.bodies.size()) : 0;
+    l.contact_pairs.size = SKYBODY_CONTACT_VALUES * static_cast<int>(env.contact_pairs_.size());
+    l.joint_reactions.size =
+        SKYBODY_REACTION_VALUES * static_cast<int>(env.joint_reactions_.size());
     env.plan_ = plan_observation(env.task(), env.plugins_[SKYBODY_SENSOR], scenario.observe);
     l.last_observation.size = env.plan_.size();
     for (auto& list : env.plugins_) {
@@ -314,6 +353,7 @@ CompiledScenario::~CompiledScenario() = default;
 Block CompiledScenario::commands_of(int robot) const {
   Block commands{layout().command.offset, 0};
   for (const ControllerChain& chain : chains_) {
+    if (chain.is_fed) break;  // behind those that action or task give
     if (chain.robot < robot) commands.offset += chain.inputs;
     if (chain.robot == robot) commands.size += chain.inputs;
   }
@@ -353,7 +393,7 @@ std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   for (auto& signal : work->signal) signal = values(static_cast<std::size_t>(signal_size_));
   work->scratch = values(static_cast<std::size_t>(scratch_size_));
   work->action = values(static_cast<std::size_t>(task().actions.empty() ? 0 : action_size()));
-  const int moving = task().interpolates ? layout().command.size : 0;
+  const int moving = task().interpolates ? commanded_ : 0;
   work->command_from = values(static_cast<std::size_t>(moving));
   work->command_to = values(static_cast<std::size_t>(moving));
   work->observation = values(static_cast<std::size_t>(plan_.size()));
@@ -365,6 +405,7 @@ std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   work->agent_reward = values(agents_.size());
   work->info = values(static_cast<std::size_t>(info_size()));
   work->image_rows.resize(plan_.images.size());
+  work->joint_reactions.resize(joint_reactions_.empty() ? 0 : world_->bodies.size());
   work->end = AlignedArray<std::uint64_t>(n);
   work->request = AlignedArray<std::uint64_t>(n);
   return work;

@@ -46,6 +46,7 @@ void CompiledScenario::reset(StateGroup& group, GroupWork& work, std::uint32_t m
   for (const PluginInstance& c : plugins_[SKYBODY_CONTROLLER]) reset_plugin(c, group, work, mask);
   silence_rotors(group, mask);  // now that controllers have seen at which speed they began
   update(group, work, mask);
+  sense_joint_reactions(group, work, mask);
   for (const SkybodyKind kind : {SKYBODY_TASK, SKYBODY_EFFECT, SKYBODY_SENSOR}) {
     for (const PluginInstance& p : plugins_[kind]) reset_plugin(p, group, work, mask);
   }
@@ -122,8 +123,8 @@ void CompiledScenario::silence_rotors(StateGroup& group, std::uint32_t mask) con
   for (int r = 0; r < static_cast<int>(scenario().robots.size()); ++r) {
     bool is_moved = false, has_live_rotors = false;
     for (const ControllerChain& chain : chains_) {
-      if (chain.robot != r) continue;
       for (const ChainEnd& end : chain.ends) {
+        if (end.robot != r || end.block == &Layout::command) continue;
         has_live_rotors |= end.signal == SKYBODY_ROTOR_SPEED;
         is_moved |= end.signal != SKYBODY_ROTOR_SPEED && end.signal != SKYBODY_JOINT;
       }

@@ -14,14 +14,8 @@
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
-namespace {
 
 static_assert(kGroupLanes == SKYBODY_GROUP_LANES, "plugins are made for other groups");
-
-/// Physics steps over which a sensor that is called only when it is read is left out at most.
-constexpr std::int64_t kLongestLeftOut = 1024;
-
-}  // namespace
 
 void CompiledScenario::step(StateGroup& group, GroupWork& work, std::uint32_t mask,
                             const float* actions, int action_stride, const Rows& rows) const {
@@ -85,6 +79,8 @@ SkybodyLanes CompiledScenario::view(const StateGroup& group, GroupWork& work,
   v.action = group.reals(l.action);
   v.command = group.reals(l.command);
   v.contacts = needs_contacts_ ? group.reals(l.contacts) : nullptr;
+  v.contact_pairs = contact_pairs_.empty() ? nullptr : group.reals(l.contact_pairs);
+  v.joint_reactions = joint_reactions_.empty() ? nullptr : group.reals(l.joint_reactions);
   v.scratch = work.scratch.data();
   v.checks = work.is_checked ? &work.checks : nullptr;
   return v;
@@ -108,7 +104,7 @@ void CompiledScenario::act(StateGroup& group, GroupWork& work, const SkybodyLane
 void CompiledScenario::make_command(StateGroup& group, GroupWork& work,
                                     const SkybodyLanes& view) const {
   const Layout& l = layout();
-  const auto values = static_cast<std::size_t>(l.command.size * group.lanes());
+  const auto values = static_cast<std::size_t>(commanded_ * group.lanes());
   if (task().interpolates) {
     std::copy_n(group.reals(l.command), values, work.command_from.data());
   }
@@ -142,7 +138,7 @@ void CompiledScenario::move_command(StateGroup& group, const GroupWork& work, st
   const double share = static_cast<double>(step) / steps;
   const std::uint64_t* actions = group.bits(kStep);
   double* command = group.writable(block, mask);
-  for (int k = 0; k < block.size; ++k) {
+  for (int k = 0; k < commanded_; ++k) {
     each_lane(mask, [&](int lane) {
       const auto at = static_cast<std::size_t>(k * group.lanes() + lane);
       const double from = work.command_from[at], to = work.command_to[at];
@@ -160,7 +156,7 @@ void CompiledScenario::process(StateGroup& group, GroupWork& work, const Skybody
   call_plugin(
       task().kernels.process, task(), group, view,
       [&] {
-        return CallSizes{action_size(), layout().command.size, 0};
+        return CallSizes{action_size(), commanded_, 0};
       },
       action, group.writable(layout().command, view.active));
 }
@@ -234,6 +230,7 @@ std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWork& work,
   work.bad_state |= mask & ~through;
   count(group, kPhysicsStep, through);
   sense_contacts(group, work, through);
+  sense_joint_reactions(group, work, through);
   return through;
 }
 
@@ -246,11 +243,13 @@ void CompiledScenario::remember_bodies(StateGroup& group, std::uint32_t mask) co
 
 /// Sensors that are due after this physics step, each lane by its own count; but those that are
 /// called only when they are read not if they will be due once more before that. A sensor may have
-/// to make up for what was left out, so that is not more than kLongestLeftOut steps.
+/// to make up for what was left out, so that is not more than
+/// SKYBODY_LONGEST_LEFT_OUT steps.
 void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
                              std::int64_t steps_left) const {
   for (const PluginInstance& s : plugins_[SKYBODY_SENSOR]) {
-    if (s.is_only_when_read && std::max(s.period, 1) <= steps_left % kLongestLeftOut) continue;
+    if (s.is_only_when_read && std::max(s.period, 1) <= steps_left % SKYBODY_LONGEST_LEFT_OUT)
+      continue;
     SkybodyLanes v = view;
     v.active = due(s, group, view.active);
     if (v.active != 0) sense(group, v, s);

@@ -22,19 +22,35 @@ std::string with_size(int signal, int count) {
   return std::string(signal_name(signal)) + "[" + std::to_string(count) + "]";
 }
 
-/// The chains of one robot.
-class RobotChains {
+/// Which actuators of a robot are commanded already, by signal.
+using Claims = std::array<bool, SKYBODY_SIGNAL_COUNT>;
+
+/// The chains of a world while they are made.
+struct Chains {
+  const Scenario& scenario;
+  WorldPlan& plan;
+  std::vector<Claims> claims;  ///< per robot
+  std::vector<ControllerChain> of_robots = {};
+  std::vector<ControllerChain> of_teams = {};
+};
+
+/// Makes the chains of one robot or team.
+class ChainMaker {
  public:
-  RobotChains(const Scenario& scenario, int robot, const PluginInstance* controllers, int first,
-              WorldPlan& plan)
-      : use_(scenario.robots[static_cast<std::size_t>(robot)]),
-        robot_(robot),
+  /// @param uses         of its controllers
+  /// @param controllers  the first of them
+  /// @param first        its place within all
+  ChainMaker(Chains& all, bool is_team, const std::vector<PluginUse>& uses,
+             const PluginInstance* controllers, int first)
+      : all_(all),
+        plan_(all.plan),
+        is_team_(is_team),
+        uses_(uses),
         controllers_(controllers),
-        first_(first),
-        plan_(plan) {}
+        first_(first) {}
 
   void add_to(std::vector<ControllerChain>& chains) {
-    const int count = static_cast<int>(use_.controllers.size());
+    const int count = static_cast<int>(uses_.size());
     for (int begin = 0; begin < count;) {
       int end = begin;
       while (end + 1 < count && !is_end(end)) check_link(end++);
@@ -46,9 +62,27 @@ class RobotChains {
 
  private:
   const PluginInstance& at(int i) const { return controllers_[i]; }
+  const RobotUse& robot(const PluginOutput& output) const {
+    return all_.scenario.robots[static_cast<std::size_t>(output.robot)];
+  }
+  const RobotLayout& layout(const PluginOutput& output) const {
+    return plan_.layout.robots[static_cast<std::size_t>(output.robot)];
+  }
 
   [[noreturn]] void refuse(int i, const std::string& message) const {
-    throw MarkedError(use_.controllers[static_cast<std::size_t>(i)].mark, message);
+    throw MarkedError(uses_[static_cast<std::size_t>(i)].mark, message);
+  }
+
+  /// The chain of the robot itself that takes a team's output, or null.
+  ControllerChain* fed_by(const PluginOutput& output) const {
+    if (!is_team_) return nullptr;
+    for (ControllerChain& chain : all_.of_robots) {
+      if (chain.robot == output.robot && chain.signal == output.signal &&
+          chain.inputs == output.count && !chain.is_fed) {
+        return &chain;
+      }
+    }
+    return nullptr;
   }
 
   /// What drives actuators ends a chain, unless the next controller takes just that.
@@ -56,8 +90,9 @@ class RobotChains {
     const PluginInstance &c = at(i), &after = at(i + 1);
     const PluginOutput& given = c.outputs[0];
     if (!c.sites.empty() || !c.joints.empty()) return true;
+    if (is_team_ && c.outputs.size() > 1) return true;
     const bool is_taken = after.input_signal == given.signal && after.input_count() == given.count;
-    return actuates(given.signal) && !is_taken;
+    return !is_taken && (actuates(given.signal) || fed_by(given) != nullptr);
   }
 
   /// Controller i gives what the next one takes.
@@ -78,11 +113,14 @@ class RobotChains {
   void check_last(int i) const {
     const PluginInstance& c = at(i);
     for (const PluginOutput& output : c.outputs) {
+      if (fed_by(output) != nullptr) continue;
       if (!actuates(output.signal)) {
-        refuse(i, "the last controller, `" + c.name + "`, gives " + signal_name(output.signal) +
+        refuse(i, "the last controller, `" + c.name + "`, gives " +
+                      with_size(output.signal, output.count) +
                       "; it must give rotor_speed, wrench, joint, velocity or pose: add a "
                       "controller behind it that takes " +
-                      signal_name(output.signal));
+                      signal_name(output.signal) +
+                      (is_team_ ? ", to the team or to robot `" + robot(output).name + "`" : ""));
       }
       check_actuator(i, output);
     }
@@ -98,21 +136,21 @@ class RobotChains {
 
   void check_actuator(int i, const PluginOutput& output) const {
     const PluginInstance& c = at(i);
-    const int expected = actuator_size(c, output.signal);
+    const int expected = actuator_size(c, output);
     if (output.count != expected) {
       refuse(i, "controller `" + c.name + "` gives " + with_size(output.signal, output.count) +
                     ", this robot takes [" + std::to_string(expected) + "]");
     }
-    if (drives_base(output.signal) && use_.model.fixed_base) {
-      refuse(i, "controller `" + c.name + "` drives the base, but robot `" + use_.name +
+    if (drives_base(output.signal) && robot(output).model.fixed_base) {
+      refuse(i, "controller `" + c.name + "` drives the base, but robot `" + robot(output).name +
                     "` has a fixed one");
     }
   }
 
-  int actuator_size(const PluginInstance& c, int signal) const {
-    switch (signal) {
+  int actuator_size(const PluginInstance& c, const PluginOutput& output) const {
+    switch (output.signal) {
       case SKYBODY_ROTOR_SPEED:
-        return plan_.layout.robots[static_cast<std::size_t>(robot_)].rotor_count;
+        return layout(output).rotor_count;
       case SKYBODY_WRENCH:
         return 6 * static_cast<int>(c.sites.size());
       case SKYBODY_JOINT:
@@ -127,38 +165,44 @@ class RobotChains {
   ControllerChain make_chain(int begin, int end) {
     const PluginInstance& first = at(begin);
     ControllerChain chain;
-    chain.robot = robot_;
+    chain.robot = first.team.front();
     chain.first = first_ + begin;
     chain.count = end + 1 - begin;
     chain.signal = first.input_signal;
-    chain.command = plan_.layout.command.size;
     chain.inputs = first.input_count();
-    plan_.layout.command.size += chain.inputs;
     for (const PluginOutput& output : at(end).outputs) {
-      claim(end, output.signal);
       chain.ends.push_back(make_end(end, at(end), output));
     }
     return chain;
   }
 
   /// Two chains that command the same actuators would fight.
-  void claim(int i, int signal) {
-    const int what = drives_base(signal) ? int{SKYBODY_VELOCITY} : signal;
+  void claim(int i, const PluginOutput& output) {
+    const int what = drives_base(output.signal) ? int{SKYBODY_VELOCITY} : output.signal;
     const bool may_share = what == SKYBODY_WRENCH || what == SKYBODY_JOINT;
-    bool& is_taken = taken_[static_cast<std::size_t>(what)];
+    bool& is_taken =
+        all_.claims[static_cast<std::size_t>(output.robot)][static_cast<std::size_t>(what)];
     if (is_taken && !may_share) {
-      refuse(i, "controller `" + at(i).name + "` gives " + signal_name(signal) + " to robot `" +
-                    use_.name + "`, whose actuators a chain before it commands already");
+      refuse(i, "controller `" + at(i).name + "` gives " + signal_name(output.signal) +
+                    " to robot `" + robot(output).name +
+                    "`, whose actuators a chain before it commands already");
     }
     is_taken = true;
   }
 
   ChainEnd make_end(int i, const PluginInstance& c, const PluginOutput& output) {
-    ChainEnd end{output.signal, output.count, nullptr, 0};
+    ChainEnd end{output.robot, output.signal, output.count, nullptr, 0};
+    if (ControllerChain* chain = fed_by(output)) {
+      chain->is_fed = true;
+      end.block = &Layout::command;
+      end.first = chain->first;  // which chain: place_commands() knows its place
+      return end;
+    }
+    claim(i, output);
     switch (output.signal) {
       case SKYBODY_ROTOR_SPEED:
         end.block = &Layout::rotor_command;
-        end.first = plan_.layout.robots[static_cast<std::size_t>(robot_)].first_rotor;
+        end.first = layout(output).first_rotor;
         break;
       case SKYBODY_WRENCH:
         end.block = &Layout::wrench;
@@ -166,26 +210,33 @@ class RobotChains {
         plan_.sites.insert(plan_.sites.end(), c.sites.begin(), c.sites.end());
         break;
       case SKYBODY_JOINT:
-        add_joints(i, c, end);
+        add_joints(i, c, output, end);
         break;
       default:
-        add_drive(output.signal, end);
+        add_drive(output, end);
     }
     return end;
   }
 
-  void add_joints(int i, const PluginInstance& c, ChainEnd& end) {
-    for (std::size_t k = 0; k < c.joints.size(); ++k) check_joint(i, c, c.joints[k], k);
+  void add_joints(int i, const PluginInstance& c, const PluginOutput& output, ChainEnd& end) {
+    for (std::size_t k = 0; k < c.joints.size(); ++k) check_joint(i, c, output, k);
     end.block = &Layout::joint_command;
     end.first = static_cast<int>(plan_.joint_drives.size());
     plan_.joint_drives.insert(plan_.joint_drives.end(), c.joints.begin(), c.joints.end());
   }
 
   /// @param k  its place among the controller's
-  void check_joint(int i, const PluginInstance& c, const JointDrive& drive, std::size_t k) const {
-    const RobotLayout& layout = plan_.layout.robots[static_cast<std::size_t>(robot_)];
-    const Joint& joint =
-        use_.model.bodies[static_cast<std::size_t>(drive.body - layout.first_body)].joint;
+  void check_joint(int i, const PluginInstance& c, const PluginOutput& output,
+                   std::size_t k) const {
+    const JointDrive& drive = c.joints[k];
+    const int place = drive.body - layout(output).first_body;
+    const std::vector<Body>& bodies = robot(output).model.bodies;
+    if (place < 0 || place >= static_cast<int>(bodies.size())) {
+      refuse(i, "controller `" + c.name +
+                    "` drives joints of several robots; a team's controller "
+                    "gives joint to one");
+    }
+    const Joint& joint = bodies[static_cast<std::size_t>(place)].joint;
     const auto is_same = [&](const JointDrive& other) {
       return other.body == drive.body && other.coordinate == drive.coordinate;
     };
@@ -204,34 +255,66 @@ class RobotChains {
     }
   }
 
-  void add_drive(int signal, ChainEnd& end) {
-    const bool is_velocity = signal == SKYBODY_VELOCITY;
+  void add_drive(const PluginOutput& output, ChainEnd& end) {
+    const bool is_velocity = output.signal == SKYBODY_VELOCITY;
     end.block = &Layout::drive;
     end.first = 13 * count_driven(plan_.drives) + (is_velocity ? 0 : 6);
-    plan_.drives[static_cast<std::size_t>(robot_)] =
+    plan_.drives[static_cast<std::size_t>(output.robot)] =
         is_velocity ? DriveKind::kVelocity : DriveKind::kPose;
   }
 
-  const RobotUse& use_;
-  int robot_;
-  const PluginInstance* controllers_;  ///< of this robot
-  int first_;                          ///< the first of them within all
+  Chains& all_;
   WorldPlan& plan_;
-  std::array<bool, SKYBODY_SIGNAL_COUNT> taken_{};
+  bool is_team_;
+  const std::vector<PluginUse>& uses_;
+  const PluginInstance* controllers_;
+  int first_;
 };
+
+/// In the order of evaluation, with the places of their commands.
+std::vector<ControllerChain> place_commands(Chains& all) {
+  std::vector<ControllerChain> chains = std::move(all.of_robots);
+  chains.insert(chains.end(), all.of_teams.begin(), all.of_teams.end());
+  std::stable_sort(chains.begin(), chains.end(),
+                   [](const ControllerChain& a, const ControllerChain& b) {
+                     if (a.is_fed != b.is_fed) return b.is_fed;
+                     return a.robot < b.robot;
+                   });
+  int& size = all.plan.layout.command.size;
+  for (ControllerChain& chain : chains) {
+    chain.command = size;
+    size += chain.inputs;
+  }
+  for (ControllerChain& feeding : chains) {
+    for (ChainEnd& end : feeding.ends) {
+      if (end.block != &Layout::command) continue;
+      for (const ControllerChain& chain : chains) {
+        if (chain.first == end.first) {
+          end.first = chain.command;
+          break;
+        }
+      }
+    }
+  }
+  return chains;
+}
 
 }  // namespace
 
 std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
                                                  const std::vector<PluginInstance>& controllers,
                                                  WorldPlan& plan) {
-  std::vector<ControllerChain> chains;
-  int first = 0;
-  for (int r = 0; r < static_cast<int>(scenario.robots.size()); ++r) {
-    RobotChains(scenario, r, controllers.data() + first, first, plan).add_to(chains);
-    first += static_cast<int>(scenario.robots[static_cast<std::size_t>(r)].controllers.size());
-  }
-  return chains;
+  Chains all{scenario, plan, std::vector<Claims>(scenario.robots.size())};
+  const PluginInstance* next = controllers.data();
+  const auto connect = [&](const std::vector<PluginUse>& uses, bool is_team,
+                           std::vector<ControllerChain>& chains) {
+    const auto first = static_cast<int>(next - controllers.data());
+    ChainMaker(all, is_team, uses, next, first).add_to(chains);
+    next += uses.size();
+  };
+  for (const RobotUse& robot : scenario.robots) connect(robot.controllers, false, all.of_robots);
+  for (const TeamUse& team : scenario.teams) connect(team.controllers, true, all.of_teams);
+  return place_commands(all);
 }
 
 const char* signal_name(int signal) {

@@ -11,25 +11,31 @@ namespace skybody {
 
 /// A part of the last controller's output, and where it goes.
 struct ChainEnd {
-  int signal = 0;                  ///< SkybodySignal
-  int count = 0;                   ///< values
-  Block Layout::*block = nullptr;  ///< rotor_command, wrench, drive or joint_command
-  int first = 0;                   ///< within that block
+  int robot = 0;   ///< to whose actuators, or to whose own chain
+  int signal = 0;  ///< SkybodySignal
+  int count = 0;   ///< values
+  Block Layout::*block =
+      nullptr;  ///< rotor_command, wrench, drive, joint_command; of a chain that it feeds: command
+  int first = 0;  ///< within that block
 };
 
-/// Consecutive controllers of one robot, each taking what the one before it gives.
+/// Consecutive controllers of one robot or team, each taking what the one before it gives.
 struct ControllerChain {
-  int robot = 0;
-  int first = 0, count = 0;  ///< within the world's controllers, in robot order
+  int robot = 0;             ///< whose action commands it: of a team its first robot's
+  int first = 0, count = 0;  ///< within the world's controllers
   int signal = 0;            ///< SkybodySignal that the first one takes
   int command = 0;           ///< first word within the command block
   int inputs = 0;            ///< number of these
+  bool is_fed = false;       ///< a team's chain gives its command, and no action
   std::vector<ChainEnd> ends;
 };
 
-/// Chains the controllers of each robot: behind one that gives signals to actuators another chain
-/// begins. Gives commands, sites and drives their places in the plan.
-/// @param controllers  of all robots, in robot order
+/// Chains the controllers of each robot and team: behind one that gives signals to actuators
+/// another chain begins. A team's chain ends in actuators, too, or in robots' own chains, which it
+/// feeds. Gives commands, sites and drives their places in the plan.
+/// @param controllers  of all robots, in robot order, then those of teams
+/// @returns those that actions command, in robot order, then those that are fed: a chain comes
+///          behind the one that feeds it
 /// @throws MarkedError at the scenario's line where they do not fit
 std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
                                                  const std::vector<PluginInstance>& controllers,

@@ -30,19 +30,21 @@ class GroupWork {
   bool is_checked = false;  ///< plugins are held to the values that they may touch
   SkybodyChecks checks{};   ///< of a checked work
   PhysicsScratch physics;
-  AlignedArray<double> signal[2];         ///< between controllers, in lanes
-  AlignedArray<double> scratch;           ///< of one call of a plugin, in lanes
-  AlignedArray<double> action;            ///< in the task's units, in lanes
-  AlignedArray<double> command_from;      ///< where commands that change begin, in lanes
-  AlignedArray<double> command_to;        ///< and where they go
-  AlignedArray<double> observation;       ///< in lanes, the privileged values last
-  AlignedArray<double> task_values;       ///< of the task, where they have other places there
-  AlignedArray<double> reward;            ///< 1 per lane
-  AlignedArray<double> robot_reward;      ///< 1 per robot, in lanes
-  AlignedArray<double> agent_reward;      ///< 1 per agent, in lanes
-  AlignedArray<double> info;              ///< in lanes
-  AlignedArray<std::uint64_t> end;        ///< 1 per lane
-  AlignedArray<std::uint64_t> request;    ///< counters of requested draws, 1 per lane
+  AlignedArray<double> signal[2];       ///< between controllers, in lanes
+  AlignedArray<double> scratch;         ///< of one call of a plugin, in lanes
+  AlignedArray<double> action;          ///< in the task's units, in lanes
+  AlignedArray<double> command_from;    ///< where commands that change begin, in lanes
+  AlignedArray<double> command_to;      ///< and where they go
+  AlignedArray<double> observation;     ///< in lanes, the privileged values last
+  AlignedArray<double> task_values;     ///< of the task, where they have other places there
+  AlignedArray<double> reward;          ///< 1 per lane
+  AlignedArray<double> robot_reward;    ///< 1 per robot, in lanes
+  AlignedArray<double> agent_reward;    ///< 1 per agent, in lanes
+  AlignedArray<double> info;            ///< in lanes
+  AlignedArray<std::uint64_t> end;      ///< 1 per lane
+  AlignedArray<std::uint64_t> request;  ///< counters of requested draws, 1 per lane
+  std::vector<Contact> contacts;        ///< of one lane
+  std::vector<SpatialForce<double>> joint_reactions;  ///< of one lane, one per body
   std::vector<std::uint8_t*> image_rows;  ///< for Rows::images, one per image of the observation
   std::uint32_t bad_action = 0;           ///< lanes of the present transition with such a fault
   std::uint32_t bad_state = 0;            ///< likewise

@@ -50,8 +50,16 @@ struct Goal {
   int body = 0;  ///< world body index
 };
 
+/// One body, and what it may touch.
+struct ContactPair {
+  int body = 0;  ///< world body index
+  SkybodyPartner partner = SKYBODY_GROUND;
+  int other = 0;  ///< world body index, or the place among the obstacles
+};
+
 /// What a controller gives.
 struct PluginOutput {
+  int robot = 0;    ///< that it is for
   int signal = -1;  ///< SkybodySignal
   int count = 0;
 };
@@ -65,10 +73,10 @@ struct Report {
 /// A plugin instance. Immutable once the CompiledScenario is built.
 struct PluginInstance {
   SkybodyKind kind = SKYBODY_CONTROLLER;
-  std::string name;    ///< instance, as in paths
-  std::string plugin;  ///< the plugin's own name
-  int robot = -1;      ///< controllers only
-  SourceMark mark;     ///< where the scenario names it
+  std::string name;       ///< instance, as in paths
+  std::string plugin;     ///< the plugin's own name
+  std::vector<int> team;  ///< controllers: the robots that they serve, in order
+  SourceMark mark;        ///< where the scenario names it
 
   std::shared_ptr<const void> self;  ///< keeps the library loaded
   SkybodyKernels kernels{};          ///< of the chosen instruction set
@@ -94,6 +102,8 @@ struct PluginInstance {
   int scratch = 0;               ///< doubles of memory for a call
   bool needs_bodies_before = false;
   bool needs_contacts = false;
+  std::vector<ContactPair> contact_pairs;
+  std::vector<int> joint_reactions;  ///< world body indices
   /// Sensors: called only where the output is read before the next call. Declared, and then no
   /// plugin reads it between the physics steps of an action.
   bool is_only_when_read = false;
@@ -106,6 +116,7 @@ struct PluginInstance {
   /// called in every physics step; and, per held input, what this effect adds.
   Block last_output;
   std::array<Block, SKYBODY_HELD_COUNT> held;
+  int first_contact_pair = 0, first_joint_reaction = 0;  ///< among those of all plugins
   int images = 0;  ///< sensors: first byte within an environment's image memory
 
   int input_count() const { return static_cast<int>(low.size()); }
@@ -115,6 +126,7 @@ struct PluginInstance {
     for (const PluginOutput& given : outputs) sum += given.count;
     return sum;
   }
+  bool serves(int robot) const { return std::find(team.begin(), team.end(), robot) != team.end(); }
   bool gives(int signal) const {
     return std::any_of(outputs.begin(), outputs.end(),
                        [signal](const PluginOutput& o) { return o.signal == signal; });

@@ -161,11 +161,11 @@ SetupTables::SetupTables(const Topology& topology, const Layout& layout)
     shapes_.push_back(shape_info(obstacle.shape, obstacle.name.c_str(), -1));
   }
   for (const EnvParam& p : layout.param_info) {
-    params_.push_back({p.path.c_str(), p.nominal, p.min, p.max});
+    params_.push_back({p.path.c_str(), p.alias.c_str(), p.nominal, p.min, p.max});
   }
 }
 
-SkybodySetup SetupTables::setup(const std::string& instance, int robot,
+SkybodySetup SetupTables::setup(const std::string& instance, const std::vector<int>& team,
                                 const std::vector<SkybodyValue>& values) const {
   SkybodySetup s{};
   s.instance = instance.c_str();
@@ -174,7 +174,8 @@ SkybodySetup SetupTables::setup(const std::string& instance, int robot,
   s.horizon = scenario_.stepping.horizon;
   copy(scenario_.gravity(), s.gravity);
   s.first_world_param = layout_.world_params;
-  s.robot = robot;
+  s.team = team.data();
+  s.team_size = static_cast<int>(team.size());
   s.robots = robots_.data();
   s.robot_count = static_cast<int>(robots_.size());
   s.bodies = bodies_.data();
@@ -210,6 +211,7 @@ void SetupTables::add_sensor(const PluginInstance& sensor) {
 
 void SetupTables::set_chains(const std::vector<ControllerChain>& chains) {
   for (const ControllerChain& chain : chains) {
+    if (chain.is_fed) continue;
     SkybodyRobotInfo& robot = robots_[static_cast<std::size_t>(chain.robot)];
     if (robot.chain_count++ == 0) {
       robot.first_chain = static_cast<int>(chains_.size());
@@ -230,8 +232,8 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
     p.low.assign(low, low + count);
     p.high.assign(high, high + count);
   };
-  d.output = [](void* host, int32_t signal, int32_t count) {
-    instance_of(host).outputs.push_back({signal, count});
+  d.output = [](void* host, int32_t robot, int32_t signal, int32_t count) {
+    instance_of(host).outputs.push_back({robot, signal, count});
   };
   d.site = [](void* host, const SkybodySite* site) {
     instance_of(host).sites.push_back({site->body,
@@ -257,6 +259,16 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
     instance_of(host).reports.push_back({to_channel(*c), word});
   };
   d.contacts = [](void* host) { instance_of(host).needs_contacts = true; };
+  d.contact_pair = [](void* host, int32_t body, int32_t partner, int32_t other) {
+    PluginInstance& p = instance_of(host);
+    p.contact_pairs.push_back({body, static_cast<SkybodyPartner>(partner), other});
+    return p.first_contact_pair + static_cast<int32_t>(p.contact_pairs.size()) - 1;
+  };
+  d.joint_reaction = [](void* host, int32_t body) {
+    PluginInstance& p = instance_of(host);
+    p.joint_reactions.push_back(body);
+    return p.first_joint_reaction + static_cast<int32_t>(p.joint_reactions.size()) - 1;
+  };
   d.action = [](void* host, const SkybodyChannel* c) {
     instance_of(host).actions.push_back(to_channel(*c));
   };

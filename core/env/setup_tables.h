@@ -32,12 +32,13 @@ class SetupTables {
   SetupTables(const Topology& topology, const Layout& layout);
 
   /// The setup for one plugin use. `values` are its parameters with their EnvParam indices.
-  SkybodySetup setup(const std::string& instance, int robot,
+  /// @param team  robots that a controller serves; as long as the setup
+  SkybodySetup setup(const std::string& instance, const std::vector<int>& team,
                      const std::vector<SkybodyValue>& values) const;
 
   /// Makes a configured sensor's channels visible to those configured later.
   void add_sensor(const PluginInstance& sensor);
-  /// Tells the chains, once the controllers are configured.
+  /// Tells the chains that the action commands, once the controllers are configured.
   void set_chains(const std::vector<ControllerChain>& chains);
 
  private:

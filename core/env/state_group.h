@@ -86,6 +86,10 @@ class StateGroup {
     refresh(1u << lane, scratch);
     stepper_->accelerations(blocks_, lane, scratch, udot);
   }
+  void joint_reactions(int lane, PhysicsScratch& scratch, SpatialForce<double>* out) {
+    refresh(1u << lane, scratch);
+    stepper_->joint_reactions(blocks_, lane, scratch, out);
+  }
   void add_contacts(int lane, PhysicsScratch& scratch, std::vector<Contact>& out) {
     refresh(1u << lane, scratch);
     stepper_->add_contacts(blocks_, lane, scratch, out);

@@ -74,6 +74,7 @@ class List {
       const EnvParam& param = layout_.param_info[k];
       add_words(param.path, param.unit, "", {layout_.params.offset + static_cast<int>(k), 1}, {},
                 "drawn value");
+      values_.back().alias = param.alias;
     }
     return std::move(values_);
   }
@@ -151,28 +152,33 @@ class List {
     for (const Link& link : use.model.links) {
       add_motion(prefix + "links." + link.name, place.first_body + link.body, 0, link.pose);
     }
+    int joints = 0;
     for (int b = 0; b < place.body_count; ++b) {
-      add_joint(prefix, place.first_body + b);
+      const Body& body = use.model.bodies[static_cast<std::size_t>(b)];
+      if (is_moving_joint(body.joint)) add_joint(prefix, place.first_body + b, joints++);
       add_contact(prefix, place.first_body + b);
     }
-    add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count});
+    add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count}, use.model.rotors);
     const Block command = compiled_.commands_of(robot);
     add_words_if_any(prefix + "command", "", "", command, {command.size},
                      "of its chains of controllers, physical units (docs/control-modes.md)");
   }
 
   /// The inboard joint of a body; a base has `base` instead.
-  void add_joint(const std::string& prefix, int index) {
+  /// @param number  among the robot's moving joints
+  void add_joint(const std::string& prefix, int index, int number) {
     const WorldBody& body = world_.bodies[static_cast<std::size_t>(index)];
     const Joint& joint = body.model->joint;
-    if (joint.type == JointType::kFree || joint.type == JointType::kWeld) return;
     const JointText text = text_of(joint.type);
     const int q = position_size(joint.type), u = velocity_size(joint.type);
     const std::string path = prefix + "joints." + joint.name + ".";
-    add_words_if_any(path + "position", text.unit, "", {layout_.q.offset + body.q, q}, shape_of(q),
-                     text.doc);
-    add_words_if_any(path + "velocity", text.velocity_unit, "", {layout_.u.offset + body.u, u},
-                     shape_of(u), text.velocity_doc);
+    const std::string alias = prefix + "joints[" + std::to_string(number) + "].";
+    add_words(path + "position", text.unit, "", {layout_.q.offset + body.q, q}, shape_of(q),
+              text.doc);
+    values_.back().alias = alias + "position";
+    add_words(path + "velocity", text.velocity_unit, "", {layout_.u.offset + body.u, u},
+              shape_of(u), text.velocity_doc);
+    values_.back().alias = alias + "velocity";
   }
 
   void add_contact(const std::string& prefix, int index) {
@@ -187,17 +193,22 @@ class List {
   }
 
   /// @param rotors  their place within the world's
-  void add_rotors(const std::string& path, Block rotors) {
-    const auto add = [&](const std::string& prefix, Block place, const std::vector<int>& shape) {
-      add_words_if_any(prefix + ".speed", "rad/s", "",
-                       {layout_.rotor_speed.offset + place.offset, place.size}, shape, "0 or more");
-      add_words_if_any(prefix + ".command", "rad/s", "",
-                       {layout_.rotor_command.offset + place.offset, place.size}, shape,
-                       "held during the last physics step");
+  void add_rotors(const std::string& path, Block rotors, const std::vector<Rotor>& models) {
+    if (rotors.size == 0) return;
+    const auto add = [&](const std::string& prefix, const std::string& alias, Block place,
+                         const std::vector<int>& shape) {
+      add_words(prefix + ".speed", "rad/s", "",
+                {layout_.rotor_speed.offset + place.offset, place.size}, shape, "0 or more");
+      if (!alias.empty()) values_.back().alias = alias + ".speed";
+      add_words(prefix + ".command", "rad/s", "",
+                {layout_.rotor_command.offset + place.offset, place.size}, shape,
+                "held during the last physics step");
+      if (!alias.empty()) values_.back().alias = alias + ".command";
     };
-    add(path, rotors, {rotors.size});
+    add(path, "", rotors, {rotors.size});
     for (int k = 0; k < rotors.size; ++k) {
-      add(path + "[" + std::to_string(k) + "]", {rotors.offset + k, 1}, {});
+      add(path + "[" + std::to_string(k) + "]",
+          path + "." + models[static_cast<std::size_t>(k)].name, {rotors.offset + k, 1}, {});
     }
   }
 

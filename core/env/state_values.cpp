@@ -42,22 +42,18 @@ StateValues::StateValues(const CompiledScenario& compiled)
     : dt_(compiled.scenario().stepping.dt), values_(list_state_values(compiled)) {
   std::set<std::string> known;
   std::erase_if(values_, [&](const StateValue& value) { return !known.insert(value.path).second; });
-  by_path_.resize(values_.size());
-  std::iota(by_path_.begin(), by_path_.end(), 0);
-  std::sort(by_path_.begin(), by_path_.end(), [&](int a, int b) {
-    return values_[static_cast<std::size_t>(a)].path < values_[static_cast<std::size_t>(b)].path;
-  });
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    by_path_.emplace(values_[i].path, static_cast<int>(i));
+  }
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (!values_[i].alias.empty()) by_path_.emplace(values_[i].alias, static_cast<int>(i));
+  }
 }
 
 const StateValue& StateValues::at(std::string_view path) const {
-  const auto value = [&](int index) -> const StateValue& {
-    return values_[static_cast<std::size_t>(index)];
-  };
-  const auto found =
-      std::lower_bound(by_path_.begin(), by_path_.end(), path,
-                       [&](int index, std::string_view what) { return value(index).path < what; });
-  if (found == by_path_.end() || value(*found).path != path) refuse(path);
-  return value(*found);
+  const auto found = by_path_.find(path);
+  if (found == by_path_.end()) refuse(path);
+  return values_[static_cast<std::size_t>(found->second)];
 }
 
 /// Whether some path begins so.

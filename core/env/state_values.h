@@ -3,6 +3,8 @@
 // Python and `skybody check --states` read through it.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +28,7 @@ enum class StateSource {
 struct StateValue {
   std::string path;        ///< such as robots.quad.base.position
   std::string unit;        ///< SI; empty for a pure number
+  std::string alias = {};  ///< the same by a rotor's name or a joint's index; may be empty
   const char* frame = "";  ///< W: world axes, B: axes of the body or link; empty: has none
   std::vector<int> shape;  ///< of one environment; empty: a single number
   const char* doc = "";    ///< one line
@@ -72,7 +75,7 @@ class StateValues {
 
   double dt_ = 0.0;
   std::vector<StateValue> values_;
-  std::vector<int> by_path_;  ///< indices of values_ in the order of their paths
+  std::map<std::string, int, std::less<>> by_path_;  ///< indices of values_, aliases included
 };
 
 }  // namespace skybody

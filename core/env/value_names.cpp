@@ -51,6 +51,8 @@ class StateNames {
     name_block(layout_.command, "command");
     name_sensors();
     name_block(layout_.contacts, "contacts");
+    name_block(layout_.contact_pairs, "contact_pairs");
+    name_block(layout_.joint_reactions, "joint_reactions");
     name_block(layout_.plugin_state, "plugin_state");
     expect(layout_.last_observation);
     append_observation(names_, "last_observation ", compiled_, false);

@@ -74,6 +74,12 @@ Field name_field(std::string doc) {
   return field;
 }
 
+Field list_field(std::string name, std::string doc) {
+  Field field = value_field(std::move(name), std::move(doc), ParameterType::kText);
+  field.value.max_count = -1;
+  return field;
+}
+
 Field vector_field(std::string name, std::string unit, std::vector<double> value, double min,
                    double max, std::string doc) {
   Field field = real_field(std::move(name), std::move(unit), 0.0, min, max, std::move(doc));
@@ -180,6 +186,8 @@ std::string MapReader::text(const std::string& key) const {
   }
   return text;
 }
+
+std::vector<std::string> MapReader::texts(const std::string& key) const { return value(key).texts; }
 
 Vec3<double> MapReader::vec3(const std::string& key) const {
   const std::vector<double> list = numbers(key);

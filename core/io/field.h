@@ -55,6 +55,8 @@ Field boolean_field(std::string name, bool value, std::string doc);
 Field text_field(std::string name, std::string value, std::string doc);
 Field choice_field(std::string name, std::vector<std::string> choices, std::string doc);
 Field name_field(std::string doc);
+/// A list of one or more texts.
+Field list_field(std::string name, std::string doc);
 Field vector_field(std::string name, std::string unit, std::vector<double> value, double min,
                    double max, std::string doc);
 Field map_field(std::string name, Field::Kind kind, const MapSpec& map, std::string doc);
@@ -76,6 +78,7 @@ class MapReader {
   int integer(const std::string& key) const;
   bool boolean(const std::string& key) const;
   std::string text(const std::string& key) const;
+  std::vector<std::string> texts(const std::string& key) const;
   Vec3<double> vec3(const std::string& key) const;
   std::vector<double> numbers(const std::string& key) const;
   /// The number, or nothing where the field's word stands instead.

@@ -154,9 +154,7 @@ void RobotReader::read_joints(const MapReader& reader, RobotModel& model) {
   std::unordered_map<std::string, Joint*> moving;
   std::vector<std::string> names;
   for (Body& body : model.bodies) {
-    const bool fixed_or_base = body.joint.type == JointType::kWeld ||
-                               (body.joint.type == JointType::kFree && body.joint.parent < 0);
-    if (fixed_or_base) continue;
+    if (!is_moving_joint(body.joint)) continue;
     names.push_back(body.joint.name);
     moving[body.joint.name] = &body.joint;
   }

@@ -160,6 +160,20 @@ const MapSpec& robot_fields() {
   return spec;
 }
 
+const MapSpec& team_fields() {
+  static const MapSpec spec{
+      "team",
+      "Robots that controllers serve together.",
+      {
+          required(name_field("its name in paths")),
+          required(list_field("robots", "names of robots, in the order that controllers see")),
+          required(plugin_field("controllers", Field::Kind::kPluginList, SKYBODY_CONTROLLER,
+                                "in the order in which they are evaluated; what the last one gives "
+                                "goes to robots' own controllers, or to actuators")),
+      }};
+  return spec;
+}
+
 const MapSpec& obstacle_fields() {
   static const MapSpec spec{
       "obstacle",
@@ -218,6 +232,8 @@ const MapSpec& scenario_fields() {
           map_field("contact", Field::Kind::kMap, contact_fields(), "contact with the ground"),
           required(
               map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
+          map_field("teams", Field::Kind::kMapList, team_fields(),
+                    "robots that controllers serve together"),
           map_field("obstacles", Field::Kind::kMapList, obstacle_fields(),
                     "shapes that stand still"),
           plugin_field("sensors", Field::Kind::kPluginList, SKYBODY_SENSOR,
@@ -272,11 +288,11 @@ std::string too_many_entries(const std::string& key, std::size_t count, std::siz
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(),   &solver_fields(),
-                            &contact_fields(),     &robot_fields(),      &pose_fields(),
-                            &disturbance_fields(), &joint_fields(),      &obstacle_fields(),
-                            &observed_fields(),    &plugin_use_fields(), &rotors_file_fields(),
-                            &rotor_fields()};
+  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(), &solver_fields(),
+                            &contact_fields(),     &robot_fields(),    &pose_fields(),
+                            &disturbance_fields(), &joint_fields(),    &team_fields(),
+                            &obstacle_fields(),    &observed_fields(), &plugin_use_fields(),
+                            &rotors_file_fields(), &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {
     text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";

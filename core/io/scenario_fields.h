@@ -13,6 +13,7 @@ namespace skybody {
 /// Most entries of lists. With as many, building a world takes about a second, and nobody flies
 /// more.
 inline constexpr std::size_t kMostRobots = 1000;
+inline constexpr std::size_t kMostTeams = 1000;
 inline constexpr std::size_t kMostObstacles = 1000;
 inline constexpr std::size_t kMostPluginUses = 1000;
 inline constexpr std::size_t kMostRotors = 1000;
@@ -33,6 +34,8 @@ const MapSpec& pose_fields();
 const MapSpec& disturbance_fields();
 /// One entry of a robot's `joints`.
 const MapSpec& joint_fields();
+/// One entry of `teams`.
+const MapSpec& team_fields();
 /// One entry of `obstacles`.
 const MapSpec& obstacle_fields();
 /// One entry of `observe`.

@@ -1,9 +1,11 @@
 #include "core/io/scenario_reader.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <unordered_set>
 
 #include "core/base/hash.h"
+#include "core/base/suggestion.h"
 #include "core/io/config_tree.h"
 #include "core/io/field.h"
 #include "core/io/observed_reader.h"
@@ -45,6 +47,7 @@ class ScenarioReader {
     read_constants(reader, kWorldConstants, scenario_.constants.data());
     read_contact(reader);
     read_robots(reader);
+    read_teams(reader);
     read_obstacles(reader);
     scenario_.sensors = uses(reader, "sensors", SKYBODY_SENSOR);
     scenario_.effects = uses(reader, "effects", SKYBODY_EFFECT);
@@ -183,6 +186,40 @@ class ScenarioReader {
                        "a second " + what + " called `" + name->scalar + "`; names must differ");
   }
 
+  void read_teams(const MapReader& scenario) {
+    std::unordered_set<std::string> names;
+    for (const ConfigNode& item : list_of(scenario, "teams", true, kMostTeams)) {
+      check_unique(item, "team", names);
+      const MapReader reader(&item, team_fields(), item.mark, diagnostics_);
+      TeamUse team;
+      team.name = reader.text("name");
+      team.controllers = uses(reader, "controllers", SKYBODY_CONTROLLER);
+      team.robots = robots_of(reader);
+      scenario_.teams.push_back(std::move(team));
+    }
+  }
+
+  /// Indices of a team's robots.
+  std::vector<int> robots_of(const MapReader& team) {
+    std::vector<std::string> known;
+    for (const RobotUse& robot : scenario_.robots) known.push_back(robot.name);
+    std::vector<int> robots;
+    for (const std::string& name : team.texts("robots")) {
+      const auto found = std::find(known.begin(), known.end(), name);
+      const auto place = static_cast<int>(found - known.begin());
+      if (found == known.end()) {
+        diagnostics_.error(team.mark("robots"),
+                           "`" + name + "` is not a robot" + suggestion(name, known, "robots"));
+      } else if (std::find(robots.begin(), robots.end(), place) != robots.end()) {
+        diagnostics_.error(team.mark("robots"),
+                           "`" + name + "` is named twice; a team has each robot once");
+      } else {
+        robots.push_back(place);
+      }
+    }
+    return robots;
+  }
+
   void read_obstacles(const MapReader& scenario) {
     std::unordered_set<std::string> names;
     for (const ConfigNode& item : list_of(scenario, "obstacles", true, kMostObstacles)) {
@@ -227,6 +264,7 @@ class ScenarioReader {
     chain.update(hash_string(scenario_.text));
     chain.update(robots_.files_hash());
     for (const RobotUse& robot : scenario_.robots) add(robot.controllers, chain);
+    for (const TeamUse& team : scenario_.teams) add(team.controllers, chain);
     add(scenario_.sensors, chain);
     add(scenario_.randomization, chain);
     add({scenario_.task}, chain);

@@ -3,8 +3,10 @@
 namespace skybody {
 
 int Layout::find_param(const std::string& path) const {
+  if (path.empty()) return -1;
   for (std::size_t i = 0; i < param_info.size(); ++i) {
-    if (param_info[i].path == path) return static_cast<int>(i);
+    const EnvParam& param = param_info[i];
+    if (param.path == path || param.alias == path) return static_cast<int>(i);
   }
   return -1;
 }

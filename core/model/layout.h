@@ -61,6 +61,7 @@ struct EnvParam {
   double nominal = 0.0;
   double min = 0.0;  ///< inclusive bounds of what may be drawn
   double max = 0.0;
+  std::string alias = {};  ///< the same by a rotor's name or a joint's index; may be empty
 };
 
 /// The order of state words. Blocks follow one another in the order of the members.
@@ -75,13 +76,15 @@ struct Layout {
   Block joint_state;    ///< 1 per joint drive: the command behind its lag
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block
-      bodies_before;   ///< 13 per body at the start of the last physics step; size 0 if nobody asks
-  Block params;        ///< EnvParams: every randomizable value
-  Block action;        ///< last action, clipped to [-1, 1]
-  Block command;       ///< input of the first controller of each robot, in order
-  Block sensors;       ///< outputs of all sensors
-  Block contacts;      ///< 7 per body: what touches it (plugins/api/abi.h); size 0 if nobody asks
-  Block plugin_state;  ///< words of all plugin instances
+      bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if nobody asks
+  Block params;       ///< EnvParams: every randomizable value
+  Block action;       ///< last action, clipped to [-1, 1]
+  Block command;      ///< inputs of all chains of controllers (core/env/controller_chains.h)
+  Block sensors;      ///< outputs of all sensors
+  Block contacts;     ///< 7 per body: what touches it (plugins/api/abi.h); size 0 if nobody asks
+  Block contact_pairs;     ///< 7 per pair that plugins ask for, likewise
+  Block joint_reactions;   ///< 6 per joint that plugins ask for
+  Block plugin_state;      ///< words of all plugin instances
   Block last_observation;  ///< float values of the last finite observation, as doubles
   int words = 0;           ///< total
 
@@ -94,7 +97,7 @@ struct Layout {
   std::vector<int> joint_params;  ///< per body: first of its joint's joint_constant_count() words
   std::vector<int> rotor_params;  ///< per rotor: first of its kRotorParamCount words
 
-  /// Index of the parameter at `path`, or -1.
+  /// Index of the parameter whose path or alias is `path`, or -1.
   int find_param(const std::string& path) const;
   /// The parameter block of an environment that nothing has been drawn for.
   std::vector<double> nominal_params() const;

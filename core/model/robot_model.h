@@ -81,6 +81,11 @@ struct Joint {
 /// with limits.
 int joint_constant_count(const Joint& joint);
 
+/// Whether the joint moves a body on another one: no weld, and no base that moves freely.
+inline bool is_moving_joint(const Joint& joint) {
+  return joint.type != JointType::kWeld && !(joint.type == JointType::kFree && joint.parent < 0);
+}
+
 enum class ShapeType { kBox, kCylinder, kSphere, kMesh };
 
 /// A collision or visual shape, placed in the frame of its body.

@@ -103,6 +103,13 @@ struct RobotUse {
   std::vector<PluginUse> controllers;                ///< in the order in which they are evaluated
 };
 
+/// Robots that controllers serve together.
+struct TeamUse {
+  std::string name;
+  std::vector<int> robots;             ///< indices, one or more, each once
+  std::vector<PluginUse> controllers;  ///< in the order in which they are evaluated
+};
+
 /// Everything that an environment is made from.
 struct Scenario {
   std::string name;
@@ -113,6 +120,7 @@ struct Scenario {
   std::array<double, kWorldParamCount> constants = fallbacks<kWorldParamCount>(kWorldConstants);
   ContactSettings contact;
   std::vector<RobotUse> robots;
+  std::vector<TeamUse> teams;
   std::vector<Obstacle> obstacles;
   std::vector<PluginUse> sensors;
   std::vector<PluginUse> effects;

@@ -96,6 +96,7 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
                 "`, which has actions of its own; use --policy zero or random");
   }
   for (const ControllerChain& chain : compiled.chains()) {
+    if (chain.is_fed) continue;
     const int r = chain.robot;
     const PluginInstance& first =
         compiled.plugins(SKYBODY_CONTROLLER)[static_cast<std::size_t>(chain.first)];

@@ -32,6 +32,8 @@ extern "C" {
 #define SKYBODY_ABI_VERSION 3u
 #define SKYBODY_GROUP_LANES 32u  /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_CONTACT_VALUES 7 /* per body in SkybodyLanes::contacts */
+#define SKYBODY_REACTION_VALUES 6
+#define SKYBODY_LONGEST_LEFT_OUT 1024 /* physics steps, see SkybodyDeclare::only_when_read */
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
 
 enum SkybodyParameterType {
@@ -133,9 +135,9 @@ typedef struct SkybodySensorInfo {
   int32_t count;
 } SkybodySensorInfo;
 
-/* Consecutive controllers of one robot, from a command to actuators. */
+/* Consecutive controllers of one robot or team, from a command to actuators. */
 typedef struct SkybodyChainInfo {
-  int32_t robot;         /* index of its robot */
+  int32_t robot;         /* index of its robot; of a team's the first one */
   int32_t signal;        /* SkybodySignal of its first controller */
   int32_t first_command; /* within the command block, and within an action that is not the task's */
   int32_t count;         /* of values */
@@ -162,10 +164,11 @@ typedef struct SkybodyShapeInfo {
 
 /* A randomizable value. */
 typedef struct SkybodyEnvParamInfo {
-  const char* path; /* such as robots.quad.rotors[2].thrust_constant */
-  double nominal;   /* the scenario's value, in SI units */
-  double min;       /* the least that may be drawn */
-  double max;       /* the greatest, likewise */
+  const char* path;  /* such as robots.quad.rotors[2].thrust_constant */
+  const char* alias; /* robots.quad.rotors.rear_left.thrust_constant, or "" */
+  double nominal;    /* the scenario's value, in SI units */
+  double min;        /* the least that may be drawn */
+  double max;        /* the greatest, likewise */
 } SkybodyEnvParamInfo;
 
 /* The world as configure() sees it. It and all that it points to are valid during create() only: an
@@ -177,7 +180,8 @@ typedef struct SkybodySetup {
   int32_t horizon;           /* steps until truncation, 0: none */
   double gravity[3];         /* nominal [m/s^2], W */
   int32_t first_world_param; /* EnvParams, at the places of SkybodyWorldConstant */
-  int32_t robot;             /* the robot a controller belongs to, else -1 */
+  const int32_t* team;       /* the robots that a controller serves, in order; of others none */
+  int32_t team_size;
   const SkybodyRobotInfo* robots;
   int32_t robot_count;
   const SkybodyBodyInfo* bodies;
@@ -221,6 +225,14 @@ typedef struct SkybodyChannel {
   int32_t shape[3];    /* its first `rank` are the extents, the last one varies fastest */
 } SkybodyChannel;
 
+/* What a body may touch. */
+enum SkybodyPartner {
+  SKYBODY_GROUND = 0,
+  SKYBODY_OTHER_BODY = 1,
+  SKYBODY_OBSTACLE = 2,
+  SKYBODY_PARTNER_COUNT = 3
+};
+
 /* Where a wrench acts. */
 typedef struct SkybodySite {
   int32_t body;       /* world body index */
@@ -257,7 +269,9 @@ typedef struct SkybodyDeclare {
   void* host;
   /* Controllers: the command taken, and the physical values of action -1 and +1 per component. */
   void (*input)(void* host, int32_t signal, int32_t count, const double* low, const double* high);
-  void (*output)(void* host, int32_t signal, int32_t count);
+  /* Of one robot that it serves: to the controller that follows, or to the robot's own chain that
+   * takes the signal, or to the robot's actuators. */
+  void (*output)(void* host, int32_t robot, int32_t signal, int32_t count);
   void (*site)(void* host, const SkybodySite* site);
   void (*joint)(void* host, const SkybodyJointDrive* drive);
   /* Sensors: outputs. Tasks: parts of the observation, in order. */
@@ -276,6 +290,12 @@ typedef struct SkybodyDeclare {
   void (*report)(void* host, const SkybodyChannel* info, int32_t first_word);
   /* Any kind: asks for SkybodyLanes::contacts. */
   void (*contacts)(void* host);
+  /* Any kind: asks for what `body` feels of one SkybodyPartner: a world body, or an obstacle, by
+   * its place among the obstacles. Gives its place within SkybodyLanes::contact_pairs. */
+  int32_t (*contact_pair)(void* host, int32_t body, int32_t partner, int32_t other);
+  /* Any kind: asks for what the inboard joint of `body` exerts on it. Gives its place within
+   * SkybodyLanes::joint_reactions. */
+  int32_t (*joint_reaction)(void* host, int32_t body);
   /* Tasks: a part of the action, in robot order, with what -1 and +1 mean. With none of these the
    * action is made of the chains' commands. process() is then required and gets physical values. */
   void (*action)(void* host, const SkybodyChannel* action);
@@ -287,7 +307,8 @@ typedef struct SkybodyDeclare {
   /* Any kind: an output of a sensor that it reads, by the first value within SkybodyLanes::sensors.
    */
   void (*reads)(void* host, int32_t first);
-  /* Sensors: calls may be left out whose output nobody reads. */
+  /* Sensors: calls may be left out whose output nobody reads, over SKYBODY_LONGEST_LEFT_OUT physics
+   * steps at most. */
   void (*only_when_read)(void* host);
   /* Randomizers: this parameter will be written, and is held to its bounds after each draw. Two
    * writers of one parameter are an error. */
@@ -304,10 +325,11 @@ typedef struct SkybodyDeclare {
  * touched beyond them. What lies beyond is `nothing`, so that memory stays whole. */
 typedef struct SkybodyChecks {
   int32_t bodies, q, u, rotors, params, sensors, action, command, robots;
-  int32_t bodies_before, contacts; /* bodies, or 0 where the plugin did not ask */
-  int32_t buffer, scratch;         /* of the plugin that is called */
-  int32_t input, output, info;     /* of this call; output: the observation, too */
-  const char* what;                /* such as "output"; NULL: all was well */
+  int32_t bodies_before, contacts;        /* bodies, or 0 where the plugin did not ask */
+  int32_t contact_pairs, joint_reactions; /* likewise, those of all plugins */
+  int32_t buffer, scratch;                /* of the plugin that is called */
+  int32_t input, output, info;            /* of this call; output: the observation, too */
+  const char* what;                       /* such as "output"; NULL: all was well */
   int32_t index, size;
   double nothing;
 } SkybodyChecks;
@@ -332,11 +354,15 @@ typedef struct SkybodyLanes {
   const double* command;     /* commands of all chains */
   const double* contacts;    /* 7 per body, or NULL: force and moment about the body's origin of all
                                 that touches it (W) [N, N m], and 1 or 0: whether anything does */
-  double* scratch;           /* of this call, see SkybodyDeclare::scratch */
-  unsigned char* images;     /* in sense: the images of this sensor in lane 0, in the order of their
-                                declaration, each at a multiple of 8 bytes; elsewhere NULL */
-  uint64_t image_stride;     /* bytes from lane to lane */
-  SkybodyChecks* checks;     /* NULL: not checked */
+  const double* contact_pairs;   /* 7 per pair that plugins ask for, the same of what touches it
+                                    there, or NULL */
+  const double* joint_reactions; /* 6 per joint that plugins ask for, or NULL: force and moment
+                                    about the body's origin (W) [N, N m] */
+  double* scratch;               /* of this call, see SkybodyDeclare::scratch */
+  unsigned char* images; /* in sense: the images of this sensor in lane 0, in the order of their
+                            declaration, each at a multiple of 8 bytes; elsewhere NULL */
+  uint64_t image_stride; /* bytes from lane to lane */
+  SkybodyChecks* checks; /* NULL: not checked */
 } SkybodyLanes;
 
 /* What a randomizer changes at a reset. */

@@ -28,6 +28,15 @@ struct ContactSum {
   MaskOf<Real> touching;  ///< whether anything does
 };
 
+/// What an inboard joint exerts on its body, at the latest physics state and with the commands of
+/// the last physics step: constraint, spring, damper, limit and drive together. Nothing of a free
+/// base.
+template <class Real>
+struct JointReaction {
+  Vec3<Real> force;   ///< W axes [N]
+  Vec3<Real> moment;  ///< about the body's origin, W axes [N m]
+};
+
 /// Number of values in a ContactSum as the host has it.
 inline constexpr int kContactSumSize = SKYBODY_CONTACT_VALUES;
 
@@ -56,10 +65,21 @@ class EnvView {
   }
   /// What touches a world body; configure() must have asked for it by Setup::need_contacts().
   ContactSum<Real> contact(int body) const {
-    const int first = kContactSumSize * body;
-    const auto v = values_of(raw_.contacts, "contact",
-                             [](const SkybodyChecks& c) { return kContactSumSize * c.contacts; });
-    return {v.vec3(first), v.vec3(first + 3), v[first + 6] > 0.5};
+    return contact_sum(raw_.contacts, body, "contact",
+                       [](const SkybodyChecks& c) { return kContactSumSize * c.contacts; });
+  }
+  /// What a body feels of one other; `pair` is what Setup::contact_pair() gave.
+  ContactSum<Real> contact_pair(int pair) const {
+    return contact_sum(raw_.contact_pairs, pair, "contact pair",
+                       [](const SkybodyChecks& c) { return kContactSumSize * c.contact_pairs; });
+  }
+  /// What a joint exerts on the body that it moves; `index` is what Setup::joint_reaction() gave.
+  JointReaction<Real> joint_reaction(int index) const {
+    const int first = SKYBODY_REACTION_VALUES * index;
+    const auto v = values_of(raw_.joint_reactions, "joint reaction", [](const SkybodyChecks& c) {
+      return SKYBODY_REACTION_VALUES * c.joint_reactions;
+    });
+    return {v.vec3(first), v.vec3(first + 3)};
   }
   /// Speed of a world rotor [rad/s], >= 0.
   Real rotor_speed(int index) const {
@@ -156,6 +176,14 @@ class EnvView {
     const int first = kBodyMotionSize * index;
     const auto v = values_of(base, what, size);
     return {v.vec3(first), v.quat(first + 3), v.vec3(first + 7), v.vec3(first + 10)};
+  }
+
+  template <class Size>
+  ContactSum<Real> contact_sum(const double* base, int index, const char* what,
+                               const Size& size) const {
+    const int first = kContactSumSize * index;
+    const auto v = values_of(base, what, size);
+    return {v.vec3(first), v.vec3(first + 3), v[first + 6] > 0.5};
   }
 
   SkybodyLanes raw_;  // a copy: nothing that is written can alias its pointers

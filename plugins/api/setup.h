@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -35,6 +36,13 @@ enum class HeldInput {
   kRotorGain = SKYBODY_HELD_ROTOR_GAIN,
   kRotorLimit = SKYBODY_HELD_ROTOR_LIMIT,
   kRotorRate = SKYBODY_HELD_ROTOR_RATE,
+};
+
+/// What a body may touch.
+enum class Partner {
+  kGroundPlane = SKYBODY_GROUND,
+  kBody = SKYBODY_OTHER_BODY,
+  kObstacle = SKYBODY_OBSTACLE,
 };
 
 /// A contiguous array that belongs to the host. Valid during configure(): copy what is needed
@@ -86,7 +94,11 @@ class Setup {
   /// Collision shapes of bodies, then obstacles.
   View<ShapeInfo> shapes() const { return {raw_.shapes, raw_.shape_count}; }
 
-  /// Controllers: index of the robot that this one belongs to. @throws std::logic_error for others
+  /// Controllers: the robots that this one serves, by index: its own, or those of its team, in the
+  /// order of the scenario's `robots`. Empty for others.
+  View<std::int32_t> team() const { return {raw_.team, raw_.team_size}; }
+  /// Controllers: index of the one robot that this one serves.
+  /// @throws std::runtime_error if that is a team of several; std::logic_error for other kinds
   int robot() const;
   /// Index of the robot called `name`; an empty name means the only one.
   /// @throws std::runtime_error naming those that exist
@@ -114,7 +126,10 @@ class Setup {
   void input(Signal signal, const std::vector<double>& low, const std::vector<double>& high) const;
   /// Controllers: what control() writes, `count` values. The last one of a chain may give several
   /// signals to actuators: their values follow one another in the order of these calls.
-  void output(Signal signal, int count) const;
+  /// @param robot  which of team() it is for; -1: the first. Another controller of the team takes
+  /// it,
+  ///               or the robot's own chain that takes this signal, or the robot's actuators
+  void output(Signal signal, int count, int robot = -1) const;
   /// Controllers with output Signal::kWrench: where values 6 i to 6 i + 5 act, for site i = 0, 1,
   /// ...
   void site(const SkybodySite& site) const { declare_.site(declare_.host, &site); }
@@ -164,9 +179,19 @@ class Setup {
   void scratch(int count) const { declare_.scratch(declare_.host, count); }
   /// Asks for EnvView::contact(), which costs time in large batches.
   void need_contacts() const { declare_.contacts(declare_.host); }
+  /// Asks for what a world body feels of one that it may touch, at the same cost.
+  /// @param other  of kBody: a world body; of kObstacle: its place among the obstacles in shapes()
+  /// @returns the index for EnvView::contact_pair()
+  int contact_pair(int body, Partner partner, int other = 0) const {
+    return declare_.contact_pair(declare_.host, body, static_cast<int>(partner), other);
+  }
+  /// Asks for what the inboard joint of a world body exerts on it, which takes the time of another
+  /// evaluation of the dynamics in every physics step, lane by lane.
+  /// @returns the index for EnvView::joint_reaction()
+  int joint_reaction(int body) const { return declare_.joint_reaction(declare_.host, body); }
   /// Sensors: sense() may be left out where nobody would read its output before the next call, over
-  /// 1024 physics steps at most. It must give the same whether the calls before were made or left
-  /// out: a walk is made up for by Plugin::random_at().
+  /// SKYBODY_LONGEST_LEFT_OUT (1024) physics steps at most. It must give the same whether the calls
+  /// before were made or left out: a walk is made up for by Plugin::random_at().
   void only_when_read() const { declare_.only_when_read(declare_.host); }
   /// Asks for EnvView::body_before().
   void need_bodies_before() const { declare_.bodies_before(declare_.host); }

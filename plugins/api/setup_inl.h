@@ -11,8 +11,13 @@
 namespace skybody {
 
 inline int Setup::robot() const {
-  if (raw_.robot < 0) throw std::logic_error("only a controller belongs to one robot");
-  return raw_.robot;
+  if (raw_.team_size == 0) throw std::logic_error("only a controller serves one robot");
+  if (raw_.team_size > 1) {
+    throw std::runtime_error("this controller serves one robot, and is given a team of " +
+                             std::to_string(raw_.team_size) +
+                             ": move it to the `controllers` of a robot");
+  }
+  return raw_.team[0];
 }
 
 inline int Setup::robot(const std::string& name) const {
@@ -93,14 +98,19 @@ inline std::vector<int> Setup::find_params(const std::string& path) const {
   std::vector<int> found;
   const bool every_robot = path.rfind("robot.", 0) == 0 || path.rfind("controllers.", 0) == 0;
   const std::string rest = path.rfind("robot.", 0) == 0 ? path.substr(6) : path;
+  std::vector<std::string> patterns{path};
+  for (int r = 0; every_robot && r < raw_.robot_count; ++r) {
+    patterns.push_back("robots." + std::string(raw_.robots[r].name) + "." + rest);
+  }
   for (int i = 0; i < raw_.param_count; ++i) {
-    const std::string candidate = raw_.params[i].path;
-    bool match = plugin_detail::matches(path, candidate);
-    for (int r = 0; every_robot && !match && r < raw_.robot_count; ++r) {
-      match = plugin_detail::matches("robots." + std::string(raw_.robots[r].name) + "." + rest,
-                                     candidate);
+    const SkybodyEnvParamInfo& param = raw_.params[i];
+    for (const std::string& pattern : patterns) {
+      if (plugin_detail::matches(pattern, param.path) ||
+          plugin_detail::matches(pattern, param.alias)) {
+        found.push_back(i);
+        break;
+      }
     }
-    if (match) found.push_back(i);
   }
   if (found.empty()) {
     throw std::runtime_error("nothing randomizable is called `" + path +
@@ -116,8 +126,9 @@ inline void Setup::input(Signal signal, const std::vector<double>& low,
                  high.data());
 }
 
-inline void Setup::output(Signal signal, int count) const {
-  declare_.output(declare_.host, static_cast<int>(signal), count);
+inline void Setup::output(Signal signal, int count, int robot) const {
+  if (robot < 0 && raw_.team_size > 0) robot = raw_.team[0];
+  declare_.output(declare_.host, robot, static_cast<int>(signal), count);
 }
 
 inline void Setup::channel(const std::string& name, const std::string& unit, int count, double low,

@@ -110,7 +110,7 @@ std::vector<NamedContact> contacts(S& s) {
   std::vector<NamedContact> out;
   for (const Contact& c : s.call([](Simulation& sim) { return sim.contacts(); })) {
     const std::string other = c.other == kGround     ? "ground"
-                              : c.other == kObstacle ? "obstacle"
+                              : is_obstacle(c.other) ? "obstacle"
                                                      : names[static_cast<std::size_t>(c.other)];
     out.push_back({c, names[static_cast<std::size_t>(c.body)], other});
   }

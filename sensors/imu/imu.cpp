@@ -72,7 +72,7 @@ class Imu : public Sensor {
   static constexpr int kSize = 6;
   /// Physics steps over which the engine leaves out calls at most. A state that was restored may
   /// say anything.
-  static constexpr double kLongestLeftOut = 1024.0;
+  static constexpr double kLongestLeftOut = SKYBODY_LONGEST_LEFT_OUT;
 
   /// Standard normals, in a loop: the code of one draw is large.
   template <class Real, int N>

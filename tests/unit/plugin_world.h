@@ -14,7 +14,7 @@ class PluginWorld {
  public:
   double dt = 0.001;
   double gravity = 9.81;
-  int robot = 0;  ///< that a controller belongs to
+  std::vector<std::int32_t> team = {0};  ///< robots that a controller serves
   std::vector<SkybodyRobotInfo> robots;
   std::vector<SkybodyBodyInfo> bodies;
   std::vector<SkybodyLinkInfo> links;
@@ -116,7 +116,7 @@ class PluginWorld {
   }
 
   int add_param(const std::string& path, double nominal, double min = -1e9, double max = 1e9) {
-    params.push_back({keep(path), nominal, min, max});
+    params.push_back({keep(path), "", nominal, min, max});
     return static_cast<int>(params.size()) - 1;
   }
 
@@ -128,7 +128,8 @@ class PluginWorld {
     s.dt = dt;
     s.action_repeat = 1;
     s.gravity[2] = -gravity;
-    s.robot = robot;
+    s.team = team.data();
+    s.team_size = static_cast<int>(team.size());
     s.robots = robots.data();
     s.robot_count = static_cast<int>(robots.size());
     s.bodies = bodies.data();

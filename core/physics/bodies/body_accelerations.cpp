@@ -44,22 +44,19 @@ Acceleration joint_acceleration(JointType type, const double* q, const double* u
 
 }  // namespace
 
-std::vector<BodyAcceleration> body_accelerations(const std::vector<TreeBody>& tree, const double* q,
-                                                 const double* u, const double* udot) {
-  std::vector<BodyKinematics<double>> motion(tree.size());
-  forward_kinematics(tree, q, u, motion.data());
-  std::vector<Acceleration> all(tree.size());
-  std::vector<BodyAcceleration> out(tree.size());
+void body_accelerations(const std::vector<TreeBody>& tree, const double* q, const double* u,
+                        const double* udot, const BodyKinematics<double>* motion,
+                        BodyAcceleration* out) {
   for (std::size_t i = 0; i < tree.size(); ++i) {
     const TreeBody& body = tree[i];
     const JointMotion<double> joint = joint_motion(body.type, q + body.q, u + body.u);
     const Acceleration relative =
         joint_acceleration(body.type, q + body.q, u + body.u, udot + body.u);
-    const BodyKinematics<double> frame = frame_on_parent(body, motion.data());
+    const BodyKinematics<double> frame = frame_on_parent(body, motion);
     Acceleration a;  // of F
     if (body.parent >= 0) {
       const auto parent = static_cast<std::size_t>(body.parent);
-      a = all[parent];
+      a = {out[parent].linear, motion[parent].axes * out[parent].angular};
       a.linear = at(a, frame.angular_velocity, frame.position - motion[parent].position);
     }
     // Of M: F carries it along while it moves in F.
@@ -72,9 +69,16 @@ std::vector<BodyAcceleration> body_accelerations(const std::vector<TreeBody>& tr
     // Of the body's own frame, which is fixed to M.
     const Vec3<double> arm = motion[i].axes * body.frame_in_body.position;
     a.linear = at(a, motion[i].angular_velocity, -arm);
-    all[i] = a;
     out[i] = {a.linear, transpose_times(motion[i].axes, a.angular)};
   }
+}
+
+std::vector<BodyAcceleration> body_accelerations(const std::vector<TreeBody>& tree, const double* q,
+                                                 const double* u, const double* udot) {
+  std::vector<BodyKinematics<double>> motion(tree.size());
+  std::vector<BodyAcceleration> out(tree.size());
+  forward_kinematics(tree, q, u, motion.data());
+  body_accelerations(tree, q, u, udot, motion.data(), out.data());
   return out;
 }
 

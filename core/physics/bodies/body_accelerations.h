@@ -15,6 +15,13 @@ struct BodyAcceleration {
 };
 
 /// Accelerations of all bodies, in the order of `tree`.
+/// @param motion  of all bodies at q, u
+/// @param udot    generalised accelerations, one per u
+/// @param out     per body, overwritten
+void body_accelerations(const std::vector<TreeBody>& tree, const double* q, const double* u,
+                        const double* udot, const BodyKinematics<double>* motion,
+                        BodyAcceleration* out);
+/// The same, with the motion made.
 /// @param udot  generalised accelerations, one per u
 std::vector<BodyAcceleration> body_accelerations(const std::vector<TreeBody>& tree, const double* q,
                                                  const double* u, const double* udot);

@@ -5,11 +5,12 @@
 
 namespace skybody {
 
-std::vector<Contact> ground_contacts(const World& world, const double* constants,
-                                     const std::vector<BodyState>& bodies) {
-  std::vector<Contact> out;
+void add_ground_contacts(const World& world, const double* constants, const double* bodies,
+                         int stride, std::vector<Contact>& out) {
   for (const ContactSphere& sphere : world.spheres) {
-    const BodyState& body = bodies[static_cast<std::size_t>(sphere.body)];
+    BodyState body;
+    auto* values = reinterpret_cast<double*>(&body);
+    for (int k = 0; k < 13; ++k) values[k] = bodies[(13 * sphere.body + k) * stride];
     const Mat3<double> axes = to_mat3(body.rotation);
     Vec3<double> arm = axes * sphere.center;
     arm.z -= sphere.radius;
@@ -20,7 +21,6 @@ std::vector<Contact> ground_contacts(const World& world, const double* constants
         ground_force(constants, point, velocity, sphere.stiffness, sphere.most_damping);
     out.push_back({sphere.body, kGround, point, {0.0, 0.0, 1.0}, -point.z, force});
   }
-  return out;
 }
 
 }  // namespace skybody

@@ -146,15 +146,15 @@ class SimbodySystem {
   }
 
  private:
-  /// World body index, or kObstacle: only those are surfaces of Simbody's ground.
+  /// World body index, or an obstacle: they are the surfaces of Simbody's ground, in their order.
   int body_of(SimTK::ContactSurfaceIndex surface) const {
     const int body = tracker_->getMobilizedBody(surface).getMobilizedBodyIndex();
-    return body == 0 ? kObstacle : body - 1;
+    return body == 0 ? kFirstObstacle - static_cast<int>(surface) : body - 1;
   }
 
   /// A mesh touches in many elements: their normals are weighted by the forces that they carry.
   static Contact make_contact(const SimTK::ContactPatch& patch, int body_1, int body_2) {
-    const double sign = body_2 == kObstacle ? -1.0 : 1.0;  // Simbody tells the force on body 2
+    const double sign = is_obstacle(body_2) ? -1.0 : 1.0;  // Simbody tells the force on body 2
     const SimTK::ContactForce& sum = patch.getContactForce();
     SimTK::Vec3 normal(0.0);
     double depth = 0.0;
@@ -166,8 +166,8 @@ class SimbodySystem {
     }
     const double length = normal.norm();
     if (length > 0.0) normal *= sign / length;
-    return {body_2 == kObstacle ? body_1 : body_2,
-            body_2 == kObstacle ? body_2 : body_1,
+    return {is_obstacle(body_2) ? body_1 : body_2,
+            is_obstacle(body_2) ? body_2 : body_1,
             from_simbody(sum.getContactPoint()),
             from_simbody(normal),
             depth,

@@ -36,6 +36,10 @@ class GroupStepper::Alone {
                      double* udot) {
     stepper(lane).accelerations(take(group, lane, derived), on_simbody, udot);
   }
+  void joint_reactions(const GroupBlocks& group, int lane, const double* derived, bool on_simbody,
+                       SpatialForce<double>* out) {
+    stepper(lane).joint_reactions(take(group, lane, derived), on_simbody, out);
+  }
   void add_contacts(const GroupBlocks& group, int lane, std::vector<Contact>& out) {
     stepper(lane).add_contacts(take(group, lane, nullptr), out);
   }
@@ -152,6 +156,13 @@ void GroupStepper::accelerations(const GroupBlocks& group, int lane, PhysicsScra
   if (((broken_ >> lane) & 1u) != 0) make_bodies(group, lane, scratch);  // throws
   const StepCall all = call(group, scratch);
   alone().accelerations(group, lane, all.derived, on_simbody_of(all, 1u << lane) != 0, udot);
+}
+
+void GroupStepper::joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
+                                   SpatialForce<double>* out) {
+  if (((broken_ >> lane) & 1u) != 0) make_bodies(group, lane, scratch);  // throws
+  const StepCall all = call(group, scratch);
+  alone().joint_reactions(group, lane, all.derived, on_simbody_of(all, 1u << lane) != 0, out);
 }
 
 void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,

@@ -7,6 +7,7 @@
 
 #include "core/base/aligned_array.h"
 #include "core/physics/forces/contact.h"
+#include "core/physics/forces/spatial_force.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/world/world.h"
 
@@ -93,6 +94,10 @@ class GroupStepper {
   /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
   void accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch, double* udot);
 
+  /// What joints exert on the bodies that they move, likewise.
+  /// @param out  one per body: joint_reactions.h
+  void joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
+                       SpatialForce<double>* out);
   /// Appends the contacts of one refreshed lane's bodies with one another and with obstacles.
   /// @throws as accelerations
   void add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,

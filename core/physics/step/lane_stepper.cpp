@@ -74,6 +74,27 @@ void LaneStepper::accelerations(const StepCall& lane, bool on_simbody, double* u
   mechanics_of(lane, scratch_, dynamics(lane, on_simbody)).accelerations(udot);
 }
 
+void LaneStepper::joint_reactions(const StepCall& lane, bool on_simbody,
+                                  SpatialForce<double>* out) {
+  const World& world = plan_.world;
+  udot_.resize(static_cast<std::size_t>(world.layout.u.size));
+  accelerations_.resize(world.bodies.size());
+  LaneMechanics mechanics = mechanics_of(lane, scratch_, dynamics(lane, on_simbody));
+  mechanics.accelerations(udot_.data());
+  contacts_.clear();
+  if (on_simbody) add_contacts(lane, contacts_);  // the ground's are among the forces already
+  const BodyKinematics<double>* motion = mechanics.motion();
+  for (const Contact& c : contacts_) {
+    mechanics.forces()[c.body].add_force_at(c.point - motion[c.body].position, c.force);
+    if (c.other < 0) continue;
+    mechanics.forces()[c.other].add_force_at(c.point - motion[c.other].position, -c.force);
+  }
+  body_accelerations(plan_.forest.bodies(), lane.group->q, lane.group->u, udot_.data(), motion,
+                     accelerations_.data());
+  skybody::joint_reactions(world, lane.group->params, motion, accelerations_.data(),
+                           mechanics.forces(), out);
+}
+
 void LaneStepper::add_contacts(const StepCall& lane, std::vector<Contact>& out) {
   dynamics(lane, true)->add_contacts(lane.group->q, lane.group->u, out);
 }

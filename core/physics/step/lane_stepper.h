@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/aligned_array.h"
+#include "core/physics/bodies/joint_reactions.h"
 #include "core/physics/forces/contact.h"
 #include "core/physics/simbody/dynamics.h"
 #include "core/physics/step/integrator.h"
@@ -30,6 +31,11 @@ class LaneStepper {
   /// @throws Error if the parameters are not physical; std::runtime_error if the dynamics gives up
   void accelerations(const StepCall& lane, bool on_simbody, double* udot);
 
+  /// What joints exert on the bodies that they move (joint_reactions.h), at the same instant.
+  /// @param out  one per body
+  /// @throws as accelerations
+  void joint_reactions(const StepCall& lane, bool on_simbody, SpatialForce<double>* out);
+
   /// Appends the contacts that Simbody finds. @throws as accelerations
   void add_contacts(const StepCall& lane, std::vector<Contact>& out);
 
@@ -40,6 +46,10 @@ class LaneStepper {
   std::unique_ptr<Integrator> integrator_;  ///< null: fixed steps
   std::unique_ptr<Dynamics> simbody_;
   AlignedArray<std::byte> scratch_;
+  // Of joint_reactions(); empty until then.
+  std::vector<double> udot_;
+  std::vector<BodyAcceleration> accelerations_;
+  std::vector<Contact> contacts_;
 };
 
 }  // namespace skybody

@@ -191,6 +191,10 @@ class Mechanics {
     each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
     accelerate(a_.now.q, a_.now.u, kStepStart, udot);
   }
+  /// What the last evaluation had: motion of the bodies, and all forces on them but those of
+  /// joints.
+  const BodyKinematics<Real>* motion() const { return a_.motion; }
+  SpatialForce<Real>* forces() const { return a_.forces; }
 
  private:
   double dt() const { return plan_.world.scenario.stepping.dt; }

@@ -8,17 +8,17 @@ namespace skybody {
 namespace {
 
 /// The values of a thing as EnvParams: the first rows, as many as `nominal` has values for.
+/// @param alias  another path; empty: there is none
 /// @returns the index of the first
 int add_constants(Layout& layout, const std::string& path, std::span<const ConstantRow> rows,
-                  std::span<const double> nominal) {
+                  std::span<const double> nominal, const std::string& alias = "") {
   const int first = static_cast<int>(layout.param_info.size());
   for (const ConstantRow& row : rows) {
     if (row.place >= static_cast<int>(nominal.size())) break;
     for (int k = 0; k < row.count; ++k) {
-      const std::string index = row.count == 1 ? "" : "[" + std::to_string(k) + "]";
-      add_param(layout,
-                {path + row.key + index, row.unit, nominal[static_cast<std::size_t>(row.place + k)],
-                 row.least_drawn(k), kInfinity});
+      const std::string key = row.key + (row.count == 1 ? "" : "[" + std::to_string(k) + "]");
+      add_param(layout, {path + key, row.unit, nominal[static_cast<std::size_t>(row.place + k)],
+                         row.least_drawn(k), kInfinity, alias.empty() ? "" : alias + key});
     }
   }
   return first;
@@ -41,18 +41,24 @@ void add_physical_constants(Layout& layout, const Topology& world) {
         static_cast<int>(i) - layout.robots[static_cast<std::size_t>(rotor.robot)].first_rotor;
     const std::string path = path_of(rotor.robot) + "rotors[" + std::to_string(index) + "].";
     layout.rotor_params.push_back(
-        add_constants(layout, path, kRotorConstants, rotor.model->constants));
+        add_constants(layout, path, kRotorConstants, rotor.model->constants,
+                      path_of(rotor.robot) + "rotors." + rotor.model->name + "."));
   }
   for (const RobotUse& robot : robots) {
     layout.robot_params.push_back(
         add_constants(layout, "robots." + robot.name + ".", kRobotConstants, robot.constants));
   }
+  int joints = 0, robot_of_joints = -1;
   for (const WorldBody& body : world.bodies) {
+    if (body.robot != robot_of_joints) joints = 0;
+    robot_of_joints = body.robot;
     const Joint& joint = body.model->joint;
+    const std::string index = "joints[" + std::to_string(joints) + "].";
+    joints += is_moving_joint(joint) ? 1 : 0;
     const auto count = static_cast<std::size_t>(joint_constant_count(joint));
     layout.joint_params.push_back(
         add_constants(layout, path_of(body.robot) + "joints." + joint.name + ".", kJointConstants,
-                      std::span(joint.constants).first(count)));
+                      std::span(joint.constants).first(count), path_of(body.robot) + index));
   }
   layout.world_params = add_constants(layout, "", kWorldConstants, world.scenario.constants);
   layout.physics_params = static_cast<int>(layout.param_info.size());
@@ -140,9 +146,9 @@ Layout finish_layout(const WorldPlan& plan) {
     place(*block);
   }
   for (Block& block : layout.held) place(block);
-  for (Block* block :
-       {&layout.bodies_before, &layout.params, &layout.action, &layout.command, &layout.sensors,
-        &layout.contacts, &layout.plugin_state, &layout.last_observation}) {
+  for (Block* block : {&layout.bodies_before, &layout.params, &layout.action, &layout.command,
+                       &layout.sensors, &layout.contacts, &layout.contact_pairs,
+                       &layout.joint_reactions, &layout.plugin_state, &layout.last_observation}) {
     place(*block);
   }
   return layout;

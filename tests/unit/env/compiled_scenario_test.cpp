@@ -285,7 +285,7 @@ TEST(Configuration, ASignalThatNoActuatorTakesIsRefusedAtItsLine) {
   } catch (const MarkedError& e) {
     EXPECT_EQ(e.mark().file, "test.yaml");
     EXPECT_STREQ(e.what(),
-                 "the last controller, `dangling`, gives srt; it must give rotor_speed, wrench, "
+                 "the last controller, `dangling`, gives srt[4]; it must give rotor_speed, wrench, "
                  "joint, velocity "
                  "or pose: add a controller behind it that takes srt");
   }

@@ -41,7 +41,7 @@ SkybodyDeclare Declared::table() {
     note(h, "input " + std::to_string(signal) + " x " + std::to_string(count) + " " +
                 std::to_string(low[0]) + ".." + std::to_string(high[0]));
   };
-  d.output = [](void* h, int32_t signal, int32_t count) {
+  d.output = [](void* h, int32_t, int32_t signal, int32_t count) {
     note(h, "output " + std::to_string(signal) + " x " + std::to_string(count));
   };
   d.site = [](void* h, const SkybodySite* site) { note(h, "site " + std::to_string(site->body)); };
@@ -83,6 +83,8 @@ SmallWorld::SmallWorld(const PluginEntry& entry)
   setup_.dt = 0.001;
   setup_.action_repeat = 1;
   setup_.gravity[2] = -9.81;
+  setup_.team = team_;
+  setup_.team_size = 1;
   setup_.robots = &robot_;
   setup_.robot_count = 1;
   setup_.bodies = &body_;

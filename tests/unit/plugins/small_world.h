@@ -51,10 +51,11 @@ class SmallWorld {
   const PluginEntry& entry_;
   std::vector<ParameterValue> defaults_;
   BoundValues values_;
+  std::int32_t team_[1] = {0};
   SkybodyRobotInfo robot_{};
   SkybodyBodyInfo body_{};
   std::vector<SkybodyRotorInfo> rotors_;
-  SkybodyEnvParamInfo param_{"robots.quad.controllers.c.gain", 1.0, 0.0, 2.0};
+  SkybodyEnvParamInfo param_{"robots.quad.controllers.c.gain", "", 1.0, 0.0, 2.0};
   SkybodySetup setup_{};
 };
 

@@ -274,7 +274,7 @@ TEST(DirectControl, AnObstacleCarriesTheWeightOfWhatRestsOnIt) {
   ASSERT_TRUE(world.advance(1200));
   double sum = 0.0;
   for (const Contact& contact : world.contacts()) {
-    EXPECT_EQ(contact.other, kObstacle);
+    EXPECT_EQ(contact.other, kFirstObstacle);
     EXPECT_GT(contact.normal.z, 0.9);  // pushed off upwards
     EXPECT_GT(contact.depth, 0.0);
     EXPECT_NEAR(contact.point.z, 1.1, 0.01);  // the table's top

@@ -1,0 +1,130 @@
+// What bodies feel, for plugins that ask: contacts added up by body and by pair, and what joints
+// exert. Found lane by lane after each physics step, and kept in state words until the next.
+#include <array>
+
+#include "core/base/fp_environment.h"
+#include "core/base/octets.h"
+#include "core/env/compiled_scenario.h"
+#include "core/env/group_work.h"
+
+namespace skybody {
+namespace {
+
+/// Where a contact's force on one of its two bodies is added up.
+struct FeltBy {
+  int body;
+  double sign;  ///< -1: the contact tells the force on the other one
+};
+
+/// Adds a contact to a sum.
+/// @param sum  SKYBODY_CONTACT_VALUES values of the lane
+void add_contact(const Contact& contact, FeltBy by, const StateGroup& group, int lane,
+                 double* sum) {
+  const int lanes = group.lanes();
+  const double* at = group.bodies() + 13 * by.body * lanes + lane;
+  const Vec3<double> arm = contact.point - Vec3<double>{at[0], at[lanes], at[2 * lanes]};
+  const Vec3<double> force = by.sign * contact.force, moment = cross(arm, force);
+  for (const double value : {force.x, force.y, force.z, moment.x, moment.y, moment.z}) {
+    *sum += value;
+    sum += lanes;
+  }
+  *sum = 1.0;
+}
+
+/// What a pair's partner is in a Contact.
+int partner_of(const ContactPair& pair) {
+  if (pair.partner == SKYBODY_GROUND) return kGround;
+  return pair.partner == SKYBODY_OBSTACLE ? kFirstObstacle - pair.other : pair.other;
+}
+
+void clear(double* values, int count, int lanes) {
+  for (int k = 0; k < count; ++k) values[k * lanes] = 0.0;
+}
+
+}  // namespace
+
+std::vector<Contact> CompiledScenario::contacts(StateGroup& group, GroupWork& work,
+                                                int lane) const {
+  const FpEnvironment guard;
+  update(group, work, 1u << lane);
+  find_contacts(group, work, lane);
+  return work.contacts;
+}
+
+/// Those of a lane that is up to date, into the work.
+void CompiledScenario::find_contacts(StateGroup& group, GroupWork& work, int lane) const {
+  std::array<double, kWorldParamCount> constants;
+  const Block block{layout().params.offset + layout().world_params, kWorldParamCount};
+  group.gather(lane, block, constants.data());
+  work.contacts.clear();
+  add_ground_contacts(*world_, constants.data(), group.bodies() + lane, group.lanes(),
+                      work.contacts);
+  group.add_contacts(lane, work.physics, work.contacts);
+}
+
+void CompiledScenario::sense_contacts(StateGroup& group, GroupWork& work,
+                                      std::uint32_t mask) const {
+  if ((!needs_contacts_ && contact_pairs_.empty()) || mask == 0) return;
+  each_lane(mask, [&](int lane) {
+    find_contacts(group, work, lane);
+    add_up_bodies(group, work.contacts, lane);
+    add_up_pairs(group, work.contacts, lane);
+  });
+}
+
+void CompiledScenario::add_up_bodies(StateGroup& group, const std::vector<Contact>& contacts,
+                                     int lane) const {
+  if (!needs_contacts_) return;
+  const int lanes = group.lanes();
+  double* const sums = group.writable(layout().contacts, 1u << lane) + lane;
+  clear(sums, layout().contacts.size, lanes);
+  const auto of = [&](int body) { return sums + SKYBODY_CONTACT_VALUES * body * lanes; };
+  for (const Contact& c : contacts) {
+    add_contact(c, {c.body, 1.0}, group, lane, of(c.body));
+    if (c.other >= 0) add_contact(c, {c.other, -1.0}, group, lane, of(c.other));
+  }
+}
+
+void CompiledScenario::add_up_pairs(StateGroup& group, const std::vector<Contact>& contacts,
+                                    int lane) const {
+  if (contact_pairs_.empty()) return;
+  const int lanes = group.lanes();
+  double* sum = group.writable(layout().contact_pairs, 1u << lane) + lane;
+  clear(sum, layout().contact_pairs.size, lanes);
+  for (const ContactPair& pair : contact_pairs_) {
+    const int partner = partner_of(pair);
+    for (const Contact& c : contacts) {
+      if (c.body == pair.body && c.other == partner) {
+        add_contact(c, {pair.body, 1.0}, group, lane, sum);
+      } else if (c.other == pair.body && c.body == partner) {
+        add_contact(c, {pair.body, -1.0}, group, lane, sum);
+      }
+    }
+    sum += SKYBODY_CONTACT_VALUES * lanes;
+  }
+}
+
+/// A lane whose dynamics gives up keeps what it had: its next step is a fault.
+void CompiledScenario::sense_joint_reactions(StateGroup& group, GroupWork& work,
+                                             std::uint32_t mask) const {
+  if (joint_reactions_.empty()) return;
+  const int lanes = group.lanes();
+  each_lane(mask, [&](int lane) {
+    try {
+      group.joint_reactions(lane, work.physics, work.joint_reactions.data());
+    } catch (const std::runtime_error&) {
+      return;
+    }
+    double* to = group.writable(layout().joint_reactions, 1u << lane) + lane;
+    for (const int body : joint_reactions_) {
+      const SpatialForce<double>& f = work.joint_reactions[static_cast<std::size_t>(body)];
+      for (const double value :
+           {f.force.x, f.force.y, f.force.z, f.moment.x, f.moment.y, f.moment.z}) {
+        *to = value;
+        to += lanes;
+      }
+    }
+  });
+}
+
+}  // namespace skybody
