@@ -15,7 +15,7 @@ from . import _native, spaces
 from .arguments import Scenario, check_seed, integer, load, shape_error
 from .infos import InfoChannels
 from .observations import Observations, row_of
-from .pooled import drain, make_native, refuse_interrupted
+from .pooled import drain, make_native
 
 
 class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
@@ -115,9 +115,7 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         row = np.ascontiguousarray(action)
         if row.shape != self.action_space.shape:
             raise shape_error("action", row, self.action_space.shape)
-        refuse_interrupted(self._pool)
-        self._pool.send(row[np.newaxis], None)
-        batch = self._pool.recv()
+        batch = self._pool.step(row[np.newaxis])
         return (
             row_of(self._observations.of(batch), 0),
             float(batch.reward[0]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,64 @@ RESERVED = (
 )
 
 
-def add_fault_reasons(infos: dict[str, Any], batch: Batch) -> None:
-    """`fault_reason`, text per row, only where some row is a fault; the mask is `fault`."""
-    reasons = batch.fault_reasons
-    if reasons is not None:
-        infos["fault_reason"] = np.array(reasons, dtype=object)
-        infos["_fault_reason"] = batch.fault
+class InfoRows(Protocol):
+    """Where infos come from: a `Batch`, or some of its rows (`ScatteredRows`)."""
+
+    @property
+    def info(self) -> NDArray[np.float32]: ...
+    @property
+    def privileged(self) -> NDArray[np.float32]: ...
+    @property
+    def agent_reward(self) -> NDArray[np.float32]: ...
+    @property
+    def fault(self) -> NDArray[np.bool_]: ...
+    @property
+    def fault_reasons(self) -> Any: ...
+
+
+class ScatteredRows:
+    """Rows of a batch at the places of their environments; zeros, and no reasons, elsewhere.
+
+    Args:
+        batch: the rows. All of its faults are among those taken.
+        num_envs: number of environments.
+        envs: environments of the rows that are taken.
+        ended: the rows of the same numbers, as they were before the reset (same-step autoreset);
+            False: all rows, in order.
+    """
+
+    def __init__(self, batch: Batch, num_envs: int, envs: NDArray[Any], ended: bool) -> None:
+        self._batch, self._num_envs, self._envs, self._ended = batch, num_envs, envs, ended
+        self.mask = np.zeros(num_envs, np.bool_)
+        self.mask[envs] = True
+
+    def _scattered(self, values: NDArray[Any]) -> NDArray[Any]:
+        nothing = None if values.dtype == object else 0
+        out = np.full((self._num_envs, *values.shape[1:]), nothing, values.dtype)
+        out[self._envs] = values[self._envs] if self._ended else values
+        return out
+
+    @property
+    def info(self) -> NDArray[np.float32]:
+        return self._scattered(self._batch.final_info if self._ended else self._batch.info)
+
+    @property
+    def privileged(self) -> NDArray[np.float32]:
+        batch = self._batch
+        return self._scattered(batch.final_privileged if self._ended else batch.privileged)
+
+    @property
+    def agent_reward(self) -> NDArray[np.float32]:
+        return self._scattered(self._batch.agent_reward)
+
+    @property
+    def fault(self) -> NDArray[np.bool_]:
+        return self._scattered(self._batch.fault)
+
+    @property
+    def fault_reasons(self) -> Any:
+        reasons = self._batch.fault_reasons
+        return None if reasons is None else self._scattered(np.array(reasons, dtype=object))
 
 
 class InfoChannels:
@@ -44,6 +96,7 @@ class InfoChannels:
 
     def __init__(self, compiled: CompiledScenario, present: bool = True) -> None:
         self._has_privileged = compiled.privileged_size > 0
+        self._team = len(compiled.agents) > 1
         self._columns: list[tuple[str, str, int | slice]] = []
         for channel in compiled.info_channels if present else ():
             if channel.name in RESERVED:
@@ -64,19 +117,25 @@ class InfoChannels:
             infos["privileged"] = privileged
         return infos
 
-    def masked(
-        self,
-        rows: NDArray[np.float32],
-        privileged: NDArray[np.float32],
-        mask: NDArray[np.bool_],
-    ) -> dict[str, NDArray[Any]]:
-        """The same with Gymnasium's `_name` masks, which say for which rows a value is given."""
-        infos: dict[str, NDArray[Any]] = {}
-        for name, mask_name, where in self._columns:
-            infos[name] = rows[:, where]
-            infos[mask_name] = mask
+    def masked(self, rows: InfoRows, mask: NDArray[np.bool_]) -> dict[str, Any]:
+        """Info values, faults and rewards of agents with Gymnasium's `_name` masks, which say for
+        which environments a value is given.
+
+        A vector environment calls it in each step, so that it looks at no column in vain.
+        """
+        infos: dict[str, Any] = {}
+        if self._columns:
+            values = rows.info.T  # its rows are views that take half the time of columns
+            for name, mask_name, where in self._columns:
+                infos[name] = values[where] if type(where) is int else values[where].T
+                infos[mask_name] = mask
         if self._has_privileged:
-            infos["privileged"], infos["_privileged"] = privileged, mask
+            infos["privileged"], infos["_privileged"] = rows.privileged, mask
+        infos["fault"], infos["_fault"] = rows.fault, mask
+        if (reasons := rows.fault_reasons) is not None:
+            add_fault_reasons(infos, reasons)
+        if self._team:
+            infos["agent_reward"], infos["_agent_reward"] = rows.agent_reward, mask
         return infos
 
     def of_row(self, row: NDArray[np.float32], privileged: NDArray[np.float32]) -> dict[str, Any]:
@@ -88,3 +147,9 @@ class InfoChannels:
         if self._has_privileged:
             info["privileged"] = privileged.copy()
         return info
+
+
+def add_fault_reasons(infos: dict[str, Any], reasons: Any) -> None:
+    """`fault_reason`, a text for each row that is a fault, None elsewhere; its mask is `fault`."""
+    infos["fault_reason"] = np.asarray(reasons, dtype=object)
+    infos["_fault_reason"] = infos["fault"]

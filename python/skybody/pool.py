@@ -168,7 +168,8 @@ class Pool(PooledEnvironments):
             "fault": batch.fault,
             "agent_reward": batch.agent_reward,
         }
-        add_fault_reasons(info, batch)
+        if (reasons := batch.fault_reasons) is not None:
+            add_fault_reasons(info, reasons)
         info.update(self._channels.columns(batch.info, batch.privileged))
         if self._same_step:
             info["final_obs"] = self._observations.final_of(batch)

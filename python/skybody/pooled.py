@@ -14,16 +14,6 @@ from .arguments import MOST_ENVS, MOST_THREADS, check_seed, env_ids, integer_wit
 from .observations import Observations
 
 
-def refuse_interrupted(pool: _native.Pool) -> None:
-    """Raises Error where a step was interrupted (Ctrl-C) and its transitions are under way."""
-    if pool.in_flight == 0:
-        return
-    raise _native.Error(
-        f"the last step was interrupted and {pool.in_flight} environments are still in flight: "
-        "reset(), which waits for them and begins anew"
-    )
-
-
 def drain(pool: _native.Pool) -> None:
     """Receives what an interrupted step left in flight."""
     while pool.in_flight > 0:

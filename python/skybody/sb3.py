@@ -14,7 +14,7 @@ from .arguments import Scenario, check_seed, load
 from .extras import missing_package
 from .infos import InfoChannels
 from .observations import Observations, copy_of, row_of
-from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
+from .pooled import PooledEnvironments, drain, make_native
 
 try:
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
@@ -120,7 +120,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
 
         Raises Error where the step before was interrupted: reset first.
         """
-        refuse_interrupted(self.native)
+        self.native.refuse_interrupted()
         self.native.send(np.ascontiguousarray(actions, np.float32), None)
 
     def step_wait(

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from . import _native, spaces
 from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, load, shape_error
-from .infos import InfoChannels, add_fault_reasons
+from .infos import InfoChannels, ScatteredRows
 from .observations import Observations, row_of
 from .pool import Autoreset, Order
-from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
+from .pooled import PooledEnvironments, drain, make_native
 
 _MODES: dict[str, AutoresetMode] = {
     "next_step": AutoresetMode.NEXT_STEP,
@@ -141,12 +141,11 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
-        self._observations = Observations(self.compiled, dict_observations)
-        self._channels = InfoChannels(self.compiled, infos)
-        if joint and self._observations.columns is not None:
-            raise ValueError("joint and dict_observations exclude one another: leave one out")
+        self._same_step = self._mode is AutoresetMode.SAME_STEP
         self._joint = JointLayout(self.compiled) if joint else None
-        self._team = len(self.compiled.agents) > 1
+        joint_shape = self._joint.observation_shape if self._joint is not None else None
+        self._observations = Observations(self.compiled, dict_observations, joint_shape)
+        self._channels = InfoChannels(self.compiled, infos)
         self._all = np.ones(num_envs, np.bool_)
         self._all.setflags(write=False)  # one mask in all infos
         self._define_spaces()
@@ -187,15 +186,15 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         if mask is not None and value is not None:
             raise ValueError("a seed restarts all environments: leave out `reset_mask`")
         if mask is not None:
-            refuse_interrupted(self.native)  # others' transitions would be lost
+            self.native.refuse_interrupted()  # others' transitions would be lost
         super().reset(seed=value)
         drain(self.native)
         self.native.send_reset(mask, value)
         batch = self.native.recv()
         if mask is None:
-            return self._shaped(self._observations.of(batch)), self._infos(batch)
-        infos = self._some_infos(batch, batch.info, batch.privileged, slice(None), batch.env_id)
-        return self.observations(), infos
+            return self._observations.of(batch), self._channels.masked(batch, self._all)
+        begun = ScatteredRows(batch, self.num_envs, batch.env_id, ended=False)
+        return self.observations(), self._channels.masked(begun, begun.mask)
 
     def step(
         self, actions: NDArray[np.float32]
@@ -218,32 +217,20 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
             ValueError: another shape; an environment that is not yet reset, or (DISABLED) whose
                 episode has ended.
         """
+        if self._joint is not None:
+            actions = self._joint_rows(actions)
+        batch = self.native.step(actions)
+        terminated, truncated = batch.terminated, batch.truncated
+        infos = self._channels.masked(batch, self._all)
+        if self._same_step:
+            self._add_final(infos, batch, np.flatnonzero(terminated | truncated))
+        return self._observations.of(batch), batch.reward, terminated, truncated, infos
+
+    def _joint_rows(self, actions: NDArray[np.float32]) -> NDArray[np.float32]:
         rows = np.ascontiguousarray(actions)
         if rows.shape != self._action_shape:
             raise shape_error("actions", rows, self._action_shape)
-        pool = self.native
-        refuse_interrupted(pool)
-        pool.send(rows if self._joint is None else rows.reshape(self.num_envs, -1), None)
-        batch = pool.recv()
-        infos = self._infos(batch)
-        terminated, truncated = batch.terminated, batch.truncated
-        if self._mode is AutoresetMode.SAME_STEP:
-            self._add_final(infos, batch, np.flatnonzero(terminated | truncated))
-        return (
-            self._shaped(self._observations.of(batch)),
-            batch.reward,
-            terminated,
-            truncated,
-            infos,
-        )
-
-    def _infos(self, batch: _native.Batch) -> dict[str, Any]:
-        infos: dict[str, Any] = self._channels.masked(batch.info, batch.privileged, self._all)
-        infos["fault"], infos["_fault"] = batch.fault, self._all
-        add_fault_reasons(infos, batch)
-        if self._team:
-            infos["agent_reward"], infos["_agent_reward"] = batch.agent_reward, self._all
-        return infos
+        return rows.reshape(self.num_envs, -1)
 
     def _add_final(
         self, infos: dict[str, Any], batch: _native.Batch, ended: NDArray[np.intp]
@@ -251,51 +238,14 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         """What SyncVectorEnv adds where episodes have ended: an object array, and a dictionary."""
         if ended.size == 0:
             return
-        final = self._shaped(self._observations.final_of(batch))
+        final = self._observations.final_of(batch)
         rows = np.full(self.num_envs, None, dtype=object)
         for i in ended:
             rows[i] = row_of(final, i)
         infos["final_obs"] = rows
-        infos["final_info"] = self._some_infos(
-            batch, batch.final_info, batch.final_privileged, ended, ended
-        )
-        infos["_final_obs"] = infos["_final_info"] = infos["final_info"]["_fault"]
-
-    def _some_infos(
-        self,
-        batch: _native.Batch,
-        info: NDArray[np.float32],
-        privileged: NDArray[np.float32],
-        rows: NDArray[np.intp] | slice,
-        envs: NDArray[Any],
-    ) -> dict[str, Any]:
-        """Infos of some rows, which are of `envs`: zeros elsewhere, and masks that say so."""
-        mask = np.zeros(self.num_envs, np.bool_)
-        mask[envs] = True
-
-        def scattered(values: NDArray[Any]) -> NDArray[Any]:
-            out = np.zeros((self.num_envs, *values.shape[1:]), values.dtype)
-            out[envs] = values[rows]
-            return out
-
-        infos: dict[str, Any] = self._channels.masked(scattered(info), scattered(privileged), mask)
-        infos["fault"], infos["_fault"] = scattered(batch.fault), mask
-        if (reasons := batch.fault_reasons) is not None and infos["fault"].any():
-            infos["fault_reason"] = np.full(self.num_envs, None, dtype=object)
-            infos["fault_reason"][envs] = np.array(reasons, dtype=object)[rows]
-            infos["_fault_reason"] = infos["fault"]
-        if self._team:
-            infos["agent_reward"], infos["_agent_reward"] = scattered(batch.agent_reward), mask
-        return infos
-
-    def _shaped(self, observation: Any) -> Any:
-        if self._joint is None:
-            return observation
-        return observation.reshape(self.num_envs, *self._joint.observation_shape)
-
-    def observations(self) -> Any:
-        """Last observation of every environment, in new arrays; as after a restore or fork."""
-        return self._shaped(super().observations())
+        last = ScatteredRows(batch, self.num_envs, ended, ended=True)
+        infos["final_info"] = self._channels.masked(last, last.mask)
+        infos["_final_obs"] = infos["_final_info"] = last.mask
 
     def close_extras(self, **_: Any) -> None:
         """Finishes a recording, gives threads and memory back; called by `close`."""
