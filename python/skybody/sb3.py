@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +12,7 @@ from .arguments import Scenario, check_seed, load
 from .extras import missing_package
 from .infos import InfoChannels
 from .observations import Observations, copy_of, row_of
+from .options import VecEnvOptions, takes
 from .pooled import PooledEnvironments, drain, make_native
 
 try:
@@ -26,6 +25,7 @@ except ModuleNotFoundError as error:
 _PER_ENV_METHODS = ("param", "set_param")
 
 
+@takes(VecEnvOptions)
 class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     """`num_envs` environments of one scenario for Stable-Baselines3.
 
@@ -46,14 +46,6 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
-        num_threads: threads that step, the caller's counted; 0: one per processor.
-        seed: key of all random numbers until a `seed(...)`; environment i draws from (seed, i).
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name,
-            for `MultiInputPolicy`; with images they always are.
-        pin_threads: each worker on a processor of its own, where the system allows it.
-        keep_hash: chain a trajectory hash per environment, for `hash`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -64,27 +56,13 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self,
         scenario: Scenario,
         num_envs: int,
-        *,
-        num_threads: int = 0,
-        seed: int = 0,
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        dict_observations: bool = False,
-        pin_threads: bool = False,
-        keep_hash: bool = False,
+        **options: Unpack[VecEnvOptions],
     ) -> None:
-        self.compiled = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         self.native = make_native(
-            self.compiled,
-            num_envs,
-            num_threads,
-            seed,
-            order="fixed",
-            autoreset="same_step",
-            pin_threads=pin_threads,
-            keep_hash=keep_hash,
+            self.compiled, num_envs, options, order="fixed", autoreset="same_step"
         )
-        self._observations = Observations(self.compiled, dict_observations)
+        self._observations = Observations(self.compiled, options["dict_observations"])
         self._channels = InfoChannels(self.compiled)
         self._last_info = np.zeros((num_envs, self.compiled.info_size), np.float32)
         self._last_privileged = np.zeros((num_envs, self.compiled.privileged_size), np.float32)

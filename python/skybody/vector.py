@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any, cast, get_args
+from enum import Enum
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -16,28 +15,17 @@ from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, load, shape_error
 from .infos import InfoChannels, ScatteredRows
 from .observations import Observations, row_of
-from .pool import Autoreset, Order
+from .options import VectorOptions, autoreset_word, order_word, takes
 from .pooled import PooledEnvironments, drain, make_native
 
-_MODES: dict[str, AutoresetMode] = {
-    "next_step": AutoresetMode.NEXT_STEP,
-    "same_step": AutoresetMode.SAME_STEP,
-    "disabled": AutoresetMode.DISABLED,
-}
 
-
-def autoreset_mode(autoreset: str | AutoresetMode) -> AutoresetMode:
+def autoreset_mode(autoreset: str | Enum) -> AutoresetMode:
     """Gymnasium's mode for "next_step", "same_step", "disabled", or for a mode or its value.
 
     Raises:
         ValueError: none of these.
     """
-    if isinstance(autoreset, AutoresetMode):
-        return autoreset
-    for name, mode in _MODES.items():
-        if autoreset in (name, mode.value):
-            return mode
-    raise ValueError(f"autoreset is {autoreset!r}; it must be one of {', '.join(_MODES)}")
+    return AutoresetMode[autoreset_word(autoreset).upper()]
 
 
 def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool_] | None:
@@ -61,6 +49,7 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
     return mask
 
 
+@takes(VectorOptions)
 class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
     """`num_envs` environments of one scenario as one vector environment.
 
@@ -80,23 +69,6 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
-        num_threads: threads that step, the caller's counted; 0: one per processor.
-        seed: key of all random numbers until a `reset(seed=...)`; environment i draws from
-            (seed, i).
-        order: as for `make_pool`. A vector environment waits for all of its rows, and they stand
-            in the order of the environments with either.
-        autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
-        joint: several robots that are alike: observations are (num_envs, agents, width) and
-            actions (num_envs, agents, width), views of the same memory, with the team's reward.
-        dict_observations: observations are dictionaries with an array (num_envs, *shape) for each
-            column, by name: views of the same memory; with images they always are.
-        pin_threads: each worker on a processor of its own, where the system allows it.
-        keep_hash: chain a trajectory hash per environment, for `hash`.
-        infos: whether infos hold the task's info values; without, tasks need not compute them.
-        debug: raise BufferError where memory that is still held would be recycled, and fill what
-            is recycled with NaN.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -108,44 +80,27 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         self,
         scenario: Scenario,
         num_envs: int,
-        *,
-        num_threads: int = 0,
-        seed: int = 0,
-        order: Order = "fixed",
-        autoreset: str | AutoresetMode = "next_step",
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        joint: bool = False,
-        dict_observations: bool = False,
-        pin_threads: bool = False,
-        keep_hash: bool = False,
-        infos: bool = True,
-        debug: bool = False,
+        **options: Unpack[VectorOptions],
     ) -> None:
-        if order not in get_args(Order):
-            raise ValueError(f"order is {order!r}; it must be one of {', '.join(get_args(Order))}")
-        self.compiled = load(scenario, overrides, plugin_path)
-        self._mode = autoreset_mode(autoreset)
-        names = {mode: name for name, mode in _MODES.items()}
+        order_word(options["order"])
+        self._mode = autoreset_mode(options["autoreset"])
+        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         self.native = make_native(
             self.compiled,
             num_envs,
-            num_threads,
-            seed,
+            options,
             order="fixed",
-            autoreset=cast(Autoreset, names[self._mode]),
-            pin_threads=pin_threads,
-            keep_hash=keep_hash,
-            info=infos,
-            debug=debug,
+            autoreset=autoreset_word(self._mode),
+            info=options["infos"],
+            debug=options["debug"],
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
         self._same_step = self._mode is AutoresetMode.SAME_STEP
-        self._joint = JointLayout(self.compiled) if joint else None
+        self._joint = JointLayout(self.compiled) if options["joint"] else None
         joint_shape = self._joint.observation_shape if self._joint is not None else None
-        self._observations = Observations(self.compiled, dict_observations, joint_shape)
-        self._channels = InfoChannels(self.compiled, infos)
+        self._observations = Observations(self.compiled, options["dict_observations"], joint_shape)
+        self._channels = InfoChannels(self.compiled, options["infos"])
         self._all = np.ones(num_envs, np.bool_)
         self._all.setflags(write=False)  # one mask in all infos
         self._define_spaces()
