@@ -118,7 +118,7 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         )
 
     def _info(self, batch: _native.Batch) -> dict[str, Any]:
-        info = self._channels.of_row(batch.info[0], batch.privileged[0])
+        info = self._channels.of_row(batch, 0)
         info["fault"] = bool(batch.fault[0])
         if (reasons := batch.fault_reasons) is not None:
             info["fault_reason"] = reasons[0]

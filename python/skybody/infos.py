@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +22,18 @@ RESERVED = (
 )
 
 
-class InfoRows(Protocol):
-    """Where infos come from: a `Batch`, or some of its rows (`ScatteredRows`)."""
+class ValueRows(Protocol):
+    """Rows of the task's info values, and privileged rows: a `Batch` or `KeptRows`."""
 
     @property
     def info(self) -> NDArray[np.float32]: ...
     @property
     def privileged(self) -> NDArray[np.float32]: ...
+
+
+class InfoRows(ValueRows, Protocol):
+    """All that infos consist of: a `Batch`, `FinalRows` or `ScatteredRows`."""
+
     @property
     def agent_reward(self) -> NDArray[np.float32]: ...
     @property
@@ -37,48 +42,89 @@ class InfoRows(Protocol):
     def fault_reasons(self) -> Any: ...
 
 
+class KeptRows(NamedTuple):
+    """Values that stay when the batch is gone."""
+
+    info: NDArray[np.float32]
+    privileged: NDArray[np.float32]
+
+
+class FinalRows:
+    """A batch whose info values and privileged rows are those before the reset (same-step)."""
+
+    def __init__(self, batch: Batch) -> None:
+        self._batch = batch
+
+    @property
+    def info(self) -> NDArray[np.float32]:
+        return self._batch.final_info
+
+    @property
+    def privileged(self) -> NDArray[np.float32]:
+        return self._batch.final_privileged
+
+    @property
+    def agent_reward(self) -> NDArray[np.float32]:
+        return self._batch.agent_reward
+
+    @property
+    def fault(self) -> NDArray[np.bool_]:
+        return self._batch.fault
+
+    @property
+    def fault_reasons(self) -> Any:
+        return self._batch.fault_reasons
+
+
 class ScatteredRows:
-    """Rows of a batch at the places of their environments; zeros, and no reasons, elsewhere.
+    """Some rows at the places of their environments; zeros, and no reasons, elsewhere.
 
     Args:
-        batch: the rows. All of its faults are among those taken.
+        rows: where they are from. All faults are among those that are taken.
         num_envs: number of environments.
         envs: environments of the rows that are taken.
-        ended: the rows of the same numbers, as they were before the reset (same-step autoreset);
-            False: all rows, in order.
+        taken: which rows; None: all.
+
+    `mask` (num_envs,) says which environments have one.
     """
 
-    def __init__(self, batch: Batch, num_envs: int, envs: NDArray[Any], ended: bool) -> None:
-        self._batch, self._num_envs, self._envs, self._ended = batch, num_envs, envs, ended
+    def __init__(
+        self,
+        rows: InfoRows,
+        num_envs: int,
+        envs: NDArray[Any],
+        taken: NDArray[np.intp] | None = None,
+    ) -> None:
+        self._rows, self._num_envs, self._envs = rows, num_envs, envs
+        self._taken = slice(None) if taken is None else taken
         self.mask = np.zeros(num_envs, np.bool_)
         self.mask[envs] = True
 
     def _scattered(self, values: NDArray[Any]) -> NDArray[Any]:
         nothing = None if values.dtype == object else 0
         out = np.full((self._num_envs, *values.shape[1:]), nothing, values.dtype)
-        out[self._envs] = values[self._envs] if self._ended else values
+        out[self._envs] = values[self._taken]
         return out
 
     @property
     def info(self) -> NDArray[np.float32]:
-        return self._scattered(self._batch.final_info if self._ended else self._batch.info)
+        return self._scattered(self._rows.info)
 
     @property
     def privileged(self) -> NDArray[np.float32]:
-        batch = self._batch
-        return self._scattered(batch.final_privileged if self._ended else batch.privileged)
+        return self._scattered(self._rows.privileged)
 
     @property
     def agent_reward(self) -> NDArray[np.float32]:
-        return self._scattered(self._batch.agent_reward)
+        return self._scattered(self._rows.agent_reward)
 
     @property
     def fault(self) -> NDArray[np.bool_]:
-        return self._scattered(self._batch.fault)
+        return self._scattered(self._rows.fault)
 
     @property
     def fault_reasons(self) -> Any:
-        reasons = self._batch.fault_reasons
+        reasons = self._rows.fault_reasons
         return None if reasons is None else self._scattered(np.array(reasons, dtype=object))
 
 
@@ -97,7 +143,7 @@ class InfoChannels:
     def __init__(self, compiled: CompiledScenario, present: bool = True) -> None:
         self._has_privileged = compiled.privileged_size > 0
         self._team = len(compiled.agents) > 1
-        self._columns: list[tuple[str, str, int | slice]] = []
+        self._columns: list[tuple[str, tuple[slice, int | slice]]] = []  # indices of all rows
         for channel in compiled.info_channels if present else ():
             if channel.name in RESERVED:
                 raise ValueError(
@@ -106,15 +152,20 @@ class InfoChannels:
                 )
             end = channel.first + channel.count
             where = channel.first if channel.count == 1 else slice(channel.first, end)
-            self._columns.append((channel.name, "_" + channel.name, where))
-
-    def columns(
-        self, rows: NDArray[np.float32], privileged: NDArray[np.float32]
-    ) -> dict[str, NDArray[Any]]:
-        """One array per info value, (n,) or (n, count): views of `rows`, (n, info_size)."""
-        infos: dict[str, NDArray[Any]] = {name: rows[:, where] for name, _, where in self._columns}
+            self._columns.append((channel.name, (slice(None), where)))
+        self._masks = ["_" + name for name, _ in self._columns]
         if self._has_privileged:
-            infos["privileged"] = privileged
+            self._masks.append("_privileged")
+
+    def columns(self, rows: ValueRows) -> dict[str, Any]:
+        """One array per info value, (n,) or (n, count): views of the rows."""
+        infos: dict[str, Any] = {}
+        if self._columns:
+            values = rows.info
+            for name, where in self._columns:
+                infos[name] = values[where]
+        if self._has_privileged:
+            infos["privileged"] = rows.privileged
         return infos
 
     def masked(self, rows: InfoRows, mask: NDArray[np.bool_]) -> dict[str, Any]:
@@ -123,14 +174,9 @@ class InfoChannels:
 
         A vector environment calls it in each step, so that it looks at no column in vain.
         """
-        infos: dict[str, Any] = {}
-        if self._columns:
-            values = rows.info.T  # its rows are views that take half the time of columns
-            for name, mask_name, where in self._columns:
-                infos[name] = values[where] if type(where) is int else values[where].T
-                infos[mask_name] = mask
-        if self._has_privileged:
-            infos["privileged"], infos["_privileged"] = rows.privileged, mask
+        infos = self.columns(rows)
+        for name in self._masks:
+            infos[name] = mask
         infos["fault"], infos["_fault"] = rows.fault, mask
         if (reasons := rows.fault_reasons) is not None:
             add_fault_reasons(infos, reasons)
@@ -138,14 +184,15 @@ class InfoChannels:
             infos["agent_reward"], infos["_agent_reward"] = rows.agent_reward, mask
         return infos
 
-    def of_row(self, row: NDArray[np.float32], privileged: NDArray[np.float32]) -> dict[str, Any]:
-        """Values of one row, (info_size,): np.float32 each, or a copy (count,)."""
-        info: dict[str, Any] = {
-            name: row[where].copy() if isinstance(where, slice) else row[where]
-            for name, _, where in self._columns
-        }
+    def of_row(self, rows: ValueRows, i: int) -> dict[str, Any]:
+        """Values of row `i`: np.float32 each, or a copy (count,)."""
+        info: dict[str, Any] = {}
+        if self._columns:
+            row = rows.info[i]
+            for name, (_, where) in self._columns:
+                info[name] = row[where].copy() if isinstance(where, slice) else row[where]
         if self._has_privileged:
-            info["privileged"] = privileged.copy()
+            info["privileged"] = rows.privileged[i].copy()
         return info
 
 

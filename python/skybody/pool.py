@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arguments import MOST_ENVS, Scenario, check_seed, env_ids, integer_within, load
-from .infos import InfoChannels, add_fault_reasons
+from .infos import FinalRows, InfoChannels, add_fault_reasons
 from .observations import Observations
 from .options import PoolOptions, autoreset_word, order_word, takes
 from .pooled import PooledEnvironments, make_native
@@ -137,10 +137,10 @@ class Pool(PooledEnvironments):
         }
         if (reasons := batch.fault_reasons) is not None:
             add_fault_reasons(info, reasons)
-        info.update(self._channels.columns(batch.info, batch.privileged))
+        info.update(self._channels.columns(batch))
         if self._same_step:
             info["final_obs"] = self._observations.final_of(batch)
-            info["final_info"] = self._channels.columns(batch.final_info, batch.final_privileged)
+            info["final_info"] = self._channels.columns(FinalRows(batch))
         observation = self._observations.of(batch)
         return observation, batch.reward, batch.terminated, batch.truncated, info
 

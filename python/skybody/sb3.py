@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from . import _native, spaces
 from .arguments import Scenario, check_seed, load
 from .extras import missing_package
-from .infos import InfoChannels
+from .infos import InfoChannels, KeptRows
 from .observations import Observations, copy_of, row_of
 from .options import VecEnvOptions, takes
 from .pooled import PooledEnvironments, drain, make_native
@@ -64,8 +64,10 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         )
         self._observations = Observations(self.compiled, options["dict_observations"])
         self._channels = InfoChannels(self.compiled)
-        self._last_info = np.zeros((num_envs, self.compiled.info_size), np.float32)
-        self._last_privileged = np.zeros((num_envs, self.compiled.privileged_size), np.float32)
+        self._last = KeptRows(
+            np.zeros((num_envs, self.compiled.info_size), np.float32),
+            np.zeros((num_envs, self.compiled.privileged_size), np.float32),
+        )
         super().__init__(
             num_envs,
             spaces.space_of(self.compiled, self._observations),
@@ -86,12 +88,11 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self._reset_options()
         batch = self.native.recv()
         self._remember(batch)
-        rows = zip(self._last_info, self._last_privileged, strict=True)
-        self.reset_infos = [self._channels.of_row(*row) for row in rows]
+        self.reset_infos = [self._channels.of_row(self._last, i) for i in range(self.num_envs)]
         return copy_of(self._observations.of(batch))
 
     def _remember(self, batch: _native.Batch) -> None:
-        self._last_info, self._last_privileged = batch.info.copy(), batch.privileged.copy()
+        self._last = KeptRows(batch.info.copy(), batch.privileged.copy())
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped).
@@ -118,12 +119,12 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self, batch: _native.Batch, dones: NDArray[np.bool_], infos: list[dict[str, Any]]
     ) -> None:
         terminated, fault = batch.terminated, batch.fault
-        final, final_info = self._observations.final_of(batch), batch.final_info
-        final_privileged = batch.final_privileged
+        final = self._observations.final_of(batch)
+        last = KeptRows(batch.final_info, batch.final_privileged)
         reasons = batch.fault_reasons
         for i in np.flatnonzero(dones).tolist():
             infos[i] = {
-                **self._channels.of_row(final_info[i], final_privileged[i]),
+                **self._channels.of_row(last, i),
                 "terminal_observation": row_of(final, i),
                 "TimeLimit.truncated": not (terminated[i] or fault[i]),
                 "fault": bool(fault[i]),
@@ -137,7 +138,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
 
         With privileged columns also `privileged` (num_envs, privileged_size), for a critic only.
         """
-        return self._channels.columns(self._last_info, self._last_privileged)
+        return self._channels.columns(self._last)
 
     def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
         """There are no reset options. Raises ValueError if any is given."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import _native, spaces
 from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, load, shape_error
-from .infos import InfoChannels, ScatteredRows
+from .infos import FinalRows, InfoChannels, ScatteredRows
 from .observations import Observations, row_of
 from .options import VectorOptions, autoreset_word, order_word, takes
 from .pooled import PooledEnvironments, drain, make_native
@@ -148,7 +148,7 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         batch = self.native.recv()
         if mask is None:
             return self._observations.of(batch), self._channels.masked(batch, self._all)
-        begun = ScatteredRows(batch, self.num_envs, batch.env_id, ended=False)
+        begun = ScatteredRows(batch, self.num_envs, batch.env_id)
         return self.observations(), self._channels.masked(begun, begun.mask)
 
     def step(
@@ -198,7 +198,7 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         for i in ended:
             rows[i] = row_of(final, i)
         infos["final_obs"] = rows
-        last = ScatteredRows(batch, self.num_envs, ended, ended=True)
+        last = ScatteredRows(FinalRows(batch), self.num_envs, ended, ended)
         infos["final_info"] = self._channels.masked(last, last.mask)
         infos["_final_obs"] = infos["_final_info"] = last.mask
 
