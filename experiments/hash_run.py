@@ -102,7 +102,7 @@ def hashes(options: argparse.Namespace) -> list[str]:
     steps, half = options.steps, options.steps // 2
     actions = hash_actions(options.seed, options.envs, steps, compiled.action_size)
 
-    def flight(threads: int, batch: int, order: skybody.pool.Order) -> Flight:
+    def flight(threads: int, batch: int, order: skybody.options.Order) -> Flight:
         pool = skybody.make_pool(
             compiled,
             options.envs,

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Writes docs/scenarios.md anew from its head and the declared keys, docs/plugin_reference.md from the headers.
+# Writes docs/scenarios.md anew from its head and the declared keys, docs/plugin_reference.md from the headers,
+# and the table of options in docs/python.md from the Python package.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 { cat scripts/scenarios_head.md; build/release/bin/skybody schema --markdown; } >docs/scenarios.md
 python3 scripts/plugin_reference.py
+PYTHONPATH=python .venv/bin/python scripts/python_options.py

@@ -76,6 +76,12 @@ void send(PythonPool& pool, nb::handle actions, nb::handle env_ids) {
   });
 }
 
+ReceivedBatch step(PythonPool& pool, nb::handle actions) {
+  const std::int64_t width = pool.compiled()->action_size();
+  const auto rows = read_array<float>(actions, "actions", {pool.envs(), width});
+  return ReceivedBatch{pool.step(rows.span())};
+}
+
 nb::bytes save(PythonPool& pool) {
   const auto words = pool.call([](Pool& engine) { return engine.save(); });
   return nb::bytes(words.data(), words.size() * sizeof(std::uint64_t));
@@ -170,6 +176,13 @@ void bind_flow(Class& c) {
       "the other threads meanwhile, without the GIL; KeyboardInterrupt gets through.\n\n"
       "Raises ValueError if nothing is in flight; BufferError in debug mode if the buffer that\n"
       "would be reused is still referred to; Error with whatever a worker met.");
+  c.def("step", &step, nb::arg("actions").none(),
+        nb::sig("def step(self, actions: numpy.typing.NDArray[numpy.float32]) -> Batch"),
+        "send(actions) and recv() in one call.\n\n"
+        "Raises Error where a step before was interrupted and its transitions are under way;\n"
+        "otherwise as send() and recv().");
+  c.def("refuse_interrupted", &PythonPool::refuse_interrupted,
+        "Raises Error where a step was interrupted (Ctrl-C) and its transitions are under way.");
   c.def(
       "close", &PythonPool::close,
       "Finishes a recording and stops the threads; steps under way are waited for. May be called\n"

@@ -1,6 +1,7 @@
 #include "python/native/python_pool.h"
 
 #include <chrono>
+#include <string>
 #include <utility>
 
 #include "core/base/process_id.h"
@@ -42,19 +43,34 @@ Pool& PythonPool::open() const {
 }
 
 std::shared_ptr<const Batch> PythonPool::recv() {
-  constexpr std::chrono::milliseconds kPatience(50);
-  const Exclusive alone(in_use_, "pool");
-  Pool& engine = open();
-  for (;;) {
-    std::shared_ptr<const Batch> batch;
-    {
-      const nb::gil_scoped_release release;
-      if (!engine.broken() && engine.in_flight() == 0) {
-        throw nb::value_error("recv() without a send(): nothing is in flight");
-      }
-      batch = engine.recv(kPatience);
+  return call([](Pool& engine) {
+    if (!engine.broken() && engine.in_flight() == 0) {
+      throw nb::value_error("recv() without a send(): nothing is in flight");
     }
-    if (batch) return batch;
+    return receive(engine);
+  });
+}
+
+std::shared_ptr<const Batch> PythonPool::step(std::span<const float> actions) {
+  return call([&](Pool& engine) {
+    check_not_interrupted(engine);
+    with_argument(engine, [&](Pool& ready) { ready.send(actions); });
+    return receive(engine);
+  });
+}
+
+void PythonPool::check_not_interrupted(const Pool& engine) {
+  if (engine.in_flight() == 0 || engine.broken()) return;
+  throw Error("the last step was interrupted and " + std::to_string(engine.in_flight()) +
+              " environments are still in flight: reset(), which waits for them and begins anew");
+}
+
+/// Waits without the GIL, and looks for signals with it.
+std::shared_ptr<const Batch> PythonPool::receive(Pool& engine) {
+  constexpr std::chrono::milliseconds kPatience(50);
+  for (;;) {
+    if (auto batch = engine.recv(kPatience)) return batch;
+    const nb::gil_scoped_acquire acquire;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
   }
 }

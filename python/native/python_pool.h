@@ -7,6 +7,7 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "core/batch/pool.h"
@@ -41,13 +42,18 @@ class PythonPool {
     const Exclusive alone(in_use_, "pool");
     Pool& engine = open();
     const nb::gil_scoped_release release;
-    if (engine.broken()) return std::forward<Work>(work)(engine);  // throws what the worker met
-    return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(engine); });
+    return with_argument(engine, std::forward<Work>(work));
   }
 
   /// Waits for a batch; signals (KeyboardInterrupt) get through.
   /// @throws ValueError if nothing is in flight; whatever a worker met
   std::shared_ptr<const Batch> recv();
+
+  /// One transition of all environments: send() and recv() in one call.
+  /// @throws Error where an interrupted step is under way; as send() and recv()
+  std::shared_ptr<const Batch> step(std::span<const float> actions);
+  /// @throws Error where a step was interrupted and its transitions are under way
+  void refuse_interrupted() { call(check_not_interrupted); }
 
   /// Writes everything that happens from now on to a file, for `skybody replay`.
   /// @throws Error while recorded already or in flight, or if the file cannot be written
@@ -68,6 +74,13 @@ class PythonPool {
 
  private:
   Pool& open() const;
+  template <class Work>
+  static decltype(auto) with_argument(Pool& engine, Work&& work) {
+    if (engine.broken()) return std::forward<Work>(work)(engine);  // throws what the worker met
+    return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(engine); });
+  }
+  static void check_not_interrupted(const Pool& engine);
+  static std::shared_ptr<const Batch> receive(Pool& engine);
   bool of_this_process() const;
   void finish_recording();
   void let_go();

@@ -11,9 +11,7 @@ on. All of them are imported when they are first used.
 from __future__ import annotations
 
 import importlib
-import os
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 try:
     from ._native import (
@@ -38,14 +36,12 @@ except ImportError as error:
     ) from error
 from .arguments import Scenario
 from .extras import INSTALLED_BY, missing_package
-from .pool import Order, Pool
+from .options import PoolOptions, VectorOptions, takes
+from .pool import Pool
 from .registration import register
 from .simulation import CONTROL_MODES, EnvStates, Simulation, SimulationPool
 
 if TYPE_CHECKING:
-    from gymnasium.vector import AutoresetMode
-
-    from .pool import Autoreset
     from .vector import SkybodyVectorEnv
 
 __version__ = versions()["skybody"]
@@ -65,9 +61,11 @@ __all__ = [
     "MassProperties",
     "ObservationColumn",
     "Pool",
+    "PoolOptions",
     "Simulation",
     "SimulationPool",
     "Snapshot",
+    "VectorOptions",
     "__version__",
     "make_pool",
     "make_vec",
@@ -97,92 +95,44 @@ def _import(name: str) -> Any:
         raise missing_package(name, error) from error
 
 
+@takes(VectorOptions)
 def make_vec(
     scenario: Scenario,
     num_envs: int,
-    *,
-    num_threads: int = 0,
-    seed: int = 0,
-    order: Order = "fixed",
-    autoreset: str | AutoresetMode = "next_step",
-    overrides: Iterable[str] = (),
-    plugin_path: Iterable[str | os.PathLike[str]] = (),
-    joint: bool = False,
-    dict_observations: bool = False,
-    pin_threads: bool = False,
-    keep_hash: bool = False,
-    infos: bool = True,
-    debug: bool = False,
+    **options: Unpack[VectorOptions],
 ) -> SkybodyVectorEnv:
     """Many environments of one scenario as a `gymnasium.vector.VectorEnv`.
 
-    The arguments are those of `skybody.vector.SkybodyVectorEnv`, whose text says what they mean.
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
+        num_envs: number of environments.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
         ValueError: a number is out of range, or an option's word is unknown.
         ImportError: Gymnasium is not installed.
     """
-    vector: SkybodyVectorEnv = _import("vector").SkybodyVectorEnv(
-        scenario,
-        num_envs,
-        num_threads=num_threads,
-        seed=seed,
-        order=order,
-        autoreset=autoreset,
-        overrides=overrides,
-        plugin_path=plugin_path,
-        joint=joint,
-        dict_observations=dict_observations,
-        pin_threads=pin_threads,
-        keep_hash=keep_hash,
-        infos=infos,
-        debug=debug,
-    )
+    vector: SkybodyVectorEnv = _import("vector").SkybodyVectorEnv(scenario, num_envs, **options)
     return vector
 
 
+@takes(PoolOptions)
 def make_pool(
     scenario: Scenario,
     num_envs: int,
-    *,
-    batch_size: int = 0,
-    num_threads: int = 0,
-    seed: int = 0,
-    order: Order = "arrival",
-    autoreset: Autoreset = "next_step",
-    overrides: Iterable[str] = (),
-    plugin_path: Iterable[str | os.PathLike[str]] = (),
-    dict_observations: bool = False,
-    pin_threads: bool = False,
-    keep_hash: bool = False,
-    infos: bool = True,
-    debug: bool = False,
+    **options: Unpack[PoolOptions],
 ) -> Pool:
     """Many environments of one scenario, asynchronously: send, recv, batches of `batch_size`.
 
-    The arguments are those of `skybody.Pool`, whose text says what they mean.
+    Args:
+        scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
+        num_envs: number of environments.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
         ValueError: a number is out of range, or an option's word is unknown.
     """
-    return Pool(
-        scenario,
-        num_envs,
-        batch_size=batch_size,
-        num_threads=num_threads,
-        seed=seed,
-        order=order,
-        autoreset=autoreset,
-        overrides=overrides,
-        plugin_path=plugin_path,
-        dict_observations=dict_observations,
-        pin_threads=pin_threads,
-        keep_hash=keep_hash,
-        infos=infos,
-        debug=debug,
-    )
+    return Pool(scenario, num_envs, **options)
 
 
 register()

@@ -20,14 +20,10 @@ MOST_THREADS = 1024
 
 def load(
     scenario: Scenario,
-    overrides: Iterable[str] = (),
-    plugin_path: Iterable[str | os.PathLike[str]] = (),
+    overrides: Iterable[str],
+    plugin_path: Iterable[str | os.PathLike[str]],
 ) -> CompiledScenario:
     """Loads a scenario: a shipped one's name, or a YAML file. One that is loaded already is shared.
-
-    Args:
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -85,6 +81,11 @@ def integer_within(name: str, value: Any, low: int, high: int) -> int:
 def shape_error(name: str, array: NDArray[Any], shape: object) -> ValueError:
     """The error for an array of another shape than `shape`, worded as the native module does."""
     return ValueError(f"{name} has shape {array.shape}; expected {shape}")
+
+
+def word_error(name: str, value: Any, words: Iterable[str]) -> ValueError:
+    """The error for a word that is none of `words`."""
+    return ValueError(f"{name} is {value!r}; it must be one of {', '.join(words)}")
 
 
 def check_array(

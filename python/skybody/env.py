@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
@@ -15,9 +13,11 @@ from . import _native, spaces
 from .arguments import Scenario, check_seed, integer, load, shape_error
 from .infos import InfoChannels
 from .observations import Observations, row_of
-from .pooled import drain, make_native, refuse_interrupted
+from .options import EnvOptions, takes
+from .pooled import drain
 
 
+@takes(EnvOptions)
 class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
@@ -29,13 +29,6 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
-        seed: key of all random numbers until a `reset(seed=...)`; None: as Gymnasium does,
-            a reset without a seed begins with one that the system draws.
-        env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name;
-            with images they always are.
         render_mode: None; `skybody run` draws pictures.
 
     Raises:
@@ -49,28 +42,28 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self,
         scenario: Scenario,
         *,
-        seed: int | None = None,
-        env_id: int = 0,
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        dict_observations: bool = False,
         render_mode: None = None,
+        **options: Unpack[EnvOptions],
     ) -> None:
         if render_mode is not None:
             raise ValueError(
                 f"render_mode is {render_mode!r}; it must be None: fly with `skybody run` for "
                 "pictures"
             )
-        self.compiled = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         self.render_mode = None
-        self._observations = Observations(self.compiled, dict_observations)
+        self._observations = Observations(self.compiled, options["dict_observations"])
         self.observation_space = spaces.space_of(self.compiled, self._observations)
         self.action_space: Box[np.float32] = spaces.action_space(self.compiled)
-        self._seed = check_seed(seed)
+        self._seed = check_seed(options["seed"])
         self._channels = InfoChannels(self.compiled)
-        first = integer("env_id", env_id)
-        self._pool = make_native(
-            self.compiled, 1, 1, self._seed, autoreset="disabled", first_env_id=first
+        self._pool = _native.Pool(
+            self.compiled,
+            num_envs=1,
+            num_threads=1,
+            seed=self._seed or 0,
+            first_env_id=integer("env_id", options["env_id"]),
+            autoreset="disabled",
         )
 
     def reset(
@@ -115,9 +108,7 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         row = np.ascontiguousarray(action)
         if row.shape != self.action_space.shape:
             raise shape_error("action", row, self.action_space.shape)
-        refuse_interrupted(self._pool)
-        self._pool.send(row[np.newaxis], None)
-        batch = self._pool.recv()
+        batch = self._pool.step(row[np.newaxis])
         return (
             row_of(self._observations.of(batch), 0),
             float(batch.reward[0]),
@@ -127,7 +118,7 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         )
 
     def _info(self, batch: _native.Batch) -> dict[str, Any]:
-        info = self._channels.of_row(batch.info[0], batch.privileged[0])
+        info = self._channels.of_row(batch, 0)
         info["fault"] = bool(batch.fault[0])
         if (reasons := batch.fault_reasons) is not None:
             info["fault_reason"] = reasons[0]
@@ -154,11 +145,11 @@ class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return row_of(self._observations.now(self._pool), 0)
 
     def param(self, path: str) -> float:
-        """Value of a randomizable parameter (`environment.param_paths`)."""
+        """Value of a randomizable parameter (`compiled.param_paths`)."""
         return self._pool.param(0, path)
 
     def set_param(self, path: str, value: float) -> None:
-        """Sets one, in the unit of `environment.param_info(path)`.
+        """Sets one, in the unit of `compiled.param_info(path)`.
 
         Raises:
             ValueError: unknown, or outside its bounds.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,110 @@ RESERVED = (
 )
 
 
-def add_fault_reasons(infos: dict[str, Any], batch: Batch) -> None:
-    """`fault_reason`, text per row, only where some row is a fault; the mask is `fault`."""
-    reasons = batch.fault_reasons
-    if reasons is not None:
-        infos["fault_reason"] = np.array(reasons, dtype=object)
-        infos["_fault_reason"] = batch.fault
+class ValueRows(Protocol):
+    """Rows of the task's info values, and privileged rows: a `Batch` or `KeptRows`."""
+
+    @property
+    def info(self) -> NDArray[np.float32]: ...
+    @property
+    def privileged(self) -> NDArray[np.float32]: ...
+
+
+class InfoRows(ValueRows, Protocol):
+    """All that infos consist of: a `Batch`, `FinalRows` or `ScatteredRows`."""
+
+    @property
+    def agent_reward(self) -> NDArray[np.float32]: ...
+    @property
+    def fault(self) -> NDArray[np.bool_]: ...
+    @property
+    def fault_reasons(self) -> Any: ...
+
+
+class KeptRows(NamedTuple):
+    """Values that stay when the batch is gone."""
+
+    info: NDArray[np.float32]
+    privileged: NDArray[np.float32]
+
+
+class FinalRows:
+    """A batch whose info values and privileged rows are those before the reset (same-step)."""
+
+    def __init__(self, batch: Batch) -> None:
+        self._batch = batch
+
+    @property
+    def info(self) -> NDArray[np.float32]:
+        return self._batch.final_info
+
+    @property
+    def privileged(self) -> NDArray[np.float32]:
+        return self._batch.final_privileged
+
+    @property
+    def agent_reward(self) -> NDArray[np.float32]:
+        return self._batch.agent_reward
+
+    @property
+    def fault(self) -> NDArray[np.bool_]:
+        return self._batch.fault
+
+    @property
+    def fault_reasons(self) -> Any:
+        return self._batch.fault_reasons
+
+
+class ScatteredRows:
+    """Some rows at the places of their environments; zeros, and no reasons, elsewhere.
+
+    Args:
+        rows: where they are from. All faults are among those that are taken.
+        num_envs: number of environments.
+        envs: environments of the rows that are taken.
+        taken: which rows; None: all.
+
+    `mask` (num_envs,) says which environments have one.
+    """
+
+    def __init__(
+        self,
+        rows: InfoRows,
+        num_envs: int,
+        envs: NDArray[Any],
+        taken: NDArray[np.intp] | None = None,
+    ) -> None:
+        self._rows, self._num_envs, self._envs = rows, num_envs, envs
+        self._taken = slice(None) if taken is None else taken
+        self.mask = np.zeros(num_envs, np.bool_)
+        self.mask[envs] = True
+
+    def _scattered(self, values: NDArray[Any]) -> NDArray[Any]:
+        nothing = None if values.dtype == object else 0
+        out = np.full((self._num_envs, *values.shape[1:]), nothing, values.dtype)
+        out[self._envs] = values[self._taken]
+        return out
+
+    @property
+    def info(self) -> NDArray[np.float32]:
+        return self._scattered(self._rows.info)
+
+    @property
+    def privileged(self) -> NDArray[np.float32]:
+        return self._scattered(self._rows.privileged)
+
+    @property
+    def agent_reward(self) -> NDArray[np.float32]:
+        return self._scattered(self._rows.agent_reward)
+
+    @property
+    def fault(self) -> NDArray[np.bool_]:
+        return self._scattered(self._rows.fault)
+
+    @property
+    def fault_reasons(self) -> Any:
+        reasons = self._rows.fault_reasons
+        return None if reasons is None else self._scattered(np.array(reasons, dtype=object))
 
 
 class InfoChannels:
@@ -44,7 +142,8 @@ class InfoChannels:
 
     def __init__(self, compiled: CompiledScenario, present: bool = True) -> None:
         self._has_privileged = compiled.privileged_size > 0
-        self._columns: list[tuple[str, str, int | slice]] = []
+        self._team = len(compiled.agents) > 1
+        self._columns: list[tuple[str, tuple[slice, int | slice]]] = []  # indices of all rows
         for channel in compiled.info_channels if present else ():
             if channel.name in RESERVED:
                 raise ValueError(
@@ -53,38 +152,51 @@ class InfoChannels:
                 )
             end = channel.first + channel.count
             where = channel.first if channel.count == 1 else slice(channel.first, end)
-            self._columns.append((channel.name, "_" + channel.name, where))
-
-    def columns(
-        self, rows: NDArray[np.float32], privileged: NDArray[np.float32]
-    ) -> dict[str, NDArray[Any]]:
-        """One array per info value, (n,) or (n, count): views of `rows`, (n, info_size)."""
-        infos: dict[str, NDArray[Any]] = {name: rows[:, where] for name, _, where in self._columns}
+            self._columns.append((channel.name, (slice(None), where)))
+        self._masks = ["_" + name for name, _ in self._columns]
         if self._has_privileged:
-            infos["privileged"] = privileged
+            self._masks.append("_privileged")
+
+    def columns(self, rows: ValueRows) -> dict[str, Any]:
+        """One array per info value, (n,) or (n, count): views of the rows."""
+        infos: dict[str, Any] = {}
+        if self._columns:
+            values = rows.info
+            for name, where in self._columns:
+                infos[name] = values[where]
+        if self._has_privileged:
+            infos["privileged"] = rows.privileged
         return infos
 
-    def masked(
-        self,
-        rows: NDArray[np.float32],
-        privileged: NDArray[np.float32],
-        mask: NDArray[np.bool_],
-    ) -> dict[str, NDArray[Any]]:
-        """The same with Gymnasium's `_name` masks, which say for which rows a value is given."""
-        infos: dict[str, NDArray[Any]] = {}
-        for name, mask_name, where in self._columns:
-            infos[name] = rows[:, where]
-            infos[mask_name] = mask
-        if self._has_privileged:
-            infos["privileged"], infos["_privileged"] = privileged, mask
+    def masked(self, rows: InfoRows, mask: NDArray[np.bool_]) -> dict[str, Any]:
+        """Info values, faults and rewards of agents with Gymnasium's `_name` masks, which say for
+        which environments a value is given.
+
+        A vector environment calls it in each step, so that it looks at no column in vain.
+        """
+        infos = self.columns(rows)
+        for name in self._masks:
+            infos[name] = mask
+        infos["fault"], infos["_fault"] = rows.fault, mask
+        if (reasons := rows.fault_reasons) is not None:
+            add_fault_reasons(infos, reasons)
+        if self._team:
+            infos["agent_reward"], infos["_agent_reward"] = rows.agent_reward, mask
         return infos
 
-    def of_row(self, row: NDArray[np.float32], privileged: NDArray[np.float32]) -> dict[str, Any]:
-        """Values of one row, (info_size,): np.float32 each, or a copy (count,)."""
-        info: dict[str, Any] = {
-            name: row[where].copy() if isinstance(where, slice) else row[where]
-            for name, _, where in self._columns
-        }
+    def of_row(self, rows: ValueRows, i: int) -> dict[str, Any]:
+        """Values of row `i`: np.float32 each, or a copy (count,)."""
+        info: dict[str, Any] = {}
+        if self._columns:
+            row = rows.info[i]
+            for name, (_, where) in self._columns:
+                info[name] = row[where].copy() if isinstance(where, slice) else row[where]
         if self._has_privileged:
-            info["privileged"] = privileged.copy()
+            info["privileged"] = rows.privileged[i].copy()
         return info
+
+
+def add_fault_reasons(infos: dict[str, Any], reasons: Any) -> None:
+    """`fault_reason`, a text for each row that is a fault, None elsewhere; its mask is `fault`."""
+    infos["fault_reason"] = np.asarray(reasons, dtype=object)
+    infos["_fault_reason"] = infos["fault"]

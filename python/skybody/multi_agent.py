@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium.spaces import Box, Dict
@@ -16,6 +14,7 @@ from .arguments import Scenario, check_array
 from .env import SkybodyEnv
 from .extras import missing_package
 from .observations import key_of, policy_columns
+from .options import EnvOptions, takes
 
 try:
     import pettingzoo  # type: ignore[import-untyped]
@@ -26,6 +25,7 @@ Observations = dict[str, Any]
 Infos = dict[str, dict[str, Any]]
 
 
+@takes(EnvOptions)
 class ParallelEnv(
     pettingzoo.ParallelEnv[str, Any, NDArray[np.float32]],  # type: ignore[misc]
 ):
@@ -37,13 +37,6 @@ class ParallelEnv(
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
-        seed: key of all random numbers until a `reset(seed=...)`; None: a reset without a seed
-            begins with one that the system draws.
-        env_id: second half of the key; environment i of `make_vec` draws with env_id=i.
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name;
-            with images they always are.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -52,21 +45,9 @@ class ParallelEnv(
     def __init__(
         self,
         scenario: Scenario,
-        *,
-        seed: int | None = None,
-        env_id: int = 0,
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        dict_observations: bool = False,
+        **options: Unpack[EnvOptions],
     ) -> None:
-        self._env = SkybodyEnv(
-            scenario,
-            seed=seed,
-            env_id=env_id,
-            overrides=overrides,
-            plugin_path=plugin_path,
-            dict_observations=dict_observations,
-        )
+        self._env = SkybodyEnv(scenario, **options)
         self.compiled = self._env.compiled
         self.metadata: dict[str, Any] = {"name": self.compiled.name, "render_modes": []}
         self.render_mode = None

@@ -38,14 +38,32 @@ class Observations:
 
     `columns` are those of a dictionary; None: observations are rows (n, observation_size). Where a
     column is an image, they are always dictionaries.
+
+    Args:
+        as_dict: dictionaries, whether there are images or not.
+        row_shape: another shape of each row, with as many values.
+
+    Raises:
+        ValueError: two columns would have the same key, or dictionaries with a `row_shape`.
     """
 
-    def __init__(self, compiled: CompiledScenario, as_dict: bool) -> None:
+    def __init__(
+        self,
+        compiled: CompiledScenario,
+        as_dict: bool,
+        row_shape: tuple[int, ...] | None = None,
+    ) -> None:
         has_images = any(column.image >= 0 for column in compiled.observation_columns)
         self.columns = policy_columns(compiled) if as_dict or has_images else None
+        if self.columns is not None and row_shape is not None:
+            raise ValueError("joint and dict_observations exclude one another: leave one out")
+        self._row_shape = row_shape
+        self._are_rows = self.columns is None and row_shape is None
 
     def of(self, batch: Batch) -> Any:
         """Observations after the transition."""
+        if self._are_rows:
+            return batch.observation
         return self._arranged(batch.observation, batch.image)
 
     def final_of(self, batch: Batch) -> Any:
@@ -59,6 +77,8 @@ class Observations:
     def _arranged(
         self, rows: NDArray[np.float32], image: Callable[[int], NDArray[np.uint8]]
     ) -> Any:
+        if self._row_shape is not None:
+            return rows.reshape(len(rows), *self._row_shape)
         if self.columns is None:
             return rows
         return {key_of(c): values_of(c, rows, image) for c in self.columns}

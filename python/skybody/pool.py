@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any, Literal
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arguments import MOST_ENVS, Scenario, check_seed, env_ids, integer_within, load
-from .infos import InfoChannels, add_fault_reasons
+from .infos import FinalRows, InfoChannels, add_fault_reasons
 from .observations import Observations
+from .options import PoolOptions, autoreset_word, order_word, takes
 from .pooled import PooledEnvironments, make_native
 
-Order = Literal["fixed", "arrival"]
-Autoreset = Literal["next_step", "same_step", "disabled"]
 Transition = tuple[Any, NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 
 
+@takes(PoolOptions)
 class Pool(PooledEnvironments):
     """Many environments of one scenario, stepped on several threads.
 
@@ -33,23 +31,6 @@ class Pool(PooledEnvironments):
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments, N_E.
-        batch_size: rows that one `recv` waits for, at most num_envs; 0: num_envs.
-        num_threads: threads that step, the caller's counted; 0: one per processor.
-        seed: key of all random numbers; environment i draws from (seed, i).
-        order: "arrival": first finished, first served; "fixed": by id, cyclically, so that
-            partial batches come out the same in every run.
-        autoreset: what happens where an episode has ended. "next_step": the next action sent is
-            ignored and the environment reset; "same_step": reset at once, the ended episode's last
-            observation is in info["final_obs"]; "disabled": the caller resets.
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name;
-            with images they always are.
-        pin_threads: each worker on a processor of its own, where the system allows it.
-        keep_hash: chain a trajectory hash per environment, for `hash`.
-        infos: whether infos hold the task's info values; without, tasks need not compute them.
-        debug: raise BufferError where memory that is still held would be recycled, and fill what
-            is recycled with NaN.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -60,36 +41,22 @@ class Pool(PooledEnvironments):
         self,
         scenario: Scenario,
         num_envs: int,
-        *,
-        batch_size: int = 0,
-        num_threads: int = 0,
-        seed: int = 0,
-        order: Order = "arrival",
-        autoreset: Autoreset = "next_step",
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        dict_observations: bool = False,
-        pin_threads: bool = False,
-        keep_hash: bool = False,
-        infos: bool = True,
-        debug: bool = False,
+        **options: Unpack[PoolOptions],
     ) -> None:
-        self.compiled = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
+        autoreset = autoreset_word(options["autoreset"])
         self.native = make_native(
             self.compiled,
             num_envs,
-            num_threads,
-            seed,
-            batch_size=integer_within("batch_size", batch_size, 0, MOST_ENVS),
-            order=order,
+            options,
+            batch_size=integer_within("batch_size", options["batch_size"], 0, MOST_ENVS),
+            order=order_word(options["order"]),
             autoreset=autoreset,
-            pin_threads=pin_threads,
-            keep_hash=keep_hash,
-            info=infos,
-            debug=debug,
+            info=options["infos"],
+            debug=options["debug"],
         )
-        self._observations = Observations(self.compiled, dict_observations)
-        self._channels = InfoChannels(self.compiled, infos)
+        self._observations = Observations(self.compiled, options["dict_observations"])
+        self._channels = InfoChannels(self.compiled, options["infos"])
         self._same_step = autoreset == "same_step"
 
     def async_reset(self, mask: NDArray[np.bool_] | None = None, seed: int | None = None) -> None:
@@ -168,11 +135,12 @@ class Pool(PooledEnvironments):
             "fault": batch.fault,
             "agent_reward": batch.agent_reward,
         }
-        add_fault_reasons(info, batch)
-        info.update(self._channels.columns(batch.info, batch.privileged))
+        if (reasons := batch.fault_reasons) is not None:
+            add_fault_reasons(info, reasons)
+        info.update(self._channels.columns(batch))
         if self._same_step:
             info["final_obs"] = self._observations.final_of(batch)
-            info["final_info"] = self._channels.columns(batch.final_info, batch.final_privileged)
+            info["final_info"] = self._channels.columns(FinalRows(batch))
         observation = self._observations.of(batch)
         return observation, batch.reward, batch.terminated, batch.truncated, info
 

@@ -12,16 +12,7 @@ from . import _native
 from ._native import CompiledScenario
 from .arguments import MOST_ENVS, MOST_THREADS, check_seed, env_ids, integer_within
 from .observations import Observations
-
-
-def refuse_interrupted(pool: _native.Pool) -> None:
-    """Raises Error where a step was interrupted (Ctrl-C) and its transitions are under way."""
-    if pool.in_flight == 0:
-        return
-    raise _native.Error(
-        f"the last step was interrupted and {pool.in_flight} environments are still in flight: "
-        "reset(), which waits for them and begins anew"
-    )
+from .options import VecEnvOptions
 
 
 def drain(pool: _native.Pool) -> None:
@@ -31,15 +22,17 @@ def drain(pool: _native.Pool) -> None:
 
 
 def make_native(
-    compiled: CompiledScenario, num_envs: int, num_threads: int, seed: int | None, **options: Any
+    compiled: CompiledScenario, num_envs: int, options: VecEnvOptions, **more: Any
 ) -> _native.Pool:
-    """The C++ pool of an environment. Raises TypeError and ValueError for what it cannot be."""
+    """The C++ pool of a scenario. Raises TypeError and ValueError for what it cannot be."""
     return _native.Pool(
         compiled,
         integer_within("num_envs", num_envs, 1, MOST_ENVS),
-        num_threads=integer_within("num_threads", num_threads, 0, MOST_THREADS),
-        seed=check_seed(seed) or 0,
-        **options,
+        num_threads=integer_within("num_threads", options["num_threads"], 0, MOST_THREADS),
+        seed=check_seed(options["seed"]) or 0,
+        pin_threads=options["pin_threads"],
+        keep_hash=options["keep_hash"],
+        **more,
     )
 
 
@@ -124,11 +117,11 @@ class PooledEnvironments:
         return self.native.compiled.state_values
 
     def param(self, env: int, path: str) -> float:
-        """Value of a randomizable parameter (`environment.param_paths`) in one environment."""
+        """Value of a randomizable parameter (`compiled.param_paths`) in one environment."""
         return self.native.param(env, path)
 
     def set_param(self, env: int, path: str, value: float) -> None:
-        """Sets one, in the unit of `environment.param_info(path)`.
+        """Sets one, in the unit of `compiled.param_info(path)`.
 
         Raises:
             ValueError: unknown, or outside its bounds.

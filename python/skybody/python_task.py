@@ -7,9 +7,7 @@ It is the way to try an idea in minutes. A task in C++ (docs/plugins.md) is fast
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any
+from typing import Any, Unpack, cast
 
 import gymnasium
 import numpy as np
@@ -19,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native, spaces
 from .arguments import Scenario, check_array, check_seed, shape_error
+from .options import TaskOptions, ThreadedOptions, takes
 from .simulation import EnvStates, SimulationPool
 from .vector import autoreset_mode, reset_mask
 
@@ -97,6 +96,7 @@ def _demand_finite(bad: NDArray[np.bool_]) -> None:
         raise ValueError(f"the first observation of environment {np.argmax(bad)} is not finite")
 
 
+@takes(TaskOptions)
 class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """A task in Python as a `gymnasium.vector.VectorEnv` over a `SimulationPool`.
 
@@ -114,10 +114,6 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         scenario: name of a shipped scenario, a YAML file, or (where the task keeps the scenario's
             controllers) a loaded `CompiledScenario`.
         num_envs: number of environments.
-        num_threads: threads that step, the caller's counted; 0: one per processor.
-        seed: key of all random numbers until a `reset(seed=...)`.
-        autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
-        overrides, plugin_path, pin_threads: as for `SimulationPool`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -130,26 +126,13 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         task: PythonTask,
         scenario: Scenario,
         num_envs: int,
-        *,
-        num_threads: int = 0,
-        seed: int = 0,
-        autoreset: str | AutoresetMode = "next_step",
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        pin_threads: bool = False,
+        **options: Unpack[TaskOptions],
     ) -> None:
         _check_task(task)
-        self._mode = autoreset_mode(autoreset)
+        self._mode = autoreset_mode(options.pop("autoreset"))
         self.task = task
         self.pool = SimulationPool(
-            scenario,
-            num_envs,
-            task.control,
-            num_threads=num_threads,
-            seed=seed,
-            overrides=overrides,
-            plugin_path=plugin_path,
-            pin_threads=pin_threads,
+            scenario, num_envs, task.control, **cast(ThreadedOptions, options)
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
@@ -162,7 +145,7 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         self._steps = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, np.bool_)
         self._last = np.zeros((num_envs, *task.observation_space.shape), np.float32)
-        self._rng = np.random.default_rng(check_seed(seed))
+        self._rng = np.random.default_rng(check_seed(options["seed"]))
         self._ready = False
         try:
             task.setup(self.pool)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +10,10 @@ from numpy.typing import NDArray
 from . import _native, spaces
 from .arguments import Scenario, check_seed, load
 from .extras import missing_package
-from .infos import InfoChannels
+from .infos import InfoChannels, KeptRows
 from .observations import Observations, copy_of, row_of
-from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
+from .options import VecEnvOptions, takes
+from .pooled import PooledEnvironments, drain, make_native
 
 try:
     from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices
@@ -26,6 +25,7 @@ except ModuleNotFoundError as error:
 _PER_ENV_METHODS = ("param", "set_param")
 
 
+@takes(VecEnvOptions)
 class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     """`num_envs` environments of one scenario for Stable-Baselines3.
 
@@ -46,14 +46,6 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
-        num_threads: threads that step, the caller's counted; 0: one per processor.
-        seed: key of all random numbers until a `seed(...)`; environment i draws from (seed, i).
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
-        dict_observations: observations are dictionaries with an array for each column, by name,
-            for `MultiInputPolicy`; with images they always are.
-        pin_threads: each worker on a processor of its own, where the system allows it.
-        keep_hash: chain a trajectory hash per environment, for `hash`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -64,30 +56,18 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self,
         scenario: Scenario,
         num_envs: int,
-        *,
-        num_threads: int = 0,
-        seed: int = 0,
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        dict_observations: bool = False,
-        pin_threads: bool = False,
-        keep_hash: bool = False,
+        **options: Unpack[VecEnvOptions],
     ) -> None:
-        self.compiled = load(scenario, overrides, plugin_path)
+        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         self.native = make_native(
-            self.compiled,
-            num_envs,
-            num_threads,
-            seed,
-            order="fixed",
-            autoreset="same_step",
-            pin_threads=pin_threads,
-            keep_hash=keep_hash,
+            self.compiled, num_envs, options, order="fixed", autoreset="same_step"
         )
-        self._observations = Observations(self.compiled, dict_observations)
+        self._observations = Observations(self.compiled, options["dict_observations"])
         self._channels = InfoChannels(self.compiled)
-        self._last_info = np.zeros((num_envs, self.compiled.info_size), np.float32)
-        self._last_privileged = np.zeros((num_envs, self.compiled.privileged_size), np.float32)
+        self._last = KeptRows(
+            np.zeros((num_envs, self.compiled.info_size), np.float32),
+            np.zeros((num_envs, self.compiled.privileged_size), np.float32),
+        )
         super().__init__(
             num_envs,
             spaces.space_of(self.compiled, self._observations),
@@ -108,19 +88,18 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self._reset_options()
         batch = self.native.recv()
         self._remember(batch)
-        rows = zip(self._last_info, self._last_privileged, strict=True)
-        self.reset_infos = [self._channels.of_row(*row) for row in rows]
+        self.reset_infos = [self._channels.of_row(self._last, i) for i in range(self.num_envs)]
         return copy_of(self._observations.of(batch))
 
     def _remember(self, batch: _native.Batch) -> None:
-        self._last_info, self._last_privileged = batch.info.copy(), batch.privileged.copy()
+        self._last = KeptRows(batch.info.copy(), batch.privileged.copy())
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Hands the actions over: (num_envs, action_size) in [-1, 1] (clipped).
 
         Raises Error where the step before was interrupted: reset first.
         """
-        refuse_interrupted(self.native)
+        self.native.refuse_interrupted()
         self.native.send(np.ascontiguousarray(actions, np.float32), None)
 
     def step_wait(
@@ -140,12 +119,12 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self, batch: _native.Batch, dones: NDArray[np.bool_], infos: list[dict[str, Any]]
     ) -> None:
         terminated, fault = batch.terminated, batch.fault
-        final, final_info = self._observations.final_of(batch), batch.final_info
-        final_privileged = batch.final_privileged
+        final = self._observations.final_of(batch)
+        last = KeptRows(batch.final_info, batch.final_privileged)
         reasons = batch.fault_reasons
         for i in np.flatnonzero(dones).tolist():
             infos[i] = {
-                **self._channels.of_row(final_info[i], final_privileged[i]),
+                **self._channels.of_row(last, i),
                 "terminal_observation": row_of(final, i),
                 "TimeLimit.truncated": not (terminated[i] or fault[i]),
                 "fault": bool(fault[i]),
@@ -159,7 +138,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
 
         With privileged columns also `privileged` (num_envs, privileged_size), for a critic only.
         """
-        return self._channels.columns(self._last_info, self._last_privileged)
+        return self._channels.columns(self._last)
 
     def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
         """There are no reset options. Raises ValueError if any is given."""

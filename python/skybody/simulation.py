@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ from .arguments import (
     integer_within,
     load,
 )
+from .options import SimulationOptions, SimulationPoolOptions, takes
 
 CONTROL_MODES: dict[str, str] = {
     "rotor_speed": "[{plugin: rotor_speed}]",
@@ -40,16 +41,16 @@ _TERMINATED, _TRUNCATED, _FAULT = 1, 2, 4  # bits of `status`
 
 def load_with_control(
     scenario: Scenario,
-    control: str | None = None,
-    overrides: Iterable[str] = (),
-    plugin_path: Iterable[str | os.PathLike[str]] = (),
+    control: str | None,
+    overrides: Iterable[str],
+    plugin_path: Iterable[str | os.PathLike[str]],
 ) -> CompiledScenario:
     """Loads a scenario, with other controllers on all of its robots.
 
     Args:
         control: one of CONTROL_MODES, or a list of controllers as in a scenario's YAML; None: the
             scenario's own.
-        overrides: "PATH=VALUE" each, applied after `control`.
+        overrides: applied after `control`.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -82,6 +83,7 @@ def _floats(values: ArrayLike | None) -> NDArray[np.float64] | None:
     return None if values is None else np.asarray(values, np.float64)
 
 
+@takes(SimulationOptions)
 class Simulation(_native.Simulation):
     """One environment under direct control.
 
@@ -93,9 +95,6 @@ class Simulation(_native.Simulation):
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         control: one of `CONTROL_MODES` ("ctbr", "position", ...) for all robots, or a list of
             controllers as in YAML; None: the scenario's own.
-        seed, env_id: key of all random numbers; equal keys, equal draws.
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -106,14 +105,12 @@ class Simulation(_native.Simulation):
         self,
         scenario: Scenario,
         control: str | None = None,
-        *,
-        seed: int = 0,
-        env_id: int = 0,
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
+        **options: Unpack[SimulationOptions],
     ) -> None:
-        compiled = load_with_control(scenario, control, overrides, plugin_path)
-        super().__init__(compiled, check_seed(seed) or 0, env_id)
+        compiled = load_with_control(
+            scenario, control, options["overrides"], options["plugin_path"]
+        )
+        super().__init__(compiled, check_seed(options["seed"]) or 0, options["env_id"])
 
     def command(self, values: ArrayLike, robot: str = "") -> None:
         """Sets the commands of a robot's chains of controllers, in order; held until the next ones.
@@ -208,6 +205,7 @@ class EnvStates(NamedTuple):
     """(n,): since each environment's reset [s]."""
 
 
+@takes(SimulationPoolOptions)
 class SimulationPool(_native.SimulationPool):
     """Environments of one scenario under direct control, shared out among threads, batched calls.
 
@@ -221,11 +219,6 @@ class SimulationPool(_native.SimulationPool):
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
         control: as for `Simulation`.
-        seed, first_env_id: environment i draws with the key (seed, first_env_id + i).
-        num_threads: threads that step, the caller's counted; 0: one per processor.
-        pin_threads: each worker on a processor of its own, where the system allows it.
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -237,22 +230,18 @@ class SimulationPool(_native.SimulationPool):
         scenario: Scenario,
         num_envs: int,
         control: str | None = None,
-        *,
-        seed: int = 0,
-        first_env_id: int = 0,
-        num_threads: int = 0,
-        pin_threads: bool = False,
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
+        **options: Unpack[SimulationPoolOptions],
     ) -> None:
-        compiled = load_with_control(scenario, control, overrides, plugin_path)
+        compiled = load_with_control(
+            scenario, control, options["overrides"], options["plugin_path"]
+        )
         super().__init__(
             compiled,
             integer_within("num_envs", num_envs, 1, MOST_ENVS),
-            check_seed(seed) or 0,
-            first_env_id,
-            pin_threads,
-            integer_within("num_threads", num_threads, 0, MOST_THREADS),
+            check_seed(options["seed"]) or 0,
+            options["first_env_id"],
+            options["pin_threads"],
+            integer_within("num_threads", options["num_threads"], 0, MOST_THREADS),
         )
 
     def _ids(self, envs: ArrayLike | None) -> NDArray[np.int32] | None:

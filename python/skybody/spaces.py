@@ -61,7 +61,7 @@ def batched(space: Box[np.float32] | Dict, count: int) -> Box[np.float32] | Dict
 def action_space(compiled: CompiledScenario) -> Box[np.float32]:
     """Actions of one environment: Box [-1, 1] (action_size,), float32.
 
-    What -1 and 1 mean is in `environment.action_channels[k].low` and `.high`, in SI units.
+    What -1 and 1 mean is in `compiled.action_channels[k].low` and `.high`, in SI units.
     """
     return Box(-1.0, 1.0, (compiled.action_size,), np.float32)
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
-from typing import Any, cast, get_args
+from enum import Enum
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -14,30 +13,19 @@ from numpy.typing import NDArray
 from . import _native, spaces
 from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, load, shape_error
-from .infos import InfoChannels, add_fault_reasons
+from .infos import FinalRows, InfoChannels, ScatteredRows
 from .observations import Observations, row_of
-from .pool import Autoreset, Order
-from .pooled import PooledEnvironments, drain, make_native, refuse_interrupted
-
-_MODES: dict[str, AutoresetMode] = {
-    "next_step": AutoresetMode.NEXT_STEP,
-    "same_step": AutoresetMode.SAME_STEP,
-    "disabled": AutoresetMode.DISABLED,
-}
+from .options import VectorOptions, autoreset_word, order_word, takes
+from .pooled import PooledEnvironments, drain, make_native
 
 
-def autoreset_mode(autoreset: str | AutoresetMode) -> AutoresetMode:
+def autoreset_mode(autoreset: str | Enum) -> AutoresetMode:
     """Gymnasium's mode for "next_step", "same_step", "disabled", or for a mode or its value.
 
     Raises:
         ValueError: none of these.
     """
-    if isinstance(autoreset, AutoresetMode):
-        return autoreset
-    for name, mode in _MODES.items():
-        if autoreset in (name, mode.value):
-            return mode
-    raise ValueError(f"autoreset is {autoreset!r}; it must be one of {', '.join(_MODES)}")
+    return AutoresetMode[autoreset_word(autoreset).upper()]
 
 
 def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool_] | None:
@@ -61,6 +49,7 @@ def reset_mask(options: dict[str, Any] | None, num_envs: int) -> NDArray[np.bool
     return mask
 
 
+@takes(VectorOptions)
 class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], NDArray[Any]]):
     """`num_envs` environments of one scenario as one vector environment.
 
@@ -80,23 +69,6 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.
         num_envs: number of environments.
-        num_threads: threads that step, the caller's counted; 0: one per processor.
-        seed: key of all random numbers until a `reset(seed=...)`; environment i draws from
-            (seed, i).
-        order: as for `make_pool`. A vector environment waits for all of its rows, and they stand
-            in the order of the environments with either.
-        autoreset: "next_step", "same_step", "disabled", or Gymnasium's AutoresetMode.
-        overrides: "PATH=VALUE" each, as for `skybody run --set`.
-        plugin_path: folders that are searched for plugins before the default ones.
-        joint: several robots that are alike: observations are (num_envs, agents, width) and
-            actions (num_envs, agents, width), views of the same memory, with the team's reward.
-        dict_observations: observations are dictionaries with an array (num_envs, *shape) for each
-            column, by name: views of the same memory; with images they always are.
-        pin_threads: each worker on a processor of its own, where the system allows it.
-        keep_hash: chain a trajectory hash per environment, for `hash`.
-        infos: whether infos hold the task's info values; without, tasks need not compute them.
-        debug: raise BufferError where memory that is still held would be recycled, and fill what
-            is recycled with NaN.
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
@@ -108,45 +80,27 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         self,
         scenario: Scenario,
         num_envs: int,
-        *,
-        num_threads: int = 0,
-        seed: int = 0,
-        order: Order = "fixed",
-        autoreset: str | AutoresetMode = "next_step",
-        overrides: Iterable[str] = (),
-        plugin_path: Iterable[str | os.PathLike[str]] = (),
-        joint: bool = False,
-        dict_observations: bool = False,
-        pin_threads: bool = False,
-        keep_hash: bool = False,
-        infos: bool = True,
-        debug: bool = False,
+        **options: Unpack[VectorOptions],
     ) -> None:
-        if order not in get_args(Order):
-            raise ValueError(f"order is {order!r}; it must be one of {', '.join(get_args(Order))}")
-        self.compiled = load(scenario, overrides, plugin_path)
-        self._mode = autoreset_mode(autoreset)
-        names = {mode: name for name, mode in _MODES.items()}
+        order_word(options["order"])
+        self._mode = autoreset_mode(options["autoreset"])
+        self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         self.native = make_native(
             self.compiled,
             num_envs,
-            num_threads,
-            seed,
+            options,
             order="fixed",
-            autoreset=cast(Autoreset, names[self._mode]),
-            pin_threads=pin_threads,
-            keep_hash=keep_hash,
-            info=infos,
-            debug=debug,
+            autoreset=autoreset_word(self._mode),
+            info=options["infos"],
+            debug=options["debug"],
         )
         self.num_envs = num_envs
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
-        self._observations = Observations(self.compiled, dict_observations)
-        self._channels = InfoChannels(self.compiled, infos)
-        if joint and self._observations.columns is not None:
-            raise ValueError("joint and dict_observations exclude one another: leave one out")
-        self._joint = JointLayout(self.compiled) if joint else None
-        self._team = len(self.compiled.agents) > 1
+        self._same_step = self._mode is AutoresetMode.SAME_STEP
+        self._joint = JointLayout(self.compiled) if options["joint"] else None
+        joint_shape = self._joint.observation_shape if self._joint is not None else None
+        self._observations = Observations(self.compiled, options["dict_observations"], joint_shape)
+        self._channels = InfoChannels(self.compiled, options["infos"])
         self._all = np.ones(num_envs, np.bool_)
         self._all.setflags(write=False)  # one mask in all infos
         self._define_spaces()
@@ -187,15 +141,15 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         if mask is not None and value is not None:
             raise ValueError("a seed restarts all environments: leave out `reset_mask`")
         if mask is not None:
-            refuse_interrupted(self.native)  # others' transitions would be lost
+            self.native.refuse_interrupted()  # others' transitions would be lost
         super().reset(seed=value)
         drain(self.native)
         self.native.send_reset(mask, value)
         batch = self.native.recv()
         if mask is None:
-            return self._shaped(self._observations.of(batch)), self._infos(batch)
-        infos = self._some_infos(batch, batch.info, batch.privileged, slice(None), batch.env_id)
-        return self.observations(), infos
+            return self._observations.of(batch), self._channels.masked(batch, self._all)
+        begun = ScatteredRows(batch, self.num_envs, batch.env_id)
+        return self.observations(), self._channels.masked(begun, begun.mask)
 
     def step(
         self, actions: NDArray[np.float32]
@@ -218,32 +172,20 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
             ValueError: another shape; an environment that is not yet reset, or (DISABLED) whose
                 episode has ended.
         """
+        if self._joint is not None:
+            actions = self._joint_rows(actions)
+        batch = self.native.step(actions)
+        terminated, truncated = batch.terminated, batch.truncated
+        infos = self._channels.masked(batch, self._all)
+        if self._same_step:
+            self._add_final(infos, batch, np.flatnonzero(terminated | truncated))
+        return self._observations.of(batch), batch.reward, terminated, truncated, infos
+
+    def _joint_rows(self, actions: NDArray[np.float32]) -> NDArray[np.float32]:
         rows = np.ascontiguousarray(actions)
         if rows.shape != self._action_shape:
             raise shape_error("actions", rows, self._action_shape)
-        pool = self.native
-        refuse_interrupted(pool)
-        pool.send(rows if self._joint is None else rows.reshape(self.num_envs, -1), None)
-        batch = pool.recv()
-        infos = self._infos(batch)
-        terminated, truncated = batch.terminated, batch.truncated
-        if self._mode is AutoresetMode.SAME_STEP:
-            self._add_final(infos, batch, np.flatnonzero(terminated | truncated))
-        return (
-            self._shaped(self._observations.of(batch)),
-            batch.reward,
-            terminated,
-            truncated,
-            infos,
-        )
-
-    def _infos(self, batch: _native.Batch) -> dict[str, Any]:
-        infos: dict[str, Any] = self._channels.masked(batch.info, batch.privileged, self._all)
-        infos["fault"], infos["_fault"] = batch.fault, self._all
-        add_fault_reasons(infos, batch)
-        if self._team:
-            infos["agent_reward"], infos["_agent_reward"] = batch.agent_reward, self._all
-        return infos
+        return rows.reshape(self.num_envs, -1)
 
     def _add_final(
         self, infos: dict[str, Any], batch: _native.Batch, ended: NDArray[np.intp]
@@ -251,51 +193,14 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         """What SyncVectorEnv adds where episodes have ended: an object array, and a dictionary."""
         if ended.size == 0:
             return
-        final = self._shaped(self._observations.final_of(batch))
+        final = self._observations.final_of(batch)
         rows = np.full(self.num_envs, None, dtype=object)
         for i in ended:
             rows[i] = row_of(final, i)
         infos["final_obs"] = rows
-        infos["final_info"] = self._some_infos(
-            batch, batch.final_info, batch.final_privileged, ended, ended
-        )
-        infos["_final_obs"] = infos["_final_info"] = infos["final_info"]["_fault"]
-
-    def _some_infos(
-        self,
-        batch: _native.Batch,
-        info: NDArray[np.float32],
-        privileged: NDArray[np.float32],
-        rows: NDArray[np.intp] | slice,
-        envs: NDArray[Any],
-    ) -> dict[str, Any]:
-        """Infos of some rows, which are of `envs`: zeros elsewhere, and masks that say so."""
-        mask = np.zeros(self.num_envs, np.bool_)
-        mask[envs] = True
-
-        def scattered(values: NDArray[Any]) -> NDArray[Any]:
-            out = np.zeros((self.num_envs, *values.shape[1:]), values.dtype)
-            out[envs] = values[rows]
-            return out
-
-        infos: dict[str, Any] = self._channels.masked(scattered(info), scattered(privileged), mask)
-        infos["fault"], infos["_fault"] = scattered(batch.fault), mask
-        if (reasons := batch.fault_reasons) is not None and infos["fault"].any():
-            infos["fault_reason"] = np.full(self.num_envs, None, dtype=object)
-            infos["fault_reason"][envs] = np.array(reasons, dtype=object)[rows]
-            infos["_fault_reason"] = infos["fault"]
-        if self._team:
-            infos["agent_reward"], infos["_agent_reward"] = scattered(batch.agent_reward), mask
-        return infos
-
-    def _shaped(self, observation: Any) -> Any:
-        if self._joint is None:
-            return observation
-        return observation.reshape(self.num_envs, *self._joint.observation_shape)
-
-    def observations(self) -> Any:
-        """Last observation of every environment, in new arrays; as after a restore or fork."""
-        return self._shaped(super().observations())
+        last = ScatteredRows(FinalRows(batch), self.num_envs, ended, ended)
+        infos["final_info"] = self._channels.masked(last, last.mask)
+        infos["_final_obs"] = infos["_final_info"] = last.mask
 
     def close_extras(self, **_: Any) -> None:
         """Finishes a recording, gives threads and memory back; called by `close`."""

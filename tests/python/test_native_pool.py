@@ -32,6 +32,26 @@ def test_reset_rows_are_marked_and_come_in_order(pool: Pool) -> None:
     assert (batch.episode_step == 0).all()
 
 
+def test_step_is_send_and_recv_in_one_call(pool: Pool, hover: CompiledScenario) -> None:
+    twin = Pool(hover, 4, num_threads=1, seed=SEED, keep_hash=True)
+    actions = begin(pool)
+    begin(twin)
+    batch = pool.step(actions)
+    twin.send(actions)
+    np.testing.assert_array_equal(batch.observation, twin.recv().observation)
+    assert (pool.hash(), pool.in_flight) == (twin.hash(), 0)
+
+
+def test_a_step_upon_transitions_under_way_is_refused_and_sends_nothing(pool: Pool) -> None:
+    actions = begin(pool)
+    pool.send(actions[:2], np.arange(2, dtype=np.int32))
+    for call in (lambda: pool.step(actions), pool.refuse_interrupted):
+        with pytest.raises(skybody.Error, match=r"interrupted and 2 environments .* reset\(\)"):
+            call()
+    assert len(pool.recv()) == 2
+    pool.refuse_interrupted()
+
+
 def test_dtypes_and_shapes_of_a_batch(pool: Pool, hover: CompiledScenario) -> None:
     pool.send(begin(pool))
     batch = pool.recv()

@@ -288,6 +288,11 @@ def test_same_step_tells_a_fault_beside_the_flags_and_in_final_info():
     assert infos["fault"][3]
     assert infos["final_info"]["fault"][3]
     assert infos["final_info"]["_fault"].sum() == 1
+    for each in (infos, infos["final_info"]):
+        assert each["fault_reason"].tolist() == [
+            "the action was not finite" if i == 3 else None for i in range(NUM_ENVS)
+        ]
+        np.testing.assert_array_equal(each["_fault_reason"], each["fault"])
 
 
 def test_observations_are_views_that_survive_as_long_as_they_are_held():

@@ -1,0 +1,271 @@
+"""The keywords of everything that makes environments: type, default and meaning of each, once.
+
+A class or function takes some of them by `@takes(KIND)`, where KIND is one of the TypedDicts below,
+and `**options: Unpack[KIND]`. Its body finds all of them in `options`, also those that the caller
+left out, with their defaults.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+import os
+import textwrap
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Annotated, Any, Literal, TypedDict, TypeVar, get_args, get_type_hints
+
+from .arguments import word_error
+
+Order = Literal["fixed", "arrival"]
+Autoreset = Literal["next_step", "same_step", "disabled"]
+
+
+@dataclass(frozen=True)
+class Option:
+    """What stands beside the type of an option."""
+
+    default: Any
+    doc: str
+
+
+# What several kinds take, each kind of its own.
+_SEED = "key of all random numbers until a reset under another; environment i draws from (seed, i)."
+Seed = Annotated[int, Option(0, _SEED)]
+SeedOrNone = Annotated[
+    int | None,
+    Option(
+        None,
+        _SEED + " None: as Gymnasium does, a reset without a seed begins with one that the system "
+        "draws.",
+    ),
+]
+EnvId = Annotated[
+    int, Option(0, "draws as environment `env_id` of many: second half of the key (seed, env_id).")
+]
+DictObservations = Annotated[
+    bool,
+    Option(
+        False,
+        "observations are dictionaries with an array for each column, by name; with images they "
+        "always are.",
+    ),
+]
+AutoresetOption = Annotated[
+    Autoreset | Enum,
+    Option(
+        "next_step",
+        "what happens where an episode has ended, as a word or as Gymnasium's AutoresetMode. "
+        '"next_step": the next action is ignored and the environment reset; "same_step": reset at '
+        "once, the ended episode's last observation is in the infos as `final_obs`; "
+        '"disabled": the caller resets.',
+    ),
+]
+
+
+class ScenarioOptions(TypedDict, total=False):
+    """Changes to the scenario, and where its plugins are."""
+
+    overrides: Annotated[
+        Iterable[str], Option((), '"PATH=VALUE" each, as for `skybody run --set`.')
+    ]
+    plugin_path: Annotated[
+        Iterable[str | os.PathLike[str]],
+        Option((), "folders that are searched for plugins before the default ones."),
+    ]
+
+
+class SimulationOptions(ScenarioOptions, total=False):
+    """Options of `Simulation`."""
+
+    seed: Seed
+    env_id: EnvId
+
+
+class EnvOptions(ScenarioOptions, total=False):
+    """Options of `SkybodyEnv` and `ParallelEnv`: one environment."""
+
+    seed: SeedOrNone
+    env_id: EnvId
+    dict_observations: DictObservations
+
+
+class ThreadedOptions(ScenarioOptions, total=False):
+    """Options of all that steps many environments."""
+
+    seed: Seed
+    num_threads: Annotated[
+        int, Option(0, "threads that step, the caller's counted; 0: one per processor.")
+    ]
+    pin_threads: Annotated[
+        bool, Option(False, "each worker on a processor of its own, where the system allows it.")
+    ]
+
+
+class SimulationPoolOptions(ThreadedOptions, total=False):
+    """Options of `SimulationPool`."""
+
+    first_env_id: Annotated[int, Option(0, "environment i draws from (seed, first_env_id + i).")]
+
+
+class TaskOptions(ThreadedOptions, total=False):
+    """Options of `PythonTaskVectorEnv`."""
+
+    autoreset: AutoresetOption
+
+
+class VecEnvOptions(ThreadedOptions, total=False):
+    """Options of Stable-Baselines3's `SkybodyVecEnv`."""
+
+    dict_observations: DictObservations
+    keep_hash: Annotated[
+        bool, Option(False, "chain a trajectory hash per environment, for `hash`.")
+    ]
+
+
+class BatchOptions(VecEnvOptions, total=False):
+    """Options that `Pool` and `SkybodyVectorEnv` have in common."""
+
+    order: Annotated[
+        Order,
+        Option(
+            "arrival",
+            '"arrival": first finished, first served; "fixed": by id, cyclically, so that partial '
+            "batches come out the same in every run. A vector environment gives the rows of all, "
+            "by id, with either.",
+        ),
+    ]
+    autoreset: AutoresetOption
+    infos: Annotated[
+        bool,
+        Option(
+            True, "whether infos hold the task's info values; without, tasks need not compute them."
+        ),
+    ]
+    debug: Annotated[
+        bool,
+        Option(
+            False,
+            "raise BufferError where memory that is still held would be recycled, and fill what is "
+            "recycled with NaN.",
+        ),
+    ]
+
+
+class PoolOptions(BatchOptions, total=False):
+    """Options of `make_pool` and `Pool`."""
+
+    batch_size: Annotated[
+        int, Option(0, "rows that one `recv` waits for, at most num_envs; 0: num_envs.")
+    ]
+
+
+class VectorOptions(BatchOptions, total=False):
+    """Options of `make_vec` and `SkybodyVectorEnv`."""
+
+    joint: Annotated[
+        bool,
+        Option(
+            False,
+            "several robots that are alike: observations and actions are (num_envs, agents, "
+            "width), views of the same memory, with the team's reward.",
+        ),
+    ]
+
+
+def options_of(kind: type) -> dict[str, tuple[Any, Option]]:
+    """Type and Option of each name that a TypedDict of options has."""
+    hints = get_type_hints(kind, include_extras=True)
+    return {name: get_args(hint) for name, hint in hints.items()}
+
+
+def order_word(order: str) -> Order:
+    """`order`. Raises ValueError for a word that is none."""
+    words: tuple[Order, ...] = get_args(Order)
+    for word in words:
+        if order == word:
+            return word
+    raise word_error("order", order, words)
+
+
+def autoreset_word(autoreset: str | Enum) -> Autoreset:
+    """The word for a word, for Gymnasium's AutoresetMode, or for its value.
+
+    Raises:
+        ValueError: none of these.
+    """
+    value = getattr(autoreset, "value", autoreset)
+    words: tuple[Autoreset, ...] = get_args(Autoreset)
+    for word in words:
+        if value in (word, word.title().replace("_", "")):
+            return word
+    raise word_error("autoreset", autoreset, words)
+
+
+Taker = TypeVar("Taker", bound=Callable[..., Any])
+
+
+def takes(kind: type) -> Callable[[Taker], Taker]:
+    """Decorates a function or class whose `**options` are those of `kind`.
+
+    Calls find all options in `options`, with defaults where they were left out; signature and
+    documentation, as `help` shows them, have each. A keyword that is none of them is a TypeError
+    that names the nearest.
+    """
+    options = options_of(kind)
+
+    def decorated(taker: Taker) -> Taker:
+        is_class = inspect.isclass(taker)
+        function = vars(taker)["__init__"] if is_class else taker
+        filling = _filling(function, taker.__name__, options)
+        if not is_class:
+            filling.__doc__ = _documented(taker.__doc__, options)
+            return filling  # type: ignore[return-value]
+        setattr(taker, "__init__", filling)  # noqa: B010 (mypy refuses the assignment)
+        taker.__doc__ = _documented(taker.__doc__, options)
+        return taker
+
+    return decorated
+
+
+def _filling(
+    function: Callable[..., Any], name: str, options: dict[str, tuple[Any, Option]]
+) -> Callable[..., Any]:
+    """`function` with the options that a call leaves out."""
+    signature = inspect.signature(function)
+    own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    keywords = [*(p.name for p in own if p.name != "self"), *options]
+    defaults = {key: option.default for key, (_, option) in options.items()}
+
+    @functools.wraps(function)
+    def filled(*arguments: Any, **given: Any) -> Any:
+        for keyword in given:
+            if keyword not in keywords:
+                raise TypeError(_unknown(name, keyword, keywords))
+        return function(*arguments, **{**defaults, **given})
+
+    added = [
+        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=option.default, annotation=t)
+        for key, (t, option) in options.items()
+    ]
+    vars(filled)["__signature__"] = signature.replace(parameters=[*own, *added])
+    return filled
+
+
+def _unknown(name: str, keyword: str, keywords: list[str]) -> str:
+    nearest = difflib.get_close_matches(keyword, keywords, n=1)
+    hint = f"; did you mean `{nearest[0]}`?" if nearest else "."
+    return f"{name}() has no argument `{keyword}`{hint} Allowed: {', '.join(keywords)}"
+
+
+def _documented(text: str | None, options: dict[str, tuple[Any, Option]]) -> str:
+    """A docstring with a section for the options, before what it raises."""
+    lines = ["Keyword Args:"]
+    for name, (_, option) in options.items():
+        lines += textwrap.wrap(
+            f"{name}: {option.doc}", 96, initial_indent=" " * 4, subsequent_indent=" " * 8
+        )
+    before, raises, after = inspect.cleandoc(text or "").partition("\nRaises:\n")
+    return before.rstrip() + "\n\n" + "\n".join(lines) + "\n" + raises + after
