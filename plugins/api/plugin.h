@@ -32,6 +32,13 @@ class Plugin {
   /// Throws std::runtime_error with a text for the user where the scenario cannot be served.
   virtual void configure(const Setup& setup) = 0;
 
+  /// Whether the step methods are smooth: differentiable almost everywhere in all that they read. A
+  /// controller, effect or task whose methods are templates on Real says so by
+  ///   static constexpr bool kSmooth = true;
+  /// They are then compiled for dual numbers, too, so that derivatives go through them. What they
+  /// take from `any`, `all`, `none`, steps, words and random numbers counts as constant.
+  static constexpr bool kSmooth = false;
+
   /// What an instance remembers of each environment: Real, Word<Real>, Vec3<Real>, Quat<Real> and
   /// arrays of them. The host owns it; all words are 0 when an episode begins, but for randomizers.
   /// None, unless the derived class declares its own.
