@@ -48,25 +48,35 @@ struct Dual {
     return {quotient, (a.tangent - quotient * b.tangent) / b.value};
   }
   // With constants: no products with a tangent of 0, which are not 0 where a factor is infinite.
-  friend SKYBODY_INLINE Dual operator+(const Dual& a, double b) { return {a.value + b, a.tangent}; }
-  friend SKYBODY_INLINE Dual operator+(double a, const Dual& b) { return {a + b.value, b.tangent}; }
-  friend SKYBODY_INLINE Dual operator-(const Dual& a, double b) { return {a.value - b, a.tangent}; }
-  friend SKYBODY_INLINE Dual operator-(double a, const Dual& b) {
-    return {a - b.value, -b.tangent};
+#define SKYBODY_DUAL_CONSTANT(Type)                                    \
+  friend SKYBODY_INLINE Dual operator+(const Dual& a, const Type& b) { \
+    return {a.value + b, a.tangent};                                   \
+  }                                                                    \
+  friend SKYBODY_INLINE Dual operator+(const Type& a, const Dual& b) { \
+    return {a + b.value, b.tangent};                                   \
+  }                                                                    \
+  friend SKYBODY_INLINE Dual operator-(const Dual& a, const Type& b) { \
+    return {a.value - b, a.tangent};                                   \
+  }                                                                    \
+  friend SKYBODY_INLINE Dual operator-(const Type& a, const Dual& b) { \
+    return {a - b.value, -b.tangent};                                  \
+  }                                                                    \
+  friend SKYBODY_INLINE Dual operator*(const Dual& a, const Type& b) { \
+    return {a.value * b, a.tangent * b};                               \
+  }                                                                    \
+  friend SKYBODY_INLINE Dual operator*(const Type& a, const Dual& b) { \
+    return {a * b.value, a * b.tangent};                               \
+  }                                                                    \
+  friend SKYBODY_INLINE Dual operator/(const Dual& a, const Type& b) { \
+    return {a.value / b, a.tangent / b};                               \
+  }                                                                    \
+  friend SKYBODY_INLINE Dual operator/(const Type& a, const Dual& b) { \
+    const R quotient = a / b.value;                                    \
+    return {quotient, -(quotient * b.tangent) / b.value};              \
   }
-  friend SKYBODY_INLINE Dual operator*(const Dual& a, double b) {
-    return {a.value * b, a.tangent * b};
-  }
-  friend SKYBODY_INLINE Dual operator*(double a, const Dual& b) {
-    return {a * b.value, a * b.tangent};
-  }
-  friend SKYBODY_INLINE Dual operator/(const Dual& a, double b) {
-    return {a.value / b, a.tangent / b};
-  }
-  friend SKYBODY_INLINE Dual operator/(double a, const Dual& b) {
-    const R quotient = a / b.value;
-    return {quotient, -(quotient * b.tangent) / b.value};
-  }
+  SKYBODY_DUAL_CONSTANT(double)
+  SKYBODY_DUAL_CONSTANT(Other)
+#undef SKYBODY_DUAL_CONSTANT
 
 #define SKYBODY_DUAL_ASSIGNMENT(op)                                                 \
   SKYBODY_INLINE Dual& operator op##=(const Dual& b) { return *this = *this op b; } \
@@ -91,7 +101,14 @@ struct Dual {
 
   /// Per lane: a where the mask is set, else b.
   friend SKYBODY_INLINE Dual select(const MaskOf<R>& mask, const Dual& a, const Dual& b) {
-    return {select(mask, a.value, b.value), select(mask, a.tangent, b.tangent)};
+    return {choose(mask, a.value, b.value), choose(mask, a.tangent, b.tangent)};
+  }
+
+ private:
+  // By words: g++ 12 takes several selections by one mask apart, lane by lane
+  // (docs/architecture.md).
+  static SKYBODY_INLINE R choose(const MaskOf<R>& mask, const R& a, const R& b) {
+    return bit_cast_real(select(mask, bit_cast_word(a), bit_cast_word(b)));
   }
 };
 
