@@ -5,9 +5,10 @@
 // alone. The tangent follows by the chain rule: where the inputs' tangents are a direction, the
 // outputs' are the directional derivative. Constants and random numbers have the tangent 0.
 //
-// Where a function has no derivative, the tangent is that of the branch taken (`select`, `abs`,
-// `min`, `max`, `clamp`), 0 of steps (`floor`, `round_half_even`), and 0 where the slope is
-// infinite or any: of the square root of 0, so of the norm of a zero vector, and of atan2(0, 0).
+// Where a function has no derivative:
+//   - `select`, `abs`, `min`, `max` and `clamp` have the tangent of the branch taken;
+//   - `floor` and `round_half_even` have the tangent 0, everywhere;
+//   - sqrt(0), and so the norm of a zero vector, and atan2(0, 0) have the tangent 0.
 #pragma once
 
 #include <type_traits>

@@ -32,11 +32,12 @@ class Plugin {
   /// Throws std::runtime_error with a text for the user where the scenario cannot be served.
   virtual void configure(const Setup& setup) = 0;
 
-  /// Whether the step methods are smooth: differentiable almost everywhere in all that they read. A
-  /// controller, effect or task whose methods are templates on Real says so by
+  /// Whether each step method is differentiable almost everywhere in what it reads. A controller,
+  /// an effect or a task whose methods are templates on Real declares this by
   ///   static constexpr bool kSmooth = true;
-  /// They are then compiled for dual numbers, too, so that derivatives go through them. What they
-  /// take from `any`, `all`, `none`, steps, words and random numbers counts as constant.
+  /// The library then compiles its methods for dual numbers too, so that derivatives can be taken
+  /// through them. Counters, random numbers and the answers of `any`, `all` and `none` are
+  /// constants there.
   static constexpr bool kSmooth = false;
 
   /// What an instance remembers of each environment: Real, Word<Real>, Vec3<Real>, Quat<Real> and
