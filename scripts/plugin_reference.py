@@ -35,11 +35,11 @@ TABLES = {
 
 @dataclass
 class Part:
-    """A heading and the declarations of one header below it; all of them where `names` is empty."""
+    """A heading and the declarations of one header below it; all where `names` is empty."""
 
     title: str
     header: str
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] | None = ()  # None: no declarations, the introduction alone
     intro: bool = False  # whether the header's own comment comes first
     constructors: bool = False
 
@@ -69,6 +69,7 @@ MATH = (
         ("MaskOf", "Word", "kLanesOf", "select", *LOGIC),
         intro=True,
     ),
+    Part("Dual numbers", "core/base/dual.h", None, intro=True),
     Part("Numbers", "core/base/math_basic.h", intro=True),
     Part("Angles", "core/base/math_trig.h"),
     Part("Inverse functions of angles", "core/base/math_atan.h"),
@@ -206,7 +207,7 @@ class Page:
         self.add("\n".join(map(item, members)))
 
     def add_part(self, part: Part) -> None:
-        declarations = read(ROOT / part.header)
+        declarations = read(ROOT / part.header) if part.names is not None else []
         if part.names:
             declarations = [d for name in part.names for d in declarations if d.name == name]
         if part.title:

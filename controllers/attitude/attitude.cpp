@@ -7,6 +7,8 @@ namespace {
 
 class Attitude : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   void configure(const Setup& setup) override {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);

@@ -6,6 +6,8 @@ namespace {
 
 class Ctbr : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   template <class Real>
   struct State {
     control::ThrustTorqueState<Real> actuators;

@@ -6,6 +6,8 @@ namespace {
 
 class Ctbt : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   template <class Real>
   using State = control::ThrustTorqueState<Real>;
 

@@ -10,6 +10,8 @@ namespace {
 
 class Joint : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   void configure(const Setup& setup) override {
     if (joints_.values().empty()) throw std::runtime_error("`joints` names no joint to drive");
     std::vector<double> low, high;

@@ -6,6 +6,8 @@ namespace {
 
 class Position : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   void configure(const Setup& setup) override {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);

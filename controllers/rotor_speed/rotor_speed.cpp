@@ -8,6 +8,8 @@ namespace {
 
 class RotorSpeed : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   void configure(const Setup& setup) override {
     const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "rotor_speed");
     std::vector<double> low, high;

@@ -8,6 +8,8 @@ namespace {
 
 class Srt : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   void configure(const Setup& setup) override {
     const View<RotorInfo> rotors = control::working_rotors(setup, setup.robot(), "srt");
     std::vector<double> low, high;

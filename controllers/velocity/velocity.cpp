@@ -6,6 +6,8 @@ namespace {
 
 class Velocity : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   void configure(const Setup& setup) override {
     const RobotInfo& robot = setup.robots()[setup.robot()];
     if (robot.fixed_base != 0) {

@@ -8,6 +8,8 @@ namespace {
 
 class Wrench : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   void configure(const Setup& setup) override {
     const int robot = setup.robot();
     std::vector<std::string> links = links_.values();

@@ -82,7 +82,8 @@ class Random {
   SKYBODY_INLINE void normal_pair(Real& first, Real& second) {
     const Word<Real> word = bits();
     const Real radius = sqrt(-2.0 * log((to_real(word >> 32) + 0.5) * 0x1p-32));
-    const SinCos<Real> angle = sincos((kTwoPi * 0x1p-32) * to_real(word & 0xffffffffu));
+    const Real turn = (kTwoPi * 0x1p-32) * to_real(word & 0xffffffffu);
+    const SinCos<Real> angle = sincos(turn);
     first = radius * angle.cos;
     second = radius * angle.sin;
   }

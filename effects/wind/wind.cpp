@@ -8,6 +8,8 @@ namespace {
 
 class Wind : public Effect {
  public:
+  static constexpr bool kSmooth = true;
+
   template <class Real>
   struct State {
     Real begin;            ///< of the present gust, or the next one [s]

@@ -9,6 +9,11 @@
  * serves every lane whose bit is set in `active` and must not write to the others, but for the
  * output of control() and what evaluate() gives.
  *
+ * Functions on dual numbers (SkybodyNumber) serve full groups only. Each value in lanes is then two
+ * rows: the value at p[2 k * L + l] and its tangent at p[(2 k + 1) * L + l]. This holds for all
+ * doubles and for the words of `state`, where the tangent of a word that is not a double is neither
+ * read nor written. Keys, counters, `active` and `end` stay as they are.
+ *
  * Step functions (`SkybodyKernels`) are called concurrently on one instance from several threads.
  * They do not allocate, lock, log, throw or keep anything: all that changes lies in `state`.
  */
@@ -390,6 +395,10 @@ typedef struct SkybodyEvaluation {
   uint32_t wants_info;  /* 0: nobody will look at info, which may be left as it is */
 } SkybodyEvaluation;
 
+/* What a step function computes with: doubles, or dual numbers (core/base/dual.h), which carry a
+ * derivative. */
+enum SkybodyNumber { SKYBODY_NUMBER_REAL = 0, SKYBODY_NUMBER_DUAL = 1, SKYBODY_NUMBER_COUNT = 2 };
+
 /* The functions of one instruction set; those of other kinds are NULL, optional ones may be. */
 typedef struct SkybodyKernels {
   /* any kind, optional: initial state at a reset (else all words 0) */
@@ -425,7 +434,9 @@ typedef struct SkybodyPlugin {
   void* (*create)(const SkybodySetup* setup, const SkybodyDeclare* declare, char* error,
                   size_t error_size);
   void (*destroy)(void* self);
-  SkybodyKernels kernels[SKYBODY_ISA_COUNT]; /* in the order of SkybodyIsa */
+  /* By SkybodyNumber and SkybodyIsa. On dual numbers there are reset, control, apply, process and
+   * evaluate of plugins that declare themselves smooth; all else is NULL. */
+  SkybodyKernels kernels[SKYBODY_NUMBER_COUNT][SKYBODY_ISA_COUNT];
 } SkybodyPlugin;
 
 /* The exported object. */

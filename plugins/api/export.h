@@ -7,7 +7,6 @@
 #include <exception>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "core/base/fp_environment.h"
@@ -72,8 +71,12 @@ class Description {
     plugin_.vectorized = kVectorized<T> ? 1 : 0;
     plugin_.create = &create<T>;
     plugin_.destroy = &destroy<T>;
-    static_assert(std::extent_v<decltype(SkybodyPlugin::kernels)> == kIsaCount);
-    for (int i = 0; i < kIsaCount; ++i) plugin_.kernels[i] = kernels_of<T>(static_cast<Isa>(i));
+    for (int i = 0; i < kIsaCount; ++i) {
+      plugin_.kernels[SKYBODY_NUMBER_REAL][i] =
+          kernels_of<T, SKYBODY_NUMBER_REAL>(static_cast<Isa>(i));
+      plugin_.kernels[SKYBODY_NUMBER_DUAL][i] =
+          kernels_of<T, SKYBODY_NUMBER_DUAL>(static_cast<Isa>(i));
+    }
   }
   Description(const Description&) = delete;
   Description& operator=(const Description&) = delete;

@@ -1,11 +1,12 @@
 // The step functions of a plugin class, for every instruction set.
 //
 // Each step method is compiled for double and for packs as wide as the vectors of an instruction
-// set (core/base/kernels.h). `flatten` pulls the author's code into functions of that target; the
-// arithmetic is the same everywhere, so all give the same bits. None of the functions below is
-// always_inline: g++ inlines into a flattened function only what it has seen before, and it does
-// not look through always_inline functions when it orders them, so that the author's code would
-// stay outside, compiled for the baseline. tests/unit/plugins/codegen_test.cpp watches this.
+// set (core/base/kernels.h); those of smooth classes (Plugin::kSmooth) also for packs of dual
+// numbers. `flatten` pulls the author's code into functions of that target; the arithmetic is the
+// same everywhere, so all give the same bits. None of the functions below is always_inline: g++
+// inlines into a flattened function only what it has seen before, and it does not look through
+// always_inline functions when it orders them, so that the author's code would stay outside,
+// compiled for the baseline. tests/unit/plugins/codegen_test.cpp watches this.
 #pragma once
 
 #include <cstddef>
@@ -29,27 +30,37 @@ inline void serve(const SkybodyLanes& lanes, std::uint32_t first, std::uint64_t*
   const MaskOf<Real> mask = mask_from_bits<Real>(bits);
   const EnvView<Real> env(lanes, first, mask);
   StateOf<T, Real> state;
-  load_state<Real>(state, words, first, lanes.lanes);
+  load_state<T, Real>(state, words, first, lanes.lanes);
   function(env, state, first, mask);
-  store_state<Real>(state, words, first, lanes.lanes, mask);
+  store_state<T, Real>(state, words, first, lanes.lanes, mask);
+}
+
+/// Serves a full group, as many lanes at a time as Real has.
+template <class T, class Real, class Function>
+inline void serve_all(const SkybodyLanes& lanes, std::uint64_t* words, Function&& function) {
+  SkybodyLanes group = lanes;
+  group.lanes = SKYBODY_GROUP_LANES;  // a constant: strides become immediates
+  for (std::uint32_t first = 0; first < SKYBODY_GROUP_LANES; first += kLanesOf<Real>) {
+    serve<T, Real>(group, first, words, function);
+  }
 }
 
 /// Serves a group: in packs where the class has lane code and the group is a full one, else lane
-/// after lane.
-template <class T, int W, class Function>
+/// after lane. Groups of dual numbers are always full.
+template <class T, SkybodyNumber N, int W, class Function>
 inline void for_lanes(const SkybodyLanes& lanes, std::uint64_t* words, Function&& function) {
-  if constexpr (kVectorized<T>) {
-    if (lanes.lanes == SKYBODY_GROUP_LANES) {
-      SkybodyLanes group = lanes;
-      group.lanes = SKYBODY_GROUP_LANES;  // a constant: strides become immediates
-      for (std::uint32_t first = 0; first < SKYBODY_GROUP_LANES; first += W) {
-        serve<T, Pack<W>>(group, first, words, function);
+  if constexpr (N == SKYBODY_NUMBER_DUAL) {
+    serve_all<T, Dual<Pack<W>>>(lanes, words, function);
+  } else {
+    if constexpr (kVectorized<T>) {
+      if (lanes.lanes == SKYBODY_GROUP_LANES) {
+        serve_all<T, Pack<W>>(lanes, words, function);
+        return;
       }
-      return;
     }
-  }
-  for (std::uint32_t first = 0; first < lanes.lanes; ++first) {
-    serve<T, double>(lanes, first, words, function);
+    for (std::uint32_t first = 0; first < lanes.lanes; ++first) {
+      serve<T, double>(lanes, first, words, function);
+    }
   }
 }
 
@@ -97,24 +108,24 @@ const T& self(const void* p) {
   return *static_cast<const T*>(p);
 }
 
-// The functions of SkybodyKernels for one class. W: lanes of a pack.
+// The functions of SkybodyKernels for one class and one type of number. W: lanes of a pack.
 
-template <class T>
+template <class T, SkybodyNumber N>
 struct Reset {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer) {
-    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+    for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       call<ResetMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask));
     });
   }
 };
 
-template <class T>
+template <class T, SkybodyNumber N>
 struct Control {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const double* in, double* out) {
-    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+    for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
       call<ControlMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask),
                           Views::input(env, in, first), Views::output(env, out, first, all));
@@ -122,48 +133,48 @@ struct Control {
   }
 };
 
-template <class T>
+template <class T, SkybodyNumber N>
 struct Sense {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   double* out) {
-    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+    for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       call<SenseMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask),
                         Views::output(env, out, first, mask));
     });
   }
 };
 
-template <class T>
+template <class T, SkybodyNumber N>
 struct Randomize {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const SkybodyStart* start) {
-    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+    for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       auto where = Views::start(env, *start, first, mask);
       call<RandomizeMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask), where);
     });
   }
 };
 
-template <class T>
+template <class T, SkybodyNumber N>
 struct Apply {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const SkybodyHeld* held) {
-    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+    for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       Held<RealOf<decltype(env)>> inputs(*held, *l, first, mask);
       call<ApplyMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask), inputs);
     });
   }
 };
 
-template <class T>
+template <class T, SkybodyNumber N>
 struct Process {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const double* action, double* command) {
-    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+    for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       call<ProcessMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask),
                           Views::input(env, action, first),
                           Views::output(env, command, first, mask));
@@ -171,12 +182,12 @@ struct Process {
   }
 };
 
-template <class T>
+template <class T, SkybodyNumber N>
 struct Evaluate {
   template <int W>
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const SkybodyEvaluation* result) {
-    for_lanes<T, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
+    for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
       const decltype(mask) all(true);  // the host's scratch: no need to spare other lanes
       Evaluation<RealOf<decltype(env)>> out(Views::output(env, result->observation, first, all),
                                             Views::info(env, result->info, first, all),
@@ -197,26 +208,29 @@ void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const do
     if (((l->active >> first) & 1u) == 0) continue;
     const EnvView<double> env(*l, first, true);
     StateOf<T, double> state;
-    load_state<double>(state, s, first, l->lanes);
+    load_state<T, double>(state, s, first, l->lanes);
     call<GoalMethod>(self<T>(p), env, std::as_const(state),
                      Views::buffer(env, const_cast<double*>(buffer), first, false),
                      Views::output(env, goal, first, true));
   }
 }
 
-/// The functions that a class has.
-template <class T>
+/// The functions that a class has on one type of number. On dual numbers only smooth classes have
+/// any.
+template <class T, SkybodyNumber N>
 constexpr SkybodyKernels kernels_of(Isa isa) {
   SkybodyKernels k{};
-  if constexpr (kHas<ResetMethod, T, double>) k.reset = kernel<Reset<T>>(isa);
-  if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = kernel<Control<T>>(isa);
-  if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = kernel<Sense<T>>(isa);
-  if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = kernel<Randomize<T>>(isa);
-  if constexpr (T::kKind == SKYBODY_EFFECT) k.apply = kernel<Apply<T>>(isa);
-  if constexpr (T::kKind == SKYBODY_TASK) {
-    k.evaluate = kernel<Evaluate<T>>(isa);
-    if constexpr (kHas<ProcessMethod, T, double>) k.process = kernel<Process<T>>(isa);
-    if constexpr (kHas<GoalMethod, T, double>) k.goal = &goal<T>;
+  if constexpr (N == SKYBODY_NUMBER_REAL || T::kSmooth) {
+    if constexpr (kHas<ResetMethod, T, double>) k.reset = kernel<Reset<T, N>>(isa);
+    if constexpr (T::kKind == SKYBODY_CONTROLLER) k.control = kernel<Control<T, N>>(isa);
+    if constexpr (T::kKind == SKYBODY_SENSOR) k.sense = kernel<Sense<T, N>>(isa);
+    if constexpr (T::kKind == SKYBODY_RANDOMIZER) k.randomize = kernel<Randomize<T, N>>(isa);
+    if constexpr (T::kKind == SKYBODY_EFFECT) k.apply = kernel<Apply<T, N>>(isa);
+    if constexpr (T::kKind == SKYBODY_TASK) {
+      k.evaluate = kernel<Evaluate<T, N>>(isa);
+      if constexpr (kHas<ProcessMethod, T, double>) k.process = kernel<Process<T, N>>(isa);
+      if constexpr (N == SKYBODY_NUMBER_REAL && kHas<GoalMethod, T, double>) k.goal = &goal<T>;
+    }
   }
   return k;
 }

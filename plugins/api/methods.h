@@ -181,6 +181,12 @@ constexpr void check_class() {
   static_assert(T::kKind != SKYBODY_EFFECT || kSteps,
                 "an effect needs `void apply(const EnvView<Real>&, State<Real>&, Held<Real>&) "
                 "const`, public and const");
+  static_assert(!T::kSmooth || T::kKind == SKYBODY_CONTROLLER || T::kKind == SKYBODY_EFFECT ||
+                    T::kKind == SKYBODY_TASK,
+                "kSmooth is for controllers, effects and tasks: leave it out");
+  static_assert(!T::kSmooth || kVectorized<T>,
+                "kSmooth needs a step method that is a template on Real: write it so, or leave "
+                "kSmooth out");
   static_assert(
       is_sound<ResetMethod, T>(),
       "reset() must be `void reset(const EnvView<Real>&, State<Real>&) const`, public and "

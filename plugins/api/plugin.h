@@ -32,6 +32,14 @@ class Plugin {
   /// Throws std::runtime_error with a text for the user where the scenario cannot be served.
   virtual void configure(const Setup& setup) = 0;
 
+  /// Whether each step method is differentiable almost everywhere in what it reads. A controller,
+  /// an effect or a task whose methods are templates on Real declares this by
+  ///   static constexpr bool kSmooth = true;
+  /// The library then compiles its methods for dual numbers too, so that derivatives can be taken
+  /// through them. Counters, random numbers and the answers of `any`, `all` and `none` are
+  /// constants there.
+  static constexpr bool kSmooth = false;
+
   /// What an instance remembers of each environment: Real, Word<Real>, Vec3<Real>, Quat<Real> and
   /// arrays of them. The host owns it; all words are 0 when an episode begins, but for randomizers.
   /// None, unless the derived class declares its own.

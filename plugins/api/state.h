@@ -1,6 +1,9 @@
-// How a plugin's State lies in state words: one 64-bit word per member and environment.
+// How a plugin's State lies in state words: one 64-bit word per member and environment; with dual
+// numbers two, of which the second is the tangent.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -16,12 +19,30 @@ struct ThreeBytes {
   char bytes[3];
 };
 
+/// A Real and a Word of one byte. The bytes of a State<RealMember>{} say what its members are.
+struct WordMember {
+  bool is_real = false;
+  constexpr WordMember() = default;
+  constexpr WordMember(std::uint64_t) {}
+};
+struct RealMember {
+  bool is_real = true;
+  constexpr RealMember() = default;
+  constexpr RealMember(double) {}
+};
+
 }  // namespace plugin_export
 
 template <>
 struct RealTraits<plugin_export::ThreeBytes> {
   using Mask = bool;
   using Word = plugin_export::ThreeBytes;
+  static constexpr int kLanes = 1;
+};
+template <>
+struct RealTraits<plugin_export::RealMember> {
+  using Mask = bool;
+  using Word = plugin_export::WordMember;
   static constexpr int kLanes = 1;
 };
 
@@ -69,31 +90,62 @@ constexpr void check_state() {
   }
 }
 
-/// Gathers a State from words in lanes: word i of lane l is at words[i * stride + l].
-template <class Real, class State>
-inline void load_state(State& state, const std::uint64_t* words, std::uint32_t first,
+/// Where the pieces of a State of dual numbers lie among the rows of words, `count` pieces: of a
+/// Real the value and the tangent, of a Word the word alone.
+template <class T>
+struct DualRows {
+  std::array<std::size_t, 2 * kStateWords<T>> row{};
+  std::size_t count = 0;
+
+  constexpr DualRows() {
+    using Members = std::array<bool, kStateWords<T>>;
+    const auto is_real = std::bit_cast<Members>(StateOf<T, RealMember>{});
+    for (std::size_t i = 0; i < is_real.size(); ++i) {
+      row[count++] = 2 * i;
+      if (is_real[i]) row[count++] = 2 * i + 1;
+    }
+  }
+};
+
+/// The row of words in which piece i of a State lies. A piece has the size of a Word<Real>.
+template <class T, class Real>
+constexpr std::size_t state_row(std::size_t i) {
+  if constexpr (kRowsOf<Real> == 1) {
+    return i;
+  } else {
+    constexpr DualRows<T> kRows;
+    static_assert(kRows.count * sizeof(Word<Real>) == sizeof(StateOf<T, Real>),
+                  "a State of dual numbers has two pieces for each Real and one for each Word");
+    return kRows.row[i];
+  }
+}
+
+/// Gathers the State of a class from words in lanes: word i of lane l is at words[i * stride + l].
+template <class T, class Real>
+inline void load_state(StateOf<T, Real>& state, const std::uint64_t* words, std::uint32_t first,
                        std::size_t stride) {
-  if constexpr (!std::is_empty_v<State>) {
-    constexpr std::size_t kCount = sizeof(State) / (8 * kLanesOf<Real>);
+  if constexpr (!std::is_empty_v<StateOf<T, Real>>) {
+    constexpr std::size_t kCount = sizeof(state) / sizeof(Word<Real>);
     auto* bytes = reinterpret_cast<unsigned char*>(&state);
     for (std::size_t i = 0; i < kCount; ++i) {
-      const Word<Real> word = load_words<Real>(words + i * stride + first);
+      const std::size_t row = state_row<T, Real>(i);
+      const Word<Real> word = load_words<Real>(words + row * stride + first);
       std::memcpy(bytes + i * sizeof(word), &word, sizeof(word));
     }
   }
 }
 
 /// Puts a State back, for the lanes of `mask`.
-template <class Real, class State>
-inline void store_state(const State& state, std::uint64_t* words, std::uint32_t first,
+template <class T, class Real>
+inline void store_state(const StateOf<T, Real>& state, std::uint64_t* words, std::uint32_t first,
                         std::size_t stride, const MaskOf<Real>& mask) {
-  if constexpr (!std::is_empty_v<State>) {
-    constexpr std::size_t kCount = sizeof(State) / (8 * kLanesOf<Real>);
+  if constexpr (!std::is_empty_v<StateOf<T, Real>>) {
+    constexpr std::size_t kCount = sizeof(state) / sizeof(Word<Real>);
     const auto* bytes = reinterpret_cast<const unsigned char*>(&state);
     for (std::size_t i = 0; i < kCount; ++i) {
       Word<Real> word;
       std::memcpy(&word, bytes + i * sizeof(word), sizeof(word));
-      store_words(words + i * stride + first, word, mask);
+      store_words(words + state_row<T, Real>(i) * stride + first, word, mask);
     }
   }
 }

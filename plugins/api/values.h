@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/dual.h"
 #include "core/base/pack.h"
 #include "core/base/quat.h"
 #include "core/base/vec3.h"
@@ -21,7 +22,8 @@ class Bounds {
  protected:
   template <class T>
   T* place(T* data, std::size_t stride, int k) const {
-    return data + static_cast<std::ptrdiff_t>(k) * static_cast<std::ptrdiff_t>(stride);
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) * kRowsOf<Real>;
+    return data + row * static_cast<std::ptrdiff_t>(stride);
   }
 };
 
@@ -62,7 +64,7 @@ class ConstValues : private Bounds<Real> {
       : Bounds<Real>(bounds), data_(data), stride_(stride) {}
 
   /// Value `k`. Bounds are checked in checked mode only: indices come from configure().
-  Real operator[](int k) const { return load_lanes<Real>(this->place(data_, stride_, k)); }
+  Real operator[](int k) const { return load_rows<Real>(this->place(data_, stride_, k), stride_); }
   /// Values k, k+1, k+2 as a vector.
   Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
   /// Values k..k+3 as a quaternion w x y z.
@@ -84,7 +86,7 @@ class Values : private Bounds<Real> {
       : Bounds<Real>(bounds), data_(data), stride_(stride), mask_(mask) {}
 
   /// Value `k` as it is now.
-  Real operator[](int k) const { return load_lanes<Real>(this->place(data_, stride_, k)); }
+  Real operator[](int k) const { return load_rows<Real>(this->place(data_, stride_, k), stride_); }
   /// Values k, k+1, k+2 as they are now.
   Vec3<Real> vec3(int k) const { return {(*this)[k], (*this)[k + 1], (*this)[k + 2]}; }
   /// Values k..k+3 as they are now, as a quaternion w x y z.
@@ -93,7 +95,7 @@ class Values : private Bounds<Real> {
   }
   /// Writes value `k`.
   void set(int k, const Real& value) const {
-    store_lanes(this->place(data_, stride_, k), value, mask_);
+    store_rows(this->place(data_, stride_, k), stride_, value, mask_);
   }
   /// Writes values k, k+1, k+2.
   void set(int k, const Vec3<Real>& v) const {

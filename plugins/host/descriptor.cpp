@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <string_view>
 
@@ -104,18 +105,47 @@ bool has_step_function(const SkybodyKernels& kernels, std::uint32_t kind) {
   }
 }
 
+std::string no_step_function(const SkybodyPlugin& plugin) {
+  return "has no " + std::string(kPluginKinds[plugin.kind].function) + " function";
+}
+
 std::string kernels_problem(const SkybodyPlugin& plugin) {
+  const SkybodyKernels& first = plugin.kernels[SKYBODY_NUMBER_REAL][0];
   for (int i = 0; i < kIsaCount; ++i) {
     const std::string isa = name(kIsas[i]);
-    const SkybodyKernels& k = plugin.kernels[i];
-    if (!has_step_function(k, plugin.kind)) {
-      return "has no " + std::string(kPluginKinds[plugin.kind].function) + " function for " + isa;
-    }
-    const SkybodyKernels& first = plugin.kernels[0];
+    const SkybodyKernels& k = plugin.kernels[SKYBODY_NUMBER_REAL][i];
+    if (!has_step_function(k, plugin.kind)) return no_step_function(plugin) + " for " + isa;
     if ((k.reset == nullptr) != (first.reset == nullptr) ||
         (k.process == nullptr) != (first.process == nullptr) ||
         (k.goal == nullptr) != (first.goal == nullptr)) {
       return "has other functions for " + isa + " than for " + name(kIsas[0]);
+    }
+  }
+  return {};
+}
+
+bool has_any_function(const SkybodyKernels& k) {
+  return k.reset != nullptr || k.control != nullptr || k.sense != nullptr ||
+         k.randomize != nullptr || k.process != nullptr || k.apply != nullptr ||
+         k.evaluate != nullptr || k.goal != nullptr;
+}
+
+/// Functions on dual numbers: none at all, or for every instruction set the same as on real
+/// numbers.
+std::string dual_kernels_problem(const SkybodyPlugin& plugin) {
+  const auto& duals = plugin.kernels[SKYBODY_NUMBER_DUAL];
+  if (std::none_of(std::begin(duals), std::end(duals), has_any_function)) return {};
+  const SkybodyKernels& real = plugin.kernels[SKYBODY_NUMBER_REAL][0];
+  for (int i = 0; i < kIsaCount; ++i) {
+    const SkybodyKernels& k = duals[i];
+    const std::string what = " on dual numbers for " + std::string(name(kIsas[i]));
+    if (k.sense != nullptr || k.randomize != nullptr || k.goal != nullptr) {
+      return "has a sense, randomize or goal function" + what + ", which nobody calls";
+    }
+    if (!has_step_function(k, plugin.kind)) return no_step_function(plugin) + what;
+    if ((k.reset == nullptr) != (real.reset == nullptr) ||
+        (k.process == nullptr) != (real.process == nullptr)) {
+      return "has other functions" + what + " than on real numbers";
     }
   }
   return {};
@@ -149,8 +179,9 @@ std::string descriptor_problem(const SkybodyPlugin& plugin) {
   if (plugin.create == nullptr || plugin.destroy == nullptr) {
     return who + "has no function to make or destroy an instance";
   }
-  const std::string kernels = kernels_problem(plugin);
-  if (!kernels.empty()) return who + kernels;
+  for (const std::string& problem : {kernels_problem(plugin), dual_kernels_problem(plugin)}) {
+    if (!problem.empty()) return who + problem;
+  }
   if (plugin.parameter_count > 0 && plugin.parameters == nullptr) {
     return who + "has lost its parameters";
   }

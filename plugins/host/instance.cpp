@@ -33,7 +33,7 @@ std::shared_ptr<const void> create_instance(const PluginEntry& entry, const Skyb
 }
 
 const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa) {
-  return plugin.kernels[static_cast<int>(isa)];
+  return plugin.kernels[SKYBODY_NUMBER_REAL][static_cast<int>(isa)];
 }
 
 }  // namespace skybody

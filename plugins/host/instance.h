@@ -18,7 +18,7 @@ namespace skybody {
 std::shared_ptr<const void> create_instance(const PluginEntry& entry, const SkybodySetup& setup,
                                             const SkybodyDeclare& declare);
 
-/// The step functions for an instruction set; all give the same bits.
+/// The step functions of real numbers for an instruction set; all give the same bits.
 const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa);
 
 }  // namespace skybody

@@ -8,6 +8,8 @@ namespace {
 
 class Hover : public Task {
  public:
+  static constexpr bool kSmooth = true;
+
   template <class Real>
   struct State {
     Vec3<Real> target;  ///< of the team's centre, W [m]

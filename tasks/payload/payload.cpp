@@ -8,6 +8,8 @@ namespace {
 
 class Payload : public Task {
  public:
+  static constexpr bool kSmooth = true;
+
   template <class Real>
   struct State {
     Vec3<Real> target;  ///< of the payload's centre of mass, W [m]

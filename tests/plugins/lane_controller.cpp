@@ -8,6 +8,8 @@ using namespace skybody;
 /// Low-pass filter in front of the rotors: y += (1 - exp(-dt / tau)) (gain u - y).
 class LaneController : public Controller {
  public:
+  static constexpr bool kSmooth = true;
+
   template <class Real>
   struct State {
     Vec3<Real> filtered;

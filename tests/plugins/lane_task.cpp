@@ -7,6 +7,8 @@ using namespace skybody;
 
 class LaneTask : public Task {
  public:
+  static constexpr bool kSmooth = true;
+
   template <class Real>
   struct State {
     Real target;

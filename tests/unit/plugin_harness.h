@@ -104,14 +104,16 @@ struct Group {
   }
 };
 
-/// One instance of a shipped plugin.
+/// One instance of a plugin.
 class Instance {
  public:
+  /// @param name  of a shipped plugin; with a `/`: the library's path in the build folder
   /// @throws std::runtime_error with configure()'s message
   Instance(const std::string& name, PluginWorld& world, const Parameters& given = {})
       : world_(world), name_("test." + name) {
-    const std::string file =
-        std::string(SKYBODY_BINARY_DIR) + "/lib/skybody/plugins/" + name + ".so";
+    const bool is_shipped = name.find('/') == std::string::npos;
+    const std::string file = std::string(SKYBODY_BINARY_DIR) + "/" +
+                             (is_shipped ? "lib/skybody/plugins/" : "") + name + ".so";
     library_.reset(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* h) {
       if (h != nullptr) dlclose(h);
     });
@@ -187,10 +189,11 @@ class Instance {
     return g;
   }
 
-  enum class Call { kReset, kControl, kSense, kRandomize, kRequest, kEvaluate, kApply };
+  enum class Call { kReset, kControl, kSense, kRandomize, kRequest, kProcess, kEvaluate, kApply };
   /// Calls one step function of an instruction set (0, 1, 2: v2, v3, v4) for the lanes of `mask`.
-  void call(Call what, Group& g, std::uint32_t mask = 1, int set = 0) const {
-    const SkybodyKernels& k = plugin_->kernels[set];
+  void call(Call what, Group& g, std::uint32_t mask = 1, int set = 0,
+            SkybodyNumber number = SKYBODY_NUMBER_REAL) const {
+    const SkybodyKernels& k = plugin_->kernels[number][set];
     const SkybodyLanes v = view(g, mask);
     std::uint64_t* state = g.state.data();
     double* buffer = g.buffer.data();
@@ -217,6 +220,9 @@ class Instance {
       case Call::kRequest:
         k.randomize(self_, &v, state, buffer, &start);
         break;
+      case Call::kProcess:
+        k.process(self_, &v, state, buffer, g.action.data(), g.command.data());
+        break;
       case Call::kEvaluate:
         k.evaluate(self_, &v, state, buffer, &out);
         break;
@@ -234,7 +240,8 @@ class Instance {
   std::vector<double> goal(Group& g) const {
     std::vector<double> goal(4 * declared.goals.size() * static_cast<std::size_t>(g.lanes));
     const SkybodyLanes v = view(g, 1);
-    plugin_->kernels[0].goal(self_, &v, g.state.data(), g.buffer.data(), goal.data());
+    plugin_->kernels[SKYBODY_NUMBER_REAL][0].goal(self_, &v, g.state.data(), g.buffer.data(),
+                                                  goal.data());
     return goal;
   }
 

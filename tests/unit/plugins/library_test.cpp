@@ -160,6 +160,51 @@ TEST(PluginLibrary, RefusesNumbersOfParametersAndChoicesThatNoPluginHas) {
   EXPECT_THAT(descriptor_problem(plugin), HasSubstr("defaults or choices; allowed: at most 10000"));
 }
 
+TEST(PluginLibrary, RefusesFunctionsOnDualNumbersThatAreMissingOrThatNobodyCalls) {
+  const PluginLibrary library(test::good_plugins() / "lane_controller.so");
+  const SkybodyPlugin& sound = *library.plugins().front();
+  ASSERT_NE(sound.kernels[SKYBODY_NUMBER_DUAL][0].control, nullptr);
+  const std::string lowest = name(kIsas[0]);
+
+  SkybodyPlugin none = sound;
+  for (SkybodyKernels& k : none.kernels[SKYBODY_NUMBER_DUAL]) k = {};
+  EXPECT_EQ(descriptor_problem(none), "");
+
+  SkybodyPlugin without_reset = sound;
+  without_reset.kernels[SKYBODY_NUMBER_DUAL][0].reset = nullptr;
+  EXPECT_EQ(descriptor_problem(without_reset),
+            "plugin `lane_controller` has other functions on dual numbers for " + lowest +
+                " than on real numbers");
+
+  SkybodyPlugin without_control = sound;
+  without_control.kernels[SKYBODY_NUMBER_DUAL][0].control = nullptr;
+  EXPECT_EQ(descriptor_problem(without_control),
+            "plugin `lane_controller` has no control function on dual numbers for " + lowest);
+
+  SkybodyPlugin with_goal = sound;
+  with_goal.kernels[SKYBODY_NUMBER_DUAL][0].goal =
+      [](const void*, const SkybodyLanes*, const std::uint64_t*, const double*, double*) {};
+  EXPECT_EQ(
+      descriptor_problem(with_goal),
+      "plugin `lane_controller` has a sense, randomize or goal function on dual numbers for " +
+          lowest + ", which nobody calls");
+}
+
+TEST(PluginLibrary, HasFunctionsOnDualNumbersOfSmoothPluginsAlone) {
+  const PluginLibrary plain(test::good_plugins() / "plain_controller.so");
+  const PluginLibrary smooth(test::good_plugins() / "lane_task.so");
+  for (int i = 0; i < kIsaCount; ++i) {
+    const SkybodyKernels& none = plain.plugins().front()->kernels[SKYBODY_NUMBER_DUAL][i];
+    EXPECT_EQ(none.control, nullptr);
+    EXPECT_EQ(none.reset, nullptr);
+    const SkybodyKernels& some = smooth.plugins().front()->kernels[SKYBODY_NUMBER_DUAL][i];
+    EXPECT_NE(some.evaluate, nullptr);
+    EXPECT_NE(some.process, nullptr);
+    EXPECT_NE(some.reset, nullptr);
+    EXPECT_EQ(some.goal, nullptr);
+  }
+}
+
 TEST(PluginLibrary, RefusesIncompleteAndContradictoryDescriptors) {
   expect_refused(test::bad_plugins() / "no_kernels.so", LoadFailure::kBadDescription,
                  "plugin `no_kernels` has no control function for v3");

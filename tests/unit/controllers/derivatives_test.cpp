@@ -1,0 +1,58 @@
+// Derivatives of the shipped controllers in all that they read.
+#include "tests/unit/dual_harness.h"
+
+namespace skybody::testing {
+namespace {
+
+using Call = Instance::Call;
+using Inputs = std::set<std::string>;
+
+class ControllerDerivatives : public ::testing::Test {
+ protected:
+  ControllerDerivatives() { world.add_quad("quad"); }
+  void expect(const std::string& plugin, const Parameters& given, const Inputs& inputs,
+              Call call = Call::kControl) {
+    PluginWorld own = world;
+    expect_derivatives({plugin, own, given, call, {}}, inputs);
+  }
+  PluginWorld world;
+};
+
+TEST_F(ControllerDerivatives, OfRotorCommandsGoStraightThrough) {
+  expect("rotor_speed", {}, {"input"});
+  expect("srt", {}, {"input"});
+}
+
+TEST_F(ControllerDerivatives, OfThrustAndTorqueGoThroughAllocationAndLag) {
+  expect("ctbt", {}, {"input", "state"});
+  expect("ctbt", {{"apply", "body"}}, {"input", "params", "state"});
+  expect("ctbt", {{"apply", "body"}}, {"params", "rotor_speed"}, Call::kReset);
+}
+
+TEST_F(ControllerDerivatives, OfRatesGoThroughGainsAndFilteredDifferences) {
+  expect("ctbr", {}, {"bodies", "input", "params", "state"});
+  expect("ctbr", {{"apply", "body"}}, {"bodies", "input", "params", "state"});
+  expect("ctbr", {{"apply", "body"}, {"pd", false}}, {"bodies", "input", "params", "state"});
+  expect("ctbr", {}, {"bodies", "params", "rotor_speed", "state"}, Call::kReset);
+}
+
+TEST_F(ControllerDerivatives, OfAttitudeAndPositionGoThroughTheBodysMotion) {
+  expect("attitude", {}, {"bodies", "input", "params"});
+  expect("position", {}, {"bodies", "input", "params"});
+}
+
+TEST_F(ControllerDerivatives, OfBodyCommandsGoStraightThrough) {
+  expect("wrench", {}, {"input"});
+  expect("velocity", {}, {"input"});
+  expect("velocity", {{"form", "position"}}, {"input"});
+}
+
+TEST_F(ControllerDerivatives, OfJointCommandsGoStraightThrough) {
+  world.add_body(0, "arm", 0, 2, 0.1, {1e-4, 1e-4, 1e-4});
+  world.bodies.back().joint_name = "shoulder";
+  expect("joint", {{"joints", std::vector<std::string>{"shoulder"}}, {"effort_limit", 2.0}},
+         {"input"});
+}
+
+}  // namespace
+}  // namespace skybody::testing
