@@ -17,7 +17,7 @@ class BatchActions {
   static const std::vector<std::string>& names();
 
   /// @param name  one of names()   @param rows  the most that next() will be asked for
-  /// @throws Error if the hold policy cannot fly the environment
+  /// @throws Error if the hold policy cannot fly the scenario
   BatchActions(const std::string& name, const std::shared_ptr<const CompiledScenario>& compiled,
                int rows);
 

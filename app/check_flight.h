@@ -11,7 +11,7 @@ namespace skybody {
 /// Resets the environment and takes a few steps with idle and with random actions; warns of robots
 /// that begin inside something and of those that cannot carry their weight though they are to
 /// hover.
-/// @param environment  in checked mode
+/// @param compiled  in checked mode
 /// @throws MarkedError where a plugin touches values beyond those that it may
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics);

@@ -57,16 +57,20 @@ std::vector<LogColumn> command_columns(const CompiledScenario& compiled,
   const int signal = chain.signal;
   const RobotUse& robot = compiled.scenario().robots.at(static_cast<std::size_t>(chain.robot));
   std::vector<LogColumn> one = fixed_columns(signal);
-  if (signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_SRT) {
+  const bool is_of_rotors = signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_SRT;
+  if (is_of_rotors && chain.team < 0) {
     one = rotor_columns(robot.model, signal);
   }
+  const std::string& owner =
+      chain.team < 0 ? robot.name
+                     : compiled.scenario().teams[static_cast<std::size_t>(chain.team)].name;
   const auto count = static_cast<std::size_t>(chain.inputs);
   std::vector<LogColumn> columns;
   for (std::size_t k = 0; k < count; ++k) {
     LogColumn column = one.empty() ? LogColumn{signal_name(signal), ""} : one[k % one.size()];
     if (one.size() < count)
       column.name += "[" + std::to_string(one.empty() ? k : k / one.size()) + "]";
-    columns.push_back({robot.name + "." + column.name, column.unit});
+    columns.push_back({owner + "." + column.name, column.unit});
   }
   return columns;
 }

@@ -32,7 +32,7 @@ Figure = dict[str, Any]
 
 
 def best_rate(step: Callable[[], object], count: int, trials: int, seconds: float) -> float:
-    """CompiledScenario steps a second of the best trial; `step` takes `count` of them."""
+    """Environment steps a second of the best trial; `step` takes `count` of them."""
     best = 0.0
     for _ in range(trials + 1):
         rounds, start = 0, time.perf_counter()

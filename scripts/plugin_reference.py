@@ -56,7 +56,11 @@ SETUP = (
     ),
 )
 STEP = (
-    Part("What step methods read", f"{API}/env_view.h", ("EnvView", "BodyMotion", "ContactSum")),
+    Part(
+        "What step methods read",
+        f"{API}/env_view.h",
+        ("EnvView", "BodyMotion", "ContactSum", "JointReaction"),
+    ),
     Part("Views of values", f"{API}/values.h", ("ConstValues", "Values")),
     Part("Images", f"{API}/image.h", ("Image",)),
 )

@@ -16,7 +16,7 @@ BEGIN, END = "<!-- written by scripts/python_options.py -->\n", "<!-- end of opt
 TAKERS: dict[type, tuple[str, ...]] = {
     options.VectorOptions: ("make_vec",),
     options.PoolOptions: ("make_pool",),
-    options.VecEnvOptions: ("SkybodyVecEnv",),
+    options.PooledOptions: ("SkybodyVecEnv",),
     options.EnvOptions: ("SkybodyEnv", "ParallelEnv"),
     options.SimulationOptions: ("Simulation",),
     options.SimulationPoolOptions: ("SimulationPool",),

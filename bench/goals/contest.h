@@ -31,7 +31,7 @@ struct Contest {
   double settle = 0.0;  ///< physics time before the measurement [s], for what has to come to rest
 };
 
-/// CompiledScenario steps a second.
+/// Environment steps a second.
 struct Outcome {
   double ours = 0.0, limit = 0.0;
   std::string loop;  ///< the best

@@ -10,8 +10,7 @@ namespace {
 /// Sebastiano Vigna's splitmix64 (public domain): the next of a sequence that starts anywhere.
 class Draws {
  public:
-  Draws(std::uint64_t compiled, std::uint64_t episode)
-      : state_(compiled * 0x632be59bd9b4e019u + episode) {}
+  Draws(std::uint64_t env, std::uint64_t episode) : state_(env * 0x632be59bd9b4e019u + episode) {}
   double uniform(double low, double high) {
     std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -50,10 +49,10 @@ class Values {
 
 }  // namespace
 
-[[gnu::noinline]] void begin_hover(double* values, int stride, std::uint64_t compiled,
+[[gnu::noinline]] void begin_hover(double* values, int stride, std::uint64_t env,
                                    std::uint64_t episode) {
   const Values v(values, stride);
-  Draws draw(compiled, episode);
+  Draws draw(env, episode);
   v.place(draw, 0.3, draw.uniform(-0.72, 0.72), kMass);
   v[kTarget] = draw.uniform(-5.0, 5.0);
   v[kTarget + 1] = draw.uniform(-5.0, 5.0);
@@ -62,10 +61,10 @@ class Values {
   v[kHoverValues] = 0.0;
 }
 
-[[gnu::noinline]] void begin_payload(double* values, int stride, std::uint64_t compiled,
+[[gnu::noinline]] void begin_payload(double* values, int stride, std::uint64_t env,
                                      std::uint64_t episode) {
   const Values v(values, stride);
-  Draws draw(compiled, episode);
+  Draws draw(env, episode);
   v.place(draw, 1.5, 0.0, kMass + kRod.mass + kBob.mass);
   for (const int body : {kRodRotation, kBobRotation}) {
     v[body] = 1.0;
@@ -74,10 +73,10 @@ class Values {
   v[kCarrierValues] = 0.0;
 }
 
-[[gnu::noinline]] void begin_pin_rod(double* values, int stride, std::uint64_t compiled,
+[[gnu::noinline]] void begin_pin_rod(double* values, int stride, std::uint64_t env,
                                      std::uint64_t episode) {
   const Values v(values, stride);
-  Draws draw(compiled, episode);
+  Draws draw(env, episode);
   v.place(draw, 1.5, 0.0, kMass + kPinRod.mass);
   v[kPinAngle] = v[kPinRate] = 0.0;
   v[kSwingerValues] = 0.0;

@@ -25,7 +25,7 @@ template <class Task>
 class BlockStep {
  public:
   using Real = typename Task::Real;
-  static constexpr int W = EnvView<Real>::kCount;
+  static constexpr int W = LaneLoads<Real>::kCount;
   /// Values of an environment: the state, what the task keeps, steps of the episode.
   static constexpr int kStep = Task::kValues, kValues = kStep + 1;
   using Memory = Block<W, kValues>;
@@ -48,7 +48,7 @@ class BlockStep {
   }
 
  private:
-  using L = EnvView<Real>;
+  using L = LaneLoads<Real>;
   SKYBODY_INLINE Real get(int k) const { return L::load(block_.value[k]); }
   SKYBODY_INLINE void put(int k, const Real& x) { L::store(block_.value[k], x); }
 

@@ -13,7 +13,7 @@ enum HoverValue { kTarget = kFlyerValues, kTargetYaw = kTarget + 3, kHoverValues
 /// Begins the next episode of one environment: start and target drawn as scenarios/hover.yaml has
 /// them, rotors at hover speed. Not inlined: rare, and the same code for all widths.
 /// @param values  its first value; the others lie `stride` doubles apart
-void begin_hover(double* values, int stride, std::uint64_t compiled, std::uint64_t episode);
+void begin_hover(double* values, int stride, std::uint64_t env, std::uint64_t episode);
 
 template <class R>
 struct HoverTask {

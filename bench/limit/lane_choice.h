@@ -72,7 +72,7 @@ SKYBODY_INLINE std::uint32_t bits(const Mask<W>& mask) {
 
 /// Lanes of a Real in consecutive doubles.
 template <class Real>
-struct EnvView {
+struct LaneLoads {
   static constexpr int kCount = kLanesOf<Real>;
   static SKYBODY_INLINE Real load(const double* p) { return load_lanes<Real>(p); }
   static SKYBODY_INLINE void store(double* p, const Real& x) { store_lanes(p, x); }

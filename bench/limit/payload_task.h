@@ -17,7 +17,7 @@ enum CarrierValue {
 };
 
 /// Begins an episode as scenarios/payload.yaml does, rod and bob hanging, nominal constants.
-void begin_payload(double* values, int stride, std::uint64_t compiled, std::uint64_t episode);
+void begin_payload(double* values, int stride, std::uint64_t env, std::uint64_t episode);
 
 /// Position and velocity of a point below others.
 template <class Real>

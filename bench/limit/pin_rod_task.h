@@ -10,7 +10,7 @@ namespace skybody::bench::limit {
 enum SwingerValue { kPinAngle = kFlyerValues, kPinRate, kSwingerValues };
 
 /// Begins an episode as bench/scenarios/pin_rod.yaml does.
-void begin_pin_rod(double* values, int stride, std::uint64_t compiled, std::uint64_t episode);
+void begin_pin_rod(double* values, int stride, std::uint64_t env, std::uint64_t episode);
 
 template <class R>
 struct PinRodTask {

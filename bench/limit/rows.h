@@ -87,7 +87,7 @@ template <class R>
 SKYBODY_INLINE void read_columns(const float* rows, Twin<R> (&column)[4]) {
   R a[4], b[4];
   read_columns(rows, a);
-  read_columns(rows + 4 * EnvView<R>::kCount, b);
+  read_columns(rows + 4 * LaneLoads<R>::kCount, b);
   for (int i = 0; i < 4; ++i) column[i] = {a[i], b[i]};
 }
 
@@ -132,7 +132,7 @@ SKYBODY_INLINE void write_values(const Twin<R> (&values)[N], float* rows, int st
     b[k] = values[k].b;
   }
   write_values(a, rows, stride);
-  write_values(b, rows + EnvView<R>::kCount * stride, stride);
+  write_values(b, rows + LaneLoads<R>::kCount * stride, stride);
 }
 
 /// One float per lane, side by side.
@@ -146,7 +146,7 @@ SKYBODY_INLINE void write_floats(const Pack<W>& x, float* to) {
 template <class R>
 SKYBODY_INLINE void write_floats(const Twin<R>& x, float* to) {
   write_floats(x.a, to);
-  write_floats(x.b, to + EnvView<R>::kCount);
+  write_floats(x.b, to + LaneLoads<R>::kCount);
 }
 
 }  // namespace skybody::bench::limit

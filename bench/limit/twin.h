@@ -85,14 +85,14 @@ SKYBODY_INLINE std::uint32_t bits(const TwinMask<R>& mask) {
 }
 
 template <class R>
-struct EnvView<Twin<R>> {
-  static constexpr int kCount = 2 * EnvView<R>::kCount;
+struct LaneLoads<Twin<R>> {
+  static constexpr int kCount = 2 * LaneLoads<R>::kCount;
   static SKYBODY_INLINE Twin<R> load(const double* p) {
-    return {EnvView<R>::load(p), EnvView<R>::load(p + EnvView<R>::kCount)};
+    return {LaneLoads<R>::load(p), LaneLoads<R>::load(p + LaneLoads<R>::kCount)};
   }
   static SKYBODY_INLINE void store(double* p, const Twin<R>& x) {
-    EnvView<R>::store(p, x.a);
-    EnvView<R>::store(p + EnvView<R>::kCount, x.b);
+    LaneLoads<R>::store(p, x.a);
+    LaneLoads<R>::store(p + LaneLoads<R>::kCount, x.b);
   }
 };
 

@@ -83,7 +83,7 @@ class Fleet {
   StepCounts step_counts() const;
   /// Resets so far.
   std::uint64_t episode(int env) const { return state(env).bits(kEpisode)[lane_of(env)]; }
-  /// All words of an environment's state words, in the order of the layout.
+  /// All state words of an environment, in the order of the layout.
   std::vector<std::uint64_t> words(int env) const;
 
  private:

@@ -37,6 +37,18 @@ int partner_of(const ContactPair& pair) {
   return pair.partner == SKYBODY_OBSTACLE ? kFirstObstacle - pair.other : pair.other;
 }
 
+/// Whether the dynamics does not give up. A lane where it does keeps what was felt before: its next
+/// step is a fault.
+template <class Find>
+bool comes_through(const Find& find) {
+  try {
+    find();
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
 void clear(double* values, int count, int lanes) {
   for (int k = 0; k < count; ++k) values[k * lanes] = 0.0;
 }
@@ -66,7 +78,7 @@ void CompiledScenario::sense_contacts(StateGroup& group, GroupWork& work,
                                       std::uint32_t mask) const {
   if ((!needs_contacts_ && contact_pairs_.empty()) || mask == 0) return;
   each_lane(mask, [&](int lane) {
-    find_contacts(group, work, lane);
+    if (!comes_through([&] { find_contacts(group, work, lane); })) return;
     add_up_bodies(group, work.contacts, lane);
     add_up_pairs(group, work.contacts, lane);
   });
@@ -104,17 +116,15 @@ void CompiledScenario::add_up_pairs(StateGroup& group, const std::vector<Contact
   }
 }
 
-/// A lane whose dynamics gives up keeps what it had: its next step is a fault.
 void CompiledScenario::sense_joint_reactions(StateGroup& group, GroupWork& work,
                                              std::uint32_t mask) const {
   if (joint_reactions_.empty()) return;
   const int lanes = group.lanes();
   each_lane(mask, [&](int lane) {
-    try {
+    const auto find = [&] {
       group.joint_reactions(lane, work.physics, work.joint_reactions.data());
-    } catch (const std::runtime_error&) {
-      return;
-    }
+    };
+    if (!comes_through(find)) return;
     double* to = group.writable(layout().joint_reactions, 1u << lane) + lane;
     for (const int body : joint_reactions_) {
       const SpatialForce<double>& f = work.joint_reactions[static_cast<std::size_t>(body)];

@@ -67,7 +67,9 @@ void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
     group.writable(kStatus)[lane] = kRunning;
     place_at_start(group, lane);
     group.images().clear(lane);
-    for (const Block& block : {l.wrench, l.action, l.command, l.sensors, l.last_observation}) {
+    for (const Block& block :
+         {l.wrench, l.bodies_before, l.action, l.command, l.sensors, l.contacts, l.contact_pairs,
+          l.joint_reactions, l.last_observation}) {
       double* values = group.writable(block, mask);
       for (int k = 0; k < block.size; ++k) values[k * group.lanes() + lane] = 0.0;
     }

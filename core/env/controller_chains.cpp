@@ -40,11 +40,11 @@ class ChainMaker {
   /// @param uses         of its controllers
   /// @param controllers  the first of them
   /// @param first        its place within all
-  ChainMaker(Chains& all, bool is_team, const std::vector<PluginUse>& uses,
+  ChainMaker(Chains& all, int team, const std::vector<PluginUse>& uses,
              const PluginInstance* controllers, int first)
       : all_(all),
         plan_(all.plan),
-        is_team_(is_team),
+        team_(team),
         uses_(uses),
         controllers_(controllers),
         first_(first) {}
@@ -74,8 +74,10 @@ class ChainMaker {
   }
 
   /// The chain of the robot itself that takes a team's output, or null.
-  ControllerChain* fed_by(const PluginOutput& output) const {
-    if (!is_team_) return nullptr;
+  ControllerChain* fed_by(const PluginInstance& c, const PluginOutput& output) const {
+    const bool has_ends = (output.signal == SKYBODY_WRENCH && !c.sites.empty()) ||
+                          (output.signal == SKYBODY_JOINT && !c.joints.empty());
+    if (team_ < 0 || has_ends) return nullptr;
     for (ControllerChain& chain : all_.of_robots) {
       if (chain.robot == output.robot && chain.signal == output.signal &&
           chain.inputs == output.count && !chain.is_fed) {
@@ -90,9 +92,9 @@ class ChainMaker {
     const PluginInstance &c = at(i), &after = at(i + 1);
     const PluginOutput& given = c.outputs[0];
     if (!c.sites.empty() || !c.joints.empty()) return true;
-    if (is_team_ && c.outputs.size() > 1) return true;
+    if (team_ >= 0 && c.outputs.size() > 1) return true;
     const bool is_taken = after.input_signal == given.signal && after.input_count() == given.count;
-    return !is_taken && (actuates(given.signal) || fed_by(given) != nullptr);
+    return !is_taken && (actuates(given.signal) || fed_by(c, given) != nullptr);
   }
 
   /// Controller i gives what the next one takes.
@@ -113,25 +115,34 @@ class ChainMaker {
   void check_last(int i) const {
     const PluginInstance& c = at(i);
     for (const PluginOutput& output : c.outputs) {
-      if (fed_by(output) != nullptr) continue;
+      if (fed_by(c, output) != nullptr) continue;
       if (!actuates(output.signal)) {
         refuse(i, "the last controller, `" + c.name + "`, gives " +
                       with_size(output.signal, output.count) +
                       "; it must give rotor_speed, wrench, joint, velocity or pose: add a "
                       "controller behind it that takes " +
                       signal_name(output.signal) +
-                      (is_team_ ? ", to the team or to robot `" + robot(output).name + "`" : ""));
+                      (team_ >= 0 ? ", to the team or to robot `" + robot(output).name + "`" : ""));
       }
       check_actuator(i, output);
     }
-    if (!c.sites.empty() && !c.gives(SKYBODY_WRENCH)) {
-      refuse(i, "controller `" + c.name + "` declares wrench sites, but gives " +
-                    signal_name(c.outputs[0].signal) + " and no wrench");
+    check_used(i, c.sites, SKYBODY_WRENCH, "wrench sites");
+    check_used(i, c.joints, SKYBODY_JOINT, "joint drives");
+  }
+
+  /// Each site has its wrench, each drive its command: of an output to the robot that it is on.
+  template <class T>
+  void check_used(int i, const std::vector<T>& all, int signal, const char* what) const {
+    const PluginInstance& c = at(i);
+    std::size_t used = 0;
+    for (const PluginOutput& output : c.outputs) {
+      if (output.signal == signal) used += of_robot(all, output).size();
     }
-    if (!c.joints.empty() && !c.gives(SKYBODY_JOINT)) {
-      refuse(i, "controller `" + c.name + "` declares joint drives, but gives " +
-                    signal_name(c.outputs[0].signal) + " and no joint");
-    }
+    if (used == all.size()) return;
+    const std::string word = signal_name(signal);
+    refuse(i, "controller `" + c.name + "` declares " + what + ", but gives " +
+                  (c.gives(signal) ? "no " + word + " to the robot that has them"
+                                   : signal_name(c.outputs[0].signal) + (" and no " + word)));
   }
 
   void check_actuator(int i, const PluginOutput& output) const {
@@ -147,14 +158,26 @@ class ChainMaker {
     }
   }
 
+  /// Those of the sites or drives that are on the output's robot.
+  template <class T>
+  std::vector<T> of_robot(const std::vector<T>& all, const PluginOutput& output) const {
+    const RobotLayout& bodies = layout(output);
+    std::vector<T> own;
+    for (const T& one : all) {
+      const int place = one.body - bodies.first_body;
+      if (place >= 0 && place < bodies.body_count) own.push_back(one);
+    }
+    return own;
+  }
+
   int actuator_size(const PluginInstance& c, const PluginOutput& output) const {
     switch (output.signal) {
       case SKYBODY_ROTOR_SPEED:
         return layout(output).rotor_count;
       case SKYBODY_WRENCH:
-        return 6 * static_cast<int>(c.sites.size());
+        return 6 * static_cast<int>(of_robot(c.sites, output).size());
       case SKYBODY_JOINT:
-        return static_cast<int>(c.joints.size());
+        return static_cast<int>(of_robot(c.joints, output).size());
       case SKYBODY_VELOCITY:
         return 6;
       default:
@@ -166,6 +189,7 @@ class ChainMaker {
     const PluginInstance& first = at(begin);
     ControllerChain chain;
     chain.robot = first.team.front();
+    chain.team = team_;
     chain.first = first_ + begin;
     chain.count = end + 1 - begin;
     chain.signal = first.input_signal;
@@ -192,7 +216,7 @@ class ChainMaker {
 
   ChainEnd make_end(int i, const PluginInstance& c, const PluginOutput& output) {
     ChainEnd end{output.robot, output.signal, output.count, nullptr, 0};
-    if (ControllerChain* chain = fed_by(output)) {
+    if (ControllerChain* chain = fed_by(c, output)) {
       chain->is_fed = true;
       end.block = &Layout::command;
       end.first = chain->first;  // which chain: place_commands() knows its place
@@ -207,7 +231,7 @@ class ChainMaker {
       case SKYBODY_WRENCH:
         end.block = &Layout::wrench;
         end.first = 6 * static_cast<int>(plan_.sites.size());
-        plan_.sites.insert(plan_.sites.end(), c.sites.begin(), c.sites.end());
+        for (const WrenchSite& site : of_robot(c.sites, output)) plan_.sites.push_back(site);
         break;
       case SKYBODY_JOINT:
         add_joints(i, c, output, end);
@@ -219,30 +243,22 @@ class ChainMaker {
   }
 
   void add_joints(int i, const PluginInstance& c, const PluginOutput& output, ChainEnd& end) {
-    for (std::size_t k = 0; k < c.joints.size(); ++k) check_joint(i, c, output, k);
     end.block = &Layout::joint_command;
     end.first = static_cast<int>(plan_.joint_drives.size());
-    plan_.joint_drives.insert(plan_.joint_drives.end(), c.joints.begin(), c.joints.end());
+    for (const JointDrive& drive : of_robot(c.joints, output)) {
+      check_joint(i, c, output, drive);
+      plan_.joint_drives.push_back(drive);
+    }
   }
 
-  /// @param k  its place among the controller's
   void check_joint(int i, const PluginInstance& c, const PluginOutput& output,
-                   std::size_t k) const {
-    const JointDrive& drive = c.joints[k];
+                   const JointDrive& drive) const {
     const int place = drive.body - layout(output).first_body;
-    const std::vector<Body>& bodies = robot(output).model.bodies;
-    if (place < 0 || place >= static_cast<int>(bodies.size())) {
-      refuse(i, "controller `" + c.name +
-                    "` drives joints of several robots; a team's controller "
-                    "gives joint to one");
-    }
-    const Joint& joint = bodies[static_cast<std::size_t>(place)].joint;
+    const Joint& joint = robot(output).model.bodies[static_cast<std::size_t>(place)].joint;
     const auto is_same = [&](const JointDrive& other) {
       return other.body == drive.body && other.coordinate == drive.coordinate;
     };
-    const auto own_end = c.joints.begin() + static_cast<std::ptrdiff_t>(k);
-    if (std::any_of(c.joints.begin(), own_end, is_same) ||
-        std::any_of(plan_.joint_drives.begin(), plan_.joint_drives.end(), is_same)) {
+    if (std::any_of(plan_.joint_drives.begin(), plan_.joint_drives.end(), is_same)) {
       refuse(i, "controller `" + c.name + "` drives joint `" + joint.name +
                     "`, which is driven already; a joint has one drive");
     }
@@ -265,7 +281,7 @@ class ChainMaker {
 
   Chains& all_;
   WorldPlan& plan_;
-  bool is_team_;
+  int team_;  ///< -1: of a robot
   const std::vector<PluginUse>& uses_;
   const PluginInstance* controllers_;
   int first_;
@@ -306,14 +322,15 @@ std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
                                                  WorldPlan& plan) {
   Chains all{scenario, plan, std::vector<Claims>(scenario.robots.size())};
   const PluginInstance* next = controllers.data();
-  const auto connect = [&](const std::vector<PluginUse>& uses, bool is_team,
+  const auto connect = [&](const std::vector<PluginUse>& uses, int team,
                            std::vector<ControllerChain>& chains) {
     const auto first = static_cast<int>(next - controllers.data());
-    ChainMaker(all, is_team, uses, next, first).add_to(chains);
+    ChainMaker(all, team, uses, next, first).add_to(chains);
     next += uses.size();
   };
-  for (const RobotUse& robot : scenario.robots) connect(robot.controllers, false, all.of_robots);
-  for (const TeamUse& team : scenario.teams) connect(team.controllers, true, all.of_teams);
+  for (const RobotUse& robot : scenario.robots) connect(robot.controllers, -1, all.of_robots);
+  int number = 0;
+  for (const TeamUse& team : scenario.teams) connect(team.controllers, number++, all.of_teams);
   return place_commands(all);
 }
 

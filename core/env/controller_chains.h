@@ -26,6 +26,7 @@ struct ControllerChain {
   int signal = 0;            ///< SkybodySignal that the first one takes
   int command = 0;           ///< first word within the command block
   int inputs = 0;            ///< number of these
+  int team = -1;             ///< of a team: its index
   bool is_fed = false;       ///< a team's chain gives its command, and no action
   std::vector<ChainEnd> ends;
 };

@@ -1,4 +1,4 @@
-// Scratch of one thread while it steps groups of an environment.
+// Scratch of one thread while it steps groups of a compiled scenario.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace skybody {
 
 /// Made by CompiledScenario::make_work for groups of one size. Nothing in it survives a call: any
-/// group may be stepped with any work of its environment.
+/// group may be stepped with any work of its compiled scenario.
 class GroupWork {
  public:
   /// Before the task speaks: what it leaves out is 0.

@@ -12,7 +12,7 @@
 namespace skybody {
 
 /// One run of words per environment. Sensors write bytes into it, and a sensor that is not due
-/// leaves its images as they are. Saving, restoring and hashing take words, as of state words.
+/// leaves its images as they are. Saving, restoring and hashing take words, as they do state words.
 class ImageMemory {
  public:
   /// @param words  of each environment; 0: there are no images

@@ -112,7 +112,7 @@ struct PluginInstance {
   int state = 0, state_words = 0;
   int buffer = 0, buffer_words = 0;
   int output = 0;  ///< sensors: first word of the output
-  /// Words of state words: what it gave last, of a controller that others follow and that is not
+  /// State words: what it gave last, of a controller that others follow and that is not
   /// called in every physics step; and, per held input, what this effect adds.
   Block last_output;
   std::array<Block, SKYBODY_HELD_COUNT> held;

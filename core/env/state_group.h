@@ -1,4 +1,4 @@
-// state words of one lane group: L environments side by side, every value a 64-bit word; and what
+// State words of one lane group: L environments side by side, every value a 64-bit word; and what
 // follows from it.
 #pragma once
 

@@ -17,7 +17,7 @@ class CompiledScenario;
 
 /// What a state value is read from.
 enum class StateSource {
-  kReals,   ///< doubles of state words, one after the other
+  kReals,   ///< state words as doubles, one after the other
   kHeader,  ///< a counter or status of the header, as a double
   kTime,    ///< physics steps of the episode times dt
   kBodies,  ///< a part of the BodyState of one body, or of several one after another
@@ -34,7 +34,7 @@ struct StateValue {
   const char* doc = "";    ///< one line
 
   StateSource source = StateSource::kReals;
-  int first = 0;  ///< kReals, kHeader: word of state words; kBodies, kLink: world body index
+  int first = 0;  ///< kReals, kHeader: state word; kBodies, kLink: world body index
   int part = 0;   ///< kBodies, kLink: first of the 13 values of a BodyState
   Pose pose;      ///< kLink: of the link in its body
 

@@ -188,23 +188,29 @@ class ScenarioReader {
 
   void read_teams(const MapReader& scenario) {
     std::unordered_set<std::string> names;
+    std::vector<std::string> robots;
+    for (const RobotUse& robot : scenario_.robots) robots.push_back(robot.name);
     for (const ConfigNode& item : list_of(scenario, "teams", true, kMostTeams)) {
       check_unique(item, "team", names);
       const MapReader reader(&item, team_fields(), item.mark, diagnostics_);
       TeamUse team;
       team.name = reader.text("name");
       team.controllers = uses(reader, "controllers", SKYBODY_CONTROLLER);
-      team.robots = robots_of(reader);
+      team.robots = robots_of(reader, robots);
       scenario_.teams.push_back(std::move(team));
     }
   }
 
-  /// Indices of a team's robots.
-  std::vector<int> robots_of(const MapReader& team) {
-    std::vector<std::string> known;
-    for (const RobotUse& robot : scenario_.robots) known.push_back(robot.name);
+  /// Indices of a team's robots. @param known  names of all
+  std::vector<int> robots_of(const MapReader& team, const std::vector<std::string>& known) {
     std::vector<int> robots;
-    for (const std::string& name : team.texts("robots")) {
+    const std::vector<std::string> names = team.texts("robots");
+    if (names.size() > kMostRobots) {
+      diagnostics_.error(team.mark("robots"),
+                         too_many_entries("robots", names.size(), kMostRobots));
+      return robots;
+    }
+    for (const std::string& name : names) {
       const auto found = std::find(known.begin(), known.end(), name);
       const auto place = static_cast<int>(found - known.begin());
       if (found == known.end()) {
@@ -266,6 +272,7 @@ class ScenarioReader {
     for (const RobotUse& robot : scenario_.robots) add(robot.controllers, chain);
     for (const TeamUse& team : scenario_.teams) add(team.controllers, chain);
     add(scenario_.sensors, chain);
+    add(scenario_.effects, chain);
     add(scenario_.randomization, chain);
     add({scenario_.task}, chain);
     return chain.value();

@@ -14,7 +14,7 @@
 
 namespace skybody {
 
-/// A run of consecutive words of state words.
+/// Consecutive state words.
 struct Block {
   int offset = 0;  ///< first word
   int size = 0;    ///< number of words

@@ -100,6 +100,11 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
     const int r = chain.robot;
     const PluginInstance& first =
         compiled.plugins(SKYBODY_CONTROLLER)[static_cast<std::size_t>(chain.first)];
+    if (chain.team >= 0) {
+      throw Error("the hold baseline cannot fly team `" +
+                  world.scenario.teams[static_cast<std::size_t>(chain.team)].name +
+                  "`: it knows commands of single robots; use --policy zero or random");
+    }
     Robot robot;
     robot.index = r;
     robot.base = compiled.layout().robots[static_cast<std::size_t>(r)].first_body;

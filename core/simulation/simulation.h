@@ -33,7 +33,7 @@ struct Accelerations {
   std::vector<BodyAcceleration> bodies;  ///< of all body frames, in the world's numbering
 };
 
-/// The whole state words of one environment. Only for environments of the same scenario.
+/// All state words of one environment. Only for environments of the same scenario.
 struct Snapshot {
   std::uint64_t scenario_hash = 0;
   std::vector<std::uint64_t> words;
@@ -70,9 +70,9 @@ class Simulation {
   /// @throws Error if the size is not action_size(), or if no reset() came before
   void step(std::span<const float> action);
 
-  /// Sets the input of a robot's first controller, in its signal's units (docs/control-modes.md).
-  /// It is held until the next command(), step() or reset(); a reset leaves zeros. Controllers hold
-  /// it to what the robot can do.
+  /// Sets the command of a robot's chains of controllers, in their signals' units
+  /// (docs/control-modes.md). It is held until the next command(), step() or reset(); a reset
+  /// leaves zeros. Controllers hold it to what the robot can do.
   /// @param robot  "" is the only one; likewise below
   /// @throws Error before reset(), on an unknown robot or one without controllers, on another
   ///         number of values, or if one is not finite
@@ -133,10 +133,10 @@ class Simulation {
   const std::vector<BodyState>& bodies() const;  ///< all, in the world's numbering
   std::vector<double> rotor_speeds() const;      ///< [rad/s], the world's numbering
   std::vector<double> rotor_commands() const;    ///< [rad/s], held during the last physics step
-  std::vector<double> commands() const;          ///< of each robot's first controller
+  std::vector<double> commands() const;          ///< of all chains of controllers
   std::vector<double> actions() const;           ///< last action, clipped
   std::vector<double> sensors() const;           ///< outputs of all sensors
-  std::vector<double> params() const;            ///< EnvParams; names in environment().layout()
+  std::vector<double> params() const;            ///< EnvParams; names in compiled().layout()
   /// Accelerations now: with the rotors' present speeds, and rotor commands and wrenches as the
   /// last physics step held them. Driven bases have none.
   /// @throws Error if the dynamics gives up

@@ -67,8 +67,10 @@ int Simulation::command_size(const std::string& robot) const {
   const auto r = static_cast<std::size_t>(robot_index(robot));
   const int size = compiled_->commands_of(static_cast<int>(r)).size;
   if (size == 0) {
-    throw Error("robot `" + scenario().robots[r].name +
-                "` takes no commands: give it `controllers` in the scenario");
+    const bool is_fed = !scenario().robots[r].controllers.empty();
+    throw Error("robot `" + scenario().robots[r].name + "` takes no commands: " +
+                (is_fed ? "a team's controllers command it; command the team's first robot"
+                        : "give it `controllers` in the scenario"));
   }
   return size;
 }

@@ -35,9 +35,9 @@ extern "C" {
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
 #define SKYBODY_ABI_VERSION 3u
-#define SKYBODY_GROUP_LANES 32u  /* lanes of a full group; the only other number of lanes is 1 */
-#define SKYBODY_CONTACT_VALUES 7 /* per body in SkybodyLanes::contacts */
-#define SKYBODY_REACTION_VALUES 6
+#define SKYBODY_GROUP_LANES 32u   /* lanes of a full group; the only other number of lanes is 1 */
+#define SKYBODY_CONTACT_VALUES 7  /* per body in SkybodyLanes::contacts */
+#define SKYBODY_REACTION_VALUES 6 /* per joint in SkybodyLanes::joint_reactions */
 #define SKYBODY_LONGEST_LEFT_OUT 1024 /* physics steps, see SkybodyDeclare::only_when_read */
 #define SKYBODY_LIBRARY_SYMBOL "skybody_plugin_library"
 

@@ -95,7 +95,7 @@ class Setup {
   View<ShapeInfo> shapes() const { return {raw_.shapes, raw_.shape_count}; }
 
   /// Controllers: the robots that this one serves, by index: its own, or those of its team, in the
-  /// order of the scenario's `robots`. Empty for others.
+  /// order in which the team lists them. Empty for others.
   View<std::int32_t> team() const { return {raw_.team, raw_.team_size}; }
   /// Controllers: index of the one robot that this one serves.
   /// @throws std::runtime_error if that is a team of several; std::logic_error for other kinds
@@ -126,9 +126,8 @@ class Setup {
   void input(Signal signal, const std::vector<double>& low, const std::vector<double>& high) const;
   /// Controllers: what control() writes, `count` values. The last one of a chain may give several
   /// signals to actuators: their values follow one another in the order of these calls.
-  /// @param robot  which of team() it is for; -1: the first. Another controller of the team takes
-  /// it,
-  ///               or the robot's own chain that takes this signal, or the robot's actuators
+  /// @param robot  which of team() it is for; -1: the first. What takes it: another controller of
+  ///               the team, that robot's own chain, or its actuators
   void output(Signal signal, int count, int robot = -1) const;
   /// Controllers with output Signal::kWrench: where values 6 i to 6 i + 5 act, for site i = 0, 1,
   /// ...

@@ -106,7 +106,7 @@ inline std::vector<int> Setup::find_params(const std::string& path) const {
     const SkybodyEnvParamInfo& param = raw_.params[i];
     for (const std::string& pattern : patterns) {
       if (plugin_detail::matches(pattern, param.path) ||
-          plugin_detail::matches(pattern, param.alias)) {
+          (*param.alias != '\0' && plugin_detail::matches(pattern, param.alias))) {
         found.push_back(i);
         break;
       }

@@ -184,7 +184,7 @@ void bind_identity(nb::class_<LoadedScenario>& c) {
   c.def_prop_ro(
       "scenario_hash", [](const E& e) { return e->scenario().hash; },
       "64-bit hash over the merged scenario, model files and plugin parameters: equal "
-      "hashes, equal worlds.");
+      "hashes, equal scenarios.");
   c.def_prop_ro(
       "scenario_text", [](const E& e) { return e->scenario().text; },
       "The scenario as YAML, fully merged: includes and overrides applied, defaults "

@@ -144,7 +144,8 @@ void bind_commands(Class& c) {
       "command", &command, nb::arg("values").none(), nb::arg("robot") = "",
       nb::sig("def command(self, values: numpy.typing.NDArray[numpy.float64], robot: str = "
               "\"\") -> None"),
-      "Sets the input of a robot's first controller, in its signal's units. It is held until the\n"
+      "Sets the command of a robot's chains of controllers, in their signals' units. It is held "
+      "until the\n"
       "next command, step or reset; a reset leaves zeros.\n\n"
       "values: (command_size,) float64; controllers hold it to what the robot can do\n"
       "robot: may be left out where there is one\n\n"

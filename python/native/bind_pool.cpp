@@ -144,8 +144,7 @@ std::uint64_t hash(PythonPool& pool, std::optional<int> env) {
 nb::object refuse_pickling(const PythonPool&) {
   throw nb::type_error(
       "a Pool cannot be pickled or copied: it has threads. Make one anew in the other process, "
-      "from the "
-      "scenario and the seed; save() gives the state as bytes for restore() there");
+      "from the scenario and the seed; save() gives the state as bytes for restore() there");
 }
 
 using Class = nb::class_<PythonPool>;
@@ -178,7 +177,7 @@ void bind_flow(Class& c) {
       "would be reused is still referred to; Error with whatever a worker met.");
   c.def("step", &step, nb::arg("actions").none(),
         nb::sig("def step(self, actions: numpy.typing.NDArray[numpy.float32]) -> Batch"),
-        "send(actions) and recv() in one call.\n\n"
+        "send(actions) and recv() in one call, for pools whose batch has all environments.\n\n"
         "Raises Error where a step before was interrupted and its transitions are under way;\n"
         "otherwise as send() and recv().");
   c.def("refuse_interrupted", &PythonPool::refuse_interrupted,

@@ -183,7 +183,7 @@ void bind_motion(Class& c) {
   c.def_prop_ro(
       "commands", [](S& s) { return s.look([](Simulation& sim) { return row(sim.commands()); }); },
       nb::sig("def commands(self) -> numpy.typing.NDArray[numpy.float64]"),
-      "float64, a copy: input of each robot's first controller, in its signal's units.");
+      "float64, a copy: commands of all chains of controllers, in their signals' units.");
   c.def_prop_ro(
       "sensors", [](S& s) { return s.look([](Simulation& sim) { return row(sim.sensors()); }); },
       nb::sig("def sensors(self) -> numpy.typing.NDArray[numpy.float64]"),

@@ -139,14 +139,15 @@ void bind_flow(Class& c) {
          kEnvsText +
          "Raises TypeError on another dtype, ValueError on another shape, Error before reset().")
             .c_str());
-  c.def("command", &command, nb::arg("values").none(), nb::arg("robot") = "",
-        nb::arg("envs") = nb::none(),
-        nb::sig("def command(self, values: numpy.typing.NDArray[numpy.float64], robot: str = "
-                "\"\", envs: numpy.typing.NDArray[numpy.int32] | None = None) -> None"),
-        (std::string("Sets the input of a robot's first controller, as Simulation.command.\n\n"
-                     "values: (n, command_size) float64, in the signal's units\n") +
-         kEnvsText + "Raises ValueError likewise, and before reset().")
-            .c_str());
+  c.def(
+      "command", &command, nb::arg("values").none(), nb::arg("robot") = "",
+      nb::arg("envs") = nb::none(),
+      nb::sig("def command(self, values: numpy.typing.NDArray[numpy.float64], robot: str = "
+              "\"\", envs: numpy.typing.NDArray[numpy.int32] | None = None) -> None"),
+      (std::string("Sets the command of a robot's chains of controllers, as Simulation.command.\n\n"
+                   "values: (n, command_size) float64, in the signal's units\n") +
+       kEnvsText + "Raises ValueError likewise, and before reset().")
+          .c_str());
   c.def("advance", &advance, nb::arg("physics_steps") = 1, nb::arg("envs") = nb::none(),
         nb::sig("def advance(self, physics_steps: int = 1, envs: "
                 "numpy.typing.NDArray[numpy.int32] | None = None) -> None"),

@@ -116,8 +116,8 @@ class TaskOptions(ThreadedOptions, total=False):
     autoreset: AutoresetOption
 
 
-class VecEnvOptions(ThreadedOptions, total=False):
-    """Options of Stable-Baselines3's `SkybodyVecEnv`."""
+class PooledOptions(ThreadedOptions, total=False):
+    """Options of all that steps a native pool: `SkybodyVecEnv` takes just these."""
 
     dict_observations: DictObservations
     keep_hash: Annotated[
@@ -125,7 +125,7 @@ class VecEnvOptions(ThreadedOptions, total=False):
     ]
 
 
-class BatchOptions(VecEnvOptions, total=False):
+class BatchOptions(PooledOptions, total=False):
     """Options that `Pool` and `SkybodyVectorEnv` have in common."""
 
     order: Annotated[

@@ -12,7 +12,7 @@ from . import _native
 from ._native import CompiledScenario
 from .arguments import MOST_ENVS, MOST_THREADS, check_seed, env_ids, integer_within
 from .observations import Observations
-from .options import VecEnvOptions
+from .options import PooledOptions
 
 
 def drain(pool: _native.Pool) -> None:
@@ -22,7 +22,7 @@ def drain(pool: _native.Pool) -> None:
 
 
 def make_native(
-    compiled: CompiledScenario, num_envs: int, options: VecEnvOptions, **more: Any
+    compiled: CompiledScenario, num_envs: int, options: PooledOptions, **more: Any
 ) -> _native.Pool:
     """The C++ pool of a scenario. Raises TypeError and ValueError for what it cannot be."""
     return _native.Pool(

@@ -12,7 +12,7 @@ from .arguments import Scenario, check_seed, load
 from .extras import missing_package
 from .infos import InfoChannels, KeptRows
 from .observations import Observations, copy_of, row_of
-from .options import VecEnvOptions, takes
+from .options import PooledOptions, takes
 from .pooled import PooledEnvironments, drain, make_native
 
 try:
@@ -25,7 +25,7 @@ except ModuleNotFoundError as error:
 _PER_ENV_METHODS = ("param", "set_param")
 
 
-@takes(VecEnvOptions)
+@takes(PooledOptions)
 class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     """`num_envs` environments of one scenario for Stable-Baselines3.
 
@@ -56,7 +56,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
         self,
         scenario: Scenario,
         num_envs: int,
-        **options: Unpack[VecEnvOptions],
+        **options: Unpack[PooledOptions],
     ) -> None:
         self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         self.native = make_native(

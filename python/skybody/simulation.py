@@ -267,7 +267,7 @@ class SimulationPool(_native.SimulationPool):
         super().step(np.asarray(actions, np.float32), self._ids(envs))
 
     def command(self, values: ArrayLike, robot: str = "", envs: ArrayLike | None = None) -> None:
-        """Sets the input of a robot's first controller in some environments, held until the next.
+        """Sets the command of a robot's chains in some environments, held until the next.
 
         Args:
             values: (n, command_size), or (command_size,) for all of them alike, in the units of the

@@ -161,6 +161,23 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
   while (envs.in_flight() > 0) envs.recv();
 }
 
+/// On the ground, and on a joint: what plugins ask for is found without memory, once it was found.
+TEST(Allocation, DoesNotHappenWherePluginsAskWhatBodiesFeel) {
+  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/payload.yaml",
+                         .overrides = {"sensors=[{plugin: feeling_sensor}]",
+                                       "robots.quad.pose.position=[0, 0, 0.3]"},
+                         .plugin_path = {SKYBODY_BINARY_DIR "/tests/plugins/good"}});
+  const std::vector<float> idle(static_cast<std::size_t>(simulation.action_size()), -1.0f);
+  simulation.reset();
+  for (int i = 0; i < 200; ++i) simulation.step(idle);  // caches fill
+  ASSERT_FALSE(simulation.contacts().empty());
+  all_counted = 0;
+  counting = true;
+  for (int i = 0; i < 20; ++i) simulation.step(idle);
+  counting = false;
+  EXPECT_EQ(all_counted.load(), 0);
+}
+
 TEST(Allocation, DoesNotHappenWhileTheStateIsRead) {
   const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
   Pool envs(compiled, {.envs = kEnvs, .threads = 2});

@@ -110,7 +110,7 @@ TEST(Plugins, ListsWhatIsShipped) {
   const Outcome outcome = run_skybody({"plugins"});
   EXPECT_EQ(outcome.exit_code, 0);
   for (const char* line :
-       {"ctbr +controller", "imu +sensor", "inertia +randomizer", "hover +task"}) {
+       {"ctbr +controller", "imu +sensor", "vehicle_constants +randomizer", "hover +task"}) {
     EXPECT_THAT(outcome.out, ContainsRegex(line));
   }
   EXPECT_THAT(run_skybody({"plugins", "--verbose"}).out, HasSubstr("parameter"));

@@ -30,8 +30,8 @@ def test_the_interpreter_exits_quietly_with_live_pools(
 ) -> None:
     result = python("""
         from skybody._native import CompiledScenario, Pool
-        environment = CompiledScenario("hover")
-        idle, busy, halfway = (Pool(environment, 8, num_threads=2) for _ in range(3))
+        compiled = CompiledScenario("hover")
+        idle, busy, halfway = (Pool(compiled, 8, num_threads=2) for _ in range(3))
         busy.send_reset()
         halfway.send_reset()
         batch = halfway.recv()

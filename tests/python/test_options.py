@@ -27,7 +27,7 @@ TAKERS: dict[Any, type] = {
     SkybodyVectorEnv: options.VectorOptions,
     skybody.make_pool: options.PoolOptions,
     skybody.Pool: options.PoolOptions,
-    SkybodyVecEnv: options.VecEnvOptions,
+    SkybodyVecEnv: options.PooledOptions,
     SkybodyEnv: options.EnvOptions,
     ParallelEnv: options.EnvOptions,
     skybody.Simulation: options.SimulationOptions,

@@ -39,7 +39,7 @@ class Learner(Protocol):
 
     @property
     def steps(self) -> int:
-        """CompiledScenario steps so far, over all environments."""
+        """Environment steps so far, over all environments."""
 
     def iterate(self) -> Report:
         """One rollout and its update."""

@@ -131,7 +131,7 @@ class Sb3Ppo:
 
     @property
     def steps(self) -> int:
-        """CompiledScenario steps so far."""
+        """Environment steps so far."""
         return self.model.num_timesteps
 
     def iterate(self) -> Report:

@@ -9,11 +9,11 @@ namespace skybody {
 namespace {
 
 template <class Real>
-class EnvView : public ::testing::Test {};
+class Lanes : public ::testing::Test {};
 using Reals = ::testing::Types<double, Pack<2>, Pack<4>, Pack<8>>;
-TYPED_TEST_SUITE(EnvView, Reals);
+TYPED_TEST_SUITE(Lanes, Reals);
 
-TYPED_TEST(EnvView, LoadAndStoreKeepOrderAndNeedNoAlignment) {
+TYPED_TEST(Lanes, LoadAndStoreKeepOrderAndNeedNoAlignment) {
   constexpr int n = kLanesOf<TypeParam>;
   double memory[18];
   for (int i = 0; i < 18; ++i) memory[i] = i;
@@ -25,7 +25,7 @@ TYPED_TEST(EnvView, LoadAndStoreKeepOrderAndNeedNoAlignment) {
   EXPECT_EQ(memory[9 + n], 9.0 + n);
 }
 
-TYPED_TEST(EnvView, MaskedStoreLeavesOtherLanes) {
+TYPED_TEST(Lanes, MaskedStoreLeavesOtherLanes) {
   constexpr int n = kLanesOf<TypeParam>;
   for (std::uint32_t bits = 0; bits < (1u << n); ++bits) {
     double memory[8] = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -40,7 +40,7 @@ TYPED_TEST(EnvView, MaskedStoreLeavesOtherLanes) {
   }
 }
 
-TYPED_TEST(EnvView, MasksGoToBitsAndBack) {
+TYPED_TEST(Lanes, MasksGoToBitsAndBack) {
   constexpr int n = kLanesOf<TypeParam>;
   const std::uint32_t full = (1u << n) - 1;
   for (std::uint32_t bits = 0; bits <= full; ++bits) {
@@ -62,7 +62,7 @@ TYPED_TEST(EnvView, MasksGoToBitsAndBack) {
   EXPECT_TRUE(none(MaskOf<TypeParam>(false)));
 }
 
-TYPED_TEST(EnvView, SelectTakesEachLaneFromItsSide) {
+TYPED_TEST(Lanes, SelectTakesEachLaneFromItsSide) {
   constexpr int n = kLanesOf<TypeParam>;
   TypeParam x = 0.0;
   for (int i = 0; i < n; ++i) set_lane(x, i, i - 1.5);
@@ -72,7 +72,7 @@ TYPED_TEST(EnvView, SelectTakesEachLaneFromItsSide) {
   for (int i = 0; i < n; ++i) EXPECT_EQ(lane(word, i), i < 2 ? 7u : 8u);
 }
 
-TYPED_TEST(EnvView, NanAndSignedZeroSurviveBroadcastAndComparison) {
+TYPED_TEST(Lanes, NanAndSignedZeroSurviveBroadcastAndComparison) {
   const TypeParam nan(__builtin_nan("")), minus_zero(-0.0);
   EXPECT_TRUE(none(nan == nan));
   EXPECT_TRUE(all(nan != nan));
@@ -83,7 +83,7 @@ TYPED_TEST(EnvView, NanAndSignedZeroSurviveBroadcastAndComparison) {
   }
 }
 
-TYPED_TEST(EnvView, WordsWrapShiftAndConvertExactly) {
+TYPED_TEST(Lanes, WordsWrapShiftAndConvertExactly) {
   using W = Word<TypeParam>;
   const W big(0xfedcba9876543210ull);
   const int last = kLanesOf<TypeParam> - 1;
@@ -100,7 +100,7 @@ TYPED_TEST(EnvView, WordsWrapShiftAndConvertExactly) {
   EXPECT_EQ(lane(bit_cast_real(bit_cast_word(TypeParam(0.1))), last), 0.1);
 }
 
-TYPED_TEST(EnvView, ComparisonsGiveTheRealsMask) {
+TYPED_TEST(Lanes, ComparisonsGiveTheRealsMask) {
   static_assert(std::is_same<decltype(TypeParam(1.0) < 2.0), MaskOf<TypeParam>>::value, "");
   static_assert(std::is_trivially_copyable<TypeParam>::value, "");
   static_assert(sizeof(TypeParam) == sizeof(double) * kLanesOf<TypeParam>, "");

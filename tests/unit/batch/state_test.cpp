@@ -162,7 +162,7 @@ TEST(Fork, RekeyedCopiesDifferFromTheNextEpisodeOnAndReproducibly) {
   EXPECT_EQ(rows[0], rows[1]);
 }
 
-TEST(Seed, AResetUnderASeedIsThatOfANewVecEnv) {
+TEST(Seed, AResetUnderASeedIsThatOfANewPool) {
   const auto compiled = small_env();
   Pool used(compiled, options_of(2, 6)), fresh(compiled, options_of(2, 6));
   fly(used, 0, 30);

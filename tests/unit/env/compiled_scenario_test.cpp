@@ -180,7 +180,7 @@ TEST(Randomization, SeesTheBodiesOfThisResetWhateverTheWorkServedBefore) {
   EXPECT_EQ(used.group.save(0), fresh.group.save(0));
 }
 
-TEST(EnvView, SideBySideHaveTheBitsOfEnvironmentsOneByOne) {
+TEST(Lanes, SideBySideHaveTheBitsOfEnvironmentsOneByOne) {
   for (const char* controller : {"direct", "plain"}) {
     InProcessFactory factory;
     const auto env = make(factory, {.action_repeat = 3,
@@ -211,7 +211,7 @@ TEST(EnvView, SideBySideHaveTheBitsOfEnvironmentsOneByOne) {
   }
 }
 
-TEST(EnvView, AMaskLeavesTheOthersUntouched) {
+TEST(Lanes, AMaskLeavesTheOthersUntouched) {
   InProcessFactory factory;
   const auto env = make(factory, {.kick = true});
   Flight flight(*env, kLanes);

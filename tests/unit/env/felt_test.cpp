@@ -218,6 +218,22 @@ TEST(WhatBodiesFeel, HasTheSameBitsInLanesAsAlone) {
   EXPECT_NE(alone.observation[kSum + 2], 0.0f);
 }
 
+TEST(WhatBodiesFeel, BeginsAnewAtAReset) {
+  InProcessFactory factory;
+  Scenario s = scene();
+  s.robots[0].pose.position.z = 0.0995;
+  const auto env = make(factory, s);
+  Flight fresh(*env, 1), flown(*env, 1);
+  flown.reset();
+  for (int k = 0; k < 50; ++k) flown.step({1, 1, -1, -1});
+  for (int l = 0; l < 1; ++l) env->initialize(flown.group, l, 1, 0);
+  flown.reset();
+  fresh.reset();
+  for (int k = 0; k < env->layout().words; ++k) {
+    ASSERT_EQ(fresh.group.bits(k)[0], flown.group.bits(k)[0]) << k;
+  }
+}
+
 TEST(WhatBodiesFeel, IsRefusedOfThingsThatAreNotThere) {
   const auto refusal = [](const std::string& task) -> std::string {
     InProcessFactory factory;

@@ -75,6 +75,60 @@ class Elsewhere : public ToRotors {
   }
 };
 
+/// Pushes each of its robots up, robot k with (k + 1) times the commanded force, and swings the arm
+/// of the second one.
+class Push : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kSrt, {0}, {10});
+    for (const int robot : setup.team()) {
+      setup.output(Signal::kWrench, 6, robot);
+      setup.site({setup.robots()[robot].first_body, {0, 0, 0}, 1, 1});
+    }
+    count_ = setup.team().size();
+  }
+  template <class Real>
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+    for (int k = 0; k < 6 * count_; ++k) out.set(k, Real(0.0));
+    for (int k = 0; k < count_; ++k) out.set(6 * k + 2, (k + 1.0) * in[0]);
+  }
+
+ private:
+  int count_ = 0;
+};
+
+/// A site on a robot that gets no wrench.
+class PushesAnother : public Push {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kSrt, {0}, {10});
+    setup.output(Signal::kWrench, 6, 0);
+    setup.site({setup.robots()[0].first_body, {0, 0, 0}, 1, 1});
+    setup.site({setup.robots()[1].first_body, {0, 0, 0}, 1, 1});
+  }
+};
+
+/// One value for each chain's command, on its way over the physics steps of an action.
+class Glide : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    setup.channel("none", "", 1, 0, 1);
+    setup.action("push", "N", 1, 0.0, 8.0, 0);
+    setup.interpolate();
+    for (const ChainInfo& chain : setup.chains()) size_ += chain.count;
+  }
+  template <class Real>
+  void process(const EnvView<Real>&, State<Real>&, ConstValues<Real> action,
+               Values<Real> command) const {
+    for (int k = 0; k < size_; ++k) command.set(k, action[0]);
+  }
+  template <class Real>
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
+
+ private:
+  int size_ = 0;
+};
+
 /// Writes what it likes to the whole command, and reads it back.
 class Commands : public Task {
  public:
@@ -110,6 +164,9 @@ std::unique_ptr<CompiledScenario> make(InProcessFactory& factory, const Case& c,
   factory.add<test::Watch>("watch");
   factory.add<test::Direct>("direct");
   factory.add<Commands>("commands");
+  factory.add<Push>("push");
+  factory.add<PushesAnother>("pushes_another");
+  factory.add<Glide>("glide");
   factory.add<Own>("own");
   factory.add<Share>("share");
   factory.add<ToRotors>("to_rotors");
@@ -213,6 +270,50 @@ TEST(Teams, LeaveTasksTheChainsThatNobodyFeeds) {
   EXPECT_EQ(speeds[0], 10.0);
   EXPECT_EQ(speeds[4], 20.0);
   EXPECT_EQ(speeds[8], 50.0);
+}
+
+TEST(Teams, PushEachRobotAtItsOwnSites) {
+  InProcessFactory factory;
+  Case c;
+  c.own = {{}, {}, {}};
+  c.team = {2, 0};
+  c.of_team = {"push"};
+  const auto env = make(factory, c);
+  Flight flight(*env, 1);
+  flight.reset();
+  flight.step({1.0f});
+  // 10 N on robot 2 and 20 N on robot 0, of 1 kg each, over four steps of 1 ms; robot 1 falls
+  // alone.
+  const std::vector<BodyState> bodies = flight.group.body_states(0);
+  const double fall = -9.81 * 0.004;
+  EXPECT_NEAR(bodies[2].velocity.z, fall + 10.0 * 0.004, 1e-12);
+  EXPECT_NEAR(bodies[0].velocity.z, fall + 20.0 * 0.004, 1e-12);
+  // Its rotors run on at 100 rad/s: 4 rotors of 1e-6 N s^2 give 0.04 N.
+  EXPECT_NEAR(bodies[1].velocity.z, fall + 0.04 * 0.004, 1e-9);
+}
+
+TEST(Teams, AreRefusedSitesOnARobotThatGetsNoWrench) {
+  Case c;
+  c.own = {{}, {}, {}};
+  c.of_team = {"pushes_another"};
+  EXPECT_THAT(refusal(c), HasSubstr("declares wrench sites, but gives no wrench to the robot that "
+                                    "has them"));
+}
+
+TEST(Teams, LeaveTheCommandsOfTasksThatInterpolateOnTheirWay) {
+  InProcessFactory factory;
+  Case c;
+  c.task = "glide";
+  const auto env = make(factory, c);
+  Flight flight(*env, 1);
+  flight.reset();
+  flight.step({-1.0f});
+  flight.step({1.0f});  // 0 to 8 N in four steps
+  const std::vector<double> speeds = values(flight, env->layout().rotor_command);
+  EXPECT_EQ(speeds[0], 80.0);
+  EXPECT_EQ(speeds[4], 160.0);
+  env->advance(flight.group, *flight.work, 1u, 1);  // commands hold, and teams still feed
+  EXPECT_EQ(values(flight, env->layout().rotor_command)[4], 160.0);
 }
 
 TEST(Teams, HaveTheSameBitsInLanesAsAlone) {

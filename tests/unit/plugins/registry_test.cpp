@@ -25,7 +25,7 @@ TEST(PluginRegistry, ListsPluginsByKind) {
   EXPECT_THAT(registry.names(SKYBODY_CONTROLLER),
               ElementsAre("flush_to_zero", "lane_controller", "plain_controller", "throws_error",
                           "throws_int"));
-  EXPECT_THAT(registry.names(SKYBODY_SENSOR), ElementsAre("delay_sensor"));
+  EXPECT_THAT(registry.names(SKYBODY_SENSOR), ElementsAre("delay_sensor", "feeling_sensor"));
   EXPECT_THAT(registry.names(SKYBODY_RANDOMIZER), ElementsAre("lane_randomizer"));
   EXPECT_THAT(registry.names(SKYBODY_TASK), ElementsAre("lane_task"));
   EXPECT_EQ(registry.find(SKYBODY_SENSOR, "lane_task"), nullptr);

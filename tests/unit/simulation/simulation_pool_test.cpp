@@ -1,4 +1,5 @@
-// Environments on several threads: the same bits as alone, errors with the world's number, no hang.
+// Environments on several threads: the same bits as alone, errors with the environment's number, no
+// hang.
 #include "core/simulation/simulation_pool.h"
 
 #include <gmock/gmock.h>
