@@ -163,10 +163,10 @@ TEST_P(NoAllocationInBatches, OfOursHappensWhileSendingAndReceiving) {
 
 /// On the ground, and on a joint: what plugins ask for is found without memory, once it was found.
 TEST(Allocation, DoesNotHappenWherePluginsAskWhatBodiesFeel) {
-  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/payload.yaml",
-                         .overrides = {"sensors=[{plugin: feeling_sensor}]",
-                                       "robots.quad.pose.position=[0, 0, 0.3]"},
-                         .plugin_path = {SKYBODY_BINARY_DIR "/tests/plugins/good"}});
+  Simulation simulation(
+      {.scenario = SKYBODY_SOURCE_DIR "/scenarios/payload.yaml",
+       .overrides = {"sensors=[{plugin: feeling_sensor}]", "robots.quad.pose.position=[0, 0, 0.3]"},
+       .plugin_path = {SKYBODY_BINARY_DIR "/tests/plugins/good"}});
   const std::vector<float> idle(static_cast<std::size_t>(simulation.action_size()), -1.0f);
   simulation.reset();
   for (int i = 0; i < 200; ++i) simulation.step(idle);  // caches fill
