@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kLongestWarmUp = 1.0;  // [s]
 
-constexpr const char* kFooter =
+constexpr const char* kBenchFooter =
     "Environment steps are counted, resets are not; a physics step is one of the K of a step. "
     "Actions:\n"
     "hold is what the hold policy does after the first reset, kept; zero the middle of every "
@@ -171,7 +171,7 @@ void add_bench_command(CLI::App& app, Action& chosen) {
   CLI::App* command =
       app.add_subcommand("bench", "Measure how many steps a second environments take");
   const auto options = std::make_shared<BenchOptions>();
-  command->footer(kFooter);
+  command->footer(kBenchFooter);
   add_scenario_options(*command, options->load);
   add_pool_options(*command, options->envs);
   command->add_option("--seconds", options->seconds, "Time to measure, after a warm-up (5)")

@@ -15,7 +15,7 @@
 namespace skybody {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kCheckFooter =
     "Reads all that the scenario names and flies it for a few steps in checked mode, in which a\n"
     "plugin that touches values beyond its own is named.\n"
     "Every message goes to stderr as file:line:column: error: what. Exit status 2 if there is an\n"
@@ -107,7 +107,7 @@ int check(CheckOptions options, const RefusedFiles& refused) {
 void add_check_command(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand("check", "Say what is wrong with a scenario");
   const auto options = std::make_shared<CheckOptions>();
-  command->footer(kFooter);
+  command->footer(kCheckFooter);
   add_scenario_options(*command, options->load);
   command->add_flag("--parameters", options->parameters,
                     "List all randomizable values: path, unit, nominal, least, greatest");

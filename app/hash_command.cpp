@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint64_t kMost = 1000000000000;
 
-constexpr const char* kFooter =
+constexpr const char* kHashFooter =
     "Each environment takes a reset and then exactly K steps; where an episode has ended, the "
     "next\n"
     "step is a reset. Its hash is a chain over all state words, observation, reward and status "
@@ -147,7 +147,7 @@ int hash(const HashOptions& options) {
 void add_hash_command(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand("hash", "Print a hash over all states of a flight");
   const auto options = std::make_shared<HashOptions>();
-  command->footer(kFooter);
+  command->footer(kHashFooter);
   add_scenario_options(*command, options->load);
   add_checked(*command, options->load);
   add_pool_options(*command, options->envs);

@@ -14,7 +14,7 @@
 namespace skybody {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kMainFooter =
     "Examples:\n"
     "  skybody run scenarios/hover.yaml --policy hold\n"
     "  skybody check scenarios/hover.yaml --set robots.quad.pose.position=[0,0,2]\n"
@@ -29,7 +29,7 @@ void set_up_log() {
 }
 
 void declare_commands(CLI::App& app, Action& chosen) {
-  app.footer(kFooter);
+  app.footer(kMainFooter);
   app.set_version_flag("--version", std::string("skybody ") + version());
   app.require_subcommand(1);
   add_run_command(app, chosen);

@@ -9,7 +9,7 @@
 namespace skybody {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kNewFooter =
     "Writes the folder DIR/NAME: a small plugin that works, its build file, a test, a scenario "
     "that\n"
     "flies it and a README with the commands.\n"
@@ -40,7 +40,7 @@ std::vector<std::string> kind_words() {
 void add_new_command(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand("new", "Write a plugin project to start from");
   const auto options = std::make_shared<NewOptions>();
-  command->footer(kFooter);
+  command->footer(kNewFooter);
   command->add_option("KIND", options->kind, kind_names())
       ->required()
       ->type_name("")

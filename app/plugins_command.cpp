@@ -17,7 +17,7 @@
 namespace skybody {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kPluginsFooter =
     "Looks in --plugin-path, SKYBODY_PLUGIN_PATH and the folder of shipped plugins. `lanes` says\n"
     "whether a plugin serves several environments at a time. Files that cannot be used are listed\n"
     "below the table, with the reason.\n"
@@ -103,7 +103,7 @@ int list_plugins(PluginsOptions options, const RefusedFiles& refused) {
 void add_plugins_command(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand("plugins", "List all plugins that are found");
   const auto options = std::make_shared<PluginsOptions>();
-  command->footer(kFooter);
+  command->footer(kPluginsFooter);
   add_plugin_path(*command, options->load);
   command->add_flag("--verbose", options->verbose, "With every parameter of every plugin");
   command->add_option("--markdown", options->markdown, "Print one plugin's parameters in Markdown")

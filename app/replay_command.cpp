@@ -18,7 +18,7 @@
 namespace skybody {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kReplayFooter =
     "FILE was written by `skybody hash --record FILE` or from Python by `envs.record(FILE)`. It "
     "has\n"
     "what was sent to the environments and a hash after each transition; all of it is done again, "
@@ -97,7 +97,7 @@ void add_replay_command(CLI::App& app, Action& chosen) {
   CLI::App* command =
       app.add_subcommand("replay", "Run a recording again and say whether the same comes out");
   const auto options = std::make_shared<ReplayOptions>();
-  command->footer(kFooter);
+  command->footer(kReplayFooter);
   command->add_option("FILE", options->file, "A recording")->required()->type_name("");
   CLI::Option* against =
       command->add_option("--against", options->against, "Another recording to compare with")

@@ -25,7 +25,7 @@ constexpr double kDefaultSeconds = 10.0;
 constexpr std::uint64_t kMostEpisodes = 1000000;
 constexpr std::uint64_t kMostSteps = 1000000000000;
 
-constexpr const char* kFooter =
+constexpr const char* kRunFooter =
     "Policies: zero is the middle of every command's range; random is uniform in it, a function "
     "of\n"
     "seed, episode and step; hold hovers at the task's goal. A trained policy is a policy.h5, a "
@@ -131,7 +131,7 @@ void add_run_command(CLI::App& app, Action& chosen) {
   CLI::App* command =
       app.add_subcommand("run", "Fly a scenario; write a log, a picture and a table");
   const auto options = std::make_shared<RunOptions>();
-  command->footer(kFooter);
+  command->footer(kRunFooter);
   add_scenario_options(*command, options->load);
   add_checked(*command, options->load);
   command->add_option("--episodes", options->plan.episodes, "Episodes to fly (1)")

@@ -11,7 +11,7 @@
 namespace skybody {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kSchemaFooter =
     "The schema knows all plugins that are found now. VS Code with the YAML extension, in a "
     "scenario:\n"
     "  # yaml-language-server: $schema=scenario.schema.json\n"
@@ -40,7 +40,7 @@ int print_tables() {
 void add_schema_command(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand("schema", "Print the JSON schema of scenario files");
   const auto options = std::make_shared<LoadOptions>();
-  command->footer(kFooter);
+  command->footer(kSchemaFooter);
   add_plugin_path(*command, *options);
   const auto markdown = std::make_shared<bool>(false);
   command->add_flag("--markdown", *markdown, "Print the keys as Markdown tables instead");

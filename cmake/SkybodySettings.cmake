@@ -69,6 +69,8 @@ option(SKYBODY_UNITY "Compile several files of the library and of the program at
 function(skybody_unite target)
   if(SKYBODY_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    # g++ takes the files for headers, whose anonymous namespaces would be a mistake.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()
 
