@@ -69,7 +69,7 @@ void Diagnostics::count_only(Shown& shown, Severity severity, int count) {
   if (count == 0) return;
   if (shown.left_out == 0) {
     shown.note = list_.size();
-    list_.push_back({severity, {}, ""});
+    list_.emplace_back().severity = severity;
   }
   shown.left_out += count;
   list_[shown.note].message = more_text(shown.left_out, severity);
