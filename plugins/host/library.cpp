@@ -73,15 +73,20 @@ struct PluginLibrary::Handle {
 
   /// An exception of the library's start-up code ends the process here: it cannot pass the dynamic
   /// linker, whose lock it would leave taken.
-  bool load() noexcept {
+  bool load() noexcept { return open(); }
+
+  std::filesystem::path file;
+  boost::dll::shared_library library;
+
+ private:
+  /// Not inlined: where a function that is noexcept has something to clean up itself, the process
+  /// ends without the exception's own text.
+  [[gnu::noinline]] bool open() {
     boost::system::error_code failed;
     library.load(file.string(), failed,
                  boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
     return !failed && library.is_loaded();
   }
-
-  std::filesystem::path file;
-  boost::dll::shared_library library;
 };
 
 PluginLibrary::PluginLibrary(const std::filesystem::path& file) : file_(file) {
