@@ -87,6 +87,14 @@ class ChainMaker {
     return nullptr;
   }
 
+  bool is_fed_already(const PluginOutput& output) const {
+    return std::any_of(all_.of_robots.begin(), all_.of_robots.end(),
+                       [&](const ControllerChain& chain) {
+                         return chain.is_fed && chain.robot == output.robot &&
+                                chain.signal == output.signal && chain.inputs == output.count;
+                       });
+  }
+
   /// What drives actuators ends a chain, unless the next controller takes just that.
   bool is_end(int i) const {
     const PluginInstance &c = at(i), &after = at(i + 1);
@@ -116,6 +124,11 @@ class ChainMaker {
     const PluginInstance& c = at(i);
     for (const PluginOutput& output : c.outputs) {
       if (fed_by(c, output) != nullptr) continue;
+      if (team_ >= 0 && is_fed_already(output)) {
+        refuse(i, "controller `" + c.name + "` gives " + with_size(output.signal, output.count) +
+                      " to robot `" + robot(output).name +
+                      "`, whose chain that takes it is fed by another output already");
+      }
       if (!actuates(output.signal)) {
         refuse(i, "the last controller, `" + c.name + "`, gives " +
                       with_size(output.signal, output.count) +

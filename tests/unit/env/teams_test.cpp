@@ -169,6 +169,7 @@ std::unique_ptr<CompiledScenario> make(InProcessFactory& factory, const Case& c,
   factory.add<Glide>("glide");
   factory.add<Own>("own");
   factory.add<Share>("share");
+  factory.add<Share>("share_again");
   factory.add<ToRotors>("to_rotors");
   factory.add<Elsewhere>("elsewhere");
   Scenario s;
@@ -349,6 +350,13 @@ TEST(Teams, AreRefusedAnOutputThatNobodyTakes) {
   c.own = {{"own"}, {"direct"}, {"own"}};
   EXPECT_THAT(refusal(c), HasSubstr("the last controller, `share`, gives ctbt[4]"));
   EXPECT_THAT(refusal(c), HasSubstr("to the team or to robot `quad1`"));
+}
+
+TEST(Teams, AreRefusedASecondOneForAChainThatIsFed) {
+  Case c;
+  c.of_team = {"share", "share_again"};
+  EXPECT_THAT(refusal(c), HasSubstr("gives ctbt[4] to robot `quad0`, whose chain that takes it is "
+                                    "fed by another output already"));
 }
 
 TEST(Teams, AreRefusedActuatorsThatARobotCommandsItself) {
