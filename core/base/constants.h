@@ -79,8 +79,6 @@
     "rotor drag, force = -c w v_perp")                                                             \
   X(SKYBODY_ROTOR_ROLLING_MOMENT_CONSTANT, kRollingMomentConstant, "rolling_moment_constant",      \
     "N m s^2/(m rad)", 1, (0), 0, 1, 0, "rolling moment = -direction c w v_perp")                  \
-  X(SKYBODY_ROTOR_AXIAL_DRAG_CONSTANT, kAxialDragConstant, "axial_drag_constant",                  \
-    "N s^2/(m rad)", 1, (0), 0, 1, 0, "drag along the axis, force = -c w v_along")                 \
   X(SKYBODY_ROTOR_INERTIA, kRotorInertia, "inertia", "kg m^2", 1, (0), 0, 100, 0,                  \
     "about the axis; 0 leaves gyroscopic terms out")                                               \
   X(SKYBODY_ROTOR_MAX_SPEED, kMaxSpeed, "max_speed", "rad/s", 1, (), 1e-3, 1e5,                    \

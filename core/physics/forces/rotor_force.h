@@ -8,7 +8,6 @@
 //   thrust            F = k_f w^2 n
 //   reaction          M = -s k_m w^2 n
 //   rotor drag        F = -c_d w v'
-//   axial drag        F = -c_a w (v . n) n    (RotorPy's k_z: S. Folk, J. Paulos, V. Kumar, 2023)
 //   rolling moment    M = -s c_r w v'    (RotorS' code leaves out s; which side the advancing
 //                                         blade is on, so the sign, goes with the direction)
 //   gyroscopic        M = -omega x (s J w n)
@@ -67,11 +66,9 @@ SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace
   const Vec3<Real> position = to_real<Real>(place.position), axis = to_real<Real>(place.axis);
   const Real w = rotor.speed, signed_w = place.direction * w;
   const Vec3<Real> hub = velocity + cross(spin, position);
-  const Real along = dot(hub, axis);
-  const Vec3<Real> across = hub - axis * along;
-  const Real on_axis =
-      constants[kThrustConstant] * (w * w) - constants[kAxialDragConstant] * (w * along);
-  const Vec3<Real> force = axis * on_axis - across * (constants[kDragConstant] * w);
+  const Vec3<Real> across = hub - axis * dot(hub, axis);
+  const Vec3<Real> force =
+      axis * (constants[kThrustConstant] * (w * w)) - across * (constants[kDragConstant] * w);
   const Real momentum = constants[kRotorInertia] * signed_w;
   const Real about_axis = constants[kMomentConstant] * (signed_w * w) +
                           constants[kRotorInertia] * (place.direction * rotor.acceleration);
@@ -88,8 +85,7 @@ enum RotorFactor : int {
   kRollingFactor = 8,   ///< 3: s c_r, s c_r x, s c_r y
   kInertiaFactor = 11,  ///< s J
   kSpeedLimit = 12,     ///< the rotor's own, as it is
-  kAxialFactor = 13,    ///< 6: c_a, c_a x, c_a y, c_a x^2, c_a x y, c_a y^2
-  kRotorFactorCount = 19
+  kRotorFactorCount = 13
 };
 
 /// @param constants  the rotor's kRotorParamCount values
@@ -113,9 +109,6 @@ SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPl
   out[kRollingFactor + 2] = rolling * y;
   out[kInertiaFactor] = constants[kRotorInertia] * place.direction;
   out[kSpeedLimit] = constants[kMaxSpeed];
-  const Real axial = constants[kAxialDragConstant];
-  const double places[] = {1.0, x, y, x * x, x * y, y * y};
-  for (int k = 0; k < 6; ++k) out[kAxialFactor + k] = axial * places[k];
 }
 
 /// Rotors of one body with the body's z as their axis and their hubs at one height: what they do
@@ -136,7 +129,6 @@ class LevelRotors {
     moment_ = factors[kMomentFactor] * squared;
     for (int k = 0; k < 4; ++k) drag_[k] = factors[kDragFactor + k] * w;
     for (int k = 0; k < 3; ++k) rolling_[k] = factors[kRollingFactor + k] * w;
-    for (int k = 0; k < 6; ++k) axial_[k] = factors[kAxialFactor + k] * w;
     momentum_ = factors[kInertiaFactor] * w;
     spin_up_ = factors[kInertiaFactor] * gain;
   }
@@ -147,7 +139,6 @@ class LevelRotors {
     moment_ += other.moment_;
     for (int k = 0; k < 4; ++k) drag_[k] += other.drag_[k];
     for (int k = 0; k < 3; ++k) rolling_[k] += other.rolling_[k];
-    for (int k = 0; k < 6; ++k) axial_[k] += other.axial_[k];
     momentum_ += other.momentum_;
     spin_up_ += other.spin_up_;
     return *this;
@@ -161,19 +152,13 @@ class LevelRotors {
                                           const Vec3<Real>& spin) const {
     // Velocity across the axis of a hub at x, y: (hub_x - spin_z y, hub_y + spin_z x).
     const Real hub_x = velocity.x + spin.y * height, hub_y = velocity.y - spin.x * height;
-    // Velocity along the axis of a hub at x, y: v_z + spin_x y - spin_y x.
-    const auto along = [&](int one, int times_x, int times_y) SKYBODY_INLINE_LAMBDA {
-      return velocity.z * axial_[one] + spin.x * axial_[times_y] - spin.y * axial_[times_x];
-    };
-    const Real lift = thrust_[0] - along(0, 1, 2);
-    const Real lift_x = thrust_[1] - along(1, 3, 4), lift_y = thrust_[2] - along(2, 4, 5);
     const Vec3<Real> f{spin.z * drag_[2] - hub_x * drag_[0],
-                       -(hub_y * drag_[0] + spin.z * drag_[1]), lift};
+                       -(hub_y * drag_[0] + spin.z * drag_[1]), thrust_[0]};
     const Real roll_x = hub_x * rolling_[0] - spin.z * rolling_[2];
     const Real roll_y = hub_y * rolling_[0] + spin.z * rolling_[1];
     return {
-        {(lift_y - height * f.y) - (roll_x + spin.y * momentum_),
-         (height * f.x - lift_x) - (roll_y - spin.x * momentum_),
+        {(thrust_[2] - height * f.y) - (roll_x + spin.y * momentum_),
+         (height * f.x - thrust_[1]) - (roll_y - spin.x * momentum_),
          ((hub_x * drag_[2] - hub_y * drag_[1]) - spin.z * drag_[3]) - (moment_ + spin_up_ * unit)},
         f};
   }
@@ -183,7 +168,6 @@ class LevelRotors {
   Real moment_;      ///< s k_m w^2 [N m]
   Real drag_[4];     ///< c_d w [N s/m], times x, y, x^2 + y^2
   Real rolling_[3];  ///< s c_r w [N s], times x, y
-  Real axial_[6];    ///< c_a w [N s/m], times x, y, x^2, x y, y^2
   Real momentum_;    ///< s J w [kg m^2/s]
   Real spin_up_;     ///< s J dw/dt [N m], over the unit of dw/dt
 };
