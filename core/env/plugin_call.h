@@ -41,10 +41,10 @@ void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& g
     const CallSizes size = sizes();
     view.checks->bodies_before = plugin.needs_bodies_before ? view.checks->bodies : 0;
     view.checks->contacts = plugin.needs_contacts ? view.checks->bodies : 0;
-    view.checks->contact_pairs =
-        plugin.first_contact_pair + static_cast<int>(plugin.contact_pairs.size());
-    view.checks->joint_reactions =
-        plugin.first_joint_reaction + static_cast<int>(plugin.joint_reactions.size());
+    const auto pairs = static_cast<int>(plugin.contact_pairs.size());
+    const auto reactions = static_cast<int>(plugin.joint_reactions.size());
+    view.checks->contact_pairs = pairs > 0 ? plugin.first_contact_pair + pairs : 0;
+    view.checks->joint_reactions = reactions > 0 ? plugin.first_joint_reaction + reactions : 0;
     view.checks->buffer = plugin.buffer_words;
     view.checks->scratch = plugin.scratch;
     view.checks->input = size.input;

@@ -75,8 +75,7 @@ class Elsewhere : public ToRotors {
   }
 };
 
-/// Pushes each of its robots up, robot k with (k + 1) times the commanded force, and swings the arm
-/// of the second one.
+/// Pushes each of its robots up, robot k with (k + 1) times the commanded force.
 class Push : public Controller {
  public:
   void configure(const Setup& setup) override {
