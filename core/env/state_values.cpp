@@ -58,8 +58,9 @@ const StateValue& StateValues::at(std::string_view path) const {
 
 /// Whether some path begins so.
 bool StateValues::has_prefix(const std::string& prefix) const {
-  return std::any_of(values_.begin(), values_.end(),
-                     [&](const StateValue& value) { return value.path.starts_with(prefix); });
+  return std::any_of(values_.begin(), values_.end(), [&](const StateValue& value) {
+    return value.path.starts_with(prefix) || value.alias.starts_with(prefix);
+  });
 }
 
 /// The words that may follow a prefix, which is empty or ends in a dot.
@@ -67,9 +68,11 @@ std::vector<std::string> StateValues::words_after(const std::string& prefix) con
   std::vector<std::string> words;
   std::set<std::string> known;
   for (const StateValue& value : values_) {
-    if (!value.path.starts_with(prefix)) continue;
-    std::string word = word_at(value.path, prefix.size());
-    if (known.insert(word).second) words.push_back(std::move(word));
+    for (const std::string* path : {&value.path, &value.alias}) {
+      if (path->empty() || !path->starts_with(prefix)) continue;
+      std::string word = word_at(*path, prefix.size());
+      if (known.insert(word).second) words.push_back(std::move(word));
+    }
   }
   return words;
 }

@@ -181,3 +181,16 @@ def test_the_gymnasium_id_gives_it_too():
     envs.reset()
     assert envs.unwrapped.state("robots.quad.base.position").shape == (3, 3)
     envs.close()
+
+
+def test_rotors_and_joints_have_a_second_path_and_a_slip_in_it_is_mended():
+    sim = sims_alone(5)[1]
+    for path, alias in (
+        ("robots.quad.rotors[0].speed", "robots.quad.rotors.front_left.speed"),
+        ("robots.quad.rotors[0].thrust_constant", "robots.quad.rotors.front_left.thrust_constant"),
+    ):
+        np.testing.assert_array_equal(sim.state(alias), sim.state(path))
+    with pytest.raises(ValueError, match=r"did you mean `robots\.quad\.rotors\.front_left\.speed`"):
+        sim.state("robots.quad.rotors.front_lft.speed")
+    with pytest.raises(ValueError, match="has time, episode"):
+        sim.state("nonsense")
