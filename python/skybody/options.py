@@ -128,15 +128,6 @@ class PooledOptions(ThreadedOptions, total=False):
 class BatchOptions(PooledOptions, total=False):
     """Options that `Pool` and `SkybodyVectorEnv` have in common."""
 
-    order: Annotated[
-        Order,
-        Option(
-            "arrival",
-            '"arrival": first finished, first served; "fixed": by id, cyclically, so that partial '
-            "batches come out the same in every run. A vector environment gives the rows of all, "
-            "by id, with either.",
-        ),
-    ]
     autoreset: AutoresetOption
     infos: Annotated[
         bool,
@@ -157,6 +148,14 @@ class BatchOptions(PooledOptions, total=False):
 class PoolOptions(BatchOptions, total=False):
     """Options of `make_pool` and `Pool`."""
 
+    order: Annotated[
+        Order,
+        Option(
+            "arrival",
+            '"arrival": first finished, first served; "fixed": by id, cyclically, so that partial '
+            "batches come out the same in every run.",
+        ),
+    ]
     batch_size: Annotated[
         int, Option(0, "rows that one `recv` waits for, at most num_envs; 0: num_envs.")
     ]

@@ -15,7 +15,7 @@ from .agents import JointLayout
 from .arguments import Scenario, check_array, check_seed, load, shape_error
 from .infos import FinalRows, InfoChannels, ScatteredRows
 from .observations import Observations, row_of
-from .options import VectorOptions, autoreset_word, order_word, takes
+from .options import VectorOptions, autoreset_word, takes
 from .pooled import PooledEnvironments, drain, make_native
 
 
@@ -82,7 +82,6 @@ class SkybodyVectorEnv(PooledEnvironments, VectorEnv[Any, NDArray[np.float32], N
         num_envs: int,
         **options: Unpack[VectorOptions],
     ) -> None:
-        order_word(options["order"])
         self._mode = autoreset_mode(options["autoreset"])
         self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         self.native = make_native(

@@ -83,8 +83,8 @@ def test_a_word_that_is_none_is_refused_alike_everywhere() -> None:
     for make in (skybody.make_vec, skybody.make_pool):
         with pytest.raises(ValueError, match="autoreset is 'never'; it must be one of next_step"):
             make("hover", 2, autoreset="never")  # type: ignore[arg-type]
-        with pytest.raises(ValueError, match="order is 'any'; it must be one of fixed, arrival"):
-            make("hover", 2, order="any")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="order is 'any'; it must be one of fixed, arrival"):
+        skybody.make_pool("hover", 2, order="any")  # type: ignore[arg-type]
 
 
 def test_gymnasium_passes_options_on_and_tells_of_unknown_ones() -> None:

@@ -248,13 +248,6 @@ def test_environments_of_one_seed_differ_from_each_other():
     assert len(np.unique(observations, axis=0)) == NUM_ENVS
 
 
-def test_order_makes_no_difference_to_a_vector_environment():
-    one = rollout_of(make(order="fixed"))
-    np.testing.assert_array_equal(one, rollout_of(make(order="arrival")))
-    with pytest.raises(ValueError, match="order is 'random'"):
-        make(order="random")
-
-
 def test_a_nan_action_faults_its_environment_and_the_others_go_on():
     envs, untouched = make(), make()
     envs.reset()
