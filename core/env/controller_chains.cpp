@@ -228,11 +228,14 @@ class ChainMaker {
   }
 
   ChainEnd make_end(int i, const PluginInstance& c, const PluginOutput& output) {
-    ChainEnd end{output.robot, output.signal, output.count, nullptr, 0};
+    ChainEnd end;
+    end.robot = output.robot;
+    end.signal = output.signal;
+    end.count = output.count;
     if (ControllerChain* chain = fed_by(c, output)) {
       chain->is_fed = true;
       end.block = &Layout::command;
-      end.first = chain->first;  // which chain: place_commands() knows its place
+      end.feeds = chain->first;  // place_commands() knows the place of its command
       return end;
     }
     claim(i, output);
@@ -316,13 +319,10 @@ std::vector<ControllerChain> place_commands(Chains& all) {
   }
   for (ControllerChain& feeding : chains) {
     for (ChainEnd& end : feeding.ends) {
-      if (end.block != &Layout::command) continue;
-      for (const ControllerChain& chain : chains) {
-        if (chain.first == end.first) {
-          end.first = chain.command;
-          break;
-        }
-      }
+      if (end.feeds < 0) continue;
+      end.first = std::find_if(chains.begin(), chains.end(), [&](const ControllerChain& chain) {
+                    return chain.first == end.feeds;
+                  })->command;
     }
   }
   return chains;

@@ -16,7 +16,8 @@ struct ChainEnd {
   int count = 0;   ///< values
   Block Layout::*block =
       nullptr;  ///< rotor_command, wrench, drive, joint_command; of a chain that it feeds: command
-  int first = 0;  ///< within that block
+  int first = 0;   ///< within that block
+  int feeds = -1;  ///< the first controller of the chain that it feeds, or -1
 };
 
 /// Consecutive controllers of one robot or team, each taking what the one before it gives.

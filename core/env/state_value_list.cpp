@@ -69,6 +69,7 @@ class List {
     add_world();
     const auto robots = static_cast<int>(world_.scenario.robots.size());
     for (int robot = 0; robot < robots; ++robot) add_robot(robot);
+    add_teams();
     add_sensors();
     for (std::size_t k = 0; k < layout_.param_info.size(); ++k) {
       const EnvParam& param = layout_.param_info[k];
@@ -209,6 +210,21 @@ class List {
     for (int k = 0; k < rotors.size; ++k) {
       add(path + "[" + std::to_string(k) + "]",
           path + "." + models[static_cast<std::size_t>(k)].name, {rotors.offset + k, 1}, {});
+    }
+  }
+
+  /// What actions or the task give them; what they give robots' own chains is `command`'s end.
+  void add_teams() {
+    const std::vector<TeamUse>& teams = world_.scenario.teams;
+    for (std::size_t team = 0; team < teams.size(); ++team) {
+      Block command;
+      for (const ControllerChain& chain : compiled_.chains()) {
+        if (chain.team != static_cast<int>(team)) continue;
+        if (command.size == 0) command.offset = layout_.command.offset + chain.command;
+        command.size += chain.inputs;
+      }
+      add_words_if_any("teams." + teams[team].name + ".command", "", "", command, {command.size},
+                       "of its chains of controllers, physical units (docs/control-modes.md)");
     }
   }
 

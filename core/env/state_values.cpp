@@ -97,7 +97,7 @@ void StateValues::refuse(std::string_view path) const {
   const std::string group =
       known.empty() ? "the state" : "`" + known.substr(0, known.size() - 1) + "`";
   throw Error(message + group + " has " + join_first(words) +
-              " (`skybody check --states` lists all)");
+              " (`skybody check --states FILE` lists all)");
 }
 
 void StateValues::read(const StateValue& value, const StateGroup& group, int lane,

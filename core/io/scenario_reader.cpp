@@ -196,6 +196,12 @@ class ScenarioReader {
       TeamUse team;
       team.name = reader.text("name");
       team.controllers = uses(reader, "controllers", SKYBODY_CONTROLLER);
+      const ConfigNode* given = reader.node("controllers");
+      if (given != nullptr && given->is_sequence() && given->items.empty()) {
+        diagnostics_.error(given->mark,
+                           "`controllers` is an empty list; allowed: a list of at least one "
+                           "controller");
+      }
       team.robots = robots_of(reader, robots);
       scenario_.teams.push_back(std::move(team));
     }
@@ -210,15 +216,16 @@ class ScenarioReader {
                          too_many_entries("robots", names.size(), kMostRobots));
       return robots;
     }
-    for (const std::string& name : names) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::string& name = names[i];
+      const SourceMark& mark = team.node("robots")->items[i].mark;
       const auto found = std::find(known.begin(), known.end(), name);
       const auto place = static_cast<int>(found - known.begin());
       if (found == known.end()) {
-        diagnostics_.error(team.mark("robots"),
+        diagnostics_.error(mark,
                            "`" + name + "` is not a robot" + suggestion(name, known, "robots"));
       } else if (std::find(robots.begin(), robots.end(), place) != robots.end()) {
-        diagnostics_.error(team.mark("robots"),
-                           "`" + name + "` is named twice; a team has each robot once");
+        diagnostics_.error(mark, "`" + name + "` is named twice; a team has each robot once");
       } else {
         robots.push_back(place);
       }

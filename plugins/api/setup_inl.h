@@ -13,7 +13,8 @@ namespace skybody {
 inline int Setup::robot() const {
   if (raw_.team_size == 0) throw std::logic_error("only a controller serves one robot");
   if (raw_.team_size > 1) {
-    throw std::runtime_error("this controller serves one robot, and is given a team of " +
+    throw std::runtime_error("controller `" + std::string(raw_.instance) +
+                             "` serves one robot, and is given a team of " +
                              std::to_string(raw_.team_size) +
                              ": move it to the `controllers` of a robot");
   }

@@ -147,7 +147,8 @@ fs::path write_new_plugin_project(SkybodyKind kind, const std::string& name,
       {"@ABOUT@", read(own / kAboutFile)},
       {"@NAME@", name},
       {"@CLASS@", class_name(name)},
-      {"@KIND@", kind_name(kind)}};
+      {"@KIND@", kind_name(kind)},
+      {"@A_KIND@", (kind == SKYBODY_EFFECT ? "An " : "A ") + std::string(kind_name(kind))}};
   for (const fs::path& source : {templates / "common", own}) {
     for (const auto& item : fs::recursive_directory_iterator(source)) {
       if (!item.is_regular_file() || item.path().extension() != ".in") continue;

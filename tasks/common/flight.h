@@ -56,9 +56,9 @@ inline void require_box(const RealsParameter& target_min, const RealsParameter& 
 /// The robot's actions; a task that observes them needs a controller.
 inline int action_count(const RobotInfo& robot, const std::string& task) {
   if (robot.action_count > 0) return robot.action_count;
-  throw std::runtime_error("robot `" + std::string(robot.name) + "` takes no action, and task `" +
-                           task +
-                           "` observes actions: give it a controller, such as `rotor_speed`");
+  throw std::runtime_error(
+      "robot `" + std::string(robot.name) + "` takes no action, and task `" + task +
+      "` observes actions: give it a controller, such as `rotor_speed`, that no team feeds");
 }
 
 }  // namespace skybody::flight

@@ -116,7 +116,7 @@ class Formation : public Task {
       if (info.action_count == 0) {
         throw std::runtime_error("robot `" + std::string(info.name) +
                                  "` takes no action, so that it cannot fly to its place: give it a "
-                                 "controller, such as `rotor_speed`");
+                                 "controller, such as `rotor_speed`, that no team feeds");
       }
       robots_.push_back({r, info.first_body, info.name, {}});
     }

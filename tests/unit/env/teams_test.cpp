@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/env/state_values.h"
 #include "core/model/marked_error.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/env/small_plugins.h"
@@ -155,6 +156,7 @@ struct Case {
   std::vector<std::vector<std::string>> own = {{"own"}, {"own"}, {"own"}};
   std::vector<std::string> of_team = {"share"};
   std::vector<int> team = {0, 1};
+  std::vector<std::string> of_second = {};  ///< a team of robots 2 and 0
   std::string task = "watch";
 };
 
@@ -184,11 +186,16 @@ std::unique_ptr<CompiledScenario> make(InProcessFactory& factory, const Case& c,
     for (const std::string& name : c.own[r]) robot.controllers.push_back(factory.use(name, name));
     s.robots.push_back(robot);
   }
-  TeamUse team;
-  team.name = "pair";
-  team.robots = c.team;
-  for (const std::string& name : c.of_team) team.controllers.push_back(factory.use(name, name));
-  s.teams.push_back(team);
+  const auto add_team = [&](const char* name, const std::vector<int>& robots,
+                            const std::vector<std::string>& controllers) {
+    TeamUse team;
+    team.name = name;
+    team.robots = robots;
+    for (const std::string& each : controllers) team.controllers.push_back(factory.use(each, each));
+    s.teams.push_back(team);
+  };
+  add_team("pair", c.team, c.of_team);
+  if (!c.of_second.empty()) add_team("second", {2, 0}, c.of_second);
   s.task = factory.use(c.task, "task");
   return std::make_unique<CompiledScenario>(std::move(s), factory, checking);
 }
@@ -290,6 +297,47 @@ TEST(Teams, PushEachRobotAtItsOwnSites) {
   EXPECT_NEAR(bodies[0].velocity.z, fall + 20.0 * 0.004, 1e-12);
   // Its rotors run on at 100 rad/s: 4 rotors of 1e-6 N s^2 give 0.04 N.
   EXPECT_NEAR(bodies[1].velocity.z, fall + 0.04 * 0.004, 1e-9);
+}
+
+TEST(Teams, MayServeOneRobotTogether) {
+  InProcessFactory one, both;
+  Case c;
+  const auto pair = make(one, c);
+  c.of_second = {"push"};
+  const auto with_second = make(both, c);
+  EXPECT_EQ(with_second->action_size(), 4 + 4 + 1);  // the pair's, robot 2's, the second team's
+  Flight without(*pair, 1), flight(*with_second, 1);
+  without.reset();
+  flight.reset();
+  const std::vector<float> action = {0.5f, 0, 0, 0, 0.5f, 0, 0, 0};
+  without.step(action);
+  flight.step({0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 1.0f});
+  const std::vector<BodyState> free = without.group.body_states(0);
+  const std::vector<BodyState> pushed = flight.group.body_states(0);
+  EXPECT_EQ(pushed[1].velocity.z, free[1].velocity.z);
+  EXPECT_NEAR(pushed[2].velocity.z, free[2].velocity.z + 10.0 * 0.004, 1e-12);
+  EXPECT_NEAR(pushed[0].velocity.z, free[0].velocity.z + 20.0 * 0.004, 1e-12);
+  const StateValues& states = with_second->state_values();
+  EXPECT_EQ(states.at("teams.pair.command").shape, (std::vector<int>{4}));
+  EXPECT_EQ(states.at("teams.second.command").shape, (std::vector<int>{1}));
+  EXPECT_EQ(states.at("teams.second.command").first, with_second->layout().command.offset + 8);
+}
+
+TEST(Teams, FlyOnFromASavedState) {
+  InProcessFactory factory;
+  Case c;
+  c.of_second = {"push"};
+  const auto env = make(factory, c);
+  Flight flight(*env, 1);
+  flight.reset();
+  const std::vector<float> action = {0.5f, 0.1f, 0, 0, 0.5f, 0, -0.1f, 0, 1.0f};
+  for (int step = 0; step < 5; ++step) flight.step(action);
+  const auto saved = flight.group.save(0);
+  for (int step = 0; step < 5; ++step) flight.step(action);
+  const auto later = flight.group.save(0);
+  flight.group.restore(0, saved);
+  for (int step = 0; step < 5; ++step) flight.step(action);
+  EXPECT_EQ(flight.group.save(0), later);
 }
 
 TEST(Teams, AreRefusedSitesOnARobotThatGetsNoWrench) {

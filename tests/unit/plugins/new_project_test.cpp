@@ -49,7 +49,7 @@ TEST(NewProject, WritesACompleteFolderForEachKind) {
     for (const std::string& file : files_of(project)) {
       std::ostringstream text;
       text << std::ifstream(project / file).rdbuf();
-      for (const char* left : {"@NAME@", "@CLASS@", "@KIND@"}) {
+      for (const char* left : {"@NAME@", "@CLASS@", "@KIND@", "@A_KIND@"}) {
         EXPECT_EQ(text.str().find(left), std::string::npos) << file << " has " << left;
       }
       EXPECT_NE(text.str(), "") << file;

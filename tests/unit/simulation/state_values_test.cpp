@@ -138,7 +138,7 @@ TEST(StateValues, AWrongPathIsAnsweredWithTheNearestOnesAndWhatThereIs) {
   EXPECT_EQ(refusal(world, "robots.quad.base.positon"),
             "no value of the state is called `robots.quad.base.positon`; did you mean "
             "`robots.quad.base.position`? `robots.quad.base` has position, rotation, velocity, "
-            "angular_velocity (`skybody check --states` lists all)");
+            "angular_velocity (`skybody check --states FILE` lists all)");
   EXPECT_THAT(refusal(world, "robots.quat.base.position"),
               HasSubstr("did you mean `robots.quad.base.position`? `robots` has quad"));
   EXPECT_THAT(refusal(world, "robots.quad.base"),
