@@ -1,12 +1,13 @@
-# skybody_add_test(NAME [FILES] FILES... [LIBRARIES TARGETS...] [DEFINITIONS D...] [LABEL L] [TIMEOUT S])
+# skybody_add_test(NAME [FILES] FILES... [LIBRARIES TARGETS...] [DEFINITIONS D...] [TIMEOUT S])
 #
 # A GoogleTest program NAME whose tests ctest lists one by one. It is linked with Skybody::core, GoogleTest's main and
 # gmock, and runs in the project's root folder. SKYBODY_SOURCE_DIR and SKYBODY_BINARY_DIR are defined for it as strings.
+# The label of its tests is the name of the folder (`ctest -L io`).
 
 include_guard(GLOBAL)
 
 function(skybody_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 test "" "TIMEOUT;LABEL" "FILES;LIBRARIES;DEFINITIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 test "" "TIMEOUT" "FILES;LIBRARIES;DEFINITIONS")
   set(files ${test_FILES} ${test_UNPARSED_ARGUMENTS})
   if(NOT files)
     message(FATAL_ERROR "skybody_add_test(${name}): no source files given")
@@ -18,6 +19,7 @@ function(skybody_add_test name)
     find_package(GTest REQUIRED CONFIG)
   endif()
   include(GoogleTest)
+  get_filename_component(area "${CMAKE_CURRENT_SOURCE_DIR}" NAME)
 
   add_executable(${name} ${files})
   target_link_libraries(${name} PRIVATE ${test_LIBRARIES} GTest::gmock GTest::gtest_main)
@@ -34,5 +36,5 @@ function(skybody_add_test name)
     DISCOVERY_MODE PRE_TEST
     DISCOVERY_TIMEOUT 60
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}"
-    PROPERTIES TIMEOUT ${test_TIMEOUT} LABELS "${test_LABEL}")
+    PROPERTIES TIMEOUT ${test_TIMEOUT} LABELS "${area}")
 endfunction()
