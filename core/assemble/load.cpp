@@ -50,7 +50,7 @@ class RegistryCatalog : public PluginCatalog {
   std::vector<std::string> names(SkybodyKind kind) const override { return registry_->names(kind); }
 
  private:
-  const PluginDeclaration* keep(PluginDeclaration declaration) const {
+  const PluginDeclaration* keep(PluginDeclaration&& declaration) const {
     const std::pair key{static_cast<int>(declaration.kind), declaration.name};
     return &declarations_.try_emplace(key, std::move(declaration)).first->second;
   }

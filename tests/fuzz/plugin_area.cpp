@@ -15,14 +15,13 @@ class PluginArea : public Area {
  public:
   PluginArea() {
     material_.seeds.push_back(read_bytes(plugin_file(kPlugin)));
-    material_.words = {
-        "\x7f"
-        "ELF",
-        "skybody_plugin_library",
-        "libc.so.6",
-        "GNU",
-        ".init",
-        ".so"};
+    material_.words = {("\x7f"
+                        "ELF"),
+                       "skybody_plugin_library",
+                       "libc.so.6",
+                       "GNU",
+                       ".init",
+                       ".so"};
   }
 
   void begin(const fs::path& folder) override { folder_ = folder; }

@@ -95,8 +95,8 @@ const std::vector<std::string>& urdf_words() {
       "mass",
       "transmission",
       "xacro:macro",
-      "<inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
-      "izz=\"1\"/></inertial>",
+      ("<inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+       "izz=\"1\"/></inertial>"),
       "<geometry><sphere radius=\"1\"/></geometry>",
       "<mass value=\"1e300\"/>",
       "<mass value=\"5e-324\"/>",

@@ -128,7 +128,7 @@ TEST(Hash, IsTheSameOnEveryInstructionSetInLanesAndOneByOne) {
 TEST(Hash, IsTheSameWithTheCLibrarysVariantsForThisProcessorSwitchedOff) {
   const std::vector<std::string> arguments = {
       "hash",
-      SKYBODY_SOURCE_DIR "/bench/scenarios/pin_rod.yaml",
+      (SKYBODY_SOURCE_DIR "/bench/scenarios/pin_rod.yaml"),
       "--envs",
       "9",
       "--steps",

@@ -68,9 +68,12 @@ class FreeLanes {
     for (const FreeRobot& robot : robots_.robots) {
       FreeMotion<Real> motion;
       Real* end_speeds = end_speeds_ + robot.rotors.first;
-      constexpr int kFour = kIsHeld ? 0 : 4;  // held inputs go rotor by rotor
-      through &= robot.has_four_level_rotors() ? advance<kFour>(robot, motion, end_speeds)
-                                               : advance<0>(robot, motion, end_speeds);
+      if constexpr (kIsHeld) {
+        through &= advance<0>(robot, motion, end_speeds);  // held inputs go rotor by rotor
+      } else {
+        through &= robot.has_four_level_rotors() ? advance<4>(robot, motion, end_speeds)
+                                                 : advance<0>(robot, motion, end_speeds);
+      }
       *at_end++ = motion;
     }
     if (all(through)) {
