@@ -136,8 +136,8 @@ TEST(Hash, IsTheSameWithTheCLibrarysVariantsForThisProcessorSwitchedOff) {
       "--seed",
       "5",
       "--set",
-      "sensors=[{plugin: imu, parameters: {robot: quad, accelerometer_noise: 0.002, "
-      "gyroscope_noise: 0.0002, accelerometer_walk: 0.001}}]",
+      ("sensors=[{plugin: imu, parameters: {robot: quad, accelerometer_noise: 0.002, "
+       "gyroscope_noise: 0.0002, accelerometer_walk: 0.001}}]"),
       "--set",
       "randomization=[{plugin: vehicle_constants, name: inertia, parameters: {robot: quad, mass: "
       "[0.8, 1.2], tau_up: [0.5, "
