@@ -59,6 +59,7 @@ def solver(integrator: str, method: str) -> Integrator:
 
 INTEGRATORS = (
     Integrator("semi_implicit_euler", ("stepping.integrator=semi_implicit_euler",)),
+    Integrator("midpoint", ("stepping.integrator=midpoint",)),
     Integrator("rk4", ("stepping.integrator=rk4",)),
     solver("cvode", "adams"),
     solver("cvode", "bdf"),

@@ -100,6 +100,7 @@ class ScenarioReader {
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {
+    if (name == "midpoint") return IntegratorChoice::kMidpoint;
     if (name == "rk4") return IntegratorChoice::kRk4;
     if (name == "cvode") return IntegratorChoice::kCvode;
     if (name == "arkode") return IntegratorChoice::kArkode;

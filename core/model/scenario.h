@@ -40,7 +40,7 @@ struct PluginUse {
 };
 
 enum class DynamicsChoice { kAuto, kSimbody, kTree };
-enum class IntegratorChoice { kSemiImplicitEuler, kRk4, kCvode, kArkode };
+enum class IntegratorChoice { kMidpoint, kSemiImplicitEuler, kRk4, kCvode, kArkode };
 
 /// Whether it chooses its own steps within dt, by an estimate of its error.
 inline bool is_error_controlled(IntegratorChoice integrator) {

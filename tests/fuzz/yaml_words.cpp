@@ -69,6 +69,7 @@ const std::vector<std::string>& fixed_words() {
       "cvode",
       "arkode",
       "semi_implicit_euler",
+      "midpoint",
       "adams",
       "erk",
       "dirk",

@@ -11,7 +11,7 @@ namespace skybody::test {
 namespace {
 
 IntegratorChoice integrator_of(int k) {
-  return k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+  return kFixedSteps[k % 3];
 }
 
 std::unique_ptr<const World> new_world(Scenario scenario,

@@ -88,6 +88,17 @@ struct FreeAcceleration {
   Vec3<Real> velocity, spin;
 };
 
+/// The same before its parts are brought into one frame.
+template <class Real>
+struct FreeRates {
+  Vec3<Real> in_world, in_body;  ///< their sum is the velocity's rate
+  Vec3<Real> spin;               ///< body axes
+
+  SKYBODY_INLINE FreeAcceleration<Real> acceleration(const Mat3<Real>& axes) const {
+    return {in_world + axes * in_body, spin};
+  }
+};
+
 /// Newton and Euler about the centre of mass of one free body (docs/architecture.md, Dynamics).
 /// Refers to its arguments.
 /// @tparam Constants  how kBodyConstantCount values are read: a pointer, or a view
@@ -142,6 +153,9 @@ class FreeLoad {
   }
 
   SKYBODY_INLINE FreeAcceleration<Real> acceleration() const {
+    return rates().acceleration(body_.axes);
+  }
+  SKYBODY_INLINE FreeRates<Real> rates() const {
     const Vec3<Real>& w = body_.spin;
     const Vec3<Real> momentum = times(kBodyInertia, w);
     const Vec3<Real> angular = times(kBodyInverseInertia, moment_ - cross(w, momentum));
@@ -150,7 +164,7 @@ class FreeLoad {
     const Vec3<Real> com_from_origin = by_com(axial, [&]() SKYBODY_INLINE_LAMBDA {
       return cross(angular, com_) + cross(w, cross(w, com_));
     });
-    return {linear_ + body_.axes * (force_ * inverse_mass_ - com_from_origin), angular};
+    return {linear_, force_ * inverse_mass_ - com_from_origin, angular};
   }
 
  private:

@@ -64,13 +64,13 @@ SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace
                                     const RotorMotion<Real>& rotor, const Vec3<Real>& velocity,
                                     const Vec3<Real>& spin, SpatialForce<Real>& sum) {
   const Vec3<Real> position = to_real<Real>(place.position), axis = to_real<Real>(place.axis);
-  const Real w = rotor.speed, signed_w = place.direction * w;
+  const Real w = rotor.speed, squared = rotor.squared, signed_w = place.direction * w;
   const Vec3<Real> hub = velocity + cross(spin, position);
   const Vec3<Real> across = hub - axis * dot(hub, axis);
   const Vec3<Real> force =
-      axis * (constants[kThrustConstant] * (w * w)) - across * (constants[kDragConstant] * w);
+      axis * (constants[kThrustConstant] * squared) - across * (constants[kDragConstant] * w);
   const Real momentum = constants[kRotorInertia] * signed_w;
-  const Real about_axis = constants[kMomentConstant] * (signed_w * w) +
+  const Real about_axis = constants[kMomentConstant] * (place.direction * squared) +
                           constants[kRotorInertia] * (place.direction * rotor.acceleration);
   sum.add_force_at(position, force);
   sum.moment -= across * (constants[kRollingMomentConstant] * signed_w) +
@@ -120,17 +120,16 @@ class LevelRotors {
 
   /// The first rotor.
   /// @param factors  its kRotorFactorCount values
-  /// @param w        its speed [rad/s]
-  /// @param gain     its acceleration, in any unit that force() is told
+  /// @param rotor    its acceleration in any unit that force() is told
   template <class Factors>
-  SKYBODY_INLINE LevelRotors(const Factors& factors, const Real& w, const Real& gain) {
-    const Real squared = w * w;
+  SKYBODY_INLINE LevelRotors(const Factors& factors, const RotorMotion<Real>& rotor) {
+    const Real w = rotor.speed, squared = rotor.squared;
     for (int k = 0; k < 3; ++k) thrust_[k] = factors[kThrustFactor + k] * squared;
     moment_ = factors[kMomentFactor] * squared;
     for (int k = 0; k < 4; ++k) drag_[k] = factors[kDragFactor + k] * w;
     for (int k = 0; k < 3; ++k) rolling_[k] = factors[kRollingFactor + k] * w;
     momentum_ = factors[kInertiaFactor] * w;
-    spin_up_ = factors[kInertiaFactor] * gain;
+    spin_up_ = factors[kInertiaFactor] * rotor.acceleration;
   }
 
   /// Another rotor.
@@ -193,7 +192,8 @@ SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const Roto
   for (int i = group.first; i < group.first + group.count; ++i) {
     const RotorMotion<Real> rotor = motion(i);
     add_rotor_force(constants(i), places[i],
-                    RotorMotion<Real>{rotor.speed, rotor.acceleration * unit}, velocity, spin, sum);
+                    RotorMotion<Real>{rotor.speed, rotor.acceleration * unit, rotor.squared},
+                    velocity, spin, sum);
   }
   return sum;
 }
@@ -209,8 +209,7 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
   const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
     Real factors[kRotorFactorCount];
     make_rotor_factors(constants(i), places[i], factors);
-    const RotorMotion<Real> rotor = motion(i);
-    return LevelRotors<Real>(factors, rotor.speed, rotor.acceleration);
+    return LevelRotors<Real>(factors, motion(i));
   };
   LevelRotors<Real> rotors = alone(group.first);
   for (int i = group.first + 1; i < group.first + group.count; ++i) rotors += alone(i);

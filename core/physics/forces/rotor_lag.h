@@ -14,18 +14,26 @@ namespace skybody {
 /// Instants of a physics step at which integrators want forces.
 enum StageTime : int { kStepStart = 0, kStepMiddle = 1, kStepEnd = 2, kStageTimeCount = 3 };
 
-/// A rotor at one instant.
+/// A rotor at one instant, or its means over a step.
 template <class Real>
 struct RotorMotion {
   Real speed;         ///< [rad/s], >= 0
   Real acceleration;  ///< [rad/s^2]
+  Real squared;       ///< of the speed [rad^2/s^2]: a mean of squares is not the mean's square
 };
+
+/// At an instant.
+template <class Real>
+SKYBODY_INLINE RotorMotion<Real> rotor_motion(const Real& speed, const Real& acceleration) {
+  return {speed, acceleration, speed * speed};
+}
 
 /// Lag of one time constant over one physics step.
 template <class Real>
 struct LagFactors {
   Real decay[kStageTimeCount];  ///< exp(-t/tau); all 0 for tau = 0
   Real slope[kStageTimeCount];  ///< acceleration per (w_ref - w(0)) [1/s]
+  Real mean;                    ///< of exp(-t/tau) over the step
 };
 
 /// Both directions of one rotor.
@@ -57,6 +65,7 @@ SKYBODY_INLINE LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
     const Real share = select(immediate, one, f.decay[i] / safe_simpson);
     f.slope[i] = mean_slope * share;
   }
+  f.mean = tau * mean_slope;  // 0 where immediate
   return f;
 }
 
@@ -69,14 +78,14 @@ SKYBODY_INLINE auto make_rotor_lag(const Values& constants, double dt) {
 }
 
 /// Numbers in a RotorLag<double>, which is as good as an array of them.
-inline constexpr int kLagSize = 2 * (2 * kStageTimeCount);
+inline constexpr int kLagSize = 2 * (2 * kStageTimeCount + 1);
 static_assert(sizeof(RotorLag<double>) == kLagSize * sizeof(double));
 
 /// The lag whose numbers `values` holds, in the order of the members.
 template <class Real, class Values>
 SKYBODY_INLINE RotorLag<Real> load_lag(const Values& values) {
   const auto factors = [](const Values& v) {
-    return LagFactors<Real>{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+    return LagFactors<Real>{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, v[6]};
   };
   return {factors(values), factors(values + kLagSize / 2)};
 }
@@ -98,8 +107,22 @@ SKYBODY_INLINE RotorMotion<Real> rotor_at(const RotorLag<Real>& lag, const Real&
   const Real slope = select(rising, lag.up.slope[t], lag.down.slope[t]);
   const Real gap = command - speed;
   // Exactly the command where the decay is 0, and at the start exactly the speed where it is 1.
-  if (t == kStepStart) return {select(decay == 0.0, command, speed), gap * slope};
-  return {command - gap * decay, gap * slope};
+  if (t == kStepStart) return rotor_motion<Real>(select(decay == 0.0, command, speed), gap * slope);
+  return rotor_motion<Real>(command - gap * decay, gap * slope);
+}
+
+/// Means over the step of the speed and of its square, in closed form; and the change of speed
+/// instead of an acceleration.
+/// @param end  speed at the end of the step [rad/s]
+template <class Real>
+SKYBODY_INLINE RotorMotion<Real> rotor_over_step(const RotorLag<Real>& lag, const Real& speed,
+                                                 const Real& command, const Real& end) {
+  const auto rising = command > speed;
+  // With w = command - gap d, d = exp(-t/tau): w^2 = command^2 - 2 command gap d + gap^2 d^2. The
+  // mean of d^2 is that of d times the mean of d's ends.
+  const Real lacking = (command - speed) * select(rising, lag.up.mean, lag.down.mean);
+  return {command - lacking, end - speed,
+          command * command - lacking * (command + 0.5 * (speed + end))};
 }
 
 /// The rotor at any time of the step by the closed form itself, for integrators that choose their
@@ -114,9 +137,9 @@ RotorMotion<double> rotor_at_time(const Values& constants, double speed, double 
                                   double time, double dt) {
   const double gap = command - speed;
   const double tau = gap > 0.0 ? constants[kTauUp] : constants[kTauDown];
-  if (tau <= 0.0) return {command, gap / dt};
+  if (tau <= 0.0) return rotor_motion(command, gap / dt);
   const double rest = gap * exp(-time / tau);
-  return {command - rest, rest / tau};
+  return rotor_motion(command - rest, rest / tau);
 }
 
 }  // namespace skybody

@@ -4,10 +4,14 @@
 namespace skybody {
 
 StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
-  return integrator == IntegratorChoice::kRk4
-             ? kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4, true>>(lanes, isa)
-             : kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, true>>(lanes,
-                                                                                         isa);
+  switch (integrator) {
+    case IntegratorChoice::kRk4:
+      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4, true>>(lanes, isa);
+    case IntegratorChoice::kSemiImplicitEuler:
+      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, true>>(lanes, isa);
+    default:
+      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, true>>(lanes, isa);
+  }
 }
 
 }  // namespace skybody

@@ -45,6 +45,15 @@ struct FreeMotion {
     position += velocity * Real(time);
     add(quaternion_change(rotation, spin, time));
   }
+  SKYBODY_INLINE void drift(double time) {
+    position += velocity * Real(time);
+    rotation = turned(rotation, spin, time);
+  }
+  template <class Rate>
+  SKYBODY_INLINE void kick(const FreeMotion& start, const Rate& rate, double time) {
+    *this = start;
+    change_velocity(rate, time);
+  }
 
  private:
   SKYBODY_INLINE void add(const Quat<Real>& q) {
@@ -84,12 +93,14 @@ class FreeRobotStep {
   /// @param motion     at its end, written
   /// @param end_speed  per rotor of the robot: speed at the end of the step [rad/s]
   /// @returns where all of it is finite and below kLargestState: the rates of turn, and the
-  ///          magnitudes of all else added up (rk4: of all)
+  ///          magnitudes of all else added up (other rules: of all)
   template <IntegratorChoice kIntegrator, class Load>
   SKYBODY_INLINE MaskOf<Real> advance(const Load& load, FreeMotion<Real>& motion,
                                       Real* end_speed) const {
     if constexpr (kIntegrator == IntegratorChoice::kRk4) {
       return advance_by_rk4(load, motion, end_speed);
+    } else if constexpr (kIntegrator == IntegratorChoice::kMidpoint) {
+      return advance_by_midpoint(load, motion, end_speed);
     } else {
       return advance_by_euler(load, motion, end_speed);
     }
@@ -103,6 +114,34 @@ class FreeRobotStep {
   static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
 
   template <class Load>
+  SKYBODY_INLINE MaskOf<Real> advance_by_midpoint(const Load& load, FreeMotion<Real>& motion,
+                                                  Real* end_speed) const {
+    Real speeds(0.0);
+    const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
+      const auto rotor = rotor_step(i);
+      end_speed[i] = rotor.at(kStepEnd).speed;
+      return rotor.mean(end_speed[i]);
+    };
+    LevelRotors<Real> level;
+    if (is_level()) level = level_rotors(run);
+    forget();  // the sums need no motion
+    motion = load();
+    motion.drift(0.5 * dt());
+    BodyKinematics<Real> body = kinematics(motion);
+    Vec3<Real> air = velocity_in_air(body);
+    const FreeRates<Real> first = rates(body, air, level, run, world_.rate);
+    const Real half(0.5 * dt());
+    air += (first.in_body + transpose_times(body.axes, first.in_world)) * half;
+    if (needs_velocity(body)) body.velocity += first.acceleration(body.axes).velocity * half;
+    body.spin += first.spin * half;
+    const FreeRates<Real> second = rates(body, air, level, run, world_.rate);
+    motion.change_velocity(second.acceleration(body.axes), dt());
+    motion.drift(0.5 * dt());
+    for (int i = 0; i < rotor_count(); ++i) speeds += end_speed[i];
+    return is_sound(motion, speeds);
+  }
+
+  template <class Load>
   SKYBODY_INLINE MaskOf<Real> advance_by_euler(const Load& load, FreeMotion<Real>& motion,
                                                Real* end_speed) const {
     Real speeds(0.0);
@@ -110,7 +149,7 @@ class FreeRobotStep {
       const auto rotor = rotor_step(i);
       end_speed[i] = rotor.at(kStepEnd).speed;
       speeds += end_speed[i];
-      return rotor.mean(end_speed[i]);
+      return rotor.in_middle(end_speed[i]);
     };
     LevelRotors<Real> level;
     if (is_level()) level = level_rotors(run);
@@ -151,10 +190,7 @@ class FreeRobotStep {
     motion = load();
     StageRates<FreeMotion<Real>> work;
     step_by_rule(kRungeKutta4Rule, dt(), rates, motion, work);
-    const Real squared = renormalize(motion);
-    const Vec3<Real>& w = motion.spin;
-    const Real size = (size_of(motion) + speeds) + ((abs(w.x) + abs(w.y)) + abs(w.z));
-    return logical_and(logical_and(squared > 0.0, squared < kInfinity), size < kLargestState);
+    return is_sound(motion, speeds);
   }
 
   double dt() const { return world_.world.scenario.stepping.dt; }
@@ -181,8 +217,7 @@ class FreeRobotStep {
   template <class Run>
   SKYBODY_INLINE LevelRotors<Real> level_rotors(const Run& run) const {
     const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
-      const RotorMotion<Real> rotor = run(i);
-      return LevelRotors<Real>(factors_ + kRotorFactorCount * i, rotor.speed, rotor.acceleration);
+      return LevelRotors<Real>(factors_ + kRotorFactorCount * i, run(i));
     };
     LevelRotors<Real> rotors = alone(0);
     const int count = rotor_count();
@@ -201,14 +236,30 @@ class FreeRobotStep {
     return body;
   }
 
-  /// @param level  the rotors, where they are level; else run(i) says how each moves
-  /// @param unit   of the rotors' accelerations [rad/s^2]
+  /// Whether forces ask for the origin's velocity, W axes.
+  SKYBODY_INLINE bool needs_velocity(const BodyKinematics<Real>& body) const {
+    return kIsHeld ||
+           (robot_.contact.count > 0 && !none(body.position.z < robot_.contact.reach));
+  }
+  SKYBODY_INLINE Vec3<Real> velocity_in_air(const BodyKinematics<Real>& body) const {
+    return air_velocity(kIsHeld ? &in_.held : nullptr, robot_.body, body);
+  }
+
   template <class Run>
   SKYBODY_INLINE FreeAcceleration<Real> acceleration(const BodyKinematics<Real>& body,
                                                      const LevelRotors<Real>& level, const Run& run,
                                                      double unit) const {
+    return rates(body, velocity_in_air(body), level, run, unit).acceleration(body.axes);
+  }
+
+  /// @param velocity  of the origin through the air, body axes
+  /// @param level  the rotors, where they are level; else run(i) says how each moves
+  /// @param unit   of the rotors' accelerations [rad/s^2]
+  template <class Run>
+  SKYBODY_INLINE FreeRates<Real> rates(const BodyKinematics<Real>& body, const Vec3<Real>& velocity,
+                                       const LevelRotors<Real>& level, const Run& run,
+                                       double unit) const {
     const RotorGroup& group = robot_.rotors;
-    const Vec3<Real> velocity = air_velocity(kIsHeld ? &in_.held : nullptr, robot_.body, body);
     SpatialForce<Real> rotors = SpatialForce<Real>::zero();
     const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA { return run(i - group.first); };
     if constexpr (kIsHeld) {
@@ -227,7 +278,7 @@ class FreeRobotStep {
     FreeLoad<Real, Values> load(body, constants_, kIsNominal ? robot_.shape : KnownShape(),
                                 load_vec3(world_constants() + kGravity), rotors);
     add_outer_forces(body, load);
-    return load.acceleration();
+    return load.rates();
   }
 
   /// Forces that only some robots have.
@@ -251,6 +302,14 @@ class FreeRobotStep {
     const Real squared = squared_norm(motion.rotation);
     motion.rotation = renormalized(motion.rotation, squared);
     return squared;
+  }
+
+  /// Scales the quaternion. @returns where all is finite and its magnitudes added up are small
+  static SKYBODY_INLINE MaskOf<Real> is_sound(FreeMotion<Real>& motion, const Real& speeds) {
+    const Real squared = renormalize(motion);
+    const Vec3<Real>& w = motion.spin;
+    const Real size = (size_of(motion) + speeds) + ((abs(w.x) + abs(w.y)) + abs(w.z));
+    return logical_and(logical_and(squared > 0.0, squared < kInfinity), size < kLargestState);
   }
 
   /// Magnitudes of position and velocity, added up.

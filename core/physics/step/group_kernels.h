@@ -35,8 +35,8 @@ SKYBODY_INLINE std::uint32_t for_packs(const StepCall& call, std::uint32_t lanes
   using Real = RealOf<W>;
   if constexpr (!kIsHeld) {
     if (call.derived == nullptr) {
-      const SharedValues<Real> params(call.plan->nominal_params.data());
-      const SharedValues<Real> derived(call.plan->nominal_derived.data());
+      const SharedValues<Real> params(call.plan->shared_params.data());
+      const SharedValues<Real> derived(call.plan->shared_derived.data());
       return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
         return f(first, bits, params, derived);
       });

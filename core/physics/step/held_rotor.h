@@ -33,8 +33,14 @@ struct HeldRotorStep {
   SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
     return choose(lagged.at(time), time == kStepStart ? 0.0 : time == kStepMiddle ? 0.5 : 1.0);
   }
+  SKYBODY_INLINE RotorMotion<Real> in_middle(const Real& end) const {
+    return rotor_motion<Real>(at(kStepMiddle).speed, end - lagged.speed);
+  }
   SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
-    return {at(kStepMiddle).speed, end - lagged.speed};
+    const RotorMotion<Real> lag = lagged.mean(end);
+    const Real &start = lagged.speed, squared = start * (start + change) + change * change / 3.0;
+    return {select(is_linear, start + change * 0.5, lag.speed), lag.acceleration,
+            select(is_linear, squared, lag.squared)};
   }
   template <class Constants>
   RotorMotion<double> at_time(const Constants& constants, double time, double step) const {
@@ -44,8 +50,8 @@ struct HeldRotorStep {
  private:
   /// @param share  of the step that is over
   SKYBODY_INLINE RotorMotion<Real> choose(const RotorMotion<Real>& lag, double share) const {
-    return {select(is_linear, lagged.speed + change * share, lag.speed),
-            select(is_linear, change / dt, lag.acceleration)};
+    return rotor_motion<Real>(select(is_linear, lagged.speed + change * share, lag.speed),
+                              select(is_linear, change / dt, lag.acceleration));
   }
 };
 

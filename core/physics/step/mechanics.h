@@ -30,6 +30,13 @@ struct Coordinates {
   SKYBODY_INLINE void change_velocity(const Coordinates& rate, double time) {
     for (int i = 0; i < u_count; ++i) u[i] += time * rate.u[i];
   }
+  SKYBODY_INLINE void drift(double time) {
+    for (const TreeBody& body : *tree) drift_position(body.type, time, u + body.u, q + body.q);
+  }
+  SKYBODY_INLINE void kick(const Coordinates& start, const Coordinates& rate, double time) {
+    for (int i = 0; i < q_count; ++i) q[i] = start.q[i];
+    for (int i = 0; i < u_count; ++i) u[i] = start.u[i] + time * rate.u[i];
+  }
   SKYBODY_INLINE void change_position(double time) {
     for (const TreeBody& body : *tree) {
       Real rates[7];
@@ -155,10 +162,11 @@ class Mechanics {
     const StepRule& rule = step_rule(plan_.world.scenario.stepping.integrator);
     begin_step();
     run_rotors(rule);
+    if (rule.integrator == IntegratorChoice::kMidpoint) has_motion_ = false;
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
                              accelerate(at.q, at.u, time, rate.u);
-                             position_rates_of(at.q, at.u, rate.q);
+                             if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
     step_by_rule(rule, dt(), rates, a_.now, a_.stages);
     return end_step(mask);
@@ -273,14 +281,17 @@ class Mechanics {
     }
   }
 
-  /// Of one stage only: its mean motion over the step, in mid-step's place.
+  /// For rules that evaluate in mid-step alone: with the change of speed over the step.
   SKYBODY_INLINE void run_rotors(const StepRule& rule) const {
     const double rate = 1.0 / dt();
     each_rotor([&](int i, const auto& rotor) SKYBODY_INLINE_LAMBDA {
       a_.rotors[kStepEnd][i] = rotor.at(kStepEnd);
-      if (rule.is_symplectic) {
-        const RotorMotion<Real> mean = rotor.mean(a_.rotors[kStepEnd][i].speed);
-        a_.rotors[kStepMiddle][i] = {mean.speed, mean.acceleration * rate};
+      if (rule.is_split()) {
+        const Real& end = a_.rotors[kStepEnd][i].speed;
+        RotorMotion<Real>& middle = a_.rotors[kStepMiddle][i];
+        middle =
+            rule.integrator == IntegratorChoice::kMidpoint ? rotor.mean(end) : rotor.in_middle(end);
+        middle.acceleration *= rate;
         return;
       }
       a_.rotors[kStepStart][i] = rotor.at(kStepStart);

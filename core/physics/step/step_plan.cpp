@@ -14,6 +14,18 @@ DerivedLayout::DerivedLayout(const World& world)
 
 namespace {
 
+/// Of free robots that effects hold nothing of.
+StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
+  switch (integrator) {
+    case IntegratorChoice::kRk4:
+      return free_rk4_kernel(lanes, isa);
+    case IntegratorChoice::kSemiImplicitEuler:
+      return free_euler_kernel(lanes, isa);
+    default:
+      return free_midpoint_kernel(lanes, isa);
+  }
+}
+
 StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   StepKernels kernels{refresh_kernel(lanes, isa), nullptr, within_reach_kernel(lanes, isa),
                       derive_kernel(lanes, isa)};
@@ -24,8 +36,7 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   } else if (plan.has_held) {
     kernels.advance = free_held_kernel(integrator, lanes, isa);
   } else {
-    kernels.advance = integrator == IntegratorChoice::kRk4 ? free_rk4_kernel(lanes, isa)
-                                                           : free_euler_kernel(lanes, isa);
+    kernels.advance = free_kernel(integrator, lanes, isa);
   }
   return kernels;
 }
@@ -45,6 +56,8 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   derive_rotors(w, derived, nominal,
                 [&](int k, double value) { nominal_derived[static_cast<std::size_t>(k)] = value; });
   make_body_constants(w, nominal, nominal_derived.data() + derived.bodies);
+  for (const double value : nominal_params) shared_params.emplace_back(value);
+  for (const double value : nominal_derived) shared_derived.emplace_back(value);
   for (const Block& held : w.layout.held) has_held |= held.size > 0;
   int value = 0;
   for (std::size_t r = 0; r < w.drives.size(); ++r) {

@@ -89,6 +89,7 @@ StepKernel* within_reach_kernel(int lanes, Isa isa);
 StepKernel* derive_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
 StepKernel* tree_held_kernel(int lanes, Isa isa);
+StepKernel* free_midpoint_kernel(int lanes, Isa isa);
 StepKernel* free_euler_kernel(int lanes, Isa isa);
 StepKernel* free_rk4_kernel(int lanes, Isa isa);
 StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa);
@@ -119,6 +120,7 @@ struct StepPlan {
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;
+  std::vector<WideValue> shared_params, shared_derived;  ///< the same, for SharedValues
   std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for deriving
   StepKernels kernels_of_all, kernels_of_one;
 };

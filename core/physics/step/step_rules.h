@@ -26,11 +26,14 @@ struct RotorStep {
   SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
     return rotor_at(lag, speed, command, time);
   }
-  /// Speed in mid-step, and the change of speed over the step instead of an acceleration: for one
-  /// evaluation a step.
+  /// Speed in mid-step, and the change of speed over the step instead of an acceleration.
   /// @param end  speed at the end of the step
+  SKYBODY_INLINE RotorMotion<Real> in_middle(const Real& end) const {
+    return rotor_motion<Real>(at(kStepMiddle).speed, end - speed);
+  }
+  /// Means over the step, with the change of speed likewise.
   SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
-    return {at(kStepMiddle).speed, end - speed};
+    return rotor_over_step(lag, speed, command, end);
   }
   /// For integrators that choose their own instants: see rotor_at_time.
   template <class Constants>
@@ -58,21 +61,41 @@ SKYBODY_INLINE void begin_drive(DriveKind kind, const BodyKinematics<Real>& base
 
 /// An explicit one-step rule as its stages: where each evaluates the rates.
 struct StepRule {
+  IntegratorChoice integrator;
   int stages;
-  bool
-      is_symplectic;  ///< one stage; else the weights are those of the classical Runge-Kutta method
   StageTime time[4];  ///< of the rotors
   double reach[4];    ///< from the step's start with the rates of the stage before [dt]
+
+  /// Whether only velocities are changed by rates, coordinates by velocities.
+  constexpr bool is_split() const { return integrator != IntegratorChoice::kRk4; }
 };
+/// Half a step of the coordinates at the velocities of the start, a step of the velocities by the
+/// explicit midpoint rule at those coordinates, half a step of the coordinates at the velocities of
+/// the end: order 2. Where forces depend on coordinates alone this is the leapfrog (E. Hairer, C.
+/// Lubich, G. Wanner, "Geometric Numerical Integration", 2006, section I.1.4), with the
+/// oscillator's energy bounded up to two radians a step. Rotors count with their means over the
+/// step.
+inline constexpr StepRule kMidpointRule{
+    IntegratorChoice::kMidpoint, 2, {kStepMiddle, kStepMiddle}, {0.0, 0.5}};
 /// Semi-implicit (symplectic) Euler, order 1: u += dt udot, then q += dt N(q) u. Rotors count with
 /// their speed in mid-step.
-inline constexpr StepRule kSemiImplicitEulerRule{1, true, {kStepMiddle}, {0.0}};
+inline constexpr StepRule kSemiImplicitEulerRule{
+    IntegratorChoice::kSemiImplicitEuler, 1, {kStepMiddle}, {0.0}};
 /// The classical Runge-Kutta method, order 4; rotors follow their closed form at the stages' times.
-inline constexpr StepRule kRungeKutta4Rule{
-    4, false, {kStepStart, kStepMiddle, kStepMiddle, kStepEnd}, {0.0, 0.5, 0.5, 1.0}};
+inline constexpr StepRule kRungeKutta4Rule{IntegratorChoice::kRk4,
+                                           4,
+                                           {kStepStart, kStepMiddle, kStepMiddle, kStepEnd},
+                                           {0.0, 0.5, 0.5, 1.0}};
 
 SKYBODY_INLINE const StepRule& step_rule(IntegratorChoice integrator) {
-  return integrator == IntegratorChoice::kRk4 ? kRungeKutta4Rule : kSemiImplicitEulerRule;
+  switch (integrator) {
+    case IntegratorChoice::kRk4:
+      return kRungeKutta4Rule;
+    case IntegratorChoice::kSemiImplicitEuler:
+      return kSemiImplicitEulerRule;
+    default:
+      return kMidpointRule;
+  }
 }
 
 /// What semi-implicit Euler does with the rates.
@@ -91,9 +114,10 @@ struct StageRates {
 
 /// One step by a rule.
 /// @tparam State  has set(start, rate, time): start + time rate, element by element, where start
-/// may
-///                be the state itself; add(rate); and change_velocity(rate, time) and
-///                change_position(time), which is by its velocity
+///                may be the state itself; add(rate); change_velocity(rate, time),
+///                change_position(time), which is by its velocity; drift(time), which does the
+///                same, turning exactly; and kick(start, rate, time): start with its velocity
+///                changed
 /// @param rates   rates(state, time, rate) writes what the state changes by in a second. It is
 ///                evaluated at one place in the loop, since its code is large
 /// @param state   at the step's start; written: at its end
@@ -101,13 +125,20 @@ template <class State, class Rates>
 SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& rates, State& state,
                                  StageRates<State>& work) {
   State* const rate[4] = {&work.outer, &work.inner, &work.rate, &work.rate};
+  const bool is_midpoint = rule.integrator == IntegratorChoice::kMidpoint;
+  if (is_midpoint) state.drift(0.5 * dt);
 #pragma GCC unroll 1
   for (int k = 0; k < rule.stages; ++k) {
-    if (k > 0) work.point.set(state, *rate[k - 1], dt * rule.reach[k]);
+    if (k > 0 && is_midpoint) work.point.kick(state, *rate[k - 1], dt * rule.reach[k]);
+    if (k > 0 && !is_midpoint) work.point.set(state, *rate[k - 1], dt * rule.reach[k]);
     rates(k == 0 ? state : work.point, rule.time[k], *rate[k]);
     if (k == 2) work.inner.add(work.rate);
   }
-  if (rule.is_symplectic) return semi_implicit_euler(dt, work.outer, state);
+  if (is_midpoint) {
+    state.change_velocity(work.inner, dt);
+    return state.drift(0.5 * dt);
+  }
+  if (rule.is_split()) return semi_implicit_euler(dt, work.outer, state);
   work.outer.add(work.rate);
   work.outer.set(work.outer, work.inner, 2.0);
   state.set(state, work.outer, dt / 6.0);

@@ -52,16 +52,26 @@ class HeldLanes {
   int first_;
 };
 
-/// Values that all lanes share: one word each.
+/// One value in each lane of the widest pack: packs of any kind load it as it lies, which an
+/// operation does by itself, where to spread one word takes an instruction.
+struct alignas(kWidestPack * sizeof(double)) WideValue {
+  double lanes[kWidestPack];
+
+  explicit WideValue(double value) {
+    for (double& lane : lanes) lane = value;
+  }
+};
+
+/// Values that all lanes share.
 template <class Real>
 class SharedValues {
  public:
-  explicit SharedValues(const double* data) : data_(data) {}
-  SKYBODY_INLINE Real operator[](int k) const { return Real(data_[k]); }
+  explicit SharedValues(const WideValue* data) : data_(data) {}
+  SKYBODY_INLINE Real operator[](int k) const { return load_lanes<Real>(data_[k].lanes); }
   SKYBODY_INLINE SharedValues operator+(int k) const { return SharedValues(data_ + k); }
 
  private:
-  const double* data_;
+  const WideValue* data_;
 };
 
 /// Stands for a mask with all lanes set: stores need not read what they overwrite.

@@ -49,11 +49,8 @@ double difference(const LaneState& a, const LaneState& b) {
   return std::max(largest_difference(a.q, b.q), largest_difference(a.u, b.u));
 }
 
-const IntegratorChoice kIntegrators[] = {IntegratorChoice::kSemiImplicitEuler,
-                                         IntegratorChoice::kRk4};
-
 TEST(HandOver, FliesOnTreeFarFromEverything) {
-  for (const IntegratorChoice integrator : kIntegrators) {
+  for (const IntegratorChoice integrator : kFixedSteps) {
     Bench chosen(pair_of_vehicles(3.0, DynamicsChoice::kAuto, integrator));
     Bench tree(pair_of_vehicles(3.0, DynamicsChoice::kAuto, integrator));
     tree.stepper = make_tree_stepper(tree.world);
@@ -85,7 +82,7 @@ struct Turns {
 /// Every step is, to the last bit, one of Simbody or one of tree from the same state; and while it
 /// is one of tree, Simbody sees no contact and steps the same within rounding.
 TEST(HandOver, TakesEachStepAsOneOfTheTwoDoes) {
-  for (const IntegratorChoice integrator : kIntegrators) {
+  for (const IntegratorChoice integrator : kFixedSteps) {
     Bench chosen(pair_of_vehicles(2.0, DynamicsChoice::kAuto, integrator));
     const auto tree = make_tree_stepper(chosen.world);
     const auto simbody = make_simbody_stepper(chosen.world);

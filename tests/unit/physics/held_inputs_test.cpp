@@ -242,8 +242,7 @@ void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b
 
 TEST(HeldInputs, NeutralOnesLeaveEveryBitAsItIs) {
   for (const RobotModel& model : {make_dragging_vehicle(), make_swinging_vehicle()}) {
-    for (const IntegratorChoice integrator :
-         {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
+    for (const IntegratorChoice integrator : kFixedSteps) {
       for (const DynamicsChoice dynamics : {DynamicsChoice::kTree, DynamicsChoice::kSimbody}) {
         Scenario scenario = aloft(model, integrator);
         scenario.stepping.dynamics = dynamics;
@@ -300,8 +299,7 @@ TEST(HeldInputs, TreeAndSimbodyAgree) {
 }
 
 TEST(HeldInputs, AFreeRobotFliesAsOnSimbody) {
-  for (const IntegratorChoice integrator :
-       {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
+  for (const IntegratorChoice integrator : kFixedSteps) {
     Random<double> random{RandomKey{2026, 42}, 0, 0, derive_stream("held_inputs_test")};
     Bench bench = make_bench(aloft(make_dragging_vehicle(), integrator));
     const auto simbody = make_simbody_stepper(bench.world);

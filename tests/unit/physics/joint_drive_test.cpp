@@ -85,14 +85,13 @@ TEST(JointDrive, TheCommandIsHeldToItsBounds) {
 TEST(JointDrive, TheCommandComesBehindAFirstOrderLag) {
   JointDrive slow = torque_drive();
   slow.tau = 0.05;
-  for (const IntegratorChoice integrator :
-       {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
+  for (const IntegratorChoice integrator : kFixedSteps) {
     Bench bench = make_bench({slow}, integrator);
     bench.state.joint_command[0] = 0.2;
     ASSERT_TRUE(bench.run(100));
     const double t = 0.1, rest = std::exp(-t / slow.tau);
     EXPECT_NEAR(bench.state.joint_state[0], 0.2 * (1.0 - rest), 1e-13);
-    // The integral of the torque; Euler takes it in mid-step: dt^2 / (24 tau^2) of it.
+    // The integral of the torque; others take it in mid-step: dt^2 / (24 tau^2) of it.
     const double speed = 0.2 / kMoment * (t - slow.tau * (1.0 - rest));
     const bool is_rk4 = integrator == IntegratorChoice::kRk4;
     EXPECT_NEAR(bench.state.u[0], speed, (is_rk4 ? 1e-9 : 2e-5) * speed);
@@ -116,7 +115,8 @@ TEST(JointDrive, ConvergesWithTheStepOfEachIntegrator) {
     return bench.state.q[0];
   };
   for (const auto& [integrator, order] :
-       {std::pair{IntegratorChoice::kSemiImplicitEuler, 1}, std::pair{IntegratorChoice::kRk4, 4}}) {
+       {std::pair{IntegratorChoice::kSemiImplicitEuler, 1},
+        std::pair{IntegratorChoice::kMidpoint, 2}, std::pair{IntegratorChoice::kRk4, 4}}) {
     const double exact = angle(IntegratorChoice::kRk4, 0.00025);
     const double coarse = std::fabs(angle(integrator, 0.004) - exact);
     const double fine = std::fabs(angle(integrator, 0.002) - exact);

@@ -28,8 +28,7 @@ class Packs : public testing::TestWithParam<Isa> {
 TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOne) {
   for (std::uint64_t k = 0; k < 60; ++k) {
     Random<double> random{RandomKey{2026, 11}, k, 0, derive_stream("packs_test")};
-    const auto integrator =
-        k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+    const auto integrator = kFixedSteps[k % 3];
     const World world = make_world(
         make_scenario(busy(random_tree(random), random), integrator), [k](WorldPlan& plan) {
           if (k % 4 == 0)
@@ -54,8 +53,7 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOne) {
 TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithHeldInputs) {
   for (std::uint64_t k = 0; k < 24; ++k) {
     Random<double> random{RandomKey{2026, 16}, k, 0, derive_stream("packs_test")};
-    const auto integrator =
-        k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+    const auto integrator = kFixedSteps[k % 3];
     const RobotModel model = k % 2 == 0 ? make_vehicle(qdrone2()) : random_tree(random);
     const World world =
         make_world(make_scenario(busy(model, random), integrator), [k](WorldPlan& plan) {
@@ -81,8 +79,7 @@ TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithHeldInputs) {
 TEST_P(Packs, HaveTheBitsOfEnvironmentsOneByOneWithJointDrives) {
   for (std::uint64_t k = 0; k < 24; ++k) {
     Random<double> random{RandomKey{2026, 17}, k, 0, derive_stream("packs_test")};
-    const auto integrator =
-        k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler;
+    const auto integrator = kFixedSteps[k % 3];
     const Topology topology(make_scenario(busy(random_tree(random), random), integrator));
     WorldPlan plan(topology);
     plan.joint_drives = drives_for(random, topology);
@@ -164,8 +161,7 @@ TEST_P(Packs, HandLanesOverToSimbodyEachForItself) {
   int mixed = 0, changes = 0;
   for (std::uint64_t k = 0; k < 4; ++k) {
     Random<double> random{RandomKey{2026, 14}, k, 0, derive_stream("packs_test")};
-    const World world(several(
-        random, k % 3 == 0 ? IntegratorChoice::kRk4 : IntegratorChoice::kSemiImplicitEuler));
+    const World world(several(random, kFixedSteps[k % 3]));
     TwoWays ways(world);
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       ways.set(lane, scattered_lane(random, world, k % 2 == 0 && lane % 3 != 0, lane % 3 == 1));

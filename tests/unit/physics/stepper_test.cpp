@@ -205,7 +205,7 @@ TEST(Stepper, ResultsDoNotDependOnWhatItSawBefore) {
 }
 
 TEST(Stepper, NonFiniteStepReturnsFalseAndLeavesTheState) {
-  for (const IntegratorChoice integrator : {IntegratorChoice::kSemiImplicitEuler, kRk4}) {
+  for (const IntegratorChoice integrator : kFixedSteps) {
     Scenario scenario = payload_flight();
     scenario.stepping.integrator = integrator;
     Bench bench(std::move(scenario));

@@ -119,7 +119,7 @@ TEST_P(EverySolver, SwingsASpringAsTheClosedFormSays) {
 
 TEST_P(EverySolver, BearsASpringTooStiffForFixedSteps) {
   const Scenario stiff = spring(2e4, 1.0);
-  for (const auto fixed : {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
+  for (const auto fixed : kFixedSteps) {
     Scenario scenario = stiff;
     scenario.stepping.integrator = fixed;
     Bench bench(scenario);

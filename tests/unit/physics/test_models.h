@@ -14,6 +14,10 @@
 
 namespace skybody::test {
 
+/// The integrators of fixed steps.
+inline constexpr IntegratorChoice kFixedSteps[] = {
+    IntegratorChoice::kRk4, IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kMidpoint};
+
 inline SymMat3<double> diagonal(double xx, double yy, double zz) { return {xx, yy, zz, 0, 0, 0}; }
 
 inline Body make_body(const std::string& name, JointType type, int parent, double mass,

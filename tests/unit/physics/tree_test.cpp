@@ -107,7 +107,7 @@ TEST(Tree, StepsAsSimbodyDoes) {
     Random<double> random = random_numbers(100'000 + k);
     const RobotModel model = random_tree(random);
     const double dt = 1e-4 * std::pow(40.0, random.uniform());
-    for (const auto integrator : {IntegratorChoice::kSemiImplicitEuler, IntegratorChoice::kRk4}) {
+    for (const auto integrator : kFixedSteps) {
       const Pair pair(make_scenario(model, integrator, dt));
       if (pair.world.layout.u.size == 0) break;
       const World world(make_scenario(model, integrator, dt));

@@ -1,0 +1,164 @@
+"""The equations of docs/physics of flight once more, by SciPy: one rigid body with rotors.
+
+Written from the documents and the sources that they name, sharing no code with the engine: eq. 1
+and 2 of the paper, rotors as RotorS has them (`core/physics/forces/rotor_force.h` names the
+sections), Newton and Euler about the centre of mass. Models are read from URDF and rotors.yaml by
+the readers of Python's own library.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+Reals = NDArray[np.float64]
+GRAVITY = np.array([0.0, 0.0, -9.81])
+CONSTANTS = (
+    "thrust_constant",
+    "moment_constant",
+    "drag_constant",
+    "rolling_moment_constant",
+    "inertia",
+    "tau_up",
+    "tau_down",
+    "max_speed",
+)
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """One rigid body with rotors whose axes are the body's z. SI units, body axes."""
+
+    mass: float
+    com: Reals  # from the origin
+    inertia: Reals  # (3, 3) about the centre of mass
+    hubs: Reals  # (rotors, 3)
+    directions: Reals  # +1 counter-clockwise about z
+    constants: dict[str, Reals]  # by their names in rotors.yaml
+
+
+def numbers(element: ElementTree.Element | None, attribute: str, default: str) -> Reals:
+    text = default if element is None else element.get(attribute, default)
+    return np.array([float(word) for word in text.split()])
+
+
+def read_vehicle(folder: Path) -> Vehicle:
+    """A URDF whose links hang on the first one by fixed joints without rotation."""
+    robot = ElementTree.parse(next(folder.glob("*.urdf"))).getroot()
+    places: dict[str, Reals] = {robot.findall("link")[0].get("name", ""): np.zeros(3)}
+    for joint in robot.findall("joint"):
+        child = joint.find("child")
+        assert joint.get("type") == "fixed" and child is not None
+        places[child.get("link", "")] = numbers(joint.find("origin"), "xyz", "0 0 0")
+    masses, centres, inertias = [], [], []
+    for link in robot.findall("link"):
+        inertial = link.find("inertial")
+        if inertial is None:
+            continue
+        own = inertial.find("inertia")
+        mass = inertial.find("mass")
+        assert own is not None and mass is not None
+        masses.append(float(mass.get("value", "0")))
+        centres.append(
+            places[link.get("name", "")] + numbers(inertial.find("origin"), "xyz", "0 0 0")
+        )
+        inertias.append(
+            np.array(
+                [[float(own.get(f"i{min(a, b)}{max(a, b)}", "0")) for b in "xyz"] for a in "xyz"]
+            )
+        )
+    mass = sum(masses)
+    com = sum(m * c for m, c in zip(masses, centres, strict=True)) / mass
+    inertia = np.zeros((3, 3))
+    for m, c, own_inertia in zip(masses, centres, inertias, strict=True):
+        arm = c - com  # the theorem of parallel axes
+        inertia += own_inertia + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return Vehicle(mass, com, inertia, *read_rotors(folder / "rotors.yaml", places))
+
+
+def read_rotors(path: Path, places: dict[str, Reals]) -> tuple[Reals, Reals, dict[str, Reals]]:
+    content: dict[str, Any] = yaml.safe_load(path.read_text())
+    rotors = [{**content["defaults"], **rotor} for rotor in content["rotors"]]
+    hubs = np.array([places[r["link"]] + np.array(r["position"]) for r in rotors])
+    directions = np.array([1.0 if r["direction"] == "ccw" else -1.0 for r in rotors])
+    constants = {
+        name: np.array([float(rotor.get(name, 0.0)) for rotor in rotors]) for name in CONSTANTS
+    }
+    return hubs, directions, constants
+
+
+def rotor_speeds(vehicle: Vehicle, start: Reals, command: Reals, time: float) -> Reals:
+    """Paper eq. 2, in closed form."""
+    tau = np.where(command > start, vehicle.constants["tau_up"], vehicle.constants["tau_down"])
+    return command + (start - command) * np.exp(-time / tau)
+
+
+def rates(vehicle: Vehicle, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
+    """dy/dt of position, quaternion (w x y z), velocity (W) of the origin, spin (body axes)."""
+    q, v, w = y[3:7], y[7:10], y[10:13]
+    axes = Rotation.from_quat(q[[1, 2, 3, 0]]).as_matrix()
+    k = vehicle.constants
+    velocity = axes.T @ v
+    force, moment = np.zeros(3), np.zeros(3)
+    for i, (hub, s) in enumerate(zip(vehicle.hubs, vehicle.directions, strict=True)):
+        across = velocity + np.cross(w, hub)
+        across[2] = 0.0
+        own = np.array([0.0, 0.0, k["thrust_constant"][i] * speed[i] ** 2])
+        own -= k["drag_constant"][i] * speed[i] * across
+        force += own
+        moment += np.cross(hub, own)
+        moment -= s * k["rolling_moment_constant"][i] * speed[i] * across
+        momentum = np.array([0.0, 0.0, s * k["inertia"][i] * speed[i]])
+        moment -= np.cross(w, momentum)
+        moment[2] -= s * k["moment_constant"][i] * speed[i] ** 2
+        moment[2] -= s * k["inertia"][i] * acceleration[i]
+    about_com = moment - np.cross(vehicle.com, force)
+    angular = np.linalg.solve(vehicle.inertia, about_com - np.cross(w, vehicle.inertia @ w))
+    of_com = axes @ force / vehicle.mass + GRAVITY
+    com = vehicle.com
+    linear = of_com - axes @ (np.cross(angular, com) + np.cross(w, np.cross(w, com)))
+    turning = 0.5 * np.array(
+        [
+            -q[1] * w[0] - q[2] * w[1] - q[3] * w[2],
+            q[0] * w[0] + q[2] * w[2] - q[3] * w[1],
+            q[0] * w[1] + q[3] * w[0] - q[1] * w[2],
+            q[0] * w[2] + q[1] * w[1] - q[2] * w[0],
+        ]
+    )
+    return np.concatenate([v, turning, linear, angular])
+
+
+def fly(vehicle: Vehicle, y: Reals, speed: Reals, commands: Reals, hold: float) -> Reals:
+    """The state after all commands, each held for `hold` [s]; DOP853 at rounding's tolerance.
+
+    (E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", 1993.)
+    """
+    limit = vehicle.constants["max_speed"]
+    for wanted in commands:
+        command = np.clip(wanted, 0.0, limit)
+        start = speed
+        tau = np.where(command > start, vehicle.constants["tau_up"], vehicle.constants["tau_down"])
+
+        def slope(
+            time: float, at: Reals, start: Reals = start, command: Reals = command, tau: Reals = tau
+        ) -> Reals:
+            now = rotor_speeds(vehicle, start, command, time)
+            return rates(vehicle, at, now, (command - now) / tau)
+
+        y = solve_ivp(slope, (0.0, hold), y, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+        speed = rotor_speeds(vehicle, start, command, hold)
+    return y
+
+
+def angle_between(a: Reals, b: Reals) -> float:
+    """Between two attitudes (w x y z) [rad]."""
+    one, two = (Rotation.from_quat(q[[1, 2, 3, 0]]) for q in (a, b))
+    return float((one.inv() * two).magnitude())
