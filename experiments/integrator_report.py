@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 
 Facts = dict[str, Any]
 Row = dict[str, Any]
-COLOURS = ("#1f77b4", "#d62728", "#9467bd", "#8c564b", "#2ca02c", "#e377c2")
+COLOURS = ("#1f77b4", "#ff7f0e", "#d62728", "#9467bd", "#8c564b", "#2ca02c", "#e377c2")
 
 
 def error_text(row: Row) -> str:

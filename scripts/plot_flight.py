@@ -77,7 +77,11 @@ def draw_errors(panel, flight: Flight) -> None:
         if track.goal is not None:
             panel.plot(flight.time, np.maximum(track.error(), 1e-6), color=track.color)
     panel.set_yscale("log")
-    panel.set_ylabel("distance to goal [mm]")
+    low, high = panel.get_ylim()
+    if high < 10.0 * low:  # a decade at least: its ticks are round numbers
+        middle = np.sqrt(low * high)
+        panel.set_ylim(middle / np.sqrt(10.0), middle * np.sqrt(10.0))
+    panel.set_ylabel("to goal [mm]")
 
 
 def draw_attitude(panels, flight: Flight) -> None:

@@ -63,10 +63,10 @@ const MapSpec& solver_fields() {
       {
           choice_field("method", {"auto", "adams", "bdf", "erk", "dirk"},
                        "cvode: adams or bdf (stiff); arkode: erk (explicit) or dirk (stiff), both "
-                       "of order 4; auto: bdf and erk"),
-          real_field("relative_tolerance", "", 1e-6, 1e-14, 0.1,
+                       "of order 4; auto: adams and erk"),
+          real_field("relative_tolerance", "", 1e-8, 1e-14, 0.1,
                      "largest error of one of its steps, by the size of the value"),
-          real_field("absolute_tolerance", "m, rad, m/s, rad/s", 1e-9, 1e-15, 0.1,
+          real_field("absolute_tolerance", "m, rad, m/s, rad/s", 1e-11, 1e-15, 0.1,
                      "what is added to that"),
           integer_field("max_steps", 500, 1, 1e6,
                         "most steps of its own in one physics step; more are a fault"),

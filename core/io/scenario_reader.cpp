@@ -110,6 +110,7 @@ class ScenarioReader {
   void read_solver(const MapReader& stepping_reader) {
     Stepping& stepping = scenario_.stepping;
     const ConfigNode* node = stepping_reader.node("solver");
+    if (node != nullptr && node->is_null()) node = nullptr;  // `--set stepping.solver=null`
     const MapReader reader(node, solver_fields(), root_.mark, diagnostics_);
     SolverSettings& solver = stepping.solver;
     solver.relative_tolerance = reader.real("relative_tolerance");
@@ -120,7 +121,7 @@ class ScenarioReader {
       if (node == nullptr) return;
       diagnostics_.error(reader.mark(), "`solver` is given, but `integrator` is `" + integrator +
                                             "`, whose steps are fixed; allowed with `cvode` and "
-                                            "`arkode`: choose one of them, or leave `solver` out");
+                                            "`arkode`: choose one of them, or leave `solver` out (`null`)");
       return;
     }
     solver.method = solver_method(reader, integrator);
@@ -130,8 +131,8 @@ class ScenarioReader {
   SolverMethod solver_method(const MapReader& reader, const std::string& integrator) {
     const std::string name = reader.text("method");
     if (integrator == "cvode") {
-      if (name == "adams") return SolverMethod::kAdams;
-      if (name == "bdf" || name == "auto") return SolverMethod::kBdf;
+      if (name == "adams" || name == "auto") return SolverMethod::kAdams;
+      if (name == "bdf") return SolverMethod::kBdf;
     } else {
       if (name == "dirk") return SolverMethod::kDirk;
       if (name == "erk" || name == "auto") return SolverMethod::kErk;

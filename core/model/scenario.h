@@ -52,9 +52,9 @@ enum class SolverMethod { kAdams, kBdf, kErk, kDirk };
 
 /// How an error-controlled integrator works.
 struct SolverSettings {
-  SolverMethod method = SolverMethod::kBdf;
-  double relative_tolerance = 1e-6;
-  double absolute_tolerance = 1e-9;  ///< [m, rad, m/s, rad/s]
+  SolverMethod method = SolverMethod::kAdams;
+  double relative_tolerance = 1e-8;
+  double absolute_tolerance = 1e-11;  ///< [m, rad, m/s, rad/s]
   int max_steps = 500;               ///< its own steps in one physics step
 };
 

@@ -10,9 +10,7 @@
 namespace skybody::test {
 namespace {
 
-IntegratorChoice integrator_of(int k) {
-  return kFixedSteps[k % 3];
-}
+IntegratorChoice integrator_of(int k) { return kFixedSteps[k % 3]; }
 
 std::unique_ptr<const World> new_world(Scenario scenario,
                                        const std::function<void(WorldPlan&)>& prepare = {}) {

@@ -129,6 +129,18 @@ SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& w, doubl
           c * q.z + ((q.w * v.z + q.x * v.y) - q.y * v.x)};
 }
 
+/// The same up to the norm, which grows to 1 + |w time|^2 / 8 and more: half the angle's tangent
+/// instead of sine and cosine, a series exact to 1e-9 up to |w| time = 0.1.
+template <class Real>
+SKYBODY_INLINE Quat<Real> turned_and_stretched(const Quat<Real>& q, const Vec3<Real>& w,
+                                               double time) {
+  const Vec3<Real> half = w * Real(0.5 * time);
+  const Real square = dot(half, half);
+  const Vec3<Real> v = half * (1.0 + square * (1.0 / 3 + square * (2.0 / 15)));
+  return {q.w - ((q.x * v.x + q.y * v.y) + q.z * v.z), q.x + ((q.w * v.x + q.y * v.z) - q.z * v.y),
+          q.y + ((q.w * v.y + q.z * v.x) - q.x * v.z), q.z + ((q.w * v.z + q.x * v.y) - q.y * v.x)};
+}
+
 /// One joint's coordinates after `time` at constant u, quaternions turned exactly.
 template <class Real>
 SKYBODY_INLINE void drift_position(JointType type, double time, const Real* u, Real* q) {

@@ -33,7 +33,7 @@ template <class Real>
 struct LagFactors {
   Real decay[kStageTimeCount];  ///< exp(-t/tau); all 0 for tau = 0
   Real slope[kStageTimeCount];  ///< acceleration per (w_ref - w(0)) [1/s]
-  Real mean;                    ///< of exp(-t/tau) over the step
+  Real half_mean;               ///< half the mean of exp(-t/tau) over the step
 };
 
 /// Both directions of one rotor.
@@ -65,7 +65,7 @@ SKYBODY_INLINE LagFactors<Real> make_lag_factors(const Real& tau, double dt) {
     const Real share = select(immediate, one, f.decay[i] / safe_simpson);
     f.slope[i] = mean_slope * share;
   }
-  f.mean = tau * mean_slope;  // 0 where immediate
+  f.half_mean = (0.5 * tau) * mean_slope;  // 0 where immediate
   return f;
 }
 
@@ -120,9 +120,9 @@ SKYBODY_INLINE RotorMotion<Real> rotor_over_step(const RotorLag<Real>& lag, cons
   const auto rising = command > speed;
   // With w = command - gap d, d = exp(-t/tau): w^2 = command^2 - 2 command gap d + gap^2 d^2. The
   // mean of d^2 is that of d times the mean of d's ends.
-  const Real lacking = (command - speed) * select(rising, lag.up.mean, lag.down.mean);
-  return {command - lacking, end - speed,
-          command * command - lacking * (command + 0.5 * (speed + end))};
+  const Real lacking = (command - speed) * select(rising, lag.up.half_mean, lag.down.half_mean);
+  return {command - (lacking + lacking), end - speed,
+          command * command - lacking * ((command + command) + (speed + end))};
 }
 
 /// The rotor at any time of the step by the closed form itself, for integrators that choose their

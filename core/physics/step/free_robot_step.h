@@ -49,6 +49,11 @@ struct FreeMotion {
     position += velocity * Real(time);
     rotation = turned(rotation, spin, time);
   }
+  /// The same up to the quaternion's norm.
+  SKYBODY_INLINE void drift_and_stretch(double time) {
+    position += velocity * Real(time);
+    rotation = turned_and_stretched(rotation, spin, time);
+  }
   template <class Rate>
   SKYBODY_INLINE void kick(const FreeMotion& start, const Rate& rate, double time) {
     *this = start;
@@ -136,7 +141,7 @@ class FreeRobotStep {
     body.spin += first.spin * half;
     const FreeRates<Real> second = rates(body, air, level, run, world_.rate);
     motion.change_velocity(second.acceleration(body.axes), dt());
-    motion.drift(0.5 * dt());
+    motion.drift_and_stretch(0.5 * dt());
     for (int i = 0; i < rotor_count(); ++i) speeds += end_speed[i];
     return is_sound(motion, speeds);
   }
@@ -238,8 +243,7 @@ class FreeRobotStep {
 
   /// Whether forces ask for the origin's velocity, W axes.
   SKYBODY_INLINE bool needs_velocity(const BodyKinematics<Real>& body) const {
-    return kIsHeld ||
-           (robot_.contact.count > 0 && !none(body.position.z < robot_.contact.reach));
+    return kIsHeld || (robot_.contact.count > 0 && !none(body.position.z < robot_.contact.reach));
   }
   SKYBODY_INLINE Vec3<Real> velocity_in_air(const BodyKinematics<Real>& body) const {
     return air_velocity(kIsHeld ? &in_.held : nullptr, robot_.body, body);

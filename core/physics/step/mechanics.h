@@ -31,7 +31,10 @@ struct Coordinates {
     for (int i = 0; i < u_count; ++i) u[i] += time * rate.u[i];
   }
   SKYBODY_INLINE void drift(double time) {
-    for (const TreeBody& body : *tree) drift_position(body.type, time, u + body.u, q + body.q);
+    for (const TreeBody& body : *tree) {
+      drift_position(body.type, time, u + body.u, q + body.q);
+      normalize_position(body.type, q + body.q);
+    }
   }
   SKYBODY_INLINE void kick(const Coordinates& start, const Coordinates& rate, double time) {
     for (int i = 0; i < q_count; ++i) q[i] = start.q[i];

@@ -60,6 +60,48 @@ TEST_F(ThrustTorqueTest, ReachableWrenchesComeOut) {
   }
 }
 
+TEST_F(ThrustTorqueTest, WhateverTheRotorsCanDoComesOut) {
+  world.bodies[0].com[0] = 0.01;
+  const Instance instance("ctbt", world);
+  std::mt19937_64 generator(7);
+  std::uniform_real_distribution<double> speed(0.0, 1.0);
+  for (int i = 0; i < 10000; ++i) {
+    std::vector<double> wanted(4);
+    for (double& w : wanted) w = 2246.0 * std::sqrt(speed(generator));  // thrusts are uniform
+    const Wrench4 u = effect(world, wanted);
+    const std::vector<double> got = run(instance, {u.thrust, u.x, u.y, u.z});
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(got[k], wanted[k], 1e-6) << i;
+  }
+}
+
+TEST_F(ThrustTorqueTest, WhatIsCutChangesWithoutJumps) {
+  const Instance instance("ctbt", world);
+  std::mt19937_64 generator(8);
+  std::uniform_real_distribution<double> draw(-1.0, 1.0);
+  const auto thrusts = [&](const std::vector<double>& u) {
+    std::vector<double> f = run(instance, u);
+    for (double& w : f) w = w * w * 1.9533e-6;
+    return f;
+  };
+  for (int i = 0; i < 300; ++i) {
+    // Along a line through commands whose roll and pitch torque fit alone.
+    std::vector<double> from(4), to(4);
+    for (std::vector<double>* u : {&from, &to}) {
+      *u = {18.0 + 20.0 * draw(generator), 0.6 * draw(generator), 0.5 * draw(generator),
+            0.5 * draw(generator)};
+    }
+    std::vector<double> last = thrusts(from);
+    for (int k = 1; k <= 200; ++k) {
+      std::vector<double> u(4);
+      for (std::size_t c = 0; c < 4; ++c) u[c] = from[c] + (to[c] - from[c]) * k / 200.0;
+      const std::vector<double> f = thrusts(u);
+      // The command moves by at most 0.2 N of thrust and 0.05 N of each torque a step.
+      for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(f[c], last[c], 1.0) << i << " at " << k;
+      last = f;
+    }
+  }
+}
+
 TEST(Allocation, WorksForSixTiltedRotors) {
   PluginWorld world;
   world.add_robot("hexa", 0, 0, 1);

@@ -117,6 +117,30 @@ TEST_P(EverySolver, SwingsASpringAsTheClosedFormSays) {
   EXPECT_NEAR(bench.state.q[0], expected, 1e-6);
 }
 
+TEST(Cvode, KeepsAPendulumsEnergyForAMinuteByDefault) {
+  RobotModel model;
+  model.fixed_base = true;
+  model.bodies.push_back(
+      make_body("rod", JointType::kPin, -1, 0.4, {0, -0.35, 0}, diagonal(0.01, 0.01, 0.01)));
+  // The pin's axis is z of its frame: lay it level.
+  model.bodies[0].joint.frame_in_parent.rotation = {std::sqrt(0.5), std::sqrt(0.5), 0, 0};
+  Scenario scenario = make_scenario(model);
+  scenario.contact.ground = false;
+  scenario.stepping.integrator = IntegratorChoice::kCvode;
+  Bench bench(scenario);
+  const auto energy = [&] {
+    const double q = bench.state.q[0], u = bench.state.u[0];
+    const double moment = 0.01 + 0.4 * 0.35 * 0.35;
+    return 0.5 * moment * u * u + 0.4 * 9.81 * 0.35 * (1.0 - std::cos(q));
+  };
+  bench.state.q[0] = 1.0;
+  bench.stepper->update_bodies(bench.state);
+  const double before = energy();
+  ASSERT_TRUE(bench.run_seconds(60.0));
+  // It loses 6e-4; at 1e-6 it would lose 2e-2.
+  EXPECT_NEAR(energy() / before, 1.0, 1e-3);
+}
+
 TEST_P(EverySolver, BearsASpringTooStiffForFixedSteps) {
   const Scenario stiff = spring(2e4, 1.0);
   for (const auto fixed : kFixedSteps) {
