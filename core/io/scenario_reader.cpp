@@ -119,9 +119,10 @@ class ScenarioReader {
     const std::string integrator = stepping_reader.text("integrator");
     if (!is_error_controlled(stepping.integrator)) {
       if (node == nullptr) return;
-      diagnostics_.error(reader.mark(), "`solver` is given, but `integrator` is `" + integrator +
-                                            "`, whose steps are fixed; allowed with `cvode` and "
-                                            "`arkode`: choose one of them, or leave `solver` out (`null`)");
+      diagnostics_.error(reader.mark(),
+                         "`solver` is given, but `integrator` is `" + integrator +
+                             "`, whose steps are fixed; allowed with `cvode` and "
+                             "`arkode`: choose one of them, or leave `solver` out (`null`)");
       return;
     }
     solver.method = solver_method(reader, integrator);
