@@ -6,8 +6,8 @@
 // allocation is f = P u with P = A^T (A A^T)^-1, the solution of least norm; sideways forces of
 // tilted rotors are not controlled.
 //
-// What the rotors can do is done. Of what they cannot is cut, so that 0 <= f_i <= full_i, in this
-// order:
+// A command that the rotors can meet is met. Others are reduced in this order, so that
+// 0 <= f_i <= full_i:
 //   1. roll and pitch torque, both scaled by the largest s <= 1 for which some thrust fits;
 //   2. thrust, moved as little as needed to fit on top of it;
 //   3. yaw torque, scaled by the largest t <= 1 that moves thrust no further; where it lets thrust
@@ -195,9 +195,9 @@ class Allocation {
   SKYBODY_INLINE Real yaw_share(const Shares<Real>& use, const Real& moved,
                                 const Vec3<Real>& torque) const {
     Real share(1.0);
-    // Lowers the share to what keeps slack + share growth at 0 or below; slack is.
-    const auto limit = [&](const Real& slack, const Real& growth) SKYBODY_INLINE_LAMBDA {
-      const Real room = max(-slack, 0.0);
+    // Lowers the share t to what keeps violation + t growth at 0 or below, as it is at t = 0.
+    const auto limit = [&](const Real& violation, const Real& growth) SKYBODY_INLINE_LAMBDA {
+      const Real room = max(-violation, 0.0);
       share = min(share,
                   select(growth > 0.0, room / select(growth > 0.0, growth, Real(1.0)), Real(1.0)));
     };

@@ -320,9 +320,11 @@ std::vector<ControllerChain> place_commands(Chains& all) {
   for (ControllerChain& feeding : chains) {
     for (ChainEnd& end : feeding.ends) {
       if (end.feeds < 0) continue;
-      end.first = std::find_if(chains.begin(), chains.end(), [&](const ControllerChain& chain) {
-                    return chain.first == end.feeds;
-                  })->command;
+      const auto fed =
+          std::find_if(chains.begin(), chains.end(),
+                       [&](const ControllerChain& chain) { return chain.first == end.feeds; });
+      SKYBODY_DEMAND(fed != chains.end(), "an end feeds no chain");
+      end.first = fed->command;
     }
   }
   return chains;

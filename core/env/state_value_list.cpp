@@ -162,7 +162,8 @@ class List {
     add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count}, use.model.rotors);
     const Block command = compiled_.commands_of(robot);
     add_words_if_any(prefix + "command", "", "", command, {command.size},
-                     "of its chains of controllers, physical units (docs/control-modes.md)");
+                     "of its chains of controllers, and of teams whose first robot it is, physical "
+                     "units (docs/control-modes.md)");
   }
 
   /// The inboard joint of a body; a base has `base` instead.

@@ -91,7 +91,8 @@ const MapSpec& stepping_fields() {
                        "what advances the state; semi_implicit_euler: of first order, midpoint: "
                        "of second, rk4: of fourth; cvode, arkode: SUNDIALS, with control of its "
                        "error"),
-          map_field("solver", Field::Kind::kMap, solver_fields(), "how cvode and arkode work"),
+          map_field("solver", Field::Kind::kMap, solver_fields(),
+                    "how cvode and arkode work; null: as if left out"),
       }};
   return spec;
 }

@@ -90,13 +90,13 @@ class ScenarioReader {
     const Audit audit = audit_of(stepping.integrator);
     if (stepping.dt <= audit.largest_dt) return;
     const bool is_euler = stepping.integrator == IntegratorChoice::kSemiImplicitEuler;
-    diagnostics_.warning(reader.mark("dt"),
-                         "`dt` is " + format_number(stepping.dt) +
-                             " s; the audit in docs/results/integrators.md supports up to " +
-                             format_number(audit.largest_dt) + " s with `" +
-                             reader.text("integrator") + "` (errors below " + audit.error +
-                             " after a second of flight): take a smaller one" +
-                             (is_euler ? ", or `integrator: rk4` with at most 0.004 s" : ""));
+    diagnostics_.warning(
+        reader.mark("dt"),
+        "`dt` is " + format_number(stepping.dt) +
+            " s; the audit in docs/results/integrators.md supports up to " +
+            format_number(audit.largest_dt) + " s with `" + reader.text("integrator") +
+            "` (errors below " + audit.error + " after a second of flight): take a smaller one" +
+            (is_euler ? ", or `integrator: midpoint` or `rk4` with at most 0.004 s" : ""));
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {
@@ -200,10 +200,11 @@ class ScenarioReader {
       team.name = reader.text("name");
       team.controllers = uses(reader, "controllers", SKYBODY_CONTROLLER);
       const ConfigNode* given = reader.node("controllers");
-      if (given != nullptr && given->is_sequence() && given->items.empty()) {
-        diagnostics_.error(given->mark,
-                           "`controllers` is an empty list; allowed: a list of at least one "
-                           "controller");
+      const bool is_none = given != nullptr && given->is_null();
+      if (is_none || (given != nullptr && given->is_sequence() && given->items.empty())) {
+        diagnostics_.error(given->mark, std::string("`controllers` is ") +
+                                            (is_none ? "empty" : "an empty list") +
+                                            "; allowed: a list of at least one controller");
       }
       team.robots = robots_of(reader, robots);
       scenario_.teams.push_back(std::move(team));

@@ -40,7 +40,7 @@ struct PluginUse {
 };
 
 enum class DynamicsChoice { kAuto, kSimbody, kTree };
-enum class IntegratorChoice { kMidpoint, kSemiImplicitEuler, kRk4, kCvode, kArkode };
+enum class IntegratorChoice { kSemiImplicitEuler, kMidpoint, kRk4, kCvode, kArkode };
 
 /// Whether it chooses its own steps within dt, by an estimate of its error.
 inline bool is_error_controlled(IntegratorChoice integrator) {
@@ -55,7 +55,7 @@ struct SolverSettings {
   SolverMethod method = SolverMethod::kAdams;
   double relative_tolerance = 1e-8;
   double absolute_tolerance = 1e-11;  ///< [m, rad, m/s, rad/s]
-  int max_steps = 500;               ///< its own steps in one physics step
+  int max_steps = 500;                ///< its own steps in one physics step
 };
 
 /// The time grid and how it is advanced.

@@ -1,9 +1,9 @@
-"""The equations of docs/physics of flight once more, by SciPy: one rigid body with rotors.
+"""The equations of flight once more, by SciPy: one rigid body with rotors.
 
 Written from the documents and the sources that they name, sharing no code with the engine: eq. 1
 and 2 of the paper, rotors as RotorS has them (`core/physics/forces/rotor_force.h` names the
-sections), Newton and Euler about the centre of mass. Models are read from URDF and rotors.yaml by
-the readers of Python's own library.
+sections), Newton and Euler about the centre of mass. Models are read from URDF and rotors.yaml
+by readers of XML and YAML.
 """
 
 from __future__ import annotations

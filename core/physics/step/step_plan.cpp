@@ -19,10 +19,10 @@ StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
   switch (integrator) {
     case IntegratorChoice::kRk4:
       return free_rk4_kernel(lanes, isa);
-    case IntegratorChoice::kSemiImplicitEuler:
-      return free_euler_kernel(lanes, isa);
-    default:
+    case IntegratorChoice::kMidpoint:
       return free_midpoint_kernel(lanes, isa);
+    default:  // semi-implicit Euler: the others have no kernels
+      return free_euler_kernel(lanes, isa);
   }
 }
 

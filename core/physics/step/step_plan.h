@@ -120,7 +120,7 @@ struct StepPlan {
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;
-  std::vector<WideValue> shared_params, shared_derived;  ///< the same, for SharedValues
+  std::vector<WideValue> shared_params, shared_derived;  ///< the same, as packs read them
   std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for deriving
   StepKernels kernels_of_all, kernels_of_one;
 };

@@ -1,5 +1,5 @@
 // What happens within one physics step whoever computes it: how rotors run, how drives set a base's
-// coordinates, and the two explicit integration rules. On double and packs.
+// coordinates, and the explicit integration rules. On double and packs.
 #pragma once
 
 #include "core/physics/forces/base_drive.h"
@@ -87,15 +87,10 @@ inline constexpr StepRule kRungeKutta4Rule{IntegratorChoice::kRk4,
                                            {kStepStart, kStepMiddle, kStepMiddle, kStepEnd},
                                            {0.0, 0.5, 0.5, 1.0}};
 
+/// Of an integrator with fixed steps.
 SKYBODY_INLINE const StepRule& step_rule(IntegratorChoice integrator) {
-  switch (integrator) {
-    case IntegratorChoice::kRk4:
-      return kRungeKutta4Rule;
-    case IntegratorChoice::kSemiImplicitEuler:
-      return kSemiImplicitEulerRule;
-    default:
-      return kMidpointRule;
-  }
+  if (integrator == IntegratorChoice::kRk4) return kRungeKutta4Rule;
+  return integrator == IntegratorChoice::kMidpoint ? kMidpointRule : kSemiImplicitEulerRule;
 }
 
 /// What semi-implicit Euler does with the rates.
@@ -114,10 +109,8 @@ struct StageRates {
 
 /// One step by a rule.
 /// @tparam State  has set(start, rate, time): start + time rate, element by element, where start
-///                may be the state itself; add(rate); change_velocity(rate, time),
-///                change_position(time), which is by its velocity; drift(time), which does the
-///                same, turning exactly; and kick(start, rate, time): start with its velocity
-///                changed
+///                may be the state itself; add(rate); and change_velocity(rate, time) and
+///                change_position(time), which is by its velocity
 /// @param rates   rates(state, time, rate) writes what the state changes by in a second. It is
 ///                evaluated at one place in the loop, since its code is large
 /// @param state   at the step's start; written: at its end
@@ -125,23 +118,36 @@ template <class State, class Rates>
 SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& rates, State& state,
                                  StageRates<State>& work) {
   State* const rate[4] = {&work.outer, &work.inner, &work.rate, &work.rate};
-  const bool is_midpoint = rule.integrator == IntegratorChoice::kMidpoint;
-  if (is_midpoint) state.drift(0.5 * dt);
 #pragma GCC unroll 1
   for (int k = 0; k < rule.stages; ++k) {
-    if (k > 0 && is_midpoint) work.point.kick(state, *rate[k - 1], dt * rule.reach[k]);
-    if (k > 0 && !is_midpoint) work.point.set(state, *rate[k - 1], dt * rule.reach[k]);
+    if (k > 0) work.point.set(state, *rate[k - 1], dt * rule.reach[k]);
     rates(k == 0 ? state : work.point, rule.time[k], *rate[k]);
     if (k == 2) work.inner.add(work.rate);
-  }
-  if (is_midpoint) {
-    state.change_velocity(work.inner, dt);
-    return state.drift(0.5 * dt);
   }
   if (rule.is_split()) return semi_implicit_euler(dt, work.outer, state);
   work.outer.add(work.rate);
   work.outer.set(work.outer, work.inner, 2.0);
   state.set(state, work.outer, dt / 6.0);
+}
+
+/// One step by kMidpointRule.
+/// @tparam State  also has drift(time), which is change_position(time) with rotations turned by
+///                their exponential; and kick(start, rate, time): start, its velocity changed
+/// @param rates   as for step_by_rule, evaluated at one place; only the velocity's are asked for
+template <class State, class Rates>
+SKYBODY_INLINE void step_by_midpoint(double dt, const Rates& rates, State& state,
+                                     StageRates<State>& work) {
+  state.drift(0.5 * dt);
+  State* at = &state;
+#pragma GCC unroll 1
+  for (int k = 0; k < kMidpointRule.stages; ++k) {
+    rates(*at, kMidpointRule.time[k], work.rate);
+    if (k > 0) break;
+    work.point.kick(state, work.rate, dt * kMidpointRule.reach[1]);
+    at = &work.point;
+  }
+  state.change_velocity(work.rate, dt);
+  state.drift(0.5 * dt);
 }
 
 }  // namespace skybody
