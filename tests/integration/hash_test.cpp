@@ -139,10 +139,10 @@ TEST(Hash, IsTheSameWithTheCLibrarysVariantsForThisProcessorSwitchedOff) {
       ("sensors=[{plugin: imu, parameters: {robot: quad, accelerometer_noise: 0.002, "
        "gyroscope_noise: 0.0002, accelerometer_walk: 0.001}}]"),
       "--set",
-      "randomization=[{plugin: vehicle_constants, name: inertia, parameters: {robot: quad, mass: "
-      "[0.8, 1.2], tau_up: [0.5, "
-      "1.5], tau_down: [0.5, 1.5]}}, {plugin: start, parameters: {robot: quad, position_min: [-1, "
-      "-1, 1.5], position_max: [1, 1, 3]}}]"};
+      ("randomization=[{plugin: vehicle_constants, name: inertia, parameters: {robot: quad, mass: "
+       "[0.8, 1.2], tau_up: [0.5, "
+       "1.5], tau_down: [0.5, 1.5]}}, {plugin: start, parameters: {robot: quad, position_min: [-1, "
+       "-1, 1.5], position_max: [1, 1, 3]}}]")};
   const Outcome as_it_is = run_skybody(arguments);
   ASSERT_EQ(as_it_is.exit_code, 0) << as_it_is.err;
   ProcessOptions plain;

@@ -113,6 +113,8 @@ class FreeRobotStep {
   // What is read again after forget() need not be kept in registers, of which there are too few.
   static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
 
+  /// kMidpointRule (step_rules.h); the predictor's velocity stays in body axes, since the axes are
+  /// those of half the step in both evaluations.
   template <class Load>
   SKYBODY_INLINE MaskOf<Real> advance_by_midpoint(const Load& load, FreeMotion<Real>& motion,
                                                   Real* end_speed) const {
