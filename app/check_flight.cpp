@@ -6,6 +6,7 @@
 #include "core/base/math.h"
 #include "core/base/random.h"
 #include "core/io/text.h"
+#include "core/model/fault_reason.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/simulation/simulation.h"
 
@@ -84,12 +85,19 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
   simulation.reset();
   warn_of_overlaps(*compiled, simulation.contacts(), diagnostics);
   warn_of_weight(*compiled, diagnostics);
+  static_cast<void>(simulation.goals());  // the task's goal() is tried, too
+  int faults = 0;
   for (int k = 0; k < kSteps; ++k) {
     if (simulation.done()) simulation.reset();
     const std::vector<float> idle(static_cast<std::size_t>(simulation.action_size()), 0.0f);
     simulation.step(
         k % 2 == 0 ? idle : random_action(simulation.action_size(), static_cast<std::uint64_t>(k)));
+    faults += simulation.fault() ? 1 : 0;
   }
+  if (faults < kSteps) return;
+  diagnostics.warning({compiled->scenario().file, 0, 0},
+                      "every step of a trial flight ends in a fault: " +
+                          fault_reason(simulation.status()) + "; `skybody run` shows more");
 }
 
 }  // namespace skybody

@@ -57,6 +57,7 @@ int run_program(int count, const char* const* arguments) {
   } catch (const CLI::ParseError& error) {
     return report_error("error: " + describe_usage_error(app, error));
   }
+  const CommandRun running;
   return run_and_report(chosen);
 }
 

@@ -24,9 +24,9 @@
 #include "app/action.h"
 #include "app/output.h"
 #include "app/report.h"
+#include "core/base/breadcrumb.h"
 #include "core/base/error.h"
 #include "core/base/printable.h"
-#include "plugins/host/breadcrumb.h"
 
 namespace skybody {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "app/action.h"
-#include "plugins/host/breadcrumb.h"
+#include "core/base/breadcrumb.h"
 
 namespace skybody {
 namespace {
@@ -34,8 +34,15 @@ bool name_plugin(const char* how) {
   return true;
 }
 
+pid_t running_command = 0;  ///< the process that runs it; 0: none does
+
 void at_exit() {
   if (name_plugin(": ends the program ")) _exit(kExitError);
+  if (running_command != getpid()) return;  // a child has a parent that says it
+  write_text(
+      "error: something calls exit() before the command is done, most likely a step of a plugin; "
+      "`skybody check` says which\n");
+  _exit(kExitError);
 }
 
 /// Does what the signal would have done: a fault comes again after this, one that was sent would
@@ -61,6 +68,9 @@ void make_own_stack() {
 }
 
 }  // namespace
+
+CommandRun::CommandRun() { running_command = getpid(); }
+CommandRun::~CommandRun() { running_command = 0; }
 
 void name_plugins_that_end_the_program() {
   watch_plugins(&breadcrumb);

@@ -7,4 +7,13 @@ namespace skybody {
 /// named on stderr before the program ends: with status 2 after exit(), else by the same signal.
 void name_plugins_that_end_the_program();
 
+/// While it lasts a call of exit() is an error, too: a plugin's step makes it.
+class CommandRun {
+ public:
+  CommandRun();
+  ~CommandRun();
+  CommandRun(const CommandRun&) = delete;
+  CommandRun& operator=(const CommandRun&) = delete;
+};
+
 }  // namespace skybody

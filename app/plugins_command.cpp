@@ -84,7 +84,7 @@ const PluginEntry& require_plugin(const Entries& entries, const std::string& kin
 
 int list_plugins(PluginsOptions options, const RefusedFiles& refused) {
   options.load.refused_plugins = refused;
-  const std::shared_ptr<const PluginRegistry> registry = find_plugins(options.load);
+  const std::shared_ptr<const PluginRegistry> registry = open_plugins(options.load);
   const Entries entries = registry->open_all();
   if (!options.markdown.empty()) {
     const PluginEntry& entry = require_plugin(entries, options.markdown);

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "plugins/host/registry.h"
+
 namespace skybody {
 
 void add_plugin_path(CLI::App& command, LoadOptions& options) {
@@ -40,6 +42,14 @@ void add_scenario_options(CLI::App& command, LoadOptions& options) {
 void add_checked(CLI::App& command, LoadOptions& options) {
   command.add_flag("--checked", options.checked,
                    "Hold plugins to the values that they may touch: slower, the same bits");
+}
+
+std::shared_ptr<PluginRegistry> open_plugins(const LoadOptions& options) {
+  Diagnostics diagnostics;
+  if (!check_plugin_path(options, diagnostics)) throw InputError(diagnostics.all());
+  std::shared_ptr<PluginRegistry> registry = find_plugins(options);
+  registry->open_all();
+  return registry;
 }
 
 std::shared_ptr<const CompiledScenario> load_and_warn(const LoadOptions& options) {

@@ -22,6 +22,9 @@ void add_trust_scenario(CLI::App& command, LoadOptions& options);
 /// Declares --checked.
 void add_checked(CLI::App& command, LoadOptions& options);
 
+/// All plugins that are found, opened. @throws InputError where a folder is not there
+std::shared_ptr<PluginRegistry> open_plugins(const LoadOptions& options);
+
 /// Loads it and prints its warnings.
 /// @throws InputError with errors and warnings
 std::shared_ptr<const CompiledScenario> load_and_warn(const LoadOptions& options);

@@ -21,9 +21,7 @@ constexpr const char* kSchemaFooter =
 
 int print_schema(LoadOptions options, const RefusedFiles& refused) {
   options.refused_plugins = refused;
-  const auto registry = find_plugins(options);
-  registry->open_all();
-  const auto catalog = make_catalog(registry);
+  const auto catalog = make_catalog(open_plugins(options));
   const std::string schema = scenario_schema(*catalog);
   print(schema);
   if (schema.empty() || schema.back() != '\n') print("\n");

@@ -42,6 +42,7 @@ import skybody
 from numpy.typing import NDArray
 from skybody._native import CompiledScenario
 from skybody._native import Simulation as NativeSimulation
+from skybody.program import deaf_to_interrupts, run_program
 from skybody.simulation import SimulationPool
 
 COUNTS = (1, 4, 8, 16, 32, 64, 128)
@@ -128,7 +129,8 @@ class Processes:
         for first, size in shares(count):
             mine, other = context.Pipe()
             process = context.Process(target=serve, args=(other, first, size), daemon=True)
-            process.start()
+            with deaf_to_interrupts():
+                process.start()
             other.close()
             self.pipes.append(mine)
             self.processes.append(process)
@@ -296,4 +298,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

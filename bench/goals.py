@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 import skybody
+from skybody.program import run_program
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAMS = ROOT / "build" / "release" / "bin"
@@ -214,4 +215,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

@@ -16,6 +16,7 @@ import time
 
 import numpy as np
 import torch
+from skybody.program import run_program
 from skybody.sb3 import SkybodyVecEnv
 from stable_baselines3 import PPO
 from stable_baselines3.common.evaluation import evaluate_policy
@@ -70,4 +71,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

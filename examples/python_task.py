@@ -15,6 +15,7 @@ import numpy as np
 import torch
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
+from skybody.program import run_program
 from skybody.python_task import PythonTask, PythonTaskVectorEnv
 from skybody.sb3_adapter import VectorEnvForSb3
 from skybody.simulation import EnvStates, SimulationPool
@@ -161,4 +162,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

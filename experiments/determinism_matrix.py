@@ -25,13 +25,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import skybody
+from skybody.program import deaf_to_interrupts, run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests/golden"))
 
 import golden  # noqa: E402
 from golden import ENVS, LEAST_STEPS, SEED, STEPS, Flight, FlightError  # noqa: E402
-from program import run_program  # noqa: E402
 
 REPORT = ROOT / "docs/results/determinism_matrix.md"
 FLIGHTS = {flight.name: flight for flight in golden.FLIGHTS}
@@ -107,7 +107,8 @@ def load() -> Iterator[None]:
     burners: list[subprocess.Popen[bytes]] = []
     try:
         for processor in sorted(os.sched_getaffinity(0)):
-            burner = subprocess.Popen([sys.executable, "-S", "-c", BURN])
+            with deaf_to_interrupts():
+                burner = subprocess.Popen([sys.executable, "-S", "-c", BURN])
             burners.append(burner)
             os.sched_setaffinity(burner.pid, {processor})
         time.sleep(0.1)  # until they compute
@@ -185,9 +186,10 @@ steps, so that every environment is reset at least three times on the way. `hove
   not finite every few steps (the others' hashes are compared);
 - each of these on the machine as it was, and with one more process computing on every processor.
 
-The program has a process for each run, Python one for each shape. Hashes chain every word of state,
-observation, reward and status after every step. Across what builds and processors they are the
-same, and where that is not promised, is in [determinism.md](../determinism.md).
+The program has a process for each run, Python one for each shape. Hashes chain state words,
+observation, privileged row, images, reward and status after every step. Across what builds and
+processors they are the same, and where that is not promised, is in
+[determinism.md](../determinism.md).
 
 | scenario | robots | steps | hash | runs | |
 | --- | --- | --- | --- | --- | --- |
@@ -241,7 +243,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         "--steps",
         type=int,
         default=STEPS,
-        help=f"of each environment, divided by the number of robots; default: {STEPS}",
+        help="of each environment, divided by the number of robots; at most, and by default, what "
+        "tests/golden flies",
     )
     add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="skybody")
     add("--quick", action="store_true", help="two scenarios, three shapes: a trial")
@@ -265,14 +268,14 @@ def main(arguments: list[str] | None = None) -> int:
     results = []
     try:
         for name in options.scenarios:
-            flight = dataclasses.replace(FLIGHTS[name], most_steps=options.steps)
+            pinned = FLIGHTS[name]
+            most_steps = min(options.steps, pinned.most_steps)
+            flight = dataclasses.replace(pinned, most_steps=most_steps)
             results.append(fly_all(options, flight, shapes))
             print(line(results[-1]), flush=True)
     except FlightError as error:
         print(f"determinism_matrix: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        return 130
     if options.write:
         given = sys.argv[1:] if arguments is None else arguments
         command = " ".join([".venv/bin/python experiments/determinism_matrix.py", *given])

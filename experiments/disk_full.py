@@ -23,7 +23,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from program import run_program
+from skybody.program import run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 DISK_BYTES = 64 << 20
@@ -279,7 +279,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"disk_full: no file system can be mounted here: {probe.stderr.decode().strip()}")
         return NOT_POSSIBLE
     words += [sys.executable, __file__, INSIDE, "--program", str(options.program), *options.cases]
-    return subprocess.run(words, check=False).returncode
+    os.execvp(words[0], words)
 
 
 if __name__ == "__main__":

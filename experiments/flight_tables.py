@@ -18,7 +18,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from program import run_program
+from skybody.program import run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 VEHICLES = ("qdrone2", "crazyflie", "hummingbird", "firefly")

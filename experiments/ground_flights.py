@@ -22,7 +22,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from policy_flight import PICTURE
-from program import run_program
+from skybody.program import run_program
 
 ROOT = Path(__file__).resolve().parent.parent
 ON_TREE = ("stepping.dynamics=tree", "randomization=[]", "stepping.horizon=4000")

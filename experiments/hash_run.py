@@ -15,6 +15,7 @@ import argparse
 import numpy as np
 import skybody
 from numpy.typing import NDArray
+from skybody.program import run_program
 
 # Philox4x64 of Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
 ROUNDS = 10
@@ -160,4 +161,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

@@ -30,10 +30,10 @@ import numpy as np
 import training_reproducibility
 from hover_report import draw, markdown
 from policy_flight import PICTURE, fly_policy
-from program import run_program
 from skybody import CompiledScenario
+from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders
-from skybody.train.run_folder import read_evaluation
+from skybody.train.evaluation_file import read_evaluation
 from training_runs import (
     ROOT,
     Run,
@@ -217,9 +217,6 @@ def main(arguments: list[str] | None = None) -> int:
     except RunError as error:
         print(f"hover_training: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on", file=sys.stderr)
-        return 130
     shutil.copyfile(options.out / "flight" / PICTURE, report / "images/hover_policy.png")
     content = {
         "experiment": "hover training",

@@ -29,6 +29,7 @@ import numpy as np
 import skybody
 from integrator_report import write_page, write_picture
 from numpy.typing import NDArray
+from skybody.program import run_program
 from throughput import ROOT, arguments, facts, output_folder, write_json
 
 PROGRAM = ROOT / "build/release/bin/skybody"
@@ -360,4 +361,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

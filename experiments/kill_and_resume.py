@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from program import run_program
+from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.run_folder import read_table
 from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
@@ -85,7 +85,10 @@ def train(arguments: list[str]) -> subprocess.Popen[str]:
 def to_the_end(arguments: list[str]) -> None:
     """Runs a part to its end. Raises RunError where it fails."""
     process = train(arguments)
-    _, said = process.communicate()
+    try:
+        _, said = process.communicate()
+    finally:
+        process.kill()  # after Ctrl-C; else it has ended
     if process.returncode != 0:
         raise RunError(f"exit code {process.returncode}: {said.strip()}")
 

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import skybody
 from numpy.typing import NDArray
-from program import run_program
+from skybody.program import run_program
 
 ENVS = 1024
 STEPS = 10_000_000
@@ -194,7 +194,11 @@ def main() -> int:
         print(f"{options.part}: {title}", flush=True)
         return 0 if work(options.cycles if options.part == "cycles" else int(options.steps)) else 1
     codes = [
-        subprocess.run([sys.executable, __file__, *sys.argv[1:], "--part", part], check=False)
+        subprocess.run(
+            [sys.executable, __file__, *sys.argv[1:], "--part", part],
+            check=False,
+            start_new_session=True,  # a Ctrl-C at the terminal is for this process to handle
+        )
         for part in PARTS
     ]
     return max(abs(done.returncode) for done in codes)

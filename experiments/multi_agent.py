@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import paper_tables
-from program import run_program
+from skybody.program import run_program
 from throughput import (
     FULL,
     QUICK,

@@ -20,7 +20,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from program import run_program
+from skybody.program import run_program
 from training_runs import ROOT, machine, machine_line
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import paper_tables
 import skybody
-from program import run_program
+from skybody.program import run_program
 from throughput import (
     ACTIONS,
     FULL,

@@ -15,6 +15,7 @@ import multiprocessing
 import time
 from pathlib import Path
 
+from skybody.program import deaf_to_interrupts, run_program
 from throughput import facts, machine_line, markdown_table, plain_table
 
 ENVS, ROLLOUT = 16, 128
@@ -49,10 +50,12 @@ def measure(one_thread: bool, is_busy: bool) -> tuple[int, float]:
     results = context.Queue()
     other = context.Process(target=keep_busy, daemon=True)
     if is_busy:
-        other.start()
+        with deaf_to_interrupts():
+            other.start()
     try:
         run = context.Process(target=train, args=(one_thread, results))
-        run.start()
+        with deaf_to_interrupts():
+            run.start()
         found: tuple[int, float] = results.get(timeout=900)
         run.join()
     finally:
@@ -107,4 +110,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

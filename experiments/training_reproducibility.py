@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from program import run_program
 from reproducibility_report import draw, markdown
+from skybody.program import run_program
 from training_runs import (
     ROOT,
     Run,
@@ -283,9 +283,6 @@ def main(arguments: list[str] | None = None) -> int:
     except RunError as error:
         print(f"training_reproducibility: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on", file=sys.stderr)
-        return 130
     given = sys.argv[1:] if arguments is None else arguments
     content = {
         "experiment": "training reproducibility",

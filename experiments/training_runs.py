@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from skybody import CompiledScenario
+from skybody.program import INTERRUPTED
 from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.evaluation_file import read_evaluation
 from skybody.train.presets import preset, with_settings
-from skybody.train.run_folder import read_evaluation
 
 ROOT = Path(__file__).resolve().parent.parent
-INTERRUPTED = 130  # exit code of skybody.train after Ctrl-C
 
 
 class RunError(RuntimeError):

@@ -48,7 +48,11 @@ INFOS = ("Robot", "Body", "Link", "Rotor", "Chain", "Shape", "EnvParam")
 STRUCTS = tuple(f"Skybody{name}Info" for name in INFOS)
 SETUP = (
     Part("What configure() sees and declares", f"{API}/setup.h", ("Setup", "View")),
-    Part("Robots, bodies, rotors", f"{API}/abi.h", (*STRUCTS, "SkybodyShapeKind")),
+    Part(
+        "Robots, bodies, rotors",
+        f"{API}/abi.h",
+        (*STRUCTS, "SkybodyJointType", "SkybodyShapeKind"),
+    ),
     Part(
         "Sites and joint drives",
         f"{API}/abi.h",
@@ -264,7 +268,7 @@ def signals() -> str:
 
 def held_inputs() -> str:
     rows = [
-        [f"`HeldInput::k{c[0].title().replace('_', '')}`", f"{c[3]} a {c[2]}", words(c[4])]
+        [f"`HeldInput::k{c[1]}`", f"{c[4]} a {c[3]}", words(c[5])]
         for _, c in rows_of("held")
     ]
     return table(["input", "values", "meaning"], rows)

@@ -18,6 +18,7 @@ import numpy as np
 import skybody
 import vehicle
 from numpy.typing import NDArray
+from skybody.program import run_program
 
 PROGRAMS = pathlib.Path(__file__).resolve().parents[2] / "build" / "release" / "bin"
 DIFFERS = "rotor lag and drag, observation, reward, ends and resets included; float32 rows"
@@ -355,4 +356,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

@@ -30,6 +30,7 @@ import report
 import results
 from environments import HERE, ROOT, Skipped
 from results import Row
+from skybody.program import run_program
 
 PROGRAMS = ROOT / "build" / "release" / "bin"
 SKYBODY = PROGRAMS / "skybody"
@@ -265,4 +266,4 @@ def compare(options: argparse.Namespace) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

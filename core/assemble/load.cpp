@@ -69,7 +69,7 @@ class RegistryFactory : public PluginFactory {
             const SkybodyDeclare& declare) override {
     const PluginEntry& entry = require(kind, plugin);
     return {create_instance(entry, setup, declare), kernels_for(*entry.descriptor, best_isa()),
-            static_cast<int>(entry.descriptor->state_words)};
+            static_cast<int>(entry.descriptor->state_words), entry.file.string()};
   }
 
   const std::vector<ParameterSpec>& parameters(SkybodyKind kind,
@@ -81,7 +81,7 @@ class RegistryFactory : public PluginFactory {
   const PluginEntry& require(SkybodyKind kind, const std::string& plugin) const {
     const PluginEntry* entry = registry_.find(kind, plugin);
     if (entry == nullptr || !entry->failure.empty()) {
-      throw Error("plugin `" + plugin + "` is not to be had");  // the scenario reader has said why
+      throw Error("plugin `" + plugin + "` cannot be used");  // the scenario reader has said why
     }
     return *entry;
   }
@@ -129,14 +129,6 @@ void check_folders(const std::vector<std::filesystem::path>& folders, const std:
   }
 }
 
-/// Whether the folders that the caller and the environment name for plugins are there.
-bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
-  const int errors_before = diagnostics.error_count();
-  check_folders(options.plugin_path, "the plugin path", diagnostics);
-  check_folders(environment_search_path(), "SKYBODY_PLUGIN_PATH", diagnostics);
-  return diagnostics.error_count() == errors_before;
-}
-
 std::vector<std::filesystem::path> folders_beside(const LoadOptions& options) {
   return scenario_plugin_folders(scenario_file(options.scenario));
 }
@@ -157,6 +149,13 @@ std::vector<PromisingFile> bystanders(const LoadOptions& options, const PluginRe
 }
 
 }  // namespace
+
+bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
+  const int errors_before = diagnostics.error_count();
+  check_folders(options.plugin_path, "the plugin path", diagnostics);
+  check_folders(environment_search_path(), "SKYBODY_PLUGIN_PATH", diagnostics);
+  return diagnostics.error_count() == errors_before;
+}
 
 std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options) {
   std::vector<std::filesystem::path> path = options.plugin_path;

@@ -25,6 +25,10 @@ struct LoadOptions {
   bool checked = false;  ///< checked mode, see CompiledScenario
 };
 
+/// Says which folders for plugins, of those that the options and the environment name, are not
+/// there. @returns whether all are
+bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics);
+
 /// Plugins found on the search path of `options` (see docs/plugins.md for the order).
 std::shared_ptr<PluginRegistry> find_plugins(const LoadOptions& options);
 

@@ -7,7 +7,7 @@
 namespace skybody {
 
 /// An error that the user can mend. Its message has the value, the allowed range and the remedy:
-/// "action_repeat is 0; allowed: 1..1000; set task.action_repeat".
+/// "`action_repeat` is 0; allowed: 1 .. 100000; set stepping.action_repeat".
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

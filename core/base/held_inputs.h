@@ -2,20 +2,20 @@
  * (plugins/api/abi.h). Held inputs are constant over dt; terms that depend on velocity are
  * evaluated by the engine wherever the integrator asks for forces.
  *
- * A row: symbol, member, what has it (body, rotor), values for each, and what they mean. Where
- * nothing is held the values are neutral: 0, gains 1, limits 0 and infinity, rates NaN.
+ * A row: symbol, C++ name, member, what has it (body, rotor), values for each, and what they mean.
+ * Where nothing is held the values are neutral: 0, gains 1, limits 0 and infinity, rates NaN.
  */
 #ifndef SKYBODY_BASE_HELD_INPUTS_H
 #define SKYBODY_BASE_HELD_INPUTS_H
 
 // clang-format off
 #define SKYBODY_HELD_INPUTS(X) \
-  X(WIND,        wind,        body,  3, "velocity of the air around the body, W [m/s]") \
-  X(WRENCH,      wrench,      body,  6, "force [N] at the centre of mass, moment [N m], W axes") \
-  X(BODY_DRAG,   body_drag,   body,  6, "drag at the centre of mass against the air, per body axis: linear [N s/m], quadratic [N s^2/m^2]") \
-  X(ROTOR_GAIN,  rotor_gain,  rotor, 4, "factors on thrust, reaction moment, rotor drag, rolling moment") \
-  X(ROTOR_LIMIT, rotor_limit, rotor, 2, "least and greatest speed [rad/s]") \
-  X(ROTOR_RATE,  rotor_rate,  rotor, 1, "acceleration [rad/s^2] in place of the first-order lag; NaN: the lag")
+  X(WIND,        Wind,       wind,        body,  3, "velocity of the air around the body, W [m/s]") \
+  X(WRENCH,      Wrench,     wrench,      body,  6, "force [N] at the centre of mass, moment [N m], W axes") \
+  X(BODY_DRAG,   BodyDrag,   body_drag,   body,  6, "drag at the centre of mass against the air, per body axis: linear [N s/m], quadratic [N s^2/m^2]") \
+  X(ROTOR_GAIN,  RotorGain,  rotor_gain,  rotor, 4, "factors on thrust, reaction moment, rotor drag, rolling moment") \
+  X(ROTOR_LIMIT, RotorLimit, rotor_limit, rotor, 2, "least and greatest speed [rad/s]") \
+  X(ROTOR_RATE,  RotorRate,  rotor_rate,  rotor, 1, "acceleration [rad/s^2] in place of the first-order lag; NaN: the lag")
 // clang-format on
 
 /* Places within a rotor's gains. */
@@ -27,7 +27,7 @@ enum SkybodyRotorGain {
 };
 
 enum SkybodyHeldInput {
-#define SKYBODY_ROW(symbol, member, owner, size, doc) SKYBODY_HELD_##symbol,
+#define SKYBODY_ROW(symbol, type, member, owner, size, doc) SKYBODY_HELD_##symbol,
   SKYBODY_HELD_INPUTS(SKYBODY_ROW)
 #undef SKYBODY_ROW
       SKYBODY_HELD_COUNT

@@ -6,7 +6,15 @@
 #include <new>
 #include <vector>
 
+#include "core/base/error.h"
+
 namespace skybody {
+
+/// A buffer was to be recycled that the caller still holds; only with debug_buffers.
+class BufferInUse : public Error {
+ public:
+  using Error::Error;
+};
 
 /// Cache-line aligned, so that rows of neighbouring workers do not share lines at the block's ends
 /// and learners may use aligned loads.
@@ -34,14 +42,14 @@ struct RowWidths {
   std::vector<int> images;  ///< bytes of each
 };
 
-/// Rows of up to `capacity` transitions. Row i of a column of width w begins at i * w.
+/// Rows of up to `row_capacity` transitions. Row i of a column of width w begins at i * w.
 struct Batch {
   Batch(int row_capacity, const RowWidths& row_widths, bool with_final);
 
   /// Copies `count` rows of another batch of the same widths, beginning with its row `first`, to
   /// row `at`; final rows only where an episode ended.
   void take(const Batch& from, int first, int count, int at);
-  /// Copies a row's observation and info to its final ones.
+  /// Copies a row's observation, info, privileged row and images to its final ones.
   void keep_final(int row);
   /// Fills all floats with NaN: whoever still reads this memory notices.
   void spoil();
@@ -51,11 +59,11 @@ struct Batch {
   Column<float> observation;          ///< after the transition; under kSameStep, after the reset
   Column<float> reward;               ///< 1 wide; of a team, the team's
   Column<float> agent_reward;         ///< `width.agents` wide
-  Column<float> info;                 ///< the task's info values, `width.info` wide
+  Column<float> info;                 ///< of the task, then of other plugins; `width.info` wide
   Column<std::uint64_t> status;       ///< EpisodeStatus bits of the transition
   Column<std::uint8_t> terminated;    ///< 1: the task ended the episode
   Column<std::uint8_t> truncated;     ///< 1: horizon, task, or a fault
-  Column<std::uint8_t> fault;         ///< 1: bad action or state; not to be bootstrapped
+  Column<std::uint8_t> fault;         ///< 1: bad action, state or outcome; not to be bootstrapped
   Column<std::uint8_t> was_reset;     ///< 1: the transition was a reset: no reward, action ignored
   Column<std::int32_t> env_id;        ///< which environment, 0 ... N_E - 1
   Column<std::int32_t> episode_step;  ///< actions taken in the episode that the row is of

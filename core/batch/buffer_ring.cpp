@@ -1,7 +1,5 @@
 #include "core/batch/buffer_ring.h"
 
-#include "core/batch/pool.h"
-
 namespace skybody {
 
 BufferRing::BufferRing(int rows, const RowWidths& widths, bool with_final, bool debug)

@@ -1,4 +1,5 @@
-// The threads of a Pool: workers that take groups from a queue, and the caller, who works too.
+// The threads of a Pool or a SimulationPool: workers that take groups from a queue, and the caller,
+// who works too.
 #pragma once
 
 #include <atomic>

@@ -13,7 +13,7 @@
 #include "core/base/octets.h"
 #include "core/batch/batch.h"
 #include "core/batch/lane_flags.h"
-#include "core/batch/pool.h"
+#include "core/batch/pool_options.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/state_values.h"

@@ -11,10 +11,10 @@ namespace skybody {
 
 class Pool;
 
-/// Chains, for each environment after each transition, the coordinates q and u, the rotor speeds,
-/// the observation, the reward and the status. Every NaN counts as one. Observe a Pool with it
-/// (Pool::observe) before the first reset; not with Autoreset::kSameStep, where the state of the
-/// last transition is gone when its row arrives.
+/// Chains, for each environment after each transition, q, u, rotor speeds, observation, privileged
+/// row, images, reward and status: a trajectory hash with three blocks in place of all state words.
+/// Every NaN counts as one. Observe a Pool with it (Pool::observe) before the first reset; not with
+/// Autoreset::kSameStep, where the state of the last transition is gone when its row arrives.
 class MotionHash : public PoolObserver {
  public:
   explicit MotionHash(const Pool& envs);

@@ -29,8 +29,8 @@ class PoolObserver {
   virtual void restored(std::span<const std::uint64_t> /*saved*/) {}
   virtual void forked(int /*source*/, std::span<const std::int32_t> /*targets*/, bool /*rekey*/) {}
   virtual void param_set(int /*env*/, const std::string& /*path*/, double /*value*/) {}
-  /// recv() is about to give these rows. The state words and hashes of their environments, which
-  /// nobody touches now, are to be had from `fleet`.
+  /// recv() is about to give these rows. `fleet` has the state words and hashes of their
+  /// environments, which nobody touches now.
   virtual void received(const Batch& rows, const Fleet& fleet) = 0;
 };
 

@@ -20,12 +20,6 @@
 
 namespace skybody {
 
-/// A buffer was to be recycled that the caller still holds; only with debug_buffers.
-class BufferInUse : public Error {
- public:
-  using Error::Error;
-};
-
 /// The call does not fit what the Pool is doing, whatever its arguments: environments are in
 /// flight, no hash is kept, it belongs to the parent process.
 class StateError : public Error {

@@ -32,7 +32,7 @@ struct PoolOptions {
   std::uint64_t first_env_id = 0;  ///< environment i draws with (seed, first_env_id + i)
   bool pin_threads = false;        ///< workers each on a processor of their own, where allowed
   bool keep_hash = false;          ///< chain a trajectory hash per environment
-  bool info = true;                ///< whether rows carry the task's info values
+  bool info = true;  ///< whether rows carry info values (the task's, then what others report)
   /// recv() never hands out memory that the caller still refers to: false: takes a fresh buffer
   /// (counted), true: throws BufferInUse, and fills buffers that it recycles with NaN.
   bool debug_buffers = false;

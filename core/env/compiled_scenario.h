@@ -138,7 +138,8 @@ class CompiledScenario {
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
   void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
 
-  /// Adds one transition of a lane to a trajectory hash: state words, observation, reward, status.
+  /// Adds one transition of a lane to a trajectory hash: state words, observation, privileged row,
+  /// images, reward and status.
   void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;
 
  private:

@@ -163,6 +163,7 @@ struct CompiledScenario::Builder {
       made.self = std::move(result.self);
       made.kernels = result.kernels;
       made.state_words = result.state_words;
+      made.file = result.file;
       check_declarations(topology, plan.layout, made);
     } catch (const Error& e) {
       throw MarkedError(blamed(*bound.use, e.what()), e.what());
@@ -372,7 +373,7 @@ SkybodyChecks CompiledScenario::make_checks() const {
   SkybodyChecks checks{};
   checks.bodies = static_cast<int>(world_->bodies.size());
   checks.rotors = static_cast<int>(world_->rotors.size());
-  checks.robots = static_cast<int>(scenario().robots.size());
+  checks.robots = task().robot_rewards ? static_cast<int>(scenario().robots.size()) : 0;
   checks.q = layout().q.size;
   checks.u = layout().u.size;
   checks.params = layout().params.size;

@@ -1,4 +1,5 @@
-// Beginning an episode: the scenario's start, randomizers, then task, sensors, first observation.
+// Beginning an episode: the scenario's start, randomizers, what bodies feel, reset() of
+// controllers, task, effects and sensors, then sense, evaluate and conclude.
 #include <algorithm>
 #include <cmath>
 

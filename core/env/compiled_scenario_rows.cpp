@@ -64,8 +64,8 @@ std::uint32_t CompiledScenario::write_observation(GroupWork& work, std::uint32_t
   return finite & kernels.write(mask, lanes, privileged, privileged_size(), rows.privileged);
 }
 
-/// Images as the sensors last made them, at a fault, too: none of their values can be a NaN that
-/// stands for one, but of float32 images, whose makers answer for them.
+/// A fault does not change images: they are written as the sensors last made them. NaN in a float32
+/// image is the sensor's responsibility.
 void CompiledScenario::write_images(const StateGroup& group, std::uint32_t mask,
                                     const Rows& rows) const {
   for (std::size_t k = 0; k < plan_.images.size(); ++k) {

@@ -1,5 +1,6 @@
-// One transition, phase by phase (paper eq. 3): act, K times (control, advance, sense), conclude.
-// Under direct control the phases are called one by one.
+// One transition, phase by phase (paper eq. 3): update, act, K times (command, control, apply,
+// advance, feel, sense), evaluate, conclude. Each is said in "The way of an action" of
+// docs/architecture.md. Under direct control they are called one by one.
 #include <algorithm>
 
 #include "core/base/error.h"
@@ -156,7 +157,8 @@ void CompiledScenario::process(StateGroup& group, GroupWork& work, const Skybody
   call_plugin(
       task().kernels.process, task(), group, view,
       [&] {
-        return CallSizes{action_size(), commanded_, 0};
+        return CallSizes{action_size(), commanded_, 0, "command",
+                         group.writable(layout().command, view.active)};
       },
       action, group.writable(layout().command, view.active));
 }
@@ -201,7 +203,7 @@ void CompiledScenario::control(StateGroup& group, GroupWork& work, const Skybody
       call_plugin(
           c.kernels.control, c, group, v,
           [&] {
-            return CallSizes{c.input_count(), c.output_count(), 0};
+            return CallSizes{c.input_count(), c.output_count(), 0, "output", output};
           },
           input, output);
     }
@@ -264,7 +266,7 @@ void CompiledScenario::sense(StateGroup& group, const SkybodyLanes& view,
   call_plugin(
       sensor.kernels.sense, sensor, group, v,
       [&] {
-        return CallSizes{0, sensor.channel_count(), 0};
+        return CallSizes{0, sensor.channel_count(), 0, "channel"};
       },
       group.writable(layout().sensors, v.active) + sensor.output * group.lanes());
 }
@@ -280,7 +282,8 @@ void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, const Skybod
   call_plugin(
       task().kernels.evaluate, task(), group, view,
       [&] {
-        return CallSizes{0, task().channel_count(), value_count(task().infos)};
+        return CallSizes{0, task().channel_count(), value_count(task().infos), "observation",
+                         values.data()};
       },
       &out);
   if (wants_info) write_reports(group, work);
@@ -324,7 +327,7 @@ void CompiledScenario::goal(StateGroup& group, GroupWork& work, int lane,
   call_plugin(
       task().kernels.goal, task(), group, v,
       [&] {
-        return CallSizes{0, static_cast<int>(out.size()), 0};
+        return CallSizes{0, static_cast<int>(out.size()), 0, "goal", values.data()};
       },
       values.data());
   for (std::size_t k = 0; k < out.size(); ++k) {

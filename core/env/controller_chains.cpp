@@ -290,7 +290,8 @@ class ChainMaker {
   void add_drive(const PluginOutput& output, ChainEnd& end) {
     const bool is_velocity = output.signal == SKYBODY_VELOCITY;
     end.block = &Layout::drive;
-    end.first = 13 * count_driven(plan_.drives) + (is_velocity ? 0 : 6);
+    end.first =
+        kDriveSize * count_driven(plan_.drives) + (is_velocity ? kDriveVelocity : kDrivePosition);
     plan_.drives[static_cast<std::size_t>(output.robot)] =
         is_velocity ? DriveKind::kVelocity : DriveKind::kPose;
   }

@@ -10,7 +10,7 @@ namespace skybody {
 
 /// Whether the task or a sensor gives a column's values.
 struct ColumnSource {
-  int sensor = -1;  ///< index within CompiledScenario::sensors(); -1: the task
+  int sensor = -1;  ///< index within plugins(SKYBODY_SENSOR); -1: the task
   int channel = 0;  ///< index within its channels
 };
 

@@ -1,8 +1,11 @@
 // The one way in which the engine calls a plugin's step functions.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "core/base/breadcrumb.h"
+#include "core/base/math_double.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
@@ -10,51 +13,98 @@
 
 namespace skybody {
 
-/// @throws MarkedError, at the line that names the plugin, if it touched values beyond those that
-/// it may
-inline void report_misuse(const PluginInstance& plugin, const SkybodyChecks& checks) {
-  if (checks.what == nullptr) return;
-  throw MarkedError(plugin.mark,
-                    "plugin `" + plugin.plugin + "` (" + plugin.name + ") asks for " + checks.what +
-                        " value " + std::to_string(checks.index) + "; allowed: " +
-                        (checks.size == 0 ? "none" : "0 to " + std::to_string(checks.size - 1)) +
-                        "; this is a mistake in the plugin");
+/// At the line that names the plugin.
+/// @param what  such as "throws `x`"
+[[noreturn]] inline void blame(const PluginInstance& plugin, const std::string& what) {
+  throw MarkedError(plugin.mark, "plugin `" + plugin.plugin + "` (" + plugin.name + ") " + what +
+                                     "; this is a mistake in the plugin");
 }
 
-/// Sizes of what a call hands over, for checked mode.
+/// What a call hands over, for checked mode.
 struct CallSizes {
   int input = 0;
   int output = 0;
   int info = 0;
+  const char* word = "output";  ///< what the author calls the output
+  double* written = nullptr;    ///< of one lane: `output` values that the call has to write
 };
 
 /// Of a call that hands over nothing behind the buffer.
 inline CallSizes no_sizes() { return {}; }
 
+/// One call in checked mode, on groups of one lane.
+class CheckedCall {
+ public:
+  CheckedCall(const PluginInstance& plugin, SkybodyChecks& checks, const CallSizes& sizes)
+      : plugin_(plugin), checks_(checks), sizes_(sizes), phase_(plugin.file, phase_of(plugin)) {
+    checks.bodies_before = plugin.needs_bodies_before ? checks.bodies : 0;
+    checks.contacts = plugin.needs_contacts ? checks.bodies : 0;
+    const auto pairs = static_cast<int>(plugin.contact_pairs.size());
+    const auto reactions = static_cast<int>(plugin.joint_reactions.size());
+    checks.contact_pairs = pairs > 0 ? plugin.first_contact_pair + pairs : 0;
+    checks.joint_reactions = reactions > 0 ? plugin.first_joint_reaction + reactions : 0;
+    checks.buffer = plugin.buffer_words;
+    checks.scratch = plugin.scratch;
+    checks.input = sizes.input;
+    checks.output = sizes.output;
+    checks.info = sizes.info;
+    checks.what = nullptr;
+    for (int k = 0; k < written_count(); ++k) sizes.written[k] = unwritten();
+  }
+
+  /// @throws MarkedError if the plugin touched values beyond those that it may, or left one out
+  void finish() const {
+    if (checks_.what != nullptr) blame_touch();
+    for (int k = 0; k < written_count(); ++k) {
+      if (bit_cast_word(sizes_.written[k]) != kUnwritten) continue;
+      blame(plugin_, "has not written " + std::string(sizes_.word) + " value " + std::to_string(k) +
+                         " of " + std::to_string(sizes_.output));
+    }
+  }
+
+ private:
+  /// A NaN that no computation gives.
+  static constexpr std::uint64_t kUnwritten = 0x7ff45eed0badf00dull;
+  static double unwritten() { return bit_cast_real(kUnwritten); }
+  static std::string phase_of(const PluginInstance& plugin) {
+    return "in a step of `" + plugin.name + "`";
+  }
+
+  int written_count() const { return sizes_.written == nullptr ? 0 : sizes_.output; }
+
+  [[noreturn]] void blame_touch() const {
+    const std::string touched = checks_.what;
+    std::string allowed = checks_.size == 0 ? "none" : "0 to " + std::to_string(checks_.size - 1);
+    if (touched == "held input") allowed += ", what configure() has not named by `holds()`";
+    if (touched == "robot reward") allowed += ", unless configure() calls `robot_rewards()`";
+    blame(plugin_, "asks for " + (touched == "output" ? std::string(sizes_.word) : touched) +
+                       " value " + std::to_string(checks_.index) + "; allowed: " + allowed);
+  }
+
+  const PluginInstance& plugin_;
+  SkybodyChecks& checks_;
+  CallSizes sizes_;
+  PluginPhase phase_;
+};
+
 /// Calls one step function of an instance.
 /// @param view   of the group
 /// @param sizes  sizes() gives those of the arguments behind the buffer; asked in checked mode only
+/// @throws MarkedError where the plugin throws; in checked mode as CheckedCall, too
 template <class Function, class Sizes, class... Arguments>
 void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& group,
                  const SkybodyLanes& view, const Sizes& sizes, Arguments... arguments) {
-  if (view.checks != nullptr) {
-    const CallSizes size = sizes();
-    view.checks->bodies_before = plugin.needs_bodies_before ? view.checks->bodies : 0;
-    view.checks->contacts = plugin.needs_contacts ? view.checks->bodies : 0;
-    const auto pairs = static_cast<int>(plugin.contact_pairs.size());
-    const auto reactions = static_cast<int>(plugin.joint_reactions.size());
-    view.checks->contact_pairs = pairs > 0 ? plugin.first_contact_pair + pairs : 0;
-    view.checks->joint_reactions = reactions > 0 ? plugin.first_joint_reaction + reactions : 0;
-    view.checks->buffer = plugin.buffer_words;
-    view.checks->scratch = plugin.scratch;
-    view.checks->input = size.input;
-    view.checks->output = size.output;
-    view.checks->info = size.info;
-    view.checks->what = nullptr;
+  std::optional<CheckedCall> checked;
+  if (view.checks != nullptr) checked.emplace(plugin, *view.checks, sizes());
+  try {
+    function(plugin.self.get(), &view, group.plugin_bits(plugin.state),
+             group.plugin_reals(plugin.buffer), arguments...);
+  } catch (const std::exception& error) {
+    blame(plugin, "throws in a step: " + std::string(error.what()));
+  } catch (...) {
+    blame(plugin, "throws in a step something that is no std::exception");
   }
-  function(plugin.self.get(), &view, group.plugin_bits(plugin.state),
-           group.plugin_reals(plugin.buffer), arguments...);
-  if (view.checks != nullptr) report_misuse(plugin, *view.checks);
+  if (checked) checked->finish();
 }
 
 }  // namespace skybody

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "core/model/parameter_spec.h"
 #include "core/physics/world/world.h"
 #include "plugins/api/abi.h"
+#include "plugins/api/image.h"
 
 namespace skybody {
 
@@ -37,11 +39,13 @@ inline int value_count(const std::vector<Channel>& channels) {
   return sum;
 }
 
-/// Bytes of the images among some channels; each begins at a multiple of 8 (abi.h).
+/// Bytes of the images among some channels; each begins where image_room() says.
 inline int image_bytes(const std::vector<Channel>& channels) {
-  int sum = 0;
-  for (const Channel& c : channels) sum += c.is_image() ? (c.bytes() + 7) / 8 * 8 : 0;
-  return sum;
+  std::size_t sum = 0;
+  for (const Channel& c : channels) {
+    if (c.is_image()) sum += plugin_detail::image_room(static_cast<std::size_t>(c.bytes()));
+  }
+  return static_cast<int>(sum);
 }
 
 /// What a task's goal() is about.
@@ -77,6 +81,7 @@ struct PluginInstance {
   std::string plugin;     ///< the plugin's own name
   std::vector<int> team;  ///< controllers: the robots that they serve, in order
   SourceMark mark;        ///< where the scenario names it
+  std::string file;       ///< its library; empty: a test's own
 
   std::shared_ptr<const void> self;  ///< keeps the library loaded
   SkybodyKernels kernels{};          ///< of the chosen instruction set
@@ -143,6 +148,7 @@ class PluginFactory {
     std::shared_ptr<const void> self;
     SkybodyKernels kernels{};
     int state_words = 0;
+    std::string file = {};  ///< its library; empty: a test's own
   };
   /// @throws Error with the plugin's own text if it refuses
   virtual Made make(SkybodyKind kind, const std::string& plugin, const SkybodySetup& setup,

@@ -6,6 +6,27 @@
 namespace skybody {
 namespace {
 
+/// Whether an enumerator of ours crosses to plugins, and back, as the number it has there.
+template <class Ours>
+constexpr bool is_number(Ours ours, int theirs) {
+  return static_cast<int>(ours) == theirs;
+}
+
+static_assert(is_number(JointType::kWeld, SKYBODY_WELD));
+static_assert(is_number(JointType::kFree, SKYBODY_FREE));
+static_assert(is_number(JointType::kPin, SKYBODY_PIN));
+static_assert(is_number(JointType::kSlider, SKYBODY_SLIDER));
+static_assert(is_number(JointType::kUniversal, SKYBODY_UNIVERSAL));
+static_assert(is_number(JointType::kBall, SKYBODY_BALL));
+
+static_assert(is_number(ColumnType::kFloat32, SKYBODY_FLOAT32));
+static_assert(is_number(ColumnType::kUint8, SKYBODY_UINT8));
+static_assert(is_number(ColumnType::kUint16, SKYBODY_UINT16));
+
+static_assert(is_number(JointMode::kPosition, SKYBODY_JOINT_POSITION));
+static_assert(is_number(JointMode::kVelocity, SKYBODY_JOINT_VELOCITY));
+static_assert(is_number(JointMode::kEffort, SKYBODY_JOINT_EFFORT));
+
 void copy(const Vec3<double>& v, double* out) {
   out[0] = v.x;
   out[1] = v.y;

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/env/compiled_scenario.h"
-#include "core/physics/bodies/pose_math.h"
+#include "core/physics/world/pose_math.h"
 
 namespace skybody {
 namespace {
@@ -28,7 +28,7 @@ constexpr Part kMotion[] = {
 
 /// Of what touches a body (SKYBODY_CONTACT_VALUES).
 constexpr Part kContact[] = {
-    {"force", "N", "W", 0, 3, "sum over all contacts of the body, when plugins last asked"},
+    {"force", "N", "W", 0, 3, "sum over all contacts of the body, after the last physics step"},
     {"moment", "N m", "W", 3, 3, "likewise, about the body's origin"},
     {"touching", "", "", 6, 1, "1 where anything touches the body, else 0"},
 };
@@ -214,7 +214,8 @@ class List {
     }
   }
 
-  /// What actions or the task give them; what they give robots' own chains is `command`'s end.
+  /// The command of a team's chains. What they give to robots' chains is under
+  /// `robots.NAME.command`.
   void add_teams() {
     const std::vector<TeamUse>& teams = world_.scenario.teams;
     for (std::size_t team = 0; team < teams.size(); ++team) {

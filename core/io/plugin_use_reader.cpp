@@ -38,7 +38,6 @@ PluginUse read_plugin_use(const ConfigNode& node, SkybodyKind kind, const Plugin
   use.instance = reader.text("name");
   if (use.instance.empty()) use.instance = use.plugin;
   use.mark = reader.mark("plugin");
-  use.parameters_mark = reader.mark("parameters");
   if (use.plugin.empty()) return use;
   const PluginDeclaration* declaration = find_plugin(use, kind, catalog, diagnostics);
   if (declaration == nullptr) return use;

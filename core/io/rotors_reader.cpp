@@ -139,7 +139,6 @@ bool read_rotors(const std::string& file, const SourceMark& used_at, RobotModel&
   if (!root) return false;
   const int errors_before = diagnostics.error_count();
   text = to_yaml(*root);
-  model.rotors_file = file;
   RotorsReader(model, budget, diagnostics).read(*root);
   return diagnostics.error_count() == errors_before;
 }

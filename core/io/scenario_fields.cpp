@@ -87,7 +87,7 @@ const MapSpec& stepping_fields() {
               "what computes accelerations; tree: without Simbody, in vector lanes, for one "
               "robot without obstacles; auto: tree, and Simbody in physics steps that begin with "
               "a robot within reach of another one or an obstacle"),
-          choice_field("integrator", {"semi_implicit_euler", "midpoint", "rk4", "cvode", "arkode"},
+          choice_field("integrator", {kIntegratorNames.begin(), kIntegratorNames.end()},
                        "what advances the state; semi_implicit_euler: of first order, midpoint: "
                        "of second, rk4: of fourth; cvode, arkode: SUNDIALS, with control of its "
                        "error"),

@@ -1,6 +1,7 @@
 // The keys of a scenario file and of rotors.yaml, each with its unit, default, range and meaning.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -18,6 +19,10 @@ inline constexpr std::size_t kMostObstacles = 1000;
 inline constexpr std::size_t kMostPluginUses = 1000;
 inline constexpr std::size_t kMostRotors = 1000;
 inline constexpr std::size_t kMostObserved = 1000;
+
+/// Words of `integrator`, in the order of IntegratorChoice.
+inline constexpr std::array<const char*, 5> kIntegratorNames = {"semi_implicit_euler", "midpoint",
+                                                                "rk4", "cvode", "arkode"};
 
 /// "`robots` has 2000 entries; allowed: at most 1000".
 std::string too_many_entries(const std::string& key, std::size_t count, std::size_t most);

@@ -100,11 +100,9 @@ class ScenarioReader {
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {
-    if (name == "midpoint") return IntegratorChoice::kMidpoint;
-    if (name == "rk4") return IntegratorChoice::kRk4;
-    if (name == "cvode") return IntegratorChoice::kCvode;
-    if (name == "arkode") return IntegratorChoice::kArkode;
-    return IntegratorChoice::kSemiImplicitEuler;
+    const auto found = std::find(kIntegratorNames.begin(), kIntegratorNames.end(), name);
+    if (found == kIntegratorNames.end()) return IntegratorChoice::kSemiImplicitEuler;  // refused
+    return static_cast<IntegratorChoice>(found - kIntegratorNames.begin());
   }
 
   void read_solver(const MapReader& stepping_reader) {

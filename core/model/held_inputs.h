@@ -18,7 +18,7 @@ struct HeldInputRow {
 
 /// In the order of SkybodyHeldInput.
 inline constexpr std::array<HeldInputRow, SKYBODY_HELD_COUNT> kHeldInputs = {{
-#define SKYBODY_ROW(symbol, member, owner, size, doc) \
+#define SKYBODY_ROW(symbol, type, member, owner, size, doc) \
   {#member, std::string_view(#owner) == "rotor", size},
     SKYBODY_HELD_INPUTS(SKYBODY_ROW)
 #undef SKYBODY_ROW

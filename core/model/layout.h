@@ -37,7 +37,7 @@ enum HeaderWord : int {
 enum EpisodeStatus : std::uint64_t {
   kRunning = 0,
   kTerminated = 1,   ///< the task ended the episode
-  kTruncated = 2,    ///< horizon, or a fault
+  kTruncated = 2,    ///< horizon, task, or a fault
   kFault = 4,        ///< with one of the reasons below; always truncated as well
   kBadAction = 8,    ///< the action was not finite; the last one was kept
   kBadState = 16,    ///< physics gave up or left the finite numbers (unphysical drawn values, too)
@@ -50,8 +50,6 @@ struct RobotLayout {
   int first_q = 0, q_count = 0;
   int first_u = 0, u_count = 0;
   int first_rotor = 0, rotor_count = 0;
-  std::vector<int> body_q;  ///< per body of the robot: first q, absolute within the q block
-  std::vector<int> body_u;  ///< likewise u
 };
 
 /// A randomizable value: one word per environment in the parameter block.

@@ -130,7 +130,6 @@ struct Rotor {
 struct RobotModel {
   std::string name;
   std::string urdf_file;    ///< where it was read from, for messages and logs
-  std::string rotors_file;  ///< empty if the robot has no rotors
   bool fixed_base = false;  ///< the base, body 0, is not free: its joint is no kFree
   std::vector<Body> bodies;
   std::vector<Link> links;

@@ -35,7 +35,6 @@ struct PluginUse {
   std::string
       instance;     ///< its name in paths such as controllers.rate_pd.kp; unique per kind and robot
   SourceMark mark;  ///< of the `plugin:` value
-  SourceMark parameters_mark;
   std::vector<ParameterValue> parameters;
 };
 

@@ -15,7 +15,7 @@ namespace skybody {
 /// does not decide from where code is run.
 LoadOptions replay_load_options(const ReplayHeader& header);
 
-/// @throws Error naming both hashes, and where the texts part, if `environment` is not what was
+/// @throws Error naming both hashes, and where the texts part, if `compiled` is not what was
 ///         recorded
 void check_same_scenario(const ReplayReader& replay, const CompiledScenario& compiled);
 

@@ -53,7 +53,7 @@ class Simulation {
  public:
   /// @throws InputError with every message, each with file:line:column
   explicit Simulation(const SimulationOptions& options);
-  /// Shares an already loaded environment.
+  /// Shares a compiled scenario.
   Simulation(std::shared_ptr<const CompiledScenario> compiled, std::uint64_t seed,
              std::uint64_t env_id);
   ~Simulation();
@@ -81,8 +81,8 @@ class Simulation {
   int command_size(const std::string& robot) const;
 
   /// Exactly `physics_steps` physics steps under the commands, sensors included; no task.
-  /// @returns false if the physics gave up: the world then is in its last finite state, and the
-  ///          episode has ended as a fault; until a reset nothing moves any more
+  /// @returns false if the physics gave up: the environment then is in its last finite state, and
+  ///          the episode has ended as a fault; until a reset nothing moves any more
   /// @throws Error before reset(), or if physics_steps < 0
   bool advance(std::int64_t physics_steps);
 
@@ -106,9 +106,10 @@ class Simulation {
   std::span<const std::uint8_t> image(int image) const;
   float reward() const;
   std::span<const float> agent_rewards() const;  ///< one per agent; the team's where it has no own
-  std::span<const float> info() const;           ///< the task's info values, as declared
-  bool terminated() const;                       ///< the task ended the episode
-  bool truncated() const;                        ///< by horizon, task or fault
+  /// Info values: the task's, then what other plugins report (CompiledScenario::info_channels).
+  std::span<const float> info() const;
+  bool terminated() const;  ///< the task ended the episode
+  bool truncated() const;   ///< by horizon, task or fault
   bool fault() const;
   std::uint64_t status() const;  ///< EpisodeStatus bits, with the reason of a fault
   bool done() const { return terminated() || truncated(); }
@@ -182,7 +183,8 @@ class Simulation {
   Simulation fork(bool rekey = false);
 
   /// Hash over all transitions since construction (or the restored snapshot): state words,
-  /// observation, reward, flags. Direct control adds its own at evaluate().
+  /// observation, privileged row, images, reward and status. Direct control adds its own at
+  /// evaluate().
   std::uint64_t hash() const;
   /// Whether transitions are added to the hash (default: yes). It costs about as much as a light
   /// transition.

@@ -1,5 +1,5 @@
-// Everything that lab code includes to fly scenarios in its own process: one world (Simulation),
-// many under direct control (SimulationPool), many for a learner (Pool).
+// Everything that lab code includes to fly scenarios in its own process: one environment under
+// direct control (Simulation), many of them (SimulationPool), many for a learner (Pool).
 #pragma once
 
 #include "core/assemble/load.h"

@@ -76,6 +76,16 @@ typedef struct SkybodyValue {
   int32_t env_param; /* first index into SkybodyLanes::params if randomizable, else -1 */
 } SkybodyValue;
 
+/* How a body moves relative to its parent. */
+enum SkybodyJointType {
+  SKYBODY_WELD = 0,      /* not at all: a fixed base */
+  SKYBODY_FREE = 1,      /* in any way: a base, or a link on a floating joint */
+  SKYBODY_PIN = 2,       /* turns about z of the joint's frame */
+  SKYBODY_SLIDER = 3,    /* travels along its x */
+  SKYBODY_UNIVERSAL = 4, /* turns about its x, then about the new y */
+  SKYBODY_BALL = 5       /* turns in any way */
+};
+
 /* One rigid body: the links that fixed joints connect. */
 typedef struct SkybodyBodyInfo {
   const char* name;          /* of the link whose frame is the body's */
@@ -87,7 +97,7 @@ typedef struct SkybodyBodyInfo {
   int32_t first_param;       /* EnvParams, at the places of SkybodyBodyConstant */
   int32_t first_q;           /* within the q block */
   int32_t first_u;           /* within the u block */
-  int32_t joint;             /* 0 weld, 1 free, 2 pin, 3 slider, 4 universal, 5 ball */
+  int32_t joint;             /* SkybodyJointType of its inboard joint */
   int32_t first_joint_param; /* EnvParams of that joint, at the places of SkybodyJointConstant */
   int32_t joint_param_count; /* as many of them, from the first on, as apply to it */
   const char* joint_name;    /* "" of a base */

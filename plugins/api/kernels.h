@@ -84,7 +84,8 @@ struct Views {
   }
   template <class Env, class Mask>
   static auto robots(const Env& env, double* p, std::uint32_t first, const Mask& mask) {
-    return env.values(p, first, mask, "robot", [](const SkybodyChecks& c) { return c.robots; });
+    return env.values(p, first, mask, "robot reward",
+                      [](const SkybodyChecks& c) { return c.robots; });
   }
   template <class Env, class Mask>
   static auto one(const Env& env, double* p, std::uint32_t first, const Mask& mask) {

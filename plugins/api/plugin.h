@@ -11,6 +11,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/random.h"
@@ -55,12 +56,12 @@ class Plugin {
  protected:
   /// Random numbers that depend on (seed, stream env, episode, this instance, physics step,
   /// `substream`) only: two calls of one instance with the same of all these give the same numbers.
-  /// The physics step is the number of those completed. So one number serves several methods, which
-  /// need different substreams if their draws are to be independent:
-  ///   - at a reset, 0: randomize(), reset(), sense(), evaluate(), then process() and the first
-  ///     control() of the first step;
-  ///   - from then on: sense() after a physics step and control() before the next; at the end of a
-  ///     step also evaluate(), and process() of the next step.
+  /// The physics step is the number of those completed. So one number serves several methods of an
+  /// instance, which need different substreams if their draws are to be independent:
+  ///   - 0: a controller's reset() and first control(), a sensor's reset() and first sense(), an
+  ///     effect's reset() and first apply(), a task's reset(), first evaluate() and first
+  ///     process();
+  ///   - later: a task's evaluate() and the process() that follows.
   /// Draws that are asked for in mid-episode (Start::requested) have a count of their own.
   template <class Real>
   Random<Real> random(const EnvView<Real>& env, std::uint64_t substream = 0) const {
@@ -159,19 +160,17 @@ class Held {
       : held_(held), lanes_(lanes.lanes), first_(first), checks_(lanes.checks), mask_(served) {}
 
   /// Velocity of the air around a world body, W [m/s]; for rotor drag, rolling moment, body drag.
-  void add_wind(int body, const Vec3<Real>& velocity) {
-    add(SKYBODY_HELD_WIND, 3 * body, velocity);
-  }
+  void add_wind(int body, const Vec3<Real>& velocity) { add(SKYBODY_HELD_WIND, body, 0, velocity); }
   /// Force [N] at the body's centre of mass and moment [N m], W axes.
   void add_wrench(int body, const Vec3<Real>& force, const Vec3<Real>& moment) {
-    add(SKYBODY_HELD_WRENCH, 6 * body, force);
-    add(SKYBODY_HELD_WRENCH, 6 * body + 3, moment);
+    add(SKYBODY_HELD_WRENCH, body, 0, force);
+    add(SKYBODY_HELD_WRENCH, body, 3, moment);
   }
   /// Drag at the body's centre of mass against the air, along each body axis i:
   ///   F_i = -(linear_i v_i + quadratic_i |v_i| v_i), in [N s/m] and [N s^2/m^2].
   void add_drag(int body, const Vec3<Real>& linear, const Vec3<Real>& quadratic) {
-    add(SKYBODY_HELD_BODY_DRAG, 6 * body, linear);
-    add(SKYBODY_HELD_BODY_DRAG, 6 * body + 3, quadratic);
+    add(SKYBODY_HELD_BODY_DRAG, body, 0, linear);
+    add(SKYBODY_HELD_BODY_DRAG, body, 3, quadratic);
   }
   /// Factor on the thrust of a world rotor.
   void scale_thrust(int rotor, const Real& gain) { scale(rotor, SKYBODY_GAIN_THRUST, gain); }
@@ -187,36 +186,47 @@ class Held {
   /// its own limit; the narrowest of all holds. A rotor that is faster runs down by its lag.
   void limit_speed(int rotor, const Real& least, const Real& greatest) {
     const Values<Real> limit = values(SKYBODY_HELD_ROTOR_LIMIT);
-    limit.set(2 * rotor, max(limit[2 * rotor], least));
-    limit.set(2 * rotor + 1, min(limit[2 * rotor + 1], greatest));
+    const int k = kSizes[SKYBODY_HELD_ROTOR_LIMIT] * rotor;
+    limit.set(k, max(limit[k], least));
+    limit.set(k + 1, min(limit[k + 1], greatest));
   }
   /// Acceleration of a rotor [rad/s^2] in place of its first-order lag (paper eq. 2); of several
   /// effects the last one's.
   void set_acceleration(int rotor, const Real& acceleration) {
-    values(SKYBODY_HELD_ROTOR_RATE).set(rotor, acceleration);
+    values(SKYBODY_HELD_ROTOR_RATE).set(kSizes[SKYBODY_HELD_ROTOR_RATE] * rotor, acceleration);
   }
 
  private:
+  /// Of each input: values for each owner.
+  static constexpr int kSizes[] = {
+#define SKYBODY_ROW(symbol, type, member, owner, size, doc) size,
+      SKYBODY_HELD_INPUTS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+  };
+  /// Of each input: whether the rotors own its values, else the bodies.
+  static constexpr bool kIsOfRotors[] = {
+#define SKYBODY_ROW(symbol, type, member, owner, size, doc) std::string_view(#owner) == "rotor",
+      SKYBODY_HELD_INPUTS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+  };
+
   /// Of size 0 where the effect did not announce the input.
   Values<Real> values(SkybodyHeldInput input) const {
     double* const data = held_.input[input];
     if (checks_ == nullptr) return {data + first_, lanes_, mask_};
-    static constexpr int kSizes[] = {
-#define SKYBODY_ROW(symbol, member, owner, size, doc) size,
-        SKYBODY_HELD_INPUTS(SKYBODY_ROW)
-#undef SKYBODY_ROW
-    };
-    const bool is_of_rotors = input >= SKYBODY_HELD_ROTOR_GAIN;
-    const int count = kSizes[input] * (is_of_rotors ? checks_->rotors : checks_->bodies);
+    const int count = kSizes[input] * (kIsOfRotors[input] ? checks_->rotors : checks_->bodies);
     return {data, lanes_, mask_, Bounds<Real>(checks_, "held input", data == nullptr ? 0 : count)};
   }
-  void add(SkybodyHeldInput input, int k, const Vec3<Real>& value) {
+  /// @param part  first of the body's values that get `value`
+  void add(SkybodyHeldInput input, int body, int part, const Vec3<Real>& value) {
     const Values<Real> sums = values(input);
+    const int k = kSizes[input] * body + part;
     sums.set(k, sums.vec3(k) + value);
   }
   void scale(int rotor, SkybodyRotorGain place, const Real& gain) {
     const Values<Real> gains = values(SKYBODY_HELD_ROTOR_GAIN);
-    gains.set(4 * rotor + place, gains[4 * rotor + place] * gain);
+    const int k = kSizes[SKYBODY_HELD_ROTOR_GAIN] * rotor + place;
+    gains.set(k, gains[k] * gain);
   }
 
   SkybodyHeld held_;

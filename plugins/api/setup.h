@@ -30,12 +30,9 @@ enum class Signal {
 
 /// What an effect holds over a physics step; values in core/base/held_inputs.h.
 enum class HeldInput {
-  kWind = SKYBODY_HELD_WIND,
-  kWrench = SKYBODY_HELD_WRENCH,
-  kBodyDrag = SKYBODY_HELD_BODY_DRAG,
-  kRotorGain = SKYBODY_HELD_ROTOR_GAIN,
-  kRotorLimit = SKYBODY_HELD_ROTOR_LIMIT,
-  kRotorRate = SKYBODY_HELD_ROTOR_RATE,
+#define SKYBODY_ROW(symbol, type, member, owner, size, doc) k##type = SKYBODY_HELD_##symbol,
+  SKYBODY_HELD_INPUTS(SKYBODY_ROW)
+#undef SKYBODY_ROW
 };
 
 /// What a body may touch.

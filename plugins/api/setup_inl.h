@@ -51,7 +51,7 @@ inline const LinkInfo& Setup::link(int robot, const std::string& name) const {
 inline const BodyInfo& Setup::joint(int robot, const std::string& name) const {
   std::string known;
   for (const BodyInfo& b : bodies()) {
-    if (b.robot != robot || b.joint <= 1) continue;  // a weld, a free base
+    if (b.robot != robot || b.joint == SKYBODY_WELD || b.joint == SKYBODY_FREE) continue;
     if (name == b.joint_name) return b;
     known += (known.empty() ? "" : ", ") + std::string(b.joint_name);
   }

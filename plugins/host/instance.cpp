@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "core/base/breadcrumb.h"
 #include "core/base/fp_environment.h"
-#include "plugins/host/breadcrumb.h"
 
 namespace skybody {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/breadcrumb.h"
 #include "core/base/installation.h"
 #include "core/base/plugin_kind.h"
-#include "plugins/host/breadcrumb.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/elf_check.h"
 #include "plugins/host/trust.h"
@@ -211,8 +211,12 @@ void PluginRegistry::open(File& file) const {
         file.entries.push_back(unusable(file.path, name, e.what()));
       }
     }
-    if (!file.entries.empty()) return;
-    file.entries.push_back(unusable(file.path, file.path.stem().string(), e.what()));
+    if (file.entries.empty()) {
+      file.entries.push_back(unusable(file.path, file.path.stem().string(), e.what()));
+    }
+    for (PluginEntry& entry : file.entries) {
+      entry.is_not_trusted = e.reason() == LoadFailure::kNotTrusted;
+    }
   }
 }
 
@@ -228,11 +232,15 @@ const PluginEntry* PluginRegistry::find(SkybodyKind kind, std::string_view name)
   }
   refuse_twins(entries);
   const PluginEntry* unusable = nullptr;
+  const PluginEntry* usable = nullptr;
   for (const PluginEntry* entry : entries) {
-    if (entry->kind == kind) return entry;
+    if (entry->kind == kind && usable == nullptr) usable = entry;
     if (entry->kind == SKYBODY_KIND_COUNT && unusable == nullptr) unusable = entry;
   }
-  return unusable;
+  // No other of the name stands in for a library that does not load: its author would fly that
+  // unawares.
+  const bool counts = unusable != nullptr && !unusable->is_not_trusted;
+  return usable == nullptr || counts ? unusable : usable;
 }
 
 std::vector<std::string> PluginRegistry::names(SkybodyKind kind) const {

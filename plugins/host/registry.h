@@ -26,7 +26,8 @@ struct PluginEntry {
   std::filesystem::path file;
   bool vectorized = false;  ///< serves several environments at a time
   std::vector<ParameterSpec> parameters;
-  std::string failure;  ///< why it cannot be used; empty: it can
+  std::string failure;          ///< why it cannot be used; empty: it can
+  bool is_not_trusted = false;  ///< that is why: others could put such a file there
   const SkybodyPlugin* descriptor = nullptr;
   std::shared_ptr<PluginLibrary> library;
 };

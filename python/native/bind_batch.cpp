@@ -97,7 +97,8 @@ void bind_outcome(Class& c) {
   c.def_prop_ro("agent_reward", &rows<&Batch::agent_reward, &RowWidths::agents>,
                 "(n, agents) float32: each agent's own; the team's where the task gives no own.");
   c.def_prop_ro("info", &rows<&Batch::info, &RowWidths::info>,
-                "(n, I) float32: the task's values, as CompiledScenario.info_channels names them.");
+                "(n, I) float32: info values (the task's, then what other plugins report), as\n"
+                "CompiledScenario.info_channels names them.");
   c.def_prop_ro("final_observation",
                 &final_rows<&Batch::final_observation, &RowWidths::observation>,
                 "(n, O) float32: before the reset, meaningful where terminated or truncated.\n\n"
@@ -125,8 +126,10 @@ void bind_flags(Class& c) {
                 "(n,) bool: the task ended the episode.");
   c.def_prop_ro("truncated", &values<&Batch::truncated, bool>,
                 "(n,) bool: horizon, task or fault ended the episode.");
-  c.def_prop_ro("fault", &values<&Batch::fault, bool>,
-                "(n,) bool: a non-finite action or state ended the episode; do not bootstrap it.");
+  c.def_prop_ro(
+      "fault", &values<&Batch::fault, bool>,
+      "(n,) bool: a bad action, state or outcome ended the episode (fault_reasons): do not\n"
+      "bootstrap it.");
   c.def_prop_ro("fault_reasons", &fault_reasons,
                 "Per row why it is a fault, None where it is none; None where no row is one.");
   c.def_prop_ro("was_reset", &values<&Batch::was_reset, bool>,

@@ -2,6 +2,8 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <array>
+#include <cstddef>
 #include <cstring>
 #include <new>
 #include <optional>
@@ -17,15 +19,25 @@
 namespace skybody::python {
 namespace {
 
+/// "order is 'x'; allowed: 'fixed', 'arrival'".
+template <std::size_t N>
+[[noreturn]] void refuse_word(const std::string& what, const std::string& text,
+                              const std::array<const char*, N>& names) {
+  std::string allowed;
+  for (const char* name : names) {
+    allowed += (allowed.empty() ? "'" : ", '") + std::string(name) + "'";
+  }
+  throw nb::value_error((what + " is '" + text + "'; allowed: " + allowed).c_str());
+}
+
 Order to_order(const std::string& text) {
   if (const auto order = order_from(text)) return *order;
-  throw nb::value_error(("order is '" + text + "'; allowed: 'fixed', 'arrival'").c_str());
+  refuse_word("order", text, kOrderNames);
 }
 
 Autoreset to_autoreset(const std::string& text) {
   if (const auto autoreset = autoreset_from(text)) return *autoreset;
-  throw nb::value_error(
-      ("autoreset is '" + text + "'; allowed: 'next_step', 'same_step', 'disabled'").c_str());
+  refuse_word("autoreset", text, kAutoresetNames);
 }
 
 void construct(PythonPool* self, const LoadedScenario& compiled, int num_envs, int batch_size,
@@ -47,47 +59,47 @@ void construct(PythonPool* self, const LoadedScenario& compiled, int num_envs, i
   new (self) PythonPool(compiled, options);
 }
 
-void send_reset(PythonPool& pool, nb::handle mask, std::optional<std::uint64_t> seed) {
+void send_reset(PythonPool& self, nb::handle mask, std::optional<std::uint64_t> seed) {
   if (!mask.is_none() && seed) {
     throw nb::value_error("send_reset() takes a mask or a seed: a seed begins all environments");
   }
   if (seed) {
-    pool.call_with_argument([&](Pool& engine) { engine.send_reset(*seed); });
+    self.call_with_argument([&](Pool& pool) { pool.send_reset(*seed); });
   } else if (mask.is_none()) {
-    pool.call_with_argument([](Pool& engine) { engine.send_reset(); });
+    self.call_with_argument([](Pool& pool) { pool.send_reset(); });
   } else {
-    const auto chosen = read_mask(mask, "mask", pool.envs());
-    pool.call_with_argument([&](Pool& engine) { engine.send_reset(chosen); });
+    const auto chosen = read_mask(mask, "mask", self.envs());
+    self.call_with_argument([&](Pool& pool) { pool.send_reset(chosen); });
   }
 }
 
-void send(PythonPool& pool, nb::handle actions, nb::handle env_ids) {
-  const std::int64_t width = pool.compiled()->action_size();
+void send(PythonPool& self, nb::handle actions, nb::handle env_ids) {
+  const std::int64_t width = self.compiled()->action_size();
   if (env_ids.is_none()) {
-    const auto rows = read_array<float>(actions, "actions", {pool.envs(), width});
-    pool.call_with_argument([&](Pool& engine) { engine.send(rows.span()); });
+    const auto rows = read_array<float>(actions, "actions", {self.envs(), width});
+    self.call_with_argument([&](Pool& pool) { pool.send(rows.span()); });
     return;
   }
   const auto ids = read_array<std::int32_t>(env_ids, "env_ids", {-1});
   const auto rows =
       read_array<float>(actions, "actions", {static_cast<std::int64_t>(ids.rows()), width});
-  pool.call_with_argument([&](Pool& engine) {
-    if (!ids.span().empty()) engine.send(rows.span(), ids.span());  // empty means all to the engine
+  self.call_with_argument([&](Pool& pool) {
+    if (!ids.span().empty()) pool.send(rows.span(), ids.span());  // empty means all to the pool
   });
 }
 
-ReceivedBatch step(PythonPool& pool, nb::handle actions) {
-  const std::int64_t width = pool.compiled()->action_size();
-  const auto rows = read_array<float>(actions, "actions", {pool.envs(), width});
-  return ReceivedBatch{pool.step(rows.span())};
+ReceivedBatch step(PythonPool& self, nb::handle actions) {
+  const std::int64_t width = self.compiled()->action_size();
+  const auto rows = read_array<float>(actions, "actions", {self.envs(), width});
+  return ReceivedBatch{self.step(rows.span())};
 }
 
-nb::bytes save(PythonPool& pool) {
-  const auto words = pool.call([](Pool& engine) { return engine.save(); });
+nb::bytes save(PythonPool& self) {
+  const auto words = self.call([](Pool& pool) { return pool.save(); });
   return nb::bytes(words.data(), words.size() * sizeof(std::uint64_t));
 }
 
-void restore(PythonPool& pool, const nb::bytes& saved) {
+void restore(PythonPool& self, const nb::bytes& saved) {
   if (saved.size() % sizeof(std::uint64_t) != 0) {
     throw nb::value_error(("saved state of " + std::to_string(saved.size()) +
                            " bytes is not what save() gave: it was cut or changed")
@@ -95,50 +107,50 @@ void restore(PythonPool& pool, const nb::bytes& saved) {
   }
   std::vector<std::uint64_t> words(saved.size() / sizeof(std::uint64_t));
   if (!words.empty()) std::memcpy(words.data(), saved.data(), saved.size());
-  pool.call_with_argument([&](Pool& engine) { engine.restore(words); });
+  self.call_with_argument([&](Pool& pool) { pool.restore(words); });
 }
 
-nb::object observations(PythonPool& pool) {
-  const auto rows = static_cast<std::size_t>(pool.envs());
-  const auto width = static_cast<std::size_t>(pool.compiled()->observation_size());
+nb::object observations(PythonPool& self) {
+  const auto rows = static_cast<std::size_t>(self.envs());
+  const auto width = static_cast<std::size_t>(self.compiled()->observation_size());
   std::vector<float> values(rows * width);
-  pool.call([&](Pool& engine) { engine.observations(values); });
+  self.call([&](Pool& pool) { pool.observations(values); });
   return copy_of<float>(values, {rows, width});
 }
 
-nb::object privileged(PythonPool& pool) {
-  const auto rows = static_cast<std::size_t>(pool.envs());
-  const auto width = static_cast<std::size_t>(pool.compiled()->privileged_size());
+nb::object privileged(PythonPool& self) {
+  const auto rows = static_cast<std::size_t>(self.envs());
+  const auto width = static_cast<std::size_t>(self.compiled()->privileged_size());
   std::vector<float> values(rows * width);
-  pool.call([&](Pool& engine) { engine.privileged(values); });
+  self.call([&](Pool& pool) { pool.privileged(values); });
   return copy_of<float>(values, {rows, width});
 }
 
-nb::object image(PythonPool& pool, int index) {
-  const auto& images = pool.compiled()->images();
+nb::object image(PythonPool& self, int index) {
+  const auto& images = self.compiled()->images();
   check_image(index, images.size());
-  const auto rows = static_cast<std::size_t>(pool.envs());
+  const auto rows = static_cast<std::size_t>(self.envs());
   const auto width = static_cast<std::size_t>(images[static_cast<std::size_t>(index)].bytes);
   std::vector<std::uint8_t> pixels(rows * width);
-  pool.call([&](Pool& engine) { engine.image(index, pixels); });
+  self.call([&](Pool& pool) { pool.image(index, pixels); });
   return copy_of<std::uint8_t>(pixels, {rows, width});
 }
 
-nb::object state(PythonPool& pool, const std::string& path) {
-  return state_array(pool.compiled(), path, {static_cast<std::size_t>(pool.envs())},
+nb::object state(PythonPool& self, const std::string& path) {
+  return state_array(self.compiled(), path, {static_cast<std::size_t>(self.envs())},
                      [&](std::vector<double>& values) {
-                       pool.call_with_argument([&](Pool& engine) { engine.state(path, values); });
+                       self.call_with_argument([&](Pool& pool) { pool.state(path, values); });
                      });
 }
 
-void fork(PythonPool& pool, int source, nb::handle targets, bool rekey) {
+void fork(PythonPool& self, int source, nb::handle targets, bool rekey) {
   const auto ids = read_array<std::int32_t>(targets, "targets", {-1});
-  pool.call_with_argument([&](Pool& engine) { engine.fork(source, ids.span(), rekey); });
+  self.call_with_argument([&](Pool& pool) { pool.fork(source, ids.span(), rekey); });
 }
 
-std::uint64_t hash(PythonPool& pool, std::optional<int> env) {
-  if (!env) return pool.call([](Pool& engine) { return engine.hash(); });
-  return pool.call_with_argument([&](Pool& engine) { return engine.hash(*env); });
+std::uint64_t hash(PythonPool& self, std::optional<int> env) {
+  if (!env) return self.call([](Pool& pool) { return pool.hash(); });
+  return self.call_with_argument([&](Pool& pool) { return pool.hash(*env); });
 }
 
 nb::object refuse_pickling(const PythonPool&) {
@@ -170,7 +182,7 @@ void bind_flow(Class& c) {
         "(with\n"
         "autoreset disabled) its episode has ended; then nothing was sent.");
   c.def(
-      "recv", [](PythonPool& pool) { return ReceivedBatch{pool.recv()}; },
+      "recv", [](PythonPool& self) { return ReceivedBatch{self.recv()}; },
       "Waits for batch_size finished environments, fewer where fewer are in flight. Works with\n"
       "the other threads meanwhile, without the GIL; KeyboardInterrupt gets through.\n\n"
       "Raises ValueError if nothing is in flight; BufferError in debug mode if the buffer that\n"
@@ -191,7 +203,7 @@ void bind_flow(Class& c) {
       "__enter__", [](nb::handle_t<PythonPool> self) { return nb::borrow(self); },
       nb::sig("def __enter__(self) -> Pool"));
   c.def(
-      "__exit__", [](PythonPool& pool, const nb::args&) { pool.close(); },
+      "__exit__", [](PythonPool& self, const nb::args&) { self.close(); },
       nb::sig("def __exit__(self, *exception: object) -> None"));
 }
 
@@ -234,8 +246,8 @@ void bind_state(Class& c) {
       "environment.");
   c.def(
       "param",
-      [](PythonPool& pool, int env, const std::string& path) {
-        return pool.call_with_argument([&](Pool& engine) { return engine.param(env, path); });
+      [](PythonPool& self, int env, const std::string& path) {
+        return self.call_with_argument([&](Pool& pool) { return pool.param(env, path); });
       },
       nb::arg("env"), nb::arg("path"),
       "Value of a randomizable parameter in one environment; units in "
@@ -243,8 +255,8 @@ void bind_state(Class& c) {
       "Raises ValueError if there is no such environment or parameter.");
   c.def(
       "set_param",
-      [](PythonPool& pool, int env, const std::string& path, double value) {
-        pool.call_with_argument([&](Pool& engine) { engine.set_param(env, path, value); });
+      [](PythonPool& self, int env, const std::string& path, double value) {
+        self.call_with_argument([&](Pool& pool) { pool.set_param(env, path, value); });
       },
       nb::arg("env"), nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
@@ -276,14 +288,16 @@ void bind_facts(Class& c) {
                 "Threads that have a processor of their own; 0 where pinning is not allowed.");
   c.def_prop_ro("closed", &PythonPool::closed, "Whether close() was called.");
   c.def_prop_ro(
-      "in_flight", [](PythonPool& p) { return p.call([](Pool& e) { return e.in_flight(); }); },
+      "in_flight",
+      [](PythonPool& self) { return self.call([](Pool& pool) { return pool.in_flight(); }); },
       "Environments sent and not yet received.");
   c.def_prop_ro(
       "fresh_buffers",
-      [](PythonPool& p) { return p.call([](Pool& e) { return e.fresh_buffers(); }); },
+      [](PythonPool& self) { return self.call([](Pool& pool) { return pool.fresh_buffers(); }); },
       "Buffers made because Python still held the one to be reused.");
   c.def_prop_ro(
-      "faults", [](PythonPool& p) { return p.call([](Pool& e) { return e.faults(); }); },
+      "faults",
+      [](PythonPool& self) { return self.call([](Pool& pool) { return pool.faults(); }); },
       "Faulted transitions received so far.");
   c.def("__reduce__", &refuse_pickling, nb::sig("def __reduce__(self) -> typing.NoReturn"));
   c.def("__repr__", [](const PythonPool& p) {
@@ -317,7 +331,8 @@ void bind_pool(nb::module_& m) {
         "pin_threads: give each worker a processor of its own where the system allows it; the\n"
         "    caller is left where it is\n"
         "keep_hash: chain a trajectory hash per environment\n"
-        "info: whether rows carry the task's info values; without, tasks need not compute them\n"
+        "info: whether rows carry info values (the task's, then what other plugins report);\n"
+        "    without, tasks need not compute them\n"
         "debug: fill reused buffers with NaN, and raise BufferError where one is still held\n\n"
         "Raises ValueError if one of them is out of range.");
   bind_flow(c);

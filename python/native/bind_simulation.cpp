@@ -132,7 +132,8 @@ void bind_outcome(Class& c) {
   c.def_prop_ro(
       "info", [](S& s) { return s.look([](Simulation& sim) { return row(sim.info()); }); },
       nb::sig("def info(self) -> numpy.typing.NDArray[numpy.float32]"),
-      "(I,) float32: the task's values, as CompiledScenario.info_channels names them.");
+      "(I,) float32: info values (the task's, then what other plugins report), as\n"
+      "CompiledScenario.info_channels names them.");
   c.def_prop_ro(
       "terminated", [](S& s) { return s.look([](Simulation& sim) { return sim.terminated(); }); },
       "Whether the task ended the episode.");

@@ -31,18 +31,18 @@ class PythonPool {
   template <class Work>
   decltype(auto) call(Work&& work) {
     const Exclusive alone(in_use_, "pool");
-    Pool& engine = open();
+    Pool& pool = open();
     const nb::gil_scoped_release release;
-    return std::forward<Work>(work)(engine);
+    return std::forward<Work>(work)(pool);
   }
 
-  /// The same where whatever the engine refuses is the fault of an argument: ValueError.
+  /// The same where whatever the Pool refuses is the fault of an argument: ValueError.
   template <class Work>
   decltype(auto) call_with_argument(Work&& work) {
     const Exclusive alone(in_use_, "pool");
-    Pool& engine = open();
+    Pool& pool = open();
     const nb::gil_scoped_release release;
-    return with_argument(engine, std::forward<Work>(work));
+    return with_argument(pool, std::forward<Work>(work));
   }
 
   /// Waits for a batch; signals (KeyboardInterrupt) get through.
@@ -64,7 +64,7 @@ class PythonPool {
   /// Finishes a recording and stops the workers; steps under way are waited for. May be called
   /// again. @throws Error if the recording cannot be finished; closed all the same
   void close();
-  bool closed() const { return engine_ == nullptr; }
+  bool closed() const { return pool_ == nullptr; }
 
   const LoadedScenario& compiled() const { return compiled_; }
   int envs() const { return envs_; }
@@ -75,19 +75,19 @@ class PythonPool {
  private:
   Pool& open() const;
   template <class Work>
-  static decltype(auto) with_argument(Pool& engine, Work&& work) {
-    if (engine.broken()) return std::forward<Work>(work)(engine);  // throws what the worker met
-    return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(engine); });
+  static decltype(auto) with_argument(Pool& pool, Work&& work) {
+    if (pool.broken()) return std::forward<Work>(work)(pool);  // throws what the worker met
+    return blame_argument([&]() -> decltype(auto) { return std::forward<Work>(work)(pool); });
   }
-  static void check_not_interrupted(const Pool& engine);
-  static std::shared_ptr<const Batch> receive(Pool& engine);
+  static void check_not_interrupted(const Pool& pool);
+  static std::shared_ptr<const Batch> receive(Pool& pool);
   bool of_this_process() const;
   void finish_recording();
   void let_go();
 
   LoadedScenario compiled_;
-  std::shared_ptr<ReplayRecorder> recorder_;  ///< the engine's observer
-  std::unique_ptr<Pool> engine_;
+  std::shared_ptr<ReplayRecorder> recorder_;  ///< the Pool's observer
+  std::unique_ptr<Pool> pool_;
   std::atomic<bool> in_use_ = false;
   int process_;
   int envs_ = 0, batch_ = 0, threads_ = 0, pinned_threads_ = 0;

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import operator
 import os
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any
 
 import numpy as np
@@ -27,14 +28,14 @@ def load(
 
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
-        TypeError: one text where a list of them belongs.
-        ValueError: overrides or plugin_path for an environment that is loaded already; a folder
-            of plugin_path that does not exist.
+        TypeError: one text where a list of them belongs, or what is neither text nor path.
+        ValueError: overrides or plugin_path for a compiled scenario; a folder of plugin_path that
+            does not exist.
     """
     for name, given in (("overrides", overrides), ("plugin_path", plugin_path)):
         if isinstance(given, str):
             raise TypeError(f"`{name}` is one text; give a list: [{given!r}]")
-    paths = [os.fspath(folder) for folder in plugin_path]
+    paths = [path_text("a folder of plugin_path", folder) for folder in plugin_path]
     check_plugin_path(paths, "plugin_path")
     changes = list(overrides)
     if isinstance(scenario, CompiledScenario):
@@ -44,7 +45,20 @@ def load(
                 "give them to CompiledScenario(...), or give the scenario's name here"
             )
         return scenario
-    return CompiledScenario(os.fspath(scenario), changes, paths)
+    return CompiledScenario(path_text("scenario", scenario), changes, paths)
+
+
+def path_text(name: str, value: Any) -> str:
+    """A text or path as a text. Raises TypeError, which names the argument, for what is neither."""
+    path = os.fspath(value) if isinstance(value, os.PathLike) else value
+    return text(name, path, "a text or a path")
+
+
+def text(name: str, value: Any, wanted: str = "a text") -> str:
+    """`value`, where it is a text. Raises TypeError, which names the argument, for what is none."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is {value!r}; it must be {wanted}")
+    return value
 
 
 def check_plugin_path(folders: Iterable[str], name: str) -> None:
@@ -86,6 +100,13 @@ def shape_error(name: str, array: NDArray[Any], shape: object) -> ValueError:
 def word_error(name: str, value: Any, words: Iterable[str]) -> ValueError:
     """The error for a word that is none of `words`."""
     return ValueError(f"{name} is {value!r}; it must be one of {', '.join(words)}")
+
+
+def allowed_words(word: str, words: Collection[str]) -> str:
+    """For the message on a word that is none of `words`: the nearest, and all of them."""
+    nearest = difflib.get_close_matches(word, words, n=1)
+    hint = f"; did you mean `{nearest[0]}`?" if nearest else "."
+    return f"{hint} Allowed: {', '.join(words)}"
 
 
 def check_array(

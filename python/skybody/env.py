@@ -21,11 +21,11 @@ from .pooled import drain
 class SkybodyEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """One environment of a scenario. For more than a few, `make_vec` is much faster.
 
-    The info dictionary has the task's info values (np.float32 each, or (count,) arrays), and
-    `fault` (bool): action, observation or reward was not finite, or the physics diverged (beyond
-    1e6 in SI units); the episode is then truncated, and its value must not be bootstrapped. With
-    several agents it also has `agent_reward` (agents,) float32, with privileged columns
-    `privileged` (privileged_size,) float32, for a critic only.
+    The info dictionary has the info values (the task's, then what other plugins report; np.float32
+    each, or (count,) arrays), and `fault` (bool): action, observation or reward was not finite, or
+    the physics diverged (beyond 1e6 in SI units); the episode is then truncated, and its value must
+    not be bootstrapped. With several agents it also has `agent_reward` (agents,) float32, with
+    privileged columns `privileged` (privileged_size,) float32, for a critic only.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.

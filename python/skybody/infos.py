@@ -1,4 +1,5 @@
-"""The task's info values: from columns of a batch to the dictionaries that learners expect."""
+"""Info values (the task's, then what other plugins report): from columns of a batch to the
+dictionaries that learners expect."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ RESERVED = (
 
 
 class ValueRows(Protocol):
-    """Rows of the task's info values, and privileged rows: a `Batch` or `KeptRows`."""
+    """Rows of info values, and privileged rows: a `Batch` or `KeptRows`."""
 
     @property
     def info(self) -> NDArray[np.float32]: ...
@@ -129,7 +130,8 @@ class ScatteredRows:
 
 
 class InfoChannels:
-    """Where each of a task's info values lies in a row of `Batch.info`.
+    """Where each info value lies in a row of `Batch.info`: the task's, then what other plugins
+    report.
 
     Beside them an info has `privileged` where the scenario has privileged columns.
 

@@ -33,7 +33,7 @@ class ParallelEnv(
 
     Each robot that takes actions is an agent, under its name in the scenario. All agents begin and
     end together. Each agent sees its own columns and those of nobody. Each agent's info has the
-    task's info values, `fault` and `privileged`, as `SkybodyEnv` has.
+    info values, `fault` and `privileged`, as `SkybodyEnv` has.
 
     Args:
         scenario: name of a shipped scenario, a YAML file, or a loaded `CompiledScenario`.

@@ -7,7 +7,6 @@ left out, with their defaults.
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
 import os
@@ -17,7 +16,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated, Any, Literal, TypedDict, TypeVar, get_args, get_type_hints
 
-from .arguments import word_error
+from .arguments import allowed_words, word_error
 
 Order = Literal["fixed", "arrival"]
 Autoreset = Literal["next_step", "same_step", "disabled"]
@@ -132,7 +131,9 @@ class BatchOptions(PooledOptions, total=False):
     infos: Annotated[
         bool,
         Option(
-            True, "whether infos hold the task's info values; without, tasks need not compute them."
+            True,
+            "whether infos hold info values (the task's, then what other plugins report); without, "
+            "tasks need not compute them.",
         ),
     ]
     debug: Annotated[
@@ -242,7 +243,8 @@ def _filling(
     def filled(*arguments: Any, **given: Any) -> Any:
         for keyword in given:
             if keyword not in keywords:
-                raise TypeError(_unknown(name, keyword, keywords))
+                hint = allowed_words(keyword, keywords)
+                raise TypeError(f"{name}() has no argument `{keyword}`{hint}")
         return function(*arguments, **{**defaults, **given})
 
     added = [
@@ -251,12 +253,6 @@ def _filling(
     ]
     vars(filled)["__signature__"] = signature.replace(parameters=[*own, *added])
     return filled
-
-
-def _unknown(name: str, keyword: str, keywords: list[str]) -> str:
-    nearest = difflib.get_close_matches(keyword, keywords, n=1)
-    hint = f"; did you mean `{nearest[0]}`?" if nearest else "."
-    return f"{name}() has no argument `{keyword}`{hint} Allowed: {', '.join(keywords)}"
 
 
 def _documented(text: str | None, options: dict[str, tuple[Any, Option]]) -> str:

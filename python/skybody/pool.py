@@ -45,11 +45,12 @@ class Pool(PooledEnvironments):
     ) -> None:
         self.compiled = load(scenario, options["overrides"], options["plugin_path"])
         autoreset = autoreset_word(options["autoreset"])
+        count = integer_within("num_envs", num_envs, 1, MOST_ENVS)
         self.native = make_native(
             self.compiled,
-            num_envs,
+            count,
             options,
-            batch_size=integer_within("batch_size", options["batch_size"], 0, MOST_ENVS),
+            batch_size=integer_within("batch_size", options["batch_size"], 0, count),
             order=order_word(options["order"]),
             autoreset=autoreset,
             info=options["infos"],

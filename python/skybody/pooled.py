@@ -10,7 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._native import CompiledScenario
-from .arguments import MOST_ENVS, MOST_THREADS, check_seed, env_ids, integer_within
+from .arguments import (
+    MOST_ENVS,
+    MOST_THREADS,
+    check_seed,
+    env_ids,
+    integer,
+    integer_within,
+    text,
+)
 from .observations import Observations
 from .options import PooledOptions
 
@@ -110,7 +118,7 @@ class PooledEnvironments:
             ValueError: no such path (the nearest ones are named), or no episode has begun.
             skybody.Error: some environments are in flight: `recv` them first.
         """
-        return self.native.state(path)
+        return self.native.state(text("path", path))
 
     def state_paths(self) -> dict[str, _native.StateValue]:
         """What `state` can give: path -> unit, frame, shape and meaning."""
@@ -118,7 +126,7 @@ class PooledEnvironments:
 
     def param(self, env: int, path: str) -> float:
         """Value of a randomizable parameter (`compiled.param_paths`) in one environment."""
-        return self.native.param(env, path)
+        return self.native.param(integer("env", env), text("path", path))
 
     def set_param(self, env: int, path: str, value: float) -> None:
         """Sets one, in the unit of `compiled.param_info(path)`.
@@ -127,7 +135,7 @@ class PooledEnvironments:
             ValueError: unknown, or outside its bounds.
             skybody.Error: some environments are in flight.
         """
-        self.native.set_param(env, path, value)
+        self.native.set_param(integer("env", env), text("path", path), value)
 
     def hash(self, env: int | None = None) -> int:
         """Trajectory hash of one environment, or of all. Needs keep_hash=True."""

@@ -16,7 +16,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native, spaces
-from .arguments import Scenario, check_array, check_seed, shape_error
+from .arguments import Scenario, check_array, check_seed
 from .options import TaskOptions, ThreadedOptions, takes
 from .simulation import EnvStates, SimulationPool
 from .vector import autoreset_mode, reset_mask
@@ -90,6 +90,12 @@ def _check_task(task: PythonTask) -> None:
             raise ValueError(f"the task's {name} is {getattr(task, name)}; it must be >= 1")
 
 
+def _command_size(compiled: _native.CompiledScenario) -> int:
+    """Of the only robot; 0 where there are several, or none that takes commands."""
+    found = [compiled.state_values.get(f"robots.{robot}.command") for robot in compiled.robots]
+    return found[0].shape[0] if len(found) == 1 and found[0] is not None else 0
+
+
 def _demand_finite(bad: NDArray[np.bool_]) -> None:
     """An episode cannot begin with what no policy can see. Raises ValueError."""
     if bad.any():
@@ -142,6 +148,7 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         self.action_space = spaces.batch(task.action_space, num_envs)
         self._action_shape = (num_envs, *task.action_space.shape)
         self._low, self._high = task.action_space.low, task.action_space.high
+        self._command_size = _command_size(self.pool.compiled)
         self._steps = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, np.bool_)
         self._last = np.zeros((num_envs, *task.observation_space.shape), np.float32)
@@ -230,8 +237,9 @@ class PythonTaskVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
 
     def _fly(self, actions: NDArray[np.float32], flying: NDArray[np.bool_]) -> None:
         commands = np.asarray(self.task.command(actions, self.pool.states()), np.float64)
-        if len(commands) != self.num_envs:
-            raise shape_error("command()", commands, f"({self.num_envs}, n)")
+        if self._command_size == 0:
+            self.pool.command(commands)  # it refuses them, and says why
+        check_array("command()", commands, (self.num_envs, self._command_size))
         self.pool.command(commands[flying], envs=flying)
         self.pool.advance(self.task.physics_steps, flying)
         self._steps[flying] += 1

@@ -36,7 +36,8 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
     * `TimeLimit.truncated`: True where the value of that observation is to be bootstrapped: for a
       truncation that is neither a termination nor a fault;
     * `fault`: action, observation or reward was not finite, or the physics diverged;
-    * the task's info values at the end, for `VecMonitor(info_keywords=...)`.
+    * info values (the task's, then what other plugins report) at the end, for
+      `VecMonitor(info_keywords=...)`.
 
     Infos of other environments are empty; `last_info` has their values, as arrays.
 
@@ -79,8 +80,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
 
         Returns:
             observations (num_envs, observation_size) float32 (a dictionary with
-            dict_observations). `reset_infos` has the task's info
-            values of each.
+            dict_observations). `reset_infos` has the info values of each.
         """
         drain(self.native)
         self.native.send_reset(None, check_seed(self._seeds[0]))
@@ -134,7 +134,7 @@ class SkybodyVecEnv(PooledEnvironments, UniformVecEnv):
 
     @property
     def last_info(self) -> dict[str, NDArray[np.float32]]:
-        """The task's info values after the last step (or reset within it): (num_envs,) each.
+        """Info values after the last step (or reset within it): (num_envs,) each.
 
         With privileged columns also `privileged` (num_envs, privileged_size), for a critic only.
         """

@@ -18,8 +18,10 @@ from .arguments import (
     check_array,
     check_seed,
     env_ids,
+    integer,
     integer_within,
     load,
+    text,
 )
 from .options import SimulationOptions, SimulationPoolOptions, takes
 
@@ -55,7 +57,7 @@ def load_with_control(
     Raises:
         skybody.InputError: every mistake in the scenario, each with file:line:column.
         TypeError: control is no text.
-        ValueError: an unknown mode, or changes to an environment that is loaded already.
+        ValueError: an unknown mode, or changes to a compiled scenario.
     """
     if control is None:
         return load(scenario, overrides, plugin_path)
@@ -287,7 +289,7 @@ class SimulationPool(_native.SimulationPool):
 
         An environment whose physics gives up ends its episode as a fault: see `faults`.
         """
-        super().advance(physics_steps, self._ids(envs))
+        super().advance(integer("physics_steps", physics_steps), self._ids(envs))
 
     def evaluate(self, envs: ArrayLike | None = None) -> None:
         """Ends a transition made by command and advance: asks the scenario's task."""
@@ -333,7 +335,7 @@ class SimulationPool(_native.SimulationPool):
         Raises:
             ValueError: no such path; the nearest ones are named.
         """
-        values, ids = super().state(path), self._ids(envs)
+        values, ids = super().state(text("path", path)), self._ids(envs)
         return values if ids is None else values[ids]
 
     def state_paths(self) -> dict[str, _native.StateValue]:

@@ -10,7 +10,7 @@ class RandomStart : public Randomizer {
  public:
   void configure(const Setup& setup) override {
     check_ranges();
-    gravity_ = norm(Vec3<double>{setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]});
+    gravity_ = setup.find_params("gravity")[0];
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
     for (int r = 0; r < setup.robots().size(); ++r) {
       const RobotInfo& info = setup.robots()[r];
@@ -163,7 +163,8 @@ class RandomStart : public Randomizer {
     for (const int param : t.masses) mass += env.param(param);
     for (const Rotor& r : t.rotors)
       lift += env.param(r.constants + SKYBODY_ROTOR_THRUST_CONSTANT) * r.lift;
-    const Real speed = sqrt(mass * gravity_ / lift);
+    const Vec3<Real> gravity{env.param(gravity_), env.param(gravity_ + 1), env.param(gravity_ + 2)};
+    const Real speed = sqrt(mass * norm(gravity) / lift);
     for (const Rotor& r : t.rotors) {
       const Real own = select(Real(r.lift) > 0.0, speed, Real(0.0));
       start.rotor_speed.set(r.index, min(own, env.param(r.constants + SKYBODY_ROTOR_MAX_SPEED)));
@@ -225,7 +226,7 @@ class RandomStart : public Randomizer {
   std::vector<Target> robots_;
   Vec3<double> low_{0.0, 0.0, 0.0}, high_{0.0, 0.0, 0.0};  ///< box of positions [m]
   bool moves_ = false;
-  double gravity_ = 0.0;
+  int gravity_ = 0;  ///< first EnvParam
 };
 
 }  // namespace

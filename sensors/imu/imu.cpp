@@ -30,7 +30,7 @@ class Imu : public Sensor {
              rotate(frame, position_.vec3());
     rotation_ =
         frame * from_rpy(orientation_.value(0), orientation_.value(1), orientation_.value(2));
-    gravity_ = {setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]};
+    gravity_ = setup.find_params("gravity")[0];
     dt_ = setup.dt();
     // Called often enough both to sample and to deliver; the line has one place a call.
     const std::int64_t call = std::gcd(period_.value(), latency_.value());
@@ -98,7 +98,7 @@ class Imu : public Sensor {
     const Vec3<Real> acceleration = (point_velocity(now) - point_velocity(before)) / Real(dt_);
     const Quat<Real> mount{Real(rotation_.w), Real(rotation_.x), Real(rotation_.y),
                            Real(rotation_.z)};
-    const Vec3<Real> gravity{Real(gravity_.x), Real(gravity_.y), Real(gravity_.z)};
+    const Vec3<Real> gravity{env.param(gravity_), env.param(gravity_ + 1), env.param(gravity_ + 2)};
     Vec3<Real> force = rotate_inverse(now.rotation * mount, acceleration - gravity);
     Vec3<Real> rate = rotate_inverse(mount, now.angular_velocity);
     if (any(is_on(accelerometer_noise_(env), gyroscope_noise_(env)))) {
@@ -244,7 +244,7 @@ class Imu : public Sensor {
   int body_ = 0;
   Vec3<double> point_{};     ///< body frame [m]
   Quat<double> rotation_{};  ///< body from sensor
-  Vec3<double> gravity_{};   ///< W [m/s^2]
+  int gravity_ = 0;          ///< first EnvParam
   double dt_ = 0.0;
   double interval_ = 0.0;  ///< between samples [s]
   int places_ = 0;         ///< of the delay line

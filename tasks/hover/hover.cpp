@@ -79,7 +79,7 @@ class Hover : public Task {
         own = own + shaping(norm(error), yaw_error) - tilt_cost(body.rotation) +
               select(robot_failed, Real(failure_reward_.value()), Real(0.0));
       }
-      out.set_reward(robot.index, own);
+      if (robots_.size() > 1) out.set_reward(robot.index, own);
       reward += own;
       failed = logical_or(failed, robot_failed);
     }

@@ -5,10 +5,10 @@
 
 One file a flight, `tests/golden/NAME.json`. A flight has several ways: as the scenario is shipped,
 and each dynamics that its world can have with each fixed-step integrator. Each way has two hashes:
-`words` is the trajectory hash over all words of state, `motion` covers q, u, rotor speeds,
-observation, reward and status alone (`skybody hash --motion`). A version that keeps other words
-moves the first, one that moves the vehicle otherwise moves both. Every way is flown on each
-instruction set that the processor has, and all must give the same.
+`words` is the trajectory hash over state words, observation, privileged row, images, reward and
+status, `motion` has q, u and rotor speeds in place of all state words (`skybody hash --motion`). A
+version that keeps other words moves the first, one that moves the vehicle otherwise moves both.
+Every way is flown on each instruction set that the processor has, and all must give the same.
 
 `tests/golden/trees.txt` (`--flights trees`) pins random worlds on the tree engine, one hash each
 (`tests/portable/tree_flights.cpp`). Exit status 0: as pinned, 1: some moved, 2: a process failed.

@@ -242,6 +242,25 @@ TEST_F(Terminates, IsNotTakenForTheUser) {
                                      "15, Terminated): mend it"));
 }
 
+class EndsInAStep : public Stranger {
+ protected:
+  EndsInAStep() : Stranger("[{plugin: exits_in_a_step}]") { put("exits_in_a_step", "plugins"); }
+};
+
+TEST_F(EndsInAStep, IsNamedByCheck) {
+  const Outcome outcome = run({"check", "scenario.yaml", "--trust-scenario"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("ends the process in a step of `exits_in_a_step` (exit status "
+                                     "0): mend it"));
+}
+
+TEST_F(EndsInAStep, IsAnErrorOfRun) {
+  const Outcome outcome =
+      run({"run", "scenario.yaml", "--trust-scenario", "--policy", "zero", "--no-picture"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("exit() before the command is done"));
+}
+
 TEST_F(Stranger, ThatEndsTheProcessWhenUnloadedIsNamedByLists) {
   const std::string unloaded = ".so: ends the process while it is unloaded (exit status 0)";
   put("exits_when_unloaded", "plugins");

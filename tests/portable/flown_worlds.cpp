@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/physics/forces/base_drive.h"
+#include "core/physics/bodies/kinematics.h"
 #include "core/physics/world/lane_values.h"
 #include "tests/unit/physics/random_worlds.h"
 

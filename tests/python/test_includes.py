@@ -45,6 +45,13 @@ def folder_of(path: str) -> str | None:
     return next((folder for folder in TABLE if path.startswith(folder + "/")), None)
 
 
+def read_order() -> list[str]:
+    """The parts of core/physics: each may include itself and those before it."""
+    text = (ROOT / "docs/architecture.md").read_text()
+    found = re.search(r"Within `core/physics` the parts have an order[^:]*:([^.]*)", text)
+    return re.findall(r"`(\w+)`", found[1]) if found else []
+
+
 def test_the_table_has_the_folders_of_the_core() -> None:
     core = {f"core/{path.name}" for path in (ROOT / "core").iterdir() if path.is_dir()}
     assert core <= set(TABLE)
@@ -63,3 +70,14 @@ def test_a_folder_includes_only_what_its_row_allows(folder: str) -> None:
         for include in INCLUDE.findall(file.read_text()):
             other = folder_of(include)
             assert other is None or other in allowed, f"{file.relative_to(ROOT)} includes {include}"
+
+
+def test_parts_of_the_physics_include_one_way() -> None:
+    physics, order = ROOT / "core/physics", read_order()
+    assert sorted(order) == sorted(path.name for path in physics.iterdir() if path.is_dir())
+    for k, part in enumerate(order):
+        for file in sorted((physics / part).iterdir()):
+            for include in INCLUDE.findall(file.read_text()):
+                if include.startswith("core/physics/"):
+                    other = include.split("/")[2]
+                    assert other in order[: k + 1], f"{file.relative_to(ROOT)} includes {include}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import gymnasium
 import numpy as np
 import pytest
@@ -261,6 +263,32 @@ def test_arrays_of_another_shape_are_refused_by_name():
         climb().step(up())
     with pytest.raises(ValueError, match="autoreset is 'never'"):
         climb(autoreset="never")
+
+
+@pytest.mark.parametrize("shape", [(N, 3), (N,), (), (1, 4)])
+def test_a_command_of_another_shape_is_refused_by_name(shape: tuple[int, ...]):
+    class Wrong(Climb):
+        def command(self, actions: NDArray[np.float32], states: EnvStates) -> NDArray[np.float64]:
+            return np.zeros(shape)
+
+    envs = climb(Wrong())
+    envs.reset()
+    found = re.escape(f"command() has shape {shape}; expected ({N}, 4)")
+    with pytest.raises(ValueError, match=found):
+        envs.step(up())
+    envs.close()
+
+
+def test_commands_of_several_robots_are_refused_with_their_names():
+    class Stays(Climb):
+        def begin(self, *_: object) -> None:
+            pass
+
+    envs = PythonTaskVectorEnv(Stays(), "collision", N)
+    envs.reset()
+    with pytest.raises(ValueError, match="left, right"):
+        envs.step(up())
+    envs.close()
 
 
 def test_stable_baselines_gets_terminal_observations_and_trains():

@@ -91,6 +91,10 @@ def test_misuse_is_refused_before_anything_is_done():
                 pool.advance(1, envs)
         with pytest.raises(TypeError):
             pool.advance(1, [0.5])
+        with pytest.raises(TypeError, match=r"physics_steps is 1\.5; it must be an integer"):
+            pool.advance(1.5)
+        with pytest.raises(TypeError, match="path is 3; it must be a text"):
+            pool.state(3)
         with pytest.raises(ValueError, match="shape"):
             pool.command(np.zeros((3, 5)))
         with pytest.raises(ValueError, match="shape"):

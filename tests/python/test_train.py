@@ -140,6 +140,25 @@ def test_an_interrupt_writes_a_checkpoint_that_goes_on_with_the_same_bits(
     assert final_hash(stopped) == final_hash(whole_run("lean-ppo"))
 
 
+def test_an_interrupt_while_the_curve_is_drawn_is_one_line_and_leaves_checkpoints_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(runs: list[Path], out: Path) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("skybody.train.curve.draw_curve", interrupted)
+        command = arguments("lean-ppo", tmp_path)
+        command[command.index("--total-steps") + 1] = "600"
+        assert main(command) == 130
+    said = capsys.readouterr().err
+    assert said == "interrupted; --resume goes on from the newest checkpoint\n"
+    for folder in checkpoint_folders(tmp_path):
+        read_checkpoint(folder)
+    assert main(["--resume", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "curve.png").exists()
+
+
 # --- files --------------------------------------------------------------------------------------
 
 

@@ -17,6 +17,7 @@ from skybody._native import CompiledScenario
 from skybody.train import curve, evaluate
 from skybody.train.__main__ import main
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
+from skybody.train.evaluation_file import read_evaluation
 from skybody.train.policy_file import Layer, Policy, write_policy
 from skybody.train.presets import UsageError, preset, with_settings
 from training import LEARNERS, SCENARIO, arguments, finished_run
@@ -36,6 +37,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("changes", "message"),
     [
         (["--set", "rate=3"], "no hyper-parameter `rate`"),
+        (["--set", "leraning_rate=3"], "did you mean `learning_rate`? Allowed: envs,"),
         (["--set", "epochs=many"], "`many` is not an integer"),
         (["--set", "hidden=a"], "`a` is not sizes as 64,64"),
         (["--set", "epochs"], "write KEY=VALUE"),
@@ -208,6 +210,55 @@ def test_a_damaged_table_is_named_with_the_remedy(
         assert f"{path} is damaged" in said
         assert message in said
         assert "remove it, which loses its rows only" in said
+
+
+def test_a_curve_of_no_folder_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert curve.main([str(tmp_path / "nothere")]) == 2
+    assert capsys.readouterr().err == f"curve: {tmp_path}/nothere: there is no such folder\n"
+
+
+NOT_WHOLE: list[Callable[[dict[str, Any]], object]] = [
+    lambda e: [e.pop(name) for name in list(e) if name not in ("steps", "episodes")],
+    lambda e: e.update(return_mean="abc"),
+    lambda e: e.update(return_mean=float("nan")),
+    lambda e: e.update(return_cv=float("inf")),
+    lambda e: e.update(length_mean=10**400),
+    lambda e: e.update(success_share=True),
+    lambda e: e.update(steps=5.0),
+    lambda e: e.update(parameter_hash=5),
+    lambda e: e.pop("wall_clock"),
+    lambda e: e["failed"].pop(),
+    lambda e: e["position_errors"].__setitem__(0, "far"),
+]
+
+
+@pytest.mark.parametrize("change", NOT_WHOLE)
+def test_an_evaluation_that_is_not_whole_counts_as_missing(
+    change: Callable[[dict[str, Any]], object], run: Path
+) -> None:
+    folder = checkpoint_folders(run)[0]
+    path = folder / "evaluation.json"
+    found = read_evaluation(folder)
+    assert found is not None
+    change(found)
+    with replaced(path, json.dumps(found).encode()):
+        assert read_evaluation(folder) is None
+    assert read_evaluation(folder) is not None
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"null", b"[]", b"[" * 10**5, b"\xff\xfe"])
+def test_an_evaluation_that_is_none_counts_as_missing(content: bytes, run: Path) -> None:
+    folder = checkpoint_folders(run)[0]
+    with replaced(folder / "evaluation.json", content):
+        assert read_evaluation(folder) is None
+
+
+def test_a_resumed_run_evaluates_anew_what_is_damaged(run: Path) -> None:
+    tables = [run / "evaluation.csv", checkpoint_folders(run)[0] / "evaluation.json"]
+    whole = [path.read_text() for path in tables]
+    tables[1].write_text('{"steps": 5, "episodes": 3}')
+    assert main(["--resume", "--out", str(run)]) == 0
+    assert [path.read_text() for path in tables] == whole
 
 
 @pytest.mark.parametrize(

@@ -110,6 +110,23 @@ def test_options_out_of_range_are_refused(options: dict[str, Any], message: str)
 def test_a_pools_batch_size_out_of_range_is_refused():
     with pytest.raises(ValueError, match="batch_size is 2147483648; it must be from 0 to"):
         skybody.make_pool("hover", 2, batch_size=2**31)
+    with pytest.raises(ValueError, match="batch_size is 9; it must be from 0 to 3"):
+        skybody.make_pool("hover", 3, batch_size=9)
+
+
+@pytest.mark.parametrize("make", [make_vec, skybody.make_pool, skybody.SimulationPool])
+@pytest.mark.parametrize("scenario", [None, 3, b"hover"])
+def test_what_is_no_scenario_is_refused_by_name(make: Any, scenario: Any):
+    with pytest.raises(TypeError, match=f"scenario is {scenario!r}; it must be a text or a path"):
+        make(scenario, 3)
+
+
+def test_a_state_path_that_is_no_text_is_refused_by_name():
+    envs = make()
+    envs.reset()
+    with pytest.raises(TypeError, match="path is 3; it must be a text"):
+        envs.state(3)  # type: ignore[arg-type]
+    envs.close()
 
 
 def test_a_recording_does_not_begin_while_environments_are_in_flight(tmp_path: Path):

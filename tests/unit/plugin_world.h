@@ -22,6 +22,13 @@ class PluginWorld {
   std::vector<SkybodyEnvParamInfo> params;
   int q = 0, u = 0, actions = 0;
 
+  /// The world's own EnvParams come first: gravity.
+  PluginWorld() {
+    for (int k = 0; k < 3; ++k) {
+      add_param("gravity[" + std::to_string(k) + "]", k == 2 ? -gravity : 0.0);
+    }
+  }
+
   /// QDrone2 (GzDRL's figures), one rigid body, four rotors on the base.
   int add_quad(const std::string& name, double x = 0.0, double y = 0.0, double z = 1.0) {
     const int index = add_robot(name, x, y, z);

@@ -3,7 +3,6 @@
 #include "core/base/math.h"
 #include "core/model/held_inputs.h"
 #include "core/physics/bodies/kinematics.h"
-#include "core/physics/forces/base_drive.h"
 
 namespace skybody {
 namespace {

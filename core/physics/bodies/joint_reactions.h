@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/physics/bodies/body_accelerations.h"
-#include "core/physics/forces/spatial_force.h"
+#include "core/physics/bodies/spatial_force.h"
 #include "core/physics/world/world.h"
 
 namespace skybody {

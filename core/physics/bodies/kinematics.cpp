@@ -1,6 +1,6 @@
 #include "core/physics/bodies/kinematics.h"
 
-#include "core/physics/bodies/pose_math.h"
+#include "core/physics/world/pose_math.h"
 
 namespace skybody {
 

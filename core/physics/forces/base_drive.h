@@ -4,18 +4,9 @@
 
 #include "core/base/math.h"
 #include "core/physics/bodies/kinematics.h"
+#include "core/physics/world/world.h"
 
 namespace skybody {
-
-/// The 13 values of a drive: velocity of the base's origin and angular velocity in base axes, then
-/// the base's pose in W (quaternion w x y z).
-enum DriveValue : int {
-  kDriveVelocity = 0,
-  kDriveAngularVelocity = 3,
-  kDrivePosition = 6,
-  kDriveRotation = 9,
-  kDriveSize = 13
-};
 
 /// The rotation vector of a unit quaternion: axis times angle [rad], the short way round.
 template <class Real>

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "core/physics/bodies/body_constants.h"
-#include "core/physics/forces/spatial_force.h"
+#include "core/physics/bodies/spatial_force.h"
 
 namespace skybody {
 
@@ -96,6 +96,14 @@ struct FreeRates {
 
   SKYBODY_INLINE FreeAcceleration<Real> acceleration(const Mat3<Real>& axes) const {
     return {in_world + axes * in_body, spin};
+  }
+  /// The velocity's rate in body axes.
+  /// @param is_upright  `in_world` is known to lie along z, as gravity mostly does
+  SKYBODY_INLINE Vec3<Real> velocity_in_body(const Mat3<Real>& axes, bool is_upright) const {
+    const Vec3<Real> upright = axes.row(2) * in_world.z;
+    if (is_upright) return in_body + upright;
+    const auto is_oblique = logical_or(in_world.x != 0.0, in_world.y != 0.0);
+    return in_body + select(is_oblique, transpose_times(axes, in_world), upright);
   }
 };
 

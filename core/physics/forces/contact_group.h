@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/physics/bodies/kinematics.h"
+#include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/ground_contact.h"
-#include "core/physics/forces/spatial_force.h"
 
 namespace skybody {
 

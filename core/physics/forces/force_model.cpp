@@ -2,6 +2,15 @@
 
 namespace skybody {
 
+bool are_in_rows(const RotorPlace* rotors) {
+  const auto is_at = [&](const RotorPlace& rotor, double x_sign, double y_sign) {
+    return rotor.position.x == x_sign * rotors[0].position.x &&
+           rotor.position.y == y_sign * rotors[0].position.y &&
+           rotor.direction == x_sign * y_sign * rotors[0].direction;
+  };
+  return is_at(rotors[1], 1, -1) && is_at(rotors[2], -1, 1) && is_at(rotors[3], -1, -1);
+}
+
 RotorPlace make_rotor_place(const World& world, std::size_t index) {
   const Rotor& rotor = *world.rotors[index].model;
   const Vec3<double>& p = rotor.position;

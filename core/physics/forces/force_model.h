@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/physics/bodies/kinematics.h"
+#include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/force_terms.h"
 #include "core/physics/forces/joint_drive.h"
 #include "core/physics/forces/joint_force.h"
 #include "core/physics/forces/rotor_force.h"
-#include "core/physics/forces/spatial_force.h"
 #include "core/physics/world/world.h"
 
 namespace skybody {

@@ -18,8 +18,8 @@
 #include "core/base/vec3.h"
 #include "core/model/held_inputs.h"
 #include "core/model/layout.h"
+#include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/rotor_lag.h"
-#include "core/physics/forces/spatial_force.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody {
@@ -111,6 +111,25 @@ SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPl
   out[kSpeedLimit] = constants[kMaxSpeed];
 }
 
+/// One quantity of four rotors in rows (are_in_rows), added up with the signs that coordinates of
+/// their hubs have beside the first one's.
+template <class Real>
+struct RowSums {
+  Real all, x, y, xy;
+
+  SKYBODY_INLINE RowSums(const Real& a, const Real& b, const Real& c, const Real& d) {
+    const Real front = a + b, back = c + d, front_change = a - b, back_change = c - d;
+    all = front + back;
+    x = front - back;
+    y = front_change + back_change;
+    xy = front_change - back_change;
+  }
+};
+
+/// Whether the first four places are the corners of a rectangle about the body's z axis, at (x, y),
+/// (x, -y), (-x, y) and (-x, -y), and neighbours turn against each other.
+bool are_in_rows(const RotorPlace* rotors);
+
 /// Rotors of one body with the body's z as their axis and their hubs at one height: what they do
 /// together, from sums over the rotors that know nothing of the body's motion.
 template <class Real>
@@ -130,6 +149,28 @@ class LevelRotors {
     for (int k = 0; k < 3; ++k) rolling_[k] = factors[kRollingFactor + k] * w;
     momentum_ = factors[kInertiaFactor] * w;
     spin_up_ = factors[kInertiaFactor] * rotor.acceleration;
+  }
+
+  /// Four rotors alike, in rows: the same up to rounding, with a third of the operations.
+  /// @param factors  of the first
+  template <class Factors>
+  SKYBODY_INLINE LevelRotors(const Factors& factors, const RotorMotion<Real> (&r)[4]) {
+    const RowSums<Real> squared(r[0].squared, r[1].squared, r[2].squared, r[3].squared);
+    const RowSums<Real> w(r[0].speed, r[1].speed, r[2].speed, r[3].speed);
+    thrust_[0] = factors[kThrustFactor] * squared.all;
+    thrust_[1] = factors[kThrustFactor + 1] * squared.x;
+    thrust_[2] = factors[kThrustFactor + 2] * squared.y;
+    moment_ = factors[kMomentFactor] * squared.xy;
+    drag_[0] = factors[kDragFactor] * w.all;
+    drag_[1] = factors[kDragFactor + 1] * w.x;
+    drag_[2] = factors[kDragFactor + 2] * w.y;
+    drag_[3] = factors[kDragFactor + 3] * w.all;
+    rolling_[0] = factors[kRollingFactor] * w.xy;
+    rolling_[1] = factors[kRollingFactor + 1] * w.y;  // the sign of the direction, times that of x
+    rolling_[2] = factors[kRollingFactor + 2] * w.x;
+    momentum_ = factors[kInertiaFactor] * w.xy;
+    spin_up_ = factors[kInertiaFactor] *
+               ((r[0].acceleration - r[1].acceleration) - (r[2].acceleration - r[3].acceleration));
   }
 
   /// Another rotor.
@@ -162,6 +203,25 @@ class LevelRotors {
         f};
   }
 
+  /// `a` where the mask is set, else `b`.
+  template <class Mask>
+  friend SKYBODY_INLINE LevelRotors select(const Mask& mask, const LevelRotors& a,
+                                           const LevelRotors& b) {
+    LevelRotors out;
+    const auto choose = [&](const auto& from_a, const auto& from_b, auto& to)
+                            SKYBODY_INLINE_LAMBDA {
+                              for (std::size_t k = 0; k < std::size(to); ++k)
+                                to[k] = select(mask, from_a[k], from_b[k]);
+                            };
+    choose(a.thrust_, b.thrust_, out.thrust_);
+    choose(a.drag_, b.drag_, out.drag_);
+    choose(a.rolling_, b.rolling_, out.rolling_);
+    out.moment_ = select(mask, a.moment_, b.moment_);
+    out.momentum_ = select(mask, a.momentum_, b.momentum_);
+    out.spin_up_ = select(mask, a.spin_up_, b.spin_up_);
+    return out;
+  }
+
  private:
   Real thrust_[3];   ///< k_f w^2 [N], times x, y [N m]
   Real moment_;      ///< s k_m w^2 [N m]
@@ -170,6 +230,21 @@ class LevelRotors {
   Real momentum_;    ///< s J w [kg m^2/s]
   Real spin_up_;     ///< s J dw/dt [N m], over the unit of dw/dt
 };
+
+/// Whether four rotors in rows have equal constants.
+/// @param factors  of all, one after another
+template <class Factors>
+SKYBODY_INLINE auto are_alike(const Factors& factors) {
+  auto alike = factors[kThrustFactor] == factors[kThrustFactor];
+  for (int rotor = 1; rotor < 4; ++rotor) {
+    const auto other = factors + kRotorFactorCount * rotor;
+    for (const int k :
+         {kThrustFactor, kMomentFactor, kDragFactor, kRollingFactor, kInertiaFactor}) {
+      alike = logical_and(alike, abs(other[k]) == abs(factors[k]));
+    }
+  }
+  return alike;
+}
 
 /// Consecutive rotors on one body.
 struct RotorGroup {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/contact.h"
-#include "core/physics/forces/spatial_force.h"
 #include "core/physics/world/lane_state.h"
 #include "core/physics/world/world.h"
 

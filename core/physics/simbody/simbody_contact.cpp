@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/physics/world/contact_spheres.h"
+#include "core/physics/bodies/contact_spheres.h"
 
 namespace skybody {
 namespace {

@@ -38,26 +38,34 @@ class FreeLanes {
     } else {
       if (robots.size() > 1) return advance_all(lanes);
       Real end_speeds[4];
-      if (robots[0].has_four_level_rotors()) return advance_one<4>(robots[0], end_speeds, lanes);
-      return advance_one<0>(robots[0], end_speeds_, lanes);
+      if (is_measured(robots[0])) return advance_one<kMeasured>(robots[0], end_speeds, lanes);
+      return advance_one<FreeKind::kAny>(robots[0], end_speeds_, lanes);
     }
   }
 
  private:
   static constexpr std::uint32_t kAll = (1u << kLanesOf<Real>)-1u;
+  static constexpr bool kIsNominal = std::is_same_v<Values, SharedValues<Real>>;
+  /// The kind of a world's only robot for which, beside any, the step is made to measure.
+  static constexpr FreeKind kMeasured =
+      kIsNominal ? FreeKind::kPlainQuadrotor : FreeKind::kQuadrotor;
+
+  static bool is_measured(const FreeRobot& robot) {
+    return kIsNominal ? robot.is_plain_quadrotor : robot.has_four_level_rotors();
+  }
 
   /// The only robot of its world.
-  template <int kLevelRotors>
+  template <FreeKind kKind>
   SKYBODY_INLINE std::uint32_t advance_one(const FreeRobot& robot, Real* end_speeds,
                                            std::uint32_t lanes) const {
     FreeMotion<Real> motion;
-    const MaskOf<Real> sound = advance<kLevelRotors>(robot, motion, end_speeds);
+    const MaskOf<Real> sound = advance<kKind>(robot, motion, end_speeds);
     if (lanes == kAll && all(sound)) {  // the usual case, without a mask
-      write<kLevelRotors>(robot, motion, end_speeds, AllLanes());
+      write<kKind>(robot, motion, end_speeds, AllLanes());
       return lanes;
     }
     const MaskOf<Real> through = sound & mask_from_bits<Real>(lanes);
-    write<kLevelRotors>(robot, motion, end_speeds, through);
+    write<kKind>(robot, motion, end_speeds, through);
     return bits_from_mask(through);
   }
 
@@ -69,10 +77,12 @@ class FreeLanes {
       FreeMotion<Real> motion;
       Real* end_speeds = end_speeds_ + robot.rotors.first;
       if constexpr (kIsHeld) {
-        through &= advance<0>(robot, motion, end_speeds);  // held inputs go rotor by rotor
+        // Held inputs go rotor by rotor.
+        through &= advance<FreeKind::kAny>(robot, motion, end_speeds);
       } else {
-        through &= robot.has_four_level_rotors() ? advance<4>(robot, motion, end_speeds)
-                                                 : advance<0>(robot, motion, end_speeds);
+        through &= robot.has_four_level_rotors()
+                       ? advance<FreeKind::kQuadrotor>(robot, motion, end_speeds)
+                       : advance<FreeKind::kAny>(robot, motion, end_speeds);
       }
       *at_end++ = motion;
     }
@@ -84,14 +94,15 @@ class FreeLanes {
     return bits_from_mask(through);
   }
 
-  template <int kLevelRotors>
+  template <FreeKind kKind>
   SKYBODY_INLINE MaskOf<Real> advance(const FreeRobot& robot, FreeMotion<Real>& motion,
                                       Real* end_speeds) const {
-    const LaneValues<Real> q(lanes_.at(q_, robot.q)), u(lanes_.at(u_, robot.u));
+    const LaneValues<Real> q(lanes_.at(q_, first_place<kKind>(robot.q)));
+    const LaneValues<Real> u(lanes_.at(u_, first_place<kKind>(robot.u)));
     const auto load = [&]() SKYBODY_INLINE_LAMBDA {
       return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
     };
-    using Step = FreeRobotStep<Real, Values, kLevelRotors, kIsHeld>;
+    using Step = FreeRobotStep<Real, Values, kKind, kIsHeld>;
     return Step(robots_, robot, in_).template advance<kIntegrator>(load, motion, end_speeds);
   }
 
@@ -99,22 +110,24 @@ class FreeLanes {
   SKYBODY_INLINE void write_all(const Mask& mask) const {
     const FreeMotion<Real>* motion = motions_;
     for (const FreeRobot& robot : robots_.robots) {
-      write<0>(robot, *motion++, end_speeds_ + robot.rotors.first, mask);
+      write<FreeKind::kAny>(robot, *motion++, end_speeds_ + robot.rotors.first, mask);
     }
   }
 
   /// @param mask  lanes to write, or AllLanes
-  template <int kLevelRotors, class Mask>
+  template <FreeKind kKind, class Mask>
   SKYBODY_INLINE void write(const FreeRobot& robot, const FreeMotion<Real>& m,
                             const Real* end_speeds, const Mask& mask) const {
     const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
                              m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
                              m.spin.x,     m.spin.y,     m.spin.z};
     // All places first: nothing needs to be looked up again between the stores.
-    double *q = lanes_.at(q_, robot.q), *u = lanes_.at(u_, robot.u);
-    double* bodies = bodies_ == nullptr ? nullptr : lanes_.at(bodies_, 13 * robot.body);
-    double* rotor_speed = lanes_.at(rotor_speed_, robot.rotors.first);
-    const int rotors = kLevelRotors > 0 ? kLevelRotors : robot.rotors.count;
+    double* q = lanes_.at(q_, first_place<kKind>(robot.q));
+    double* u = lanes_.at(u_, first_place<kKind>(robot.u));
+    const int body = first_place<kKind>(robot.body);
+    double* bodies = bodies_ == nullptr ? nullptr : lanes_.at(bodies_, 13 * body);
+    double* rotor_speed = lanes_.at(rotor_speed_, first_place<kKind>(robot.rotors.first));
+    const int rotors = kKind == FreeKind::kAny ? robot.rotors.count : 4;
     const LanePlace<Real> here(0);
     here.store(values, 7, mask, q);
     here.store(values + 7, 6, mask, u);

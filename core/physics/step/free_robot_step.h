@@ -71,11 +71,22 @@ struct FreeStepInputs {
   Values lags, factors, bodies;  ///< of the whole world
 };
 
-/// @tparam kLevelRotors  0: any rotors; else the robot has so many, all of them level
-/// @tparam kIsHeld       effects hold something of the world; the sums over level rotors, which
-/// know
-///                       nothing of it, are not made beforehand then
-template <class Real, class Values, int kLevelRotors, bool kIsHeld>
+/// What is known of a robot where its step is compiled.
+enum class FreeKind {
+  kAny,
+  kQuadrotor,      ///< it has four level rotors
+  kPlainQuadrotor  ///< FreeRobot::is_plain_quadrotor, with nominal parameters
+};
+
+/// A place in a block of the world, where the robot's values begin: 0 for the only robot.
+template <FreeKind kKind>
+constexpr int first_place(int place) {
+  return kKind == FreeKind::kPlainQuadrotor ? 0 : place;
+}
+
+/// @tparam kIsHeld  effects hold something of the world; the sums over level rotors, which know
+///                  nothing of it, are not made beforehand then
+template <class Real, class Values, FreeKind kKind, bool kIsHeld>
 class FreeRobotStep {
  public:
   using Inputs = FreeStepInputs<Real, Values>;
@@ -84,9 +95,9 @@ class FreeRobotStep {
       : world_(world),
         robot_(robot),
         in_(in),
-        lags_(in.lags + kLagSize * robot.rotors.first),
-        factors_(in.factors + kRotorFactorCount * robot.rotors.first),
-        constants_(in.bodies + kBodyConstantCount * robot.body) {}
+        lags_(in.lags + kLagSize * first_rotor()),
+        factors_(in.factors + kRotorFactorCount * first_rotor()),
+        constants_(in.bodies + kBodyConstantCount * first_place<kKind>(robot.body)) {}
 
   /// Moves the robot on by dt.
   /// @param load       load() gives the motion at the start of the step
@@ -109,6 +120,8 @@ class FreeRobotStep {
  private:
   /// Parameters are the nominal ones: what FreeRobot knows of them holds.
   static constexpr bool kIsNominal = std::is_same_v<Values, SharedValues<Real>>;
+  static constexpr bool kHasFour = kKind != FreeKind::kAny;
+  static constexpr bool kIsPlain = kKind == FreeKind::kPlainQuadrotor;
 
   // What is read again after forget() need not be kept in registers, of which there are too few.
   static SKYBODY_INLINE void forget() { asm volatile("" ::: "memory"); }
@@ -125,16 +138,20 @@ class FreeRobotStep {
       return rotor.mean(end_speed[i]);
     };
     LevelRotors<Real> level;
-    if (is_level()) level = level_rotors(run);
+    if (is_level()) level = quick_level_rotors(run);
     forget();  // the sums need no motion
     motion = load();
     motion.drift(0.5 * dt());
     BodyKinematics<Real> body = kinematics(motion);
     Vec3<Real> air = velocity_in_air(body);
     const FreeRates<Real> first = rates(body, air, level, run, world_.rate);
-    const Real half(0.5 * dt());
-    air += (first.in_body + transpose_times(body.axes, first.in_world)) * half;
-    if (needs_velocity(body)) body.velocity += first.acceleration(body.axes).velocity * half;
+    const Real half(kMidpointRule.reach[1] * dt());
+    if (needs_velocity(body)) {
+      air += first.velocity_in_body(body.axes, false) * half;
+      body.velocity += first.acceleration(body.axes).velocity * half;
+    } else {
+      air += first.velocity_in_body(body.axes, kIsPlain) * half;
+    }
     body.spin += first.spin * half;
     const FreeRates<Real> second = rates(body, air, level, run, world_.rate);
     motion.change_velocity(second.acceleration(body.axes), dt());
@@ -191,18 +208,19 @@ class FreeRobotStep {
     };
     motion = load();
     StageRates<FreeMotion<Real>> work;
-    step_by_rule(kRungeKutta4Rule, dt(), rates, motion, work);
+    step_by_stages(kRungeKutta4Rule, dt(), rates, motion, work);
     return is_sound(motion, speeds);
   }
 
   double dt() const { return world_.world.scenario.stepping.dt; }
   Values world_constants() const { return in_.params + world_.world.layout.world_params; }
-  bool is_level() const { return !kIsHeld && (kLevelRotors > 0 || robot_.rotors.is_level); }
-  int rotor_count() const { return kLevelRotors > 0 ? kLevelRotors : robot_.rotors.count; }
+  bool is_level() const { return !kIsHeld && (kHasFour || robot_.rotors.is_level); }
+  int first_rotor() const { return first_place<kKind>(robot_.rotors.first); }
+  int rotor_count() const { return kHasFour ? 4 : robot_.rotors.count; }
 
   /// @param i  of the robot's rotors
   SKYBODY_INLINE auto rotor_step(int i) const {
-    const int rotor = robot_.rotors.first + i;
+    const int rotor = first_rotor() + i;
     const RotorStep<Real> step(load_lag<Real>(lags_ + kLagSize * i), in_.rotor_speed[rotor],
                                in_.rotor_command[rotor],
                                factors_[kRotorFactorCount * i + kSpeedLimit]);
@@ -226,6 +244,22 @@ class FreeRobotStep {
 #pragma GCC unroll 4
     for (int i = 1; i < count; ++i) rotors += alone(i);
     return rotors;
+  }
+
+  /// The same, by fewer operations in lanes whose rotors are alike and in rows.
+  template <class Run>
+  SKYBODY_INLINE LevelRotors<Real> quick_level_rotors(const Run& run) const {
+    const auto by_rows = [&]() SKYBODY_INLINE_LAMBDA {
+      const RotorMotion<Real> rotors[4] = {run(0), run(1), run(2), run(3)};
+      return LevelRotors<Real>(factors_, rotors);
+    };
+    if (kIsPlain) return by_rows();
+    if (!robot_.are_rotors_in_rows) return level_rotors(run);
+    if (kIsNominal) return robot_.are_rotors_alike ? by_rows() : level_rotors(run);
+    const auto alike = are_alike(factors_);
+    if (all(alike)) return by_rows();
+    if (none(alike)) return level_rotors(run);
+    return select(alike, by_rows(), level_rotors(run));
   }
 
   static SKYBODY_INLINE BodyKinematics<Real> kinematics(const FreeMotion<Real>& m) {
@@ -267,7 +301,7 @@ class FreeRobotStep {
       rotors = gained_rotor_forces<Real>(group, world_.rotors.data(), in_.params, &in_.held,
                                          run_of_world, unit, velocity, body.spin);
     } else if (is_level()) {
-      const double height = world_.rotors[static_cast<std::size_t>(group.first)].position.z;
+      const double height = world_.rotors[static_cast<std::size_t>(first_rotor())].position.z;
       rotors = level.force(height, unit, velocity, body.spin);
     } else {
       const auto constants = [&](int i) SKYBODY_INLINE_LAMBDA {
@@ -276,10 +310,15 @@ class FreeRobotStep {
       rotors = sum_rotors<Real>(group, world_.rotors.data(), constants, run_of_world, unit,
                                 velocity, body.spin);
     }
-    FreeLoad<Real, Values> load(body, constants_, kIsNominal ? robot_.shape : KnownShape(),
+    FreeLoad<Real, Values> load(body, constants_, known_shape(),
                                 load_vec3(world_constants() + kGravity), rotors);
     add_outer_forces(body, load);
     return load.rates();
+  }
+
+  SKYBODY_INLINE KnownShape known_shape() const {
+    if (kIsPlain) return {true, true};
+    return kIsNominal ? robot_.shape : KnownShape();
   }
 
   /// Forces that only some robots have.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/physics/bodies/pose_math.h"
 #include "core/physics/forces/force_model.h"
 #include "core/physics/step/step_rules.h"
+#include "core/physics/world/pose_math.h"
 
 namespace skybody {
 
@@ -23,6 +23,26 @@ namespace {
 
 /// The square of a unit quaternion's norm after an Euler step of half the angle `half`.
 double square_after(double half) { return 1.0 + half * half; }
+
+/// FreeRobot::are_rotors_alike.
+/// @param places  of all rotors of the world
+bool are_nominally_alike(const World& world, const RotorGroup& group,
+                         const std::vector<RotorPlace>& places) {
+  const std::vector<double> params = world.layout.nominal_params();
+  double factors[4 * kRotorFactorCount];
+  for (int i = 0; i < 4; ++i) {
+    const RotorPlace& place = places[static_cast<std::size_t>(group.first + i)];
+    make_rotor_factors(params.data() + place.params, place, factors + kRotorFactorCount * i);
+  }
+  return are_alike(static_cast<const double*>(factors));
+}
+
+bool is_plain(const World& world, const FreeRobot& robot) {
+  const Vec3<double> gravity = world.scenario.gravity();
+  return world.layout.robots.size() == 1 && robot.are_rotors_alike && robot.shape.is_axial &&
+         robot.shape.has_no_products && gravity.x == 0.0 && gravity.y == 0.0 &&
+         !robot.is_disturbed && robot.sites.empty();
+}
 
 }  // namespace
 
@@ -51,8 +71,13 @@ FreeRobots::FreeRobots(const World& w)
     robots.push_back(robot);
   }
   for (const RotorGroup& group : make_rotor_groups(w)) {
-    robots[static_cast<std::size_t>(w.bodies[static_cast<std::size_t>(group.body)].robot)].rotors =
-        group;
+    FreeRobot& robot =
+        robots[static_cast<std::size_t>(w.bodies[static_cast<std::size_t>(group.body)].robot)];
+    robot.rotors = group;
+    robot.are_rotors_in_rows =
+        robot.has_four_level_rotors() && are_in_rows(rotors.data() + group.first);
+    robot.are_rotors_alike = robot.are_rotors_in_rows && are_nominally_alike(w, group, rotors);
+    robot.is_plain_quadrotor = is_plain(w, robot);
   }
   for (const ContactGroup& contact : make_contact_groups(w)) {
     robots[static_cast<std::size_t>(w.bodies[static_cast<std::size_t>(contact.body)].robot)]

@@ -14,15 +14,20 @@ namespace skybody {
 /// One robot. Places are within the blocks of state words.
 struct FreeRobot {
   int body = 0, q = 0, u = 0;
-  RotorGroup rotors;          ///< all of them; none where `count` is 0
-  int constants = 0;          ///< first of its kRobotParamCount parameters
-  std::vector<int> sites;     ///< within World::sites
-  bool is_disturbed = false;  ///< likewise
-  KnownShape shape;           ///< by the nominal parameters
-  ContactGroup contact;       ///< none where `count` is 0
+  RotorGroup rotors;                ///< all of them; none where `count` is 0
+  int constants = 0;                ///< first of its kRobotParamCount parameters
+  std::vector<int> sites;           ///< within World::sites
+  bool is_disturbed = false;        ///< likewise
+  KnownShape shape;                 ///< by the nominal parameters
+  bool are_rotors_in_rows = false;  ///< four level ones, and no others
+  bool are_rotors_alike = false;    ///< and these by the nominal parameters
+  ContactGroup contact;             ///< none where `count` is 0
 
-  /// The commonest kind, for which kernels are made to measure.
   bool has_four_level_rotors() const { return rotors.is_level && rotors.count == 4; }
+  /// The commonest kind, by the nominal parameters: the only robot of its world, four rotors alike
+  /// in rows, a diagonal inertia below or above the origin, gravity along z of W, and no force on
+  /// it but these and the ground's.
+  bool is_plain_quadrotor = false;
 };
 
 /// All robots of a world. Immutable; refers to the world, which must outlive it.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/aligned_array.h"
+#include "core/physics/bodies/spatial_force.h"
 #include "core/physics/forces/contact.h"
-#include "core/physics/forces/spatial_force.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/world/world.h"
 
@@ -84,9 +84,9 @@ class GroupStepper {
 
   /// Advances q, u, rotor speeds, joint states and bodies of these lanes by exactly dt, commands,
   /// wrenches and drives held.
-  /// @returns the lanes that came through; the others, whose step gave a value that is not finite
-  ///          or beyond 1e6 (free robots: rates of turn, and the magnitudes of all else added up),
-  ///          or where the dynamics gave up, are as they were before the call
+  /// @returns the lanes that came through; the others, whose step gave values that are not finite
+  ///          or have diverged ("A fault" in docs/architecture.md), or where the dynamics gave up,
+  ///          are as they were before the call
   std::uint32_t advance(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
 
   /// Generalised accelerations of one lane, which is refreshed, at the present state and t = 0 of

@@ -170,12 +170,8 @@ class Mechanics {
                              accelerate(at.q, at.u, time, rate.u);
                              if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
-    if (rule.integrator == IntegratorChoice::kMidpoint) {
-      has_motion_ = false;  // what is evaluated first is half a step away from the start
-      step_by_midpoint(dt(), rates, a_.now, a_.stages);
-    } else {
-      step_by_rule(rule, dt(), rates, a_.now, a_.stages);
-    }
+    if (!rule.begins_at_start()) has_motion_ = false;
+    step_by_rule(rule, dt(), rates, a_.now, a_.stages);
     return end_step(mask);
   }
 

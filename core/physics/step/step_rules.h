@@ -66,6 +66,8 @@ struct StepRule {
   StageTime time[4];  ///< of the rotors
   double reach[4];    ///< from the step's start with the rates of the stage before [dt]
 
+  /// Whether its first stage is the step's start, and not half a step away from it.
+  constexpr bool begins_at_start() const { return integrator != IntegratorChoice::kMidpoint; }
   /// Whether only velocities are changed by rates, coordinates by velocities.
   constexpr bool is_split() const { return integrator != IntegratorChoice::kRk4; }
 };
@@ -107,7 +109,7 @@ struct StageRates {
   State outer, inner, rate;  ///< of the first stage, the second, and those behind
 };
 
-/// One step by a rule.
+/// One step by a rule whose first stage is the step's start: not kMidpointRule.
 /// @tparam State  has set(start, rate, time): start + time rate, element by element, where start
 ///                may be the state itself; add(rate); and change_velocity(rate, time) and
 ///                change_position(time), which is by its velocity
@@ -115,8 +117,8 @@ struct StageRates {
 ///                evaluated at one place in the loop, since its code is large
 /// @param state   at the step's start; written: at its end
 template <class State, class Rates>
-SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& rates, State& state,
-                                 StageRates<State>& work) {
+SKYBODY_INLINE void step_by_stages(const StepRule& rule, double dt, const Rates& rates,
+                                   State& state, StageRates<State>& work) {
   State* const rate[4] = {&work.outer, &work.inner, &work.rate, &work.rate};
 #pragma GCC unroll 1
   for (int k = 0; k < rule.stages; ++k) {
@@ -133,7 +135,7 @@ SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& r
 /// One step by kMidpointRule.
 /// @tparam State  also has drift(time), which is change_position(time) with rotations turned by
 ///                their exponential; and kick(start, rate, time): start, its velocity changed
-/// @param rates   as for step_by_rule, evaluated at one place; only the velocity's are asked for
+/// @param rates   as for step_by_stages, evaluated at one place; only the velocity's are asked for
 template <class State, class Rates>
 SKYBODY_INLINE void step_by_midpoint(double dt, const Rates& rates, State& state,
                                      StageRates<State>& work) {
@@ -148,6 +150,18 @@ SKYBODY_INLINE void step_by_midpoint(double dt, const Rates& rates, State& state
   }
   state.change_velocity(work.rate, dt);
   state.drift(0.5 * dt);
+}
+
+/// One step by any rule.
+/// @tparam State  as for step_by_stages and step_by_midpoint
+template <class State, class Rates>
+SKYBODY_INLINE void step_by_rule(const StepRule& rule, double dt, const Rates& rates, State& state,
+                                 StageRates<State>& work) {
+  if (rule.integrator == IntegratorChoice::kMidpoint) {
+    step_by_midpoint(dt, rates, state, work);
+  } else {
+    step_by_stages(rule, dt, rates, state, work);
+  }
 }
 
 }  // namespace skybody

@@ -11,7 +11,7 @@
 
 #include "core/base/mat3.h"
 #include "core/physics/bodies/kinematics.h"
-#include "core/physics/forces/spatial_force.h"
+#include "core/physics/bodies/spatial_force.h"
 
 namespace skybody {
 

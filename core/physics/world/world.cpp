@@ -1,8 +1,7 @@
 #include "core/physics/world/world.h"
 
 #include "core/base/error.h"
-#include "core/physics/bodies/pose_math.h"
-#include "core/physics/world/contact_spheres.h"
+#include "core/physics/world/pose_math.h"
 #include "core/physics/world/world_layout.h"
 
 namespace skybody {

@@ -73,6 +73,16 @@ struct JointDrive {
 /// How a robot's base is driven kinematically by a controller, if at all.
 enum class DriveKind { kNone, kVelocity, kPose };
 
+/// The 13 values of a drive: velocity of the base's origin and angular velocity in base axes, then
+/// the base's pose in W (quaternion w x y z).
+enum DriveValue : int {
+  kDriveVelocity = 0,
+  kDriveAngularVelocity = 3,
+  kDrivePosition = 6,
+  kDriveRotation = 9,
+  kDriveSize = 13
+};
+
 /// Surfaces for Simbody's contact (simbody_contact.h).
 class SimbodyContact;
 
@@ -119,6 +129,15 @@ class World : public Topology {
   const std::vector<ContactSphere> spheres;                     ///< empty: there is no ground
   const std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: only ground to touch
 };
+
+/// The spheres of a world with ground, per body and shape in order: a box gives its 8 corners, a
+/// cylinder 8 points on each rim, a sphere itself; meshes give nothing. Stiffness k per robot:
+/// resting upright on the n spheres that lie lowest with joints at zero, each sinks in by
+/// x0 = ContactSettings::penetration,
+///   k = m |g| / (n x0^1.5),
+/// but no more than lets dt follow the oscillation of the sphere's own body. For World's
+/// constructor: reads the topology alone. In bodies/contact_spheres.cpp.
+std::vector<ContactSphere> make_contact_spheres(const World& world);
 
 /// The surfaces of a world, or null. For World's constructor: it reads the topology alone.
 std::shared_ptr<const SimbodyContact> make_simbody_contact(const World& world);

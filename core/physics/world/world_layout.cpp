@@ -80,8 +80,6 @@ RobotLayout make_robot_layout(const Topology& world, int robot) {
     ++out.body_count;
     out.q_count += position_size(body.model->joint.type);
     out.u_count += velocity_size(body.model->joint.type);
-    out.body_q.push_back(body.q);
-    out.body_u.push_back(body.u);
   }
   for (std::size_t i = 0; i < world.rotors.size(); ++i) {
     if (world.rotors[i].robot != robot) continue;
@@ -128,7 +126,7 @@ int held_size(const WorldPlan& plan, int input) {
 Layout finish_layout(const WorldPlan& plan) {
   Layout layout = plan.layout;
   layout.wrench.size = 6 * static_cast<int>(plan.sites.size());
-  layout.drive.size = 13 * count_driven(plan.drives);
+  layout.drive.size = kDriveSize * count_driven(plan.drives);
   layout.joint_command.size = layout.joint_state.size = static_cast<int>(plan.joint_drives.size());
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
     const auto input = static_cast<std::size_t>(i);

@@ -19,7 +19,8 @@ Layout finish_layout(const WorldPlan& plan);
 /// Words of an input that effects hold (SkybodyHeldInput), were it used.
 int held_size(const WorldPlan& plan, int input);
 
-/// Number of robots whose base is driven; their 13 values lie in the drive block in robot order.
+/// Number of robots whose base is driven; kDriveSize values of each lie in the drive block, in
+/// robot order.
 int count_driven(const std::vector<DriveKind>& drives);
 
 }  // namespace skybody

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from skybody._native import CompiledScenario, Error, InputError, versions
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
+from skybody.program import INTERRUPTED, run_program
 from skybody.train import evaluate, files
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.presets import ALGORITHMS, UsageError, preset, with_settings
@@ -289,6 +290,10 @@ def train(trainer: Trainer) -> int:
     """To the end, or to an interruption; returns the exit code."""
     try:
         return run_to_end(trainer)
+    except KeyboardInterrupt:
+        trainer.abandon()
+        print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
+        return INTERRUPTED
     except OSError as error:
         trainer.abandon()
         print(
@@ -300,20 +305,17 @@ def train(trainer: Trainer) -> int:
 
 
 def run_to_end(trainer: Trainer) -> int:
-    """train(), but for files that cannot be written."""
+    """train(), but for a Ctrl-C that ends it at once and for files that cannot be written."""
     try:
         complete = trainer.train()
-    except KeyboardInterrupt:
-        complete = False
-        print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
     except FloatingPointError as error:
         trainer.finish(complete=False)
         print(f"train: {error}", file=sys.stderr)
         return 1
     trainer.finish(complete)
     print(trainer.summary())
-    return 0 if complete else 130
+    return 0 if complete else INTERRUPTED
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from skybody.program import run_program
 from skybody.train import files
 from skybody.train.policy_file import FORMAT, VERSION, Policy, policy_of, read_policy, write_policy
 from skybody.train.requirements import demand_packages
@@ -114,4 +115,4 @@ def _update_checkpoint(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

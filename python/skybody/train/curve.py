@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody.program import run_program
 from skybody.train import files
 from skybody.train.requirements import demand_packages
 from skybody.train.run_folder import read_table
@@ -106,6 +107,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         demand_packages(["matplotlib"])
         for run in options.run:
+            if not run.is_dir():
+                raise ValueError(f"{run}: there is no such folder")
             if not read_table(run / "progress.csv"):
                 raise ValueError(f"{run / 'progress.csv'} has no rows")
         draw_curve(options.run, options.out)
@@ -117,4 +120,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

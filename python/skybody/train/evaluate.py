@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from skybody._native import CompiledScenario, Error, InputError, Pool, printable
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
+from skybody.program import run_program
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
 from skybody.train.learner import columns_of, goal_distance
@@ -238,4 +239,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_program(main)

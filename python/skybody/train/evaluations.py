@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import IO
 
 from skybody.train.checkpoint import checkpoint_folders
-from skybody.train.run_folder import read_evaluation
+from skybody.train.evaluation_file import read_evaluation
 
 
 class Evaluations:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from skybody.arguments import MOST_ENVS
+from skybody.arguments import MOST_ENVS, allowed_words
 
 ALGORITHMS = ("ppo", "lean-ppo")
 
@@ -125,7 +125,8 @@ def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparame
         if not equals:
             raise UsageError(f"--set {setting}: write KEY=VALUE")
         if key not in fields:
-            raise UsageError(f"--set {setting}: no hyper-parameter `{key}`; {', '.join(fields)}")
+            hint = allowed_words(key, fields)
+            raise UsageError(f"--set {setting}: no hyper-parameter `{key}`{hint}")
         changes[key] = _parse(setting, text, fields[key])
     return dataclasses.replace(base, **changes)
 

@@ -12,22 +12,8 @@ from typing import Any
 
 from skybody.train import files
 from skybody.train.checkpoint import checkpoint_folders
+from skybody.train.evaluation_file import COLUMNS, read_evaluation
 from skybody.train.presets import Hyperparameters, UsageError, from_dict
-
-EVALUATION_COLUMNS = (
-    "steps",
-    "wall_clock",
-    "episodes",
-    "return_mean",
-    "return_std",
-    "return_cv",
-    "position_error_median",
-    "position_error_mean",
-    "position_error_p95",
-    "length_mean",
-    "success_share",
-    "parameter_hash",
-)
 
 _FIXED = ("algorithm", "seed", "scenario_hash")  # beside the hyper-parameters; they decide bits
 
@@ -107,22 +93,12 @@ class ProgressTable:
             file.write(_csv(self._columns, [row], header))
 
 
-def read_evaluation(checkpoint: Path) -> dict[str, Any] | None:
-    """The evaluation beside a checkpoint; None where there is none, or where it was cut short."""
-    try:
-        row = json.loads((checkpoint / "evaluation.json").read_text())
-    except (FileNotFoundError, ValueError):
-        return None
-    is_whole = isinstance(row, dict) and {"steps", "episodes"} <= set(row)
-    return row if is_whole else None
-
-
 def write_evaluations(run: Path) -> list[dict[str, Any]]:
     """evaluation.csv from the evaluations beside the checkpoints; returns its rows."""
     found = [read_evaluation(folder) for folder in checkpoint_folders(run)]
     rows = [row for row in found if row is not None]
     if rows:
-        files.write_file(run / "evaluation.csv", _csv(list(EVALUATION_COLUMNS), rows, header=True))
+        files.write_file(run / "evaluation.csv", _csv(list(COLUMNS), rows, header=True))
     return rows
 
 

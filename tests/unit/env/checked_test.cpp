@@ -46,6 +46,39 @@ class Greedy : public Controller {
   }
 };
 
+/// Writes the first of its four speeds.
+class Forgetful : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {1, 1, 1, 1});
+    setup.output(Signal::kRotorSpeed, 4);
+  }
+  template <class Real>
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+    out.set(0, in[0]);
+  }
+};
+
+/// Rewards robots though it did not say so.
+class Generous : public Task {
+ public:
+  void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
+  template <class Real>
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>& out) const {
+    out.observation.set(0, Real(1.0));
+    out.set_reward(0, Real(1.0));
+  }
+};
+
+class Moody : public Task {
+ public:
+  void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
+  template <class Real>
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {
+    throw std::runtime_error("not today");
+  }
+};
+
 std::string mistake(const std::string& controller, const std::string& task) {
   InProcessFactory factory;
   factory.add<test::Direct>("direct");
@@ -53,6 +86,9 @@ std::string mistake(const std::string& controller, const std::string& task) {
   factory.add<Talkative>("talkative");
   factory.add<FarLook>("far_look");
   factory.add<Greedy>("greedy");
+  factory.add<Forgetful>("forgetful");
+  factory.add<Generous>("generous");
+  factory.add<Moody>("moody");
   Scenario s;
   s.name = "test";
   s.contact.ground = false;
@@ -74,15 +110,33 @@ std::string mistake(const std::string& controller, const std::string& task) {
 }
 
 TEST(CheckedMode, SaysWhatIsTouchedBeyondItsEnd) {
-  EXPECT_EQ(mistake("direct", "talkative"),
-            "plugin `talkative` (task) asks for output value 1; allowed: 0 to 0; this is a mistake "
-            "in the plugin");
+  EXPECT_EQ(
+      mistake("direct", "talkative"),
+      "plugin `talkative` (task) asks for observation value 1; allowed: 0 to 0; this is a mistake "
+      "in the plugin");
   EXPECT_EQ(mistake("direct", "far_look"),
             "plugin `far_look` (task) asks for body value 39; allowed: 0 to 12; this is a mistake "
             "in the plugin");
   EXPECT_EQ(mistake("greedy", "watch"),
             "plugin `greedy` (greedy) asks for buffer value 2; allowed: 0 to 1; this is a mistake "
             "in the plugin");
+}
+
+TEST(CheckedMode, SaysWhatIsNotWritten) {
+  EXPECT_EQ(mistake("forgetful", "watch"),
+            "plugin `forgetful` (forgetful) has not written output value 1 of 4; this is a mistake "
+            "in the plugin");
+}
+
+TEST(CheckedMode, SaysThatRewardsOfRobotsWereNotAnnounced) {
+  EXPECT_EQ(mistake("direct", "generous"),
+            "plugin `generous` (task) asks for robot reward value 0; allowed: none, unless "
+            "configure() calls `robot_rewards()`; this is a mistake in the plugin");
+}
+
+TEST(CheckedMode, NamesThePluginThatThrows) {
+  EXPECT_EQ(mistake("direct", "moody"),
+            "plugin `moody` (task) throws in a step: not today; this is a mistake in the plugin");
 }
 
 TEST(CheckedMode, SaysNothingOfSoundPlugins) { EXPECT_EQ(mistake("direct", "watch"), ""); }

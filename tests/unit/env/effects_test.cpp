@@ -167,7 +167,8 @@ TEST(Effects, AreToldInCheckedModeWhatTheyDidNotAnnounce) {
     FAIL() << "nothing was said";
   } catch (const Error& e) {
     EXPECT_STREQ(e.what(),
-                 "plugin `liar` (liar) asks for held input value 0; allowed: none; this is a "
+                 "plugin `liar` (liar) asks for held input value 0; allowed: none, what "
+                 "configure() has not named by `holds()`; this is a "
                  "mistake in the plugin");
   }
 }

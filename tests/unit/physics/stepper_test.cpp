@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/error.h"
-#include "core/physics/forces/base_drive.h"
+#include "core/physics/bodies/kinematics.h"
 #include "core/physics/step/lane_stepper.h"
 #include "tests/unit/physics/test_models.h"
 

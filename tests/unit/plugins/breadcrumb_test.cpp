@@ -1,5 +1,5 @@
 // What a watcher finds where a plugin has ended the process.
-#include "plugins/host/breadcrumb.h"
+#include "core/base/breadcrumb.h"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <thread>
 
+#include "core/base/breadcrumb.h"
 #include "core/base/fp_environment.h"
 #include "core/base/hash.h"
 #include "core/base/isa.h"
-#include "plugins/host/breadcrumb.h"
 #include "plugins/host/descriptor.h"
 #include "plugins/host/registry.h"
 #include "tests/unit/plugins/small_world.h"

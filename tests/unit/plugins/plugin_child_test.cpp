@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <string>
 
-#include "plugins/host/breadcrumb.h"
+#include "core/base/breadcrumb.h"
 
 namespace skybody {
 namespace {

@@ -77,7 +77,7 @@ SmallWorld::SmallWorld(const PluginEntry& entry)
   robot_.rotation[0] = 1.0;
   body_.name = "base";
   body_.mass = 0.5;
-  body_.joint = 1;
+  body_.joint = SKYBODY_FREE;
   for (int i = 0; i < 4; ++i) rotors_.push_back({"rotor", 0, 0, {}, {0, 0, 1}, 1.0, {}, 0});
   setup_.instance = "robots.quad.controllers.c";
   setup_.dt = 0.001;

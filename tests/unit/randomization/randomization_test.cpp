@@ -157,6 +157,15 @@ TEST_F(Randomization, StartsLieInTheirRanges) {
   }
 }
 
+TEST_F(Randomization, HoverSpeedCarriesTheWeightUnderTheGravityOfTheEnvironment) {
+  const Instance r("start", world, {{"rotor_speed", "hover"}});
+  Group earth = r.group(1), moon = r.group(1);
+  param(moon, 2) = -9.81 / 4.0;
+  reset(r, earth);
+  reset(r, moon);
+  EXPECT_DOUBLE_EQ(moon.rotor_speed[0], earth.rotor_speed[0] / 2.0);
+}
+
 TEST_F(Randomization, StartKeepsWhatIsNotAskedFor) {
   const Instance keep("start", world, {});
   Group g = keep.group(1);

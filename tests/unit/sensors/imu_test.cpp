@@ -52,6 +52,15 @@ TEST_F(ImuTest, ReadsGravityAtRest) {
   EXPECT_EQ(g.output, (std::vector<double>{0, 0, 9.81, 0, 0, 0}));
 }
 
+TEST_F(ImuTest, ReadsTheGravityOfItsEnvironment) {
+  const Instance imu("imu", world);
+  Group g = imu.group(1);
+  g.params[2] = -1.62;
+  imu.call(Call::kReset, g);
+  imu.call(Call::kSense, g);
+  EXPECT_EQ(g.output, (std::vector<double>{0, 0, 1.62, 0, 0, 0}));
+}
+
 TEST_F(ImuTest, ReadsNothingInFreeFall) {
   const Instance imu("imu", world);
   Group g = begin(imu);

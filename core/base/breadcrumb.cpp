@@ -1,10 +1,10 @@
-#include "plugins/host/breadcrumb.h"
+#include "core/base/breadcrumb.h"
 
 #include <cstdio>
 
 namespace skybody {
 namespace {
-Breadcrumb* watched = nullptr;
+thread_local Breadcrumb* watched = nullptr;
 }  // namespace
 
 void watch_plugins(Breadcrumb* where) { watched = where; }

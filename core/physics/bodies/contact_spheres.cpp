@@ -1,9 +1,11 @@
-#include "core/physics/world/contact_spheres.h"
+#include "core/physics/bodies/contact_spheres.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "core/base/math.h"
 #include "core/physics/bodies/kinematics.h"
+#include "core/physics/world/world.h"
 
 namespace skybody {
 namespace {

@@ -16,11 +16,11 @@ struct Breadcrumb {
   std::atomic<std::uint32_t> phases;  ///< how many have begun, which tells them apart
 };
 
-/// From now on phases are written to `where`, by one thread at a time. Null, as at the beginning:
+/// From now on phases of the calling thread are written to `where`. Null, as at the beginning:
 /// nobody watches, and nothing is written.
 void watch_plugins(Breadcrumb* where);
 
-/// Stands for a call into a plugin outside the step path: loading, configure(), unloading.
+/// Stands for a call into a plugin: loading, configure(), unloading; and steps in checked mode.
 class PluginPhase {
  public:
   PluginPhase(const std::filesystem::path& file, const std::string& phase);

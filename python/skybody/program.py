@@ -1,0 +1,52 @@
+"""How `skybody.train`, experiments, benchmarks and examples end as programs, also by Ctrl-C."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from typing import NoReturn
+
+INTERRUPTED = 130  # exit code after Ctrl-C
+
+
+def run_program(main: Callable[[], int | None]) -> NoReturn:
+    """Calls `main` and exits with its status; after Ctrl-C with INTERRUPTED and one line."""
+    try:
+        status = main()
+    except KeyboardInterrupt:
+        _end_at_once_after_another()
+        _end_children()
+        print("interrupted", file=sys.stderr)
+        status = INTERRUPTED
+    if status == INTERRUPTED:
+        _end_at_once_after_another()
+    raise SystemExit(status)
+
+
+@contextlib.contextmanager
+def deaf_to_interrupts() -> Iterator[None]:
+    """Processes that are started within it take no notice of Ctrl-C: whoever starts them ends them.
+
+    They would else print a traceback each.
+    """
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _end_at_once_after_another() -> None:
+    """One more Ctrl-C, while Python ends, would print a traceback."""
+    signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
+
+
+def _end_children() -> None:
+    """Ends what `multiprocessing` has started; `subprocess.run` ends its own."""
+    for child in multiprocessing.active_children():
+        child.terminate()
+        child.join()

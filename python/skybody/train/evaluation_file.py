@@ -1,0 +1,76 @@
+"""evaluation.json of a checkpoint, as evaluate.py writes it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+Check = Callable[[Any], bool]
+
+
+def _is_number(value: Any) -> bool:
+    """Whether it is one that a float can hold: not nan, not infinite, no `true`."""
+    return type(value) in (int, float) and abs(value) <= sys.float_info.max
+
+
+def _is_number_or_null(value: Any) -> bool:
+    return value is None or _is_number(value)
+
+
+def _is_count(value: Any) -> bool:
+    return type(value) is int and 0 <= value < 2**63
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _is_flag(value: Any) -> bool:
+    return isinstance(value, bool)
+
+
+COLUMNS: dict[str, Check] = {  # of evaluation.csv
+    "steps": _is_count,
+    "wall_clock": _is_number,
+    "episodes": _is_count,
+    "return_mean": _is_number,
+    "return_std": _is_number,
+    "return_cv": _is_number_or_null,
+    "position_error_median": _is_number_or_null,
+    "position_error_mean": _is_number_or_null,
+    "position_error_p95": _is_number_or_null,
+    "length_mean": _is_number,
+    "success_share": _is_number,
+    "parameter_hash": _is_text,
+}
+_LISTS: dict[str, Check] = {  # a value per episode
+    "returns": _is_number,
+    "position_errors": _is_number_or_null,
+    "failed": _is_flag,
+}
+
+
+def read_evaluation(checkpoint: Path) -> dict[str, Any] | None:
+    """The evaluation beside a checkpoint; None where there is none, or where it is damaged."""
+    try:
+        found = json.loads((checkpoint / "evaluation.json").read_text())
+    except (FileNotFoundError, ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) and _is_whole(found) else None
+
+
+def _is_whole(found: dict[str, Any]) -> bool:
+    """Whether it has all that anything reads of it, each of its kind."""
+    for name, check in COLUMNS.items():
+        if name not in found or not check(found[name]):
+            return False
+    for name, check in _LISTS.items():
+        values = found.get(name)
+        if not isinstance(values, list) or len(values) != found["episodes"]:
+            return False
+        if not all(map(check, values)):
+            return False
+    return True

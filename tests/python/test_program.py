@@ -1,0 +1,129 @@
+"""How programs end: their status, and one line after Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from conftest import Finished
+
+ROOT = Path(__file__).resolve().parents[2]
+MAIN = 'if __name__ == "__main__":\n'
+
+
+def interrupted(script: str) -> Finished:
+    """A script that gets Ctrl-C, with all processes that it has started, after its first line."""
+    with subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(script)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        assert process.stdout is not None
+        first = process.stdout.readline()
+        os.killpg(process.pid, signal.SIGINT)
+        output, errors = process.communicate(timeout=30)
+    return Finished(process.args, process.returncode, first + output, errors)
+
+
+@pytest.mark.parametrize(("status", "code"), [("0", 0), ("3", 3), ("None", 0)])
+def test_a_program_exits_with_its_status(
+    status: str, code: int, python: Callable[[str], Finished]
+) -> None:
+    done = python(f"from skybody.program import run_program\nrun_program(lambda: {status})")
+    assert (done.returncode, done.stderr) == (code, "")
+
+
+def test_ctrl_c_is_one_line() -> None:
+    done = interrupted("""
+        import time
+        from skybody.program import run_program
+
+        def main():
+            print("began", flush=True)
+            time.sleep(30)
+
+        run_program(main)
+    """)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+
+
+def test_ctrl_c_ends_processes_that_take_no_notice_of_it() -> None:
+    done = interrupted("""
+        import multiprocessing, time
+        from skybody.program import deaf_to_interrupts, run_program
+
+        def main():
+            child = multiprocessing.get_context("fork").Process(target=time.sleep, args=(30,))
+            with deaf_to_interrupts():
+                child.start()
+            print(child.pid, flush=True)
+            time.sleep(30)
+
+        run_program(main)
+    """)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+    assert not Path(f"/proc/{done.stdout.strip()}").exists()
+
+
+def test_ctrl_c_interrupts_again_behind_deaf_to_interrupts(
+    python: Callable[[str], Finished],
+) -> None:
+    done = python(f"""
+        import signal
+        from skybody.program import deaf_to_interrupts
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        with deaf_to_interrupts():
+            signal.raise_signal({signal.SIGINT:d})
+        try:
+            signal.raise_signal({signal.SIGINT:d})
+        except KeyboardInterrupt:
+            print("heard")
+    """)
+    assert done.stdout == "heard\n"
+
+
+def test_every_program_ends_by_run_program() -> None:
+    found = [p for folder in ("experiments", "bench", "examples") for p in ROOT.glob(f"{folder}/*")]
+    found += [ROOT / "bench/peers/peers.py", ROOT / "bench/peers/ours.py"]
+    programs = {p: p.read_text() for p in found if p.suffix == ".py"}
+    programs = {path: text for path, text in programs.items() if MAIN in text}
+    assert len(programs) > 15
+    assert not [path for path, text in programs.items() if "run_program(" not in text]
+
+
+IMPORTED = {  # by main(), as one of the first packages
+    "train": "torch.nn",
+    "train.evaluate": "h5py",
+    "train.curve": "matplotlib",
+    "train.convert_policy": "h5py",
+}
+
+
+@pytest.mark.parametrize("module", IMPORTED)
+def test_ctrl_c_while_a_package_is_imported_is_one_line(
+    module: str, python: Callable[[str], Finished], tmp_path: Path
+) -> None:
+    out = tmp_path / "run"
+    arguments = ["hover_learn", "--out", str(out)] if module == "train" else [str(out)]
+    done = python(f"""
+        import runpy, sys
+
+        class Interrupts:
+            def find_spec(self, name, path=None, target=None):
+                if name == {IMPORTED[module]!r}:
+                    raise KeyboardInterrupt
+
+        sys.meta_path.insert(0, Interrupts())
+        sys.argv = ["program", *{arguments}]
+        runpy.run_module("skybody.{module}", run_name="__main__", alter_sys=True)
+    """)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+    assert not out.exists()
