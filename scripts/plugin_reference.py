@@ -267,10 +267,7 @@ def signals() -> str:
 
 
 def held_inputs() -> str:
-    rows = [
-        [f"`HeldInput::k{c[1]}`", f"{c[4]} a {c[3]}", words(c[5])]
-        for _, c in rows_of("held")
-    ]
+    rows = [[f"`HeldInput::k{c[1]}`", f"{c[4]} a {c[3]}", words(c[5])] for _, c in rows_of("held")]
     return table(["input", "values", "meaning"], rows)
 
 
