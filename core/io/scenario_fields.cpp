@@ -88,9 +88,9 @@ const MapSpec& stepping_fields() {
               "robot without obstacles; auto: tree, and Simbody in physics steps that begin with "
               "a robot within reach of another one or an obstacle"),
           choice_field("integrator", {kIntegratorNames.begin(), kIntegratorNames.end()},
-                       "what advances the state; semi_implicit_euler: of first order, midpoint: "
-                       "of second, rk4: of fourth; cvode, arkode: SUNDIALS, with control of its "
-                       "error"),
+                       "what advances the state; midpoint: of second order, semi_implicit_euler: "
+                       "of first, the cheapest; rk4: of fourth; cvode, arkode: SUNDIALS, with "
+                       "control of its error"),
           map_field("solver", Field::Kind::kMap, solver_fields(),
                     "how cvode and arkode work; null: as if left out"),
       }};

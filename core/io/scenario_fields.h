@@ -21,7 +21,7 @@ inline constexpr std::size_t kMostRotors = 1000;
 inline constexpr std::size_t kMostObserved = 1000;
 
 /// Words of `integrator`, in the order of IntegratorChoice.
-inline constexpr std::array<const char*, 5> kIntegratorNames = {"semi_implicit_euler", "midpoint",
+inline constexpr std::array<const char*, 5> kIntegratorNames = {"midpoint", "semi_implicit_euler",
                                                                 "rk4", "cvode", "arkode"};
 
 /// "`robots` has 2000 entries; allowed: at most 1000".

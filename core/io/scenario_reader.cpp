@@ -90,18 +90,18 @@ class ScenarioReader {
     const Audit audit = audit_of(stepping.integrator);
     if (stepping.dt <= audit.largest_dt) return;
     const bool is_euler = stepping.integrator == IntegratorChoice::kSemiImplicitEuler;
-    diagnostics_.warning(
-        reader.mark("dt"),
-        "`dt` is " + format_number(stepping.dt) +
-            " s; the audit in docs/results/integrators.md supports up to " +
-            format_number(audit.largest_dt) + " s with `" + reader.text("integrator") +
-            "` (errors below " + audit.error + " after a second of flight): take a smaller one" +
-            (is_euler ? ", or `integrator: midpoint` or `rk4` with at most 0.004 s" : ""));
+    diagnostics_.warning(reader.mark("dt"),
+                         "`dt` is " + format_number(stepping.dt) +
+                             " s; the audit in docs/results/integrators.md supports up to " +
+                             format_number(audit.largest_dt) + " s with `" +
+                             reader.text("integrator") + "` (errors below " + audit.error +
+                             " after a second of flight): take a smaller one" +
+                             (is_euler ? ", or the default integrator with at most 0.004 s" : ""));
   }
 
   static IntegratorChoice integrator_called(const std::string& name) {
     const auto found = std::find(kIntegratorNames.begin(), kIntegratorNames.end(), name);
-    if (found == kIntegratorNames.end()) return IntegratorChoice::kSemiImplicitEuler;  // refused
+    if (found == kIntegratorNames.end()) return IntegratorChoice::kMidpoint;  // refused
     return static_cast<IntegratorChoice>(found - kIntegratorNames.begin());
   }
 

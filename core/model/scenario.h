@@ -39,7 +39,7 @@ struct PluginUse {
 };
 
 enum class DynamicsChoice { kAuto, kSimbody, kTree };
-enum class IntegratorChoice { kSemiImplicitEuler, kMidpoint, kRk4, kCvode, kArkode };
+enum class IntegratorChoice { kMidpoint, kSemiImplicitEuler, kRk4, kCvode, kArkode };
 
 /// Whether it chooses its own steps within dt, by an estimate of its error.
 inline bool is_error_controlled(IntegratorChoice integrator) {
@@ -63,7 +63,7 @@ struct Stepping {
   int action_repeat = 1;  ///< K, physics steps an action
   int horizon = 0;        ///< steps (actions) until truncation; 0: none
   DynamicsChoice dynamics = DynamicsChoice::kAuto;
-  IntegratorChoice integrator = IntegratorChoice::kSemiImplicitEuler;
+  IntegratorChoice integrator = IntegratorChoice::kMidpoint;
   SolverSettings solver;     ///< of an error-controlled integrator
   SourceMark dynamics_mark;  ///< of `dynamics`: not every world can have every choice
 };

@@ -131,7 +131,6 @@ class FreeRobotStep {
   template <class Load>
   SKYBODY_INLINE MaskOf<Real> advance_by_midpoint(const Load& load, FreeMotion<Real>& motion,
                                                   Real* end_speed) const {
-    Real speeds(0.0);
     const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
       const auto rotor = rotor_step(i);
       end_speed[i] = rotor.at(kStepEnd).speed;
@@ -139,7 +138,6 @@ class FreeRobotStep {
     };
     LevelRotors<Real> level;
     if (is_level()) level = quick_level_rotors(run);
-    forget();  // the sums need no motion
     motion = load();
     motion.drift(0.5 * dt());
     BodyKinematics<Real> body = kinematics(motion);
@@ -153,21 +151,19 @@ class FreeRobotStep {
       air += first.velocity_in_body(body.axes, kIsPlain) * half;
     }
     body.spin += first.spin * half;
+    forget();  // measured: 3 % of the step
     const FreeRates<Real> second = rates(body, air, level, run, world_.rate);
     motion.change_velocity(second.acceleration(body.axes), dt());
     motion.drift_and_stretch(0.5 * dt());
-    for (int i = 0; i < rotor_count(); ++i) speeds += end_speed[i];
-    return is_sound(motion, speeds);
+    return is_sound(motion);
   }
 
   template <class Load>
   SKYBODY_INLINE MaskOf<Real> advance_by_euler(const Load& load, FreeMotion<Real>& motion,
                                                Real* end_speed) const {
-    Real speeds(0.0);
     const auto run = [&](int i) SKYBODY_INLINE_LAMBDA {
       const auto rotor = rotor_step(i);
       end_speed[i] = rotor.at(kStepEnd).speed;
-      speeds += end_speed[i];
       return rotor.in_middle(end_speed[i]);
     };
     LevelRotors<Real> level;
@@ -180,7 +176,7 @@ class FreeRobotStep {
     // How long the quaternion has become says how quick the turn was.
     const Real squared = renormalize(motion);
     const auto turns = logical_and(squared > 0.0, squared < world_.largest_square);
-    return logical_and(turns, size_of(motion) + speeds < kLargestState);
+    return logical_and(turns, size_of(motion) < kLargestState);
   }
 
   template <class Load>
@@ -193,11 +189,7 @@ class FreeRobotStep {
       const auto run = [&](int i) SKYBODY_INLINE_LAMBDA { return rotor_at(i, time); };
       if (is_level()) level[time] = level_rotors(run);
     }
-    Real speeds(0.0);
-    for (int i = 0; i < rotor_count(); ++i) {
-      end_speed[i] = rotor_at(i, kStepEnd).speed;
-      speeds += end_speed[i];
-    }
+    for (int i = 0; i < rotor_count(); ++i) end_speed[i] = rotor_at(i, kStepEnd).speed;
     const auto rates = [&](const FreeMotion<Real>& at, StageTime time,
                            FreeMotion<Real>& rate) SKYBODY_INLINE_LAMBDA {
       FreeMotion<Real> unit = at;
@@ -209,7 +201,7 @@ class FreeRobotStep {
     motion = load();
     StageRates<FreeMotion<Real>> work;
     step_by_stages(kRungeKutta4Rule, dt(), rates, motion, work);
-    return is_sound(motion, speeds);
+    return is_sound(motion);
   }
 
   double dt() const { return world_.world.scenario.stepping.dt; }
@@ -344,11 +336,12 @@ class FreeRobotStep {
     return squared;
   }
 
-  /// Scales the quaternion. @returns where all is finite and its magnitudes added up are small
-  static SKYBODY_INLINE MaskOf<Real> is_sound(FreeMotion<Real>& motion, const Real& speeds) {
+  /// Scales the quaternion. @returns where all is finite and its magnitudes added up are small.
+  /// Rotors keep within their limits, unless they make a force that is not finite.
+  static SKYBODY_INLINE MaskOf<Real> is_sound(FreeMotion<Real>& motion) {
     const Real squared = renormalize(motion);
     const Vec3<Real>& w = motion.spin;
-    const Real size = (size_of(motion) + speeds) + ((abs(w.x) + abs(w.y)) + abs(w.z));
+    const Real size = size_of(motion) + ((abs(w.x) + abs(w.y)) + abs(w.z));
     return logical_and(logical_and(squared > 0.0, squared < kInfinity), size < kLargestState);
   }
 

@@ -100,8 +100,8 @@ TEST_P(EveryRow, HasTheBitsOfAnEnvironmentSteppedByHand) {
     terminations += by_hand[static_cast<std::size_t>(e)].terminations;
     truncations += by_hand[static_cast<std::size_t>(e)].truncations;
   }
-  EXPECT_GT(terminations, 5);  // both kinds of end occurred
-  EXPECT_GT(truncations, 5);
+  EXPECT_GE(terminations, 5);  // both kinds of end occurred
+  EXPECT_GE(truncations, 5);
   EXPECT_EQ(envs.faults(), 0u);
 }
 
