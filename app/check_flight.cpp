@@ -1,5 +1,6 @@
 #include "app/check_flight.h"
 
+#include <cstdio>
 #include <map>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "core/io/text.h"
 #include "core/model/fault_reason.h"
 #include "core/physics/bodies/default_state.h"
+#include "core/physics/shapes/overlap.h"
+#include "core/physics/world/pose_math.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {
@@ -18,36 +21,74 @@ constexpr int kSteps = 8;
 /// A robot that stands on the ground sinks in by about ContactSettings::penetration.
 constexpr double kDeep = 10.0;
 
-std::string robot_of(const CompiledScenario& compiled, int body) {
-  const World& world = compiled.world();
-  const int robot = world.bodies[static_cast<std::size_t>(body)].robot;
-  return "robot `" + compiled.scenario().robots[static_cast<std::size_t>(robot)].name + "`";
+/// To four digits: what is computed has more than anybody reads.
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
 }
 
-std::string other_of(const CompiledScenario& compiled, const Contact& contact) {
-  if (contact.other == kGround) return "the ground";
-  if (is_obstacle(contact.other)) {
-    const auto place = static_cast<std::size_t>(obstacle_of(contact.other));
-    return "the obstacle `" + compiled.scenario().obstacles[place].name + "`";
+/// A collision shape as it lies at the start of an episode.
+struct PlacedShape {
+  const Shape* shape;
+  Pose pose;          ///< of its frame, W
+  std::string whose;  ///< such as "robot `quad`"
+};
+
+std::vector<PlacedShape> shapes_of_robots(const CompiledScenario& compiled,
+                                          const std::vector<BodyState>& bodies) {
+  const World& world = compiled.world();
+  std::vector<PlacedShape> placed;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto robot = static_cast<std::size_t>(world.bodies[i].robot);
+    for (const Shape& shape : world.bodies[i].model->collisions) {
+      placed.push_back({&shape, compose({bodies[i].position, bodies[i].rotation}, shape.pose),
+                        "robot `" + compiled.scenario().robots[robot].name + "`"});
+    }
   }
-  return robot_of(compiled, contact.other);
+  return placed;
+}
+
+/// How deep the lowest point of a shape lies below the plane z = 0 [m].
+double depth_in_ground(const PlacedShape& placed) {
+  double depth = 0.0;
+  for (const Vec3<double>& point : points_of(*placed.shape)) {
+    depth = max(depth, -(placed.pose.position + rotate(placed.pose.rotation, point)).z);
+  }
+  return depth;
+}
+
+/// Depths of what begins inside something else [m], by "robot `a` begins inside robot `b`".
+std::map<std::string, double> find_overlaps(const CompiledScenario& compiled,
+                                            const std::vector<PlacedShape>& robots) {
+  std::map<std::string, double> depths;
+  const auto note = [&](const PlacedShape& robot, const std::string& other, double depth) {
+    double& deepest = depths[robot.whose + " begins inside " + other];
+    deepest = max(deepest, depth);
+  };
+  for (auto a = robots.begin(); a != robots.end(); ++a) {
+    if (compiled.scenario().contact.ground) note(*a, "the ground", depth_in_ground(*a));
+    for (const Obstacle& obstacle : compiled.scenario().obstacles) {
+      const double depth = overlap(*a->shape, a->pose, obstacle.shape, obstacle.shape.pose);
+      note(*a, "the obstacle `" + obstacle.name + "`", depth);
+    }
+    for (auto b = a + 1; b != robots.end(); ++b) {
+      if (a->whose == b->whose) continue;
+      note(*a, b->whose, overlap(*a->shape, a->pose, *b->shape, b->pose));
+    }
+  }
+  return depths;
 }
 
 /// Contact pushes apart what begins inside one another, hard.
-void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<Contact>& contacts,
+void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<BodyState>& bodies,
                       Diagnostics& diagnostics) {
   const double deep = kDeep * compiled.scenario().contact.penetration;
-  std::map<std::string, double> depths;
-  for (const Contact& contact : contacts) {
-    const std::string robot = robot_of(compiled, contact.body);
-    const std::string other = other_of(compiled, contact);
-    if (contact.depth < deep || robot == other) continue;
-    double& depth = depths[robot + " begins inside " + other];
-    depth = max(depth, contact.depth);
-  }
-  for (const auto& [what, depth] : depths) {
-    diagnostics.warning({compiled.scenario().file, 0, 0},
-                        what + ", by " + format_number(depth) + " m; move its `pose`");
+  for (const auto& [what, depth] : find_overlaps(compiled, shapes_of_robots(compiled, bodies))) {
+    if (depth < deep) continue;
+    diagnostics.warning(
+        {compiled.scenario().file, 0, 0},
+        what + ", by " + rounded(depth) + " m; move its `pose`, or what `start` draws");
   }
 }
 
@@ -63,10 +104,10 @@ void warn_of_weight(const CompiledScenario& compiled, Diagnostics& diagnostics) 
       slowest = min(slowest, rotor.constants[kMaxSpeed]);
     }
     if (speed <= slowest) continue;
-    diagnostics.warning({scenario.file, 0, 0},
-                        "robot `" + use.name + "` cannot hover: `rotor_speed: hover` is " +
-                            format_number(speed) + " rad/s, and `max_speed` " +
-                            format_number(slowest) + " rad/s");
+    diagnostics.warning({scenario.file, 0, 0}, "robot `" + use.name +
+                                                   "` cannot hover: `rotor_speed: hover` is " +
+                                                   rounded(speed) + " rad/s, and `max_speed` " +
+                                                   rounded(slowest) + " rad/s");
   }
 }
 
@@ -83,7 +124,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics) {
   Simulation simulation(compiled, 0, 0);
   simulation.reset();
-  warn_of_overlaps(*compiled, simulation.contacts(), diagnostics);
+  warn_of_overlaps(*compiled, simulation.bodies(), diagnostics);
   warn_of_weight(*compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;

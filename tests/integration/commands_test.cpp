@@ -61,6 +61,24 @@ TEST(Check, WarningsAloneAreNoError) {
   EXPECT_EQ(outcome.exit_code, 0);
 }
 
+TEST(Check, WarnsOfARobotThatBeginsInsideAnObstacleHoweverLarge) {
+  for (const char* size : {"[0.3, 0.3, 0.3]", "[10, 10, 10]"}) {
+    const std::string box = "{name: wall, position: [0, 0, 1], box: " + std::string(size) + "}";
+    const Outcome outcome = run_skybody(
+        {"check", kHover, "--set", "randomization=[]", "--set", "obstacles=[" + box + "]"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("robot `quad` begins inside the obstacle `wall`, by "));
+  }
+}
+
+TEST(Check, WarnsOfRobotsThatBeginInsideEachOther) {
+  const Outcome outcome =
+      run_skybody({"check", "collision", "--set", "robots.left.pose.position=[0, 0, 2]", "--set",
+                   "robots.right.pose.position=[0, 0, 2]"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("robot `left` begins inside robot `right`, by "));
+}
+
 TEST(Check, WarnsWhereTheStepIsLargerThanTheAuditSupports) {
   const Outcome coarse = run_skybody(
       {"check", kHover, "--set", "stepping={dt: 0.01, integrator: semi_implicit_euler}"});

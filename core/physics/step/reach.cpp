@@ -3,27 +3,13 @@
 #include <algorithm>
 
 #include "core/base/math.h"
+#include "core/physics/shapes/overlap.h"
 
 namespace skybody {
 namespace {
 
 /// What a sphere is larger than it must be: what acceleration adds to its way in one step [m].
 constexpr double kMargin = 1e-3;
-
-/// Radius of the sphere about a shape's frame that holds it [m].
-double bounding_radius(const Shape& shape) {
-  switch (shape.type) {
-    case ShapeType::kBox:
-      return 0.5 * norm(shape.size);
-    case ShapeType::kCylinder:
-      return sqrt(shape.radius * shape.radius + 0.25 * shape.length * shape.length);
-    case ShapeType::kSphere:
-      return shape.radius;
-    case ShapeType::kMesh:
-      break;
-  }
-  return 0.0;
-}
 
 /// Middle of the axis-aligned box around the shapes' bounding spheres, in the body's frame [m].
 Vec3<double> middle(const std::vector<Shape>& shapes) {

@@ -1,0 +1,69 @@
+// How far a point is from the surface of a solid, in closed form. On double and packs. Points and
+// normals are in the solid's frame.
+#pragma once
+
+#include "core/base/math.h"
+#include "core/base/vec3.h"
+
+namespace skybody {
+
+template <class Real>
+struct SurfaceDistance {
+  Real distance;      ///< to the nearest point of the surface [m]; negative: inside
+  Vec3<Real> normal;  ///< its gradient, unit: the shortest way out
+};
+
+/// The longest of what is beyond each of two bounds, or the way to the edge where it is beyond
+/// both.
+/// @param x, y        beyond the bounds [m]; negative: within
+/// @param along_x, along_y  unit, at right angles: the ways out
+template <class Real>
+SKYBODY_INLINE SurfaceDistance<Real> corner_distance(const Real& x, const Real& y,
+                                                     const Vec3<Real>& along_x,
+                                                     const Vec3<Real>& along_y) {
+  const auto x_is_nearer = x > y;
+  SurfaceDistance<Real> flat{select(x_is_nearer, x, y), select(x_is_nearer, along_x, along_y)};
+  const auto is_beyond_both = logical_and(x > 0.0, y > 0.0);
+  if (none(is_beyond_both)) return flat;
+  const Real edge = sqrt(x * x + y * y);
+  const Real safe = select(is_beyond_both, edge, Real(1.0));
+  return {select(is_beyond_both, edge, flat.distance),
+          select(is_beyond_both, (along_x * x + along_y * y) * (1.0 / safe), flat.normal)};
+}
+
+/// A ball about the origin; at its centre the way out is z.
+template <class Real>
+SKYBODY_INLINE SurfaceDistance<Real> sphere_distance(const Real& radius, const Vec3<Real>& p) {
+  const Real length = norm(p);
+  const auto is_centre = length == 0.0;
+  const Vec3<Real> up{Real(0.0), Real(0.0), Real(1.0)};
+  return {length - radius, select(is_centre, up, p * (1.0 / select(is_centre, Real(1.0), length)))};
+}
+
+/// A box about the origin, along the axes.
+/// @param half  of its edges [m]
+template <class Real>
+SKYBODY_INLINE SurfaceDistance<Real> box_distance(const Vec3<Real>& half, const Vec3<Real>& p) {
+  const Real zero(0.0), one(1.0);
+  const Vec3<Real> x_way{copysign(one, p.x), zero, zero}, y_way{zero, copysign(one, p.y), zero},
+      z_way{zero, zero, copysign(one, p.z)};
+  const SurfaceDistance<Real> side =
+      corner_distance<Real>(abs(p.x) - half.x, abs(p.y) - half.y, x_way, y_way);
+  return corner_distance<Real>(side.distance, abs(p.z) - half.z, side.normal, z_way);
+}
+
+/// A cylinder about the z axis; on the axis the way to its side is x.
+/// @param half  of its length [m]
+template <class Real>
+SKYBODY_INLINE SurfaceDistance<Real> cylinder_distance(const Real& radius, const Real& half,
+                                                       const Vec3<Real>& p) {
+  const Real zero(0.0), one(1.0);
+  const Real off_axis = sqrt(p.x * p.x + p.y * p.y);
+  const auto is_on_axis = off_axis == 0.0;
+  const Real safe = select(is_on_axis, one, off_axis);
+  const Vec3<Real> side_way{select(is_on_axis, one, p.x / safe), p.y / safe, zero};
+  return corner_distance<Real>(off_axis - radius, abs(p.z) - half, side_way,
+                               {zero, zero, copysign(one, p.z)});
+}
+
+}  // namespace skybody
