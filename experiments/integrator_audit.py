@@ -138,7 +138,7 @@ def stepping_of(scenario: str) -> tuple[float, int, str]:
     log = fly_and_log(scenario, 1, [])
     block = re.search(r"^stepping:\n((?: .*\n)+)", log["text"], re.MULTILINE)
     values = dict(re.findall(r"^ +(\w+): (\S+)$", block[1] if block else "", re.MULTILINE))
-    own = values.get("integrator", "semi_implicit_euler")
+    own = values.get("integrator", "midpoint")
     method = values.get("method", "auto")
     name = DEFAULTS.get(own, own) if method == "auto" else f"{own} {method}"
     return log["dt"], log["action_repeat"], name
