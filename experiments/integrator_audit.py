@@ -5,8 +5,8 @@
 
 A scenario's baseline flight (`skybody run`, 1 s, commands held for the least common multiple of its
 action interval and the largest step) gives rotor commands. Hard dashes are made of them: each is
-multiplied by factors that are drawn anew every 0.1 s, without a ground (hard_landing alone is flown
-onto it, and without dashes). They are flown open loop, with every
+multiplied by factors that are drawn anew every 0.1 s, equal for every robot, without a ground
+(hard_landing alone is flown onto it, and without dashes). They are flown open loop, with every
 integrator and step, and compared with CVODE at a tight tolerance: so the integrator is audited, not
 the controller's rate. Writes integrators.md, data/integrator_audit.json and
 images/integrator_audit.png. --quick: three scenarios, two steps. --only: nothing but the table.
@@ -174,16 +174,18 @@ def baseline(scenario: str) -> Flight:
         sys.exit(f"{scenario}: the baseline flight ends before {FLIGHT:g} s")
     commands = log["commands"]
     if scenario not in GROUNDED:
-        commands = commands * dashes(commands.shape, 1e-6 * interval_us)
+        robots = len(skybody.Simulation(scenario, control="rotor_speed").compiled.robots)
+        commands = commands * dashes(commands.shape, robots, 1e-6 * interval_us)
     return Flight(scenario, own, dt, 1e-6 * interval_us, commands, log["bodies"][0])
 
 
-def dashes(shape: tuple[int, ...], interval: float) -> Reals:
-    """Factors of all commands, (intervals, rotors)."""
+def dashes(shape: tuple[int, ...], robots: int, interval: float) -> Reals:
+    """Factors of all commands, (intervals, rotors): the same for every robot, so that a formation
+    keeps its shape."""
     random = np.random.default_rng(SEED)
     held = max(1, round(DASH_TIME / interval))
-    drawn = random.uniform(1.0 - DASH, 1.0 + DASH, (math.ceil(shape[0] / held), *shape[1:]))
-    return np.repeat(drawn, held, axis=0)[: shape[0]]
+    drawn = random.uniform(1.0 - DASH, 1.0 + DASH, (math.ceil(shape[0] / held), shape[1] // robots))
+    return np.tile(np.repeat(drawn, held, axis=0)[: shape[0]], (1, robots))
 
 
 class Replay:
