@@ -131,9 +131,9 @@ shipped scenario's baseline flight (`skybody run SCENARIO --policy hold`, `zero`
 1 s) gives rotor commands, held for the least common multiple of the scenario's action interval and
 4 ms. Hard dashes are made of them: each is multiplied by a factor of 0.8 to 1.2, drawn anew for
 each rotor of a robot every 0.1 s, and there is no ground (hard_landing alone is flown onto it,
-and without dashes). They are flown, open loop, by every integrator and step, and compared with CVODE (BDF)
-at a relative tolerance of 1e-10: the integrator is audited, not the controller's rate. How exact
-that is itself says its distance from CVODE (Adams) at 1e-11.
+and without dashes). They are flown, open loop, by every integrator and step, and compared with
+CVODE (BDF) at a relative tolerance of 1e-10: the integrator is audited, not the controller's rate.
+How exact that is itself says its distance from CVODE (Adams) at 1e-11.
 
 - Error: largest distance of any body's origin and largest angle of any body after 1 s. **Bold**:
   less than {position:g} mm and {angle:.2g}°, here called exact.
