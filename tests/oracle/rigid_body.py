@@ -51,17 +51,19 @@ def numbers(element: ElementTree.Element | None, attribute: str, default: str) -
 
 
 def read_vehicle(folder: Path) -> Vehicle:
-    """A URDF whose links hang on the first one by fixed joints without rotation."""
+    """The links of a URDF that hang on the first one by fixed joints without rotation."""
     robot = ElementTree.parse(next(folder.glob("*.urdf"))).getroot()
     places: dict[str, Reals] = {robot.findall("link")[0].get("name", ""): np.zeros(3)}
     for joint in robot.findall("joint"):
         child = joint.find("child")
-        assert joint.get("type") == "fixed" and child is not None
+        assert child is not None
+        if joint.get("type") != "fixed":
+            continue
         places[child.get("link", "")] = numbers(joint.find("origin"), "xyz", "0 0 0")
     masses, centres, inertias = [], [], []
     for link in robot.findall("link"):
         inertial = link.find("inertial")
-        if inertial is None:
+        if inertial is None or link.get("name", "") not in places:
             continue
         own = inertial.find("inertia")
         mass = inertial.find("mass")
@@ -101,12 +103,17 @@ def rotor_speeds(vehicle: Vehicle, start: Reals, command: Reals, time: float) ->
     return command + (start - command) * np.exp(-time / tau)
 
 
-def rates(vehicle: Vehicle, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
-    """dy/dt of position, quaternion (w x y z), velocity (W) of the origin, spin (body axes)."""
-    q, v, w = y[3:7], y[7:10], y[10:13]
-    axes = Rotation.from_quat(q[[1, 2, 3, 0]]).as_matrix()
+def rotor_accelerations(vehicle: Vehicle, start: Reals, command: Reals, time: float) -> Reals:
+    """Paper eq. 2."""
+    tau = np.where(command > start, vehicle.constants["tau_up"], vehicle.constants["tau_down"])
+    return (command - rotor_speeds(vehicle, start, command, time)) / tau
+
+
+def rotor_load(
+    vehicle: Vehicle, velocity: Reals, w: Reals, speed: Reals, acceleration: Reals
+) -> tuple[Reals, Reals]:
+    """Force and moment about the origin, body axes, as the velocity of the origin and the spin."""
     k = vehicle.constants
-    velocity = axes.T @ v
     force, moment = np.zeros(3), np.zeros(3)
     for i, (hub, s) in enumerate(zip(vehicle.hubs, vehicle.directions, strict=True)):
         across = velocity + np.cross(w, hub)
@@ -120,12 +127,12 @@ def rates(vehicle: Vehicle, y: Reals, speed: Reals, acceleration: Reals) -> Real
         moment -= np.cross(w, momentum)
         moment[2] -= s * k["moment_constant"][i] * speed[i] ** 2
         moment[2] -= s * k["inertia"][i] * acceleration[i]
-    about_com = moment - np.cross(vehicle.com, force)
-    angular = np.linalg.solve(vehicle.inertia, about_com - np.cross(w, vehicle.inertia @ w))
-    of_com = axes @ force / vehicle.mass + GRAVITY
-    com = vehicle.com
-    linear = of_com - axes @ (np.cross(angular, com) + np.cross(w, np.cross(w, com)))
-    turning = 0.5 * np.array(
+    return force, moment
+
+
+def quaternion_rates(q: Reals, w: Reals) -> Reals:
+    """Paper eq. 1; w x y z."""
+    return 0.5 * np.array(
         [
             -q[1] * w[0] - q[2] * w[1] - q[3] * w[2],
             q[0] * w[0] + q[2] * w[2] - q[3] * w[1],
@@ -133,7 +140,19 @@ def rates(vehicle: Vehicle, y: Reals, speed: Reals, acceleration: Reals) -> Real
             q[0] * w[2] + q[1] * w[1] - q[2] * w[0],
         ]
     )
-    return np.concatenate([v, turning, linear, angular])
+
+
+def rates(vehicle: Vehicle, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
+    """dy/dt of position, quaternion (w x y z), velocity (W) of the origin, spin (body axes)."""
+    q, v, w = y[3:7], y[7:10], y[10:13]
+    axes = Rotation.from_quat(q[[1, 2, 3, 0]]).as_matrix()
+    force, moment = rotor_load(vehicle, axes.T @ v, w, speed, acceleration)
+    about_com = moment - np.cross(vehicle.com, force)
+    angular = np.linalg.solve(vehicle.inertia, about_com - np.cross(w, vehicle.inertia @ w))
+    of_com = axes @ force / vehicle.mass + GRAVITY
+    com = vehicle.com
+    linear = of_com - axes @ (np.cross(angular, com) + np.cross(w, np.cross(w, com)))
+    return np.concatenate([v, quaternion_rates(q, w), linear, angular])
 
 
 def fly(vehicle: Vehicle, y: Reals, speed: Reals, commands: Reals, hold: float) -> Reals:
@@ -145,13 +164,10 @@ def fly(vehicle: Vehicle, y: Reals, speed: Reals, commands: Reals, hold: float) 
     for wanted in commands:
         command = np.clip(wanted, 0.0, limit)
         start = speed
-        tau = np.where(command > start, vehicle.constants["tau_up"], vehicle.constants["tau_down"])
 
-        def slope(
-            time: float, at: Reals, start: Reals = start, command: Reals = command, tau: Reals = tau
-        ) -> Reals:
+        def slope(time: float, at: Reals, start: Reals = start, command: Reals = command) -> Reals:
             now = rotor_speeds(vehicle, start, command, time)
-            return rates(vehicle, at, now, (command - now) / tau)
+            return rates(vehicle, at, now, rotor_accelerations(vehicle, start, command, time))
 
         y = solve_ivp(slope, (0.0, hold), y, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
         speed = rotor_speeds(vehicle, start, command, hold)
