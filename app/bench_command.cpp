@@ -84,17 +84,17 @@ Counts run_for(double seconds, Pool& envs, BatchActions& actions) {
 /// A result in numbers.
 struct Figures {
   double steps, steps_per_thread, physics_steps, physics_share;
-  double tree_share;  ///< of the physics steps, warm-up included, those on the tree dynamics
+  double near_share;  ///< of the physics steps, warm-up included, those with something near enough
+                      ///< to touch
 };
 
 Figures figures_of(const Counts& counts, const Pool& envs, double physics_cost) {
   const double repeat = envs.compiled().scenario().stepping.action_repeat;
   const double steps = static_cast<double>(counts.steps) / counts.seconds;
   const StepCounts physics = envs.step_counts();
-  const auto tree = static_cast<double>(physics.tree),
-             simbody = static_cast<double>(physics.simbody);
   return {steps, steps / envs.threads(), steps * repeat,
-          steps * repeat * physics_cost / envs.threads(), tree / (tree + simbody)};
+          steps * repeat * physics_cost / envs.threads(),
+          static_cast<double>(physics.near) / static_cast<double>(physics.all)};
 }
 
 std::string count_text(double value) { return fixed(value, value < 1000.0 ? 1 : 0); }
@@ -110,7 +110,7 @@ void print_table(const BenchOptions& options, const Pool& envs, const Counts& co
   table.add({"env steps/s per thread", count_text(figures.steps_per_thread)});
   table.add({"physics steps/s", count_text(figures.physics_steps)});
   table.add({"share of physics [%]", fixed(100.0 * figures.physics_share, 1)});
-  table.add({"physics steps on tree [%]", fixed(100.0 * figures.tree_share, 1)});
+  table.add({"physics steps near contact [%]", fixed(100.0 * figures.near_share, 1)});
   table.add({"resets", std::to_string(counts.resets)});
   table.add({"faults", std::to_string(counts.faults)});
   print(table.to_string());
@@ -134,7 +134,7 @@ void print_json(const BenchOptions& options, const Pool& envs, const Counts& cou
       .set("env_steps_per_second_per_thread", format_number(figures.steps_per_thread))
       .set("physics_steps_per_second", format_number(figures.physics_steps))
       .set("physics_share", format_number(figures.physics_share))
-      .set("tree_share", format_number(figures.tree_share))
+      .set("near_share", format_number(figures.near_share))
       .set("resets", std::to_string(counts.resets))
       .set("faults", std::to_string(counts.faults))
       .set_text("machine", machine_name())

@@ -40,9 +40,9 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   for (summary.end = end_of(plan, simulation); summary.end.empty();
        summary.end = end_of(plan, simulation)) {
     policy.act(simulation, action);
-    const std::uint64_t before = simulation.step_counts().simbody;
+    const std::uint64_t before = simulation.step_counts().near;
     simulation.step(action);
-    record(simulation, simulation.step_counts().simbody > before, log);
+    record(simulation, simulation.step_counts().near > before, log);
     window.add(simulation);
     summary.total_reward += static_cast<double>(simulation.reward());
     if (line.is_due()) line.show(progress(number, plan, simulation, summary));

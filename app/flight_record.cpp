@@ -155,7 +155,7 @@ FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t 
   return header;
 }
 
-void record(const Simulation& simulation, bool on_simbody, FlightLog& log) {
+void record(const Simulation& simulation, bool is_near, FlightLog& log) {
   const Layout& layout = simulation.compiled().layout();
   const Snapshot state = simulation.save();
   const std::vector<double> q = values_of(state, layout.q), u = values_of(state, layout.u);
@@ -182,7 +182,7 @@ void record(const Simulation& simulation, bool on_simbody, FlightLog& log) {
   row.observation = observation;
   row.reward = simulation.reward();
   row.status = simulation.status();
-  row.dynamics = on_simbody ? 1 : 0;
+  row.near = is_near ? 1 : 0;
   row.sensors = sensors;
   row.goal = goal;
   log.add(row);

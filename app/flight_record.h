@@ -18,7 +18,7 @@ FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t 
                                 const std::string& policy);
 
 /// Appends the simulation's present state to the log's episode.
-/// @param on_simbody  whether Simbody took physics steps since the row before
-void record(const Simulation& simulation, bool on_simbody, FlightLog& log);
+/// @param is_near  whether anything was near enough to touch since the row before
+void record(const Simulation& simulation, bool is_near, FlightLog& log);
 
 }  // namespace skybody

@@ -144,7 +144,7 @@ def cells(f: Figure) -> list[str]:
         f["actions"],
         str(f["threads"] or ""),
         f"{f['ours']:.4g}",
-        "" if f.get("on_tree") is None else f"{100.0 * f['on_tree']:.3g}",
+        "" if f.get("near_share") is None else f"{100.0 * f['near_share']:.3g}",
         limit,
         f["unit"],
         f["against"],

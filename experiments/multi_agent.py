@@ -121,10 +121,10 @@ def from_cpp(bench: Bench, trials: int) -> list[Result]:
             rates = [float(run["env_steps_per_second"]) for run in runs]
             found = {"rate": statistics.mean(rates), "interval": interval(rates)}
             _say(f"C++, N_B {ENVS}", robots, action, found)
-            tree = statistics.mean(float(run["tree_share"]) for run in runs)
+            tree = statistics.mean(float(run["near_share"]) for run in runs)
             results.append(
                 {"robots": robots, "action": action, "batch": ENVS, "mean": found}
-                | {"tree_share": tree, "rates": rates}
+                | {"near_share": tree, "rates": rates}
             )
     return results
 

@@ -159,7 +159,7 @@ def tree_rows(content: dict[str, Any]) -> list[list[str]]:
     counts = list(ours[0].results)
     rows = [["", *(f"N_A = {n}" for n in counts)]]
     for row in ours:
-        shares = [100.0 * float(row.results[n]["tree_share"]) for n in counts]
+        shares = [100.0 * float(row.results[n]["near_share"]) for n in counts]
         rows.append([row.name, *(f"{share:.4g}" for share in shares)])
     return rows
 

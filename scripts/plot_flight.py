@@ -30,7 +30,7 @@ import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from plot_flight_data import Flight, colors, read_flight
-from plot_flight_scene import SIMBODY, draw_path
+from plot_flight_scene import NEAR, draw_path
 
 DPI = 150
 STYLE = {
@@ -170,9 +170,9 @@ def draw_joints(panel, flight: Flight) -> None:
         above(panel, handles)
 
 
-def shade_simbody(panel, flight: Flight) -> None:
-    for begin, end in flight.simbody:
-        panel.axvspan(begin, end, zorder=0, **SIMBODY)
+def shade_near(panel, flight: Flight) -> None:
+    for begin, end in flight.near:
+        panel.axvspan(begin, end, zorder=0, **NEAR)
 
 
 def above(panel, handles: list | None = None) -> None:
@@ -197,8 +197,8 @@ def draw_heading(figure, flight: Flight) -> None:
     figure.text(0.02, 0.938, flight.subtitle, color="dimgrey", fontsize=9.5)
     handles = [Line2D([], [], color=t.color, linewidth=2.5, label=t.name) for t in flight.tracks]
     handles.append(Line2D([], [], label="goal", **GOAL))
-    if flight.simbody:
-        handles.insert(0, Patch(label="Simbody (within reach)", **SIMBODY))
+    if flight.near:
+        handles.insert(0, Patch(label="near enough to touch", **NEAR))
     figure.legend(
         handles=handles[:12],
         loc="upper left",
@@ -230,7 +230,7 @@ def draw(flight: Flight):
     if flight.joints:
         draw_joints(times[1], flight)
     for panel in (*panels[0], *panels[1], *times):
-        shade_simbody(panel, flight)
+        shade_near(panel, flight)
     for column in panels:
         for panel in column[:3]:
             panel.tick_params(labelbottom=False)

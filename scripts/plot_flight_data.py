@@ -62,7 +62,7 @@ class Flight:
     rotor_command: np.ndarray | None
     joints: list[Joints]
     obstacles: list[Obstacle]
-    simbody: list[tuple[float, float]]  # spans of time on Simbody, where tree took others
+    near: list[tuple[float, float]]  # spans of time with something near enough to touch
 
 
 def euler_degrees(quaternion: np.ndarray) -> np.ndarray:
@@ -174,12 +174,10 @@ def ending(episode: h5py.Group) -> str:
     return last if last.split(":")[0] in ENDINGS else "unfinished"
 
 
-def simbody_spans(dynamics: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
-    """From the row before the first on Simbody to the last; none where nothing was handed over."""
-    on_simbody = dynamics[1:] == 1
-    if on_simbody.all():
-        return []
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], on_simbody, [False]]).astype(int)))
+def near_spans(near: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
+    """From the row before the first with something near to the last."""
+    is_near = near[1:] == 1
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_near, [False]]).astype(int)))
     return [(time[a], time[b]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
@@ -207,5 +205,5 @@ def read_flight(log: h5py.File, name: str) -> Flight:
         rotor_command=episode["rotor_command"][:] if rotors else None,
         joints=joints_of(episode),
         obstacles=obstacles_of(str(about["scenario_text"])),
-        simbody=simbody_spans(episode["dynamics"][:], time) if "dynamics" in episode else [],
+        near=near_spans(episode["near"][:], time) if "near" in episode else [],
     )

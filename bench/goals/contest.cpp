@@ -47,11 +47,9 @@ class Ours {
   double rate(double seconds) {
     return envs_.envs() * limit::rounds_per_second([&] { round(); }, seconds);
   }
-  double on_tree() const {
+  double near_share() const {
     const StepCounts counts = envs_.step_counts();
-    const auto tree = static_cast<double>(counts.tree),
-               simbody = static_cast<double>(counts.simbody);
-    return tree / (tree + simbody);
+    return static_cast<double>(counts.near) / static_cast<double>(counts.all);
   }
 
  private:
@@ -124,7 +122,7 @@ Outcome run_contest(const Contest& contest, const Effort& effort) {
   }
   const auto first = std::max_element(best.begin(), best.end());
   out.limit = *first;
-  out.on_tree = ours.on_tree();
+  out.near_share = ours.near_share();
   out.loop = contest.loops[static_cast<std::size_t>(first - best.begin())].name;
   return out;
 }

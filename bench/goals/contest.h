@@ -34,9 +34,8 @@ struct Contest {
 /// Environment steps a second.
 struct Outcome {
   double ours = 0.0, limit = 0.0;
-  std::string loop;  ///< the best
-  double on_tree =
-      0.0;  ///< share of our physics steps on the tree dynamics, the others are Simbody's
+  std::string loop;         ///< the best
+  double near_share = 0.0;  ///< share of our physics steps with something near enough to touch
 };
 
 Outcome run_contest(const Contest& contest, const Effort& effort);

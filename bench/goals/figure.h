@@ -22,8 +22,8 @@ struct Figure {
   double ratio = 0.0;           ///< as the goal has it
   std::string sense;            ///< ">=" or "<=" the goal; empty: no goal, for information
   double goal = 0.0;
-  std::optional<double> on_tree =
-      std::nullopt;  ///< share of our physics steps on the tree dynamics
+  std::optional<double> near_share =
+      std::nullopt;  ///< share of our physics steps with something near enough to touch
 
   bool meets() const { return sense.empty() || (sense == ">=" ? ratio >= goal : ratio <= goal); }
   std::string json() const;
@@ -40,7 +40,7 @@ inline std::string Figure::json() const {
   out.set_text("unit", unit).set("ours", number(ours));
   out.set("limit", limit ? number(*limit) : "null").set_text("against", against);
   out.set("ratio", number(ratio)).set_text("sense", sense).set("goal", number(goal));
-  out.set("on_tree", on_tree ? number(*on_tree) : "null");
+  out.set("near_share", near_share ? number(*near_share) : "null");
   return out.text();
 }
 

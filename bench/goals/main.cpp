@@ -57,7 +57,7 @@ class Goals {
     const double share = contest.actions == "hold" || contest.actions == "off" ? 1.0 : 0.5;
     figures_.push_back({what, contest.actions, contest.threads, "M steps/s", 1e-6 * o.ours,
                         1e-6 * o.limit, "limit, " + o.loop, o.ours / o.limit, ">=", share * goal,
-                        o.on_tree});
+                        o.near_share});
   }
 
   /// Time until vehicles that do not fly lie on the ground [s].

@@ -1,4 +1,5 @@
-/* The physical constants of the world, of robots, bodies, joints and rotors: one row each. Plain C.
+/* The physical constants of the world, of robots, bodies, joints, rotors and obstacles: one row
+ * each. Plain C.
  *
  * From these tables follow the places of EnvParams (enums here by SYMBOL, in core/model/constants.h
  * by Id), their paths, the keys of scenario and rotors files with their checks, the JSON schema and
@@ -26,18 +27,14 @@
 
 /* clang-format off */
 
-/* Paths: gravity[2], contact.friction. Drawn values of contact hold on the ground; contact of bodies
- * with one another and with obstacles keeps the scenario's. */
+/* Paths: gravity[2], contact.friction. */
 #define SKYBODY_WORLD_CONSTANTS(X)                                                                 \
   X(SKYBODY_WORLD_GRAVITY, kGravity, "gravity", "m/s^2", 3, (0, 0, -9.81), -1000, 1000, -INFINITY, \
     "axes of W")                                                                                   \
   X(SKYBODY_WORLD_DISSIPATION, kDissipation, "contact.dissipation", "s/m", 1, (3), 0, 100, 0,      \
-    "Hunt-Crossley dissipation; damping and friction are at most m/dt times the velocity, unless " \
-    "the integrator is cvode or arkode")                                                           \
+    "Hunt-Crossley dissipation c")                                                                 \
   X(SKYBODY_WORLD_FRICTION, kFriction, "contact.friction", "", 1, (0.6), 0, 10, 0,                 \
-    "Coulomb coefficient")                                                                         \
-  X(SKYBODY_WORLD_SLIP_VELOCITY, kSlipVelocity, "contact.slip_velocity", "m/s", 1, (0.02), 1e-6,   \
-    10, 1e-6, "below it friction is proportional to the velocity")
+    "Coulomb coefficient")
 
 /* Paths: robots.quad.disturbance.force[0]. Paper eq. 1. */
 #define SKYBODY_ROBOT_CONSTANTS(X)                                                                 \
@@ -88,6 +85,17 @@
   X(SKYBODY_ROTOR_TAU_DOWN, kTauDown, "tau_down", "s", 1, (0), 0, 100, 0,                          \
     "time constant while slowing down; 0: immediate")
 
+/* Paths: obstacles.pole.position[0]. Files: shape and pose of `obstacles`. */
+#define SKYBODY_OBSTACLE_CONSTANTS(X)                                                              \
+  X(SKYBODY_OBSTACLE_PRESENT, kObstaclePresent, "present", "", 1, (1), 0, 1, 0,                    \
+    "0: it is not there")                                                                          \
+  X(SKYBODY_OBSTACLE_POSITION, kObstaclePosition, "position", "m", 3, (), -SKYBODY_FAR,            \
+    SKYBODY_FAR, -INFINITY, "of its centre, W")                                                    \
+  X(SKYBODY_OBSTACLE_ROTATION, kObstacleRotation, "rotation", "", 4, (), -1, 1, -INFINITY,         \
+    "quaternion w x y z, W from the obstacle; brought to norm 1")                                  \
+  X(SKYBODY_OBSTACLE_SIZE, kObstacleSize, "size", "m", 3, (), 0, SKYBODY_FAR, 0,                   \
+    "box: edge lengths; cylinder: radius, length; sphere: radius")
+
 /* clang-format on */
 
 /* Places of a table's values one after another: of a constant's first and of its last one. */
@@ -103,6 +111,9 @@ enum SkybodyRobotConstant { SKYBODY_ROBOT_CONSTANTS(SKYBODY_PLACE) SKYBODY_ROBOT
 enum SkybodyBodyConstant { SKYBODY_BODY_CONSTANTS(SKYBODY_PLACE) SKYBODY_BODY_CONSTANT_COUNT };
 enum SkybodyJointConstant { SKYBODY_JOINT_CONSTANTS(SKYBODY_PLACE) SKYBODY_JOINT_CONSTANT_COUNT };
 enum SkybodyRotorConstant { SKYBODY_ROTOR_CONSTANTS(SKYBODY_PLACE) SKYBODY_ROTOR_CONSTANT_COUNT };
+enum SkybodyObstacleConstant {
+  SKYBODY_OBSTACLE_CONSTANTS(SKYBODY_PLACE) SKYBODY_OBSTACLE_CONSTANT_COUNT
+};
 
 #ifdef __cplusplus
 }

@@ -234,8 +234,8 @@ void Fleet::last_values(int env, int first, int count, float* out) const {
 StepCounts Fleet::step_counts() const {
   StepCounts sum;
   for (const StateGroup& state : states_) {
-    sum.tree += state.step_counts().tree;
-    sum.simbody += state.step_counts().simbody;
+    sum.all += state.step_counts().all;
+    sum.near += state.step_counts().near;
   }
   return sum;
 }

@@ -13,7 +13,7 @@
 #include "core/env/observation_plan.h"
 #include "core/env/plugin_instance.h"
 #include "core/env/state_group.h"
-#include "core/physics/forces/contact.h"
+#include "core/physics/contact/contact.h"
 #include "core/physics/world/lane_state.h"
 #include "core/physics/world/world.h"
 

@@ -1,7 +1,5 @@
 // What bodies feel, for plugins that ask: contacts added up by body and by pair, and what joints
 // exert. Found lane by lane after each physics step, and kept in state words until the next.
-#include <array>
-
 #include "core/base/fp_environment.h"
 #include "core/base/octets.h"
 #include "core/env/compiled_scenario.h"
@@ -65,12 +63,7 @@ std::vector<Contact> CompiledScenario::contacts(StateGroup& group, GroupWork& wo
 
 /// Those of a lane that is up to date, into the work.
 void CompiledScenario::find_contacts(StateGroup& group, GroupWork& work, int lane) const {
-  std::array<double, kWorldParamCount> constants;
-  const Block block{layout().params.offset + layout().world_params, kWorldParamCount};
-  group.gather(lane, block, constants.data());
   work.contacts.clear();
-  add_ground_contacts(*world_, constants.data(), group.bodies() + lane, group.lanes(),
-                      work.contacts);
   group.add_contacts(lane, work.physics, work.contacts);
 }
 

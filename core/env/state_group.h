@@ -10,6 +10,7 @@
 #include "core/env/image_memory.h"
 #include "core/model/layout.h"
 #include "core/physics/step/group_stepper.h"
+#include "core/physics/world/lane_state.h"
 
 namespace skybody {
 

@@ -47,8 +47,8 @@ struct FlightLogRow {
   std::span<const double> action, command;
   std::span<const float> observation;  ///< the privileged values last
   float reward = 0.0f;
-  std::uint64_t status = 0;   ///< EpisodeStatus bits
-  std::uint8_t dynamics = 0;  ///< 1: Simbody took physics steps since the row before, 0: none
+  std::uint64_t status = 0;  ///< EpisodeStatus bits
+  std::uint8_t near = 0;     ///< 1: something was near enough to touch since the row before, 0: no
   std::span<const double> sensors;
   std::span<const double> goal;  ///< 4 per goal: position (W) [m], yaw [rad]
 };

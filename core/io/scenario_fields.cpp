@@ -84,9 +84,7 @@ const MapSpec& stepping_fields() {
           integer_field("horizon", 0, 0, 2e9, "actions until an episode is truncated; 0: never"),
           choice_field(
               "dynamics", {"auto", "simbody", "tree"},
-              "what computes accelerations; tree: without Simbody, in vector lanes, for one "
-              "robot without obstacles; auto: tree, and Simbody in physics steps that begin with "
-              "a robot within reach of another one or an obstacle"),
+              "what computes accelerations; tree: our own algorithms, in vector lanes; auto: tree"),
           choice_field("integrator", {kIntegratorNames.begin(), kIntegratorNames.end()},
                        "what advances the state; midpoint: of second order, semi_implicit_euler: "
                        "of first, the cheapest; rk4: of fourth; cvode, arkode: SUNDIALS, with "
@@ -179,7 +177,7 @@ const MapSpec& team_fields() {
 const MapSpec& obstacle_fields() {
   static const MapSpec spec{
       "obstacle",
-      "A shape that stands still in the world: one of box, sphere, cylinder.",
+      "A shape that stands in the world: one of box, sphere, cylinder.",
       {
           required(name_field("its name")),
           vector_field("box", "m", {1, 1, 1}, kSmallestLength, kFar, "edge lengths"),

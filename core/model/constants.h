@@ -23,6 +23,7 @@ enum RobotParam : int { SKYBODY_ROBOT_CONSTANTS(SKYBODY_PLACE_ID) kRobotParamCou
 enum BodyParam : int { SKYBODY_BODY_CONSTANTS(SKYBODY_PLACE_ID) kBodyParamCount };
 enum JointParam : int { SKYBODY_JOINT_CONSTANTS(SKYBODY_PLACE_ID) kJointParamCount };
 enum RotorParam : int { SKYBODY_ROTOR_CONSTANTS(SKYBODY_PLACE_ID) kRotorParamCount };
+enum ObstacleParam : int { SKYBODY_OBSTACLE_CONSTANTS(SKYBODY_PLACE_ID) kObstacleParamCount };
 #undef SKYBODY_PLACE_ID
 
 /// One constant, of one or several values.
@@ -63,6 +64,7 @@ inline constexpr std::array kRobotConstants{SKYBODY_ROBOT_CONSTANTS(SKYBODY_ROW)
 inline constexpr std::array kBodyConstants{SKYBODY_BODY_CONSTANTS(SKYBODY_ROW)};
 inline constexpr std::array kJointConstants{SKYBODY_JOINT_CONSTANTS(SKYBODY_ROW)};
 inline constexpr std::array kRotorConstants{SKYBODY_ROTOR_CONSTANTS(SKYBODY_ROW)};
+inline constexpr std::array kObstacleConstants{SKYBODY_OBSTACLE_CONSTANTS(SKYBODY_ROW)};
 #undef SKYBODY_ROW
 #undef SKYBODY_VALUES
 

@@ -72,6 +72,7 @@ struct Layout {
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
   Block joint_command;  ///< 1 per joint drive, held during the physics step
   Block joint_state;    ///< 1 per joint drive: the command behind its lag
+  Block bristles;       ///< 3 per bristle of friction [m], W (core/physics/contact/contact_law.h)
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block
       bodies_before;  ///< 13 per body at the start of the last physics step; size 0 if nobody asks
@@ -94,6 +95,8 @@ struct Layout {
   std::vector<int> body_params;      ///< per body: first of its kBodyParamCount words
   std::vector<int> joint_params;  ///< per body: first of its joint's joint_constant_count() words
   std::vector<int> rotor_params;  ///< per rotor: first of its kRotorParamCount words
+  std::vector<int> obstacle_params;  ///< per obstacle: first of its words, kObstacleParamCount at
+                                     ///< most
 
   /// Index of the parameter whose path or alias is `path`, or -1.
   int find_param(const std::string& path) const;

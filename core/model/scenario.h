@@ -76,10 +76,10 @@ struct ContactSettings {
       0.001;  ///< static penetration under the robot's own weight [m]; fixes stiffness by mass
 };
 
-/// A shape that stands still in the world; robots collide with it through Simbody's contact.
+/// A shape that stands in the world.
 struct Obstacle {
   std::string name;
-  Shape shape;  ///< its pose is in W
+  Shape shape;  ///< nominal; its pose is in W
 };
 
 /// A sensor's channel that the scenario adds to the task's observation.

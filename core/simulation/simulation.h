@@ -13,7 +13,7 @@
 #include "core/env/compiled_scenario.h"
 #include "core/env/state_values.h"
 #include "core/physics/bodies/body_accelerations.h"
-#include "core/physics/forces/contact.h"
+#include "core/physics/contact/contact.h"
 #include "core/physics/world/lane_state.h"
 
 namespace skybody {

@@ -46,7 +46,7 @@ contact: {ground: true, friction: 0.5}
 )",
     R"(stepping: {dt: 0.002, integrator: rk4, dynamics: simbody}
 gravity: [0, 0, -9.81]
-contact: {penetration: 0.001, dissipation: 3, friction: 0.6, slip_velocity: 0.02}
+contact: {penetration: 0.001, dissipation: 3, friction: 0.6}
 robots:
   - name: quad
     model: models/hummingbird/hummingbird.urdf

@@ -23,7 +23,7 @@ TEST(Bench, PrintsATable) {
   EXPECT_EQ(outcome.err, "");
   for (const char* line :
        {"hover: 4 environments, batches of 4 (fixed), 2 threads", "env steps/s", "physics steps/s",
-        "per thread", "share of physics", "physics steps on tree", "resets", "faults"}) {
+        "per thread", "share of physics", "physics steps near contact", "resets", "faults"}) {
     EXPECT_THAT(outcome.out, HasSubstr(line));
   }
 }
@@ -48,7 +48,7 @@ TEST(Bench, PrintsJsonWhoseNumbersFitTogether) {
     EXPECT_DOUBLE_EQ(rate, steps / number(*json, "seconds"));
     EXPECT_DOUBLE_EQ(number(*json, "physics_steps_per_second"), 3.0 * rate);
     EXPECT_DOUBLE_EQ(number(*json, "env_steps_per_second_per_thread"), rate / 2.0);
-    EXPECT_EQ(number(*json, "tree_share"), 1.0);
+    EXPECT_EQ(number(*json, "near_share"), 0.0);
     EXPECT_EQ(number(*json, "faults"), 0.0);
   }
 }

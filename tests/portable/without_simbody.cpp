@@ -6,8 +6,6 @@
 
 namespace skybody {
 
-std::shared_ptr<const SimbodyContact> make_simbody_contact(const World&) { return nullptr; }
-
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World&, const double*) {
   throw Error("this program was built without Simbody: only the tree's dynamics are available");
 }

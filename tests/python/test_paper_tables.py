@@ -64,7 +64,7 @@ def multi_agent_content(throughput: ModuleType, cost_of_20: float) -> dict[str, 
         mean = {"rate": 12e6 / robots, "interval": 1.0, "cpu_use": 0.9}
         return {"robots": robots, "action": action, "batch": batch} | {
             "mean": mean | {"receives": 1e4, "steps": 1e4 * batch},
-            "tree_share": 1.0,
+            "near_share": 1.0,
         }
 
     costs = [{"robots": n, "whole": 50.0 + n, "rest": 40.0, "physics": 30.0} for n in counts]

@@ -117,8 +117,9 @@ SKYBODY_INLINE Quat<Real> quaternion_change(const Quat<Real>& q, const Vec3<Real
 
 /// The rotation q after `time` at constant w: q exp(w time / 2), whose sine and cosine are series,
 /// exact to 3e-11 up to |w| time = 0.1. The norm stays as exact.
-template <class Real>
-SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& w, double time) {
+/// @param time  of all lanes, or of each its own
+template <class Real, class Time>
+SKYBODY_INLINE Quat<Real> turned(const Quat<Real>& q, const Vec3<Real>& w, const Time& time) {
   const Vec3<Real> half = w * Real(0.5 * time);
   const Real square = dot(half, half);
   const Vec3<Real> v = half * (1.0 - square * (1.0 / 6 - square * (1.0 / 120)));  // sine
@@ -142,8 +143,8 @@ SKYBODY_INLINE Quat<Real> turned_and_stretched(const Quat<Real>& q, const Vec3<R
 }
 
 /// One joint's coordinates after `time` at constant u, by turned().
-template <class Real>
-SKYBODY_INLINE void drift_position(JointType type, double time, const Real* u, Real* q) {
+template <class Real, class Time>
+SKYBODY_INLINE void drift_position(JointType type, const Time& time, const Real* u, Real* q) {
   if (type == JointType::kBall) {
     store(turned(load_quat(q), load_vec3(u), time), q);
     return;

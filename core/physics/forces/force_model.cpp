@@ -42,26 +42,8 @@ std::vector<RotorGroup> make_rotor_groups(const World& world) {
   return groups;
 }
 
-std::vector<ContactGroup> make_contact_groups(const World& world) {
-  std::vector<ContactGroup> groups;
-  for (std::size_t i = 0; i < world.spheres.size(); ++i) {
-    const ContactSphere& sphere = world.spheres[i];
-    if (groups.empty() || groups.back().body != sphere.body) {
-      groups.push_back({sphere.body, static_cast<int>(i), 0, 0.0});
-    }
-    ContactGroup& group = groups.back();
-    ++group.count;
-    // A little more than the exact distance: rounding must never leave out a sphere that touches.
-    group.reach = max(group.reach, 1.000001 * (norm(sphere.center) + sphere.radius));
-  }
-  return groups;
-}
-
 ForceModel::ForceModel(const World& world)
-    : world_(world),
-      rotors_(make_rotor_places(world)),
-      rotor_groups_(make_rotor_groups(world)),
-      contact_groups_(make_contact_groups(world)) {
+    : world_(world), rotors_(make_rotor_places(world)), rotor_groups_(make_rotor_groups(world)) {
   for (const RobotLayout& robot : world.layout.robots) bases_.push_back(robot.first_body);
   for (const JointDrive& drive : world.joint_drives) {
     const WorldBody& body = world.bodies[static_cast<std::size_t>(drive.body)];

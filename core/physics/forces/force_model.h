@@ -1,6 +1,6 @@
 // Every force of ours on the bodies of a world: gravity, rotors, disturbances, wrenches of
-// controllers and effects, ground contact, joints. Evaluated inside the derivative, one code for
-// all dynamics, for double and packs.
+// controllers and effects, joints; contact is on its own (core/physics/contact). Evaluated inside
+// the derivative, one code for all dynamics, for double and packs.
 #pragma once
 
 #include <vector>
@@ -51,7 +51,6 @@ class ForceModel {
     add_disturbances(in, forces);
     add_wrenches(in, forces);
     add_held(in, forces);
-    add_grounds(in, forces);
     add_joints(in, joint_forces);
   }
 
@@ -119,15 +118,6 @@ class ForceModel {
   }
 
   template <class Real, class Params>
-  SKYBODY_INLINE void add_grounds(const ForceInputs<Real, Params>& in,
-                                  SpatialForce<Real>* forces) const {
-    for (const ContactGroup& group : contact_groups_) {
-      auto sum = load(in, group.body, forces);
-      add_ground(world_, in.params + world_.layout.world_params, group, in.bodies[group.body], sum);
-    }
-  }
-
-  template <class Real, class Params>
   SKYBODY_INLINE void add_joints(const ForceInputs<Real, Params>& in, Real* joint_forces) const {
     for (const int i : joints_) {
       const WorldBody& body = world_.bodies[i];
@@ -143,7 +133,6 @@ class ForceModel {
   const World& world_;
   std::vector<RotorPlace> rotors_;
   std::vector<RotorGroup> rotor_groups_;
-  std::vector<ContactGroup> contact_groups_;
   std::vector<int> bases_;   ///< per robot: world body index of its base
   std::vector<int> joints_;  ///< bodies whose joint has constants
   std::vector<JointDriveStep> joint_drives_;

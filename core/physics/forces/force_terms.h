@@ -3,7 +3,6 @@
 #pragma once
 
 #include "core/physics/forces/body_load.h"
-#include "core/physics/forces/contact_group.h"
 #include "core/physics/world/lane_values.h"
 #include "core/physics/world/world.h"
 
@@ -84,20 +83,6 @@ SKYBODY_INLINE void add_held_forces(const HeldLanes<Real>& held, int index,
     add_body_drag(held[SKYBODY_HELD_BODY_DRAG] + 6 * index, air_velocity(&held, index, body), body,
                   load);
   }
-}
-
-/// Contact with the ground of all spheres of a body.
-/// @param constants  the world's kWorldParamCount values: a pointer, or a view
-template <class Real, class Params, class Load>
-SKYBODY_INLINE void add_ground(const World& world, const Params& constants,
-                               const ContactGroup& group, const BodyKinematics<Real>& body,
-                               Load& load) {
-  const auto near_ground = body.position.z < group.reach;
-  if (none(near_ground)) return;
-  const SpatialForce<Real> ground =
-      ground_forces<Real>(group, world.spheres.data(), constants, body, load.angular_velocity());
-  load.add_where(near_ground,
-                 [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_about_origin(ground); });
 }
 
 }  // namespace skybody

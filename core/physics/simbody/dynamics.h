@@ -1,12 +1,10 @@
-// Simbody behind the equations of motion: accelerations of a world's bodies under given forces, and
-// contact of bodies with one another and with obstacles. C++17, without Simbody's types.
+// Simbody behind the equations of motion: accelerations of a world's bodies under given forces.
+// C++17, without Simbody's types.
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "core/physics/bodies/spatial_force.h"
-#include "core/physics/forces/contact.h"
 #include "core/physics/world/lane_state.h"
 #include "core/physics/world/world.h"
 
@@ -21,8 +19,7 @@ class Dynamics {
   /// @throws Error (naming the body where one is to blame) if nothing can be built from them
   virtual void set_params(const double* params) = 0;
 
-  /// Generalised accelerations [per u]. Contact of bodies with one another and with obstacles comes
-  /// on top of the forces given. Bases of driven robots get zero.
+  /// Generalised accelerations [per u]. Bases of driven robots get zero.
   /// @param q             quaternions need not be of norm 1
   /// @param body_forces   one per body
   /// @param joint_forces  one per u
@@ -30,11 +27,6 @@ class Dynamics {
   virtual void accelerations(const double* q, const double* u,
                              const SpatialForce<double>* body_forces, const double* joint_forces,
                              double* udot) = 0;
-
-  /// Appends the contacts of bodies with one another and with obstacles, at the mass properties of
-  /// the last set_params.
-  /// @throws std::runtime_error if the dynamics gives up
-  virtual void add_contacts(const double* q, const double* u, std::vector<Contact>& out) = 0;
 
   /// Motion of all bodies as the dynamics itself has it; for tests against our kinematics.
   virtual void body_states(const double* q, const double* u, BodyState* bodies) = 0;
@@ -44,8 +36,7 @@ class Dynamics {
 /// @param params  with which it begins
 /// @throws Error (naming the body where one is to blame) if nothing can be built from them
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params);
-/// Builds Simbody's system of the nominal world once, without contact: large boxes take seconds to
-/// become meshes, and no shape is refused there. @throws Error likewise
+/// Builds Simbody's system of the nominal world once. @throws Error likewise
 void check_simbody(const World& world);
 
 }  // namespace skybody

@@ -22,7 +22,6 @@
 #include "core/physics/bodies/checked_mass.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/simbody/dynamics.h"
-#include "core/physics/simbody/simbody_contact.h"
 
 namespace skybody {
 namespace {
@@ -30,6 +29,10 @@ namespace {
 using SimTK::SpatialVec;
 
 SimTK::Vec3 to_simbody(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
+SimTK::Transform to_simbody(const Pose& pose) {
+  const Quat<double>& q = pose.rotation;
+  return {SimTK::Rotation(SimTK::Quaternion(q.w, q.x, q.y, q.z)), to_simbody(pose.position)};
+}
 Vec3<double> from_simbody(const SimTK::Vec3& v) { return {v[0], v[1], v[2]}; }
 
 /// Mass properties about the body's origin from one body's parameters.
@@ -81,20 +84,12 @@ struct Slot {
 /// A Simbody system with its state. Built for one set of mass properties.
 class SimbodySystem {
  public:
-  SimbodySystem(const World& world, const std::vector<TreeBody>& tree,
-                const SimbodyContact* contact, const double* params)
+  SimbodySystem(const World& world, const std::vector<TreeBody>& tree, const double* params)
       : matter_(system_) {
     system_.setUseUniformBackground(true);  // no ground plane for a visualizer that is never there
-    if (contact != nullptr) {
-      tracker_ = std::make_unique<SimTK::ContactTrackerSubsystem>(system_);
-      contact_ = std::make_unique<SimTK::CompliantContactSubsystem>(system_, *tracker_);
-      contact_->setTransitionVelocity(contact->transition_velocity());
-      contact->add_surfaces(-1, matter_.updGround().updBody());
-    }
     for (std::size_t i = 0; i < tree.size(); ++i) {
       SimTK::Body::Rigid body(
           make_mass(world.bodies[i].model->name, params + world.layout.body_params[i]));
-      if (contact != nullptr) contact->add_surfaces(static_cast<int>(i), body);
       add_body(tree[i], body);
     }
     state_ = system_.realizeTopology();
@@ -117,20 +112,6 @@ class SimbodySystem {
     get_accelerations(udot);
   }
 
-  void add_contacts(const double* q, const double* u, std::vector<Contact>& out) {
-    if (contact_ == nullptr) return;
-    put_coordinates(q, u);
-    system_.realize(state_, SimTK::Stage::Dynamics);
-    const SimTK::ContactSnapshot& active = tracker_->getActiveContacts(state_);
-    for (int n = 0; n < contact_->getNumContactForces(state_); ++n) {
-      const SimTK::ContactId id = contact_->getContactForce(state_, n).getContactId();
-      SimTK::ContactPatch patch;
-      if (!contact_->calcContactPatchDetailsById(state_, id, patch)) continue;
-      const SimTK::Contact& pair = active.getContactById(id);
-      out.push_back(make_contact(patch, body_of(pair.getSurface1()), body_of(pair.getSurface2())));
-    }
-  }
-
   void body_states(const double* q, const double* u, BodyState* bodies) {
     put_coordinates(q, u);
     system_.realize(state_, SimTK::Stage::Velocity);
@@ -146,34 +127,6 @@ class SimbodySystem {
   }
 
  private:
-  /// World body index, or an obstacle: they are the surfaces of Simbody's ground, in their order.
-  int body_of(SimTK::ContactSurfaceIndex surface) const {
-    const int body = tracker_->getMobilizedBody(surface).getMobilizedBodyIndex();
-    return body == 0 ? kFirstObstacle - static_cast<int>(surface) : body - 1;
-  }
-
-  /// A mesh touches in many elements: their normals are weighted by the forces that they carry.
-  static Contact make_contact(const SimTK::ContactPatch& patch, int body_1, int body_2) {
-    const double sign = is_obstacle(body_2) ? -1.0 : 1.0;  // Simbody tells the force on body 2
-    const SimTK::ContactForce& sum = patch.getContactForce();
-    SimTK::Vec3 normal(0.0);
-    double depth = 0.0;
-    for (int i = 0; i < patch.getNumDetails(); ++i) {
-      const SimTK::ContactDetail& element = patch.getContactDetail(i);
-      const SimTK::Vec3& direction = element.getContactNormal().asVec3();
-      normal += SimTK::dot(element.getForceOnSurface2(), direction) * direction;
-      depth = std::max(depth, static_cast<double>(element.getDeformation()));
-    }
-    const double length = normal.norm();
-    if (length > 0.0) normal *= sign / length;
-    return {is_obstacle(body_2) ? body_1 : body_2,
-            is_obstacle(body_2) ? body_2 : body_1,
-            from_simbody(sum.getContactPoint()),
-            from_simbody(normal),
-            depth,
-            from_simbody(sign * sum.getForceOnSurface2()[1])};
-  }
-
   /// Bodies are added in our order; 0 is Simbody's ground.
   const SimTK::MobilizedBody& mobilized(std::size_t body) const {
     return matter_.getMobilizedBody(SimTK::MobilizedBodyIndex(static_cast<int>(body) + 1));
@@ -242,8 +195,6 @@ class SimbodySystem {
     static_assert(sizeof(SpatialForce<double>) == sizeof(SpatialVec), "moment, then force");
     std::memcpy(static_cast<void*>(&body_forces_[1]), body_forces,
                 slots_.size() * sizeof(SpatialVec));
-    if (contact_ != nullptr)
-      body_forces_ += system_.getRigidBodyForces(state_, SimTK::Stage::Dynamics);
     if (mobility_forces_.size() == 0) return;
     double* to = &mobility_forces_[0];
     for (const Slot& slot : slots_) slot.put_velocity(joint_forces + slot.u, to + slot.simbody_u);
@@ -257,8 +208,6 @@ class SimbodySystem {
 
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;
-  std::unique_ptr<SimTK::ContactTrackerSubsystem> tracker_;
-  std::unique_ptr<SimTK::CompliantContactSubsystem> contact_;
   SimTK::State state_;
   std::vector<Slot> slots_;
   SimTK::Vector_<SpatialVec> body_forces_, body_accelerations_;
@@ -266,9 +215,9 @@ class SimbodySystem {
 };
 
 std::unique_ptr<SimbodySystem> make_system(const World& world, const std::vector<TreeBody>& tree,
-                                           const SimbodyContact* contact, const double* params) {
+                                           const double* params) {
   try {
-    return std::make_unique<SimbodySystem>(world, tree, contact, params);
+    return std::make_unique<SimbodySystem>(world, tree, params);
   } catch (const SimTK::Exception::Base& error) {
     throw Error(std::string("Simbody cannot build the world: ") + error.what());
   }
@@ -293,7 +242,7 @@ class SimbodyDynamics final : public Dynamics {
       return;
     }
     system_.reset();
-    system_ = make_system(world_, tree_, world_.simbody_contact.get(), params);
+    system_ = make_system(world_, tree_, params);
     built_from_.assign(masses, masses + count);
   }
 
@@ -308,16 +257,6 @@ class SimbodyDynamics final : public Dynamics {
     } catch (...) {
       system_.reset();
       throw;
-    }
-  }
-
-  void add_contacts(const double* q, const double* u, std::vector<Contact>& out) override {
-    if (system_ == nullptr) return;
-    try {
-      system_->add_contacts(q, u, out);
-    } catch (const SimTK::Exception::Base& error) {
-      system_.reset();
-      throw std::runtime_error(error.what());
     }
   }
 
@@ -336,7 +275,7 @@ class SimbodyDynamics final : public Dynamics {
 
 void check_simbody(const World& world) {
   if (world.bodies.empty()) return;
-  make_system(world, make_tree(world), nullptr, world.layout.nominal_params().data());
+  make_system(world, make_tree(world), world.layout.nominal_params().data());
 }
 
 std::unique_ptr<Dynamics> make_simbody_dynamics(const World& world, const double* params) {

@@ -144,7 +144,7 @@ class FreeRobotStep {
     Vec3<Real> air = velocity_in_air(body);
     const FreeRates<Real> first = rates(body, air, level, run, world_.rate);
     const Real half(kMidpointRule.reach[1] * dt());
-    if (needs_velocity(body)) {
+    if constexpr (kIsHeld) {  // its forces ask for the origin's velocity, W axes
       air += first.velocity_in_body(body.axes, false) * half;
       body.velocity += first.acceleration(body.axes).velocity * half;
     } else {
@@ -264,10 +264,6 @@ class FreeRobotStep {
     return body;
   }
 
-  /// Whether forces ask for the origin's velocity, W axes.
-  SKYBODY_INLINE bool needs_velocity(const BodyKinematics<Real>& body) const {
-    return kIsHeld || (robot_.contact.count > 0 && !none(body.position.z < robot_.contact.reach));
-  }
   SKYBODY_INLINE Vec3<Real> velocity_in_air(const BodyKinematics<Real>& body) const {
     return air_velocity(kIsHeld ? &in_.held : nullptr, robot_.body, body);
   }
@@ -323,9 +319,6 @@ class FreeRobotStep {
     for (const int site : robot_.sites) {
       add_wrench<Real>(world_.world.sites[static_cast<std::size_t>(site)], in_.wrench + 6 * site,
                        load);
-    }
-    if (robot_.contact.count > 0) {
-      add_ground(world_.world, world_constants(), robot_.contact, body, load);
     }
   }
 

@@ -79,10 +79,6 @@ FreeRobots::FreeRobots(const World& w)
     robot.are_rotors_alike = robot.are_rotors_in_rows && are_nominally_alike(w, group, rotors);
     robot.is_plain_quadrotor = is_plain(w, robot);
   }
-  for (const ContactGroup& contact : make_contact_groups(w)) {
-    robots[static_cast<std::size_t>(w.bodies[static_cast<std::size_t>(contact.body)].robot)]
-        .contact = contact;
-  }
 }
 
 }  // namespace skybody

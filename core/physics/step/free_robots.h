@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/physics/forces/body_load.h"
-#include "core/physics/forces/contact_group.h"
 #include "core/physics/forces/rotor_force.h"
 #include "core/physics/world/world.h"
 
@@ -21,12 +20,11 @@ struct FreeRobot {
   KnownShape shape;                 ///< by the nominal parameters
   bool are_rotors_in_rows = false;  ///< four level ones, and no others
   bool are_rotors_alike = false;    ///< and these by the nominal parameters
-  ContactGroup contact;             ///< none where `count` is 0
 
   bool has_four_level_rotors() const { return rotors.is_level && rotors.count == 4; }
   /// The commonest kind, by the nominal parameters: the only robot of its world, four rotors alike
   /// in rows, a diagonal inertia below or above the origin, gravity along z of W, and no force on
-  /// it but these and the ground's.
+  /// it but these.
   bool is_plain_quadrotor = false;
 };
 

@@ -29,7 +29,7 @@ std::unique_ptr<GroupStepper> GroupPhysics::make_stepper(int lanes) const {
 void check_world(const World& world) {
   const StepPlan plan(world, chosen_dynamics(world));
   make_integrator(world);
-  if (plan.use != DynamicsUse::kTree) check_simbody(world);
+  if (plan.use == DynamicsUse::kSimbody) check_simbody(world);
 }
 
 }  // namespace skybody

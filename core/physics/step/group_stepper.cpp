@@ -1,6 +1,7 @@
-// Steps of a group: kernels take the lanes that go on the tree's algorithms, all at once. Lanes
-// that go by themselves (LaneStepper) are copied to a group of one lane and back: on Simbody, if
-// only while something is within reach, and with integrators that choose their own times.
+// Steps of a group: kernels take all lanes at once on the tree's algorithms. On Simbody, and with
+// integrators that choose their own times, lanes go by themselves (LaneStepper), copied to a group
+// of one lane and back. Where something is near enough to touch, contact corrects the step that has
+// been taken (contact_correction.h).
 #include "core/physics/step/group_stepper.h"
 
 #include <bit>
@@ -18,30 +19,31 @@ class GroupStepper::Alone {
  public:
   Alone(const StepPlan& plan, int lanes) : plan_(plan), steppers_(static_cast<std::size_t>(lanes)) {
     const Layout& layout = plan.world.layout;
-    int total = plan.derived.size;
+    int total = plan.derived.size + layout.q.size + layout.u.size;
     for (const StateBlock& b : kStateBlocks) total += (layout.*b.place).size;
     for (const InputBlock& b : kInputBlocks) total += (layout.*b.place).size;
     for (const Block& b : layout.held) total += b.size;
     values_.resize(static_cast<std::size_t>(total) + 13 * plan.world.bodies.size());
   }
 
-  bool advance(const GroupBlocks& group, int lane, const double* derived, bool on_simbody) {
-    if (!stepper(lane).advance(take(group, lane, derived), on_simbody)) return false;
-    for (const StateBlock& b : kStateBlocks) {
-      give(one_.*b.values, (plan_.world.layout.*b.place).size, group.lanes, group.*b.values + lane);
-    }
+  bool advance(const StepCall& all, int lane) {
+    if (!stepper(lane).advance(take(all, lane))) return false;
+    give(all, lane);
     return true;
   }
-  void accelerations(const GroupBlocks& group, int lane, const double* derived, bool on_simbody,
-                     double* udot) {
-    stepper(lane).accelerations(take(group, lane, derived), on_simbody, udot);
+  bool correct(const StepCall& all, int lane) {
+    if (!stepper(lane).correct(take(all, lane))) return false;
+    give(all, lane);
+    return true;
   }
-  void joint_reactions(const GroupBlocks& group, int lane, const double* derived, bool on_simbody,
-                       SpatialForce<double>* out) {
-    stepper(lane).joint_reactions(take(group, lane, derived), on_simbody, out);
+  void accelerations(const StepCall& all, int lane, double* udot) {
+    stepper(lane).accelerations(take(all, lane), udot);
   }
-  void add_contacts(const GroupBlocks& group, int lane, std::vector<Contact>& out) {
-    stepper(lane).add_contacts(take(group, lane, nullptr), out);
+  void joint_reactions(const StepCall& all, int lane, SpatialForce<double>* out) {
+    stepper(lane).joint_reactions(take(all, lane), out);
+  }
+  void add_contacts(const StepCall& all, int lane, std::vector<Contact>& out) {
+    stepper(lane).add_contacts(take(all, lane), out);
   }
 
  private:
@@ -52,7 +54,8 @@ class GroupStepper::Alone {
   }
 
   /// A lane as a group of its own; bodies are left out.
-  StepCall take(const GroupBlocks& group, int lane, const double* derived) {
+  StepCall take(const StepCall& all, int lane) {
+    const GroupBlocks& group = *all.group;
     const Layout& layout = plan_.world.layout;
     double* next = values_.data();
     const auto copy = [&](const double* from, int count) {
@@ -69,12 +72,21 @@ class GroupStepper::Alone {
     for (std::size_t i = 0; i < layout.held.size(); ++i) {
       if (group.held[i] != nullptr) one_.held[i] = copy(group.held[i], layout.held[i].size);
     }
-    double* mine = derived == nullptr ? nullptr : copy(derived, plan_.derived.size);
+    StepCall call{&plan_, &one_, nullptr, nullptr, nullptr};
+    if (all.derived != nullptr) call.derived = copy(all.derived, plan_.derived.size);
+    if (all.start.q != nullptr) {
+      call.start = {copy(all.start.q, layout.q.size), copy(all.start.u, layout.u.size)};
+    }
     one_.bodies = next;
-    return {&plan_, &one_, nullptr, mine, nullptr};
+    return call;
   }
-  static void give(const double* from, int count, int lanes, double* to) {
-    for (int k = 0; k < count; ++k, to += lanes) *to = from[k];
+  void give(const StepCall& all, int lane) const {
+    for (const StateBlock& b : kStateBlocks) {
+      const double* from = one_.*b.values;
+      double* to = all.group->*b.values + lane;
+      const int count = (plan_.world.layout.*b.place).size;
+      for (int k = 0; k < count; ++k, to += all.group->lanes) *to = from[k];
+    }
   }
 
   const StepPlan& plan_;
@@ -115,60 +127,100 @@ void GroupStepper::refresh(const GroupBlocks& group, std::uint32_t lanes, std::u
 std::uint32_t GroupStepper::advance(const GroupBlocks& group, std::uint32_t lanes,
                                     PhysicsScratch& scratch) {
   const StepCall all = call(group, scratch);
-  const std::uint32_t on_simbody = on_simbody_of(all, lanes);
-  const std::uint32_t on_tree = lanes & ~broken_ & ~on_simbody;
-  const std::uint32_t alone = plan_.has_kernels() ? on_simbody : on_simbody | on_tree;
-  const std::uint32_t in_kernels = on_tree & ~alone;
-  std::uint32_t through = in_kernels == 0 ? 0 : kernels().advance(all, in_kernels);
-  if (alone != 0) through |= advance_alone(all, alone, on_simbody);
-  note_step(lanes, on_simbody);
+  const std::uint32_t able = lanes & ~broken_;
+  near_ = find_near(all, able);
+  if (near_ != 0) remember(all);
+  std::uint32_t through = 0;
+  if (able != 0)
+    through = plan_.has_kernels() ? kernels().advance(all, able) : advance_alone(all, able);
+  if (near_ != 0) through &= ~(near_ & ~correct(all, near_ & through));
+  counts_.all += static_cast<std::uint64_t>(std::popcount(lanes));
+  counts_.near += static_cast<std::uint64_t>(std::popcount(near_));
   return through;
 }
 
 /// What only kernels keep (bodies, spins) is made anew for lanes that went by themselves.
-std::uint32_t GroupStepper::advance_alone(const StepCall& all, std::uint32_t lanes,
-                                          std::uint32_t on_simbody) {
+std::uint32_t GroupStepper::advance_alone(const StepCall& all, std::uint32_t lanes) {
   std::uint32_t through = 0;
   each_lane(lanes, [&](int l) {
-    const bool simbody = ((on_simbody >> l) & 1u) != 0;
-    if (alone().advance(*all.group, l, all.derived, simbody)) through |= 1u << l;
+    if (alone().advance(all, l)) through |= 1u << l;
   });
   kernels().refresh(all, through);
   return through;
 }
 
-/// The lanes that Simbody has to step.
-std::uint32_t GroupStepper::on_simbody_of(const StepCall& all, std::uint32_t lanes) const {
-  if (plan_.use == DynamicsUse::kSimbody) return lanes;
-  const bool may = plan_.use == DynamicsUse::kHandOver && plan_.reach.is_possible();
-  return may ? kernels().within_reach(all, lanes) : 0;
+/// The lanes where something may touch within the step that begins.
+std::uint32_t GroupStepper::find_near(const StepCall& all, std::uint32_t lanes) const {
+  if (plan_.contact.meetings.empty() || lanes == 0) return 0;
+  return kernels().find_near(all, lanes);
 }
 
-void GroupStepper::note_step(std::uint32_t lanes, std::uint32_t on_simbody) {
-  on_simbody_ = on_simbody;
-  const auto simbody = static_cast<std::uint64_t>(std::popcount(on_simbody));
-  counts_.simbody += simbody;
-  counts_.tree += static_cast<std::uint64_t>(std::popcount(lanes)) - simbody;
+/// Contact in lanes whose step has been taken. @returns those that came through; the others are as
+/// they were before the step
+std::uint32_t GroupStepper::correct(const StepCall& taken, std::uint32_t lanes) {
+  if (lanes == 0) return 0;
+  StepCall all = taken;
+  const double* before = remembered(all);
+  all.start = {before, before + plan_.world.layout.q.size * lanes_};  // kStateBlocks' order
+  std::uint32_t through = 0;
+  if (plan_.has_kernels()) {
+    through = kernels().correct(all, lanes);
+  } else {
+    each_lane(lanes, [&](int l) {
+      if (alone().correct(all, l)) through |= 1u << l;
+    });
+    kernels().refresh(all, through);
+  }
+  put_back(all, lanes & ~through);
+  return through;
+}
+
+/// Where a copy of what a step changes lies, behind what kernels use.
+double* GroupStepper::remembered(const StepCall& all) const {
+  return reinterpret_cast<double*>(all.scratch + plan_.kernel_bytes);
+}
+
+void GroupStepper::remember(const StepCall& all) const {
+  double* to = remembered(all);
+  for (const StateBlock& b : kStateBlocks) {
+    const auto count = static_cast<std::size_t>((plan_.world.layout.*b.place).size * lanes_);
+    if (count > 0) std::memcpy(to, all.group->*b.values, count * sizeof(double));
+    to += count;
+  }
+}
+
+void GroupStepper::put_back(const StepCall& all, std::uint32_t lanes) const {
+  if (lanes == 0) return;
+  each_lane(lanes, [&](int l) {
+    const double* from = remembered(all) + l;
+    for (const StateBlock& b : kStateBlocks) {
+      double* to = all.group->*b.values + l;
+      for (int k = 0; k < (plan_.world.layout.*b.place).size; ++k) {
+        *to = *from;
+        to += lanes_;
+        from += lanes_;
+      }
+    }
+  });
+  kernels().refresh(all, lanes);
 }
 
 void GroupStepper::accelerations(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                                  double* udot) {
   if (((broken_ >> lane) & 1u) != 0) make_bodies(group, lane, scratch);  // throws
-  const StepCall all = call(group, scratch);
-  alone().accelerations(group, lane, all.derived, on_simbody_of(all, 1u << lane) != 0, udot);
+  alone().accelerations(call(group, scratch), lane, udot);
 }
 
 void GroupStepper::joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                                    SpatialForce<double>* out) {
   if (((broken_ >> lane) & 1u) != 0) make_bodies(group, lane, scratch);  // throws
-  const StepCall all = call(group, scratch);
-  alone().joint_reactions(group, lane, all.derived, on_simbody_of(all, 1u << lane) != 0, out);
+  alone().joint_reactions(call(group, scratch), lane, out);
 }
 
 void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                                 std::vector<Contact>& out) {
-  if (on_simbody_of(call(group, scratch), 1u << lane) == 0) return;
-  alone().add_contacts(group, lane, out);
+  const StepCall all = call(group, scratch);
+  if (find_near(all, 1u << lane) != 0) alone().add_contacts(all, lane, out);
 }
 
 /// Recomputes a lane's body constants if its parameters have changed and are not nominal.
@@ -205,6 +257,7 @@ const double* GroupStepper::make_bodies(const GroupBlocks& group, int lane,
   for (int k = 0; k < plan_.world.layout.physics_params; ++k)
     params[k] = group.params[k * lanes_ + lane];
   make_body_constants(plan_.world, params, derived + plan_.derived.bodies);
+  make_obstacle_constants(plan_.world, params, derived + plan_.derived.obstacles);
   return derived;
 }
 

@@ -7,7 +7,7 @@
 
 #include "core/base/aligned_array.h"
 #include "core/physics/bodies/spatial_force.h"
-#include "core/physics/forces/contact.h"
+#include "core/physics/contact/contact.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/world/world.h"
 
@@ -28,6 +28,7 @@ struct GroupBlocks {
   double* bodies = nullptr;
   const double* joint_command = nullptr;
   double* joint_state = nullptr;
+  double* bristles = nullptr;
   const double* held[SKYBODY_HELD_COUNT] = {};  ///< core/base/held_inputs.h; null: not used
 };
 
@@ -51,7 +52,8 @@ struct StateBlock {
 inline constexpr StateBlock kStateBlocks[] = {{&GroupBlocks::q, &Layout::q},
                                               {&GroupBlocks::u, &Layout::u},
                                               {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
-                                              {&GroupBlocks::joint_state, &Layout::joint_state}};
+                                              {&GroupBlocks::joint_state, &Layout::joint_state},
+                                              {&GroupBlocks::bristles, &Layout::bristles}};
 
 /// Work space of one thread that steps groups of a world. Holds nothing between two calls.
 using PhysicsScratch = AlignedArray<std::byte>;
@@ -60,10 +62,10 @@ struct StepCall;
 struct StepKernels;
 struct StepPlan;
 
-/// Physics steps of environments, failed ones included, by the dynamics that took them.
+/// Physics steps of environments, failed ones included.
 struct StepCounts {
-  std::uint64_t tree = 0;
-  std::uint64_t simbody = 0;
+  std::uint64_t all = 0;
+  std::uint64_t near = 0;  ///< those of them in which something was near enough to touch
 };
 
 /// The physics of one group. Holds only what can be derived from World and the group's values (a
@@ -98,22 +100,24 @@ class GroupStepper {
   /// @param out  one per body: joint_reactions.h
   void joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                        SpatialForce<double>* out);
-  /// Appends the contacts of one refreshed lane's bodies with one another and with obstacles.
-  /// @throws as accelerations
+  /// Appends the contacts of one refreshed lane. @throws as accelerations
   void add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                     std::vector<Contact>& out);
 
-  /// The lanes whose last advance went on Simbody, whether they came through or not.
-  std::uint32_t on_simbody() const { return on_simbody_; }
+  /// The lanes in whose last advance something was near enough to touch.
+  std::uint32_t near() const { return near_; }
   /// All steps since it was made. For looking at: nothing depends on them.
   const StepCounts& counts() const { return counts_; }
 
  private:
   class Alone;
   StepCall call(const GroupBlocks& group, PhysicsScratch& scratch);
-  std::uint32_t on_simbody_of(const StepCall& all, std::uint32_t lanes) const;
-  std::uint32_t advance_alone(const StepCall& all, std::uint32_t lanes, std::uint32_t on_simbody);
-  void note_step(std::uint32_t lanes, std::uint32_t on_simbody);
+  std::uint32_t find_near(const StepCall& all, std::uint32_t lanes) const;
+  std::uint32_t advance_alone(const StepCall& all, std::uint32_t lanes);
+  std::uint32_t correct(const StepCall& all, std::uint32_t lanes);
+  double* remembered(const StepCall& all) const;
+  void remember(const StepCall& all) const;
+  void put_back(const StepCall& all, std::uint32_t lanes) const;
   bool derive_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch);
   const double* make_bodies(const GroupBlocks& group, int lane, PhysicsScratch& scratch) const;
   void remember_params(const GroupBlocks& group, int lane);
@@ -134,7 +138,7 @@ class GroupStepper {
   std::uint32_t drawn_ = 0;         ///< lanes whose parameters are not the nominal ones
   std::uint32_t placed_ = 0;        ///< lanes of `derived_` that hold what is nominal
   std::uint32_t broken_ = 0;        ///< lanes with parameters that no body has
-  std::uint32_t on_simbody_ = 0;
+  std::uint32_t near_ = 0;
   StepCounts counts_;
   std::unique_ptr<Alone> alone_;  ///< null: never needed so far
 };
@@ -165,8 +169,7 @@ class GroupPhysics {
   std::unique_ptr<const StepPlan> plan_;
 };
 
-/// Builds once whatever steppers of this world will ever build, but for the geometries of contact:
-/// on a hand-over they make Simbody's system in the midst of a flight.
+/// Builds once whatever steppers of this world will ever build.
 /// @throws as GroupPhysics, and Error (naming the body and the reason) where Simbody cannot build
 /// it
 void check_world(const World& world);

@@ -3,6 +3,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "core/physics/step/contact_correction.h"
 #include "core/physics/step/mechanics.h"
 
 namespace skybody {
@@ -26,7 +27,25 @@ struct ChosenAccelerations {
 /// In the form for held inputs, whether there are any or not: with the same bits.
 using LaneMechanics = Mechanics<double, LaneValues<double>, true, ChosenAccelerations>;
 
-LaneMechanics mechanics_of(StepCall lane, AlignedArray<std::byte>& scratch, Dynamics* simbody) {
+/// What forces do to accelerations, likewise.
+struct ChosenResponse {
+  Dynamics* simbody;
+
+  void operator()(const StepPlan& plan, const LaneValues<double>& bodies,
+                  const CorrectionArrays<double>& a) const {
+    if (simbody != nullptr) {
+      simbody->accelerations(a.now.q, a.no_forces, a.contact.forces, a.no_forces, a.response);
+    } else {
+      TreeResponse()(plan, bodies, a);
+    }
+  }
+};
+
+using LaneContact = ContactCorrection<double, LaneValues<double>, ChosenResponse>;
+
+/// @tparam Part  LaneMechanics or LaneContact
+template <class Part>
+Part part_of(StepCall lane, AlignedArray<std::byte>& scratch, Dynamics* simbody) {
   const double* derived =
       lane.derived != nullptr ? lane.derived : lane.plan->nominal_derived.data();
   lane.scratch = scratch.data();
@@ -39,11 +58,12 @@ LaneStepper::LaneStepper(const StepPlan& plan, std::unique_ptr<Dynamics> simbody
     : plan_(plan),
       integrator_(make_integrator(plan.world)),
       simbody_(std::move(simbody)),
-      scratch_(StepArrays<double>::bytes(plan)) {}
+      scratch_(StepArrays<double>::bytes(plan)),
+      contact_scratch_(CorrectionArrays<double>::bytes(plan)) {}
 
 /// Simbody with the lane's mass properties, or null.
-Dynamics* LaneStepper::dynamics(const StepCall& lane, bool on_simbody) {
-  if (!on_simbody) return nullptr;
+Dynamics* LaneStepper::dynamics(const StepCall& lane) {
+  if (plan_.use != DynamicsUse::kSimbody) return nullptr;
   if (simbody_ == nullptr) {
     simbody_ = make_simbody_dynamics(plan_.world, lane.group->params);
   } else {
@@ -55,9 +75,9 @@ Dynamics* LaneStepper::dynamics(const StepCall& lane, bool on_simbody) {
 /// Dynamics throw where they give up (a singular matrix, a NaN in a rotation, masses that no body
 /// has): a failed step, not the end of the program. Bugs (std::logic_error) and lack of memory are
 /// no such thing and pass.
-bool LaneStepper::advance(const StepCall& lane, bool on_simbody) {
+bool LaneStepper::advance(const StepCall& lane) {
   try {
-    LaneMechanics mechanics = mechanics_of(lane, scratch_, dynamics(lane, on_simbody));
+    auto mechanics = part_of<LaneMechanics>(lane, scratch_, dynamics(lane));
     if (integrator_ != nullptr) {
       const auto advance = [&](auto& rates, double* q, double* u) {
         integrator_->advance(std::ref(rates), q, u);
@@ -70,33 +90,45 @@ bool LaneStepper::advance(const StepCall& lane, bool on_simbody) {
   }
 }
 
-void LaneStepper::accelerations(const StepCall& lane, bool on_simbody, double* udot) {
-  mechanics_of(lane, scratch_, dynamics(lane, on_simbody)).accelerations(udot);
+bool LaneStepper::correct(const StepCall& lane) {
+  try {
+    return part_of<LaneContact>(lane, contact_scratch_, dynamics(lane)).correct(true);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
 }
 
-void LaneStepper::joint_reactions(const StepCall& lane, bool on_simbody,
-                                  SpatialForce<double>* out) {
+void LaneStepper::accelerations(const StepCall& lane, double* udot) {
+  auto contact = part_of<LaneContact>(lane, contact_scratch_, nullptr);
+  contact.each_contact(NoContactList());
+  part_of<LaneMechanics>(lane, scratch_, dynamics(lane)).accelerations(contact.forces(), udot);
+}
+
+void LaneStepper::joint_reactions(const StepCall& lane, SpatialForce<double>* out) {
   const World& world = plan_.world;
   udot_.resize(static_cast<std::size_t>(world.layout.u.size));
   accelerations_.resize(world.bodies.size());
-  LaneMechanics mechanics = mechanics_of(lane, scratch_, dynamics(lane, on_simbody));
-  mechanics.accelerations(udot_.data());
-  contacts_.clear();
-  if (on_simbody) add_contacts(lane, contacts_);  // the ground's are among the forces already
-  const BodyKinematics<double>* motion = mechanics.motion();
-  for (const Contact& c : contacts_) {
-    mechanics.forces()[c.body].add_force_at(c.point - motion[c.body].position, c.force);
-    if (c.other < 0) continue;
-    mechanics.forces()[c.other].add_force_at(c.point - motion[c.other].position, -c.force);
-  }
-  body_accelerations(plan_.forest.bodies(), lane.group->q, lane.group->u, udot_.data(), motion,
-                     accelerations_.data());
-  skybody::joint_reactions(world, lane.group->params, motion, accelerations_.data(),
+  auto contact = part_of<LaneContact>(lane, contact_scratch_, nullptr);
+  contact.each_contact(NoContactList());
+  auto mechanics = part_of<LaneMechanics>(lane, scratch_, dynamics(lane));
+  mechanics.accelerations(contact.forces(), udot_.data());
+  body_accelerations(plan_.forest.bodies(), lane.group->q, lane.group->u, udot_.data(),
+                     mechanics.motion(), accelerations_.data());
+  skybody::joint_reactions(world, lane.group->params, mechanics.motion(), accelerations_.data(),
                            mechanics.forces(), out);
 }
 
 void LaneStepper::add_contacts(const StepCall& lane, std::vector<Contact>& out) {
-  dynamics(lane, true)->add_contacts(lane.group->q, lane.group->u, out);
+  const ContactScene& scene = plan_.contact;
+  part_of<LaneContact>(lane, contact_scratch_, nullptr)
+      .each_contact([&](const Meeting& meeting, const Vec3<double>& point,
+                        const Touch<double>& touch, const Vec3<double>& force, bool touches) {
+        if (!touches) return;
+        const auto body_of = [&](int i) { return scene.bodies[static_cast<std::size_t>(i)].body; };
+        out.push_back({body_of(meeting.body),
+                       meeting.other >= 0 ? body_of(meeting.other) : meeting.other, point,
+                       touch.normal, touch.depth, force});
+      });
 }
 
 }  // namespace skybody

@@ -13,6 +13,20 @@
 
 namespace skybody {
 
+/// Takes arrays from memory, one after another.
+struct StepArena {
+  std::byte* memory;
+  std::size_t used = 0;
+
+  template <class T>
+  SKYBODY_INLINE void take(T*& array, std::size_t count) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    used = (used + alignof(T) - 1) / alignof(T) * alignof(T);
+    array = reinterpret_cast<T*>(memory + used);
+    used += count * sizeof(T);
+  }
+};
+
 /// Coordinates q and u of a world, one after another, for the integration rules; or their rates.
 template <class Real>
 struct Coordinates {
@@ -30,11 +44,27 @@ struct Coordinates {
   SKYBODY_INLINE void change_velocity(const Coordinates& rate, double time) {
     for (int i = 0; i < u_count; ++i) u[i] += time * rate.u[i];
   }
-  SKYBODY_INLINE void drift(double time) {
+  /// @param time  of all lanes, or of each its own
+  template <class Time>
+  SKYBODY_INLINE void drift(const Time& time) {
     for (const TreeBody& body : *tree) {
       drift_position(body.type, time, u + body.u, q + body.q);
       normalize_position(body.type, q + body.q);
     }
+  }
+  SKYBODY_INLINE void copy(const Coordinates& other) {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] = other.q[i];
+  }
+  /// Stays as it is in the lanes of a mask, and becomes `others` elsewhere.
+  SKYBODY_INLINE void keep(const MaskOf<Real>& mask, const Coordinates& others) {
+    for (int i = 0; i < q_count + u_count; ++i) q[i] = select(mask, q[i], others.q[i]);
+  }
+  SKYBODY_INLINE void take_from(StepArena& arena, const StepPlan& plan) {
+    tree = &plan.forest.bodies();
+    q_count = plan.world.layout.q.size;
+    u_count = plan.world.layout.u.size;
+    arena.take(q, static_cast<std::size_t>(q_count + u_count));
+    u = q + q_count;
   }
   SKYBODY_INLINE void kick(const Coordinates& start, const Coordinates& rate, double time) {
     for (int i = 0; i < q_count; ++i) q[i] = start.q[i];
@@ -60,7 +90,6 @@ struct StepArrays {
   BodyKinematics<Real>* motion;
   SpatialForce<Real>* forces;
   typename Forest::template Work<Real> forest;
-  SweptSphere<Real>* swept;
 
   SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
   static std::size_t bytes(const StepPlan& plan) {
@@ -71,32 +100,13 @@ struct StepArrays {
  private:
   StepArrays() = default;
 
-  /// Takes arrays one after another.
-  struct Arena {
-    std::byte* memory;
-    std::size_t used = 0;
-    template <class T>
-    SKYBODY_INLINE void take(T*& array, std::size_t count) {
-      static_assert(std::is_trivially_copyable_v<T>);
-      array = reinterpret_cast<T*>(memory + used);
-      used += count * sizeof(T);
-    }
-    SKYBODY_INLINE void take(Coordinates<Real>& c, const StepPlan& plan) {
-      c.tree = &plan.forest.bodies();
-      c.q_count = plan.world.layout.q.size;
-      c.u_count = plan.world.layout.u.size;
-      take(c.q, static_cast<std::size_t>(c.q_count + c.u_count));
-      c.u = c.q + c.q_count;
-    }
-  };
-
   /// @returns the bytes that it takes
   SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
     const Layout& layout = plan.world.layout;
     const std::size_t bodies = plan.world.bodies.size();
-    Arena arena{memory};
+    StepArena arena{memory};
     for (Coordinates<Real>* c : {&now, &stages.point, &stages.outer, &stages.inner, &stages.rate}) {
-      arena.take(*c, plan);
+      c->take_from(arena, plan);
     }
     arena.take(joint_forces, static_cast<std::size_t>(layout.u.size));
     arena.take(wrench, static_cast<std::size_t>(layout.wrench.size));
@@ -109,10 +119,28 @@ struct StepArrays {
     arena.take(forest.body, bodies);
     arena.take(forest.ball, bodies);
     arena.take(forest.acceleration, bodies);
-    arena.take(swept, plan.reach.sphere_count());
     return arena.used;
   }
 };
+
+/// Writes the motion of all bodies as GroupBlocks::bodies and StepCall::spins have it.
+/// @param mask  lanes to write, or AllLanes
+template <class Real, class Mask>
+SKYBODY_INLINE void store_motion(const World& world, const BodyKinematics<Real>* motion,
+                                 const LanePlace<Real>& lanes, const Mask& mask, double* bodies,
+                                 double* spins) {
+  for (int i = 0; i < static_cast<int>(world.bodies.size()); ++i) {
+    const BodyKinematics<Real>& m = motion[i];
+    const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
+                             m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
+                             m.spin.x,     m.spin.y,     m.spin.z};
+    lanes.store(values, 13, mask, lanes.block(bodies, 13 * i));
+    if (spins == nullptr) continue;
+    const Vec3<Real>& w = m.angular_velocity;
+    const Real of_body[3] = {w.x, w.y, w.z};
+    lanes.store(of_body, 3, mask, lanes.block(spins, 3 * i));
+  }
+}
 
 /// Accelerations by the tree's algorithms.
 struct TreeAccelerations {
@@ -151,13 +179,7 @@ class Mechanics {
     for (const TreeBody& body : tree()) make_unit(body.type, a_.now.q + body.q);
     update_motion(a_.now.q, a_.now.u);
     lanes_.store(a_.now.q, layout().q.size, mask, group_.q);
-    store_motion(mask);
-  }
-
-  /// Lanes where something is within reach of something else.
-  SKYBODY_INLINE MaskOf<Real> is_within_reach() {
-    begin_motion();
-    return plan_.reach.is_within(a_.motion, a_.swept);
+    put_motion(mask);
   }
 
   /// One physics step of the lanes in `mask` by a fixed rule; returns those that came through.
@@ -197,7 +219,9 @@ class Mechanics {
   }
 
   /// Accelerations at the step's start.
-  SKYBODY_INLINE void accelerations(Real* udot) {
+  /// @param contact  forces of contact, one per body; null: none
+  SKYBODY_INLINE void accelerations(const SpatialForce<Real>* contact, Real* udot) {
+    contact_ = contact;
     begin_step();
     each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
     accelerate(a_.now.q, a_.now.u, kStepStart, udot);
@@ -315,6 +339,10 @@ class Mechanics {
                                        a_.joint_targets[time],
                                        kIsHeld ? &held_ : nullptr};
     plan_.forces.evaluate(in, a_.forces, a_.joint_forces);
+    for (int i = 0; contact_ != nullptr && i < body_count(); ++i) {
+      a_.forces[i].moment += contact_[i].moment;
+      a_.forces[i].force += contact_[i].force;
+    }
     accelerations_(plan_, derived_, a_, q, u, udot);
   }
 
@@ -360,7 +388,7 @@ class Mechanics {
       lanes_.put(a_.rotors[kStepEnd][i].speed, mask, lanes_.at(group_.rotor_speed, i));
     }
     lanes_.store(a_.joint_targets[kStepEnd], layout().joint_state.size, mask, group_.joint_state);
-    store_motion(mask);
+    put_motion(mask);
   }
 
   SKYBODY_INLINE void update_motion(const Real* q, const Real* u) {
@@ -382,18 +410,8 @@ class Mechanics {
   }
 
   template <class Mask>
-  SKYBODY_INLINE void store_motion(const Mask& mask) {
-    for (int i = 0; i < body_count(); ++i) {
-      const BodyKinematics<Real>& m = a_.motion[i];
-      const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
-                               m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
-                               m.spin.x,     m.spin.y,     m.spin.z};
-      lanes_.store(values, 13, mask, lanes_.block(group_.bodies, 13 * i));
-      if (spins_ == nullptr) continue;
-      const Vec3<Real>& w = m.angular_velocity;
-      const Real spins[3] = {w.x, w.y, w.z};
-      lanes_.store(spins, 3, mask, lanes_.block(spins_, 3 * i));
-    }
+  SKYBODY_INLINE void put_motion(const Mask& mask) {
+    store_motion(plan_.world, a_.motion, lanes_, mask, group_.bodies, spins_);
   }
 
   const StepPlan& plan_;
@@ -404,6 +422,7 @@ class Mechanics {
   Values params_, derived_;
   Accelerations accelerations_;
   StepArrays<Real> a_;
+  const SpatialForce<Real>* contact_ = nullptr;
   bool has_motion_ = false;  ///< `motion` belongs to the point that is evaluated next
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/physics/step/contact_correction.h"
 #include "core/physics/step/free_robot_step.h"
 #include "core/physics/step/mechanics.h"
 
@@ -10,7 +11,8 @@ namespace skybody {
 DerivedLayout::DerivedLayout(const World& world)
     : factors(kLagSize * static_cast<int>(world.rotors.size())),
       bodies(factors + kRotorFactorCount * static_cast<int>(world.rotors.size())),
-      size(bodies + kBodyConstantCount * static_cast<int>(world.bodies.size())) {}
+      obstacles(bodies + kBodyConstantCount * static_cast<int>(world.bodies.size())),
+      size(obstacles + kSolidConstantCount * static_cast<int>(world.scenario.obstacles.size())) {}
 
 namespace {
 
@@ -27,8 +29,8 @@ StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
 }
 
 StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
-  StepKernels kernels{refresh_kernel(lanes, isa), nullptr, within_reach_kernel(lanes, isa),
-                      derive_kernel(lanes, isa)};
+  StepKernels kernels{refresh_kernel(lanes, isa), nullptr, near_kernel(lanes, isa),
+                      contact_kernel(lanes, isa), derive_kernel(lanes, isa)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
   if (!plan.free_robots) {
@@ -48,7 +50,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
       use(u),
       forest(w),
       forces(w),
-      reach(w),
+      contact(w),
       derived(w),
       nominal_params(w.layout.nominal_params()),
       nominal_derived(static_cast<std::size_t>(derived.size)) {
@@ -56,6 +58,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   derive_rotors(w, derived, nominal,
                 [&](int k, double value) { nominal_derived[static_cast<std::size_t>(k)] = value; });
   make_body_constants(w, nominal, nominal_derived.data() + derived.bodies);
+  make_obstacle_constants(w, nominal, nominal_derived.data() + derived.obstacles);
   for (const double value : nominal_params) shared_params.emplace_back(value);
   for (const double value : nominal_derived) shared_derived.emplace_back(value);
   for (const Block& held : w.layout.held) has_held |= held.size > 0;
@@ -71,7 +74,14 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   using Widest = Pack<kWidestPack>;
   const std::size_t free_robots_bytes =
       w.layout.robots.size() * sizeof(FreeMotion<Widest>) + w.rotors.size() * sizeof(Widest);
-  scratch_bytes = std::max({StepArrays<Widest>::bytes(*this), one_lane, free_robots_bytes});
+  kernel_bytes = std::max({StepArrays<Widest>::bytes(*this), CorrectionArrays<Widest>::bytes(*this),
+                           one_lane, free_robots_bytes});
+  kernel_bytes = (kernel_bytes + sizeof(Widest) - 1) / sizeof(Widest) * sizeof(Widest);
+  std::size_t changed = 0;
+  for (const StateBlock& b : kStateBlocks) {
+    changed += static_cast<std::size_t>((w.layout.*b.place).size);
+  }
+  scratch_bytes = kernel_bytes + changed * kGroupLanes * sizeof(double);
   const Isa isa = best_isa();
   kernels_of_all = make_kernels(*this, kGroupLanes, isa);
   kernels_of_one = make_kernels(*this, 1, isa);

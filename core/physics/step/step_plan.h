@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/base/isa.h"
+#include "core/physics/contact/contact_scene.h"
 #include "core/physics/forces/force_model.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
-#include "core/physics/step/reach.h"
 #include "core/physics/step/step_rules.h"
 #include "core/physics/tree/forest.h"
 #include "core/physics/world/lane_values.h"
@@ -25,16 +25,18 @@ struct DrivenBase {
 };
 
 /// Numbers derived from the parameters of one environment: the rotors' lags (kLagSize each) and
-/// factors (kRotorFactorCount each), then the bodies' constants (kBodyConstantCount each).
+/// factors (kRotorFactorCount each), then the bodies' constants (kBodyConstantCount each) and the
+/// obstacles' (kSolidConstantCount each).
 struct DerivedLayout {
   explicit DerivedLayout(const World& world);
   int lags = 0;
   int factors = 0;
   int bodies = 0;
+  int obstacles = 0;
   int size = 0;
 };
 
-/// The rotors' part of them, the rest being the bodies'.
+/// The rotors' part of them, the rest being the bodies' and the obstacles'.
 /// @param params  of one environment, or of as many as Real has lanes: a pointer, or a view
 /// @param store   store(k, value) for every place k of the rotors
 template <class Values, class Store>
@@ -59,13 +61,20 @@ SKYBODY_INLINE void derive_rotors(const World& world, const DerivedLayout& layou
 struct StepPlan;
 struct GroupBlocks;
 
+/// Coordinates of a group at the start of a step that has been taken.
+struct StepStart {
+  const double* q = nullptr;
+  const double* u = nullptr;
+};
+
 /// One call of a kernel on a group.
 struct StepCall {
   const StepPlan* plan;
   const GroupBlocks* group;
-  double* spins;       ///< per body: angular velocity (W), in lanes; null: recomputed
-  double* derived;     ///< DerivedLayout::size values in lanes; null: all lanes are nominal
-  std::byte* scratch;  ///< StepPlan::scratch_bytes
+  double* spins;         ///< per body: angular velocity (W), in lanes; null: recomputed
+  double* derived;       ///< DerivedLayout::size values in lanes; null: all lanes are nominal
+  std::byte* scratch;    ///< StepPlan::scratch_bytes
+  StepStart start = {};  ///< for `correct`
 };
 
 /// Does one thing to the lanes in `lanes`. @returns the lanes where it succeeded or holds
@@ -77,15 +86,19 @@ struct StepKernels {
   StepKernel* refresh = nullptr;
   /// One physics step; the lanes that came through: the others are as they were.
   StepKernel* advance = nullptr;
-  /// The lanes where something is within reach of something else (Reach).
-  StepKernel* within_reach = nullptr;
+  /// The lanes where something may touch within the step that begins.
+  StepKernel* find_near = nullptr;
+  /// What contact makes of the step that has been taken (contact_correction.h); the lanes that came
+  /// through: the others keep the step without contact.
+  StepKernel* correct = nullptr;
   /// Derives what belongs to the rotors, into memory that StepCall::derived points to.
   StepKernel* derive = nullptr;
 };
 
 /// Kernels of one kind, for groups of kGroupLanes lanes by an instruction set, or of one lane.
 StepKernel* refresh_kernel(int lanes, Isa isa);
-StepKernel* within_reach_kernel(int lanes, Isa isa);
+StepKernel* near_kernel(int lanes, Isa isa);
+StepKernel* contact_kernel(int lanes, Isa isa);
 StepKernel* derive_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
 StepKernel* tree_held_kernel(int lanes, Isa isa);
@@ -113,7 +126,7 @@ struct StepPlan {
   DynamicsUse use;
   Forest forest;
   ForceModel forces;
-  Reach reach;
+  ContactScene contact;
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
   bool has_held = false;  ///< effects hold something of the world
@@ -121,7 +134,8 @@ struct StepPlan {
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;
   std::vector<WideValue> shared_params, shared_derived;  ///< the same, as packs read them
-  std::size_t scratch_bytes = 0;  ///< enough for a step of the widest pack, and for deriving
+  std::size_t kernel_bytes = 0;   ///< enough for a step of the widest pack, and for deriving
+  std::size_t scratch_bytes = 0;  ///< that, and a copy of what a step changes
   StepKernels kernels_of_all, kernels_of_one;
 };
 

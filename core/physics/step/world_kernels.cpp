@@ -23,15 +23,6 @@ struct Refresh {
   }
 };
 
-struct WithinReach {
-  template <int W>
-  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return each_pack<W>(lanes, [&](int first, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-      return bits_from_mask(motion_of<RealOf<W>>(call, first).is_within_reach()) & bits;
-    });
-  }
-};
-
 /// The exponentials of the rotors' lags are most of what a reset with drawn constants costs.
 struct DeriveRotors {
   template <int W>
@@ -52,7 +43,6 @@ struct DeriveRotors {
 }  // namespace
 
 StepKernel* refresh_kernel(int lanes, Isa isa) { return kernel_for<Refresh>(lanes, isa); }
-StepKernel* within_reach_kernel(int lanes, Isa isa) { return kernel_for<WithinReach>(lanes, isa); }
 StepKernel* derive_kernel(int lanes, Isa isa) { return kernel_for<DeriveRotors>(lanes, isa); }
 
 }  // namespace skybody

@@ -88,8 +88,6 @@ World::World(const Topology& topology, WorldPlan plan)
       layout(finish_layout(plan)),
       sites(std::move(plan.sites)),
       drives(std::move(plan.drives)),
-      joint_drives(checked_drives(topology, std::move(plan.joint_drives))),
-      spheres(scenario.contact.ground ? make_contact_spheres(*this) : std::vector<ContactSphere>{}),
-      simbody_contact(make_simbody_contact(*this)) {}
+      joint_drives(checked_drives(topology, std::move(plan.joint_drives))) {}
 
 }  // namespace skybody

@@ -33,15 +33,6 @@ struct WorldRotor {
   const Rotor* model = nullptr;
 };
 
-/// A sphere that rests on the ground: at an extremity of a collision shape.
-struct ContactSphere {
-  int body = 0;                        ///< world body index
-  Vec3<double> center{0.0, 0.0, 0.0};  ///< in the body's frame [m]
-  double radius = 0.0;                 ///< [m]; 0 for the corner of a box
-  double stiffness = 0.0;              ///< Hunt-Crossley k [N/m^1.5], from the robot's nominal mass
-  double most_damping = 0.0;           ///< m/dt [N s/m]: what a time step can stop, and no more
-};
-
 /// Where a controller's wrench acts. Six values each: force [N], then moment [N m].
 struct WrenchSite {
   int body = 0;                       ///< world body index
@@ -83,9 +74,6 @@ enum DriveValue : int {
   kDriveSize = 13
 };
 
-/// Surfaces for Simbody's contact (simbody_contact.h).
-class SimbodyContact;
-
 /// The bodies and rotors of all robots in one numbering. Copies share the scenario.
 class Topology {
   std::shared_ptr<const Scenario> owner_;
@@ -125,21 +113,12 @@ class World : public Topology {
   const Layout layout;
   const std::vector<WrenchSite> sites;  ///< of the controllers that give wrenches, in their order
   const std::vector<DriveKind> drives;  ///< one per robot
-  const std::vector<JointDrive> joint_drives;                   ///< at most one per coordinate
-  const std::vector<ContactSphere> spheres;                     ///< empty: there is no ground
-  const std::shared_ptr<const SimbodyContact> simbody_contact;  ///< null: only ground to touch
+  const std::vector<JointDrive> joint_drives;  ///< at most one per coordinate
 };
 
-/// The spheres of a world with ground, per body and shape in order: a box gives its 8 corners, a
-/// cylinder 8 points on each rim, a sphere itself; meshes give nothing. Stiffness k per robot:
-/// resting upright on the n spheres that lie lowest with joints at zero, each sinks in by
-/// x0 = ContactSettings::penetration,
-///   k = m |g| / (n x0^1.5),
-/// but no more than lets dt follow the oscillation of the sphere's own body. For World's
-/// constructor: reads the topology alone. In bodies/contact_spheres.cpp.
-std::vector<ContactSphere> make_contact_spheres(const World& world);
-
-/// The surfaces of a world, or null. For World's constructor: it reads the topology alone.
-std::shared_ptr<const SimbodyContact> make_simbody_contact(const World& world);
+/// Bristles of friction that an environment keeps (contact/contact_law.h): one for each point of
+/// each solid, and where there is more than the ground to touch one for each edge. For World's
+/// constructor, in contact/contact_scene.cpp.
+int count_bristles(const Topology& topology);
 
 }  // namespace skybody

@@ -1,5 +1,6 @@
 #include "core/physics/world/world_layout.h"
 
+#include <algorithm>
 #include <span>
 
 #include "core/model/held_inputs.h"
@@ -7,7 +8,7 @@
 namespace skybody {
 namespace {
 
-/// The values of a thing as EnvParams: the first rows, as many as `nominal` has values for.
+/// The values of a thing as EnvParams: the first, as many as `nominal` has.
 /// @param alias  another path; empty: there is none
 /// @returns the index of the first
 int add_constants(Layout& layout, const std::string& path, std::span<const ConstantRow> rows,
@@ -15,13 +16,35 @@ int add_constants(Layout& layout, const std::string& path, std::span<const Const
   const int first = static_cast<int>(layout.param_info.size());
   for (const ConstantRow& row : rows) {
     if (row.place >= static_cast<int>(nominal.size())) break;
-    for (int k = 0; k < row.count; ++k) {
+    const int given = static_cast<int>(nominal.size()) - row.place;
+    for (int k = 0; k < std::min(row.count, given); ++k) {
       const std::string key = row.key + (row.count == 1 ? "" : "[" + std::to_string(k) + "]");
       add_param(layout, {path + key, row.unit, nominal[static_cast<std::size_t>(row.place + k)],
                          row.least_drawn(k), kInfinity, alias.empty() ? "" : alias + key});
     }
   }
   return first;
+}
+
+/// Values of kObstacleConstants, as many as the shape has dimensions for.
+std::vector<double> obstacle_constants(const Shape& shape) {
+  const Vec3<double>&p = shape.pose.position, &size = shape.size;
+  const Quat<double>& q = shape.pose.rotation;
+  std::vector<double> values{1.0, p.x, p.y, p.z, q.w, q.x, q.y, q.z};
+  switch (shape.type) {
+    case ShapeType::kBox:
+      values.insert(values.end(), {size.x, size.y, size.z});
+      break;
+    case ShapeType::kCylinder:
+      values.insert(values.end(), {shape.radius, shape.length});
+      break;
+    case ShapeType::kSphere:
+      values.push_back(shape.radius);
+      break;
+    case ShapeType::kMesh:
+      break;
+  }
+  return values;
 }
 
 /// The EnvParams of a world.
@@ -61,6 +84,11 @@ void add_physical_constants(Layout& layout, const Topology& world) {
                       std::span(joint.constants).first(count), path_of(body.robot) + index));
   }
   layout.world_params = add_constants(layout, "", kWorldConstants, world.scenario.constants);
+  for (const Obstacle& obstacle : world.scenario.obstacles) {
+    layout.obstacle_params.push_back(add_constants(layout, "obstacles." + obstacle.name + ".",
+                                                   kObstacleConstants,
+                                                   obstacle_constants(obstacle.shape)));
+  }
   layout.physics_params = static_cast<int>(layout.param_info.size());
 }
 
@@ -105,6 +133,7 @@ Layout physics_layout(const Topology& world) {
     layout.u.size += layout.robots.back().u_count;
   }
   layout.rotor_speed.size = layout.rotor_command.size = static_cast<int>(world.rotors.size());
+  layout.bristles.size = 3 * count_bristles(world);
   add_physical_constants(layout, world);
   return layout;
 }
@@ -138,9 +167,9 @@ Layout finish_layout(const WorldPlan& plan) {
     block.offset = layout.words;
     layout.words += block.size;
   };
-  for (Block* block :
-       {&layout.header, &layout.q, &layout.u, &layout.rotor_speed, &layout.rotor_command,
-        &layout.wrench, &layout.drive, &layout.joint_command, &layout.joint_state}) {
+  for (Block* block : {&layout.header, &layout.q, &layout.u, &layout.rotor_speed,
+                       &layout.rotor_command, &layout.wrench, &layout.drive, &layout.joint_command,
+                       &layout.joint_state, &layout.bristles}) {
     place(*block);
   }
   for (Block& block : layout.held) place(block);

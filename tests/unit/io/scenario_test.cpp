@@ -77,7 +77,6 @@ TEST_F(ScenarioTest, DefaultsAreThoseOfTheModel) {
   EXPECT_EQ(s.contact.penetration, contact.penetration);
   EXPECT_EQ(s.constants[kFriction], 0.6);
   EXPECT_EQ(s.constants[kDissipation], 3.0);
-  EXPECT_EQ(s.constants[kSlipVelocity], 0.02);
   EXPECT_EQ(s.robots.at(0).rotor_speed, 0.0);
   EXPECT_EQ(s.task.instance, "hover");
 }
@@ -87,7 +86,7 @@ TEST_F(ScenarioTest, EveryKeyArrives) {
 name: all
 stepping: {dt: 0.002, action_repeat: 5, horizon: 100, dynamics: simbody, integrator: rk4}
 gravity: [0, 0, -1.62]
-contact: {ground: false, penetration: 0.01, dissipation: 2, friction: 0.1, slip_velocity: 0.5}
+contact: {ground: false, penetration: 0.01, dissipation: 2, friction: 0.1}
 robots:
   - name: quad
     model: models/r.urdf

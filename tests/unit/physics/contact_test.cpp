@@ -8,22 +8,6 @@
 namespace skybody::test {
 namespace {
 
-TEST(ContactSpheres, SitAtTheExtremitiesOfShapes) {
-  RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
-  Shape box = make_box(0.2, 0.4, 0.6);
-  box.pose.position = {1, 0, 0};
-  model.bodies[0].collisions = {box, make_sphere(0.05), make_cylinder(0.1, 0.3)};
-  const World world(make_scenario(model));
-  ASSERT_EQ(world.spheres.size(), 8u + 1u + 16u);
-  for (int i = 0; i < 8; ++i) {
-    EXPECT_NEAR(std::fabs(world.spheres[i].center.x - 1.0), 0.1, 1e-15);
-    EXPECT_NEAR(std::fabs(world.spheres[i].center.y), 0.2, 1e-15);
-    EXPECT_NEAR(std::fabs(world.spheres[i].center.z), 0.3, 1e-15);
-  }
-  EXPECT_EQ(world.spheres[8].radius, 0.05);
-  EXPECT_NEAR(norm(world.spheres[9].center.x, world.spheres[9].center.y), 0.1, 1e-15);
-}
-
 TEST(Ground, VehiclesRestStillWithinTheStaticPenetration) {
   for (const VehicleData& data : {qdrone2(), crazyflie(), hummingbird(), firefly()}) {
     Scenario scenario = make_scenario(make_vehicle(data));
@@ -46,7 +30,7 @@ TEST(Ground, VehiclesRestStillWithinTheStaticPenetration) {
 TEST(Ground, VehicleUpsideDownRestsToo) {
   const VehicleData data = crazyflie();
   Scenario scenario = make_scenario(make_vehicle(data));
-  scenario.robots[0].pose = {{0, 0, 0.5}, from_rpy(2.5, 0.3, 0.5)};
+  scenario.robots[0].pose = {{0, 0, 0.5}, from_rpy(3.0, 0.3, 0.5)};
   Bench bench(std::move(scenario));
   ASSERT_TRUE(bench.run_seconds(10.0));
   EXPECT_NEAR(bench.state.q[2], 0.5 * data.box.z - 0.001, 1e-4);
@@ -61,12 +45,11 @@ TEST(Ground, SlidingBoxSlowsDownByFrictionAndStops) {
   Bench bench(std::move(scenario));
   bench.state.u[0] = 2.0;
   ASSERT_TRUE(bench.run_seconds(0.2));
-  // Regularised friction is mu m g (1 - (v_s / v)^2 / 2): 1e-4 less at 1 m/s.
   EXPECT_NEAR(bench.state.u[0], 2.0 - 0.6 * 9.81 * 0.2, 0.01);
   ASSERT_TRUE(bench.run_seconds(2.0));
   EXPECT_NEAR(bench.state.u[0], 0.0, 1e-6);
-  // v^2 / (2 mu g), a little farther on the regularised last centimetres per second.
-  EXPECT_NEAR(bench.state.q[0], 4.0 / (2.0 * 0.6 * 9.81), 0.01);
+  const double way = 4.0 / (2.0 * 0.6 * 9.81);
+  EXPECT_NEAR(bench.state.q[0], way, 0.02 * way);
 }
 
 TEST(Ground, BouncesLoseEnergy) {
@@ -162,7 +145,7 @@ TEST(Robots, SphereAndCylinderExchangeMomentum) {
   expect_momentum_exchange(make_sphere(0.1), make_cylinder(0.1, 0.2));
 }
 
-TEST(Robots, ContactForcesKeepNoHistory) {
+TEST(Robots, ContactDependsOnTheStateAlone) {
   RobotModel model = make_free_body(1.0, diagonal(0.01, 0.01, 0.01));
   model.bodies[0].collisions = {make_box(0.2, 0.2, 0.1), make_sphere(0.11)};
   Bench a(two_robots(model, model, {0.4, 0.01, 0.0})), b(two_robots(model, model, {0.4, 0.01, 0}));

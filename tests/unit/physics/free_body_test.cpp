@@ -222,53 +222,6 @@ TEST(FreeBody, OfImpossibleNominalMassIsRefusedWhenMade) {
   EXPECT_THROW(make_tree_dynamics(world), Error);
 }
 
-Scenario with_obstacle() {
-  Scenario scenario = make_scenario(make_vehicle(qdrone2()));
-  scenario.obstacles.push_back({"wall", make_box(1, 1, 1)});
-  return scenario;
-}
-Scenario two_robots() {
-  Scenario scenario = make_scenario(make_vehicle(qdrone2()));
-  scenario.robots.push_back(scenario.robots[0]);
-  scenario.robots[1].name = "s";
-  return scenario;
-}
-Scenario two_bodies() {
-  RobotModel model = make_vehicle(qdrone2());
-  model.bodies.push_back(
-      make_body("bob", JointType::kPin, 0, 0.2, {0, -0.8, 0}, diagonal(1e-3, 1e-3, 1e-3)));
-  return make_scenario(std::move(model));
-}
-Scenario welded() {
-  RobotModel model = make_vehicle(qdrone2());
-  model.bodies[0].joint.type = JointType::kWeld;
-  return make_scenario(std::move(model));
-}
-
-TEST(Tree, SaysWhyItCannotDoAWorld) {
-  EXPECT_EQ(why_not_tree(World(make_scenario(make_vehicle(qdrone2())))), "");
-  EXPECT_EQ(why_not_tree(World(with_obstacle())), "has obstacles");
-  EXPECT_EQ(why_not_tree(World(two_robots())), "has 2 robots");
-  EXPECT_EQ(why_not_tree(World(two_bodies())), "");
-  EXPECT_EQ(why_not_tree(World(welded())), "");
-}
-
-TEST(Tree, WhereAskedForAndImpossibleIsAnErrorAtItsPlaceInTheFile) {
-  for (const auto make : {with_obstacle, two_robots}) {
-    Scenario scenario = make();
-    scenario.stepping.dynamics = DynamicsChoice::kTree;
-    scenario.stepping.dynamics_mark = {"flight.yaml", 3, 12};
-    const World world(std::move(scenario));
-    try {
-      make_stepper(world);
-      FAIL() << "made";
-    } catch (const MarkedError& error) {
-      EXPECT_EQ(error.mark().line, 3);
-      EXPECT_NE(std::string(error.what()).find(why_not_tree(world)), std::string::npos);
-    }
-  }
-}
-
 /// One step of the vehicle, spinning, on `stepper`.
 LaneState step_once(const World& world, std::unique_ptr<Stepper> stepper) {
   LaneState state;

@@ -58,10 +58,10 @@ TEST(HeldInputs, TakeNoWordsWhereNothingHoldsThem) {
   for (const Block& held : world.layout.held) EXPECT_EQ(held.size, 0);
 }
 
-TEST(HeldInputs, LieBehindTheDrivesWithTheirNeutralValues) {
+TEST(HeldInputs, LieBehindTheBristlesWithTheirNeutralValues) {
   const Bench bench = make_bench(aloft(make_dragging_vehicle()));
   const Layout& layout = bench.world.layout;
-  EXPECT_EQ(layout.held[SKYBODY_HELD_WIND].offset, layout.drive.offset + layout.drive.size);
+  EXPECT_EQ(layout.held[SKYBODY_HELD_WIND].offset, layout.bristles.offset + layout.bristles.size);
   EXPECT_EQ(layout.held[SKYBODY_HELD_WRENCH].size, 6);
   EXPECT_EQ(layout.held[SKYBODY_HELD_ROTOR_GAIN].size, 16);
   EXPECT_EQ(bench.state.held[SKYBODY_HELD_WIND], std::vector<double>(3, 0.0));

@@ -75,18 +75,18 @@ struct Alone {
   }
   std::uint32_t advance(std::uint32_t lanes) {
     std::uint32_t through = 0;
-    on_simbody = 0;
+    near = 0;
     each_lane(lanes, [&](int l) {
       const auto lane = static_cast<std::size_t>(l);
       if (steppers[lane]->advance(states[lane])) through |= 1u << l;
-      if (steppers[lane]->was_on_simbody()) on_simbody |= 1u << l;
+      if (steppers[lane]->was_near()) near |= 1u << l;
     });
     return through;
   }
 
   std::vector<LaneState> states;
   std::vector<std::unique_ptr<Stepper>> steppers;
-  std::uint32_t on_simbody = 0;
+  std::uint32_t near = 0;
 };
 
 }  // namespace skybody::test

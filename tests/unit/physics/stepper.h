@@ -23,7 +23,7 @@ class Stepper {
     update_bodies(state);
     return stepper_->advance(blocks(state), 1, scratch_) != 0;
   }
-  bool was_on_simbody() const { return stepper_->on_simbody() != 0; }
+  bool was_near() const { return stepper_->near() != 0; }
   void accelerations(LaneState& state, double* udot) {
     update_bodies(state);
     stepper_->accelerations(blocks(state), 0, scratch_, udot);

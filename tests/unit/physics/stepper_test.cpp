@@ -241,7 +241,6 @@ class FailingDynamics final : public Dynamics {
                      double*) override {
     throw Failure();
   }
-  void add_contacts(const double*, const double*, std::vector<Contact>&) override {}
   void body_states(const double*, const double*, BodyState*) override {}
 };
 
@@ -257,7 +256,7 @@ bool advance_with_failure(Bench& bench) {
   const StepPlan plan(bench.world, DynamicsUse::kSimbody);
   LaneStepper stepper(plan, std::make_unique<FailingDynamics<Failure>>());
   const GroupBlocks lane = Stepper::blocks(bench.state);
-  return stepper.advance({&plan, &lane, nullptr, nullptr, nullptr}, true);
+  return stepper.advance({&plan, &lane, nullptr, nullptr, nullptr});
 }
 
 TEST(Stepper, OnlyDynamicsThatGiveUpAreAFailedStep) {
@@ -299,7 +298,7 @@ TEST(Layout, NamesEveryParameterAndOrdersTheBlocks) {
   const Layout& layout = bench.world.layout;
   EXPECT_EQ(layout.q.size, 8);
   EXPECT_EQ(layout.u.size, 7);
-  EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 8 + 6 + 3 + 6);
+  EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 8 + 6 + 3 + 5);
   EXPECT_EQ(layout.find_param("robots.r.links.bob.mass"), layout.body_params[1]);
   EXPECT_EQ(layout.find_param("robots.r.links.base.inertia[5]"), layout.body_params[0] + 9);
   EXPECT_EQ(layout.find_param("robots.r.rotors[2].tau_down"), layout.rotor_params[2] + kTauDown);
@@ -307,7 +306,7 @@ TEST(Layout, NamesEveryParameterAndOrdersTheBlocks) {
             layout.robot_params[0] + kDisturbanceMoment);
   EXPECT_EQ(layout.find_param("robots.r.links.rod.mass"), -1);
   EXPECT_EQ(layout.q.offset, kHeaderSize);
-  EXPECT_EQ(layout.params.offset, layout.drive.offset + layout.drive.size);
+  EXPECT_EQ(layout.params.offset, layout.bristles.offset + layout.bristles.size);
   EXPECT_EQ(layout.words, layout.params.offset + layout.params.size);
 }
 

@@ -33,7 +33,6 @@ class TreeDynamics final : public Dynamics {
                           Forest::Work<double>{body_.data(), ball_.data(), acceleration_.data()},
                           udot);
   }
-  void add_contacts(const double*, const double*, std::vector<Contact>&) override {}
   void body_states(const double* q, const double* u, BodyState* bodies) override {
     forward_kinematics(forest_.bodies(), q, u, motion_.data());
     for (std::size_t i = 0; i < motion_.size(); ++i) bodies[i] = to_body_state(motion_[i]);

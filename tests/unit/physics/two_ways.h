@@ -37,7 +37,7 @@ struct TwoWays {
   std::uint32_t advance(std::uint32_t lanes, const std::string& where) {
     const std::uint32_t through = packs.advance(lanes);
     EXPECT_EQ(through, alone.advance(lanes)) << where;
-    EXPECT_EQ(packs.stepper->on_simbody(), alone.on_simbody) << where;
+    EXPECT_EQ(packs.stepper->near(), alone.near) << where;
     for (int lane = 0; lane < kGroupLanes; ++lane) {
       const LaneState& state = alone.states[static_cast<std::size_t>(lane)];
       for (std::size_t b = 0; b < packs.values.size(); ++b) {

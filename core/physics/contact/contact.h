@@ -1,11 +1,7 @@
-// Where bodies touch something, for looking at: forces act through ForceModel and Simbody.
+// Where bodies touch something, for looking at.
 #pragma once
 
-#include <vector>
-
 #include "core/base/vec3.h"
-#include "core/physics/world/lane_state.h"
-#include "core/physics/world/world.h"
 
 namespace skybody {
 
@@ -26,11 +22,5 @@ struct Contact {
   double depth = 0.0;                  ///< penetration, >= 0 [m]
   Vec3<double> force{0.0, 0.0, 0.0};   ///< on `body`, friction included, W axes [N]
 };
-
-/// Appends the contact spheres that are in the ground, with the forces of ground_contact.h.
-/// @param constants  the world's kWorldParamCount values
-/// @param bodies     13 values per body as BodyState has them, each `stride` doubles further on
-void add_ground_contacts(const World& world, const double* constants, const double* bodies,
-                         int stride, std::vector<Contact>& out);
 
 }  // namespace skybody

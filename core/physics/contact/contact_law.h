@@ -1,0 +1,75 @@
+// The force between two things at one place where they touch. On double and packs.
+//
+//   normal    f = k x^1.5 (1 + d v), d = 1.5 c, never pulling: K. H. Hunt, F. R. E. Crossley,
+//             "Coefficient of restitution interpreted as damping in vibroimpact", 1975
+//   friction  a bristle of stiffness k_t and damping c_t that bends by s as the places slide past
+//             each other, and slips where it would carry more than Coulomb's mu f: P. A. Cundall,
+//             O. D. L. Strack, "A discrete numerical model for granular assemblies", 1979
+//
+// x is the depth, v the rate at which it grows. What multiplies a velocity is at most m / (16 h), m
+// the mass of the bodies and h the step: parts of a step (contact_step.h) are so short that no more
+// is asked for, as long as there are enough of them.
+#pragma once
+
+#include "core/base/math.h"
+#include "core/physics/contact/contact_scene.h"
+
+namespace skybody {
+
+/// What touches at one place.
+template <class Real>
+struct Touch {
+  Real depth;           ///< x [m]
+  Vec3<Real> normal;    ///< the way in which the body is pushed off, unit
+  Vec3<Real> velocity;  ///< of the body's place past the other's, mean of the step [m/s]
+  Vec3<Real> slide;   ///< how far it has gone past it since the step before, along the normal, too
+                      ///< [m]
+  Real most_damping;  ///< m / (16 h) [N s/m]
+};
+
+/// @param dissipation c [s/m]
+/// @returns f [N]
+template <class Real>
+SKYBODY_INLINE Real normal_force(const Touch<Real>& touch, double stiffness,
+                                 const Real& dissipation) {
+  const Real elastic = stiffness * pow_3_2(max(touch.depth, Real(0.0)));
+  const Real damping = min(1.5 * dissipation * elastic, touch.most_damping);
+  return max(elastic - damping * dot(touch.normal, touch.velocity), Real(0.0));
+}
+
+/// Of a vector, what lies at right angles to a unit vector.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> across(const Vec3<Real>& normal, const Vec3<Real>& v) {
+  return v - normal * dot(normal, v);
+}
+
+/// Friction with a bristle.
+/// @param most     mu f [N]
+/// @param bristle  s of the step before [m]; written: where it is after this one
+template <class Real>
+SKYBODY_INLINE Vec3<Real> bristle_force(const Touch<Real>& touch, const ContactLaw& law,
+                                        const Real& most, Vec3<Real>& bristle) {
+  const Vec3<Real> bent = across(touch.normal, bristle + touch.slide);
+  const Real damping = min(Real(law.bristle_damping), touch.most_damping);
+  const Vec3<Real> wanted =
+      bent * Real(law.bristle_stiffness) + across(touch.normal, touch.velocity) * damping;
+  const Real size = norm(wanted);
+  const auto slips = size > most;
+  const Real share = select(slips, most / select(slips, size, Real(1.0)), Real(1.0));
+  const Vec3<Real> force = wanted * share;
+  bristle = select(slips, force * Real(1.0 / law.bristle_stiffness), bent);
+  return -force;
+}
+
+/// Friction where no bristle is kept: it stops what slides within a few steps, and lets it creep
+/// under a load.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> creeping_force(const Touch<Real>& touch, const Real& most) {
+  const Vec3<Real> velocity = across(touch.normal, touch.velocity);
+  const Real speed = norm(velocity);
+  const Real& damping = touch.most_damping;
+  const auto slips = damping * speed > most;
+  return velocity * -select(slips, most / select(slips, speed, Real(1.0)), damping);
+}
+
+}  // namespace skybody

@@ -1,0 +1,285 @@
+#include "core/physics/contact/contact_scene.h"
+
+#include <algorithm>
+
+#include "core/base/math.h"
+#include "core/physics/bodies/kinematics.h"
+#include "core/physics/shapes/overlap.h"
+
+namespace skybody {
+namespace {
+
+constexpr int kRimPoints = 8;
+/// Points within this height of the lowest one carry the robot at rest [m].
+constexpr double kLevel = 1e-3;
+/// Largest stiffness of a light body's points: (frequency x dt)^2 of the body on one point.
+constexpr double kLargestSquaredPhase = 0.25;
+
+ContactForm make_box() {
+  ContactForm form;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto sign = [corner](int bit) { return (corner >> bit & 1) != 0 ? 1.0 : -1.0; };
+    form.places.push_back({sign(0), sign(1), sign(2)});
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int bit = 0; bit < 3; ++bit) {
+      if ((corner >> bit & 1) == 0) form.edges.push_back({corner, corner | 1 << bit});
+    }
+  }
+  form.point_count = 8;
+  return form;
+}
+
+ContactForm make_cylinder() {
+  ContactForm form;
+  for (const double z : {-1.0, 1.0}) {
+    for (int i = 0; i < kRimPoints; ++i) {
+      const SinCos<double> angle = sincos(i * (kTwoPi / kRimPoints));
+      form.places.push_back({angle.cos, angle.sin, z});
+    }
+  }
+  form.point_count = 2 * kRimPoints;
+  form.places.push_back({0.0, 0.0, -1.0});
+  form.places.push_back({0.0, 0.0, 1.0});
+  form.edges.push_back({form.point_count, form.point_count + 1});
+  form.is_round = true;
+  return form;
+}
+
+ContactForm make_sphere() {
+  ContactForm form;
+  form.places.push_back({0.0, 0.0, 0.0});
+  form.point_count = 1;
+  return form;
+}
+
+ContactSolid make_solid(const Shape& shape) {
+  ContactSolid solid;
+  solid.type = shape.type;
+  solid.form = &contact_form(shape.type);
+  solid.pose = shape.pose;
+  if (shape.type == ShapeType::kBox) solid.half = 0.5 * shape.size;
+  if (shape.type == ShapeType::kCylinder) {
+    solid.half = {shape.radius, shape.radius, 0.5 * shape.length};
+  }
+  if (shape.type == ShapeType::kSphere) solid.rounding = shape.radius;
+  solid.reach = bounding_radius(shape);
+  return solid;
+}
+
+bool has_others(const Scenario& scenario) {
+  return !scenario.obstacles.empty() || scenario.robots.size() > 1;
+}
+
+/// Bristles that a shape's solid has.
+int bristles_of(const Scenario& scenario, const Shape& shape) {
+  if (shape.type == ShapeType::kMesh) return 0;
+  const ContactForm& form = contact_form(shape.type);
+  const int edges = has_others(scenario) ? static_cast<int>(form.edges.size()) : 0;
+  return form.point_count + edges;
+}
+
+/// Motion of all bodies with joints at zero and every free base at the origin, upright.
+std::vector<BodyKinematics<double>> upright_bodies(const World& world) {
+  std::vector<double> q(64 + 7 * world.bodies.size(), 0.0), u(q.size(), 0.0);
+  for (const WorldBody& body : world.bodies) {
+    if (body.model->joint.type == JointType::kBall) q[body.q] = 1.0;
+    if (body.model->joint.type == JointType::kFree) q[body.q + 3] = 1.0;
+  }
+  std::vector<BodyKinematics<double>> bodies(world.bodies.size());
+  forward_kinematics(make_tree(world), q.data(), u.data(), bodies.data());
+  return bodies;
+}
+
+/// Heights of all points of a robot that stands upright.
+std::vector<double> point_heights(const ContactScene& scene, int robot) {
+  const std::vector<BodyKinematics<double>> motion = upright_bodies(scene.world);
+  std::vector<double> heights;
+  for (const ContactBody& body : scene.bodies) {
+    if (body.robot != robot) continue;
+    const BodyKinematics<double>& m = motion[static_cast<std::size_t>(body.body)];
+    for (int s = body.first_solid; s < body.last_solid; ++s) {
+      const ContactSolid& solid = scene.solids[static_cast<std::size_t>(s)];
+      for (int k = 0; k < solid.form->point_count; ++k) {
+        const Vec3<double> at =
+            multiply_elements(solid.half, solid.form->places[static_cast<std::size_t>(k)]);
+        const Vec3<double> p = solid.pose.position + rotate(solid.pose.rotation, at);
+        heights.push_back((m.position + m.axes * p).z - solid.rounding);
+      }
+    }
+  }
+  return heights;
+}
+
+/// Stiffness of the points of each contact body: resting upright on the n points that lie lowest,
+/// the robot sinks in by ContactSettings::penetration x0,
+///   k = m |g| / (n x0^1.5),
+/// but no more than lets dt follow the oscillation of the body itself.
+std::vector<double> stiffnesses(const ContactScene& scene) {
+  const Scenario& scenario = scene.world.scenario;
+  const double depth = scenario.contact.penetration, dt = scenario.stepping.dt;
+  std::vector<double> wanted;
+  for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
+    const std::vector<double> heights = point_heights(scene, static_cast<int>(r));
+    double carriers = 1.0;
+    if (!heights.empty()) {
+      const double lowest = *std::min_element(heights.begin(), heights.end());
+      carriers = static_cast<double>(std::count_if(heights.begin(), heights.end(),
+                                                   [&](double z) { return z <= lowest + kLevel; }));
+    }
+    wanted.push_back(scenario.robots[r].model.total_mass() * contact_gravity(scenario) /
+                     (carriers * pow_3_2(depth)));
+  }
+  std::vector<double> out;
+  for (const ContactBody& body : scene.bodies) {
+    const double mass = scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass.mass;
+    const double most = is_error_controlled(scenario.stepping.integrator)
+                            ? kInfinity  // no step is too large
+                            : kLargestSquaredPhase * mass / (dt * dt) / (1.5 * sqrt(depth));
+    out.push_back(min(wanted[static_cast<std::size_t>(body.robot)], most));
+  }
+  return out;
+}
+
+/// By Newton's method: libm's differs between machines.
+double cube_root(double a) {
+  double root = max(a, 1.0), before = 0.0;
+  for (int i = 0; i < 200 && root != before; ++i) {
+    before = root;
+    root = (2.0 * root + a / (root * root)) / 3.0;
+  }
+  return root;
+}
+
+/// Two springs of the power 1.5 one behind the other.
+double in_series(double a, double b) {
+  const double ratio = cube_root(a / b * (a / b));  // how much more b gives way
+  return a / pow_3_2(1.0 + ratio);
+}
+
+/// Mass that a bristle feels, nominal; infinite of what stands still.
+double nominal_share(const ContactScene& scene, const ContactBody& body) {
+  if (body.is_driven) return kInfinity;
+  return kContactShare * scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass.mass;
+}
+
+ContactLaw make_law(double penetration, double stiffness, double share) {
+  ContactLaw law;
+  law.stiffness = stiffness;
+  law.bristle_stiffness = 1.5 * stiffness * sqrt(penetration);
+  law.bristle_damping = share == kInfinity ? 0.0 : sqrt(law.bristle_stiffness * share);
+  return law;
+}
+
+void add_bodies(ContactScene& scene) {
+  const World& world = scene.world;
+  int bristles = 0;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const WorldBody& model = world.bodies[i];
+    ContactBody body;
+    body.body = static_cast<int>(i);
+    body.robot = model.robot;
+    body.first_solid = static_cast<int>(scene.solids.size());
+    body.is_driven =
+        model.parent < 0 && world.drives[static_cast<std::size_t>(model.robot)] != DriveKind::kNone;
+    body.give = kInfinity;
+    Vec3<double> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+    for (const Shape& shape : model.model->collisions) {
+      if (shape.type == ShapeType::kMesh) continue;
+      ContactSolid solid = make_solid(shape);
+      solid.bristle = bristles;
+      bristles += bristles_of(world.scenario, shape);
+      body.give = min(body.give, give_of(solid.half, solid.rounding));
+      const Vec3<double>& p = solid.pose.position;
+      const double r = solid.reach;
+      low = {min(low.x, p.x - r), min(low.y, p.y - r), min(low.z, p.z - r)};
+      high = {max(high.x, p.x + r), max(high.y, p.y + r), max(high.z, p.z + r)};
+      scene.solids.push_back(solid);
+    }
+    body.last_solid = static_cast<int>(scene.solids.size());
+    if (body.first_solid == body.last_solid) continue;
+    body.center = 0.5 * (low + high);
+    for (int s = body.first_solid; s < body.last_solid; ++s) {
+      const ContactSolid& solid = scene.solids[static_cast<std::size_t>(s)];
+      body.radius = max(body.radius, norm(solid.pose.position - body.center) + solid.reach);
+    }
+    scene.bodies.push_back(body);
+  }
+}
+
+void add_meetings(ContactScene& scene) {
+  const Scenario& scenario = scene.world.scenario;
+  const std::vector<double> stiffness = stiffnesses(scene);
+  const double depth = scenario.contact.penetration;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const double share = nominal_share(scene, scene.bodies[i]);
+    const ContactLaw law = make_law(depth, stiffness[i], share);
+    const int body = static_cast<int>(i);
+    if (scenario.contact.ground) scene.meetings.push_back({body, kGround, law});
+    for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+      scene.meetings.push_back({body, kFirstObstacle - static_cast<int>(k), law});
+    }
+    for (std::size_t k = i + 1; k < scene.bodies.size(); ++k) {
+      if (scene.bodies[k].robot == scene.bodies[i].robot) continue;
+      const double other = nominal_share(scene, scene.bodies[k]);
+      const double both = 1.0 / (1.0 / share + 1.0 / other);
+      scene.meetings.push_back({body, static_cast<int>(k),
+                                make_law(depth, in_series(stiffness[i], stiffness[k]), both)});
+    }
+  }
+}
+
+}  // namespace
+
+const ContactForm& contact_form(ShapeType type) {
+  static const ContactForm box = make_box(), cylinder = make_cylinder(), sphere = make_sphere();
+  if (type == ShapeType::kBox) return box;
+  return type == ShapeType::kCylinder ? cylinder : sphere;
+}
+
+double contact_gravity(const Scenario& scenario) {
+  const double g = norm(scenario.gravity());
+  return g > 0.0 ? g : 9.81;
+}
+
+int count_bristles(const Topology& topology) {
+  int count = 0;
+  for (const WorldBody& body : topology.bodies) {
+    for (const Shape& shape : body.model->collisions) {
+      count += bristles_of(topology.scenario, shape);
+    }
+  }
+  return topology.scenario.contact.ground || has_others(topology.scenario) ? count : 0;
+}
+
+ContactScene::ContactScene(const World& w) : world(w) {
+  if (count_bristles(world) == 0) return;
+  add_bodies(*this);
+  for (const Obstacle& obstacle : world.scenario.obstacles) {
+    obstacles.push_back(make_solid(obstacle.shape));
+    if (obstacle.shape.type == ShapeType::kMesh) obstacles.back().rounding = kNoSolid;
+  }
+  add_meetings(*this);
+}
+
+void make_obstacle_constants(const World& world, const double* params, double* out) {
+  std::size_t i = 0;
+  for (const Obstacle& obstacle : world.scenario.obstacles) {
+    const double* p = params + world.layout.obstacle_params[i++];
+    const Mat3<double> axes = to_mat3(normalized(load_quat(p + kObstacleRotation)));
+    for (int k = 0; k < 3; ++k) out[kSolidPosition + k] = p[kObstaclePosition + k];
+    for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
+    const double* size = p + kObstacleSize;
+    Vec3<double> half{0.0, 0.0, 0.0};
+    double rounding = 0.0;
+    if (obstacle.shape.type == ShapeType::kBox) half = 0.5 * load_vec3(size);
+    if (obstacle.shape.type == ShapeType::kCylinder) half = {size[0], size[0], 0.5 * size[1]};
+    if (obstacle.shape.type == ShapeType::kSphere) rounding = size[0];
+    const bool is_there = p[kObstaclePresent] != 0.0 && obstacle.shape.type != ShapeType::kMesh;
+    store(half, out + kSolidHalf);
+    out[kSolidRounding] = is_there ? rounding : kNoSolid;
+    out += kSolidConstantCount;
+  }
+}
+
+}  // namespace skybody

@@ -1,0 +1,96 @@
+// What of a world can touch what: solids with the points and edges by which they touch, and pairs
+// of bodies with the constants of their law. Made once.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/physics/contact/contact.h"
+#include "core/physics/contact/solid.h"
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// By which places a kind of solid touches others, in units of its half sizes.
+struct ContactForm {
+  std::vector<Vec3<double>> places;
+  int point_count = 0;  ///< the first so many of the places touch: corners, rims, centres
+  std::vector<std::array<int, 2>> edges;  ///< between places: the edges of a box, the axis of a
+                                          ///< cylinder
+  bool is_round = false;                  ///< its edge is as thick as its first half size
+};
+
+/// Of a body's mass, what a place at its rim feels: the rest gives way by turning.
+inline constexpr double kContactShare = 0.25;
+
+/// The most places that a form has.
+inline constexpr int kMostPlaces = 18;
+
+/// That of a box, a cylinder or a sphere.
+const ContactForm& contact_form(ShapeType type);
+
+/// A solid of a body or an obstacle, by the nominal constants.
+struct ContactSolid {
+  ShapeType type = ShapeType::kSphere;
+  const ContactForm* form = nullptr;
+  Pose pose;                         ///< in the body's frame; of obstacles in W
+  Vec3<double> half{0.0, 0.0, 0.0};  ///< see Solid
+  double rounding = 0.0;
+  double reach = 0.0;  ///< of its farthest point from its centre [m]
+  int bristle = -1;    ///< its first bristle: one for each point, then one for each edge; -1: none
+};
+
+/// A body with solids, bounded by a sphere.
+struct ContactBody {
+  int body = 0;  ///< world body index
+  int robot = 0;
+  int first_solid = 0, last_solid = 0;  ///< of ContactScene::solids, one beyond the last
+  Vec3<double> center{0.0, 0.0, 0.0};   ///< of the sphere, in the body's frame [m]
+  double radius = 0.0;                  ///< [m]
+  double give = 0.0;                    ///< give_of() of its thinnest solid [m]
+  bool is_driven = false;               ///< forces do not move it
+};
+
+/// Constants of the law between two bodies, or a body and what stands still.
+struct ContactLaw {
+  double stiffness = 0.0;          ///< Hunt-Crossley k [N/m^1.5]
+  double bristle_stiffness = 0.0;  ///< k_t [N/m]
+  double bristle_damping = 0.0;    ///< c_t [N s/m]
+};
+
+/// Two things that may touch.
+struct Meeting {
+  int body = 0;         ///< of ContactScene::bodies
+  int other = kGround;  ///< of ContactScene::bodies, the ground or an obstacle
+  ContactLaw law;
+};
+
+/// Immutable; refers to the world, which must outlive it.
+struct ContactScene {
+  explicit ContactScene(const World& world);
+
+  const World& world;
+  std::vector<ContactBody> bodies;
+  std::vector<ContactSolid> solids;     ///< of the bodies
+  std::vector<ContactSolid> obstacles;  ///< one for each of the scenario's
+  std::vector<Meeting> meetings;        ///< bodies of one robot do not meet
+};
+
+/// |g| for contact stiffness [m/s^2]: the scenario's, or 9.81 where it has no gravity.
+double contact_gravity(const Scenario& scenario);
+
+/// Places of a solid's constants where an obstacle's are drawn.
+enum ObstacleConstant : int {
+  kSolidPosition = 0,   ///< 3 [m], W
+  kSolidAxes = 3,       ///< 9, by rows: W from the solid's frame
+  kSolidHalf = 12,      ///< 3 [m]
+  kSolidRounding = 15,  ///< [m]
+  kSolidConstantCount = 16
+};
+
+/// Constants of the obstacles of a world, one after another.
+/// @param params  the parameter block of one environment
+/// @param out     kSolidConstantCount values for each obstacle
+void make_obstacle_constants(const World& world, const double* params, double* out);
+
+}  // namespace skybody

@@ -1,0 +1,476 @@
+// Contact of everything with everything, in the environments that one Real holds: what is near
+// enough to touch within a step, and the forces between what touches. On double and packs.
+//
+// Two solids touch with their points (corners, rims, centres) in the other's inside and with their
+// edges across the other's. A force acts at one point on both, so that nothing is lost between
+// them. How deep things may get into each other is bounded by `give`, a quarter of the thinner
+// one's width: what a step would take further is stopped there, plastically. A step is cut into
+// parts of which none takes anything further than half of that.
+#pragma once
+
+#include "core/physics/bodies/body_constants.h"
+#include "core/physics/bodies/spatial_force.h"
+#include "core/physics/contact/contact_law.h"
+#include "core/physics/contact/manifold.h"
+
+namespace skybody {
+
+/// A contact body's sphere during one step.
+template <class Real>
+struct BodyBound {
+  Vec3<Real> center;  ///< at the step's start, W [m]
+  Real radius;        ///< with the way that the centre goes within the step [m]
+  Real speed;         ///< no place of the body is faster [m/s]
+};
+
+/// What the contacts of a step that were stopped did so far to a body's motion.
+template <class Real>
+struct BodyKick {
+  Vec3<Real> velocity;          ///< of the centre of mass, W [m/s]
+  Vec3<Real> angular_velocity;  ///< W [rad/s]
+};
+
+/// Arrays of a step in contact, in a thread's scratch memory.
+template <class Real>
+struct ContactWork {
+  BodyBound<Real>* bounds = nullptr;     ///< per contact body
+  SpatialForce<Real>* forces = nullptr;  ///< per body of the world: of its contacts
+  BodyKick<Real>* kicks = nullptr;       ///< likewise
+  Vec3<Real>* bristles = nullptr;        ///< all of the world
+  Vec3<Real>* bent = nullptr;            ///< the same after the part of the step
+  MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part
+  MaskOf<Real>* is_touched = nullptr;    ///< per body of the world: since begin()
+  MaskOf<Real>* is_near = nullptr;       ///< of those meetings: the lanes
+  int* near = nullptr;                   ///< meetings of things that are near each other
+};
+
+/// Takes nothing down.
+struct NoContactList {
+  template <class... Args>
+  SKYBODY_INLINE void operator()(const Args&...) const {}
+};
+
+/// The most parts of a step.
+inline constexpr int kMostParts = 64;
+
+/// @tparam Values  how constants are read: a pointer, or a view (lane_values.h)
+template <class Real, class Values>
+class ContactStep {
+ public:
+  using Motion = BodyKinematics<Real>;
+
+  /// @param constants  the world's kWorldParamCount values
+  /// @param bodies     kBodyConstantCount values per body
+  /// @param obstacles  kSolidConstantCount values per obstacle
+  SKYBODY_INLINE ContactStep(const ContactScene& scene, const Values& constants,
+                             const Values& bodies, const Values& obstacles,
+                             const ContactWork<Real>& work)
+      : scene_(scene), constants_(constants), bodies_(bodies), obstacles_(obstacles), w_(work) {}
+
+  /// Looks for what may touch within the step that begins. A motion that is not finite is near
+  /// nothing.
+  /// @param motion  of all bodies: position, axes, velocity, angular velocity
+  /// @returns the lanes where anything may
+  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion) {
+    bound(motion);
+    MaskOf<Real> is_near(false);
+    near_count_ = 0;
+    parts_ = Real(1.0);
+    is_quick_ = MaskOf<Real>(false);
+    for (std::size_t i = 0; i < scene_.meetings.size(); ++i) {
+      const Meeting& meeting = scene_.meetings[i];
+      const MaskOf<Real> here = is_within(meeting, motion);
+      if (none(here)) continue;
+      is_near |= here;
+      w_.is_near[near_count_] = here;
+      w_.near[near_count_++] = static_cast<int>(i);
+      cut(meeting, here);
+    }
+    return is_near;
+  }
+
+  /// Into how many parts the step is to be cut, in each lane: a whole number.
+  SKYBODY_INLINE const Real& parts() const { return parts_; }
+  /// Where things meet so quickly that it matters whether forces go by the velocity at a part's
+  /// start or by its mean.
+  SKYBODY_INLINE const MaskOf<Real>& is_quick() const { return is_quick_; }
+
+  SKYBODY_INLINE void begin() const {
+    for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
+      w_.is_touched[i] = MaskOf<Real>(false);
+    }
+  }
+
+  /// Forces of the contacts that search() found near, into ContactWork::forces.
+  /// @param motion     in the middle of the part of the step; velocities at its start
+  /// @param mean       the same with mean velocities of the part, as far as they are known
+  /// @param step       of the part [s]
+  /// @param is_active  lanes where anything acts
+  /// @param list       list(meeting, point, Touch, force, lanes) of each contact
+  template <class List = NoContactList>
+  SKYBODY_INLINE void act(const Motion* motion, const Motion* mean, const Real& step,
+                          const MaskOf<Real>& is_active, const List& list = {}) {
+    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
+    for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
+      w_.forces[i] = {zero, zero};
+      w_.kicks[i] = {zero, zero};
+    }
+    const int bristles = scene_.world.layout.bristles.size / 3;
+    for (int i = 0; i < bristles; ++i) w_.is_bent[i] = MaskOf<Real>(false);
+    for (int i = 0; i < near_count_; ++i) {
+      const Meeting& meeting = scene_.meetings[static_cast<std::size_t>(w_.near[i])];
+      const auto here = logical_and(is_active, w_.is_near[i]);
+      if (none(here)) continue;
+      const Real felt = inverse_mass(meeting);
+      const Pair pair{meeting, scene_.bodies[static_cast<std::size_t>(meeting.body)],
+                      motion,  mean,
+                      step,    here,
+                      felt,    1.0 / max(4.0 * (felt * step), Real(1e-12))};
+      if (meeting.other == kGround) {
+        meet_ground(pair, list);
+      } else {
+        meet_solids(pair, list);
+      }
+    }
+  }
+
+  /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
+  SKYBODY_INLINE void bend(const MaskOf<Real>& is_active) const {
+    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
+    const int bristles = scene_.world.layout.bristles.size / 3;
+    for (int i = 0; i < bristles; ++i) {
+      const Vec3<Real> bent = select(w_.is_bent[i], w_.bent[i], zero);
+      w_.bristles[i] = select(is_active, bent, w_.bristles[i]);
+    }
+  }
+
+ private:
+  /// What holds for all contacts of a meeting.
+  struct Pair {
+    const Meeting& meeting;
+    const ContactBody& body;
+    const Motion *motion, *mean;
+    const Real& step;
+    const MaskOf<Real>& is_active;
+    Real per_mass;      ///< inverse of the mass that a place feels [1/kg]
+    Real most_damping;  ///< see Touch
+
+    const Motion& of_body() const { return motion[body.body]; }
+  };
+
+  const ContactBody& other_body(const Meeting& meeting) const {
+    return scene_.bodies[static_cast<std::size_t>(meeting.other)];
+  }
+
+  /// ---- what is near
+
+  SKYBODY_INLINE void bound(const Motion* motion) const {
+    constexpr double kMargin = 1e-3;  // what acceleration adds to the way: 2000 m/s^2 at 1 ms [m]
+    const double dt = scene_.world.scenario.stepping.dt;
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      const ContactBody& body = scene_.bodies[i];
+      const Motion& m = motion[body.body];
+      const Vec3<Real> arm = m.axes * to_real<Real>(body.center);
+      const Vec3<Real> v = m.velocity + cross(m.angular_velocity, arm);
+      const Real speed = size_of(v);
+      w_.bounds[i] = {m.position + arm, (body.radius + kMargin) + dt * speed,
+                      speed + body.radius * size_of(m.angular_velocity)};
+    }
+  }
+
+  /// No less than the norm.
+  static SKYBODY_INLINE Real size_of(const Vec3<Real>& v) {
+    return (abs(v.x) + abs(v.y)) + abs(v.z);
+  }
+
+  SKYBODY_INLINE MaskOf<Real> is_within(const Meeting& meeting, const Motion* motion) const {
+    const BodyBound<Real>& bound = w_.bounds[meeting.body];
+    if (meeting.other == kGround) return is_near_ground(meeting, bound, motion);
+    if (is_obstacle(meeting.other)) {
+      const Values c = obstacle_constants(meeting.other);
+      const Vec3<Real> apart = bound.center - load_vec3(c + kSolidPosition);
+      const Mat3<Real> axes = load_axes(c);
+      const Vec3<Real> local = transpose_times(axes, apart), half = load_vec3(c + kSolidHalf);
+      const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
+                               beyond(local.z, half.z)};
+      const Real reach = bound.radius + c[kSolidRounding];
+      return logical_and(reach > 0.0, dot(outside, outside) < reach * reach);
+    }
+    const BodyBound<Real>& other = w_.bounds[meeting.other];
+    const Vec3<Real> apart = bound.center - other.center;
+    const Real reach = bound.radius + other.radius;
+    return dot(apart, apart) < reach * reach;
+  }
+
+  SKYBODY_INLINE MaskOf<Real> is_near_ground(const Meeting& meeting, const BodyBound<Real>& bound,
+                                             const Motion* motion) const {
+    const auto is_low = bound.center.z < bound.radius;
+    if (none(is_low)) return is_low;
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+    const Motion& m = motion[body.body];
+    Real lowest(kInfinity);
+    for (int s = body.first_solid; s < body.last_solid; ++s) {
+      const Solid<Real> solid = solid_of(scene_.solids[static_cast<std::size_t>(s)], m);
+      const ContactForm& form = *scene_.solids[static_cast<std::size_t>(s)].form;
+      for (int k = 0; k < form.point_count; ++k) {
+        const Vec3<Real> p = solid.place(form.places[static_cast<std::size_t>(k)]);
+        lowest = min(lowest, p.z - solid.rounding);
+      }
+    }
+    const double dt = scene_.world.scenario.stepping.dt;
+    return logical_and(is_low, lowest < dt * bound.speed + 1e-4);
+  }
+
+  /// How far a coordinate lies beyond an edge; NaN stays NaN.
+  static SKYBODY_INLINE Real beyond(const Real& x, const Real& half) {
+    const Real over = abs(x) - half;
+    return select(over < Real(0.0), Real(0.0), over);
+  }
+
+  /// Into how many parts a meeting cuts the step before it is known what touches: what is stopped
+  /// must not have passed.
+  SKYBODY_INLINE void cut(const Meeting& meeting, const MaskOf<Real>& here) {
+    const Stepping& stepping = scene_.world.scenario.stepping;
+    const double rest = scene_.world.scenario.contact.penetration;
+    Real speed = w_.bounds[meeting.body].speed;
+    if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
+    const Real way = speed * stepping.dt;
+    const Real give = give_of_meeting(meeting);
+    is_quick_ |= logical_and(here, way > 0.05 * rest);
+    ask_for(max(way * 2.0 / give, parts_for(meeting, inverse_mass(meeting), rest + 2.0 * way)),
+            here);
+  }
+
+  /// Into how many parts a spring cuts the step: so many that none goes through more of its swing
+  /// than kLargestPhase, nor asks for more damping than Touch::most_damping.
+  /// @param per_mass  inverse of the mass that the place feels  @param depth  of the spring
+  SKYBODY_INLINE Real parts_for(const Meeting& meeting, const Real& per_mass,
+                                const Real& depth) const {
+    constexpr double kLargestPhase = 0.3;
+    const double dt = scene_.world.scenario.stepping.dt;
+    const Real rigidity = meeting.law.stiffness * sqrt(depth);
+    const Real phase = dt * sqrt(1.5 * (rigidity * per_mass));
+    const Real damping = 1.5 * Real(constants_[kDissipation]) * (rigidity * depth);
+    return max(phase * (1.0 / kLargestPhase), (4.0 * dt) * (damping * per_mass));
+  }
+
+  SKYBODY_INLINE void ask_for(const Real& wanted, const MaskOf<Real>& here) {
+    for (int parts = 2; parts <= kMostParts; parts *= 2) {
+      const auto more = logical_and(here, wanted > 0.5 * parts);
+      if (none(more)) break;
+      parts_ = select(logical_and(more, parts_ < parts), Real(parts), parts_);
+    }
+  }
+
+  SKYBODY_INLINE Real give_of_meeting(const Meeting& meeting) const {
+    if (meeting.other == kGround) return Real(kInfinity);
+    const Real give(scene_.bodies[static_cast<std::size_t>(meeting.body)].give);
+    if (meeting.other >= 0) return min(give, Real(other_body(meeting).give));
+    const Values c = obstacle_constants(meeting.other);
+    return min(give, give_of(load_vec3(c + kSolidHalf), Real(c[kSolidRounding])));
+  }
+
+  /// ---- where things are
+
+  SKYBODY_INLINE Values obstacle_constants(int other) const {
+    return obstacles_ + kSolidConstantCount * obstacle_of(other);
+  }
+  static SKYBODY_INLINE Mat3<Real> load_axes(const Values& c) {
+    Mat3<Real> axes;
+    for (int k = 0; k < 9; ++k) axes.m[k] = c[kSolidAxes + k];
+    return axes;
+  }
+  static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
+    return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
+            m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
+            Real(solid.rounding)};
+  }
+  SKYBODY_INLINE Solid<Real> solid_of_obstacle(int other) const {
+    const Values c = obstacle_constants(other);
+    return {scene_.obstacles[static_cast<std::size_t>(obstacle_of(other))].type,
+            load_vec3(c + kSolidPosition), load_axes(c), load_vec3(c + kSolidHalf),
+            Real(c[kSolidRounding])};
+  }
+
+  /// ---- what touches
+
+  template <class List>
+  SKYBODY_INLINE void meet_ground(const Pair& pair, const List& list) {
+    const Motion& m = pair.of_body();
+    const Vec3<Real> up{Real(0.0), Real(0.0), Real(1.0)};
+    for (int s = pair.body.first_solid; s < pair.body.last_solid; ++s) {
+      const ContactSolid& model = scene_.solids[static_cast<std::size_t>(s)];
+      const Solid<Real> solid = solid_of(model, m);
+      Manifold<Real> found;
+      for (int k = 0; k < model.form->point_count; ++k) {
+        Vec3<Real> p = solid.place(model.form->places[static_cast<std::size_t>(k)]);
+        p.z = p.z - solid.rounding;
+        found.add(p, up, -p.z, model.bristle + k, logical_and(pair.is_active, p.z < 0.0));
+      }
+      touch_all(pair, found, list);
+    }
+  }
+
+  template <class List>
+  SKYBODY_INLINE void meet_solids(const Pair& pair, const List& list) {
+    const int other = pair.meeting.other;
+    const ContactBody* body = other >= 0 ? &other_body(pair.meeting) : nullptr;
+    const int first = body == nullptr ? obstacle_of(other) : body->first_solid;
+    const int last = body == nullptr ? first + 1 : body->last_solid;
+    for (int s = pair.body.first_solid; s < pair.body.last_solid; ++s) {
+      const ContactSolid& mine = scene_.solids[static_cast<std::size_t>(s)];
+      const Solid<Real> solid = solid_of(mine, pair.of_body());
+      for (int t = first; t < last; ++t) {
+        const auto& all = body == nullptr ? scene_.obstacles : scene_.solids;
+        const ContactSolid& theirs = all[static_cast<std::size_t>(t)];
+        const Solid<Real> their_solid =
+            body == nullptr ? solid_of_obstacle(other) : solid_of(theirs, pair.motion[body->body]);
+        const Real apart = their_solid.distance(their_solid.to_local(solid.position)).distance;
+        const auto is_close = logical_and(pair.is_active, apart < mine.reach);
+        if (none(is_close)) continue;
+        Manifold<Real> found;
+        meet(MeetCall<Real>{mine, theirs, solid, their_solid, is_close, found});
+        touch_all(pair, found, list);
+      }
+    }
+  }
+
+  template <class List>
+  SKYBODY_INLINE void touch_all(const Pair& pair, const Manifold<Real>& found, const List& list) {
+#pragma GCC unroll 1
+    for (int i = 0; i < found.count; ++i) touch(pair, found.places[i], list);
+  }
+
+  /// ---- what it does
+
+  template <class List>
+  SKYBODY_INLINE void touch(const Pair& pair, const Place<Real>& place, const List& list) {
+    const Vec3<Real>&point = place.point, &out = place.out;
+    const MaskOf<Real>& touches = place.touches;
+    const Meeting& meeting = pair.meeting;
+    const int body = pair.body.body;
+    const int other = meeting.other >= 0 ? other_body(meeting).body : -1;
+    const Vec3<Real> velocity = velocity_at(pair.motion, body, other, point);
+    const Touch<Real> t{place.depth, out, velocity_at(pair.mean, body, other, point),
+                        velocity * pair.step, pair.most_damping};
+    if (!none(is_quick_)) {
+      const Real way = scene_.world.scenario.stepping.dt * abs(dot(out, velocity));
+      ask_for(max(way * 48.0 / give_of_meeting(meeting),
+                  parts_for(meeting, pair.per_mass, place.depth + way)),
+              logical_and(touches, is_quick_));
+    }
+    Real push = normal_force(t, meeting.law.stiffness, Real(constants_[kDissipation]));
+    if (meeting.other != kGround) stop(pair, point, t, other, touches, push);
+    const Real most = constants_[kFriction] * push;
+    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
+    Vec3<Real> force = out * push + friction(t, meeting.law, most, place.bristle, touches);
+    force = select(touches, force, zero);
+    add(body, pair.motion, point, force);
+    if (other >= 0) add(other, pair.motion, point, -force);
+    w_.is_touched[body] |= touches;
+    if (other >= 0) w_.is_touched[other] |= touches;
+    list(meeting, point, t, force, touches);
+  }
+
+  SKYBODY_INLINE Vec3<Real> friction(const Touch<Real>& t, const ContactLaw& law, const Real& most,
+                                     int bristle, const MaskOf<Real>& touches) const {
+    if (bristle < 0) return creeping_force(t, most);
+    MaskOf<Real>& is_bent = w_.is_bent[bristle];
+    Vec3<Real> bent = w_.bristles[bristle];
+    const auto is_first = logical_and(touches, logical_not(is_bent));
+    const Vec3<Real> force = bristle_force(t, law, most, bent);
+    w_.bent[bristle] = select(is_first, bent, w_.bent[bristle]);
+    const auto is_second = logical_and(touches, is_bent);
+    is_bent |= touches;
+    if (none(is_second)) return force;
+    return select(is_second, creeping_force(t, most), force);
+  }
+
+  SKYBODY_INLINE void add(int body, const Motion* motion, const Vec3<Real>& point,
+                          const Vec3<Real>& force) const {
+    w_.forces[body].add_force_at(point - motion[body].position, force);
+  }
+
+  /// Of the body's place past the other's.
+  static SKYBODY_INLINE Vec3<Real> velocity_at(const Motion* motion, int body, int other,
+                                               const Vec3<Real>& point) {
+    const auto of = [&](int i) SKYBODY_INLINE_LAMBDA {
+      const Motion& m = motion[i];
+      return m.velocity + cross(m.angular_velocity, point - m.position);
+    };
+    return other < 0 ? of(body) : of(body) - of(other);
+  }
+
+  /// Of what a place feels.
+  SKYBODY_INLINE Real inverse_mass(const Meeting& meeting) const {
+    Real sum = inverse_mass(scene_.bodies[static_cast<std::size_t>(meeting.body)]);
+    if (meeting.other >= 0) sum += inverse_mass(other_body(meeting));
+    return sum * (1.0 / kContactShare);
+  }
+  SKYBODY_INLINE Real inverse_mass(const ContactBody& body) const {
+    if (body.is_driven) return Real(0.0);
+    return (bodies_ + kBodyConstantCount * body.body)[kBodyInverseMass];
+  }
+
+  /// How a body, were it free, takes an impulse at a place.
+  SKYBODY_INLINE BodyKick<Real> response(const ContactBody& body, const Motion* motion,
+                                         const Vec3<Real>& point, const Vec3<Real>& impulse) const {
+    const Motion& m = motion[body.body];
+    const Values c = bodies_ + kBodyConstantCount * body.body;
+    const Vec3<Real> arm = point - m.position - m.axes * load_vec3(c + kBodyCom);
+    const Vec3<Real> twist = transpose_times(m.axes, cross(arm, impulse));
+    return {impulse * inverse_mass(body),
+            m.axes * (load_sym_mat3(c + kBodyInverseInertia) * twist)};
+  }
+  SKYBODY_INLINE void kick(const ContactBody& body, const Motion* motion, const Vec3<Real>& point,
+                           const Vec3<Real>& impulse) const {
+    if (body.is_driven) return;
+    const BodyKick<Real> change = response(body, motion, point, impulse);
+    w_.kicks[body.body].velocity += change.velocity;
+    w_.kicks[body.body].angular_velocity += change.angular_velocity;
+  }
+  /// What an impulse, or the kicks so far, do to a place's velocity.
+  SKYBODY_INLINE Vec3<Real> moved(const ContactBody& body, const Motion* motion,
+                                  const Vec3<Real>& point, const BodyKick<Real>& change) const {
+    const Motion& m = motion[body.body];
+    const Vec3<Real> com =
+        m.axes * load_vec3(bodies_ + (kBodyConstantCount * body.body + kBodyCom));
+    return change.velocity + cross(change.angular_velocity, point - m.position - com);
+  }
+
+  /// Makes a push so large that the place stays within what it may get in, after all that was
+  /// stopped before it: plastic, and no more.
+  SKYBODY_INLINE void stop(const Pair& pair, const Vec3<Real>& point, const Touch<Real>& t,
+                           int other, const MaskOf<Real>& touches, Real& push) const {
+    const Real room = max(give_of_meeting(pair.meeting) - t.depth, Real(0.0));
+    const auto is_quick = logical_and(touches, -dot(t.normal, t.slide) > room);
+    if (none(is_quick)) return;
+    const auto of = [&](const ContactBody& body, Real& way, Real& gives) SKYBODY_INLINE_LAMBDA {
+      if (body.is_driven) return;
+      const BodyKick<Real> unit = response(body, pair.motion, point, t.normal);
+      gives += dot(t.normal, moved(body, pair.motion, point, unit));
+      way += pair.step * dot(t.normal, moved(body, pair.motion, point, w_.kicks[body.body]));
+    };
+    Real way = dot(t.normal, t.slide), of_other(0.0), gives(1e-12);
+    of(pair.body, way, gives);
+    if (other >= 0) {
+      of(other_body(pair.meeting), of_other, gives);
+      way -= of_other;
+    }
+    const Real needed = max(-way - room, Real(0.0)) / (gives * pair.step * pair.step);
+    push = select(is_quick, max(push, needed), push);
+    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
+    const Vec3<Real> impulse = select(is_quick, t.normal * (push * pair.step), zero);
+    kick(pair.body, pair.motion, point, impulse);
+    if (other >= 0) kick(other_body(pair.meeting), pair.motion, point, -impulse);
+  }
+
+  const ContactScene& scene_;
+  Values constants_, bodies_, obstacles_;
+  ContactWork<Real> w_;
+  int near_count_ = 0;
+  Real parts_{1.0};
+  MaskOf<Real> is_quick_{false};
+};
+
+}  // namespace skybody

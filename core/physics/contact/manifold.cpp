@@ -1,0 +1,33 @@
+#include "core/physics/contact/manifold.h"
+
+#include "core/base/kernels.h"
+#include "core/physics/contact/meet.h"
+
+namespace skybody {
+namespace {
+
+struct Meet {
+  template <int W>
+  static SKYBODY_INLINE void run(const void* call) {
+    using Real = std::conditional_t<W == 1, double, Pack<W == 1 ? 2 : W>>;
+    const auto& c = *static_cast<const MeetCall<Real>*>(call);
+    add_places(c.model_a, c.a, c.model_b, c.b, c.is_close, c.out);
+  }
+};
+
+constexpr int kWidths[] = {
+#define SKYBODY_ROW(NAME, LANES, TARGET) LANES,
+    SKYBODY_ISAS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+};
+
+}  // namespace
+
+MeetFunction* meet_function(int lanes) {
+  if (lanes == 1) return &Meet::run<1>;
+  int i = 0;
+  while (kWidths[i] != lanes) ++i;
+  return kernel<Meet>(kIsas[i]);
+}
+
+}  // namespace skybody

@@ -1,0 +1,55 @@
+// The places where two solids touch, found by a function of their own: for each width of packs
+// there is one, which every kernel of contact calls (the code is long).
+#pragma once
+
+#include <type_traits>
+
+#include "core/physics/contact/contact_scene.h"
+
+namespace skybody {
+
+/// One place where two solids touch.
+template <class Real>
+struct Place {
+  Vec3<Real> point;  ///< W [m]
+  Vec3<Real> out;    ///< the way in which the first solid is pushed off, unit
+  Real depth;        ///< [m]
+  MaskOf<Real> touches;
+  int bristle;  ///< -1: none
+};
+
+/// Places where two solids touch.
+template <class Real>
+struct Manifold {
+  static constexpr int kMost = 48;
+  Place<Real> places[kMost];
+  int count = 0;
+
+  SKYBODY_INLINE void add(const Vec3<Real>& point, const Vec3<Real>& out, const Real& depth,
+                          int bristle, const MaskOf<Real>& touches) {
+    if (none(touches)) return;  // most places of things that touch with the others
+    places[count++] = {point, out, depth, touches, bristle};
+  }
+};
+
+/// What to find the places of.
+template <class Real>
+struct MeetCall {
+  const ContactSolid &model_a, &model_b;
+  const Solid<Real>&a, &b;
+  const MaskOf<Real>& is_close;  ///< lanes to look at
+  Manifold<Real>& out;
+};
+
+/// Adds the places where two solids touch. @param call  a MeetCall of the width's type of number
+using MeetFunction = void(const void* call);
+
+/// @param lanes  1: of doubles; else of packs
+MeetFunction* meet_function(int lanes);
+
+template <class Real>
+SKYBODY_INLINE void meet(const MeetCall<Real>& call) {
+  meet_function(kLanesOf<Real>)(&call);
+}
+
+}  // namespace skybody

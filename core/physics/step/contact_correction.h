@@ -1,0 +1,267 @@
+// What contact makes of a physics step. The step is taken without contact first, by whatever takes
+// it. Where something is near enough to touch, it is then gone through again from its start: in
+// parts, each
+//   q moves for half a part at u;  u += h (a + a_c(q, u));  q moves for half a part at u
+// with a the mean acceleration of the step without contact and a_c what the contacts' forces do to
+// the bodies. What is quick is gone through twice, with forces of the mean velocity then. Robots
+// that nothing touched keep the step that they had, bit by bit.
+//
+// So contact is one code for all integrators and both dynamics, and the smooth forces are evaluated
+// once however fine the parts are: a multiple-time-step leapfrog (M. Tuckerman, B. J. Berne, G. J.
+// Martyna, "Reversible multiple time scale molecular dynamics", 1992, with the slow force spread
+// evenly over the step).
+#pragma once
+
+#include <type_traits>
+
+#include "core/physics/contact/contact_step.h"
+#include "core/physics/step/mechanics.h"
+
+namespace skybody {
+
+/// Work arrays of a correction.
+template <class Real>
+struct CorrectionArrays {
+  Coordinates<Real> before, now,
+      end;  ///< at the part's start; now; as the step without contact has it
+  Real *smooth, *response, *mean_u, *no_forces;  ///< per u
+  BodyKinematics<Real>*motion, *mean;
+  BodyKinematics<Real>* at_rest;  ///< the same places, without motion
+  ContactWork<Real> contact;
+  typename Forest::template Work<Real> forest;
+
+  SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
+    lay_out(plan, memory);
+  }
+  static std::size_t bytes(const StepPlan& plan) {
+    CorrectionArrays sizes;
+    return sizes.lay_out(plan, nullptr);
+  }
+
+ private:
+  CorrectionArrays() = default;
+
+  SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
+    const Layout& layout = plan.world.layout;
+    const std::size_t bodies = plan.world.bodies.size();
+    const auto us = static_cast<std::size_t>(layout.u.size);
+    const auto bristles = static_cast<std::size_t>(layout.bristles.size / 3);
+    StepArena arena{memory};
+    for (Coordinates<Real>* c : {&before, &now, &end}) c->take_from(arena, plan);
+    for (Real** values : {&smooth, &response, &mean_u, &no_forces}) arena.take(*values, us);
+    arena.take(motion, bodies);
+    arena.take(mean, bodies);
+    arena.take(at_rest, bodies);
+    arena.take(contact.bounds, plan.contact.bodies.size());
+    arena.take(contact.forces, bodies);
+    arena.take(contact.kicks, bodies);
+    arena.take(contact.bristles, bristles);
+    arena.take(contact.bent, bristles);
+    arena.take(forest.body, bodies);
+    arena.take(forest.ball, bodies);
+    arena.take(forest.acceleration, bodies);
+    arena.take(contact.is_bent, bristles);
+    arena.take(contact.is_touched, bodies);
+    arena.take(contact.is_near, plan.contact.meetings.size());
+    arena.take(contact.near, plan.contact.meetings.size());
+    return arena.used;
+  }
+};
+
+/// What forces on the bodies do to their accelerations, by the tree's algorithms.
+struct TreeResponse {
+  template <class Real, class Values>
+  SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& bodies,
+                                 const CorrectionArrays<Real>& a) const {
+    plan.forest.accelerations(a.now.q, a.no_forces, a.at_rest, bodies, a.contact.forces,
+                              a.no_forces, a.forest, a.response);
+  }
+};
+
+/// @tparam Values    how parameters and what derives from them are read
+/// @tparam Response  what forces on the bodies do to their accelerations
+template <class Real, class Values, class Response = TreeResponse>
+class ContactCorrection {
+ public:
+  /// @param first  of the lanes that Real holds
+  SKYBODY_INLINE ContactCorrection(const StepCall& call, int first, const Values& params,
+                                   const Values& derived, const Response& response = {})
+      : plan_(*call.plan),
+        group_(*call.group),
+        start_(call.start),
+        spins_(call.spins),
+        lanes_(first),
+        bodies_(derived + call.plan->derived.bodies),
+        response_(response),
+        a_(*call.plan, call.scratch),
+        contact_(call.plan->contact, params + call.plan->world.layout.world_params, bodies_,
+                 derived + call.plan->derived.obstacles, a_.contact) {}
+
+  /// Lanes where something may touch within the step that begins.
+  SKYBODY_INLINE MaskOf<Real> is_near() {
+    load(group_.q, group_.u, a_.now);
+    forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
+    return contact_.search(a_.motion);
+  }
+
+  /// Corrects the step of the lanes in `mask`, whose values are those of its end.
+  /// @returns the lanes that came through; others are as they were, with the step uncorrected
+  SKYBODY_INLINE MaskOf<Real> correct(const MaskOf<Real>& mask) {
+    load(group_.q, group_.u, a_.end);
+    start();
+    forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
+    const MaskOf<Real> is_near = contact_.search(a_.motion) & mask;
+    const double rate = 1.0 / dt();
+    for (int i = 0; i < u_count(); ++i) {
+      a_.smooth[i] = (a_.end.u[i] - a_.now.u[i]) * Real(rate);
+      a_.no_forces[i] = Real(0.0);
+    }
+    go_through(is_near);
+    return finish(is_near, mask);
+  }
+
+  /// Contacts of the present state, each given to `list` (see ContactStep::act); bristles stay as
+  /// they are.
+  template <class List>
+  SKYBODY_INLINE void each_contact(const List& list) {
+    is_near();
+    load_bristles();
+    contact_.begin();
+    contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), list);
+  }
+  /// Their sum for each body, likewise.
+  const SpatialForce<Real>* forces() const { return a_.contact.forces; }
+
+ private:
+  double dt() const { return plan_.world.scenario.stepping.dt; }
+  const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
+  int u_count() const { return a_.now.u_count; }
+  int bristle_count() const { return plan_.world.layout.bristles.size / 3; }
+
+  SKYBODY_INLINE void load(const double* q, const double* u, const Coordinates<Real>& to) const {
+    lanes_.load(q, to.q_count, to.q);
+    lanes_.load(u, to.u_count, to.u);
+  }
+  SKYBODY_INLINE void load_bristles() const {
+    lanes_.load(group_.bristles, 3 * bristle_count(), reinterpret_cast<Real*>(a_.contact.bristles));
+  }
+
+  /// The step's start. The rates of driven bases are the drives', from there on.
+  SKYBODY_INLINE void start() {
+    load(start_.q, start_.u, a_.now);
+    load_bristles();
+    contact_.begin();
+    for (const DrivenBase& drive : plan_.drives) {
+      const TreeBody& base = tree()[static_cast<std::size_t>(drive.body)];
+      for (int k = 0; k < velocity_size(base.type); ++k) {
+        a_.now.u[base.u + k] = a_.end.u[base.u + k];
+      }
+    }
+  }
+
+  SKYBODY_INLINE void go_through(const MaskOf<Real>& is_near) {
+    Real parts = contact_.parts();
+#pragma GCC unroll 1
+    for (int p = 0; p < kMostParts; ++p) {
+      const auto is_active = logical_and(is_near, parts > static_cast<double>(p));
+      if (none(is_active)) break;
+      const Real step = Real(dt()) / parts, half = 0.5 * step;
+      a_.before.copy(a_.now);
+      a_.now.drift(half);
+      forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
+      rest();
+      push(step, is_active);
+      if (any(contact_.parts() > parts)) {  // what touches asks for more: begin again with them
+        parts = contact_.parts();
+        start();
+        p = -1;
+        continue;
+      }
+      contact_.bend(is_active);
+      for (int i = 0; i < u_count(); ++i) {
+        a_.now.u[i] += step * (a_.smooth[i] + a_.response[i]);
+      }
+      a_.now.drift(half);
+      if (!all(is_active)) a_.now.keep(is_active, a_.before);
+    }
+  }
+
+  /// The response to the contacts of a part.
+  SKYBODY_INLINE void push(const Real& step, const MaskOf<Real>& is_active) {
+    const BodyKinematics<Real>* mean = a_.motion;
+    MaskOf<Real> acts = is_active;
+#pragma GCC unroll 1
+    for (int pass = 0; pass < 2; ++pass) {
+      contact_.act(a_.motion, mean, step, is_active);
+      response_(plan_, bodies_, a_);
+      if (pass == 1 || none(acts = logical_and(is_active, contact_.is_quick()))) break;
+      for (int i = 0; i < u_count(); ++i) {
+        const Real change = (0.5 * step) * (a_.smooth[i] + a_.response[i]);
+        a_.mean_u[i] = select(acts, a_.now.u[i] + change, a_.now.u[i]);
+      }
+      forward_kinematics(tree(), a_.now.q, a_.mean_u, a_.mean);
+      mean = a_.mean;
+    }
+  }
+
+  SKYBODY_INLINE void rest() const {
+    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
+    for (std::size_t i = 0; i < plan_.world.bodies.size(); ++i) {
+      a_.at_rest[i] = a_.motion[i];
+      a_.at_rest[i].velocity = a_.at_rest[i].angular_velocity = a_.at_rest[i].spin = zero;
+    }
+  }
+
+  /// Robots that were touched get their corrected coordinates.
+  SKYBODY_INLINE MaskOf<Real> finish(const MaskOf<Real>& is_near, const MaskOf<Real>& mask) {
+    MaskOf<Real> is_touched(false);
+    for (const RobotLayout& robot : plan_.world.layout.robots) {
+      MaskOf<Real> here(false);
+      for (int i = 0; i < robot.body_count; ++i) {
+        here |= a_.contact.is_touched[robot.first_body + i];
+      }
+      is_touched |= here;
+      for (int i = robot.first_q; i < robot.first_q + robot.q_count; ++i) {
+        a_.now.q[i] = select(here, a_.now.q[i], a_.end.q[i]);
+      }
+      for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
+        a_.now.u[i] = select(here, a_.now.u[i], a_.end.u[i]);
+      }
+    }
+    for (const DrivenBase& drive : plan_.drives) {
+      const TreeBody& base = tree()[static_cast<std::size_t>(drive.body)];
+      for (int k = 0; k < position_size(base.type); ++k) {
+        a_.now.q[base.q + k] = a_.end.q[base.q + k];
+      }
+    }
+    MaskOf<Real> through = mask;
+    for (int i = 0; i < a_.now.q_count + u_count(); ++i) {
+      through &= abs(a_.now.q[i]) < kLargestState;
+    }
+    store(through & is_touched, through & is_near);
+    return through;
+  }
+
+  SKYBODY_INLINE void store(const MaskOf<Real>& touched, const MaskOf<Real>& is_near) {
+    lanes_.store(reinterpret_cast<const Real*>(a_.contact.bristles), 3 * bristle_count(), is_near,
+                 group_.bristles);
+    if (none(touched)) return;
+    for (const TreeBody& body : tree()) normalize_position(body.type, a_.now.q + body.q);
+    lanes_.store(a_.now.q, a_.now.q_count, touched, group_.q);
+    lanes_.store(a_.now.u, a_.now.u_count, touched, group_.u);
+    forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
+    store_motion(plan_.world, a_.motion, lanes_, touched, group_.bodies, spins_);
+  }
+
+  const StepPlan& plan_;
+  const GroupBlocks& group_;
+  StepStart start_;
+  double* spins_;
+  LanePlace<Real> lanes_;
+  Values bodies_;
+  Response response_;
+  CorrectionArrays<Real> a_;
+  ContactStep<Real, Values> contact_;
+};
+
+}  // namespace skybody
