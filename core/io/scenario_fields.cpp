@@ -97,7 +97,7 @@ const MapSpec& stepping_fields() {
 
 const MapSpec& contact_fields() {
   static const MapSpec spec{
-      "contact", "Contact of the robots with the ground plane z = 0.",
+      "contact", "Contact of robots with the ground, obstacles and each other (docs/contact.md).",
       with_constants(
           {
               boolean_field("ground", true, "whether the ground carries robots"),
@@ -229,7 +229,7 @@ const MapSpec& scenario_fields() {
           map_field("stepping", Field::Kind::kMap, stepping_fields(),
                     "the time grid and how it is advanced"),
           constant_field(row_at(kWorldConstants, kGravity)),
-          map_field("contact", Field::Kind::kMap, contact_fields(), "contact with the ground"),
+          map_field("contact", Field::Kind::kMap, contact_fields(), "how things touch"),
           required(
               map_field("robots", Field::Kind::kMapList, robot_fields(), "at least one robot")),
           map_field("teams", Field::Kind::kMapList, team_fields(),
