@@ -273,12 +273,12 @@ SKYBODY_INLINE void to_body_frame(const TreeBody& body, BodyKinematics<Real>& b)
   b.velocity -= cross(b.angular_velocity, arm);
 }
 
-/// Motion of all bodies, in the order of `tree`.
+/// Motion of bodies `first` to before `last`, which hang on no others, in the order of `tree`.
 template <class Real>
-SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q,
-                                       const Real* u, BodyKinematics<Real>* bodies) {
-  for (std::size_t i = 0; i < tree.size(); ++i) {
-    const TreeBody& body = tree[i];
+SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, int first, int last,
+                                       const Real* q, const Real* u, BodyKinematics<Real>* bodies) {
+  for (int i = first; i < last; ++i) {
+    const TreeBody& body = tree[static_cast<std::size_t>(i)];
     const JointMotion<Real> joint = joint_motion(body.type, q + body.q, u + body.u);
     BodyKinematics<Real>& b = bodies[i];
     if (body.parent < 0 && body.plain_parent) {
@@ -297,6 +297,13 @@ SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const 
     if (!body.plain_body) to_body_frame(body, b);
     b.spin = transpose_times(b.axes, b.angular_velocity);
   }
+}
+
+/// Motion of all bodies.
+template <class Real>
+SKYBODY_INLINE void forward_kinematics(const std::vector<TreeBody>& tree, const Real* q,
+                                       const Real* u, BodyKinematics<Real>* bodies) {
+  forward_kinematics(tree, 0, static_cast<int>(tree.size()), q, u, bodies);
 }
 
 /// The same motion as sensors and plugins see it: angular velocity in the body's axes.

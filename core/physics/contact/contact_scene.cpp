@@ -98,14 +98,8 @@ std::vector<double> point_heights(const ContactScene& scene, int robot) {
   for (const ContactBody& body : scene.bodies) {
     if (body.robot != robot) continue;
     const BodyKinematics<double>& m = motion[static_cast<std::size_t>(body.body)];
-    for (int s = body.first_solid; s < body.last_solid; ++s) {
-      const ContactSolid& solid = scene.solids[static_cast<std::size_t>(s)];
-      for (int k = 0; k < solid.form->point_count; ++k) {
-        const Vec3<double> at =
-            multiply_elements(solid.half, solid.form->places[static_cast<std::size_t>(k)]);
-        const Vec3<double> p = solid.pose.position + rotate(solid.pose.rotation, at);
-        heights.push_back((m.position + m.axes * p).z - solid.rounding);
-      }
+    for (const GroundPoint& p : body.points) {
+      heights.push_back((m.position + m.axes * p.at).z - p.radius);
     }
   }
   return heights;
@@ -183,11 +177,18 @@ void add_bodies(ContactScene& scene) {
     body.is_driven =
         model.parent < 0 && world.drives[static_cast<std::size_t>(model.robot)] != DriveKind::kNone;
     body.give = kInfinity;
+    body.first_bristle = bristles;
     Vec3<double> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
     for (const Shape& shape : model.model->collisions) {
       if (shape.type == ShapeType::kMesh) continue;
       ContactSolid solid = make_solid(shape);
       solid.bristle = bristles;
+      for (int k = 0; k < solid.form->point_count; ++k) {
+        const Vec3<double> at =
+            multiply_elements(solid.half, solid.form->places[static_cast<std::size_t>(k)]);
+        body.points.push_back({solid.pose.position + rotate(solid.pose.rotation, at),
+                               solid.rounding, solid.bristle + k});
+      }
       bristles += bristles_of(world.scenario, shape);
       body.give = min(body.give, give_of(solid.half, solid.rounding));
       const Vec3<double>& p = solid.pose.position;
@@ -197,6 +198,7 @@ void add_bodies(ContactScene& scene) {
       scene.solids.push_back(solid);
     }
     body.last_solid = static_cast<int>(scene.solids.size());
+    body.last_bristle = bristles;
     if (body.first_solid == body.last_solid) continue;
     body.center = 0.5 * (low + high);
     for (int s = body.first_solid; s < body.last_solid; ++s) {

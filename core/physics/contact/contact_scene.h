@@ -40,15 +40,24 @@ struct ContactSolid {
   int bristle = -1;    ///< its first bristle: one for each point, then one for each edge; -1: none
 };
 
+/// A point of a body that may touch the ground.
+struct GroundPoint {
+  Vec3<double> at{0.0, 0.0, 0.0};  ///< in the body's frame [m]
+  double radius = 0.0;             ///< [m]
+  int bristle = 0;
+};
+
 /// A body with solids, bounded by a sphere.
 struct ContactBody {
   int body = 0;  ///< world body index
   int robot = 0;
-  int first_solid = 0, last_solid = 0;  ///< of ContactScene::solids, one beyond the last
-  Vec3<double> center{0.0, 0.0, 0.0};   ///< of the sphere, in the body's frame [m]
-  double radius = 0.0;                  ///< [m]
-  double give = 0.0;                    ///< give_of() of its thinnest solid [m]
-  bool is_driven = false;               ///< forces do not move it
+  int first_solid = 0, last_solid = 0;      ///< of ContactScene::solids, one beyond the last
+  Vec3<double> center{0.0, 0.0, 0.0};       ///< of the sphere, in the body's frame [m]
+  double radius = 0.0;                      ///< [m]
+  double give = 0.0;                        ///< give_of() of its thinnest solid [m]
+  int first_bristle = 0, last_bristle = 0;  ///< one beyond the last
+  std::vector<GroundPoint> points;          ///< of all its solids
+  bool is_driven = false;                   ///< forces do not move it
 };
 
 /// Constants of the law between two bodies, or a body and what stands still.

@@ -42,6 +42,7 @@ struct ContactWork {
   MaskOf<Real>* is_touched = nullptr;    ///< per body of the world: since begin()
   MaskOf<Real>* is_near = nullptr;       ///< of those meetings: the lanes
   int* near = nullptr;                   ///< meetings of things that are near each other
+  bool* is_body_near = nullptr;          ///< per contact body: any of these meetings is its own
 };
 
 /// Takes nothing down.
@@ -67,6 +68,26 @@ class ContactStep {
                              const ContactWork<Real>& work)
       : scene_(scene), constants_(constants), bodies_(bodies), obstacles_(obstacles), w_(work) {}
 
+  /// Whether search() may find anything: by spheres about the bodies' origins, so that nothing is
+  /// to be turned.
+  /// @param motion  of bodies with solids: position, velocity, spin
+  SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion) const {
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      const ContactBody& body = scene_.bodies[i];
+      const Motion& m = motion[body.body];
+      const double radius = body.radius + norm(body.center);
+      const Real speed = size_of(m.velocity) + radius * size_of(m.spin);
+      w_.bounds[i] = {m.position, (radius + kMargin) + dt() * speed, speed};
+    }
+    MaskOf<Real> is_near(false);
+    for (const Meeting& meeting : scene_.meetings) {
+      const BodyBound<Real>& bound = w_.bounds[meeting.body];
+      is_near |=
+          meeting.other == kGround ? bound.center.z < bound.radius : is_within(meeting, bound);
+    }
+    return is_near;
+  }
+
   /// Looks for what may touch within the step that begins. A motion that is not finite is near
   /// nothing.
   /// @param motion  of all bodies: position, axes, velocity, angular velocity
@@ -75,14 +96,19 @@ class ContactStep {
     bound(motion);
     MaskOf<Real> is_near(false);
     near_count_ = 0;
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = false;
     parts_ = Real(1.0);
     is_quick_ = MaskOf<Real>(false);
     for (std::size_t i = 0; i < scene_.meetings.size(); ++i) {
       const Meeting& meeting = scene_.meetings[i];
-      const MaskOf<Real> here = is_within(meeting, motion);
+      const BodyBound<Real>& bound = w_.bounds[meeting.body];
+      const MaskOf<Real> here = meeting.other == kGround ? is_near_ground(meeting, bound, motion)
+                                                         : is_within(meeting, bound);
       if (none(here)) continue;
       is_near |= here;
       w_.is_near[near_count_] = here;
+      w_.is_body_near[meeting.body] = true;
+      if (meeting.other >= 0) w_.is_body_near[meeting.other] = true;
       w_.near[near_count_++] = static_cast<int>(i);
       cut(meeting, here);
     }
@@ -91,8 +117,8 @@ class ContactStep {
 
   /// Into how many parts the step is to be cut, in each lane: a whole number.
   SKYBODY_INLINE const Real& parts() const { return parts_; }
-  /// Where things meet so quickly that it matters whether forces go by the velocity at a part's
-  /// start or by its mean.
+  /// Where things touch so quickly that it matters whether forces go by the velocity at a part's
+  /// start or by its mean: known after act().
   SKYBODY_INLINE const MaskOf<Real>& is_quick() const { return is_quick_; }
 
   SKYBODY_INLINE void begin() const {
@@ -115,8 +141,7 @@ class ContactStep {
       w_.forces[i] = {zero, zero};
       w_.kicks[i] = {zero, zero};
     }
-    const int bristles = scene_.world.layout.bristles.size / 3;
-    for (int i = 0; i < bristles; ++i) w_.is_bent[i] = MaskOf<Real>(false);
+    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
     for (int i = 0; i < near_count_; ++i) {
       const Meeting& meeting = scene_.meetings[static_cast<std::size_t>(w_.near[i])];
       const auto here = logical_and(is_active, w_.is_near[i]);
@@ -125,7 +150,7 @@ class ContactStep {
       const Pair pair{meeting, scene_.bodies[static_cast<std::size_t>(meeting.body)],
                       motion,  mean,
                       step,    here,
-                      felt,    1.0 / max(4.0 * (felt * step), Real(1e-12))};
+                      felt,    1.0 / max(2.0 * (felt * step), Real(1e-12))};
       if (meeting.other == kGround) {
         meet_ground(pair, list);
       } else {
@@ -137,10 +162,18 @@ class ContactStep {
   /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
   SKYBODY_INLINE void bend(const MaskOf<Real>& is_active) const {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    const int bristles = scene_.world.layout.bristles.size / 3;
-    for (int i = 0; i < bristles; ++i) {
+    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
       const Vec3<Real> bent = select(w_.is_bent[i], w_.bent[i], zero);
       w_.bristles[i] = select(is_active, bent, w_.bristles[i]);
+    });
+  }
+
+  /// Calls f(i) for the bristles of all bodies that are near something.
+  template <class F>
+  SKYBODY_INLINE void each_near_bristle(const F& f) const {
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+      if (!w_.is_body_near[b]) continue;
+      for (int i = scene_.bodies[b].first_bristle; i < scene_.bodies[b].last_bristle; ++i) f(i);
     }
   }
 
@@ -158,22 +191,24 @@ class ContactStep {
     const Motion& of_body() const { return motion[body.body]; }
   };
 
+  double dt() const { return scene_.world.scenario.stepping.dt; }
   const ContactBody& other_body(const Meeting& meeting) const {
     return scene_.bodies[static_cast<std::size_t>(meeting.other)];
   }
 
   /// ---- what is near
 
+  /// What acceleration adds to the way of a step: 2000 m/s^2 at 1 ms [m].
+  static constexpr double kMargin = 1e-3;
+
   SKYBODY_INLINE void bound(const Motion* motion) const {
-    constexpr double kMargin = 1e-3;  // what acceleration adds to the way: 2000 m/s^2 at 1 ms [m]
-    const double dt = scene_.world.scenario.stepping.dt;
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const ContactBody& body = scene_.bodies[i];
       const Motion& m = motion[body.body];
       const Vec3<Real> arm = m.axes * to_real<Real>(body.center);
       const Vec3<Real> v = m.velocity + cross(m.angular_velocity, arm);
       const Real speed = size_of(v);
-      w_.bounds[i] = {m.position + arm, (body.radius + kMargin) + dt * speed,
+      w_.bounds[i] = {m.position + arm, (body.radius + kMargin) + dt() * speed,
                       speed + body.radius * size_of(m.angular_velocity)};
     }
   }
@@ -183,9 +218,9 @@ class ContactStep {
     return (abs(v.x) + abs(v.y)) + abs(v.z);
   }
 
-  SKYBODY_INLINE MaskOf<Real> is_within(const Meeting& meeting, const Motion* motion) const {
-    const BodyBound<Real>& bound = w_.bounds[meeting.body];
-    if (meeting.other == kGround) return is_near_ground(meeting, bound, motion);
+  /// Another body, or an obstacle.
+  SKYBODY_INLINE MaskOf<Real> is_within(const Meeting& meeting,
+                                        const BodyBound<Real>& bound) const {
     if (is_obstacle(meeting.other)) {
       const Values c = obstacle_constants(meeting.other);
       const Vec3<Real> apart = bound.center - load_vec3(c + kSolidPosition);
@@ -208,17 +243,13 @@ class ContactStep {
     if (none(is_low)) return is_low;
     const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
     const Motion& m = motion[body.body];
+    const Vec3<Real> row = m.axes.row(2);
     Real lowest(kInfinity);
-    for (int s = body.first_solid; s < body.last_solid; ++s) {
-      const Solid<Real> solid = solid_of(scene_.solids[static_cast<std::size_t>(s)], m);
-      const ContactForm& form = *scene_.solids[static_cast<std::size_t>(s)].form;
-      for (int k = 0; k < form.point_count; ++k) {
-        const Vec3<Real> p = solid.place(form.places[static_cast<std::size_t>(k)]);
-        lowest = min(lowest, p.z - solid.rounding);
-      }
+    for (const GroundPoint& p : body.points) {
+      lowest = min(lowest, dot(row, to_real<Real>(p.at)) - p.radius);
     }
-    const double dt = scene_.world.scenario.stepping.dt;
-    return logical_and(is_low, lowest < dt * bound.speed + 1e-4);
+    lowest += m.position.z;
+    return logical_and(is_low, lowest < dt() * bound.speed + 1e-4);
   }
 
   /// How far a coordinate lies beyond an edge; NaN stays NaN.
@@ -230,28 +261,37 @@ class ContactStep {
   /// Into how many parts a meeting cuts the step before it is known what touches: what is stopped
   /// must not have passed.
   SKYBODY_INLINE void cut(const Meeting& meeting, const MaskOf<Real>& here) {
-    const Stepping& stepping = scene_.world.scenario.stepping;
-    const double rest = scene_.world.scenario.contact.penetration;
+    if (meeting.other == kGround) return;
     Real speed = w_.bounds[meeting.body].speed;
     if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
-    const Real way = speed * stepping.dt;
-    const Real give = give_of_meeting(meeting);
-    is_quick_ |= logical_and(here, way > 0.05 * rest);
-    ask_for(max(way * 2.0 / give, parts_for(meeting, inverse_mass(meeting), rest + 2.0 * way)),
-            here);
+    ask_for(speed * (2.0 * dt()) / give_of_meeting(meeting), here);
   }
 
-  /// Into how many parts a spring cuts the step: so many that none goes through more of its swing
-  /// than kLargestPhase, nor asks for more damping than Touch::most_damping.
-  /// @param per_mass  inverse of the mass that the place feels  @param depth  of the spring
-  SKYBODY_INLINE Real parts_for(const Meeting& meeting, const Real& per_mass,
-                                const Real& depth) const {
-    constexpr double kLargestPhase = 0.3;
-    const double dt = scene_.world.scenario.stepping.dt;
-    const Real rigidity = meeting.law.stiffness * sqrt(depth);
-    const Real phase = dt * sqrt(1.5 * (rigidity * per_mass));
-    const Real damping = 1.5 * Real(constants_[kDissipation]) * (rigidity * depth);
-    return max(phase * (1.0 / kLargestPhase), (4.0 * dt) * (damping * per_mass));
+  /// Where things touch so quickly that it matters, a contact asks for parts: so many that none
+  /// goes through more of the swing of its spring than kLargestPhase, nor asks for more damping
+  /// than Touch::most_damping, nor goes far where it is going to be stopped.
+  /// @param speed  at which it gets deeper, or less deep
+  SKYBODY_INLINE void ask_for_parts(const Pair& pair, const Real& depth, const Real& speed,
+                                    const MaskOf<Real>& touches) {
+    constexpr double kLargestPhase = 0.5, kStoppedParts = 24.0, kQuickWay = 0.05;
+    const Real way = dt() * speed;
+    const double rest = scene_.world.scenario.contact.penetration;
+    const auto is_quick = logical_and(touches, way > kQuickWay * rest);
+    if (none(is_quick)) return;
+    is_quick_ |= is_quick;
+    const double stiffness = pair.meeting.law.stiffness;
+    const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
+    const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
+    const Real damping = 1.5 * Real(constants_[kDissipation]) * (rigidity * reach);
+    Real parts = max(phase * (1.0 / kLargestPhase), (2.0 * dt()) * (damping * pair.per_mass));
+    if (pair.meeting.other != kGround) {
+      // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
+      const Real give = give_of_meeting(pair.meeting);
+      const Real held = (0.8 * kContactShare * stiffness) * ((give * give) * sqrt(give));
+      const auto is_stopped = speed * speed > held * pair.per_mass;
+      parts = select(is_stopped, max(parts, way * kStoppedParts / give), parts);
+    }
+    ask_for(parts, is_quick);
   }
 
   SKYBODY_INLINE void ask_for(const Real& wanted, const MaskOf<Real>& here) {
@@ -298,16 +338,14 @@ class ContactStep {
   SKYBODY_INLINE void meet_ground(const Pair& pair, const List& list) {
     const Motion& m = pair.of_body();
     const Vec3<Real> up{Real(0.0), Real(0.0), Real(1.0)};
-    for (int s = pair.body.first_solid; s < pair.body.last_solid; ++s) {
-      const ContactSolid& model = scene_.solids[static_cast<std::size_t>(s)];
-      const Solid<Real> solid = solid_of(model, m);
-      Manifold<Real> found;
-      for (int k = 0; k < model.form->point_count; ++k) {
-        Vec3<Real> p = solid.place(model.form->places[static_cast<std::size_t>(k)]);
-        p.z = p.z - solid.rounding;
-        found.add(p, up, -p.z, model.bristle + k, logical_and(pair.is_active, p.z < 0.0));
-      }
-      touch_all(pair, found, list);
+    for (const GroundPoint& point : pair.body.points) {
+      const Vec3<Real> at = to_real<Real>(point.at);
+      const Real z = (m.position.z + dot(m.axes.row(2), at)) - point.radius;
+      const auto touches = logical_and(pair.is_active, z < 0.0);
+      if (none(touches)) continue;  // most points of a body that lies on the others
+      const Vec3<Real> place{m.position.x + dot(m.axes.row(0), at),
+                             m.position.y + dot(m.axes.row(1), at), z};
+      touch(pair, {place, up, -z, touches, point.bristle}, list);
     }
   }
 
@@ -353,12 +391,7 @@ class ContactStep {
     const Vec3<Real> velocity = velocity_at(pair.motion, body, other, point);
     const Touch<Real> t{place.depth, out, velocity_at(pair.mean, body, other, point),
                         velocity * pair.step, pair.most_damping};
-    if (!none(is_quick_)) {
-      const Real way = scene_.world.scenario.stepping.dt * abs(dot(out, velocity));
-      ask_for(max(way * 48.0 / give_of_meeting(meeting),
-                  parts_for(meeting, pair.per_mass, place.depth + way)),
-              logical_and(touches, is_quick_));
-    }
+    ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
     Real push = normal_force(t, meeting.law.stiffness, Real(constants_[kDissipation]));
     if (meeting.other != kGround) stop(pair, point, t, other, touches, push);
     const Real most = constants_[kFriction] * push;

@@ -29,6 +29,7 @@ struct CorrectionArrays {
   BodyKinematics<Real>* at_rest;  ///< the same places, without motion
   ContactWork<Real> contact;
   typename Forest::template Work<Real> forest;
+  bool* is_robot_near;  ///< per robot: what is not is left out
 
   SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
     lay_out(plan, memory);
@@ -64,6 +65,8 @@ struct CorrectionArrays {
     arena.take(contact.is_touched, bodies);
     arena.take(contact.is_near, plan.contact.meetings.size());
     arena.take(contact.near, plan.contact.meetings.size());
+    arena.take(contact.is_body_near, plan.contact.bodies.size());
+    arena.take(is_robot_near, layout.robots.size());
     return arena.used;
   }
 };
@@ -74,7 +77,7 @@ struct TreeResponse {
   SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& bodies,
                                  const CorrectionArrays<Real>& a) const {
     plan.forest.accelerations(a.now.q, a.no_forces, a.at_rest, bodies, a.contact.forces,
-                              a.no_forces, a.forest, a.response);
+                              a.no_forces, a.forest, a.response, a.is_robot_near);
   }
 };
 
@@ -99,9 +102,14 @@ class ContactCorrection {
 
   /// Lanes where something may touch within the step that begins.
   SKYBODY_INLINE MaskOf<Real> is_near() {
-    load(group_.q, group_.u, a_.now);
-    forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    return contact_.search(a_.motion);
+    for (const ContactBody& body : plan_.contact.bodies) {
+      const LaneValues<Real> b(lanes_.at(group_.bodies, 13 * body.body));
+      BodyKinematics<Real>& m = a_.motion[body.body];
+      m.position = load_vec3(b);
+      m.velocity = load_vec3(b + 7);
+      m.spin = load_vec3(b + 10);
+    }
+    return contact_.may_be_near(a_.motion);
   }
 
   /// Corrects the step of the lanes in `mask`, whose values are those of its end.
@@ -111,6 +119,8 @@ class ContactCorrection {
     start();
     forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
     const MaskOf<Real> is_near = contact_.search(a_.motion) & mask;
+    find_near_robots();
+    load_bristles();
     const double rate = 1.0 / dt();
     for (int i = 0; i < u_count(); ++i) {
       a_.smooth[i] = (a_.end.u[i] - a_.now.u[i]) * Real(rate);
@@ -124,7 +134,9 @@ class ContactCorrection {
   /// they are.
   template <class List>
   SKYBODY_INLINE void each_contact(const List& list) {
-    is_near();
+    load(group_.q, group_.u, a_.now);
+    forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
+    contact_.search(a_.motion);
     load_bristles();
     contact_.begin();
     contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), list);
@@ -136,20 +148,21 @@ class ContactCorrection {
   double dt() const { return plan_.world.scenario.stepping.dt; }
   const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
   int u_count() const { return a_.now.u_count; }
-  int bristle_count() const { return plan_.world.layout.bristles.size / 3; }
 
   SKYBODY_INLINE void load(const double* q, const double* u, const Coordinates<Real>& to) const {
     lanes_.load(q, to.q_count, to.q);
     lanes_.load(u, to.u_count, to.u);
   }
   SKYBODY_INLINE void load_bristles() const {
-    lanes_.load(group_.bristles, 3 * bristle_count(), reinterpret_cast<Real*>(a_.contact.bristles));
+    contact_.each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+      lanes_.load(lanes_.block(group_.bristles, 3 * i), 3,
+                  reinterpret_cast<Real*>(a_.contact.bristles + i));
+    });
   }
 
   /// The step's start. The rates of driven bases are the drives', from there on.
   SKYBODY_INLINE void start() {
     load(start_.q, start_.u, a_.now);
-    load_bristles();
     contact_.begin();
     for (const DrivenBase& drive : plan_.drives) {
       const TreeBody& base = tree()[static_cast<std::size_t>(drive.body)];
@@ -166,68 +179,103 @@ class ContactCorrection {
       const auto is_active = logical_and(is_near, parts > static_cast<double>(p));
       if (none(is_active)) break;
       const Real step = Real(dt()) / parts, half = 0.5 * step;
-      a_.before.copy(a_.now);
-      a_.now.drift(half);
-      forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-      rest();
+      begin_part(half);
       push(step, is_active);
       if (any(contact_.parts() > parts)) {  // what touches asks for more: begin again with them
         parts = contact_.parts();
         start();
+        load_bristles();
         p = -1;
         continue;
       }
       contact_.bend(is_active);
-      for (int i = 0; i < u_count(); ++i) {
-        a_.now.u[i] += step * (a_.smooth[i] + a_.response[i]);
-      }
-      a_.now.drift(half);
-      if (!all(is_active)) a_.now.keep(is_active, a_.before);
+      end_part(step, half, is_active);
     }
+  }
+
+  /// Half a part of the coordinates, and the motion there.
+  SKYBODY_INLINE void begin_part(const Real& half) {
+    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA { a_.before.q[i] = a_.now.q[i]; });
+      drift(robot, half);
+      const int last = robot.first_body + robot.body_count;
+      forward_kinematics(tree(), robot.first_body, last, a_.now.q, a_.now.u, a_.motion);
+      for (int i = robot.first_body; i < last; ++i) {
+        a_.at_rest[i] = a_.motion[i];
+        a_.at_rest[i].velocity = a_.at_rest[i].angular_velocity = a_.at_rest[i].spin = zero;
+      }
+    });
   }
 
   /// The response to the contacts of a part.
   SKYBODY_INLINE void push(const Real& step, const MaskOf<Real>& is_active) {
     const BodyKinematics<Real>* mean = a_.motion;
-    MaskOf<Real> acts = is_active;
 #pragma GCC unroll 1
     for (int pass = 0; pass < 2; ++pass) {
       contact_.act(a_.motion, mean, step, is_active);
       response_(plan_, bodies_, a_);
-      if (pass == 1 || none(acts = logical_and(is_active, contact_.is_quick()))) break;
-      for (int i = 0; i < u_count(); ++i) {
-        const Real change = (0.5 * step) * (a_.smooth[i] + a_.response[i]);
-        a_.mean_u[i] = select(acts, a_.now.u[i] + change, a_.now.u[i]);
-      }
-      forward_kinematics(tree(), a_.now.q, a_.mean_u, a_.mean);
+      if (pass == 1) break;
+      const auto is_quick = logical_and(is_active, contact_.is_quick());
+      if (none(is_quick)) break;
+      each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+        for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
+          const Real change = (0.5 * step) * (a_.smooth[i] + a_.response[i]);
+          a_.mean_u[i] = select(is_quick, a_.now.u[i] + change, a_.now.u[i]);
+        }
+        forward_kinematics(tree(), robot.first_body, robot.first_body + robot.body_count, a_.now.q,
+                           a_.mean_u, a_.mean);
+      });
       mean = a_.mean;
     }
   }
 
-  SKYBODY_INLINE void rest() const {
-    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    for (std::size_t i = 0; i < plan_.world.bodies.size(); ++i) {
-      a_.at_rest[i] = a_.motion[i];
-      a_.at_rest[i].velocity = a_.at_rest[i].angular_velocity = a_.at_rest[i].spin = zero;
+  /// The velocities, and the other half of the coordinates.
+  SKYBODY_INLINE void end_part(const Real& step, const Real& half, const MaskOf<Real>& is_active) {
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
+        a_.now.u[i] += step * (a_.smooth[i] + a_.response[i]);
+      }
+      drift(robot, half);
+      if (all(is_active)) return;
+      each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA {
+        a_.now.q[i] = select(is_active, a_.now.q[i], a_.before.q[i]);
+      });
+    });
+  }
+
+  /// Calls f(robot) for those that are near something in any lane.
+  template <class F>
+  SKYBODY_INLINE void each_near_robot(const F& f) const {
+    const bool* is_near = a_.is_robot_near;
+    for (const RobotLayout& robot : plan_.world.layout.robots) {
+      if (*is_near++) f(robot);
+    }
+  }
+  SKYBODY_INLINE void find_near_robots() {
+    for (std::size_t r = 0; r < plan_.world.layout.robots.size(); ++r) a_.is_robot_near[r] = false;
+    for (std::size_t i = 0; i < plan_.contact.bodies.size(); ++i) {
+      a_.is_robot_near[plan_.contact.bodies[i].robot] |= a_.contact.is_body_near[i];
+    }
+  }
+  /// Calls f(i) for places of q and of u, which lie one behind the other.
+  template <class F>
+  SKYBODY_INLINE void each_coordinate(const RobotLayout& robot, const F& f) const {
+    for (int i = robot.first_q; i < robot.first_q + robot.q_count; ++i) f(i);
+    const int first_u = a_.now.q_count + robot.first_u;
+    for (int i = first_u; i < first_u + robot.u_count; ++i) f(i);
+  }
+  SKYBODY_INLINE void drift(const RobotLayout& robot, const Real& time) const {
+    for (int i = robot.first_body; i < robot.first_body + robot.body_count; ++i) {
+      const TreeBody& body = tree()[static_cast<std::size_t>(i)];
+      drift_position(body.type, time, a_.now.u + body.u, a_.now.q + body.q);
+      normalize_position(body.type, a_.now.q + body.q);
     }
   }
 
-  /// Robots that were touched get their corrected coordinates.
+  /// Robots that were touched get their corrected coordinates, in lanes where all of them are
+  /// bounded.
   SKYBODY_INLINE MaskOf<Real> finish(const MaskOf<Real>& is_near, const MaskOf<Real>& mask) {
-    MaskOf<Real> is_touched(false);
-    for (const RobotLayout& robot : plan_.world.layout.robots) {
-      MaskOf<Real> here(false);
-      for (int i = 0; i < robot.body_count; ++i) {
-        here |= a_.contact.is_touched[robot.first_body + i];
-      }
-      is_touched |= here;
-      for (int i = robot.first_q; i < robot.first_q + robot.q_count; ++i) {
-        a_.now.q[i] = select(here, a_.now.q[i], a_.end.q[i]);
-      }
-      for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
-        a_.now.u[i] = select(here, a_.now.u[i], a_.end.u[i]);
-      }
-    }
     for (const DrivenBase& drive : plan_.drives) {
       const TreeBody& base = tree()[static_cast<std::size_t>(drive.body)];
       for (int k = 0; k < position_size(base.type); ++k) {
@@ -235,22 +283,44 @@ class ContactCorrection {
       }
     }
     MaskOf<Real> through = mask;
-    for (int i = 0; i < a_.now.q_count + u_count(); ++i) {
-      through &= abs(a_.now.q[i]) < kLargestState;
-    }
-    store(through & is_touched, through & is_near);
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      MaskOf<Real> is_bounded(true);
+      each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA {
+        is_bounded &= abs(a_.now.q[i]) < kLargestState;
+      });
+      through &= logical_or(is_bounded, logical_not(is_touched(robot)));
+    });
+    contact_.each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+      lanes_.store(reinterpret_cast<const Real*>(a_.contact.bristles + i), 3, through & is_near,
+                   lanes_.block(group_.bristles, 3 * i));
+    });
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      const auto corrected = logical_and(through, is_touched(robot));
+      if (!none(corrected)) store(robot, corrected);
+    });
     return through;
   }
 
-  SKYBODY_INLINE void store(const MaskOf<Real>& touched, const MaskOf<Real>& is_near) {
-    lanes_.store(reinterpret_cast<const Real*>(a_.contact.bristles), 3 * bristle_count(), is_near,
-                 group_.bristles);
-    if (none(touched)) return;
-    for (const TreeBody& body : tree()) normalize_position(body.type, a_.now.q + body.q);
-    lanes_.store(a_.now.q, a_.now.q_count, touched, group_.q);
-    lanes_.store(a_.now.u, a_.now.u_count, touched, group_.u);
-    forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    store_motion(plan_.world, a_.motion, lanes_, touched, group_.bodies, spins_);
+  SKYBODY_INLINE MaskOf<Real> is_touched(const RobotLayout& robot) const {
+    MaskOf<Real> any_body(false);
+    for (int i = 0; i < robot.body_count; ++i) {
+      any_body |= a_.contact.is_touched[robot.first_body + i];
+    }
+    return any_body;
+  }
+
+  SKYBODY_INLINE void store(const RobotLayout& robot, const MaskOf<Real>& mask) {
+    const int first = robot.first_body, last = first + robot.body_count;
+    for (int i = first; i < last; ++i) {
+      const TreeBody& body = tree()[static_cast<std::size_t>(i)];
+      normalize_position(body.type, a_.now.q + body.q);
+    }
+    lanes_.store(a_.now.q + robot.first_q, robot.q_count, mask,
+                 lanes_.block(group_.q, robot.first_q));
+    lanes_.store(a_.now.u + robot.first_u, robot.u_count, mask,
+                 lanes_.block(group_.u, robot.first_u));
+    forward_kinematics(tree(), first, last, a_.now.q, a_.now.u, a_.motion);
+    store_motion(first, last, a_.motion, lanes_, mask, group_.bodies, spins_);
   }
 
   const StepPlan& plan_;

@@ -161,7 +161,7 @@ std::uint32_t GroupStepper::correct(const StepCall& taken, std::uint32_t lanes) 
   if (lanes == 0) return 0;
   StepCall all = taken;
   const double* before = remembered(all);
-  all.start = {before, before + plan_.world.layout.q.size * lanes_};  // kStateBlocks' order
+  all.start = {before, before + plan_.world.layout.q.size * lanes_};  // their order
   std::uint32_t through = 0;
   if (plan_.has_kernels()) {
     through = kernels().correct(all, lanes);
@@ -182,7 +182,7 @@ double* GroupStepper::remembered(const StepCall& all) const {
 
 void GroupStepper::remember(const StepCall& all) const {
   double* to = remembered(all);
-  for (const StateBlock& b : kStateBlocks) {
+  for (const StateBlock& b : kSteppedBlocks) {
     const auto count = static_cast<std::size_t>((plan_.world.layout.*b.place).size * lanes_);
     if (count > 0) std::memcpy(to, all.group->*b.values, count * sizeof(double));
     to += count;
@@ -193,7 +193,7 @@ void GroupStepper::put_back(const StepCall& all, std::uint32_t lanes) const {
   if (lanes == 0) return;
   each_lane(lanes, [&](int l) {
     const double* from = remembered(all) + l;
-    for (const StateBlock& b : kStateBlocks) {
+    for (const StateBlock& b : kSteppedBlocks) {
       double* to = all.group->*b.values + l;
       for (int k = 0; k < (plan_.world.layout.*b.place).size; ++k) {
         *to = *from;

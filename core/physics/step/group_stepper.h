@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/aligned_array.h"
@@ -54,6 +55,8 @@ inline constexpr StateBlock kStateBlocks[] = {{&GroupBlocks::q, &Layout::q},
                                               {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
                                               {&GroupBlocks::joint_state, &Layout::joint_state},
                                               {&GroupBlocks::bristles, &Layout::bristles}};
+/// Those that a step changes before contact corrects it: the first of them.
+inline constexpr std::span kSteppedBlocks = std::span(kStateBlocks).first<4>();
 
 /// Work space of one thread that steps groups of a world. Holds nothing between two calls.
 using PhysicsScratch = AlignedArray<std::byte>;

@@ -44,20 +44,11 @@ struct Coordinates {
   SKYBODY_INLINE void change_velocity(const Coordinates& rate, double time) {
     for (int i = 0; i < u_count; ++i) u[i] += time * rate.u[i];
   }
-  /// @param time  of all lanes, or of each its own
-  template <class Time>
-  SKYBODY_INLINE void drift(const Time& time) {
+  SKYBODY_INLINE void drift(double time) {
     for (const TreeBody& body : *tree) {
       drift_position(body.type, time, u + body.u, q + body.q);
       normalize_position(body.type, q + body.q);
     }
-  }
-  SKYBODY_INLINE void copy(const Coordinates& other) {
-    for (int i = 0; i < q_count + u_count; ++i) q[i] = other.q[i];
-  }
-  /// Stays as it is in the lanes of a mask, and becomes `others` elsewhere.
-  SKYBODY_INLINE void keep(const MaskOf<Real>& mask, const Coordinates& others) {
-    for (int i = 0; i < q_count + u_count; ++i) q[i] = select(mask, q[i], others.q[i]);
   }
   SKYBODY_INLINE void take_from(StepArena& arena, const StepPlan& plan) {
     tree = &plan.forest.bodies();
@@ -123,13 +114,14 @@ struct StepArrays {
   }
 };
 
-/// Writes the motion of all bodies as GroupBlocks::bodies and StepCall::spins have it.
+/// Writes the motion of bodies `first` to before `last` as GroupBlocks::bodies and StepCall::spins
+/// have it.
 /// @param mask  lanes to write, or AllLanes
 template <class Real, class Mask>
-SKYBODY_INLINE void store_motion(const World& world, const BodyKinematics<Real>* motion,
+SKYBODY_INLINE void store_motion(int first, int last, const BodyKinematics<Real>* motion,
                                  const LanePlace<Real>& lanes, const Mask& mask, double* bodies,
                                  double* spins) {
-  for (int i = 0; i < static_cast<int>(world.bodies.size()); ++i) {
+  for (int i = first; i < last; ++i) {
     const BodyKinematics<Real>& m = motion[i];
     const Real values[13] = {m.position.x, m.position.y, m.position.z, m.rotation.w, m.rotation.x,
                              m.rotation.y, m.rotation.z, m.velocity.x, m.velocity.y, m.velocity.z,
@@ -411,7 +403,7 @@ class Mechanics {
 
   template <class Mask>
   SKYBODY_INLINE void put_motion(const Mask& mask) {
-    store_motion(plan_.world, a_.motion, lanes_, mask, group_.bodies, spins_);
+    store_motion(0, body_count(), a_.motion, lanes_, mask, group_.bodies, spins_);
   }
 
   const StepPlan& plan_;

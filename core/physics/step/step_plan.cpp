@@ -78,7 +78,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
                            one_lane, free_robots_bytes});
   kernel_bytes = (kernel_bytes + sizeof(Widest) - 1) / sizeof(Widest) * sizeof(Widest);
   std::size_t changed = 0;
-  for (const StateBlock& b : kStateBlocks) {
+  for (const StateBlock& b : kSteppedBlocks) {
     changed += static_cast<std::size_t>((w.layout.*b.place).size);
   }
   scratch_bytes = kernel_bytes + changed * kGroupLanes * sizeof(double);

@@ -10,7 +10,7 @@ Forest::Forest(const World& world) : bodies_(make_tree(world)) {
     const TreeBody& base = bodies_[static_cast<std::size_t>(robot.first_body)];
     const bool floats =
         base.type == JointType::kFree && base.plain_parent && base.plain_body && !driven;
-    trees_.push_back({robot.first_body, robot.first_body + robot.body_count,
+    trees_.push_back({static_cast<int>(r), robot.first_body, robot.first_body + robot.body_count,
                       robot.body_count == 1 && floats, driven, floats});
   }
 }

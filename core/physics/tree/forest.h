@@ -31,12 +31,15 @@ class Forest {
   /// @param constants     kBodyConstantCount values per body: a pointer, or a view
   /// @param forces        per body; @param joint_forces  per u
   /// @param udot          per u, overwritten; zero for driven bases
+  /// @param is_wanted     per robot: others are left out; null: none is
   template <class Real, class Constants>
   SKYBODY_INLINE void accelerations(const Real* q, const Real* u,
                                     const BodyKinematics<Real>* motion, const Constants& constants,
                                     const SpatialForce<Real>* forces, const Real* joint_forces,
-                                    const Work<Real>& work, Real* udot) const {
+                                    const Work<Real>& work, Real* udot,
+                                    const bool* is_wanted = nullptr) const {
     for (const Tree& tree : trees_) {
+      if (is_wanted != nullptr && !is_wanted[tree.robot]) continue;
       const TreeBody& base = bodies_[static_cast<std::size_t>(tree.begin)];
       if (tree.is_free_body) {
         accelerate_free_body(motion[tree.begin], constants + kBodyConstantCount * tree.begin,
@@ -66,6 +69,7 @@ class Forest {
 
   /// Consecutive bodies of one robot.
   struct Tree {
+    int robot = 0;
     int begin = 0, end = 0;
     bool is_free_body = false;
     bool is_driven = false;  ///< the base's coordinates are prescribed, with no acceleration
