@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Takes off and lands on the tree dynamics alone, and lets two robots collide; writes the pictures.
+"""Takes off, lands, and lets two robots collide; writes the pictures.
 
     .venv/bin/python experiments/ground_flights.py [--program PROGRAM] [--docs docs/results]
 
 Each flight is one `skybody run` under the hold baseline, seed 1. The pictures show the first
-episode, with the time on Simbody shaded. Exit code 1 where a flight does not end as it should: at
-its goal, at rest on the ground, with physics steps on Simbody in the collision and with none else.
+episode, with the time shaded in which something is near enough to touch. Exit code 1 where a flight
+does not end as it should: at its goal, at rest on the ground, or on its back after the collision.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ from policy_flight import PICTURE
 from skybody.program import run_program
 
 ROOT = Path(__file__).resolve().parent.parent
-ON_TREE = ("stepping.dynamics=tree", "randomization=[]", "stepping.horizon=4000")
+FOUR_SECONDS = ("randomization=[]", "stepping.horizon=4000")
 LEG = 0.06  # height of the vehicle's origin above the ground where it rests [m]
+BACK = 0.03  # of one that lies on its back [m]
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,7 @@ class Flight:
     says: str
     scenario: str
     overrides: tuple[str, ...]
-    end_height: float  # of every robot's origin [m]
-    touches: bool
+    end_heights: tuple[float, ...]  # of every robot's origin, any of these [m]
 
     def command(self) -> list[str]:
         """Arguments of `skybody run`."""
@@ -49,32 +49,29 @@ class Flight:
 FLIGHTS = (
     Flight(
         "take_off",
-        "Take-off from the ground to 1.5 m, on the tree dynamics alone",
+        "Take-off from the ground to 1.5 m",
         "hover",
         (
-            *ON_TREE,
+            *FOUR_SECONDS,
             "robots.quad.pose.position=[0,0,0.06]",
             "task.parameters.target=[0,0,1.5,0]",
         ),
-        1.5,
-        False,
+        (1.5,),
     ),
     Flight(
         "landing",
         "Landing from 1.5 m: the goal lies on the ground",
         "hover",
-        (*ON_TREE, "robots.quad.pose.position=[0,0,1.5]", "task.parameters.target=[0,0,0,0]"),
-        LEG,
-        False,
+        (*FOUR_SECONDS, "robots.quad.pose.position=[0,0,1.5]", "task.parameters.target=[0,0,0,0]"),
+        (LEG,),
     ),
     Flight(
         "collision",
-        "Two robots that fly to each other's place collide, tumble and fall; something is near enough "
-        "to touch in the shaded time",
+        "Two robots that fly to each other's place collide, tumble and fall; in the shaded time "
+        "something is near enough to touch",
         "collision",
         (),
-        LEG,
-        True,
+        (LEG, BACK),
     ),
 )
 NEAR = 0.02  # of the end height [m]: a goal on the ground is not reached to the millimetre
@@ -97,8 +94,8 @@ def fly(program: Path, flight: Flight, picture: Path) -> tuple[str, bool]:
             time = episode["time"][-1]
     heights, speeds = bodies[-1, :, 2], np.linalg.norm(bodies[-1, :, 7:10], axis=1)
     share = float(near.mean())
-    good = bool(np.all(abs(heights - flight.end_height) < NEAR)) and speeds.max() < AT_REST
-    good &= (share > 0.0) == flight.touches
+    off = np.min([abs(heights - height) for height in flight.end_heights], axis=0)
+    good = bool(np.all(off < NEAR)) and speeds.max() < AT_REST
     ends = ", ".join(f"{height:.3f}" for height in heights)
     return (
         f"After {time:g} s: height of the origin {ends} m, speed at most {speeds.max():.2g} m/s; "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/error.h"
 #include "core/base/math.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/shapes/overlap.h"
@@ -157,6 +158,22 @@ double nominal_share(const ContactScene& scene, const ContactBody& body) {
   return kContactShare * scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass.mass;
 }
 
+/// @param params  the obstacle's
+void check_obstacle(const Obstacle& obstacle, const double* params) {
+  const auto check = [&](int place, const char* key) {
+    if (params[place] > 0.0) return;
+    throw Error("the obstacle `" + obstacle.name + "` has the " + key + " " +
+                std::to_string(params[place]) + "; allowed: above 0");
+  };
+  const ShapeType type = obstacle.shape.type;
+  const int sizes = type == ShapeType::kBox ? 3 : type == ShapeType::kCylinder ? 2 : 1;
+  for (int k = 0; k < sizes; ++k) check(kObstacleSize + k, "size");
+  const Quat<double> rotation = load_quat(params + kObstacleRotation);
+  if (!(squared_norm(rotation) > 0.0)) {
+    throw Error("the obstacle `" + obstacle.name + "` has a rotation of norm 0");
+  }
+}
+
 ContactLaw make_law(double penetration, double stiffness, double share) {
   ContactLaw law;
   law.stiffness = stiffness;
@@ -272,12 +289,13 @@ void make_obstacle_constants(const World& world, const double* params, double* o
     for (int k = 0; k < 3; ++k) out[kSolidPosition + k] = p[kObstaclePosition + k];
     for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
     const double* size = p + kObstacleSize;
+    const bool is_there = p[kObstaclePresent] != 0.0 && obstacle.shape.type != ShapeType::kMesh;
+    if (is_there) check_obstacle(obstacle, p);
     Vec3<double> half{0.0, 0.0, 0.0};
     double rounding = 0.0;
     if (obstacle.shape.type == ShapeType::kBox) half = 0.5 * load_vec3(size);
     if (obstacle.shape.type == ShapeType::kCylinder) half = {size[0], size[0], 0.5 * size[1]};
     if (obstacle.shape.type == ShapeType::kSphere) rounding = size[0];
-    const bool is_there = p[kObstaclePresent] != 0.0 && obstacle.shape.type != ShapeType::kMesh;
     store(half, out + kSolidHalf);
     out[kSolidRounding] = is_there ? rounding : kNoSolid;
     out += kSolidConstantCount;

@@ -100,6 +100,7 @@ enum ObstacleConstant : int {
 /// Constants of the obstacles of a world, one after another.
 /// @param params  the parameter block of one environment
 /// @param out     kSolidConstantCount values for each obstacle
+/// @throws Error (naming the obstacle) if one that is present has a size of zero or no rotation
 void make_obstacle_constants(const World& world, const double* params, double* out);
 
 }  // namespace skybody

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/error.h"
 #include "core/base/random.h"
 #include "tests/unit/physics/random_trees.h"
 #include "tests/unit/physics/test_models.h"
@@ -117,6 +118,45 @@ TEST(Wall, NoTumblingVehiclePasses) {
       ASSERT_LT(energy(bench), before * (1.0 + 1e-3)) << "try " << k << " step " << i;
     }
   }
+}
+
+/// Where a ball that flies at 2 m/s along x is after half a second.
+double flown_to(const std::string& path, double value) {
+  Scenario scenario = world_of(solid(0.1, make_sphere(0.02)));
+  switch_off_gravity_and_ground(scenario);
+  scenario.obstacles.push_back({"wall", make_box(0.1, 1.0, 1.0)});
+  scenario.obstacles[0].shape.pose.position = {0.5, 0.0, 0.0};
+  Bench bench(std::move(scenario));
+  bench.state.u[0] = 2.0;
+  if (!path.empty()) bench.param(path) = value;
+  EXPECT_TRUE(bench.run_seconds(0.5));
+  return bench.state.q[0];
+}
+
+TEST(Obstacle, IsWhereItsParametersSay) {
+  EXPECT_LT(flown_to("", 0.0), 0.44) << "stopped";
+  EXPECT_NEAR(flown_to("obstacles.wall.present", 0.0), 1.0, 1e-9);
+  EXPECT_NEAR(flown_to("obstacles.wall.position[1]", 2.0), 1.0, 1e-9);
+  EXPECT_NEAR(flown_to("obstacles.wall.position[0]", 2.0), 1.0, 1e-9);
+  EXPECT_LT(flown_to("obstacles.wall.position[0]", 0.8), 0.74);
+  EXPECT_GT(flown_to("obstacles.wall.position[0]", 0.8), 0.6);
+  EXPECT_NEAR(flown_to("obstacles.wall.size[1]", 0.5), flown_to("", 0.0), 1e-9);
+  EXPECT_LT(flown_to("obstacles.wall.size[0]", 0.6), 0.19);
+  // A quarter of a turn about z, and the wall's narrow side looks at the ball: its corner is 0.5 m
+  // from its centre.
+  EXPECT_LT(flown_to("obstacles.wall.rotation[3]", 1.0), 0.1);
+}
+
+TEST(Obstacle, OfNoSizeIsAFaultOfItsEnvironment) {
+  Scenario scenario = world_of(solid(0.1, make_sphere(0.02)));
+  scenario.obstacles.push_back({"wall", make_box(0.1, 1.0, 1.0)});
+  Bench bench(std::move(scenario));
+  bench.param("obstacles.wall.size[1]") = 0.0;
+  EXPECT_FALSE(bench.run(1));
+  std::vector<double> udot(6);
+  EXPECT_THROW(bench.stepper->accelerations(bench.state, udot.data()), Error);
+  bench.param("obstacles.wall.present") = 0.0;
+  EXPECT_TRUE(bench.run(1));
 }
 
 TEST(Stack, OfThreeBoxesRestsForAMinute) {
