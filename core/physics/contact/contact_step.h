@@ -98,7 +98,6 @@ class ContactStep {
     near_count_ = 0;
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = false;
     parts_ = Real(1.0);
-    is_quick_ = MaskOf<Real>(false);
     for (std::size_t i = 0; i < scene_.meetings.size(); ++i) {
       const Meeting& meeting = scene_.meetings[i];
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
@@ -121,7 +120,10 @@ class ContactStep {
   /// start or by its mean: known after act().
   SKYBODY_INLINE const MaskOf<Real>& is_quick() const { return is_quick_; }
 
-  SKYBODY_INLINE void begin() const {
+  /// The step begins, or begins again: nothing has touched so far. What a lane does must not depend
+  /// on whether another one made it begin again.
+  SKYBODY_INLINE void begin() {
+    is_quick_ = MaskOf<Real>(false);
     for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
       w_.is_touched[i] = MaskOf<Real>(false);
     }

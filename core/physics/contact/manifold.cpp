@@ -6,10 +6,20 @@
 namespace skybody {
 namespace {
 
+/// A pack of W lanes; of one: a double.
+template <int W>
+struct Width {
+  using Real = Pack<W>;
+};
+template <>
+struct Width<1> {
+  using Real = double;
+};
+
 struct Meet {
   template <int W>
   static SKYBODY_INLINE void run(const void* call) {
-    using Real = std::conditional_t<W == 1, double, Pack<W == 1 ? 2 : W>>;
+    using Real = typename Width<W>::Real;
     const auto& c = *static_cast<const MeetCall<Real>*>(call);
     add_places(c.model_a, c.a, c.model_b, c.b, c.is_close, c.out);
   }
