@@ -21,7 +21,9 @@ struct Place {
 /// Places where two solids touch.
 template <class Real>
 struct Manifold {
-  static constexpr int kMost = 48;
+  /// Of two boxes in a pack whose lanes touch in all ways: 12 edges with 2 ends, each a corner or
+  /// not, and 8 corners, for a face of either; and a crossing.
+  static constexpr int kMost = 2 * (12 * 2 * 2 + 8) + 1;
   Place<Real> places[kMost];
   int count = 0;
 
