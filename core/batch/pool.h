@@ -110,7 +110,7 @@ class Pool {
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
 
-  /// Physics steps of all environments since the Pool was made, by the dynamics that took them.
+  /// Physics steps of all environments since the Pool was made, and in how many anything was near.
   /// @throws Error while some are in flight
   StepCounts step_counts() const;
 

@@ -91,7 +91,7 @@ class CompiledScenario {
   const std::vector<int>& agents() const { return agents_; }
 
   /// Lanes of the groups in which this scenario is best stepped: kGroupLanes where its physics goes
-  /// in packs, if only while nothing is within reach (core/physics/step/reach.h), else 1.
+  /// in packs (any world on the tree dynamics with fixed steps), else 1.
   int preferred_lanes() const { return is_checked_ ? 1 : physics_->preferred_lanes(); }
   /// @param lanes  1 or kGroupLanes
   StateGroup make_state(int lanes) const;

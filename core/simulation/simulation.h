@@ -120,7 +120,7 @@ class Simulation {
   std::uint64_t steps() const;          ///< actions taken in this episode
   std::uint64_t physics_steps() const;  ///< physics steps taken in this episode
   double time() const;                  ///< since the reset [s]
-  /// Physics steps since it was made, by the dynamics that took them. No part of the state.
+  /// Physics steps since it was made, and in how many anything was near. No part of the state.
   const StepCounts& step_counts() const;
 
   const CompiledScenario& compiled() const { return *compiled_; }

@@ -73,7 +73,7 @@ std::unique_ptr<const World> make_free_world(Random<double>& random, int k) {
   return new_world(make_scenario(busy(std::move(model), random), integrator_of(k)));
 }
 
-/// Between robots [m]: nothing comes within reach of anything else, for that would be Simbody's.
+/// Between robots [m]: none comes near another one.
 constexpr double kFarApart = 1000.0;
 
 /// Two or three robots, now and then with an obstacle: free robots on the ground, or a tree among
