@@ -69,7 +69,11 @@ std::map<std::string, double> find_overlaps(const CompiledScenario& compiled,
   for (auto a = robots.begin(); a != robots.end(); ++a) {
     if (compiled.scenario().contact.ground) note(*a, "the ground", depth_in_ground(*a));
     for (const Obstacle& obstacle : compiled.scenario().obstacles) {
-      const double depth = overlap(*a->shape, a->pose, obstacle.shape, obstacle.shape.pose);
+      double depth = 0.0;
+      for (const Shape& solid : solids_of(obstacle)) {
+        depth = max(depth,
+                    overlap(*a->shape, a->pose, solid, compose(obstacle.shape.pose, solid.pose)));
+      }
       note(*a, "the obstacle `" + obstacle.name + "`", depth);
     }
     for (auto b = a + 1; b != robots.end(); ++b) {

@@ -10,6 +10,7 @@
 #include "core/io/shipped_files.h"
 #include "core/io/text.h"
 #include "core/model/marked_error.h"
+#include "core/physics/coupling/coupling_start.h"
 #include "core/physics/step/group_stepper.h"
 #include "plugins/host/instance.h"
 #include "plugins/host/registry.h"
@@ -187,6 +188,7 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
   if (!scenario || diagnostics.has_errors()) return nullptr;
   const SourceMark whole{scenario->file, 0, 0};
   try {
+    fit_couplings(*scenario);
     RegistryFactory factory(*registry);
     auto compiled = std::make_shared<const CompiledScenario>(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);

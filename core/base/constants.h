@@ -1,5 +1,5 @@
-/* The physical constants of the world, of robots, bodies, joints, rotors and obstacles: one row
- * each. Plain C.
+/* The physical constants of the world, of robots, bodies, joints, rotors, obstacles and couplings:
+ * one row each. Plain C.
  *
  * From these tables follow the places of EnvParams (enums here by SYMBOL, in core/model/constants.h
  * by Id), their paths, the keys of scenario and rotors files with their checks, the JSON schema and
@@ -22,6 +22,8 @@
 /* The least mass, moment of inertia or largest speed that may be drawn: positive, and far below any
  * vehicle's. */
 #define SKYBODY_LEAST_POSITIVE 1e-12
+/* The shortest rod, rope or spring [m]: what is shorter has no direction. */
+#define SKYBODY_LEAST_LENGTH 1e-6
 /* Bound of what has no natural one. */
 #define SKYBODY_FAR 1e6
 
@@ -94,7 +96,18 @@
   X(SKYBODY_OBSTACLE_ROTATION, kObstacleRotation, "rotation", "", 4, (), -1, 1, -INFINITY,         \
     "quaternion w x y z, W from the obstacle; brought to norm 1")                                  \
   X(SKYBODY_OBSTACLE_SIZE, kObstacleSize, "size", "m", 3, (), 0, SKYBODY_FAR, 0,                   \
-    "box: edge lengths; cylinder: radius, length; sphere: radius")
+    "box: edge lengths; cylinder: radius, length; sphere: radius; gate: width, height, thickness")
+
+/* Paths: couplings.tether.length. A point has the first, rods and ropes the first two, springs all. */
+#define SKYBODY_COUPLING_CONSTANTS(X)                                                              \
+  X(SKYBODY_COUPLING_PRESENT, kCouplingPresent, "present", "", 1, (1), 0, 1, 0,                    \
+    "0: it is not there")                                                                          \
+  X(SKYBODY_COUPLING_LENGTH, kCouplingLength, "length", "m", 1, (), SKYBODY_LEAST_LENGTH,          \
+    SKYBODY_FAR, SKYBODY_LEAST_LENGTH, "between its ends; of a rope the largest, of a spring where it is relaxed") \
+  X(SKYBODY_COUPLING_STIFFNESS, kCouplingStiffness, "stiffness", "N/m", 1, (0), 0, SKYBODY_FAR, 0, \
+    "of a spring")                                                                                 \
+  X(SKYBODY_COUPLING_DAMPING, kCouplingDamping, "damping", "N s/m", 1, (0), 0, SKYBODY_FAR, 0,     \
+    "of a spring, along it")
 
 /* clang-format on */
 
@@ -113,6 +126,9 @@ enum SkybodyJointConstant { SKYBODY_JOINT_CONSTANTS(SKYBODY_PLACE) SKYBODY_JOINT
 enum SkybodyRotorConstant { SKYBODY_ROTOR_CONSTANTS(SKYBODY_PLACE) SKYBODY_ROTOR_CONSTANT_COUNT };
 enum SkybodyObstacleConstant {
   SKYBODY_OBSTACLE_CONSTANTS(SKYBODY_PLACE) SKYBODY_OBSTACLE_CONSTANT_COUNT
+};
+enum SkybodyCouplingConstant {
+  SKYBODY_COUPLING_CONSTANTS(SKYBODY_PLACE) SKYBODY_COUPLING_CONSTANT_COUNT
 };
 
 #ifdef __cplusplus

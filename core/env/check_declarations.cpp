@@ -36,13 +36,16 @@ void check_size(const PluginInstance& p, int signal, int count, const char* verb
 }
 
 void check_controller(const PluginInstance& p) {
-  if (!is_signal(p.input_signal) || p.low.empty()) refuse(p, "declares no input that there is");
+  const bool is_none = p.input_signal == SKYBODY_NONE;
+  if (!is_signal(p.input_signal) || p.low.empty() != is_none) {
+    refuse(p, "declares no input that there is");
+  }
   if (p.inputs > 1) refuse(p, "declares its input " + std::to_string(p.inputs) + " times");
   check_size(p, p.input_signal, p.input_count(), "takes");
   if (p.outputs.empty()) refuse(p, "declares no output that there is");
   for (std::size_t i = 0; i < p.outputs.size(); ++i) {
     const PluginOutput& output = p.outputs[i];
-    if (!is_signal(output.signal) || output.count < 1) {
+    if (!is_signal(output.signal) || output.signal == SKYBODY_NONE || output.count < 1) {
       refuse(p, "declares no output that there is");
     }
     if (!p.serves(output.robot)) {

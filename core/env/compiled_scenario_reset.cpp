@@ -30,6 +30,7 @@ void CompiledScenario::place_at_start(StateGroup& group, int lane) const {
   group.scatter(lane, l.drive, initial_.drive.data());
   group.scatter(lane, l.joint_command, initial_.joint_command.data());
   group.scatter(lane, l.joint_state, initial_.joint_state.data());
+  group.scatter(lane, l.pulls, initial_.pulls.data());
   group.scatter(lane, l.bristles, initial_.bristles.data());
 }
 

@@ -180,6 +180,7 @@ SetupTables::SetupTables(const Topology& topology, const Layout& layout)
   }
   for (const Obstacle& obstacle : scenario_.obstacles) {
     shapes_.push_back(shape_info(obstacle.shape, obstacle.name.c_str(), -1));
+    if (obstacle.is_gate) shapes_.back().kind = SKYBODY_GATE;
   }
   for (const EnvParam& p : layout.param_info) {
     params_.push_back({p.path.c_str(), p.alias.c_str(), p.nominal, p.min, p.max});

@@ -69,6 +69,7 @@ class List {
     add_world();
     const auto robots = static_cast<int>(world_.scenario.robots.size());
     for (int robot = 0; robot < robots; ++robot) add_robot(robot);
+    add_couplings();
     add_teams();
     add_sensors();
     for (std::size_t k = 0; k < layout_.param_info.size(); ++k) {
@@ -227,6 +228,15 @@ class List {
       }
       add_words_if_any("teams." + teams[team].name + ".command", "", "", command, {command.size},
                        "of its chains of controllers, physical units (docs/control-modes.md)");
+    }
+  }
+
+  void add_couplings() {
+    Block pull{layout_.pulls.offset, 3};
+    for (const Coupling& coupling : world_.scenario.couplings) {
+      add_words("couplings." + coupling.name + ".force", "N", "W", pull, {3},
+                "on its first end, in the last physics step");
+      pull.offset += pull.size;
     }
   }
 

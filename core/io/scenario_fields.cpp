@@ -177,15 +177,55 @@ const MapSpec& team_fields() {
 const MapSpec& obstacle_fields() {
   static const MapSpec spec{
       "obstacle",
-      "A shape that stands in the world: one of box, sphere, cylinder.",
+      "A shape that stands in the world: one of box, sphere, cylinder, gate.",
       {
           required(name_field("its name")),
           vector_field("box", "m", {1, 1, 1}, kSmallestLength, kFar, "edge lengths"),
           real_field("sphere", "m", 1, kSmallestLength, kFar, "radius"),
           vector_field("cylinder", "m", {1, 1}, kSmallestLength, kFar, "radius, length along z"),
+          vector_field("gate", "m", {1, 1, 0.1}, kSmallestLength, kFar,
+                       "a frame of four bars: width (y) and height (z) of the opening, thickness "
+                       "of the bars; its way through is x"),
           vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "of its centre in W"),
           vector_field("rpy", "rad", {0, 0, 0}, -kMostTurned, kMostTurned,
                        "roll, pitch, yaw about the fixed axes of W"),
+      }};
+  return spec;
+}
+
+const MapSpec& coupling_end_fields() {
+  static const MapSpec spec{
+      "end",
+      "What a coupling holds on to: a point of a robot's link, or of the world.",
+      {
+          text_field("robot", "", "its name; without this key: the world"),
+          text_field("link", "", "of the robot; default: the base"),
+          vector_field("point", "m", {0, 0, 0}, -kFar, kFar, "in the link's frame, or in W"),
+      }};
+  return spec;
+}
+
+const MapSpec& coupling_fields() {
+  const auto row = [](CouplingParam place) {
+    return constant_field(row_at(kCouplingConstants, place));
+  };
+  Field length = row(kCouplingLength);
+  length.value.required = false;
+  length.value.doc += "; without this key what the start has";
+  static const MapSpec spec{
+      "coupling",
+      "What joins two bodies, or a body and the world (docs/couplings.md).",
+      {
+          required(name_field("its name in paths")),
+          required(choice_field("kind", {kCouplingNames.begin(), kCouplingNames.end()},
+                                "rod: keeps its ends at a distance; rope: lets them get no farther "
+                                "apart; point: keeps them at one place; spring: a spring and a "
+                                "damper along the line between them")),
+          required(map_field("ends", Field::Kind::kMapList, coupling_end_fields(), "two of them")),
+          length,
+          row(kCouplingStiffness),
+          row(kCouplingDamping),
+          row(kCouplingPresent),
       }};
   return spec;
 }
@@ -236,6 +276,8 @@ const MapSpec& scenario_fields() {
                     "robots that controllers serve together"),
           map_field("obstacles", Field::Kind::kMapList, obstacle_fields(),
                     "shapes that stand still"),
+          map_field("couplings", Field::Kind::kMapList, coupling_fields(),
+                    "what joins robots, bodies and the world"),
           plugin_field("sensors", Field::Kind::kPluginList, SKYBODY_SENSOR,
                        "what measures, in the order of evaluation"),
           plugin_field("effects", Field::Kind::kPluginList, SKYBODY_EFFECT,
@@ -288,11 +330,11 @@ std::string too_many_entries(const std::string& key, std::size_t count, std::siz
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {&scenario_fields(),    &stepping_fields(), &solver_fields(),
-                            &contact_fields(),     &robot_fields(),    &pose_fields(),
-                            &disturbance_fields(), &joint_fields(),    &team_fields(),
-                            &obstacle_fields(),    &observed_fields(), &plugin_use_fields(),
-                            &rotors_file_fields(), &rotor_fields()};
+  const MapSpec* specs[] = {
+      &scenario_fields(), &stepping_fields(),   &solver_fields(),      &contact_fields(),
+      &robot_fields(),    &pose_fields(),       &disturbance_fields(), &joint_fields(),
+      &team_fields(),     &obstacle_fields(),   &coupling_fields(),    &coupling_end_fields(),
+      &observed_fields(), &plugin_use_fields(), &rotors_file_fields(), &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {
     text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";

@@ -16,6 +16,8 @@ namespace skybody {
 inline constexpr std::size_t kMostRobots = 1000;
 inline constexpr std::size_t kMostTeams = 1000;
 inline constexpr std::size_t kMostObstacles = 1000;
+/// Their equations are solved together.
+inline constexpr std::size_t kMostCouplings = 64;
 inline constexpr std::size_t kMostPluginUses = 1000;
 inline constexpr std::size_t kMostRotors = 1000;
 inline constexpr std::size_t kMostObserved = 1000;
@@ -23,6 +25,9 @@ inline constexpr std::size_t kMostObserved = 1000;
 /// Words of `integrator`, in the order of IntegratorChoice.
 inline constexpr std::array<const char*, 5> kIntegratorNames = {"midpoint", "semi_implicit_euler",
                                                                 "rk4", "cvode", "arkode"};
+
+/// Words of a coupling's `kind`, in the order of CouplingKind.
+inline constexpr std::array<const char*, 4> kCouplingNames = {"rod", "rope", "point", "spring"};
 
 /// "`robots` has 2000 entries; allowed: at most 1000".
 std::string too_many_entries(const std::string& key, std::size_t count, std::size_t most);
@@ -43,6 +48,10 @@ const MapSpec& joint_fields();
 const MapSpec& team_fields();
 /// One entry of `obstacles`.
 const MapSpec& obstacle_fields();
+/// One entry of `couplings`.
+const MapSpec& coupling_fields();
+/// One of its `ends`.
+const MapSpec& coupling_end_fields();
 /// One entry of `observe`.
 const MapSpec& observed_fields();
 /// One use of a plugin: `plugin`, `name`, `parameters`.

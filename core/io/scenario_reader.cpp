@@ -7,6 +7,7 @@
 #include "core/base/hash.h"
 #include "core/base/suggestion.h"
 #include "core/io/config_tree.h"
+#include "core/io/coupling_reader.h"
 #include "core/io/field.h"
 #include "core/io/observed_reader.h"
 #include "core/io/plugin_use_reader.h"
@@ -49,6 +50,7 @@ class ScenarioReader {
     read_robots(reader);
     read_teams(reader);
     read_obstacles(reader);
+    read_couplings(reader);
     scenario_.sensors = uses(reader, "sensors", SKYBODY_SENSOR);
     scenario_.effects = uses(reader, "effects", SKYBODY_EFFECT);
     scenario_.observe = read_observed(reader.node("observe"), diagnostics_);
@@ -243,24 +245,34 @@ class ScenarioReader {
     }
   }
 
+  void read_couplings(const MapReader& scenario) {
+    std::unordered_set<std::string> names;
+    for (const ConfigNode& item : list_of(scenario, "couplings", true, kMostCouplings)) {
+      check_unique(item, "coupling", names);
+      const auto coupling = read_coupling(item, scenario_.robots, diagnostics_);
+      if (coupling) scenario_.couplings.push_back(*coupling);
+    }
+  }
+
   void read_obstacle(const ConfigNode& item) {
     const MapReader reader(&item, obstacle_fields(), item.mark, diagnostics_);
     Obstacle obstacle;
     obstacle.name = reader.text("name");
     obstacle.shape.pose = read_pose(reader);
     std::vector<std::string> shapes;
-    for (const char* key : {"box", "sphere", "cylinder"}) {
+    for (const char* key : {"box", "sphere", "cylinder", "gate"}) {
       if (reader.node(key) != nullptr) shapes.push_back(key);
     }
     if (shapes.size() != 1) {
       const std::string what = shapes.empty() ? "has no shape" : "has " + join(shapes, " and ");
       diagnostics_.error(reader.mark(), "the obstacle `" + obstacle.name + "` " + what +
-                                            "; needed: one of box, sphere, cylinder");
+                                            "; needed: one of box, sphere, cylinder, gate");
       return;
     }
-    if (shapes[0] == "box") {
+    if (shapes[0] == "box" || shapes[0] == "gate") {
       obstacle.shape.type = ShapeType::kBox;
-      obstacle.shape.size = reader.vec3("box");
+      obstacle.shape.size = reader.vec3(shapes[0]);
+      obstacle.is_gate = shapes[0] == "gate";
     } else if (shapes[0] == "sphere") {
       obstacle.shape.type = ShapeType::kSphere;
       obstacle.shape.radius = reader.real("sphere");

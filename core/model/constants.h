@@ -24,6 +24,7 @@ enum BodyParam : int { SKYBODY_BODY_CONSTANTS(SKYBODY_PLACE_ID) kBodyParamCount 
 enum JointParam : int { SKYBODY_JOINT_CONSTANTS(SKYBODY_PLACE_ID) kJointParamCount };
 enum RotorParam : int { SKYBODY_ROTOR_CONSTANTS(SKYBODY_PLACE_ID) kRotorParamCount };
 enum ObstacleParam : int { SKYBODY_OBSTACLE_CONSTANTS(SKYBODY_PLACE_ID) kObstacleParamCount };
+enum CouplingParam : int { SKYBODY_COUPLING_CONSTANTS(SKYBODY_PLACE_ID) kCouplingParamCount };
 #undef SKYBODY_PLACE_ID
 
 /// One constant, of one or several values.
@@ -65,6 +66,7 @@ inline constexpr std::array kBodyConstants{SKYBODY_BODY_CONSTANTS(SKYBODY_ROW)};
 inline constexpr std::array kJointConstants{SKYBODY_JOINT_CONSTANTS(SKYBODY_ROW)};
 inline constexpr std::array kRotorConstants{SKYBODY_ROTOR_CONSTANTS(SKYBODY_ROW)};
 inline constexpr std::array kObstacleConstants{SKYBODY_OBSTACLE_CONSTANTS(SKYBODY_ROW)};
+inline constexpr std::array kCouplingConstants{SKYBODY_COUPLING_CONSTANTS(SKYBODY_ROW)};
 #undef SKYBODY_ROW
 #undef SKYBODY_VALUES
 

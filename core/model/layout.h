@@ -72,6 +72,7 @@ struct Layout {
   Block drive;          ///< 13 per driven robot: v, w (6), then pose (7); see plugins/api/abi.h
   Block joint_command;  ///< 1 per joint drive, held during the physics step
   Block joint_state;    ///< 1 per joint drive: the command behind its lag
+  Block pulls;          ///< 3 per coupling: its force on the first end, W [N]
   Block bristles;       ///< 3 per bristle of friction [m], W (core/physics/contact/contact_law.h)
   std::array<Block, SKYBODY_HELD_COUNT> held;  ///< held_inputs.h; size 0: not used
   Block
@@ -95,6 +96,7 @@ struct Layout {
   std::vector<int> body_params;      ///< per body: first of its kBodyParamCount words
   std::vector<int> joint_params;  ///< per body: first of its joint's joint_constant_count() words
   std::vector<int> rotor_params;  ///< per rotor: first of its kRotorParamCount words
+  std::vector<int> coupling_params;  ///< per coupling: first of its coupling_constant_count() words
   std::vector<int> obstacle_params;  ///< per obstacle: first of its words, kObstacleParamCount at
                                      ///< most
 

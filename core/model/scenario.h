@@ -2,6 +2,7 @@
 // are only words here. C++17.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -80,7 +81,44 @@ struct ContactSettings {
 struct Obstacle {
   std::string name;
   Shape shape;  ///< nominal; its pose is in W
+  bool is_gate =
+      false;  ///< a frame of four bars about a way through along x; a box whose size is
+              ///< width and height of the opening, along y and z, and the bars' thickness
 };
+
+/// The solids of an obstacle, in its own frame: itself, or the bars of a gate.
+std::vector<Shape> solids_of(const Obstacle& obstacle);
+
+enum class CouplingKind {
+  kRod,    ///< keeps its ends at a distance
+  kRope,   ///< lets its ends get no farther apart than its length
+  kPoint,  ///< keeps its ends at one place, as a ball joint does
+  kSpring  ///< pulls and pushes along the line between its ends
+};
+
+/// What a coupling holds on to.
+struct CouplingEnd {
+  int robot = -1;                     ///< -1: the world
+  int body = 0;                       ///< index into the robot's bodies
+  Vec3<double> point{0.0, 0.0, 0.0};  ///< in the body's frame, or in W [m]
+};
+
+/// What joins two bodies, of one robot or two, or a body and the world.
+struct Coupling {
+  std::string name;
+  CouplingKind kind = CouplingKind::kRod;
+  std::array<CouplingEnd, 2> ends;
+  std::array<double, kCouplingParamCount> constants =
+      fallbacks<kCouplingParamCount>(kCouplingConstants);  ///< values of kCouplingConstants
+  bool has_length = false;  ///< the length is given; else it is what the start has
+  SourceMark mark;          ///< of its length, or of the whole
+};
+
+/// How many of kCouplingConstants, from the first on, apply to a kind.
+constexpr int coupling_constant_count(CouplingKind kind) {
+  if (kind == CouplingKind::kPoint) return 1;
+  return kind == CouplingKind::kSpring ? kCouplingParamCount : 2;
+}
 
 /// A sensor's channel that the scenario adds to the task's observation.
 struct ObservedChannel {
@@ -121,6 +159,7 @@ struct Scenario {
   std::vector<RobotUse> robots;
   std::vector<TeamUse> teams;
   std::vector<Obstacle> obstacles;
+  std::vector<Coupling> couplings;
   std::vector<PluginUse> sensors;
   std::vector<PluginUse> effects;
   std::vector<PluginUse> randomization;

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/math.h"
 #include "core/env/setup_tables.h"
+#include "core/physics/coupling/coupling_scene.h"
 #include "core/policy/pseudo_inverse.h"
 
 namespace skybody {
@@ -138,6 +139,28 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
     }
     robots_.push_back(std::move(robot));
   }
+  share_loads();
+}
+
+void HoldPolicy::share_loads() {
+  const World& world = compiled_.world();
+  const std::vector<int> held_with = CouplingScene(world).held_with;
+  const auto team_of = [&](int robot) { return held_with[static_cast<std::size_t>(robot)]; };
+  for (Robot& robot : robots_) {
+    const int team = team_of(robot.index);
+    if (team < 0) continue;
+    const auto carriers = std::count_if(robots_.begin(), robots_.end(), [&](const Robot& other) {
+      return team_of(other.index) == team;
+    });
+    robot.load_share = 1.0 / static_cast<double>(carriers);
+    for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+      const int owner = world.bodies[b].robot;
+      const RobotLayout& layout = world.layout.robots[static_cast<std::size_t>(owner)];
+      const bool is_fixed = world.scenario.robots[static_cast<std::size_t>(owner)].model.fixed_base;
+      if (team_of(owner) != team || layout.rotor_count > 0 || is_fixed) continue;
+      robot.loads.push_back(static_cast<int>(b));
+    }
+  }
 }
 
 void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
@@ -156,6 +179,10 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
               mass_properties(base).inertia};
     for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
       view.mass += params[static_cast<std::size_t>(first[static_cast<std::size_t>(b)] + kMass)];
+    }
+    for (const int b : robot.loads) {
+      view.mass += robot.load_share *
+                   params[static_cast<std::size_t>(first[static_cast<std::size_t>(b)] + kMass)];
     }
     const std::vector<double> wanted = command(robot, view, wish(robot, view));
     for (std::size_t k = 0; k < robot.low.size(); ++k) {
@@ -278,6 +305,8 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
     }
     case SKYBODY_JOINT:
       return robot.joints;
+    case SKYBODY_NONE:
+      return {};
     case SKYBODY_POSITION:
       return {p.x, p.y, p.z, wish.yaw};
     default: {  // SKYBODY_TRAJECTORY: a point that rests

@@ -18,7 +18,8 @@ namespace skybody {
 /// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
 /// thrusts and rotor speeds by the pseudo-inverse of the rotors' geometry, a wrench by rotation to
 /// W, velocity and pose directly. A goal about a body that hangs from the base is reached by
-/// placing the four poles of a pendulum on an accelerated pivot.
+/// placing the four poles of a pendulum on an accelerated pivot. What has no rotors and is coupled
+/// to robots is carried by them in equal shares.
 class HoldPolicy : public Policy {
  public:
   /// @throws Error naming the robot if its command is none of the above
@@ -37,12 +38,15 @@ class HoldPolicy : public Policy {
     double cable = 0.0;  ///< from the base's origin down to the goal body's origin, joints at 0 [m]
     int signal = 0;      ///< SkybodySignal
     int action = 0;
+    double load_share = 0.0;  ///< of the bodies in `loads`
+    std::vector<int> loads;   ///< world body indices: what hangs on it by couplings
     std::vector<double> low, high;
     std::vector<double> joints;      ///< commands of a chain that drives joints
     std::vector<double> allocation;  ///< rotors x 4: thrusts from (T, tau), row by row
   };
   struct Wish;
   struct View;
+  void share_loads();
   Vec3<double> gravity_of(const View& view) const;
   Wish wish(const Robot& robot, const View& view) const;
   Vec3<double> acceleration(const Robot& robot, const View& view, const Wish& wish) const;

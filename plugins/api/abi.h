@@ -163,7 +163,8 @@ enum SkybodyShapeKind {
   SKYBODY_BOX = 0,      /* size: edge lengths [m] */
   SKYBODY_CYLINDER = 1, /* size: radius, length along z [m], 0 */
   SKYBODY_SPHERE = 2,   /* size: radius [m], 0, 0 */
-  SKYBODY_MESH = 3      /* size: scale factors */
+  SKYBODY_MESH = 3,     /* size: scale factors */
+  SKYBODY_GATE = 4      /* of obstacles; size: width (y) and height (z) of the opening, thickness */
 };
 
 /* A collision shape of a body, or an obstacle. */

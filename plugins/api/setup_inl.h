@@ -77,14 +77,20 @@ inline int Setup::sensor(const std::string& instance, const std::string& channel
 
 namespace plugin_detail {
 
-/// Does `path` match `pattern`, in which `[*]` stands for any index and a leading `robot.` or
-/// plugin section for the same thing of every robot?
+/// Does `path` match `pattern`, in which `[*]` stands for any index, and `*` elsewhere for any
+/// part of a name?
 inline bool matches(const std::string& pattern, const std::string& path) {
   std::size_t i = 0, j = 0;
   while (i < pattern.size() && j < path.size()) {
     if (pattern.compare(i, 3, "[*]") == 0 && path[j] == '[') {
       i += 3;
       j = path.find(']', j) + 1;
+    } else if (pattern[i] == '*') {
+      const std::size_t end = std::min(path.find_first_of(".[", j), path.size());
+      for (std::size_t from = j; from <= end; ++from) {
+        if (matches(pattern.substr(i + 1), path.substr(from))) return true;
+      }
+      return false;
     } else if (pattern[i++] != path[j++]) {
       return false;
     }

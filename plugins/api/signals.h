@@ -21,7 +21,8 @@
   X(FORCE,             Force,            force,             3,  4, "force of the rotors together (W) [N], perhaps yaw [rad]") \
   X(ACCELERATION,      Acceleration,     acceleration,      4,  4, "acceleration (W) [m/s^2], yaw [rad]") \
   X(VELOCITY_TRACKING, VelocityTracking, velocity_tracking, 4,  4, "velocity (W) [m/s], yaw rate [rad/s]") \
-  X(JOINT,             Joint,            joint,             0,  0, "one per joint drive: rad or m, rad/s or m/s, N m or N; as an output: drives the joints")
+  X(JOINT,             Joint,            joint,             0,  0, "one per joint drive: rad or m, rad/s or m/s, N m or N; as an output: drives the joints") \
+  X(NONE,              None,             none,              0,  0, "nothing: what begins a chain that takes no command")
 // clang-format on
 
 enum SkybodySignal {

@@ -5,10 +5,14 @@ from __future__ import annotations
 SCENARIOS = (
     "boom",
     "collision",
+    "cooperative_payload",
+    "forest",
     "formation",
     "formation_10",
     "formation_2",
     "formation_20",
+    "four_bar",
+    "gates",
     "hard_landing",
     "hover",
     "hover_crazyflie",
@@ -16,6 +20,7 @@ SCENARIOS = (
     "hover_hummingbird",
     "hover_learn",
     "payload",
+    "platform_landing",
 )
 
 

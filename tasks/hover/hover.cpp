@@ -25,7 +25,14 @@ class Hover : public Task {
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
     const bool team = only < 0 && setup.robots().size() > 1;
     for (int r = 0; r < setup.robots().size(); ++r) {
-      if (only < 0 || r == only) add_robot(setup, r, team);
+      const RobotInfo& info = setup.robots()[r];
+      const bool is_load = info.rotor_count == 0 && info.action_count == 0;
+      if (only < 0 ? !(team && is_load) : r == only) add_robot(setup, r, team);
+    }
+    if (robots_.empty()) {
+      throw std::runtime_error(
+          "no robot has rotors or takes actions, so that none can hover: give one a controller, or "
+          "take task `watch`");
     }
     set_offsets();
     if (team) setup.robot_rewards();
@@ -200,7 +207,10 @@ class Hover : public Task {
     }
   }
 
-  TextParameter robot_{this, {.name = "robot", .doc = "who hovers; empty: all robots, as a team"}};
+  TextParameter robot_{
+      this,
+      {.name = "robot",
+       .doc = "who hovers; empty: all robots but loads (neither rotors nor actions), as a team"}};
   RealsParameter target_{this,
                          {.name = "target",
                           .unit = "m, rad",

@@ -198,7 +198,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                          testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
-                                         "collision.yaml", "hard_landing.yaml"));
+                                         "collision.yaml", "hard_landing.yaml",
+                                         "cooperative_payload.yaml", "gates.yaml",
+                                         "platform_landing.yaml", "four_bar.yaml"));
 
 }  // namespace
 }  // namespace skybody

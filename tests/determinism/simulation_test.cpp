@@ -96,7 +96,9 @@ TEST_P(EveryScenario, AForkHasTheSameFutureAndARekeyedOneItsOwn) {
 INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
                          testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
                                          "formation_2.yaml", "formation_20.yaml", "boom.yaml",
-                                         "hard_landing.yaml"));
+                                         "hard_landing.yaml", "cooperative_payload.yaml",
+                                         "forest.yaml", "gates.yaml", "platform_landing.yaml",
+                                         "four_bar.yaml"));
 
 TEST(Simulation, RefusesASnapshotOfAnotherScenario) {
   Simulation hover({.scenario = scenario("hover.yaml")});

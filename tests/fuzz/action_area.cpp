@@ -18,8 +18,8 @@ namespace {
 constexpr int kEnvs = 4, kChanged = 1;
 constexpr int kMostLines = 40;          // of one script
 constexpr std::size_t kMostBatch = 12;  // `batch` lines of one script
-const char* const kScenarios[] = {"hover",       "payload", "collision",
-                                  "formation_2", "boom",    "hard_landing"};
+const char* const kScenarios[] = {"hover", "payload",      "collision",          "formation_2",
+                                  "boom",  "hard_landing", "cooperative_payload"};
 
 const char* const kScripts[] = {
     "\nstep 0.1 0.2 -0.3 0.4\nlook\nstep 1 1 1 1\nbatch 0.5 0.5 0.5 0.5\nbatch -1 1 0 0\n",

@@ -13,9 +13,11 @@ constexpr const char* kMark = "#file ";
 /// Files of one input; more are left out.
 constexpr std::size_t kMostFiles = 32;
 
-const char* const kShipped[] = {"hover.yaml",       "payload.yaml",      "formation_2.yaml",
-                                "collision.yaml",   "boom.yaml",         "hard_landing.yaml",
-                                "hover_learn.yaml", "hover_firefly.yaml"};
+const char* const kShipped[] = {"hover.yaml",       "payload.yaml",
+                                "formation_2.yaml", "collision.yaml",
+                                "boom.yaml",        "hard_landing.yaml",
+                                "hover_learn.yaml", "hover_firefly.yaml",
+                                "four_bar.yaml",    "cooperative_payload.yaml"};
 
 /// What shipped scenarios do not have: obstacles, anchors, several includes.
 // Boxes are small: Simbody takes a third of a second to prepare one of a metre.

@@ -95,6 +95,11 @@ FLIGHTS = (
     Flight("formation_20", "formation_20", robots=20),
     Flight("collision", "collision", robots=2),
     Flight("hard_landing", "hard_landing"),
+    Flight("cooperative_payload", "cooperative_payload", robots=4),
+    Flight("forest", "forest"),
+    Flight("gates", "gates"),
+    Flight("platform_landing", "platform_landing", robots=2),
+    Flight("four_bar", "four_bar"),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 

@@ -174,6 +174,17 @@ void check_obstacle(const Obstacle& obstacle, const double* params) {
   }
 }
 
+/// An obstacle with the sizes of one environment.
+Obstacle drawn(const Obstacle& nominal, const double* params) {
+  Obstacle obstacle = nominal;
+  const double* size = params + kObstacleSize;
+  Shape& shape = obstacle.shape;
+  if (shape.type == ShapeType::kBox) shape.size = load_vec3(size);
+  if (shape.type != ShapeType::kBox) shape.radius = size[0];
+  if (shape.type == ShapeType::kCylinder) shape.length = size[1];
+  return obstacle;
+}
+
 ContactLaw make_law(double penetration, double stiffness, double share) {
   ContactLaw law;
   law.stiffness = stiffness;
@@ -234,16 +245,18 @@ void add_meetings(ContactScene& scene) {
     const double share = nominal_share(scene, scene.bodies[i]);
     const ContactLaw law = make_law(depth, stiffness[i], share);
     const int body = static_cast<int>(i);
-    if (scenario.contact.ground) scene.meetings.push_back({body, kGround, law});
+    const bool moves = !scene.bodies[i].is_driven;
+    if (scenario.contact.ground) scene.meetings.push_back({body, kGround, law, moves});
     for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
-      scene.meetings.push_back({body, kFirstObstacle - static_cast<int>(k), law});
+      scene.meetings.push_back({body, kFirstObstacle - static_cast<int>(k), law, moves});
     }
     for (std::size_t k = i + 1; k < scene.bodies.size(); ++k) {
       if (scene.bodies[k].robot == scene.bodies[i].robot) continue;
       const double other = nominal_share(scene, scene.bodies[k]);
       const double both = 1.0 / (1.0 / share + 1.0 / other);
       scene.meetings.push_back({body, static_cast<int>(k),
-                                make_law(depth, in_series(stiffness[i], stiffness[k]), both)});
+                                make_law(depth, in_series(stiffness[i], stiffness[k]), both),
+                                moves || !scene.bodies[k].is_driven});
     }
   }
 }
@@ -274,31 +287,41 @@ int count_bristles(const Topology& topology) {
 ContactScene::ContactScene(const World& w) : world(w) {
   if (count_bristles(world) == 0) return;
   add_bodies(*this);
+  int owner = 0;
   for (const Obstacle& obstacle : world.scenario.obstacles) {
-    obstacles.push_back(make_solid(obstacle.shape));
-    if (obstacle.shape.type == ShapeType::kMesh) obstacles.back().rounding = kNoSolid;
+    for (const Shape& shape : solids_of(obstacle)) {
+      obstacles.push_back(make_solid(shape));
+      if (shape.type == ShapeType::kMesh) obstacles.back().rounding = kNoSolid;
+      obstacle_owners.push_back(owner);
+    }
+    ++owner;
   }
   add_meetings(*this);
+  for (const Meeting& meeting : meetings) has_idle |= !meeting.moves;
+}
+
+int count_obstacle_solids(const Scenario& scenario) {
+  std::size_t count = 0;
+  for (const Obstacle& obstacle : scenario.obstacles) count += solids_of(obstacle).size();
+  return static_cast<int>(count);
 }
 
 void make_obstacle_constants(const World& world, const double* params, double* out) {
   std::size_t i = 0;
-  for (const Obstacle& obstacle : world.scenario.obstacles) {
+  for (const Obstacle& nominal : world.scenario.obstacles) {
     const double* p = params + world.layout.obstacle_params[i++];
-    const Mat3<double> axes = to_mat3(normalized(load_quat(p + kObstacleRotation)));
-    for (int k = 0; k < 3; ++k) out[kSolidPosition + k] = p[kObstaclePosition + k];
-    for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
-    const double* size = p + kObstacleSize;
-    const bool is_there = p[kObstaclePresent] != 0.0 && obstacle.shape.type != ShapeType::kMesh;
-    if (is_there) check_obstacle(obstacle, p);
-    Vec3<double> half{0.0, 0.0, 0.0};
-    double rounding = 0.0;
-    if (obstacle.shape.type == ShapeType::kBox) half = 0.5 * load_vec3(size);
-    if (obstacle.shape.type == ShapeType::kCylinder) half = {size[0], size[0], 0.5 * size[1]};
-    if (obstacle.shape.type == ShapeType::kSphere) rounding = size[0];
-    store(half, out + kSolidHalf);
-    out[kSolidRounding] = is_there ? rounding : kNoSolid;
-    out += kSolidConstantCount;
+    const bool is_there = p[kObstaclePresent] != 0.0 && nominal.shape.type != ShapeType::kMesh;
+    if (is_there) check_obstacle(nominal, p);
+    const Quat<double> rotation = normalized(load_quat(p + kObstacleRotation));
+    const Mat3<double> axes = to_mat3(rotation);
+    for (const Shape& shape : solids_of(drawn(nominal, p))) {
+      const ContactSolid solid = make_solid(shape);
+      store(load_vec3(p + kObstaclePosition) + axes * shape.pose.position, out + kSolidPosition);
+      for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
+      store(solid.half, out + kSolidHalf);
+      out[kSolidRounding] = is_there ? solid.rounding : kNoSolid;
+      out += kSolidConstantCount;
+    }
   }
 }
 

@@ -70,8 +70,10 @@ struct ContactLaw {
 /// Two things that may touch.
 struct Meeting {
   int body = 0;         ///< of ContactScene::bodies
-  int other = kGround;  ///< of ContactScene::bodies, the ground or an obstacle
+  int other = kGround;  ///< of ContactScene::bodies, the ground or kFirstObstacle - i for the solid
+                        ///< i of ContactScene::obstacles
   ContactLaw law;
+  bool moves = true;  ///< forces move one of the two
 };
 
 /// Immutable; refers to the world, which must outlive it.
@@ -81,8 +83,10 @@ struct ContactScene {
   const World& world;
   std::vector<ContactBody> bodies;
   std::vector<ContactSolid> solids;     ///< of the bodies
-  std::vector<ContactSolid> obstacles;  ///< one for each of the scenario's
+  std::vector<ContactSolid> obstacles;  ///< of the scenario's obstacles, one after another
+  std::vector<int> obstacle_owners;     ///< for each of these: the scenario's obstacle
   std::vector<Meeting> meetings;        ///< bodies of one robot do not meet
+  bool has_idle = false;                ///< there are meetings of which forces move nothing
 };
 
 /// |g| for contact stiffness [m/s^2]: the scenario's, or 9.81 where it has no gravity.
@@ -97,9 +101,12 @@ enum ObstacleConstant : int {
   kSolidConstantCount = 16
 };
 
-/// Constants of the obstacles of a world, one after another.
+/// How many solids the obstacles have.
+int count_obstacle_solids(const Scenario& scenario);
+
+/// Constants of the obstacles' solids, one after another.
 /// @param params  the parameter block of one environment
-/// @param out     kSolidConstantCount values for each obstacle
+/// @param out     kSolidConstantCount values for each solid
 /// @throws Error (naming the obstacle) if one that is present has a size of zero or no rotation
 void make_obstacle_constants(const World& world, const double* params, double* out);
 

@@ -68,8 +68,8 @@ class ContactStep {
                              const ContactWork<Real>& work)
       : scene_(scene), constants_(constants), bodies_(bodies), obstacles_(obstacles), w_(work) {}
 
-  /// Whether search() may find anything: by spheres about the bodies' origins, so that nothing is
-  /// to be turned.
+  /// Whether search() may find anything that moves: by spheres about the bodies' origins, so that
+  /// nothing is to be turned.
   /// @param motion  of bodies with solids: position, velocity, spin
   SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion) const {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
@@ -81,6 +81,7 @@ class ContactStep {
     }
     MaskOf<Real> is_near(false);
     for (const Meeting& meeting : scene_.meetings) {
+      if (!meeting.moves) continue;
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
       is_near |=
           meeting.other == kGround ? bound.center.z < bound.radius : is_within(meeting, bound);

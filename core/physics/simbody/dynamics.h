@@ -28,6 +28,18 @@ class Dynamics {
                              const SpatialForce<double>* body_forces, const double* joint_forces,
                              double* udot) = 0;
 
+  /// Which couplings hold in the next calls; those that are springs never do.
+  /// @param held  one for each of the scenario's couplings
+  virtual void hold(const bool* held) = 0;
+
+  /// The same as accelerations(), with the couplings that hold.
+  virtual void constrained_accelerations(const double* q, const double* u,
+                                         const SpatialForce<double>* body_forces,
+                                         const double* joint_forces, double* udot) = 0;
+
+  /// Brings q and u to where the couplings that hold allow them to be. @throws likewise
+  virtual void project(double* q, double* u) = 0;
+
   /// Motion of all bodies as the dynamics itself has it; for tests against our kinematics.
   virtual void body_states(const double* q, const double* u, BodyState* bodies) = 0;
 };

@@ -21,6 +21,7 @@
 #include "core/base/error.h"
 #include "core/physics/bodies/checked_mass.h"
 #include "core/physics/bodies/kinematics.h"
+#include "core/physics/coupling/coupling_scene.h"
 #include "core/physics/simbody/dynamics.h"
 
 namespace skybody {
@@ -48,6 +49,7 @@ struct Slot {
   JointType type = JointType::kFree;
   int q = 0, u = 0;  ///< ours
   int simbody_q = 0, simbody_u = 0;
+  bool is_driven = false;
   Quat<double> rotation{1.0, 0.0, 0.0, 0.0};  ///< F from M at the present q, for Free and Ball
 
   bool turns() const { return type == JointType::kFree || type == JointType::kBall; }
@@ -61,6 +63,14 @@ struct Slot {
       simbody = std::copy_n(ours + first, 4, simbody);
     }
     std::copy_n(ours, first, simbody);
+  }
+  void get_position(const double* simbody, double* ours) const {
+    const int first = plain(position_size(type), 4);
+    if (turns()) {
+      std::copy_n(simbody, 4, ours + first);
+      simbody += 4;
+    }
+    std::copy_n(simbody, first, ours);
   }
   /// Rates, or generalised forces.
   void put_velocity(const double* ours, double* simbody) const {
@@ -92,10 +102,11 @@ class SimbodySystem {
           make_mass(world.bodies[i].model->name, params + world.layout.body_params[i]));
       add_body(tree[i], body);
     }
+    add_constraints(world, params);
     state_ = system_.realizeTopology();
     lock_driven_bases(world);
     system_.realize(state_, SimTK::Stage::Instance);
-    make_slots(tree);
+    make_slots(world, tree);
     body_forces_.resize(matter_.getNumBodies());
     body_forces_ = SpatialVec(SimTK::Vec3(0));
     mobility_forces_.resize(state_.getNU());
@@ -110,6 +121,44 @@ class SimbodySystem {
     matter_.calcAccelerationIgnoringConstraints(state_, mobility_forces_, body_forces_, udot_,
                                                 body_accelerations_);
     get_accelerations(udot);
+  }
+
+  void hold(const bool* held) {
+    bool changes = false;
+    for (const auto& [coupling, constraint] : constraints_) {
+      if (constraint.isDisabled(state_) != held[coupling]) continue;
+      changes = true;
+      if (held[coupling]) {
+        constraint.enable(state_);
+      } else {
+        constraint.disable(state_);
+      }
+    }
+    if (changes) system_.realize(state_, SimTK::Stage::Instance);
+  }
+
+  void constrained_accelerations(const double* q, const double* u,
+                                 const SpatialForce<double>* body_forces,
+                                 const double* joint_forces, double* udot) {
+    put_coordinates(q, u);
+    system_.realize(state_, SimTK::Stage::Dynamics);
+    put_forces(body_forces, joint_forces);
+    matter_.calcAcceleration(state_, mobility_forces_, body_forces_, udot_, body_accelerations_);
+    get_accelerations(udot);
+  }
+
+  void project(double* q, double* u) {
+    constexpr double kAccuracy = 1e-12;
+    put_coordinates(q, u);
+    system_.realize(state_, SimTK::Stage::Velocity);
+    system_.projectQ(state_, kAccuracy);
+    system_.projectU(state_, kAccuracy);
+    for (Slot& slot : slots_) {
+      if (slot.type == JointType::kWeld || slot.is_driven) continue;
+      slot.get_position(&state_.getQ()[slot.simbody_q], q + slot.q);
+      slot.put_position(q + slot.q, &state_.updQ()[slot.simbody_q]);  // its rotation
+      slot.get_velocity(&state_.getU()[slot.simbody_u], u + slot.u);
+    }
   }
 
   void body_states(const double* q, const double* u, BodyState* bodies) {
@@ -133,8 +182,7 @@ class SimbodySystem {
   }
 
   void add_body(const TreeBody& tree, const SimTK::Body& body) {
-    SimTK::MobilizedBody& parent =
-        matter_.updMobilizedBody(SimTK::MobilizedBodyIndex(tree.parent + 1));
+    SimTK::MobilizedBody& parent = updated(tree.parent);
     const SimTK::Transform f = to_simbody(tree.frame_in_parent);
     const SimTK::Transform m = to_simbody(tree.frame_in_body);
     switch (tree.type) {
@@ -159,6 +207,28 @@ class SimbodySystem {
     }
   }
 
+  /// Simbody's own, of those couplings that are equations.
+  void add_constraints(const World& world, const double* params) {
+    const CouplingScene scene(world);
+    for (std::size_t i = 0; i < scene.joinings.size(); ++i) {
+      const Joining& joining = scene.joinings[i];
+      if (joining.row_count == 0) continue;
+      SimTK::MobilizedBody& a = updated(joining.ends[0].body);
+      SimTK::MobilizedBody& b = updated(joining.ends[1].body);
+      const SimTK::Vec3 at = to_simbody(joining.ends[0].point);
+      const SimTK::Vec3 to = to_simbody(joining.ends[1].point);
+      if (joining.kind == CouplingKind::kPoint) {
+        constraints_.emplace_back(i, SimTK::Constraint::Ball(a, at, b, to));
+      } else {
+        const double length = params[joining.params + kCouplingLength];
+        constraints_.emplace_back(i, SimTK::Constraint::Rod(a, at, b, to, length));
+      }
+    }
+  }
+  SimTK::MobilizedBody& updated(int body) {
+    return matter_.updMobilizedBody(SimTK::MobilizedBodyIndex(body + 1));
+  }
+
   /// Zero acceleration is prescribed to driven bases; what hangs on them still moves.
   void lock_driven_bases(const World& world) {
     for (std::size_t r = 0; r < world.drives.size(); ++r) {
@@ -167,12 +237,18 @@ class SimbodySystem {
     }
   }
 
-  void make_slots(const std::vector<TreeBody>& tree) {
+  void make_slots(const World& world, const std::vector<TreeBody>& tree) {
+    std::vector<bool> is_driven(tree.size(), false);
+    for (std::size_t r = 0; r < world.drives.size(); ++r) {
+      const auto base = static_cast<std::size_t>(world.layout.robots[r].first_body);
+      if (world.drives[r] != DriveKind::kNone) is_driven[base] = true;
+    }
     for (std::size_t i = 0; i < tree.size(); ++i) {
       Slot slot;
       slot.type = tree[i].type;
       slot.q = tree[i].q;
       slot.u = tree[i].u;
+      slot.is_driven = is_driven[i];
       if (slot.type != JointType::kWeld) {
         slot.simbody_q = static_cast<int>(mobilized(i).getFirstQIndex(state_));
         slot.simbody_u = static_cast<int>(mobilized(i).getFirstUIndex(state_));
@@ -209,6 +285,7 @@ class SimbodySystem {
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;
   SimTK::State state_;
+  std::vector<std::pair<std::size_t, SimTK::Constraint>> constraints_;  ///< with their coupling
   std::vector<Slot> slots_;
   SimTK::Vector_<SpatialVec> body_forces_, body_accelerations_;
   SimTK::Vector mobility_forces_, udot_;
@@ -236,21 +313,49 @@ class SimbodyDynamics final : public Dynamics {
     if (world_.bodies.empty()) return;
     // The mass properties of all bodies lie one after another (world_layout.cpp).
     const double* masses = params + world_.layout.body_params.front();
-    const std::size_t count = kBodyParamCount * world_.bodies.size();
+    std::vector<double> from(masses, masses + kBodyParamCount * world_.bodies.size());
+    for (std::size_t i = 0; i < world_.scenario.couplings.size(); ++i) {
+      if (coupling_constant_count(world_.scenario.couplings[i].kind) <= kCouplingLength) continue;
+      from.push_back(params[world_.layout.coupling_params[i] + kCouplingLength]);
+    }
     if (system_ != nullptr &&
-        std::memcmp(masses, built_from_.data(), count * sizeof(double)) == 0) {
+        std::memcmp(from.data(), built_from_.data(), from.size() * sizeof(double)) == 0) {
       return;
     }
     system_.reset();
     system_ = make_system(world_, tree_, params);
-    built_from_.assign(masses, masses + count);
+    built_from_ = std::move(from);
   }
 
   void accelerations(const double* q, const double* u, const SpatialForce<double>* body_forces,
                      const double* joint_forces, double* udot) override {
+    guarded([&] { system_->accelerations(q, u, body_forces, joint_forces, udot); });
+  }
+
+  void hold(const bool* held) override {
+    guarded([&] { system_->hold(held); });
+  }
+
+  void constrained_accelerations(const double* q, const double* u,
+                                 const SpatialForce<double>* body_forces,
+                                 const double* joint_forces, double* udot) override {
+    guarded([&] { system_->constrained_accelerations(q, u, body_forces, joint_forces, udot); });
+  }
+
+  void project(double* q, double* u) override {
+    guarded([&] { system_->project(q, u); });
+  }
+
+  void body_states(const double* q, const double* u, BodyState* bodies) override {
+    if (system_ != nullptr) system_->body_states(q, u, bodies);
+  }
+
+ private:
+  template <class Work>
+  void guarded(const Work& work) {
     if (system_ == nullptr) return;
     try {
-      system_->accelerations(q, u, body_forces, joint_forces, udot);
+      work();
     } catch (const SimTK::Exception::Base& error) {
       system_.reset();  // left half-way: the next step starts from a new one
       throw std::runtime_error(error.what());
@@ -260,11 +365,6 @@ class SimbodyDynamics final : public Dynamics {
     }
   }
 
-  void body_states(const double* q, const double* u, BodyState* bodies) override {
-    if (system_ != nullptr) system_->body_states(q, u, bodies);
-  }
-
- private:
   const World& world_;
   std::vector<TreeBody> tree_;
   std::vector<double> built_from_;  ///< parameters of all bodies

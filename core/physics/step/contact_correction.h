@@ -12,9 +12,11 @@
 // evenly over the step).
 #pragma once
 
+#include <algorithm>
 #include <type_traits>
 
 #include "core/physics/contact/contact_step.h"
+#include "core/physics/coupling/couplings.h"
 #include "core/physics/step/mechanics.h"
 
 namespace skybody {
@@ -23,12 +25,16 @@ namespace skybody {
 template <class Real>
 struct CorrectionArrays {
   Coordinates<Real> before, now,
-      end;  ///< at the part's start; now; as the step without contact has it
-  Real *smooth, *response, *mean_u, *no_forces;  ///< per u
+      end;                   ///< at the part's start; now; as the step without contact has it
+  Real *smooth, *no_forces;  ///< per u
+  Real* rates;               ///< per u: of a part, first those that contacts alone make
+  Real* mean_u;
+  Vec3<Real>* pulls;  ///< per coupling: mean over the step so far
   BodyKinematics<Real>*motion, *mean;
   BodyKinematics<Real>* at_rest;  ///< the same places, without motion
   ContactWork<Real> contact;
   typename Forest::template Work<Real> forest;
+  CouplingWork<Real> couplings;
   bool* is_robot_near;  ///< per robot: what is not is left out
 
   SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
@@ -49,7 +55,7 @@ struct CorrectionArrays {
     const auto bristles = static_cast<std::size_t>(layout.bristles.size / 3);
     StepArena arena{memory};
     for (Coordinates<Real>* c : {&before, &now, &end}) c->take_from(arena, plan);
-    for (Real** values : {&smooth, &response, &mean_u, &no_forces}) arena.take(*values, us);
+    for (Real** values : {&smooth, &rates, &mean_u, &no_forces}) arena.take(*values, us);
     arena.take(motion, bodies);
     arena.take(mean, bodies);
     arena.take(at_rest, bodies);
@@ -61,6 +67,8 @@ struct CorrectionArrays {
     arena.take(forest.body, bodies);
     arena.take(forest.ball, bodies);
     arena.take(forest.acceleration, bodies);
+    couplings.take_from(arena, plan.couplings);
+    arena.take(pulls, plan.couplings.joinings.size());
     arena.take(contact.is_bent, bristles);
     arena.take(contact.is_touched, bodies);
     arena.take(contact.is_near, plan.contact.meetings.size());
@@ -77,7 +85,7 @@ struct TreeResponse {
   SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& bodies,
                                  const CorrectionArrays<Real>& a) const {
     plan.forest.accelerations(a.now.q, a.no_forces, a.at_rest, bodies, a.contact.forces,
-                              a.no_forces, a.forest, a.response, a.is_robot_near);
+                              a.no_forces, a.forest, a.rates, a.is_robot_near);
   }
 };
 
@@ -97,6 +105,8 @@ class ContactCorrection {
         bodies_(derived + call.plan->derived.bodies),
         response_(response),
         a_(*call.plan, call.scratch),
+        params_(params),
+        couplings_(plan_.couplings, plan_.forest, a_.couplings),
         contact_(call.plan->contact, params + call.plan->world.layout.world_params, bodies_,
                  derived + call.plan->derived.obstacles, a_.contact) {}
 
@@ -126,6 +136,7 @@ class ContactCorrection {
       a_.smooth[i] = (a_.end.u[i] - a_.now.u[i]) * Real(rate);
       a_.no_forces[i] = Real(0.0);
     }
+    if (couplings_.any()) begin_couplings();
     go_through(is_near);
     return finish(is_near, mask);
   }
@@ -172,8 +183,19 @@ class ContactCorrection {
     }
   }
 
+  /// What couplings did in the step is taken from its accelerations: they are asked anew.
+  SKYBODY_INLINE void begin_couplings() {
+    couplings_.load(params_, bodies_);
+    lanes_.load(group_.pulls, plan_.world.layout.pulls.size,
+                reinterpret_cast<Real*>(couplings_.pulls()));
+    couplings_.begin(a_.motion);
+    couplings_.release(a_.now.q, a_.motion, a_.smooth);
+  }
+
   SKYBODY_INLINE void go_through(const MaskOf<Real>& is_near) {
     Real parts = contact_.parts();
+    has_closed_ = is_near;
+    forget_pulls();
 #pragma GCC unroll 1
     for (int p = 0; p < kMostParts; ++p) {
       const auto is_active = logical_and(is_near, parts > static_cast<double>(p));
@@ -185,6 +207,7 @@ class ContactCorrection {
         parts = contact_.parts();
         start();
         load_bristles();
+        forget_pulls();
         p = -1;
         continue;
       }
@@ -215,12 +238,20 @@ class ContactCorrection {
     for (int pass = 0; pass < 2; ++pass) {
       contact_.act(a_.motion, mean, step, is_active);
       response_(plan_, bodies_, a_);
+      each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+        for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
+          a_.rates[i] = a_.smooth[i] + a_.rates[i];
+        }
+      });
+      if (couplings_.any()) {
+        couplings_.constrain(a_.now.q, a_.now.u, a_.motion, pass == 1, a_.rates);
+      }
       if (pass == 1) break;
       const auto is_quick = logical_and(is_active, contact_.is_quick());
       if (none(is_quick)) break;
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
         for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
-          const Real change = (0.5 * step) * (a_.smooth[i] + a_.response[i]);
+          const Real change = (0.5 * step) * a_.rates[i];
           a_.mean_u[i] = select(is_quick, a_.now.u[i] + change, a_.now.u[i]);
         }
         forward_kinematics(tree(), robot.first_body, robot.first_body + robot.body_count, a_.now.q,
@@ -234,14 +265,31 @@ class ContactCorrection {
   SKYBODY_INLINE void end_part(const Real& step, const Real& half, const MaskOf<Real>& is_active) {
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
-        a_.now.u[i] += step * (a_.smooth[i] + a_.response[i]);
+        a_.now.u[i] += step * a_.rates[i];
       }
       drift(robot, half);
-      if (all(is_active)) return;
+    });
+    if (couplings_.any()) project(step, is_active);
+    if (all(is_active)) return;
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA {
         a_.now.q[i] = select(is_active, a_.now.q[i], a_.before.q[i]);
       });
     });
+  }
+
+  SKYBODY_INLINE void project(const Real& step, const MaskOf<Real>& is_active) {
+    const auto is_closed = couplings_.project(is_active, step, a_.now.q, a_.now.u);
+    has_closed_ &= logical_or(is_closed, logical_not(is_active));
+    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
+      const Vec3<Real> more = couplings_.pulls()[i] * (step * (1.0 / dt()));
+      a_.pulls[i] = select(is_active, a_.pulls[i] + more, a_.pulls[i]);
+    }
+  }
+  SKYBODY_INLINE void forget_pulls() const {
+    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
+      a_.pulls[i] = SpatialForce<Real>::zero().force;
+    }
   }
 
   /// Calls f(robot) for those that are near something in any lane.
@@ -256,6 +304,18 @@ class ContactCorrection {
     for (std::size_t r = 0; r < plan_.world.layout.robots.size(); ++r) a_.is_robot_near[r] = false;
     for (std::size_t i = 0; i < plan_.contact.bodies.size(); ++i) {
       a_.is_robot_near[plan_.contact.bodies[i].robot] |= a_.contact.is_body_near[i];
+    }
+    if (couplings_.any()) add_held_robots();
+  }
+  /// What hangs together is near together.
+  SKYBODY_INLINE void add_held_robots() {
+    const std::vector<int>& held_with = plan_.couplings.held_with;
+    for (const bool forward : {true, false}) {  // to the first of each team, and from there to all
+      for (std::size_t r = 0; r < held_with.size(); ++r) {
+        if (held_with[r] < 0) continue;
+        bool& first = a_.is_robot_near[held_with[r]];
+        (forward ? first : a_.is_robot_near[r]) |= forward ? a_.is_robot_near[r] : first;
+      }
     }
   }
   /// Calls f(i) for places of q and of u, which lie one behind the other.
@@ -282,7 +342,7 @@ class ContactCorrection {
         a_.now.q[base.q + k] = a_.end.q[base.q + k];
       }
     }
-    MaskOf<Real> through = mask;
+    MaskOf<Real> through = logical_and(mask, logical_or(has_closed_, logical_not(is_near)));
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       MaskOf<Real> is_bounded(true);
       each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA {
@@ -298,13 +358,38 @@ class ContactCorrection {
       const auto corrected = logical_and(through, is_touched(robot));
       if (!none(corrected)) store(robot, corrected);
     });
+    if (couplings_.any()) store_pulls(through);
     return through;
+  }
+
+  SKYBODY_INLINE void store_pulls(const MaskOf<Real>& mask) const {
+    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
+      const Joining& joining = plan_.couplings.joinings[i];
+      if (joining.row_count == 0) continue;
+      const int robot = std::max(joining.ends[0].robot, joining.ends[1].robot);
+      if (!a_.is_robot_near[robot]) continue;
+      const auto corrected =
+          logical_and(mask, is_touched(plan_.world.layout.robots[static_cast<std::size_t>(robot)]));
+      lanes_.store(reinterpret_cast<const Real*>(a_.pulls + i), 3, corrected,
+                   lanes_.block(group_.pulls, 3 * static_cast<int>(i)));
+    }
   }
 
   SKYBODY_INLINE MaskOf<Real> is_touched(const RobotLayout& robot) const {
     MaskOf<Real> any_body(false);
-    for (int i = 0; i < robot.body_count; ++i) {
-      any_body |= a_.contact.is_touched[robot.first_body + i];
+    const auto add = [&](const RobotLayout& one) SKYBODY_INLINE_LAMBDA {
+      for (int i = 0; i < one.body_count; ++i) {
+        any_body |= a_.contact.is_touched[one.first_body + i];
+      }
+    };
+    const auto index = static_cast<std::size_t>(&robot - plan_.world.layout.robots.data());
+    const std::vector<int>& held_with = plan_.couplings.held_with;
+    if (held_with[index] < 0) {
+      add(robot);
+      return any_body;
+    }
+    for (std::size_t r = 0; r < held_with.size(); ++r) {  // what hangs together is moved together
+      if (held_with[r] == held_with[index]) add(plan_.world.layout.robots[r]);
     }
     return any_body;
   }
@@ -331,6 +416,9 @@ class ContactCorrection {
   Values bodies_;
   Response response_;
   CorrectionArrays<Real> a_;
+  Values params_;
+  Couplings<Real> couplings_;
+  MaskOf<Real> has_closed_{true};
   ContactStep<Real, Values> contact_;
 };
 

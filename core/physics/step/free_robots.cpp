@@ -10,6 +10,7 @@ namespace skybody {
 
 bool FreeRobots::is_possible(const World& world) {
   if (is_error_controlled(world.scenario.stepping.integrator)) return false;
+  if (!world.scenario.couplings.empty()) return false;
   const auto is_driven = [](DriveKind drive) { return drive != DriveKind::kNone; };
   if (std::any_of(world.drives.begin(), world.drives.end(), is_driven)) return false;
   return std::all_of(world.bodies.begin(), world.bodies.end(), [](const WorldBody& body) {

@@ -1,17 +1,11 @@
 // How kernels go through the lanes of a group: pack by pack, or one lane as a double.
 #pragma once
 
-#include <type_traits>
-
-#include "core/base/kernels.h"
+#include "core/base/kernel_width.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/step/step_plan.h"
 
 namespace skybody {
-
-/// A pack of W lanes; of one: a double.
-template <int W>
-using RealOf = std::conditional_t<W == 1, double, Pack<W == 1 ? 2 : W>>;
 
 /// Calls f(first, bits) for every pack of W lanes that holds any of `lanes`.
 /// @returns what f returns for each pack, together: bit i is lane i of the group

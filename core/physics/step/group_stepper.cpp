@@ -122,12 +122,15 @@ void GroupStepper::refresh(const GroupBlocks& group, std::uint32_t lanes, std::u
   if (own != 0) kernels().derive(all, own);
   each_lane(own, [&](int l) { remember_params(group, l); });
   kernels().refresh(all, lanes);
+  if (plan_.couplings.row_owners.empty()) return;
+  const std::uint32_t able = lanes & ~broken_;
+  open_ = (open_ & ~lanes) | (able & ~kernels().close_gaps(all, able));
 }
 
 std::uint32_t GroupStepper::advance(const GroupBlocks& group, std::uint32_t lanes,
                                     PhysicsScratch& scratch) {
   const StepCall all = call(group, scratch);
-  const std::uint32_t able = lanes & ~broken_;
+  const std::uint32_t able = lanes & ~(broken_ | open_);
   near_ = find_near(all, able);
   if (near_ != 0) remember(all);
   std::uint32_t through = 0;
@@ -220,7 +223,8 @@ void GroupStepper::joint_reactions(const GroupBlocks& group, int lane, PhysicsSc
 void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                                 std::vector<Contact>& out) {
   const StepCall all = call(group, scratch);
-  if (find_near(all, 1u << lane) != 0) alone().add_contacts(all, lane, out);
+  const bool may_touch = plan_.contact.has_idle || find_near(all, 1u << lane) != 0;
+  if (may_touch) alone().add_contacts(all, lane, out);
 }
 
 /// Recomputes a lane's body constants if its parameters have changed and are not nominal.

@@ -29,6 +29,7 @@ struct GroupBlocks {
   double* bodies = nullptr;
   const double* joint_command = nullptr;
   double* joint_state = nullptr;
+  double* pulls = nullptr;
   double* bristles = nullptr;
   const double* held[SKYBODY_HELD_COUNT] = {};  ///< core/base/held_inputs.h; null: not used
 };
@@ -54,9 +55,10 @@ inline constexpr StateBlock kStateBlocks[] = {{&GroupBlocks::q, &Layout::q},
                                               {&GroupBlocks::u, &Layout::u},
                                               {&GroupBlocks::rotor_speed, &Layout::rotor_speed},
                                               {&GroupBlocks::joint_state, &Layout::joint_state},
+                                              {&GroupBlocks::pulls, &Layout::pulls},
                                               {&GroupBlocks::bristles, &Layout::bristles}};
 /// Those that a step changes before contact corrects it: the first of them.
-inline constexpr std::span kSteppedBlocks = std::span(kStateBlocks).first<4>();
+inline constexpr std::span kSteppedBlocks = std::span(kStateBlocks).first<5>();
 
 /// Work space of one thread that steps groups of a world. Holds nothing between two calls.
 using PhysicsScratch = AlignedArray<std::byte>;
@@ -141,6 +143,7 @@ class GroupStepper {
   std::uint32_t drawn_ = 0;         ///< lanes whose parameters are not the nominal ones
   std::uint32_t placed_ = 0;        ///< lanes of `derived_` that hold what is nominal
   std::uint32_t broken_ = 0;        ///< lanes with parameters that no body has
+  std::uint32_t open_ = 0;          ///< lanes whose couplings cannot hold where their ends are
   std::uint32_t near_ = 0;
   StepCounts counts_;
   std::unique_ptr<Alone> alone_;  ///< null: never needed so far

@@ -22,6 +22,20 @@ struct ChosenAccelerations {
       TreeAccelerations()(plan, derived, a, q, u, udot);
     }
   }
+
+  /// With Simbody's own constraints in place of ours.
+  /// @param held  per coupling: whether it is an equation
+  void constrain(const StepArrays<double>& a, const double* q, const double* u, const bool* held,
+                 double* udot) const {
+    if (simbody == nullptr) return;
+    simbody->hold(held);
+    simbody->constrained_accelerations(q, u, a.forces, a.joint_forces, udot);
+  }
+  void project(const bool* held, double* q, double* u) const {
+    if (simbody == nullptr) return;
+    simbody->hold(held);
+    simbody->project(q, u);
+  }
 };
 
 /// In the form for held inputs, whether there are any or not: with the same bits.
@@ -34,7 +48,7 @@ struct ChosenResponse {
   void operator()(const StepPlan& plan, const LaneValues<double>& bodies,
                   const CorrectionArrays<double>& a) const {
     if (simbody != nullptr) {
-      simbody->accelerations(a.now.q, a.no_forces, a.contact.forces, a.no_forces, a.response);
+      simbody->accelerations(a.now.q, a.no_forces, a.contact.forces, a.no_forces, a.rates);
     } else {
       TreeResponse()(plan, bodies, a);
     }
@@ -125,9 +139,13 @@ void LaneStepper::add_contacts(const StepCall& lane, std::vector<Contact>& out) 
                         const Touch<double>& touch, const Vec3<double>& force, bool touches) {
         if (!touches) return;
         const auto body_of = [&](int i) { return scene.bodies[static_cast<std::size_t>(i)].body; };
-        out.push_back({body_of(meeting.body),
-                       meeting.other >= 0 ? body_of(meeting.other) : meeting.other, point,
-                       touch.normal, touch.depth, force});
+        const int other =
+            meeting.other >= 0 ? body_of(meeting.other)
+            : !is_obstacle(meeting.other)
+                ? meeting.other
+                : kFirstObstacle -
+                      scene.obstacle_owners[static_cast<std::size_t>(obstacle_of(meeting.other))];
+        out.push_back({body_of(meeting.body), other, point, touch.normal, touch.depth, force});
       });
 }
 

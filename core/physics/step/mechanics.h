@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/physics/coupling/couplings.h"
 #include "core/physics/step/group_stepper.h"
 #include "core/physics/step/held_rotor.h"
 #include "core/physics/step/step_plan.h"
@@ -81,6 +82,7 @@ struct StepArrays {
   BodyKinematics<Real>* motion;
   SpatialForce<Real>* forces;
   typename Forest::template Work<Real> forest;
+  CouplingWork<Real> couplings;
 
   SKYBODY_INLINE StepArrays(const StepPlan& plan, std::byte* memory) { lay_out(plan, memory); }
   static std::size_t bytes(const StepPlan& plan) {
@@ -110,6 +112,7 @@ struct StepArrays {
     arena.take(forest.body, bodies);
     arena.take(forest.ball, bodies);
     arena.take(forest.acceleration, bodies);
+    couplings.take_from(arena, plan.couplings);
     return arena.used;
   }
 };
@@ -134,8 +137,13 @@ SKYBODY_INLINE void store_motion(int first, int last, const BodyKinematics<Real>
   }
 }
 
-/// Accelerations by the tree's algorithms.
+/// Accelerations by the tree's algorithms. Couplings need nothing more.
 struct TreeAccelerations {
+  template <class... Args>
+  SKYBODY_INLINE void constrain(const Args&...) const {}
+  template <class... Args>
+  SKYBODY_INLINE void project(const Args&...) const {}
+
   template <class Real, class Values>
   SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& derived,
                                  const StepArrays<Real>& a, const Real* q, const Real* u,
@@ -163,7 +171,8 @@ class Mechanics {
         params_(params),
         derived_(derived),
         accelerations_(accelerations),
-        a_(*call.plan, call.scratch) {}
+        a_(*call.plan, call.scratch),
+        couplings_(plan_.couplings, plan_.forest, a_.couplings) {}
 
   /// Quaternions to norm 1; bodies and spins from q and u.
   SKYBODY_INLINE void refresh(const MaskOf<Real>& mask) {
@@ -172,6 +181,18 @@ class Mechanics {
     update_motion(a_.now.q, a_.now.u);
     lanes_.store(a_.now.q, layout().q.size, mask, group_.q);
     put_motion(mask);
+  }
+
+  /// Coordinates as couplings allow them. @returns the lanes of `mask` where that can be
+  SKYBODY_INLINE MaskOf<Real> close_gaps(const MaskOf<Real>& mask) {
+    load_coordinates();
+    couplings_.load(params_, derived_ + plan_.derived.bodies);
+    const MaskOf<Real> is_closed = couplings_.project(mask, Real(dt()), a_.now.q, a_.now.u);
+    update_motion(a_.now.q, a_.now.u);
+    lanes_.store(a_.now.q, layout().q.size, is_closed, group_.q);
+    lanes_.store(a_.now.u, layout().u.size, is_closed, group_.u);
+    put_motion(is_closed);
+    return is_closed;
   }
 
   /// One physics step of the lanes in `mask` by a fixed rule; returns those that came through.
@@ -185,6 +206,7 @@ class Mechanics {
                              if (!rule.is_split()) position_rates_of(at.q, at.u, rate.q);
                            };
     if (!rule.begins_at_start()) has_motion_ = false;
+    stays_ = rule.integrator == IntegratorChoice::kMidpoint;
     step_by_rule(rule, dt(), rates, a_.now, a_.stages);
     return end_step(mask);
   }
@@ -217,6 +239,7 @@ class Mechanics {
     begin_step();
     each_rotor([&](int i, const auto& rotor) { a_.rotors[kStepStart][i] = rotor.at(kStepStart); });
     accelerate(a_.now.q, a_.now.u, kStepStart, udot);
+    if (couplings_.any()) couplings_.add_pulls(a_.motion, a_.forces);
   }
   /// What the last evaluation had: motion of the bodies, and all forces on them but those of
   /// joints.
@@ -240,6 +263,16 @@ class Mechanics {
                      }
                    });
     for (int i = 0; i < layout().u.size; ++i) a_.joint_forces[i] = Real(0.0);
+    begin_drives();
+    if (plan_.couplings.joinings.empty()) return;
+    couplings_.load(params_, derived_ + plan_.derived.bodies);
+    if (!couplings_.any()) return;
+    if (!has_motion_) update_motion(a_.now.q, a_.now.u);
+    has_motion_ = true;
+    couplings_.begin(a_.motion);
+  }
+
+  SKYBODY_INLINE void begin_drives() {
     if (plan_.drives.empty()) return;
     lanes_.load(group_.drive, layout().drive.size, a_.drive);
     Real* target = a_.targets;
@@ -335,7 +368,15 @@ class Mechanics {
       a_.forces[i].moment += contact_[i].moment;
       a_.forces[i].force += contact_[i].force;
     }
+    if (!plan_.couplings.joinings.empty()) couplings_.add_springs(params_, a_.motion, a_.forces);
     accelerations_(plan_, derived_, a_, q, u, udot);
+    if (couplings_.any()) constrain(q, u, udot);
+  }
+
+  SKYBODY_INLINE void constrain(const Real* q, const Real* u, Real* udot) {
+    couplings_.constrain(q, u, a_.motion, has_response_, udot);
+    has_response_ = stays_;
+    accelerations_.constrain(a_, q, u, couplings_.held(), udot);
   }
 
   SKYBODY_INLINE void position_rates_of(const Real* q, const Real* u, Real* qdot) const {
@@ -355,6 +396,10 @@ class Mechanics {
       target += 7;
     }
     MaskOf<Real> through = mask;
+    if (couplings_.any()) {
+      accelerations_.project(couplings_.held(), a_.now.q, a_.now.u);
+      through &= couplings_.project(mask, Real(dt()), a_.now.q, a_.now.u);
+    }
     for (int i = 0; i < a_.now.q_count + a_.now.u_count; ++i) through &= is_bounded(a_.now.q[i]);
     for (int i = 0; i < layout().rotor_speed.size; ++i) {
       through &= is_bounded(a_.rotors[kStepEnd][i].speed);
@@ -380,6 +425,8 @@ class Mechanics {
       lanes_.put(a_.rotors[kStepEnd][i].speed, mask, lanes_.at(group_.rotor_speed, i));
     }
     lanes_.store(a_.joint_targets[kStepEnd], layout().joint_state.size, mask, group_.joint_state);
+    lanes_.store(reinterpret_cast<const Real*>(couplings_.pulls()), layout().pulls.size, mask,
+                 group_.pulls);
     put_motion(mask);
   }
 
@@ -415,7 +462,10 @@ class Mechanics {
   Accelerations accelerations_;
   StepArrays<Real> a_;
   const SpatialForce<Real>* contact_ = nullptr;
-  bool has_motion_ = false;  ///< `motion` belongs to the point that is evaluated next
+  Couplings<Real> couplings_;
+  bool stays_ = false;         ///< all evaluations of the step are at the same q
+  bool has_response_ = false;  ///< what couplings do there is known
+  bool has_motion_ = false;    ///< `motion` belongs to the point that is evaluated next
 };
 
 }  // namespace skybody

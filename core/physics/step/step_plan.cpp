@@ -12,7 +12,7 @@ DerivedLayout::DerivedLayout(const World& world)
     : factors(kLagSize * static_cast<int>(world.rotors.size())),
       bodies(factors + kRotorFactorCount * static_cast<int>(world.rotors.size())),
       obstacles(bodies + kBodyConstantCount * static_cast<int>(world.bodies.size())),
-      size(obstacles + kSolidConstantCount * static_cast<int>(world.scenario.obstacles.size())) {}
+      size(obstacles + kSolidConstantCount * count_obstacle_solids(world.scenario)) {}
 
 namespace {
 
@@ -29,7 +29,8 @@ StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
 }
 
 StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
-  StepKernels kernels{refresh_kernel(lanes, isa), nullptr, near_kernel(lanes, isa),
+  StepKernels kernels{refresh_kernel(lanes, isa), nullptr,
+                      near_kernel(lanes, isa),    gap_kernel(lanes, isa),
                       contact_kernel(lanes, isa), derive_kernel(lanes, isa)};
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
@@ -51,6 +52,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
       forest(w),
       forces(w),
       contact(w),
+      couplings(w),
       derived(w),
       nominal_params(w.layout.nominal_params()),
       nominal_derived(static_cast<std::size_t>(derived.size)) {

@@ -8,6 +8,7 @@
 
 #include "core/base/isa.h"
 #include "core/physics/contact/contact_scene.h"
+#include "core/physics/coupling/coupling_scene.h"
 #include "core/physics/forces/force_model.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
@@ -88,6 +89,9 @@ struct StepKernels {
   StepKernel* advance = nullptr;
   /// The lanes where something may touch within the step that begins.
   StepKernel* find_near = nullptr;
+  /// Takes away what the values, changed from outside, leave of the gaps of couplings; the lanes
+  /// where that can be.
+  StepKernel* close_gaps = nullptr;
   /// What contact makes of the step that has been taken (contact_correction.h); the lanes that came
   /// through: the others keep the step without contact.
   StepKernel* correct = nullptr;
@@ -99,6 +103,7 @@ struct StepKernels {
 StepKernel* refresh_kernel(int lanes, Isa isa);
 StepKernel* near_kernel(int lanes, Isa isa);
 StepKernel* contact_kernel(int lanes, Isa isa);
+StepKernel* gap_kernel(int lanes, Isa isa);
 StepKernel* derive_kernel(int lanes, Isa isa);
 StepKernel* tree_kernel(int lanes, Isa isa);
 StepKernel* tree_held_kernel(int lanes, Isa isa);
@@ -127,6 +132,7 @@ struct StepPlan {
   Forest forest;
   ForceModel forces;
   ContactScene contact;
+  CouplingScene couplings;
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
   bool has_held = false;  ///< effects hold something of the world

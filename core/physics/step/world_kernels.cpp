@@ -23,6 +23,21 @@ struct Refresh {
   }
 };
 
+struct CloseGaps {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    using Real = RealOf<W>;
+    return for_packs<W, false>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              Mechanics<Real, Values, false> mechanics(call, first, params, derived);
+              return bits_from_mask(mechanics.close_gaps(mask_from_bits<Real>(bits))) & bits;
+            });
+  }
+};
+
 /// The exponentials of the rotors' lags are most of what a reset with drawn constants costs.
 struct DeriveRotors {
   template <int W>
@@ -43,6 +58,7 @@ struct DeriveRotors {
 }  // namespace
 
 StepKernel* refresh_kernel(int lanes, Isa isa) { return kernel_for<Refresh>(lanes, isa); }
+StepKernel* gap_kernel(int lanes, Isa isa) { return kernel_for<CloseGaps>(lanes, isa); }
 StepKernel* derive_kernel(int lanes, Isa isa) { return kernel_for<DeriveRotors>(lanes, isa); }
 
 }  // namespace skybody

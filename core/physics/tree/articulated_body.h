@@ -169,12 +169,11 @@ struct JointColumns {
   }
 };
 
-/// Takes a joint's coordinates out of the equations of its body.
+/// Takes a joint's coordinates out of the inertia of its body.
 template <class Columns, class Real>
-SKYBODY_INLINE void eliminate(const Real* joint_force, TreeBodyWork<Real>& work) {
+SKYBODY_INLINE void eliminate(TreeBodyWork<Real>& work) {
   for (int k = 0; k < Columns::kCount; ++k) {
     SpatialForce<Real> row = Columns::force(work.inertia, work.column[k]);
-    Real residual = joint_force[k] - Columns::power(work.column[k], work.bias);
     Real pivot = Columns::power(work.column[k], row);
     for (int j = 0; j < k; ++j) {
       // L D: element (k, j) before it is divided by the pivot.
@@ -183,12 +182,20 @@ SKYBODY_INLINE void eliminate(const Real* joint_force, TreeBodyWork<Real>& work)
       work.lower[k][j] = l;
       row.moment -= work.reduced[j].moment * l;
       row.force -= work.reduced[j].force * l;
-      residual -= l * work.residual[j];
       pivot -= l * scaled;
     }
     work.reduced[k] = row;
-    work.residual[k] = residual;
     work.inverse_pivot[k] = 1.0 / pivot;
+  }
+}
+
+/// Takes them out of the forces on it.
+template <class Columns, class Real>
+SKYBODY_INLINE void leave_residual(const Real* joint_force, TreeBodyWork<Real>& work) {
+  for (int k = 0; k < Columns::kCount; ++k) {
+    Real residual = joint_force[k] - Columns::power(work.column[k], work.bias);
+    for (int j = 0; j < k; ++j) residual -= work.lower[k][j] * work.residual[j];
+    work.residual[k] = residual;
   }
 }
 
@@ -210,6 +217,16 @@ SKYBODY_INLINE SpatialAcceleration<Real> free_acceleration(const ArticulatedIner
   return {angular, linear.solve(force.force - transpose_times(c, angular))};
 }
 
+/// Adds what the joint's coordinates pass on of the forces.
+template <class Columns, class Real>
+SKYBODY_INLINE void pass_on(const TreeBodyWork<Real>& work, SpatialForce<Real>& bias) {
+  for (int k = 0; k < Columns::kCount; ++k) {
+    const Real rate = work.residual[k] * work.inverse_pivot[k];
+    bias.moment += work.reduced[k].moment * rate;
+    bias.force += work.reduced[k].force * rate;
+  }
+}
+
 /// inertia and bias as they are felt through the joint.
 template <class Columns, class Real>
 SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Real>& inertia,
@@ -228,11 +245,7 @@ SKYBODY_INLINE void reduce(const TreeBodyWork<Real>& work, ArticulatedInertia<Re
   }
   const SpatialForce<Real> drifting = inertia * work.drift;
   bias = {work.bias.moment + drifting.moment, work.bias.force + drifting.force};
-  for (int k = 0; k < Columns::kCount; ++k) {
-    const Real rate = work.residual[k] * work.inverse_pivot[k];
-    bias.moment += work.reduced[k].moment * rate;
-    bias.force += work.reduced[k].force * rate;
-  }
+  pass_on<Columns>(work, bias);
 }
 
 /// udot of a joint whose body would accelerate by `a` if they were zero; adds what they do to `a`.

@@ -52,6 +52,43 @@ class Forest {
     }
   }
 
+  /// Makes ready for respond(): all that depends on where a robot's bodies are, and not on forces.
+  /// @param robot    its bodies' arrays are those of the world
+  /// @param at_rest  motion of all bodies, without velocities
+  /// @param nothing  zeros: velocities and joint forces, one per u
+  /// @param no_force  zeros: one per body
+  template <class Real, class Constants>
+  SKYBODY_INLINE void prepare(int robot, const Real* q, const BodyKinematics<Real>* at_rest,
+                              const Constants& constants, const Real* nothing,
+                              const SpatialForce<Real>* no_force, const Work<Real>& work) const {
+    const Tree& tree = tree_of(robot);
+    if (tree.is_free_body) return;
+    open(tree, q, nothing, at_rest, constants, no_force, work);
+    gather(tree, at_rest, nothing, work);
+  }
+
+  /// What forces on the bodies of one robot do to their accelerations: `udot`, and
+  /// Work::acceleration of each body.
+  template <class Real, class Constants>
+  SKYBODY_INLINE void respond(int robot, const BodyKinematics<Real>* at_rest,
+                              const Constants& constants, const Real* nothing,
+                              const SpatialForce<Real>* forces, const Work<Real>& work,
+                              Real* udot) const {
+    const Tree& tree = tree_of(robot);
+    if (tree.is_free_body) {
+      const int i = tree.begin, u = bodies_[static_cast<std::size_t>(i)].u;
+      accelerate_free_body(at_rest[i], constants + kBodyConstantCount * i, forces[i], nothing,
+                           udot + u);
+      work.acceleration[i] = {at_rest[i].axes * load_vec3(udot + (u + 3)), load_vec3(udot + u)};
+      return;
+    }
+    for (int i = tree.begin; i < tree.end; ++i) {
+      work.body[i].bias = {-forces[i].moment, -forces[i].force};
+    }
+    regather(tree, at_rest, nothing, work);
+    spread(tree, at_rest, nothing, work, udot);
+  }
+
  private:
   template <class Real, class Constants>
   static SKYBODY_INLINE void accelerate_free_body(const BodyKinematics<Real>& body,
@@ -92,6 +129,11 @@ class Forest {
       case JointType::kWeld:
         return;
     }
+  }
+  const Tree& tree_of(int robot) const {
+    std::size_t i = 0;
+    while (trees_[i].robot != robot) ++i;
+    return trees_[i];
   }
   static bool is_held(const Tree& tree, int i) { return tree.is_driven && i == tree.begin; }
 
@@ -142,7 +184,8 @@ class Forest {
       if (!is_held(tree, i) && body.type != JointType::kWeld) {
         with_columns(body, [&](auto columns) SKYBODY_INLINE_LAMBDA {
           using Columns = decltype(columns);
-          eliminate<Columns>(joint_forces + body.u, w);
+          eliminate<Columns>(w);
+          leave_residual<Columns>(joint_forces + body.u, w);
           if (body.parent >= 0) reduce<Columns>(w, inertia, bias);
         });
       } else {
@@ -155,6 +198,37 @@ class Forest {
     }
   }
 
+  /// gather() for other forces on bodies that are at rest.
+  template <class Real>
+  SKYBODY_INLINE void regather(const Tree& tree, const BodyKinematics<Real>* at_rest,
+                               const Real* nothing, const Work<Real>& work) const {
+    for (int i = tree.end; i-- > tree.begin;) {
+      if (i == tree.begin && tree.floats) continue;
+      const TreeBody& body = bodies_[static_cast<std::size_t>(i)];
+      TreeBodyWork<Real>& w = work.body[i];
+      SpatialForce<Real> bias = w.bias;
+      if (body.type == JointType::kBall) {
+        SymMat3<Real> linear;
+        take_out_ball(body, at_rest[i], nothing, w, work.ball[i], linear, bias);
+      } else if (!is_held(tree, i) && body.type != JointType::kWeld) {
+        with_columns(body, [&](auto columns) SKYBODY_INLINE_LAMBDA {
+          using Columns = decltype(columns);
+          leave_residual<Columns>(nothing, w);
+          pass_on<Columns>(w, bias);
+        });
+      }
+      if (body.parent >= 0) add_to_parent(bias, w.arm, work.body[body.parent]);
+    }
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE void add_to_parent(const SpatialForce<Real>& bias, const Vec3<Real>& arm,
+                                           TreeBodyWork<Real>& parent) {
+    const SpatialForce<Real> there = shifted(bias, arm);
+    parent.bias.moment += there.moment;
+    parent.bias.force += there.force;
+  }
+
   /// @param inertia  about the parent's O; @param bias  about the point that is `arm` from it
   template <class Real>
   static SKYBODY_INLINE void load_parent(const ArticulatedInertia<Real>& inertia,
@@ -163,9 +237,7 @@ class Forest {
     parent.inertia = {parent.inertia.angular + inertia.angular,
                       parent.inertia.coupling + inertia.coupling,
                       parent.inertia.linear + inertia.linear};
-    const SpatialForce<Real> there = shifted(bias, arm);
-    parent.bias.moment += there.moment;
-    parent.bias.force += there.force;
+    add_to_parent(bias, arm, parent);
   }
 
   /// From the base to the leaves: what each body does, its parent's acceleration known.

@@ -89,6 +89,12 @@ void add_physical_constants(Layout& layout, const Topology& world) {
                                                    kObstacleConstants,
                                                    obstacle_constants(obstacle.shape)));
   }
+  for (const Coupling& coupling : world.scenario.couplings) {
+    const auto count = static_cast<std::size_t>(coupling_constant_count(coupling.kind));
+    layout.coupling_params.push_back(add_constants(layout, "couplings." + coupling.name + ".",
+                                                   kCouplingConstants,
+                                                   std::span(coupling.constants).first(count)));
+  }
   layout.physics_params = static_cast<int>(layout.param_info.size());
 }
 
@@ -133,6 +139,7 @@ Layout physics_layout(const Topology& world) {
     layout.u.size += layout.robots.back().u_count;
   }
   layout.rotor_speed.size = layout.rotor_command.size = static_cast<int>(world.rotors.size());
+  layout.pulls.size = 3 * static_cast<int>(world.scenario.couplings.size());
   layout.bristles.size = 3 * count_bristles(world);
   add_physical_constants(layout, world);
   return layout;
@@ -169,7 +176,7 @@ Layout finish_layout(const WorldPlan& plan) {
   };
   for (Block* block : {&layout.header, &layout.q, &layout.u, &layout.rotor_speed,
                        &layout.rotor_command, &layout.wrench, &layout.drive, &layout.joint_command,
-                       &layout.joint_state, &layout.bristles}) {
+                       &layout.joint_state, &layout.pulls, &layout.bristles}) {
     place(*block);
   }
   for (Block& block : layout.held) place(block);

@@ -10,6 +10,7 @@
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/step/lane_stepper.h"
 #include "tests/unit/physics/test_models.h"
+#include "tests/unit/physics/uncoupled_dynamics.h"
 
 namespace skybody::test {
 namespace {
@@ -234,7 +235,7 @@ TEST(Stepper, NonFiniteStepReturnsFalseAndLeavesTheState) {
 
 /// Throws `Failure` from every evaluation.
 template <class Failure>
-class FailingDynamics final : public Dynamics {
+class FailingDynamics final : public UncoupledDynamics {
  public:
   void set_params(const double*) override {}
   void accelerations(const double*, const double*, const SpatialForce<double>*, const double*,

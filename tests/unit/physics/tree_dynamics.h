@@ -4,12 +4,12 @@
 #include <memory>
 #include <vector>
 
-#include "core/physics/simbody/dynamics.h"
 #include "core/physics/tree/forest.h"
+#include "tests/unit/physics/uncoupled_dynamics.h"
 
 namespace skybody::test {
 
-class TreeDynamics final : public Dynamics {
+class TreeDynamics final : public UncoupledDynamics {
  public:
   explicit TreeDynamics(const World& world)
       : world_(world),

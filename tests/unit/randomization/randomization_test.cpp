@@ -225,7 +225,7 @@ TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
                        {"position_max", Numbers{1, 1, 1}}}),
               HasSubstr("would put all robots in one place: set `relative: true`"));
   EXPECT_THAT(refusal("uniform", world, {{"paths", Texts{"robot.links.base.mass"}}}),
-              HasSubstr("neither `scale` nor `range`"));
+              HasSubstr("none of `scale`, `range` and `shift`"));
   EXPECT_THAT(refusal("uniform", world,
                       {{"paths", Texts{"robot.links.base.mass"}},
                        {"scale", Numbers{1, 2}},

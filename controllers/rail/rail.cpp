@@ -1,0 +1,154 @@
+// A body that moves on a rail: its base follows a path over time and takes no command.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class Rail : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  template <class Real>
+  struct State {
+    Vec3<Real> position;  ///< of the base at the reset, W [m]
+    Quat<Real> rotation;
+  };
+
+  void configure(const Setup& setup) override {
+    const RobotInfo& robot = setup.robots()[setup.robot()];
+    if (robot.fixed_base != 0) {
+      throw std::runtime_error("robot `" + std::string(robot.name) +
+                               "` has a fixed base, which `rail` cannot move: use a floating base "
+                               "in its URDF");
+    }
+    base_ = robot.first_body;
+    dt_ = setup.dt();
+    check_times();
+    check_count("positions", positions_.count(), false);
+    check_count("rpy", rpy_.count(), true);
+    read_stations();
+    if (repeat_.value()) check_loop();
+    setup.input(Signal::kNone, {}, {});
+    setup.output(Signal::kPose, 7);
+  }
+
+  template <class Real>
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
+    const BodyMotion<Real> base = env.body(base_);
+    state.position = base.position;
+    state.rotation = base.rotation;
+  }
+
+  /// The pose at the end of the physics step that begins.
+  template <class Real>
+  void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real>,
+               Values<Real> output) const {
+    Real time = (to_real(env.physics_step()) + 1.0) * dt_;
+    const double last = stations_.back().time;
+    if (repeat_.value()) time = time - last * floor(time * (1.0 / last));
+    Vec3<Real> shift = constant<Real>(stations_[0].position),
+               turn = constant<Real>(stations_[0].rpy);
+    for (std::size_t i = 1; i < stations_.size(); ++i) {
+      const Station &from = stations_[i - 1], &to = stations_[i];
+      const Real share = clamp((time - from.time) * (1.0 / (to.time - from.time)), 0.0, 1.0);
+      const Real way = smooth(share);
+      shift += constant<Real>(to.position - from.position) * way;
+      turn += constant<Real>(to.rpy - from.rpy) * way;
+    }
+    output.set(0, state.position + shift);
+    output.set(3, from_rpy(turn.x, turn.y, turn.z) * state.rotation);
+  }
+
+ private:
+  struct Station {
+    double time;
+    Vec3<double> position, rpy;
+  };
+
+  template <class Real>
+  static SKYBODY_INLINE Vec3<Real> constant(const Vec3<double>& v) {
+    return {Real(v.x), Real(v.y), Real(v.z)};
+  }
+
+  /// From 0 to 1 in the way of least jerk: at rest, without acceleration, at both ends.
+  template <class Real>
+  static SKYBODY_INLINE Real smooth(const Real& share) {
+    return share * share * share * (10.0 + share * (6.0 * share - 15.0));
+  }
+
+  void check_times() const {
+    if (times_.count() < 2 || times_.value(0) != 0.0) {
+      throw std::runtime_error(
+          "`times` is a list of two times or more, of which the first is 0: when the base is "
+          "where");
+    }
+    for (int i = 1; i < times_.count(); ++i) {
+      if (times_.value(i) - times_.value(i - 1) >= dt_) continue;
+      throw std::runtime_error("`times[" + std::to_string(i) + "]` is " + to_text(times_.value(i)) +
+                               " s, less than a physics step after the one before: let times grow");
+    }
+  }
+
+  void check_count(const std::string& name, int count, bool may_be_left_out) const {
+    const int needed = 3 * times_.count();
+    if (count == needed || (may_be_left_out && count == 0)) return;
+    throw std::runtime_error("`" + name + "` has " + std::to_string(count) + " values; allowed: " +
+                             std::to_string(needed) + ", three for each of `times`");
+  }
+
+  void read_stations() {
+    stations_.clear();
+    for (int i = 0; i < times_.count(); ++i) {
+      Station station{times_.value(i), {}, {0.0, 0.0, 0.0}};
+      const auto at = [i](const RealsParameter& values) {
+        return Vec3<double>{values.value(3 * i), values.value(3 * i + 1), values.value(3 * i + 2)};
+      };
+      station.position = at(positions_);
+      if (rpy_.count() > 0) station.rpy = at(rpy_);
+      stations_.push_back(station);
+    }
+  }
+
+  /// A loop that does not close would jump.
+  void check_loop() const {
+    const Station &first = stations_.front(), &last = stations_.back();
+    if (norm(first.position - last.position) <= 1e-9 && norm(first.rpy - last.rpy) <= 1e-9) return;
+    throw std::runtime_error(
+        "`repeat` is true, but the last of `positions` and `rpy` are not the first: end where it "
+        "begins, or leave `repeat` out");
+  }
+
+  RealsParameter times_{this,
+                        {.name = "times",
+                         .unit = "s",
+                         .count = -1,
+                         .min = 0.0,
+                         .doc = "when the base is at each station; the first is 0, the reset",
+                         .required = true}};
+  RealsParameter positions_{
+      this,
+      {.name = "positions",
+       .unit = "m",
+       .count = -1,
+       .doc = "x, y, z of each station from where the base is at the reset, axes of W",
+       .required = true}};
+  RealsParameter rpy_{this,
+                      {.name = "rpy",
+                       .unit = "rad",
+                       .count = -1,
+                       .doc = "roll, pitch, yaw of each station about W's axes, against the reset; "
+                              "none: it does not turn"}};
+  BooleanParameter repeat_{this, {.name = "repeat", .doc = "begin again after the last station"}};
+
+  int base_ = 0;
+  double dt_ = 0.0;
+  std::vector<Station> stations_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Rail, "rail", "1.0.0",
+               "Moves the base along a path over time; takes no command.");

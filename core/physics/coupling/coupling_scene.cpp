@@ -1,0 +1,53 @@
+#include "core/physics/coupling/coupling_scene.h"
+
+namespace skybody {
+namespace {
+
+JoinedEnd joined_end(const World& world, const CouplingEnd& end) {
+  if (end.robot < 0) return {-1, -1, end.point};
+  const int first = world.layout.robots[static_cast<std::size_t>(end.robot)].first_body;
+  return {first + end.body, end.robot, end.point};
+}
+
+int rows_of(CouplingKind kind) {
+  if (kind == CouplingKind::kSpring) return 0;
+  return kind == CouplingKind::kPoint ? 3 : 1;
+}
+
+/// Robots that a joining holds together get the same first robot.
+void hold_together(const Joining& joining, std::vector<int>& held_with) {
+  std::vector<int> robots;
+  for (const JoinedEnd& end : joining.ends) {
+    if (end.robot >= 0) robots.push_back(end.robot);
+  }
+  for (const int robot : robots) {
+    int& first = held_with[static_cast<std::size_t>(robot)];
+    if (first < 0) first = robot;
+  }
+  const int a = held_with[static_cast<std::size_t>(robots.front())];
+  const int b = held_with[static_cast<std::size_t>(robots.back())];
+  for (int& first : held_with) {
+    if (first == a || first == b) first = a < b ? a : b;
+  }
+}
+
+}  // namespace
+
+CouplingScene::CouplingScene(const World& w) : world(w), held_with(w.scenario.robots.size(), -1) {
+  int i = 0;
+  for (const Coupling& coupling : world.scenario.couplings) {
+    Joining joining;
+    joining.kind = coupling.kind;
+    joining.ends = {joined_end(world, coupling.ends[0]), joined_end(world, coupling.ends[1])};
+    joining.params = world.layout.coupling_params[static_cast<std::size_t>(i)];
+    joining.first_row = static_cast<int>(row_owners.size());
+    joining.row_count = rows_of(coupling.kind);
+    for (int k = 0; k < joining.row_count; ++k) row_owners.push_back(i);
+    if (joining.row_count > 0) hold_together(joining, held_with);
+    rope_count += coupling.kind == CouplingKind::kRope;
+    joinings.push_back(joining);
+    ++i;
+  }
+}
+
+}  // namespace skybody

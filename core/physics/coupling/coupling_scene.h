@@ -1,0 +1,43 @@
+// What of a world is joined: couplings by the bodies that they hold on to, and the equations that
+// they ask for. Made once.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/physics/world/world.h"
+
+namespace skybody {
+
+/// What a coupling holds on to.
+struct JoinedEnd {
+  int body = -1;                      ///< world body index; -1: the world
+  int robot = -1;                     ///< likewise
+  Vec3<double> point{0.0, 0.0, 0.0};  ///< in the body's frame, or in W [m]
+};
+
+/// A coupling in the world's numbering.
+struct Joining {
+  CouplingKind kind = CouplingKind::kRod;
+  std::array<JoinedEnd, 2> ends;
+  int params = 0;     ///< first of its constants in the parameter block
+  int first_row = 0;  ///< of its equations; a spring has none
+  int row_count = 0;
+};
+
+/// Immutable; refers to the world, which must outlive it.
+struct CouplingScene {
+  explicit CouplingScene(const World& world);
+
+  /// Whether robot r is joined to anything by more than springs.
+  bool is_held(int robot) const { return held_with[static_cast<std::size_t>(robot)] >= 0; }
+
+  const World& world;
+  std::vector<Joining> joinings;  ///< one for each of the scenario's couplings
+  std::vector<int> row_owners;    ///< per equation: its joining
+  int rope_count = 0;
+  std::vector<int> held_with;  ///< per robot: the first of the robots that it hangs together with;
+                               ///< -1: none
+};
+
+}  // namespace skybody

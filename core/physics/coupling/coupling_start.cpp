@@ -1,0 +1,72 @@
+#include "core/physics/coupling/coupling_start.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/model/marked_error.h"
+#include "core/physics/bodies/default_state.h"
+#include "core/physics/coupling/coupling_scene.h"
+#include "core/physics/world/pose_math.h"
+
+namespace skybody {
+namespace {
+
+/// What a reset may close [m]: files have rounded numbers.
+constexpr double kSmallestGap = 1e-3;
+
+Vec3<double> place_of(const JoinedEnd& end, const LaneState& start) {
+  if (end.body < 0) return end.point;
+  const BodyState& body = start.bodies[static_cast<std::size_t>(end.body)];
+  return body.position + rotate(body.rotation, end.point);
+}
+
+std::string metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g m", value);
+  return text;
+}
+
+void fit(Coupling& coupling, double distance) {
+  const std::string ends =
+      "the ends of `" + coupling.name + "` are " + metres(distance) + " apart at the start";
+  const auto refuse = [&](const std::string& why) { throw MarkedError(coupling.mark, ends + why); };
+  if (coupling.kind == CouplingKind::kPoint) {
+    if (distance > kSmallestGap) {
+      refuse(
+          "; a point holds them at one place: move robots, points or joint positions until they "
+          "are within " +
+          metres(kSmallestGap));
+    }
+    return;
+  }
+  double& length = coupling.constants[kCouplingLength];
+  if (coupling.kind != CouplingKind::kSpring && distance < kSmallestGap) {
+    refuse(" and have no direction; allowed: more than " + metres(kSmallestGap) +
+           "; `kind: point` holds two points at one place");
+  }
+  if (!coupling.has_length) length = std::fmax(distance, SKYBODY_LEAST_LENGTH);
+  if (coupling.kind == CouplingKind::kRope && distance > length + kSmallestGap) {
+    refuse(", the rope is " + metres(length) + " long; make it longer, or move robots or points");
+  }
+  if (coupling.kind == CouplingKind::kRod && std::fabs(distance - length) > kSmallestGap) {
+    refuse(", the rod is " + metres(length) +
+           " long; leave `length` out, or move robots or points");
+  }
+}
+
+}  // namespace
+
+void fit_couplings(Scenario& scenario) {
+  if (scenario.couplings.empty()) return;
+  const World world(scenario);
+  LaneState start;
+  write_default_state(world, start);
+  const CouplingScene scene(world);
+  for (std::size_t i = 0; i < scene.joinings.size(); ++i) {
+    const Joining& joining = scene.joinings[i];
+    fit(scenario.couplings[i],
+        norm(place_of(joining.ends[0], start) - place_of(joining.ends[1], start)));
+  }
+}
+
+}  // namespace skybody

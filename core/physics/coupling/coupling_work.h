@@ -1,0 +1,100 @@
+// What couplings of an environment, or of a pack of them, work on: arrays in a thread's scratch
+// memory.
+#pragma once
+
+#include "core/physics/bodies/body_accelerations.h"
+#include "core/physics/bodies/spatial_force.h"
+#include "core/physics/coupling/coupling_scene.h"
+#include "core/physics/tree/forest.h"
+
+namespace skybody {
+
+/// Where an end is and how it moves, W.
+template <class Real>
+struct JoinedMotion {
+  Vec3<Real> arm;       ///< from its body's origin [m]
+  Vec3<Real> position;  ///< [m]
+  Vec3<Real> velocity;  ///< [m/s]
+
+  SKYBODY_INLINE JoinedMotion(const JoinedEnd& end, const BodyKinematics<Real>* motion) {
+    const Vec3<Real> point = to_real<Real>(end.point);
+    arm = velocity = SpatialForce<Real>::zero().force;
+    position = point;
+    if (end.body < 0) return;
+    const BodyKinematics<Real>& m = motion[end.body];
+    arm = m.axes * point;
+    position = m.position + arm;
+    velocity = m.velocity + cross(m.angular_velocity, arm);
+  }
+};
+
+/// One equation: what it asks of the distance between two points, along a direction.
+template <class Real>
+struct CouplingRow {
+  Vec3<Real> out;     ///< unit, W: a positive force pushes the first end this way
+  Vec3<Real> arm[2];  ///< from the bodies' origins to the ends, W [m]
+  Real gap;           ///< how far the ends are too far apart along `out` [m]
+  Real rounding;      ///< what counts as none [m]
+  Real rate;          ///< at which that grows [m/s]
+  Real bend;          ///< at which the rate grows because `out` turns [m/s^2]
+};
+
+template <class Real>
+struct CouplingWork {
+  Real* bodies = nullptr;            ///< kBodyConstantCount per body
+  Real* lengths = nullptr;           ///< per joining [m]
+  MaskOf<Real>* is_there = nullptr;  ///< per joining
+  MaskOf<Real>* is_held = nullptr;   ///< per joining: whether its rows are equations just now
+  MaskOf<Real>* was_held = nullptr;  ///< per joining: in the last constrain()
+  MaskOf<Real>* is_taut = nullptr;   ///< per joining: when the step began
+  Vec3<Real>* pulls = nullptr;       ///< per joining: force on the first end, W [N]
+
+  CouplingRow<Real>* rows = nullptr;
+  Real* change = nullptr;  ///< per row, then per u: what a unit force does to u
+  Real* mass = nullptr;    ///< per row and row: what it does to the rate of another one [1/kg]
+  Real* factor = nullptr;  ///< the same, as L D L^T of the rows that are held
+  Real* inverse_pivot = nullptr;  ///< per row
+  Real* asked = nullptr;          ///< per row: by how much rates are to grow
+  Real* force = nullptr;          ///< per row: what makes them
+
+  Real* q = nullptr;  ///< coordinates that project() works on
+  Real* u = nullptr;
+  Real* shift = nullptr;    ///< per u
+  Real* nothing = nullptr;  ///< per u: zeros
+  BodyKinematics<Real>* motion = nullptr;
+  BodyKinematics<Real>* at_rest = nullptr;
+  SpatialForce<Real>* forces = nullptr;
+  BodyAccelerationOf<Real>* accelerations = nullptr;
+  typename Forest::template Work<Real> forest;
+
+  /// @tparam Arena  has take(array, count)
+  template <class Arena>
+  SKYBODY_INLINE void take_from(Arena& arena, const CouplingScene& scene) {
+    const std::size_t joinings = scene.joinings.size(), count = scene.row_owners.size();
+    if (joinings == 0) return;
+    const std::size_t body_count = scene.world.bodies.size();
+    const auto us = static_cast<std::size_t>(scene.world.layout.u.size);
+    arena.take(bodies, kBodyConstantCount * body_count);
+    arena.take(lengths, joinings);
+    arena.take(pulls, joinings);
+    arena.take(rows, count);
+    arena.take(change, count * us);
+    arena.take(mass, count * count);
+    arena.take(factor, count * count);
+    for (Real** values : {&inverse_pivot, &asked, &force}) arena.take(*values, count);
+    arena.take(q, static_cast<std::size_t>(scene.world.layout.q.size));
+    for (Real** values : {&u, &shift, &nothing}) arena.take(*values, us);
+    arena.take(motion, body_count);
+    arena.take(at_rest, body_count);
+    arena.take(forces, body_count);
+    arena.take(accelerations, body_count);
+    arena.take(forest.body, body_count);
+    arena.take(forest.ball, body_count);
+    arena.take(forest.acceleration, body_count);
+    for (MaskOf<Real>** masks : {&is_there, &is_held, &was_held, &is_taut}) {
+      arena.take(*masks, joinings);
+    }
+  }
+};
+
+}  // namespace skybody
