@@ -39,6 +39,7 @@ struct ContactWork {
   Vec3<Real>* bristles = nullptr;        ///< all of the world
   Vec3<Real>* bent = nullptr;            ///< the same after the part of the step
   MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part
+  bool* is_idle = nullptr;               ///< per bristle: all lanes have words of 0, untouched so far
   MaskOf<Real>* is_touched = nullptr;    ///< per body of the world: since begin()
   MaskOf<Real>* is_near = nullptr;       ///< of those meetings: the lanes
   int* near = nullptr;                   ///< meetings of things that are near each other
@@ -144,7 +145,7 @@ class ContactStep {
       w_.forces[i] = {zero, zero};
       w_.kicks[i] = {zero, zero};
     }
-    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
+    each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
     for (int i = 0; i < near_count_; ++i) {
       const Meeting& meeting = scene_.meetings[static_cast<std::size_t>(w_.near[i])];
       const auto here = logical_and(is_active, w_.is_near[i]);
@@ -165,9 +166,28 @@ class ContactStep {
   /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
   SKYBODY_INLINE void bend(const MaskOf<Real>& is_active) const {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+    each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
       const Vec3<Real> bent = select(w_.is_bent[i], w_.bent[i], zero);
       w_.bristles[i] = select(is_active, bent, w_.bristles[i]);
+    });
+  }
+
+  /// The bristles of all bodies that are near something. @param load  load(i) fills bristle i
+  template <class Load>
+  SKYBODY_INLINE void take_bristles(const Load& load) const {
+    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+      load(i);
+      const Vec3<Real>& b = w_.bristles[i];
+      const auto words = bit_cast_word(b.x) | bit_cast_word(b.y) | bit_cast_word(b.z);
+      w_.is_idle[i] = none(words != Word<Real>(0));
+    });
+  }
+
+  /// Calls f(i) for those of them that are not idle.
+  template <class F>
+  SKYBODY_INLINE void each_busy_bristle(const F& f) const {
+    each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+      if (!w_.is_idle[i]) f(i);
     });
   }
 
@@ -412,6 +432,8 @@ class ContactStep {
                                      int bristle, const MaskOf<Real>& touches) const {
     if (bristle < 0) return creeping_force(t, most);
     MaskOf<Real>& is_bent = w_.is_bent[bristle];
+    if (w_.is_idle[bristle]) is_bent = MaskOf<Real>(false);
+    w_.is_idle[bristle] = false;
     Vec3<Real> bent = w_.bristles[bristle];
     const auto is_first = logical_and(touches, logical_not(is_bent));
     const Vec3<Real> force = bristle_force(t, law, most, bent);

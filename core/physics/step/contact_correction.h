@@ -73,6 +73,7 @@ struct CorrectionArrays {
     arena.take(contact.is_touched, bodies);
     arena.take(contact.is_near, plan.contact.meetings.size());
     arena.take(contact.near, plan.contact.meetings.size());
+    arena.take(contact.is_idle, bristles);
     arena.take(contact.is_body_near, plan.contact.bodies.size());
     arena.take(is_robot_near, layout.robots.size());
     return arena.used;
@@ -136,6 +137,10 @@ class ContactCorrection {
       a_.smooth[i] = (a_.end.u[i] - a_.now.u[i]) * Real(rate);
       a_.no_forces[i] = Real(0.0);
     }
+    for (std::size_t i = 0; i < plan_.world.bodies.size(); ++i) {
+      const Vec3<Real> zero = SpatialForce<Real>::zero().force;
+      a_.at_rest[i].velocity = a_.at_rest[i].angular_velocity = a_.at_rest[i].spin = zero;
+    }
     if (couplings_.any()) begin_couplings();
     go_through(is_near);
     return finish(is_near, mask);
@@ -165,7 +170,7 @@ class ContactCorrection {
     lanes_.load(u, to.u_count, to.u);
   }
   SKYBODY_INLINE void load_bristles() const {
-    contact_.each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+    contact_.take_bristles([&](int i) SKYBODY_INLINE_LAMBDA {
       lanes_.load(lanes_.block(group_.bristles, 3 * i), 3,
                   reinterpret_cast<Real*>(a_.contact.bristles + i));
     });
@@ -218,15 +223,15 @@ class ContactCorrection {
 
   /// Half a part of the coordinates, and the motion there.
   SKYBODY_INLINE void begin_part(const Real& half) {
-    const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA { a_.before.q[i] = a_.now.q[i]; });
       drift(robot, half);
       const int last = robot.first_body + robot.body_count;
       forward_kinematics(tree(), robot.first_body, last, a_.now.q, a_.now.u, a_.motion);
       for (int i = robot.first_body; i < last; ++i) {
-        a_.at_rest[i] = a_.motion[i];
-        a_.at_rest[i].velocity = a_.at_rest[i].angular_velocity = a_.at_rest[i].spin = zero;
+        a_.at_rest[i].position = a_.motion[i].position;
+        a_.at_rest[i].rotation = a_.motion[i].rotation;
+        a_.at_rest[i].axes = a_.motion[i].axes;
       }
     });
   }
@@ -350,7 +355,7 @@ class ContactCorrection {
       });
       through &= logical_or(is_bounded, logical_not(is_touched(robot)));
     });
-    contact_.each_near_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
+    contact_.each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
       lanes_.store(reinterpret_cast<const Real*>(a_.contact.bristles + i), 3, through & is_near,
                    lanes_.block(group_.bristles, 3 * i));
     });

@@ -1,0 +1,134 @@
+"""Drops onto the ground and flights into a wall without friction against SciPy.
+
+The law and the places where things touch are those of docs/contact.md; no code is shared. With
+friction there is a closed form: how far a box slides.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import skybody
+from rigid_body import GRAVITY, Reals, Vehicle, angle_between, quaternion_rates, read_vehicle
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+ROOT = Path(__file__).resolve().parents[2]
+PENETRATION, DISSIPATION = 0.001, 3.0  # defaults
+FOOT = 0.01  # radius [m]
+# Of scenarios/models/qdrone2/qdrone2.urdf, body axes.
+CORNERS = np.array(
+    [
+        [sx * 0.15, sy * 0.175, 0.005 + sz * 0.025]
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+        for sz in (-1, 1)
+    ]
+)
+FEET = np.array([[sx * 0.1016, sy * 0.127, -0.05] for sx in (-1, 1) for sy in (-1, 1)])
+FALL = 0.5  # [s]
+
+
+@pytest.fixture(scope="module")
+def vehicle() -> Vehicle:
+    return read_vehicle(ROOT / "scenarios/models/qdrone2")
+
+
+def begin(turn: Reals) -> Reals:
+    """Turned, its lowest point 0.3 m above the ground, at rest."""
+    rotation = Rotation.from_rotvec(turn)
+    heights = np.concatenate([rotation.apply(CORNERS)[:, 2], rotation.apply(FEET)[:, 2] - FOOT])
+    y = np.zeros(13)
+    y[2] = 0.3 - heights.min()
+    y[3:7] = rotation.as_quat()[[3, 0, 1, 2]]
+    return y
+
+
+def fall(vehicle: Vehicle, y: Reals, direction: Reals, level: float) -> Reals:
+    """What FALL makes of it. `direction`: out of the plane; `level`: how far along it that is."""
+    stiffness = vehicle.mass * 9.81 / (len(FEET) * PENETRATION**1.5)
+
+    def rates(_: float, y: Reals) -> Reals:
+        q, v, w = y[3:7], y[7:10], y[10:13]
+        axes = Rotation.from_quat(q[[1, 2, 3, 0]]).as_matrix()
+        force, moment = np.zeros(3), np.zeros(3)
+        for points, radius in ((CORNERS, 0.0), (FEET, FOOT)):
+            for point in points:
+                arm = axes @ point - radius * direction
+                depth = level - direction @ (y[:3] + arm)
+                if depth <= 0.0:
+                    continue
+                deeper = -direction @ (v + np.cross(axes @ w, arm))
+                push = stiffness * depth**1.5 * max(0.0, 1.0 + 1.5 * DISSIPATION * deeper)
+                force += push * direction
+                moment += np.cross(arm, push * direction)
+        com = vehicle.com
+        about_com = axes.T @ moment - np.cross(com, axes.T @ force)
+        angular = np.linalg.solve(vehicle.inertia, about_com - np.cross(w, vehicle.inertia @ w))
+        of_com = force / vehicle.mass + GRAVITY
+        linear = of_com - axes @ (np.cross(angular, com) + np.cross(w, np.cross(w, com)))
+        return np.concatenate([v, quaternion_rates(q, w), linear, angular])
+
+    return solve_ivp(
+        rates, (0.0, FALL), y, method="DOP853", rtol=1e-9, atol=1e-10, max_step=5e-4
+    ).y[:, -1]
+
+
+def by_skybody(y: Reals, dt: float, overrides: tuple[str, ...] = ()) -> Reals:
+    given = [
+        "contact.friction=0",
+        "randomization=[]",
+        f"stepping.dt={dt}",
+        "robots.quad.rotor_speed=0",
+        *overrides,
+    ]
+    sim = skybody.Simulation("hover", control="rotor_speed", overrides=given)
+    sim.reset()
+    sim.teleport(position=y[:3], rotation=y[3:7], velocity=y[7:10], angular_velocity=y[10:])
+    assert sim.advance(round(FALL / dt))
+    body = sim.base()
+    return np.concatenate([body.position, body.rotation])
+
+
+def error(flown: Reals, end: Reals) -> tuple[float, float]:
+    return float(np.linalg.norm(flown[:3] - end[:3])), angle_between(flown[3:], end[3:7])
+
+
+@pytest.mark.parametrize("degrees", [0, 20, 45, 70, 90, 120, 150, 180])
+def test_a_drop_onto_the_ground_ends_where_the_oracle_does(
+    vehicle: Vehicle, degrees: float
+) -> None:
+    y = begin(math.radians(degrees) * np.array([0.8, 0.6, 0.0]))
+    up = np.array([0.0, 0.0, 1.0])
+    end = fall(vehicle, y, up, 0.0)
+    found = {dt: error(by_skybody(y, dt), end) for dt in (1e-3, 2.5e-4)}
+    assert found[1e-3][0] < 0.01 and found[1e-3][1] < math.radians(3.0)
+    assert found[2.5e-4][0] < max(0.5 * found[1e-3][0], 2e-4)
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0])
+def test_a_bounce_off_a_wall_is_the_laws(vehicle: Vehicle, speed: float) -> None:
+    """The face of a wall as wide as the world, slower than what is stopped plastically."""
+    y = begin(np.array([0.0, 0.0, 0.4]))
+    y[0], y[2], y[7] = -0.5, 3.0, speed
+    wall = "obstacles=[{name: wall, box: [10, 100, 100], position: [5, 0, 0]}]"
+    end = fall(vehicle, y, np.array([-1.0, 0.0, 0.0]), 0.0)
+    position, angle = error(by_skybody(y, 2.5e-4, (wall,)), end)
+    assert position < 0.01 and angle < math.radians(3.0)
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 2.0])
+def test_sliding_stops_after_the_way_that_friction_leaves(speed: float) -> None:
+    """v^2 / (2 mu g), level on its feet: the vehicle is low enough not to tip."""
+    given = ["randomization=[]", "robots.quad.rotor_speed=0"]
+    sim = skybody.Simulation("hover", control="rotor_speed", overrides=given)
+    sim.reset()
+    sim.teleport(position=[0, 0, 0.06 - 0.001], velocity=[speed, 0, 0])
+    assert sim.advance(2000)
+    way = float(sim.base().position[0])
+    # The bristles, bent by mu m g / (4 k_t) = 0.4 mm, draw it back by that.
+    assert way == pytest.approx(speed**2 / (2.0 * 0.6 * 9.81), rel=0.02, abs=6e-4)
+    assert np.linalg.norm(sim.base().velocity) < 1e-6
