@@ -1,0 +1,198 @@
+"""Rates in contact and with couplings, beside flight, Simbody, MuJoCo and Bullet, in one run.
+
+    .venv/bin/python experiments/contact_speed.py [--quick] [--out DIR]
+
+All figures are physics steps a second of all environments on one core.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+from throughput import (
+    ROOT,
+    arguments,
+    facts,
+    machine_line,
+    markdown_table,
+    output_folder,
+    thousands,
+    write_json,
+)
+
+sys.path.insert(0, str(ROOT / "bench/peers"))
+import environments
+
+PROGRAM = ROOT / "build/release/bin/skybody"
+FORMATIONS = {2: "formation_2", 5: "formation", 10: "formation_10", 20: "formation_20"}
+HOVER_RANGE = 2782  # [rad/s]: the largest speed with which an action of zero is hover speed
+
+
+@dataclass(frozen=True)
+class Case:
+    """What `skybody bench` runs."""
+
+    name: str
+    scenario: str
+    actions: str = "hold"
+    envs: int = 256
+    overrides: tuple[str, ...] = ()
+
+
+def in_flight(robots: int) -> tuple[str, ...]:
+    """A constant action of zero hovers, in episodes of a second."""
+    speeds = (
+        f"robots[{k}].controllers[0].parameters.max_speed={HOVER_RANGE}" for k in range(robots)
+    )
+    return ("stepping.horizon=1000", *speeds)
+
+
+LYING = ("robots.quad.pose.position=[0,0,0.058]", "robots.quad.rotor_speed=0", "randomization=[]")
+TUMBLES = ("task.parameters.tilt_max=3.1415", "task.parameters.yaw_max=4")
+CASES = [
+    Case("hover", "hover", "hold", 512),
+    Case("hover, K = 10", "hover", "hold", 512, ("stepping.action_repeat=10",)),
+    Case("all on the ground", "hover", "zero", 512, (*LYING, *TUMBLES)),
+    *(
+        Case(
+            f"formation of {n}, {how}",
+            scenario,
+            "zero",
+            32,
+            in_flight(n) if how == "in flight" else (),
+        )
+        for n, scenario in FORMATIONS.items()
+        for how in ("in flight", "zero")
+    ),
+    Case("forest, hold", "forest", "hold", 512),
+    Case("forest, random, ends by tilt", "forest", "random", 512),
+    Case("forest, random, never ends", "forest", "random", 512, TUMBLES),
+    Case("plate on rods", "cooperative_payload"),
+    Case(
+        "plate on rods, Simbody", "cooperative_payload", "hold", 8, ("stepping.dynamics=simbody",)
+    ),
+]
+
+
+def run(case: Case, seconds: float) -> dict[str, float]:
+    command = [str(PROGRAM), "bench", case.scenario, "--json", "--threads", "1"]
+    command += ["--envs", str(case.envs), "--actions", case.actions, "--seconds", str(seconds)]
+    for override in case.overrides:
+        command += ["--set", override]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}\n{done.stderr}")
+    found = json.loads(done.stdout)
+    return {"rate": float(found["physics_steps_per_second"]), "near": float(found["near_share"])}
+
+
+def from_peers(seconds: float) -> list[dict[str, Any]]:
+    python = environments.python_of("contact")
+    script = ROOT / "bench/peers/contact_scenes.py"
+    done = subprocess.run(
+        [str(python), str(script), str(seconds)], capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        sys.exit(f"{script}\n{done.stderr}")
+    return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+
+
+def measured(trials: int, seconds: float) -> dict[str, Any]:
+    ours: dict[str, list[dict[str, float]]] = {case.name: [] for case in CASES}
+    theirs: list[dict[str, Any]] = []
+    for trial in range(trials):
+        for case in CASES:
+            ours[case.name].append(run(case, seconds))
+            print(
+                f"{trial + 1}/{trials} {case.name}: {ours[case.name][-1]['rate']:,.0f}", flush=True
+            )
+        theirs += from_peers(seconds)
+    return {"ours": ours, "peers": theirs}
+
+
+def median(found: dict[str, Any], name: str) -> float:
+    return statistics.median(trial["rate"] for trial in found["ours"][name])
+
+
+def of_peer(found: dict[str, Any], engine: str, scene: str) -> float | None:
+    rates = [r["rate"] for r in found["peers"] if (r["engine"], r["scene"]) == (engine, scene)]
+    return statistics.median(rates) if rates else None
+
+
+def against(ours: float, theirs: float | None) -> str:
+    return "" if theirs is None else f"{thousands(theirs)} ({ours / theirs:,.0f}x)"
+
+
+def page(found: dict[str, Any]) -> str:
+    rows = [["case", "steps/s", "near", "of flight"]]
+    flight = {"forest": "hover, K = 10", "all on": "hover"}
+    for case in CASES:
+        rate = median(found, case.name)
+        near = statistics.median(trial["near"] for trial in found["ours"][case.name])
+        base = next((b for prefix, b in flight.items() if case.name.startswith(prefix)), None)
+        if case.name.endswith(", zero"):
+            base = case.name.replace("zero", "in flight")
+        share = f"{rate / median(found, base):.2f}" if base else ""
+        rows.append([case.name, thousands(rate), f"{100 * near:.1f} %", share])
+    peers = [["scene", "Skybody", "MuJoCo", "Bullet"]]
+    scenes = {f"on the ground, {n}": f"formation of {n}, zero" for n in FORMATIONS}
+    scenes = {"on the ground, 1": "all on the ground", **scenes, "plate on rods": "plate on rods"}
+    for scene, name in scenes.items():
+        rate = median(found, name)
+        peers.append(
+            [
+                scene,
+                thousands(rate),
+                against(rate, of_peer(found, "MuJoCo", scene)),
+                against(rate, of_peer(found, "Bullet", scene)),
+            ]
+        )
+    simbody = median(found, "plate on rods") / median(found, "plate on rods, Simbody")
+    return f"""# Speed in contact and with couplings
+
+{machine_line(found["facts"])}
+
+    .venv/bin/python experiments/contact_speed.py
+
+Thousands of physics steps a second on one core: all environments together, median of
+{found["trials"]} trials of {found["seconds"]:g} s. `near`: steps in which something was near
+enough to touch. `zero` is the formation's constant action of the paper, 68 % of the thrust that
+hovers: all fall and lie. `random, never ends`: nothing ends an episode but its time, so that
+vehicles thrash on the ground and among the trees.
+
+{markdown_table(rows)}
+
+The plate on rods makes {simbody:,.0f} times the steps of the same world on Simbody.
+
+## Beside MuJoCo and Bullet
+
+The same scenes, a world on a core each, contact on, dt 1 ms: vehicles of one box and four feet
+that carry 68 % of their weight and lie on the ground; and three of them above a plate on rods
+(MuJoCo: tendons of fixed length). `bench/peers/contact_scenes.py` has them. Our steps are those of
+whole environments, with rotors, controllers, observation and reward.
+
+{markdown_table(peers)}
+"""
+
+
+def main() -> None:
+    parser = arguments(__doc__ or "")
+    options = parser.parse_args()
+    folder = output_folder(parser, options)
+    trials, seconds = (1, 0.5) if options.quick else (3, 2.0)
+    found = measured(trials, seconds) | {"facts": facts(), "trials": trials, "seconds": seconds}
+    text = page(found)
+    print(text)
+    if folder is None:
+        return
+    (folder / "contact_speed.md").write_text(text)
+    write_json(folder / "data/contact_speed.json", found)
+
+
+if __name__ == "__main__":
+    main()
