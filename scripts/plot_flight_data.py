@@ -136,36 +136,63 @@ def joints_of(episode: h5py.Group) -> list[Joints]:
     ]
 
 
-def rotation_of_rpy(rpy: np.ndarray) -> np.ndarray:
-    """URDF's convention: about the fixed axes x, y, z, in this order [rad]."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+def rotation_of(quaternions: np.ndarray) -> np.ndarray:
+    """Matrices, W from body, of rows w x y z."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
-def obstacles_of(scenario: str) -> list[Obstacle]:
-    """Those of the scenario as core/io/config_writer.cpp writes it: merged, one key a line."""
+def obstacles_of(scenario: str, drawn: dict[str, float]) -> list[Obstacle]:
+    """Those of the scenario as core/io/config_writer.cpp writes it: merged, one key a line.
+
+    Args:
+        scenario: its text.
+        drawn: values of the episode's EnvParams by path; poses and sizes are among them.
+    """
     section = re.search(r"^obstacles:\n((?:[ -].*\n?)*)", scenario, re.MULTILINE)
     found = []
     for entry in re.split(r"^  - ", section.group(1) if section else "", flags=re.MULTILINE)[1:]:
         keys = dict(re.findall(r"^ *(\w+): (.*)$", entry, re.MULTILINE))
-        numbers = {
-            key: np.array([float(n) for n in text.strip("[]").split(",")])
-            for key, text in keys.items()
-            if key != "name"
-        }
-        kind = next((k for k in ("box", "sphere", "cylinder") if k in numbers), None)
-        if kind is None:
+        kind = next((k for k in ("box", "sphere", "cylinder", "gate") if k in keys), None)
+        path = f"obstacles.{keys.get('name', '')}."
+        if kind is None or not drawn.get(path + "present", 1.0):
             continue
-        rotation = rotation_of_rpy(numbers.get("rpy", np.zeros(3)))
-        position = numbers.get("position", np.zeros(3))
-        found.append(Obstacle(kind, numbers[kind], position, rotation))
+        written = np.array([float(n) for n in keys[kind].strip("[]").split(",")])
+        size = np.array([drawn.get(f"{path}size[{k}]", n) for k, n in enumerate(written)])
+        position = np.array([drawn.get(f"{path}position[{k}]", 0.0) for k in range(3)])
+        turn = np.array([drawn.get(f"{path}rotation[{k}]", float(k == 0)) for k in range(4)])
+        rotation = rotation_of(turn / np.linalg.norm(turn))
+        if kind == "gate":
+            found += bars_of_gate(size, position, rotation)
+        else:
+            found.append(Obstacle(kind, size, position, rotation))
     return found
+
+
+def bars_of_gate(size: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> list[Obstacle]:
+    """Two posts and two beams about an opening of `size[0]` x `size[1]`, `size[2]` thick."""
+    width, height, thickness = size
+    aside, above = 0.5 * (width + thickness), 0.5 * (height + thickness)
+    post = np.array([thickness, thickness, height + 2 * thickness])
+    beam = np.array([thickness, width, thickness])
+    places = [((0, s * aside, 0), post) for s in (1, -1)] + [
+        ((0, 0, s * above), beam) for s in (1, -1)
+    ]
+    return [
+        Obstacle("box", bar, position + rotation @ np.array(at), rotation) for at, bar in places
+    ]
+
+
+def drawn_of(log: h5py.File, episode: h5py.Group) -> dict[str, float]:
+    """The episode's EnvParams by path."""
+    if "params" not in log or "params" not in episode:
+        return {}
+    return dict(zip(texts(log["params"]["paths"][:]), episode["params"][:].tolist(), strict=False))
 
 
 def ending(episode: h5py.Group) -> str:
@@ -204,6 +231,6 @@ def read_flight(log: h5py.File, name: str) -> Flight:
         rotor_speed=episode["rotor_speed"][:] if rotors else None,
         rotor_command=episode["rotor_command"][:] if rotors else None,
         joints=joints_of(episode),
-        obstacles=obstacles_of(str(about["scenario_text"])),
+        obstacles=obstacles_of(str(about["scenario_text"]), drawn_of(log, episode)),
         near=near_spans(episode["near"][:], time) if "near" in episode else [],
     )

@@ -6,23 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
-from plot_flight_data import Flight, Obstacle
+from plot_flight_data import Flight, Obstacle, rotation_of
 
 NEAR = {"color": "gold", "alpha": 0.4, "linewidth": 0}
 AXES = ("tab:red", "tab:green", "tab:blue")
 INSTANTS = 7  # at which vehicles are drawn, along each path
 AROUND = 24  # points of a circle
-
-
-def rotation_of(quaternions: np.ndarray) -> np.ndarray:
-    """Matrices, W from body, of rows w x y z."""
-    w, x, y, z = np.moveaxis(quaternions, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 # --- obstacles ----------------------------------------------------------------------------------

@@ -48,8 +48,9 @@ def episode_of(log: Path):
 def test_obstacles_are_read_from_the_scenario_in_the_log(data: ModuleType, tmp_path: Path) -> None:
     shapes = "[{name: wall, box: [1, 2, 3], position: [4, 5, 6], rpy: [0, 0, 0.5]}, "
     shapes += "{name: ball, sphere: 0.25, position: [0, 9, 9]}, {name: pole, cylinder: [0.1, 2]}]"
-    log = flown(tmp_path, "hover", "--set", f"obstacles={shapes}")
-    found = data.obstacles_of(str(episode_of(log).attrs["scenario_text"]))
+    log = episode_of(flown(tmp_path, "hover", "--set", f"obstacles={shapes}"))
+    drawn = data.drawn_of(log, log["episodes/0001"])
+    found = data.obstacles_of(str(log.attrs["scenario_text"]), drawn)
     assert [o.kind for o in found] == ["box", "sphere", "cylinder"]
     assert found[0].position.tolist() == [4, 5, 6]
     assert found[0].rotation @ [1, 0, 0] == pytest.approx([np.cos(0.5), np.sin(0.5), 0])
@@ -58,7 +59,17 @@ def test_obstacles_are_read_from_the_scenario_in_the_log(data: ModuleType, tmp_p
 
 
 def test_a_scenario_without_obstacles_has_none(data: ModuleType) -> None:
-    assert data.obstacles_of("name: hover\nrobots:\n  - name: quad\n") == []
+    assert data.obstacles_of("name: hover\nrobots:\n  - name: quad\n", {}) == []
+
+
+def test_gates_are_four_bars_where_the_episode_has_them(data: ModuleType, tmp_path: Path) -> None:
+    log = episode_of(flown(tmp_path, "gates"))
+    drawn = data.drawn_of(log, log["episodes/0001"])
+    found = data.obstacles_of(str(log.attrs["scenario_text"]), drawn)
+    assert len(found) == 5 * 4
+    middle = np.mean([bar.position for bar in found[:4]], axis=0)
+    assert middle == pytest.approx([drawn[f"obstacles.gate_1.position[{k}]"] for k in range(3)])
+    assert np.abs(middle - [3, 0, 1.5]).max() > 1e-3  # drawn
 
 
 def test_ball_joints_show_how_far_they_have_turned(data: ModuleType, tmp_path: Path) -> None:

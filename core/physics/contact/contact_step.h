@@ -23,6 +23,13 @@ struct BodyBound {
   Real speed;         ///< no place of the body is faster [m/s]
 };
 
+/// How far a body's origin was from all that stands still, where it was looked at last.
+template <class Real>
+struct Clearance {
+  Vec3<Real> at;  ///< W [m]
+  Real distance;  ///< less than nothing: not looked at so far [m]
+};
+
 /// What the contacts of a step that were stopped did so far to a body's motion.
 template <class Real>
 struct BodyKick {
@@ -39,11 +46,11 @@ struct ContactWork {
   Vec3<Real>* bristles = nullptr;        ///< all of the world
   Vec3<Real>* bent = nullptr;            ///< the same after the part of the step
   MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part
-  bool* is_idle = nullptr;               ///< per bristle: all lanes have words of 0, untouched so far
-  MaskOf<Real>* is_touched = nullptr;    ///< per body of the world: since begin()
-  MaskOf<Real>* is_near = nullptr;       ///< of those meetings: the lanes
-  int* near = nullptr;                   ///< meetings of things that are near each other
-  bool* is_body_near = nullptr;          ///< per contact body: any of these meetings is its own
+  bool* is_idle = nullptr;             ///< per bristle: all lanes have words of 0, untouched so far
+  MaskOf<Real>* is_touched = nullptr;  ///< per body of the world: since begin()
+  MaskOf<Real>* is_near = nullptr;     ///< of those meetings: the lanes
+  int* near = nullptr;                 ///< meetings of things that are near each other
+  bool* is_body_near = nullptr;        ///< per contact body: any of these meetings is its own
 };
 
 /// Takes nothing down.
@@ -72,7 +79,10 @@ class ContactStep {
   /// Whether search() may find anything that moves: by spheres about the bodies' origins, so that
   /// nothing is to be turned.
   /// @param motion  of bodies with solids: position, velocity, spin
-  SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion) const {
+  /// @param clearances  per contact body: what is known of its distance from what stands still, in
+  ///                    the lanes of `wanted`; brought up to date. Null: nothing is kept
+  SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion, const MaskOf<Real>& wanted,
+                                          Clearance<Real>* clearances) const {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const ContactBody& body = scene_.bodies[i];
       const Motion& m = motion[body.body];
@@ -81,11 +91,25 @@ class ContactStep {
       w_.bounds[i] = {m.position, (radius + kMargin) + dt() * speed, speed};
     }
     MaskOf<Real> is_near(false);
+    int looked_at = -1;  // of the bodies, whose meetings follow one another
+    bool is_clear = false;
     for (const Meeting& meeting : scene_.meetings) {
       if (!meeting.moves) continue;
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
-      is_near |=
-          meeting.other == kGround ? bound.center.z < bound.radius : is_within(meeting, bound);
+      if (meeting.other >= 0) {
+        is_near |= is_within(meeting, bound);
+        continue;
+      }
+      if (clearances != nullptr && meeting.body != looked_at) {
+        looked_at = meeting.body;
+        is_clear = look_at(bound, wanted, clearances[meeting.body]);
+      }
+      if (is_clear) continue;
+      const Real distance = distance_of(meeting, bound.center);
+      is_near |= distance < bound.radius;
+      if (clearances == nullptr) continue;
+      Real& least = clearances[meeting.body].distance;
+      least = min(distance, least);
     }
     return is_near;
   }
@@ -234,6 +258,31 @@ class ContactStep {
       w_.bounds[i] = {m.position + arm, (body.radius + kMargin) + dt() * speed,
                       speed + body.radius * size_of(m.angular_velocity)};
     }
+  }
+
+  /// Whether a body is clear of all that stands still in the lanes of `wanted`. If not, it is to
+  /// be measured from here: its clearance begins anew.
+  SKYBODY_INLINE bool look_at(const BodyBound<Real>& bound, const MaskOf<Real>& wanted,
+                              Clearance<Real>& clearance) const {
+    // Distances grow and fall no quicker than the body moves.
+    const Real moved = size_of(bound.center - clearance.at);
+    if (none(logical_and(wanted, logical_not(moved + bound.radius + 1e-9 < clearance.distance)))) {
+      return true;
+    }
+    clearance = {bound.center, Real(kInfinity)};
+    return false;
+  }
+
+  /// Of a point from the ground, or from the box about an obstacle.
+  SKYBODY_INLINE Real distance_of(const Meeting& meeting, const Vec3<Real>& point) const {
+    if (meeting.other == kGround) return point.z;
+    const Values c = obstacle_constants(meeting.other);
+    const Vec3<Real> apart = point - load_vec3(c + kSolidPosition),
+                     half = load_vec3(c + kSolidHalf);
+    const Vec3<Real> local = transpose_times(load_axes(c), apart);
+    const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
+                             beyond(local.z, half.z)};
+    return norm(outside) - c[kSolidRounding];
   }
 
   /// No less than the norm.
@@ -386,8 +435,11 @@ class ContactStep {
         const ContactSolid& theirs = all[static_cast<std::size_t>(t)];
         const Solid<Real> their_solid =
             body == nullptr ? solid_of_obstacle(other) : solid_of(theirs, pair.motion[body->body]);
-        const Real apart = their_solid.distance(their_solid.to_local(solid.position)).distance;
-        const auto is_close = logical_and(pair.is_active, apart < mine.reach);
+        // The plane through the nearest point of their surface has all of them behind it.
+        const SurfaceDistance<Real> apart =
+            their_solid.distance(their_solid.to_local(solid.position));
+        const Real reach = solid.extent(their_solid.axes * apart.normal) + 1e-9;
+        const auto is_close = logical_and(pair.is_active, apart.distance < reach);
         if (none(is_close)) continue;
         Manifold<Real> found;
         meet(MeetCall<Real>{mine, theirs, solid, their_solid, is_close, found});

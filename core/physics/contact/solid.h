@@ -26,6 +26,11 @@ struct Solid {
   SKYBODY_INLINE Vec3<Real> to_local(const Vec3<Real>& point) const {
     return transpose_times(axes, point - position);
   }
+  /// How far it reaches from its centre along a unit vector, W; of a cylinder no less than that.
+  SKYBODY_INLINE Real extent(const Vec3<Real>& along) const {
+    const Vec3<Real> local = transpose_times(axes, along);
+    return (abs(local.x) * half.x + abs(local.y) * half.y) + (abs(local.z) * half.z + rounding);
+  }
   /// From its surface, of a point in its frame; the normal is in its frame, too.
   SKYBODY_INLINE SurfaceDistance<Real> distance(const Vec3<Real>& local) const {
     SurfaceDistance<Real> d;

@@ -33,6 +33,7 @@ struct CorrectionArrays {
   BodyKinematics<Real>*motion, *mean;
   BodyKinematics<Real>* at_rest;  ///< the same places, without motion
   ContactWork<Real> contact;
+  Clearance<Real>* clearances;  ///< per contact body
   typename Forest::template Work<Real> forest;
   CouplingWork<Real> couplings;
   bool* is_robot_near;  ///< per robot: what is not is left out
@@ -60,6 +61,7 @@ struct CorrectionArrays {
     arena.take(mean, bodies);
     arena.take(at_rest, bodies);
     arena.take(contact.bounds, plan.contact.bodies.size());
+    arena.take(clearances, plan.contact.bodies.size());
     arena.take(contact.forces, bodies);
     arena.take(contact.kicks, bodies);
     arena.take(contact.bristles, bristles);
@@ -101,6 +103,7 @@ class ContactCorrection {
       : plan_(*call.plan),
         group_(*call.group),
         start_(call.start),
+        clearances_(call.clearances),
         spins_(call.spins),
         lanes_(first),
         bodies_(derived + call.plan->derived.bodies),
@@ -111,8 +114,8 @@ class ContactCorrection {
         contact_(call.plan->contact, params + call.plan->world.layout.world_params, bodies_,
                  derived + call.plan->derived.obstacles, a_.contact) {}
 
-  /// Lanes where something may touch within the step that begins.
-  SKYBODY_INLINE MaskOf<Real> is_near() {
+  /// Lanes of `mask` where something may touch within the step that begins.
+  SKYBODY_INLINE MaskOf<Real> is_near(const MaskOf<Real>& mask) {
     for (const ContactBody& body : plan_.contact.bodies) {
       const LaneValues<Real> b(lanes_.at(group_.bodies, 13 * body.body));
       BodyKinematics<Real>& m = a_.motion[body.body];
@@ -120,7 +123,13 @@ class ContactCorrection {
       m.velocity = load_vec3(b + 7);
       m.spin = load_vec3(b + 10);
     }
-    return contact_.may_be_near(a_.motion);
+    if (clearances_ == nullptr) return contact_.may_be_near(a_.motion, mask, nullptr);
+    const int values = 4 * static_cast<int>(plan_.contact.bodies.size());
+    Real* const known = reinterpret_cast<Real*>(a_.clearances);
+    lanes_.load(clearances_, values, known);
+    const MaskOf<Real> is_near = contact_.may_be_near(a_.motion, mask, a_.clearances);
+    lanes_.store(known, values, mask, clearances_);
+    return is_near;
   }
 
   /// Corrects the step of the lanes in `mask`, whose values are those of its end.
@@ -416,6 +425,7 @@ class ContactCorrection {
   const StepPlan& plan_;
   const GroupBlocks& group_;
   StepStart start_;
+  double* clearances_;
   double* spins_;
   LanePlace<Real> lanes_;
   Values bodies_;

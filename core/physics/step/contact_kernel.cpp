@@ -23,9 +23,9 @@ SKYBODY_INLINE std::uint32_t each_correction(const StepCall& call, std::uint32_t
 struct FindNear {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return each_correction<W>(call, lanes, [](auto& correction, const auto&) SKYBODY_INLINE_LAMBDA {
-      return correction.is_near();
-    });
+    return each_correction<W>(call, lanes,
+                              [](auto& correction, const auto& mask)
+                                  SKYBODY_INLINE_LAMBDA { return correction.is_near(mask); });
   }
 };
 

@@ -103,13 +103,21 @@ GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
   SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()),
                  "a group has 1 or 32 lanes");
   if (plan.has_held) make_derived();  // its kernels read each lane's own
+  constexpr std::size_t kFewObstacles = 4;
+  if (plan.contact.obstacles.size() <= kFewObstacles) return;
+  clearances_ =
+      AlignedArray<double>(4 * plan.contact.bodies.size() * static_cast<std::size_t>(lanes));
+  for (int l = 0; l < lanes; ++l) forget_clearance(l);
 }
 
 GroupStepper::~GroupStepper() = default;
 
 StepCall GroupStepper::call(const GroupBlocks& group, PhysicsScratch& scratch) {
   const bool is_shared = drawn_ == 0 && !plan_.has_held;
-  return {&plan_, &group, spins_.data(), is_shared ? nullptr : derived_.data(), scratch.data()};
+  StepCall all{&plan_, &group, spins_.data(), is_shared ? nullptr : derived_.data(),
+               scratch.data()};
+  if (clearances_.size() > 0) all.clearances = clearances_.data();
+  return all;
 }
 
 void GroupStepper::refresh(const GroupBlocks& group, std::uint32_t lanes, std::uint32_t drawn,
@@ -117,6 +125,7 @@ void GroupStepper::refresh(const GroupBlocks& group, std::uint32_t lanes, std::u
   std::uint32_t own = 0;
   each_lane(drawn, [&](int l) {
     if (derive_bodies(group, l, scratch)) own |= 1u << l;
+    if (clearances_.size() > 0) forget_clearance(l);
   });
   const StepCall all = call(group, scratch);
   if (own != 0) kernels().derive(all, own);
@@ -301,6 +310,14 @@ void GroupStepper::put_nominal(int lane) {
 void GroupStepper::put_derived(const double* derived, int first, int lane) {
   for (int k = first; k < plan_.derived.size; ++k) {
     derived_[static_cast<std::size_t>(k * lanes_ + lane)] = derived[k];
+  }
+}
+
+/// Obstacles may be elsewhere now.
+void GroupStepper::forget_clearance(int lane) {
+  for (std::size_t i = 0; i < plan_.contact.bodies.size(); ++i) {
+    clearances_[(4 * i + 3) * static_cast<std::size_t>(lanes_) + static_cast<std::size_t>(lane)] =
+        -1.0;
   }
 }
 

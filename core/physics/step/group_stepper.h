@@ -129,21 +129,23 @@ class GroupStepper {
   bool are_params(const double* mine, const double* others, int stride) const;
   void make_derived();
   void put_nominal(int lane);
+  void forget_clearance(int lane);
   void put_derived(const double* derived, int first, int lane);
   Alone& alone();
   const StepKernels& kernels() const;
 
   const StepPlan& plan_;
   int lanes_;
-  AlignedArray<double> spins_;      ///< per body: angular velocity (W), in lanes; unless the world
-                                    ///< has free robots only
-  AlignedArray<double> derived_;    ///< of all lanes; empty: none was ever drawn
-  AlignedArray<double> made_from_;  ///< parameters, of known lanes
-  std::uint32_t known_ = 0;         ///< lanes whose numbers follow from `made_from_`
-  std::uint32_t drawn_ = 0;         ///< lanes whose parameters are not the nominal ones
-  std::uint32_t placed_ = 0;        ///< lanes of `derived_` that hold what is nominal
-  std::uint32_t broken_ = 0;        ///< lanes with parameters that no body has
-  std::uint32_t open_ = 0;          ///< lanes whose couplings cannot hold where their ends are
+  AlignedArray<double> spins_;       ///< per body: angular velocity (W), in lanes; unless the world
+                                     ///< has free robots only
+  AlignedArray<double> derived_;     ///< of all lanes; empty: none was ever drawn
+  AlignedArray<double> clearances_;  ///< StepCall's; empty where there is little to be clear of
+  AlignedArray<double> made_from_;   ///< parameters, of known lanes
+  std::uint32_t known_ = 0;          ///< lanes whose numbers follow from `made_from_`
+  std::uint32_t drawn_ = 0;          ///< lanes whose parameters are not the nominal ones
+  std::uint32_t placed_ = 0;         ///< lanes of `derived_` that hold what is nominal
+  std::uint32_t broken_ = 0;         ///< lanes with parameters that no body has
+  std::uint32_t open_ = 0;           ///< lanes whose couplings cannot hold where their ends are
   std::uint32_t near_ = 0;
   StepCounts counts_;
   std::unique_ptr<Alone> alone_;  ///< null: never needed so far

@@ -76,6 +76,8 @@ struct StepCall {
   double* derived;       ///< DerivedLayout::size values in lanes; null: all lanes are nominal
   std::byte* scratch;    ///< StepPlan::scratch_bytes
   StepStart start = {};  ///< for `correct`
+  /// For `find_near`: Clearance of each contact body, four values in lanes; null: none are kept
+  double* clearances = nullptr;
 };
 
 /// Does one thing to the lanes in `lanes`. @returns the lanes where it succeeded or holds
