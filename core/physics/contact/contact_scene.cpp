@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/math.h"
+#include "core/model/gate.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/shapes/overlap.h"
 
@@ -174,17 +175,6 @@ void check_obstacle(const Obstacle& obstacle, const double* params) {
   }
 }
 
-/// An obstacle with the sizes of one environment.
-Obstacle drawn(const Obstacle& nominal, const double* params) {
-  Obstacle obstacle = nominal;
-  const double* size = params + kObstacleSize;
-  Shape& shape = obstacle.shape;
-  if (shape.type == ShapeType::kBox) shape.size = load_vec3(size);
-  if (shape.type != ShapeType::kBox) shape.radius = size[0];
-  if (shape.type == ShapeType::kCylinder) shape.length = size[1];
-  return obstacle;
-}
-
 ContactLaw make_law(double penetration, double stiffness, double share) {
   ContactLaw law;
   law.stiffness = stiffness;
@@ -308,19 +298,30 @@ int count_obstacle_solids(const Scenario& scenario) {
 
 void make_obstacle_constants(const World& world, const double* params, double* out) {
   std::size_t i = 0;
-  for (const Obstacle& nominal : world.scenario.obstacles) {
+  for (const Obstacle& obstacle : world.scenario.obstacles) {
     const double* p = params + world.layout.obstacle_params[i++];
-    const bool is_there = p[kObstaclePresent] != 0.0 && nominal.shape.type != ShapeType::kMesh;
-    if (is_there) check_obstacle(nominal, p);
-    const Quat<double> rotation = normalized(load_quat(p + kObstacleRotation));
-    const Mat3<double> axes = to_mat3(rotation);
-    for (const Shape& shape : solids_of(drawn(nominal, p))) {
-      const ContactSolid solid = make_solid(shape);
-      store(load_vec3(p + kObstaclePosition) + axes * shape.pose.position, out + kSolidPosition);
+    const ShapeType type = obstacle.shape.type;
+    const bool is_there = p[kObstaclePresent] != 0.0 && type != ShapeType::kMesh;
+    if (is_there) check_obstacle(obstacle, p);
+    const double* size = p + kObstacleSize;
+    const Vec3<double> place = load_vec3(p + kObstaclePosition);
+    const Mat3<double> axes = to_mat3(normalized(load_quat(p + kObstacleRotation)));
+    const auto put = [&](const Vec3<double>& position, const Vec3<double>& half, double rounding) {
+      store(place + axes * position, out + kSolidPosition);
       for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
-      store(solid.half, out + kSolidHalf);
-      out[kSolidRounding] = is_there ? solid.rounding : kNoSolid;
+      store(half, out + kSolidHalf);
+      out[kSolidRounding] = is_there ? rounding : kNoSolid;
       out += kSolidConstantCount;
+    };
+    const Vec3<double> middle{0.0, 0.0, 0.0};
+    if (obstacle.is_gate) {
+      for (const GateBar& bar : gate_bars(load_vec3(size))) put(bar.position, 0.5 * bar.size, 0.0);
+    } else if (type == ShapeType::kBox) {
+      put(middle, 0.5 * load_vec3(size), 0.0);
+    } else if (type == ShapeType::kCylinder) {
+      put(middle, {size[0], size[0], 0.5 * size[1]}, 0.0);
+    } else {
+      put(middle, middle, type == ShapeType::kSphere ? size[0] : 0.0);
     }
   }
 }

@@ -9,62 +9,17 @@
 #pragma once
 
 #include "core/physics/bodies/body_constants.h"
-#include "core/physics/bodies/spatial_force.h"
 #include "core/physics/contact/contact_law.h"
+#include "core/physics/contact/contact_search.h"
 #include "core/physics/contact/manifold.h"
 
 namespace skybody {
 
-/// A contact body's sphere during one step.
-template <class Real>
-struct BodyBound {
-  Vec3<Real> center;  ///< at the step's start, W [m]
-  Real radius;        ///< with the way that the centre goes within the step [m]
-  Real speed;         ///< no place of the body is faster [m/s]
-};
-
-/// How far a body's origin was from all that stands still, where it was looked at last.
-template <class Real>
-struct Clearance {
-  Vec3<Real> at;  ///< W [m]
-  Real distance;  ///< less than nothing: not looked at so far [m]
-};
-
-/// What the contacts of a step that were stopped did so far to a body's motion.
-template <class Real>
-struct BodyKick {
-  Vec3<Real> velocity;          ///< of the centre of mass, W [m/s]
-  Vec3<Real> angular_velocity;  ///< W [rad/s]
-};
-
-/// Arrays of a step in contact, in a thread's scratch memory.
-template <class Real>
-struct ContactWork {
-  BodyBound<Real>* bounds = nullptr;     ///< per contact body
-  SpatialForce<Real>* forces = nullptr;  ///< per body of the world: of its contacts
-  BodyKick<Real>* kicks = nullptr;       ///< likewise
-  Vec3<Real>* bristles = nullptr;        ///< all of the world
-  Vec3<Real>* bent = nullptr;            ///< the same after the part of the step
-  MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part
-  bool* is_idle = nullptr;             ///< per bristle: all lanes have words of 0, untouched so far
-  MaskOf<Real>* is_touched = nullptr;  ///< per body of the world: since begin()
-  MaskOf<Real>* is_near = nullptr;     ///< of those meetings: the lanes
-  int* near = nullptr;                 ///< meetings of things that are near each other
-  bool* is_body_near = nullptr;        ///< per contact body: any of these meetings is its own
-};
-
-/// Takes nothing down.
-struct NoContactList {
-  template <class... Args>
-  SKYBODY_INLINE void operator()(const Args&...) const {}
-};
-
-/// The most parts of a step.
-inline constexpr int kMostParts = 64;
-
 /// @tparam Values  how constants are read: a pointer, or a view (lane_values.h)
 template <class Real, class Values>
-class ContactStep {
+class ContactStep : public ContactSearch<Real, Values> {
+  using Search = ContactSearch<Real, Values>;
+
  public:
   using Motion = BodyKinematics<Real>;
 
@@ -74,74 +29,8 @@ class ContactStep {
   SKYBODY_INLINE ContactStep(const ContactScene& scene, const Values& constants,
                              const Values& bodies, const Values& obstacles,
                              const ContactWork<Real>& work)
-      : scene_(scene), constants_(constants), bodies_(bodies), obstacles_(obstacles), w_(work) {}
+      : Search(scene, obstacles, work), constants_(constants), bodies_(bodies) {}
 
-  /// Whether search() may find anything that moves: by spheres about the bodies' origins, so that
-  /// nothing is to be turned.
-  /// @param motion  of bodies with solids: position, velocity, spin
-  /// @param clearances  per contact body: what is known of its distance from what stands still, in
-  ///                    the lanes of `wanted`; brought up to date. Null: nothing is kept
-  SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion, const MaskOf<Real>& wanted,
-                                          Clearance<Real>* clearances) const {
-    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      const ContactBody& body = scene_.bodies[i];
-      const Motion& m = motion[body.body];
-      const double radius = body.radius + norm(body.center);
-      const Real speed = size_of(m.velocity) + radius * size_of(m.spin);
-      w_.bounds[i] = {m.position, (radius + kMargin) + dt() * speed, speed};
-    }
-    MaskOf<Real> is_near(false);
-    int looked_at = -1;  // of the bodies, whose meetings follow one another
-    bool is_clear = false;
-    for (const Meeting& meeting : scene_.meetings) {
-      if (!meeting.moves) continue;
-      const BodyBound<Real>& bound = w_.bounds[meeting.body];
-      if (meeting.other >= 0) {
-        is_near |= is_within(meeting, bound);
-        continue;
-      }
-      if (clearances != nullptr && meeting.body != looked_at) {
-        looked_at = meeting.body;
-        is_clear = look_at(bound, wanted, clearances[meeting.body]);
-      }
-      if (is_clear) continue;
-      const Real distance = distance_of(meeting, bound.center);
-      is_near |= distance < bound.radius;
-      if (clearances == nullptr) continue;
-      Real& least = clearances[meeting.body].distance;
-      least = min(distance, least);
-    }
-    return is_near;
-  }
-
-  /// Looks for what may touch within the step that begins. A motion that is not finite is near
-  /// nothing.
-  /// @param motion  of all bodies: position, axes, velocity, angular velocity
-  /// @returns the lanes where anything may
-  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion) {
-    bound(motion);
-    MaskOf<Real> is_near(false);
-    near_count_ = 0;
-    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = false;
-    parts_ = Real(1.0);
-    for (std::size_t i = 0; i < scene_.meetings.size(); ++i) {
-      const Meeting& meeting = scene_.meetings[i];
-      const BodyBound<Real>& bound = w_.bounds[meeting.body];
-      const MaskOf<Real> here = meeting.other == kGround ? is_near_ground(meeting, bound, motion)
-                                                         : is_within(meeting, bound);
-      if (none(here)) continue;
-      is_near |= here;
-      w_.is_near[near_count_] = here;
-      w_.is_body_near[meeting.body] = true;
-      if (meeting.other >= 0) w_.is_body_near[meeting.other] = true;
-      w_.near[near_count_++] = static_cast<int>(i);
-      cut(meeting, here);
-    }
-    return is_near;
-  }
-
-  /// Into how many parts the step is to be cut, in each lane: a whole number.
-  SKYBODY_INLINE const Real& parts() const { return parts_; }
   /// Where things touch so quickly that it matters whether forces go by the velocity at a part's
   /// start or by its mean: known after act().
   SKYBODY_INLINE const MaskOf<Real>& is_quick() const { return is_quick_; }
@@ -225,6 +114,16 @@ class ContactStep {
   }
 
  private:
+  using Search::ask_for;
+  using Search::dt;
+  using Search::give_of_meeting;
+  using Search::load_axes;
+  using Search::near_count_;
+  using Search::obstacle_constants;
+  using Search::other_body;
+  using Search::scene_;
+  using Search::w_;
+
   /// What holds for all contacts of a meeting.
   struct Pair {
     const Meeting& meeting;
@@ -237,107 +136,6 @@ class ContactStep {
 
     const Motion& of_body() const { return motion[body.body]; }
   };
-
-  double dt() const { return scene_.world.scenario.stepping.dt; }
-  const ContactBody& other_body(const Meeting& meeting) const {
-    return scene_.bodies[static_cast<std::size_t>(meeting.other)];
-  }
-
-  /// ---- what is near
-
-  /// What acceleration adds to the way of a step: 2000 m/s^2 at 1 ms [m].
-  static constexpr double kMargin = 1e-3;
-
-  SKYBODY_INLINE void bound(const Motion* motion) const {
-    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      const ContactBody& body = scene_.bodies[i];
-      const Motion& m = motion[body.body];
-      const Vec3<Real> arm = m.axes * to_real<Real>(body.center);
-      const Vec3<Real> v = m.velocity + cross(m.angular_velocity, arm);
-      const Real speed = size_of(v);
-      w_.bounds[i] = {m.position + arm, (body.radius + kMargin) + dt() * speed,
-                      speed + body.radius * size_of(m.angular_velocity)};
-    }
-  }
-
-  /// Whether a body is clear of all that stands still in the lanes of `wanted`. If not, it is to
-  /// be measured from here: its clearance begins anew.
-  SKYBODY_INLINE bool look_at(const BodyBound<Real>& bound, const MaskOf<Real>& wanted,
-                              Clearance<Real>& clearance) const {
-    // Distances grow and fall no quicker than the body moves.
-    const Real moved = size_of(bound.center - clearance.at);
-    if (none(logical_and(wanted, logical_not(moved + bound.radius + 1e-9 < clearance.distance)))) {
-      return true;
-    }
-    clearance = {bound.center, Real(kInfinity)};
-    return false;
-  }
-
-  /// Of a point from the ground, or from the box about an obstacle.
-  SKYBODY_INLINE Real distance_of(const Meeting& meeting, const Vec3<Real>& point) const {
-    if (meeting.other == kGround) return point.z;
-    const Values c = obstacle_constants(meeting.other);
-    const Vec3<Real> apart = point - load_vec3(c + kSolidPosition),
-                     half = load_vec3(c + kSolidHalf);
-    const Vec3<Real> local = transpose_times(load_axes(c), apart);
-    const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                             beyond(local.z, half.z)};
-    return norm(outside) - c[kSolidRounding];
-  }
-
-  /// No less than the norm.
-  static SKYBODY_INLINE Real size_of(const Vec3<Real>& v) {
-    return (abs(v.x) + abs(v.y)) + abs(v.z);
-  }
-
-  /// Another body, or an obstacle.
-  SKYBODY_INLINE MaskOf<Real> is_within(const Meeting& meeting,
-                                        const BodyBound<Real>& bound) const {
-    if (is_obstacle(meeting.other)) {
-      const Values c = obstacle_constants(meeting.other);
-      const Vec3<Real> apart = bound.center - load_vec3(c + kSolidPosition);
-      const Mat3<Real> axes = load_axes(c);
-      const Vec3<Real> local = transpose_times(axes, apart), half = load_vec3(c + kSolidHalf);
-      const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                               beyond(local.z, half.z)};
-      const Real reach = bound.radius + c[kSolidRounding];
-      return logical_and(reach > 0.0, dot(outside, outside) < reach * reach);
-    }
-    const BodyBound<Real>& other = w_.bounds[meeting.other];
-    const Vec3<Real> apart = bound.center - other.center;
-    const Real reach = bound.radius + other.radius;
-    return dot(apart, apart) < reach * reach;
-  }
-
-  SKYBODY_INLINE MaskOf<Real> is_near_ground(const Meeting& meeting, const BodyBound<Real>& bound,
-                                             const Motion* motion) const {
-    const auto is_low = bound.center.z < bound.radius;
-    if (none(is_low)) return is_low;
-    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
-    const Motion& m = motion[body.body];
-    const Vec3<Real> row = m.axes.row(2);
-    Real lowest(kInfinity);
-    for (const GroundPoint& p : body.points) {
-      lowest = min(lowest, dot(row, to_real<Real>(p.at)) - p.radius);
-    }
-    lowest += m.position.z;
-    return logical_and(is_low, lowest < dt() * bound.speed + 1e-4);
-  }
-
-  /// How far a coordinate lies beyond an edge; NaN stays NaN.
-  static SKYBODY_INLINE Real beyond(const Real& x, const Real& half) {
-    const Real over = abs(x) - half;
-    return select(over < Real(0.0), Real(0.0), over);
-  }
-
-  /// Into how many parts a meeting cuts the step before it is known what touches: what is stopped
-  /// must not have passed.
-  SKYBODY_INLINE void cut(const Meeting& meeting, const MaskOf<Real>& here) {
-    if (meeting.other == kGround) return;
-    Real speed = w_.bounds[meeting.body].speed;
-    if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
-    ask_for(speed * (2.0 * dt()) / give_of_meeting(meeting), here);
-  }
 
   /// Where things touch so quickly that it matters, a contact asks for parts: so many that none
   /// goes through more of the swing of its spring than kLargestPhase, nor asks for more damping
@@ -366,32 +164,8 @@ class ContactStep {
     ask_for(parts, is_quick);
   }
 
-  SKYBODY_INLINE void ask_for(const Real& wanted, const MaskOf<Real>& here) {
-    for (int parts = 2; parts <= kMostParts; parts *= 2) {
-      const auto more = logical_and(here, wanted > 0.5 * parts);
-      if (none(more)) break;
-      parts_ = select(logical_and(more, parts_ < parts), Real(parts), parts_);
-    }
-  }
-
-  SKYBODY_INLINE Real give_of_meeting(const Meeting& meeting) const {
-    if (meeting.other == kGround) return Real(kInfinity);
-    const Real give(scene_.bodies[static_cast<std::size_t>(meeting.body)].give);
-    if (meeting.other >= 0) return min(give, Real(other_body(meeting).give));
-    const Values c = obstacle_constants(meeting.other);
-    return min(give, give_of(load_vec3(c + kSolidHalf), Real(c[kSolidRounding])));
-  }
-
   /// ---- where things are
 
-  SKYBODY_INLINE Values obstacle_constants(int other) const {
-    return obstacles_ + kSolidConstantCount * obstacle_of(other);
-  }
-  static SKYBODY_INLINE Mat3<Real> load_axes(const Values& c) {
-    Mat3<Real> axes;
-    for (int k = 0; k < 9; ++k) axes.m[k] = c[kSolidAxes + k];
-    return axes;
-  }
   static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
     return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
             m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
@@ -575,11 +349,7 @@ class ContactStep {
     if (other >= 0) kick(other_body(pair.meeting), pair.motion, point, -impulse);
   }
 
-  const ContactScene& scene_;
-  Values constants_, bodies_, obstacles_;
-  ContactWork<Real> w_;
-  int near_count_ = 0;
-  Real parts_{1.0};
+  Values constants_, bodies_;
   MaskOf<Real> is_quick_{false};
 };
 

@@ -1,0 +1,54 @@
+// What a step in contact works on: arrays in a thread's scratch memory.
+#pragma once
+
+#include "core/physics/bodies/kinematics.h"
+#include "core/physics/bodies/spatial_force.h"
+#include "core/physics/contact/contact_scene.h"
+
+namespace skybody {
+
+/// A contact body's sphere during one step.
+template <class Real>
+struct BodyBound {
+  Vec3<Real> center;  ///< at the step's start, W [m]
+  Real radius;        ///< with the way that the centre goes within the step [m]
+  Real speed;         ///< no place of the body is faster [m/s]
+};
+
+/// How far a body's origin was from all that stands still, where it was looked at last.
+template <class Real>
+struct Clearance {
+  Vec3<Real> at;  ///< W [m]
+  Real distance;  ///< less than nothing: not looked at so far [m]
+};
+
+/// What the contacts of a step that were stopped did so far to a body's motion.
+template <class Real>
+struct BodyKick {
+  Vec3<Real> velocity;          ///< of the centre of mass, W [m/s]
+  Vec3<Real> angular_velocity;  ///< W [rad/s]
+};
+
+/// Arrays of a step in contact, in a thread's scratch memory.
+template <class Real>
+struct ContactWork {
+  BodyBound<Real>* bounds = nullptr;     ///< per contact body
+  SpatialForce<Real>* forces = nullptr;  ///< per body of the world: of its contacts
+  BodyKick<Real>* kicks = nullptr;       ///< likewise
+  Vec3<Real>* bristles = nullptr;        ///< all of the world
+  Vec3<Real>* bent = nullptr;            ///< the same after the part of the step
+  MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part
+  bool* is_idle = nullptr;             ///< per bristle: all lanes have words of 0, untouched so far
+  MaskOf<Real>* is_touched = nullptr;  ///< per body of the world: since begin()
+  MaskOf<Real>* is_near = nullptr;     ///< of those meetings: the lanes
+  int* near = nullptr;                 ///< meetings of things that are near each other
+  bool* is_body_near = nullptr;        ///< per contact body: any of these meetings is its own
+};
+
+/// Takes nothing down.
+struct NoContactList {
+  template <class... Args>
+  SKYBODY_INLINE void operator()(const Args&...) const {}
+};
+
+}  // namespace skybody
