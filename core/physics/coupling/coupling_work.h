@@ -57,8 +57,6 @@ struct CouplingWork {
   Real* asked = nullptr;          ///< per row: by how much rates are to grow
   Real* force = nullptr;          ///< per row: what makes them
 
-  Real* q = nullptr;  ///< coordinates that project() works on
-  Real* u = nullptr;
   Real* shift = nullptr;    ///< per u
   Real* nothing = nullptr;  ///< per u: zeros
   BodyKinematics<Real>* motion = nullptr;
@@ -82,8 +80,7 @@ struct CouplingWork {
     arena.take(mass, count * count);
     arena.take(factor, count * count);
     for (Real** values : {&inverse_pivot, &asked, &force}) arena.take(*values, count);
-    arena.take(q, static_cast<std::size_t>(scene.world.layout.q.size));
-    for (Real** values : {&u, &shift, &nothing}) arena.take(*values, us);
+    for (Real** values : {&shift, &nothing}) arena.take(*values, us);
     arena.take(motion, body_count);
     arena.take(at_rest, body_count);
     arena.take(forces, body_count);

@@ -118,6 +118,7 @@ class CouplingSolver {
     if (a >= 0) f(a, robots[static_cast<std::size_t>(a)]);
     if (b >= 0 && b != a) f(b, robots[static_cast<std::size_t>(b)]);
   }
+
   /// ---- where the ends are
 
   /// The rows: directions, gaps, rates.

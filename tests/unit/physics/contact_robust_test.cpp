@@ -62,7 +62,7 @@ double energy(const Bench& bench) {
 TEST(Wall, NoBallPasses) {
   Random<double> random{RandomKey{2026, 51}, 0, 0, derive_stream("contact_robust_test")};
   int tries = 0;
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 600; ++k) {
     const double radius = random.uniform(0.01, 0.1), thickness = random.uniform(0.01, 0.1);
     const double speed = random.uniform(0.5, 20.0);
     const double dt = 1e-3 * std::pow(20.0, random.uniform()) * 0.1;
@@ -90,12 +90,12 @@ TEST(Wall, NoBallPasses) {
               1e-9 + before + 0.5 * speed * speed * 4000.0 * radius * radius * radius);
     ++tries;
   }
-  EXPECT_EQ(tries, 300);
+  EXPECT_EQ(tries, 600);
 }
 
 TEST(Wall, NoTumblingVehiclePasses) {
   Random<double> random{RandomKey{2026, 52}, 0, 0, derive_stream("contact_robust_test")};
-  for (int k = 0; k < 200; ++k) {
+  for (int k = 0; k < 400; ++k) {
     const double thickness = random.uniform(0.01, 0.1), speed = random.uniform(0.5, 20.0);
     const double dt = 1e-3 * std::pow(20.0, random.uniform()) * 0.1;
     Scenario scenario = world_of(make_vehicle(qdrone2()), dt);
@@ -261,7 +261,7 @@ TEST(Collision, ConvergesAsTheStepFalls) {
 TEST(Bounces, NeverGainEnergy) {
   Random<double> random{RandomKey{2026, 53}, 0, 0, derive_stream("contact_robust_test")};
   int bounces = 0;
-  for (int k = 0; bounces < 2000; ++k) {
+  for (int k = 0; bounces < 10'000; ++k) {
     const auto size = [&] { return random.uniform(0.03, 0.3); };
     const double kind = random.uniform();
     const Shape shape = kind < 0.3   ? make_sphere(size())
