@@ -14,6 +14,7 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
+from skybody.program import run_program
 from throughput import (
     ROOT,
     arguments,
@@ -180,7 +181,7 @@ whole environments, with rotors, controllers, observation and reward.
 """
 
 
-def main() -> None:
+def main() -> int:
     parser = arguments(__doc__ or "")
     options = parser.parse_args()
     folder = output_folder(parser, options)
@@ -189,10 +190,11 @@ def main() -> None:
     text = page(found)
     print(text)
     if folder is None:
-        return
+        return 0
     (folder / "contact_speed.md").write_text(text)
     write_json(folder / "data/contact_speed.json", found)
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)
