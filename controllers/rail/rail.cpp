@@ -29,6 +29,7 @@ class Rail : public Controller {
     check_count("positions", positions_.count(), false);
     check_count("rpy", rpy_.count(), true);
     read_stations();
+    check_start();
     if (repeat_.value()) check_loop();
     setup.input(Signal::kNone, {}, {});
     setup.output(Signal::kPose, 7);
@@ -109,6 +110,14 @@ class Rail : public Controller {
       if (rpy_.count() > 0) station.rpy = at(rpy_);
       stations_.push_back(station);
     }
+  }
+
+  /// Places count from the reset: another first one would be a jump.
+  void check_start() const {
+    if (norm(stations_[0].position) == 0.0 && norm(stations_[0].rpy) == 0.0) return;
+    throw std::runtime_error(
+        "the first of `positions` and `rpy` are not 0, but the base is where it is at the reset: "
+        "begin with 0, 0, 0 and move the robot's `pose`");
   }
 
   /// A loop that does not close would jump.

@@ -47,6 +47,7 @@ struct CouplingWork {
   MaskOf<Real>* is_held = nullptr;   ///< per joining: whether its rows are equations just now
   MaskOf<Real>* was_held = nullptr;  ///< per joining: in the last constrain()
   MaskOf<Real>* is_taut = nullptr;   ///< per joining: when the step began
+  MaskOf<Real>* is_new = nullptr;    ///< per joining: a rope that got taut within the step
   Vec3<Real>* pulls = nullptr;       ///< per joining: force on the first end, W [N]
 
   CouplingRow<Real>* rows = nullptr;
@@ -88,7 +89,7 @@ struct CouplingWork {
     arena.take(forest.body, body_count);
     arena.take(forest.ball, body_count);
     arena.take(forest.acceleration, body_count);
-    for (MaskOf<Real>** masks : {&is_there, &is_held, &was_held, &is_taut}) {
+    for (MaskOf<Real>** masks : {&is_there, &is_held, &was_held, &is_taut, &is_new}) {
       arena.take(*masks, joinings);
     }
   }

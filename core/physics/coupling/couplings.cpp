@@ -261,7 +261,8 @@ class CouplingSolver {
       const CouplingRow<Real>& row = w_.rows[joining.first_row];
       const auto is_long = logical_and(row.gap > row.rounding, row.rate > kCouplingTolerance);
       const auto is_new = logical_and(mask, logical_and(is_long, logical_not(w_.was_held[i])));
-      is_caught |= logical_and(w_.is_held[i], is_new);
+      w_.is_new[i] = logical_and(w_.is_held[i], is_new);
+      is_caught |= w_.is_new[i];
       w_.is_held[i] &= logical_or(is_new, w_.was_held[i]);
     });
     if (none(is_caught)) return;
@@ -271,7 +272,7 @@ class CouplingSolver {
       each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
         if (joining.kind != CouplingKind::kRope) return;
         const CouplingRow<Real>& row = w_.rows[joining.first_row];
-        const auto counts = logical_and(w_.is_held[i], row.rate > kCouplingTolerance);
+        const auto counts = logical_and(w_.is_new[i], row.rate > kCouplingTolerance);
         since = max(since, select(counts, row.gap / select(counts, row.rate, Real(1.0)), since));
       });
       since = select(is_caught, min(since, dt - ago), Real(0.0));

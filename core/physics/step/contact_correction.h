@@ -222,6 +222,7 @@ class ContactCorrection {
         start();
         load_bristles();
         forget_pulls();
+        has_closed_ = is_near;
         p = -1;
         continue;
       }
@@ -319,17 +320,10 @@ class ContactCorrection {
     for (std::size_t i = 0; i < plan_.contact.bodies.size(); ++i) {
       a_.is_robot_near[plan_.contact.bodies[i].robot] |= a_.contact.is_body_near[i];
     }
-    if (couplings_.any()) add_held_robots();
-  }
-  /// What hangs together is near together.
-  SKYBODY_INLINE void add_held_robots() {
-    const std::vector<int>& held_with = plan_.couplings.held_with;
-    for (const bool forward : {true, false}) {  // to the first of each team, and from there to all
-      for (std::size_t r = 0; r < held_with.size(); ++r) {
-        if (held_with[r] < 0) continue;
-        bool& first = a_.is_robot_near[held_with[r]];
-        (forward ? first : a_.is_robot_near[r]) |= forward ? a_.is_robot_near[r] : first;
-      }
+    // All couplings of a lane are solved together: what is held takes part whole, wherever in the
+    // pack something is near, so that a lane does what it does alone.
+    for (std::size_t r = 0; r < plan_.couplings.held_with.size(); ++r) {
+      a_.is_robot_near[r] |= plan_.couplings.is_held(static_cast<int>(r));
     }
   }
   /// Calls f(i) for places of q and of u, which lie one behind the other.

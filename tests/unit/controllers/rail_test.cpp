@@ -60,6 +60,9 @@ TEST_F(RailTest, BadConfigurationNamesValueAndRemedy) {
           "rail", world,
           {{"times", Numbers{0, 2}}, {"positions", Numbers{0, 0, 0, 0, 0, 1}}, {"repeat", true}}),
       HasSubstr("end where it begins"));
+  EXPECT_THAT(
+      refusal("rail", world, {{"times", Numbers{0, 2}}, {"positions", Numbers{0, 0, 1, 0, 0, 1}}}),
+      HasSubstr("begin with 0, 0, 0"));
   world.robots[0].fixed_base = 1;
   EXPECT_THAT(refusal("rail", world, lift), HasSubstr("has a fixed base"));
 }
