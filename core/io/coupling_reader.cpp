@@ -26,7 +26,7 @@ class CouplingReader {
     read_constants(reader_, kCouplingConstants, coupling_.constants.data());
     coupling_.has_length = reader_.node("length") != nullptr;
     coupling_.mark = coupling_.has_length ? reader_.mark("length") : reader_.mark();
-    check_constants();
+    if (is_kind_known_) check_constants();
     read_ends();
     if (diagnostics_.error_count() > errors_before) return std::nullopt;
     return coupling_;
@@ -38,10 +38,16 @@ class CouplingReader {
     const auto found = std::find(kCouplingNames.begin(), kCouplingNames.end(), kind_);
     if (found == kCouplingNames.end()) return;  // refused
     coupling_.kind = static_cast<CouplingKind>(found - kCouplingNames.begin());
+    is_kind_known_ = true;
   }
 
-  /// No kind takes what it has no use for.
+  /// No kind takes what it has no use for, and a spring does something.
   void check_constants() {
+    if (coupling_.kind == CouplingKind::kSpring && reader_.node("stiffness") == nullptr &&
+        reader_.node("damping") == nullptr) {
+      diagnostics_.error(reader_.mark(), "the spring `" + coupling_.name +
+                                             "` has neither `stiffness` nor `damping`; give one");
+    }
     for (const ConstantRow& row : kCouplingConstants) {
       if (row.place < coupling_constant_count(coupling_.kind)) continue;
       if (reader_.node(row.key) == nullptr) continue;
@@ -110,7 +116,14 @@ class CouplingReader {
 
   void check_ends(const SourceMark& mark) {
     const CouplingEnd &a = coupling_.ends[0], &b = coupling_.ends[1];
-    if (a.robot != b.robot || (a.robot >= 0 && a.body != b.body)) return;
+    if (a.robot != b.robot || (a.robot >= 0 && a.body != b.body)) {
+      if (stands(a) && stands(b)) {
+        diagnostics_.error(mark,
+                           "both `ends` are of what stands still, so that nothing can give "
+                           "way; name a body that moves");
+      }
+      return;
+    }
     diagnostics_.error(mark, a.robot < 0 ? std::string("both `ends` are of the world; name a robot")
                                          : "both `ends` are of one body, `" +
                                                robots_[static_cast<std::size_t>(a.robot)]
@@ -119,10 +132,18 @@ class CouplingReader {
                                                "`; a coupling joins two");
   }
 
+  /// Whether nothing can move it: the world, or a base that is welded to it.
+  bool stands(const CouplingEnd& end) const {
+    if (end.robot < 0) return true;
+    const RobotModel& model = robots_[static_cast<std::size_t>(end.robot)].model;
+    return model.bodies[static_cast<std::size_t>(end.body)].joint.type == JointType::kWeld;
+  }
+
   MapReader reader_;
   const std::vector<RobotUse>& robots_;
   Diagnostics& diagnostics_;
   std::string kind_;
+  bool is_kind_known_ = false;
   Coupling coupling_;
 };
 

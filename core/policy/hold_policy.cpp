@@ -1,6 +1,7 @@
 #include "core/policy/hold_policy.h"
 
 #include <algorithm>
+#include <set>
 
 #include "core/base/error.h"
 #include "core/base/math.h"
@@ -149,15 +150,21 @@ void HoldPolicy::share_loads() {
   for (Robot& robot : robots_) {
     const int team = team_of(robot.index);
     if (team < 0) continue;
-    const auto carriers = std::count_if(robots_.begin(), robots_.end(), [&](const Robot& other) {
-      return team_of(other.index) == team;
-    });
-    robot.load_share = 1.0 / static_cast<double>(carriers);
+    const auto has_rotors = [&](int index) {
+      return world.layout.robots[static_cast<std::size_t>(index)].rotor_count > 0;
+    };
+    std::set<int> carriers;  // a robot may have several chains
+    for (const Robot& other : robots_) {
+      if (team_of(other.index) == team && has_rotors(other.index)) carriers.insert(other.index);
+    }
+    if (!has_rotors(robot.index)) continue;
+    robot.load_share = 1.0 / static_cast<double>(carriers.size());
     for (std::size_t b = 0; b < world.bodies.size(); ++b) {
       const int owner = world.bodies[b].robot;
-      const RobotLayout& layout = world.layout.robots[static_cast<std::size_t>(owner)];
-      const bool is_fixed = world.scenario.robots[static_cast<std::size_t>(owner)].model.fixed_base;
-      if (team_of(owner) != team || layout.rotor_count > 0 || is_fixed) continue;
+      const auto use = static_cast<std::size_t>(owner);
+      const bool stands =
+          world.scenario.robots[use].model.fixed_base || world.drives[use] != DriveKind::kNone;
+      if (team_of(owner) != team || has_rotors(owner) || stands) continue;
       robot.loads.push_back(static_cast<int>(b));
     }
   }

@@ -18,8 +18,8 @@ namespace skybody {
 /// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
 /// thrusts and rotor speeds by the pseudo-inverse of the rotors' geometry, a wrench by rotation to
 /// W, velocity and pose directly. A goal about a body that hangs from the base is reached by
-/// placing the four poles of a pendulum on an accelerated pivot. What has no rotors and is coupled
-/// to robots is carried by them in equal shares.
+/// placing the four poles of a pendulum on an accelerated pivot. What has no rotors and hangs on
+/// robots by rods, ropes or points is carried by them in equal shares.
 class HoldPolicy : public Policy {
  public:
   /// @throws Error naming the robot if its command is none of the above

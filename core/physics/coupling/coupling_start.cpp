@@ -29,7 +29,10 @@ std::string metres(double value) {
 void fit(Coupling& coupling, double distance) {
   const std::string ends =
       "the ends of `" + coupling.name + "` are " + metres(distance) + " apart at the start";
-  const auto refuse = [&](const std::string& why) { throw MarkedError(coupling.mark, ends + why); };
+  const bool is_there = coupling.constants[kCouplingPresent] != 0.0;
+  const auto refuse = [&](const std::string& why) {
+    if (is_there) throw MarkedError(coupling.mark, ends + why);
+  };
   if (coupling.kind == CouplingKind::kPoint) {
     if (distance > kSmallestGap) {
       refuse(
@@ -40,7 +43,8 @@ void fit(Coupling& coupling, double distance) {
     return;
   }
   double& length = coupling.constants[kCouplingLength];
-  if (coupling.kind != CouplingKind::kSpring && distance < kSmallestGap) {
+  const bool is_coiled = coupling.kind == CouplingKind::kRope && coupling.has_length;
+  if (coupling.kind != CouplingKind::kSpring && !is_coiled && distance < kSmallestGap) {
     refuse(" and have no direction; allowed: more than " + metres(kSmallestGap) +
            "; `kind: point` holds two points at one place");
   }

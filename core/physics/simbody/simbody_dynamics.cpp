@@ -313,18 +313,19 @@ class SimbodyDynamics final : public Dynamics {
     if (world_.bodies.empty()) return;
     // The mass properties of all bodies lie one after another (world_layout.cpp).
     const double* masses = params + world_.layout.body_params.front();
-    std::vector<double> from(masses, masses + kBodyParamCount * world_.bodies.size());
+    wanted_.assign(masses, masses + kBodyParamCount * world_.bodies.size());
     for (std::size_t i = 0; i < world_.scenario.couplings.size(); ++i) {
-      if (coupling_constant_count(world_.scenario.couplings[i].kind) <= kCouplingLength) continue;
-      from.push_back(params[world_.layout.coupling_params[i] + kCouplingLength]);
+      const CouplingKind kind = world_.scenario.couplings[i].kind;
+      if (kind != CouplingKind::kRod && kind != CouplingKind::kRope) continue;
+      wanted_.push_back(params[world_.layout.coupling_params[i] + kCouplingLength]);
     }
     if (system_ != nullptr &&
-        std::memcmp(from.data(), built_from_.data(), from.size() * sizeof(double)) == 0) {
+        std::memcmp(wanted_.data(), built_from_.data(), wanted_.size() * sizeof(double)) == 0) {
       return;
     }
     system_.reset();
     system_ = make_system(world_, tree_, params);
-    built_from_ = std::move(from);
+    built_from_ = wanted_;
   }
 
   void accelerations(const double* q, const double* u, const SpatialForce<double>* body_forces,
@@ -367,7 +368,8 @@ class SimbodyDynamics final : public Dynamics {
 
   const World& world_;
   std::vector<TreeBody> tree_;
-  std::vector<double> built_from_;  ///< parameters of all bodies
+  /// Masses of all bodies, lengths of rods and ropes: of the system, and of the last call.
+  std::vector<double> built_from_, wanted_;
   std::unique_ptr<SimbodySystem> system_;
 };
 
