@@ -251,6 +251,16 @@ void add_meetings(ContactScene& scene) {
   }
 }
 
+/// Pairs that a meeting may have within reach.
+int count_pairs(const ContactScene& scene, const Meeting& meeting) {
+  if (meeting.other == kGround) return 1;
+  const auto solids_of = [&](int body) {
+    const ContactBody& b = scene.bodies[static_cast<std::size_t>(body)];
+    return b.last_solid - b.first_solid;
+  };
+  return solids_of(meeting.body) * (meeting.other >= 0 ? solids_of(meeting.other) : 1);
+}
+
 }  // namespace
 
 const ContactForm& contact_form(ShapeType type) {
@@ -287,7 +297,10 @@ ContactScene::ContactScene(const World& w) : world(w) {
     ++owner;
   }
   add_meetings(*this);
-  for (const Meeting& meeting : meetings) has_idle |= !meeting.moves;
+  for (const Meeting& meeting : meetings) {
+    has_idle |= !meeting.moves;
+    most_near += count_pairs(*this, meeting);
+  }
 }
 
 int count_obstacle_solids(const Scenario& scenario) {

@@ -87,6 +87,7 @@ struct ContactScene {
   std::vector<int> obstacle_owners;     ///< for each of these: the scenario's obstacle
   std::vector<Meeting> meetings;        ///< bodies of one robot do not meet
   bool has_idle = false;                ///< there are meetings of which forces move nothing
+  int most_near = 0;                    ///< pairs of a body and the ground, or of two solids
 };
 
 /// |g| for contact stiffness [m/s^2]: the scenario's, or 9.81 where it has no gravity.

@@ -60,24 +60,26 @@ class ContactSearch {
   /// Looks for what may touch within the step that begins. A motion that is not finite is near
   /// nothing.
   /// @param motion  of all bodies: position, axes, velocity, angular velocity
+  /// @param wanted  lanes to look at
   /// @returns the lanes where anything may
-  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion) {
+  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion, const MaskOf<Real>& wanted) {
     bound(motion);
     MaskOf<Real> is_near(false);
     near_count_ = 0;
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = false;
     parts_ = Real(1.0);
-    for (std::size_t i = 0; i < scene_.meetings.size(); ++i) {
-      const Meeting& meeting = scene_.meetings[i];
+    for (const Meeting& meeting : scene_.meetings) {
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
-      const MaskOf<Real> here = meeting.other == kGround ? is_near_ground(meeting, bound, motion)
-                                                         : is_within(meeting, bound);
+      const auto within = logical_and(wanted, meeting.other == kGround
+                                                  ? is_near_ground(meeting, bound, motion)
+                                                  : is_within(meeting, bound));
+      if (none(within)) continue;
+      const MaskOf<Real> here = meeting.other == kGround ? within : near_solids(meeting, within, motion);
       if (none(here)) continue;
       is_near |= here;
-      w_.is_near[near_count_] = here;
+      if (meeting.other == kGround) add_pair(meeting, 0, 0, here);
       w_.is_body_near[meeting.body] = true;
       if (meeting.other >= 0) w_.is_body_near[meeting.other] = true;
-      w_.near[near_count_++] = static_cast<int>(i);
       cut(meeting, here);
     }
     return is_near;
@@ -169,6 +171,71 @@ class ContactSearch {
     }
     lowest += m.position.z;
     return logical_and(is_low, lowest < dt() * bound.speed + 1e-4);
+  }
+
+  /// Two bodies, or a body and an obstacle, whose spheres are near: which of their solids are.
+  /// @returns the lanes where any two of them are
+  SKYBODY_INLINE MaskOf<Real> near_solids(const Meeting& meeting, const MaskOf<Real>& within,
+                                          const Motion* motion) {
+    Real way = dt() * w_.bounds[meeting.body].speed + kMargin;
+    if (meeting.other >= 0) way += dt() * w_.bounds[meeting.other].speed;
+    MaskOf<Real> is_near(false);
+    each_two_solids(meeting, motion, [&](int s, int t, const Solid<Real>& solid,
+                                         const Solid<Real>& other) SKYBODY_INLINE_LAMBDA {
+      const auto here = logical_and(within, is_close(solid, other, way));
+      if (none(here)) return;
+      is_near |= here;
+      add_pair(meeting, s, t, here);
+    });
+    return is_near;
+  }
+
+  /// Whether a solid is nearer than a distance to another one, or may be: the plane through the
+  /// nearest point of the other's surface has all of it behind it.
+  static SKYBODY_INLINE MaskOf<Real> is_close(const Solid<Real>& solid, const Solid<Real>& other,
+                                              const Real& distance) {
+    const SurfaceDistance<Real> apart = other.distance(other.to_local(solid.position));
+    return apart.distance < solid.extent(other.axes * apart.normal) + distance;
+  }
+
+  /// Calls f(s, t, solid, other) for the solids of a meeting, where they are.
+  template <class F>
+  SKYBODY_INLINE void each_two_solids(const Meeting& meeting, const Motion* motion,
+                                      const F& f) const {
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+    const bool is_body = meeting.other >= 0;
+    const int first = is_body ? other_body(meeting).first_solid : obstacle_of(meeting.other);
+    const int last = is_body ? other_body(meeting).last_solid : first + 1;
+#pragma GCC unroll 1
+    for (int t = first; t < last; ++t) {
+      const Solid<Real> other = other_solid(meeting, t, motion);
+#pragma GCC unroll 1
+      for (int s = body.first_solid; s < body.last_solid; ++s) {
+        f(s, t, solid_of(scene_.solids[static_cast<std::size_t>(s)], motion[body.body]), other);
+      }
+    }
+  }
+
+  SKYBODY_INLINE void add_pair(const Meeting& meeting, int solid, int other,
+                               const MaskOf<Real>& here) {
+    w_.near[near_count_++] = {&meeting, solid, other, here, Real(0.0), Real(0.0)};
+  }
+
+  static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
+    return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
+            m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
+            Real(solid.rounding)};
+  }
+  /// Of the other body, or the obstacle.
+  SKYBODY_INLINE Solid<Real> other_solid(const Meeting& meeting, int t,
+                                         const Motion* motion) const {
+    if (meeting.other >= 0) {
+      return solid_of(scene_.solids[static_cast<std::size_t>(t)],
+                      motion[other_body(meeting).body]);
+    }
+    const Values c = obstacle_constants(meeting.other);
+    return {scene_.obstacles[static_cast<std::size_t>(t)].type, load_vec3(c + kSolidPosition),
+            load_axes(c), load_vec3(c + kSolidHalf), Real(c[kSolidRounding])};
   }
 
   /// How far a coordinate lies beyond an edge; NaN stays NaN.

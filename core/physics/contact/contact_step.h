@@ -49,31 +49,26 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// @param mean       the same with mean velocities of the part, as far as they are known
   /// @param step       of the part [s]
   /// @param is_active  lanes where anything acts
+  /// @param is_again   the bodies are where they were at the last call: so are the places
   /// @param list       list(meeting, point, Touch, force, lanes) of each contact
   template <class List = NoContactList>
   SKYBODY_INLINE void act(const Motion* motion, const Motion* mean, const Real& step,
-                          const MaskOf<Real>& is_active, const List& list = {}) {
+                          const MaskOf<Real>& is_active, bool is_again, const List& list = {}) {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     for (std::size_t i = 0; i < scene_.world.bodies.size(); ++i) {
       w_.forces[i] = {zero, zero};
       w_.kicks[i] = {zero, zero};
     }
     each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA { w_.is_bent[i] = MaskOf<Real>(false); });
-    for (int i = 0; i < near_count_; ++i) {
-      const Meeting& meeting = scene_.meetings[static_cast<std::size_t>(w_.near[i])];
-      const auto here = logical_and(is_active, w_.is_near[i]);
-      if (none(here)) continue;
-      const Real felt = inverse_mass(meeting);
-      const Pair pair{meeting, scene_.bodies[static_cast<std::size_t>(meeting.body)],
-                      motion,  mean,
-                      step,    here,
-                      felt,    1.0 / max(2.0 * (felt * step), Real(1e-12))};
-      if (meeting.other == kGround) {
-        meet_ground(pair, list);
-      } else {
-        meet_solids(pair, list);
-      }
-    }
+    const Part part{motion, mean, step, is_again};
+    const bool are_known = is_again && are_places_kept_;
+    if (!are_known) are_places_kept_ = true;
+    int next = are_known ? near_count_ : 0;
+    do {
+      if (!are_known) next = find_places(part, next, is_active);
+#pragma GCC unroll 1
+      for (int i = 0; i < place_count_; ++i) touch(part, w_.places[i], list);
+    } while (next < near_count_);
   }
 
   /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
@@ -116,32 +111,28 @@ class ContactStep : public ContactSearch<Real, Values> {
  private:
   using Search::ask_for;
   using Search::dt;
+  using Search::each_two_solids;
   using Search::give_of_meeting;
-  using Search::load_axes;
+  using Search::is_close;
   using Search::near_count_;
-  using Search::obstacle_constants;
   using Search::other_body;
+  using Search::other_solid;
   using Search::scene_;
+  using Search::solid_of;
   using Search::w_;
 
-  /// What holds for all contacts of a meeting.
-  struct Pair {
-    const Meeting& meeting;
-    const ContactBody& body;
+  /// What holds for all contacts of a part.
+  struct Part {
     const Motion *motion, *mean;
     const Real& step;
-    const MaskOf<Real>& is_active;
-    Real per_mass;      ///< inverse of the mass that a place feels [1/kg]
-    Real most_damping;  ///< see Touch
-
-    const Motion& of_body() const { return motion[body.body]; }
+    bool is_again;
   };
 
   /// Where things touch so quickly that it matters, a contact asks for parts: so many that none
   /// goes through more of the swing of its spring than kLargestPhase, nor asks for more damping
   /// than Touch::most_damping, nor goes far where it is going to be stopped.
   /// @param speed  at which it gets deeper, or less deep
-  SKYBODY_INLINE void ask_for_parts(const Pair& pair, const Real& depth, const Real& speed,
+  SKYBODY_INLINE void ask_for_parts(const NearPair<Real>& pair, const Real& depth, const Real& speed,
                                     const MaskOf<Real>& touches) {
     constexpr double kLargestPhase = 0.5, kStoppedParts = 24.0, kQuickWay = 0.05;
     const Real way = dt() * speed;
@@ -149,14 +140,14 @@ class ContactStep : public ContactSearch<Real, Values> {
     const auto is_quick = logical_and(touches, way > kQuickWay * rest);
     if (none(is_quick)) return;
     is_quick_ |= is_quick;
-    const double stiffness = pair.meeting.law.stiffness;
+    const double stiffness = pair.meeting->law.stiffness;
     const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
     const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
     const Real damping = 1.5 * Real(constants_[kDissipation]) * (rigidity * reach);
     Real parts = max(phase * (1.0 / kLargestPhase), (2.0 * dt()) * (damping * pair.per_mass));
-    if (pair.meeting.other != kGround) {
+    if (pair.meeting->other != kGround) {
       // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
-      const Real give = give_of_meeting(pair.meeting);
+      const Real give = give_of_meeting(*pair.meeting);
       const Real held = (0.8 * kContactShare * stiffness) * ((give * give) * sqrt(give));
       const auto is_stopped = speed * speed > held * pair.per_mass;
       parts = select(is_stopped, max(parts, way * kStoppedParts / give), parts);
@@ -164,91 +155,85 @@ class ContactStep : public ContactSearch<Real, Values> {
     ask_for(parts, is_quick);
   }
 
-  /// ---- where things are
-
-  static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
-    return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
-            m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
-            Real(solid.rounding)};
-  }
-  SKYBODY_INLINE Solid<Real> solid_of_obstacle(int other) const {
-    const Values c = obstacle_constants(other);
-    return {scene_.obstacles[static_cast<std::size_t>(obstacle_of(other))].type,
-            load_vec3(c + kSolidPosition), load_axes(c), load_vec3(c + kSolidHalf),
-            Real(c[kSolidRounding])};
-  }
-
   /// ---- what touches
 
-  template <class List>
-  SKYBODY_INLINE void meet_ground(const Pair& pair, const List& list) {
-    const Motion& m = pair.of_body();
+  /// Places of the pairs from `next` on, as many as are kept.
+  /// @returns the first pair that is still to be looked at
+  SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
+    Manifold<Real> found{w_.places};
+    if (next > 0) are_places_kept_ = false;
+    for (; next < near_count_ && found.count <= kKeptPlaces - Manifold<Real>::kMost; ++next) {
+      NearPair<Real>& pair = w_.near[next];
+      const auto here = logical_and(is_active, pair.lanes);
+      if (none(here)) continue;
+      const int first = found.count;
+      if (pair.meeting->other == kGround) {
+        meet_ground(*pair.meeting, part, here, found);
+      } else {
+        meet_solids(pair, part, here, found);
+      }
+      if (found.count == first) continue;
+      pair.per_mass = inverse_mass(*pair.meeting);
+      pair.most_damping = 1.0 / max(2.0 * (pair.per_mass * part.step), Real(1e-12));
+      for (int i = first; i < found.count; ++i) found.places[i].pair = next;
+    }
+    place_count_ = found.count;
+    return next;
+  }
+
+  SKYBODY_INLINE void meet_ground(const Meeting& meeting, const Part& part,
+                                  const MaskOf<Real>& here, Manifold<Real>& found) const {
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+    const Motion& m = part.motion[body.body];
     const Vec3<Real> up{Real(0.0), Real(0.0), Real(1.0)};
-    for (const GroundPoint& point : pair.body.points) {
+#pragma GCC unroll 1
+    for (const GroundPoint& point : body.points) {
       const Vec3<Real> at = to_real<Real>(point.at);
       const Real z = (m.position.z + dot(m.axes.row(2), at)) - point.radius;
-      const auto touches = logical_and(pair.is_active, z < 0.0);
+      const auto touches = logical_and(here, z < 0.0);
       if (none(touches)) continue;  // most points of a body that lies on the others
-      const Vec3<Real> place{m.position.x + dot(m.axes.row(0), at),
-                             m.position.y + dot(m.axes.row(1), at), z};
-      touch(pair, {place, up, -z, touches, point.bristle}, list);
+      found.add({m.position.x + dot(m.axes.row(0), at), m.position.y + dot(m.axes.row(1), at), z},
+                up, -z, point.bristle, touches);
     }
   }
 
-  template <class List>
-  SKYBODY_INLINE void meet_solids(const Pair& pair, const List& list) {
-    const int other = pair.meeting.other;
-    const ContactBody* body = other >= 0 ? &other_body(pair.meeting) : nullptr;
-    const int first = body == nullptr ? obstacle_of(other) : body->first_solid;
-    const int last = body == nullptr ? first + 1 : body->last_solid;
-    for (int s = pair.body.first_solid; s < pair.body.last_solid; ++s) {
-      const ContactSolid& mine = scene_.solids[static_cast<std::size_t>(s)];
-      const Solid<Real> solid = solid_of(mine, pair.of_body());
-      for (int t = first; t < last; ++t) {
-        const auto& all = body == nullptr ? scene_.obstacles : scene_.solids;
-        const ContactSolid& theirs = all[static_cast<std::size_t>(t)];
-        const Solid<Real> their_solid =
-            body == nullptr ? solid_of_obstacle(other) : solid_of(theirs, pair.motion[body->body]);
-        // The plane through the nearest point of their surface has all of them behind it.
-        const SurfaceDistance<Real> apart =
-            their_solid.distance(their_solid.to_local(solid.position));
-        const Real reach = solid.extent(their_solid.axes * apart.normal) + 1e-9;
-        const auto is_close = logical_and(pair.is_active, apart.distance < reach);
-        if (none(is_close)) continue;
-        Manifold<Real> found;
-        meet(MeetCall<Real>{mine, theirs, solid, their_solid, is_close, found});
-        touch_all(pair, found, list);
-      }
-    }
-  }
-
-  template <class List>
-  SKYBODY_INLINE void touch_all(const Pair& pair, const Manifold<Real>& found, const List& list) {
-#pragma GCC unroll 1
-    for (int i = 0; i < found.count; ++i) touch(pair, found.places[i], list);
+  SKYBODY_INLINE void meet_solids(const NearPair<Real>& pair, const Part& part,
+                                  const MaskOf<Real>& here, Manifold<Real>& found) const {
+    const Meeting& meeting = *pair.meeting;
+    const auto& others = meeting.other >= 0 ? scene_.solids : scene_.obstacles;
+    const ContactSolid& mine = scene_.solids[static_cast<std::size_t>(pair.solid)];
+    const Solid<Real> solid =
+        solid_of(mine, part.motion[scene_.bodies[static_cast<std::size_t>(meeting.body)].body]);
+    const Solid<Real> other = other_solid(meeting, pair.other, part.motion);
+    const auto touches = logical_and(here, is_close(solid, other, Real(1e-9)));
+    if (none(touches)) return;
+    meet(MeetCall<Real>{mine, others[static_cast<std::size_t>(pair.other)], solid, other, touches,
+                        found});
   }
 
   /// ---- what it does
 
   template <class List>
-  SKYBODY_INLINE void touch(const Pair& pair, const Place<Real>& place, const List& list) {
+  SKYBODY_INLINE void touch(const Part& part, const Place<Real>& place, const List& list) {
     const Vec3<Real>&point = place.point, &out = place.out;
     const MaskOf<Real>& touches = place.touches;
-    const Meeting& meeting = pair.meeting;
-    const int body = pair.body.body;
+    const NearPair<Real>& pair = w_.near[place.pair];
+    const Meeting& meeting = *pair.meeting;
+    const int body = scene_.bodies[static_cast<std::size_t>(meeting.body)].body;
     const int other = meeting.other >= 0 ? other_body(meeting).body : -1;
-    const Vec3<Real> velocity = velocity_at(pair.motion, body, other, point);
-    const Touch<Real> t{place.depth, out, velocity_at(pair.mean, body, other, point),
-                        velocity * pair.step, pair.most_damping};
-    ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
+    const Vec3<Real> velocity = velocity_at(part.motion, body, other, point);
+    const Touch<Real> t{place.depth, out,
+                        part.is_again ? velocity_at(part.mean, body, other, point) : velocity,
+                        velocity * part.step, pair.most_damping};
+    if (!part.is_again) ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
     Real push = normal_force(t, meeting.law.stiffness, Real(constants_[kDissipation]));
-    if (meeting.other != kGround) stop(pair, point, t, other, touches, push);
+    if (meeting.other != kGround) stop(meeting, part, point, t, other, touches, push);
     const Real most = constants_[kFriction] * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     Vec3<Real> force = out * push + friction(t, meeting.law, most, place.bristle, touches);
     force = select(touches, force, zero);
-    add(body, pair.motion, point, force);
-    if (other >= 0) add(other, pair.motion, point, -force);
+    add(body, part.motion, point, force);
+    if (other >= 0) add(other, part.motion, point, -force);
     w_.is_touched[body] |= touches;
     if (other >= 0) w_.is_touched[other] |= touches;
     list(meeting, point, t, force, touches);
@@ -324,33 +309,37 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   /// Makes a push so large that the place stays within what it may get in, after all that was
   /// stopped before it: plastic, and no more.
-  SKYBODY_INLINE void stop(const Pair& pair, const Vec3<Real>& point, const Touch<Real>& t,
-                           int other, const MaskOf<Real>& touches, Real& push) const {
-    const Real room = max(give_of_meeting(pair.meeting) - t.depth, Real(0.0));
+  SKYBODY_INLINE void stop(const Meeting& meeting, const Part& part, const Vec3<Real>& point,
+                           const Touch<Real>& t, int other, const MaskOf<Real>& touches,
+                           Real& push) const {
+    const Real room = max(give_of_meeting(meeting) - t.depth, Real(0.0));
     const auto is_quick = logical_and(touches, -dot(t.normal, t.slide) > room);
     if (none(is_quick)) return;
-    const auto of = [&](const ContactBody& body, Real& way, Real& gives) SKYBODY_INLINE_LAMBDA {
-      if (body.is_driven) return;
-      const BodyKick<Real> unit = response(body, pair.motion, point, t.normal);
-      gives += dot(t.normal, moved(body, pair.motion, point, unit));
-      way += pair.step * dot(t.normal, moved(body, pair.motion, point, w_.kicks[body.body]));
+    const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];
+    const auto of = [&](const ContactBody& one, Real& way, Real& gives) SKYBODY_INLINE_LAMBDA {
+      if (one.is_driven) return;
+      const BodyKick<Real> unit = response(one, part.motion, point, t.normal);
+      gives += dot(t.normal, moved(one, part.motion, point, unit));
+      way += part.step * dot(t.normal, moved(one, part.motion, point, w_.kicks[one.body]));
     };
     Real way = dot(t.normal, t.slide), of_other(0.0), gives(1e-12);
-    of(pair.body, way, gives);
+    of(body, way, gives);
     if (other >= 0) {
-      of(other_body(pair.meeting), of_other, gives);
+      of(other_body(meeting), of_other, gives);
       way -= of_other;
     }
-    const Real needed = max(-way - room, Real(0.0)) / (gives * pair.step * pair.step);
+    const Real needed = max(-way - room, Real(0.0)) / (gives * part.step * part.step);
     push = select(is_quick, max(push, needed), push);
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    const Vec3<Real> impulse = select(is_quick, t.normal * (push * pair.step), zero);
-    kick(pair.body, pair.motion, point, impulse);
-    if (other >= 0) kick(other_body(pair.meeting), pair.motion, point, -impulse);
+    const Vec3<Real> impulse = select(is_quick, t.normal * (push * part.step), zero);
+    kick(body, part.motion, point, impulse);
+    if (other >= 0) kick(other_body(meeting), part.motion, point, -impulse);
   }
 
   Values constants_, bodies_;
   MaskOf<Real> is_quick_{false};
+  int place_count_ = 0;           ///< of ContactWork::places
+  bool are_places_kept_ = false;  ///< they are all that the last act() found
 };
 
 }  // namespace skybody

@@ -4,6 +4,7 @@
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/bodies/spatial_force.h"
 #include "core/physics/contact/contact_scene.h"
+#include "core/physics/contact/manifold.h"
 
 namespace skybody {
 
@@ -29,6 +30,16 @@ struct BodyKick {
   Vec3<Real> angular_velocity;  ///< W [rad/s]
 };
 
+/// A body that is near the ground, or a solid of one that is near another solid.
+template <class Real>
+struct NearPair {
+  const Meeting* meeting;
+  int solid, other;    ///< of ContactScene::solids, and of its obstacles or solids; unset: the ground
+  MaskOf<Real> lanes;  ///< where they are near
+  Real per_mass;       ///< inverse of the mass that a place feels [1/kg]
+  Real most_damping;   ///< see Touch; of the present part
+};
+
 /// Arrays of a step in contact, in a thread's scratch memory.
 template <class Real>
 struct ContactWork {
@@ -40,9 +51,9 @@ struct ContactWork {
   MaskOf<Real>* is_bent = nullptr;       ///< per bristle: by a contact of this part
   bool* is_idle = nullptr;             ///< per bristle: all lanes have words of 0, untouched so far
   MaskOf<Real>* is_touched = nullptr;  ///< per body of the world: since begin()
-  MaskOf<Real>* is_near = nullptr;     ///< of those meetings: the lanes
-  int* near = nullptr;                 ///< meetings of things that are near each other
-  bool* is_body_near = nullptr;        ///< per contact body: any of these meetings is its own
+  NearPair<Real>* near = nullptr;      ///< things that are near each other
+  bool* is_body_near = nullptr;        ///< per contact body: any of these pairs is its own
+  Place<Real>* places = nullptr;       ///< kKeptPlaces: where they touch
 };
 
 /// Takes nothing down.

@@ -8,6 +8,11 @@
 
 namespace skybody {
 
+/// Bristle of a solid's place, or of its edge.
+inline int bristle_of(const ContactSolid& solid, int place) {
+  return solid.bristle < 0 ? -1 : solid.bristle + place;
+}
+
 /// One place where two solids touch.
 template <class Real>
 struct Place {
@@ -16,23 +21,27 @@ struct Place {
   Real depth;        ///< [m]
   MaskOf<Real> touches;
   int bristle;  ///< -1: none
+  int pair;     ///< whose place it is: of ContactWork::near; set by who asked for it
 };
 
-/// Places where two solids touch.
+/// Places where two solids touch, added to a list with room for kMost.
 template <class Real>
 struct Manifold {
   /// Of two boxes in a pack whose lanes touch in all ways: 12 edges with 2 ends, each a corner or
   /// not, and 8 corners, for a face of either; and a crossing.
   static constexpr int kMost = 2 * (12 * 2 * 2 + 8) + 1;
-  Place<Real> places[kMost];
+  Place<Real>* places;
   int count = 0;
 
   SKYBODY_INLINE void add(const Vec3<Real>& point, const Vec3<Real>& out, const Real& depth,
                           int bristle, const MaskOf<Real>& touches) {
     if (none(touches)) return;  // most places of things that touch with the others
-    places[count++] = {point, out, depth, touches, bristle};
+    places[count++] = {point, out, depth, touches, bristle, -1};
   }
 };
+
+/// Places that are kept between the two passes of a part; with more of them they are found again.
+inline constexpr int kKeptPlaces = 256;
 
 /// What to find the places of.
 template <class Real>

@@ -73,8 +73,8 @@ struct CorrectionArrays {
     arena.take(pulls, plan.couplings.joinings.size());
     arena.take(contact.is_bent, bristles);
     arena.take(contact.is_touched, bodies);
-    arena.take(contact.is_near, plan.contact.meetings.size());
-    arena.take(contact.near, plan.contact.meetings.size());
+    arena.take(contact.near, static_cast<std::size_t>(plan.contact.most_near));
+    arena.take(contact.places, plan.contact.most_near > 0 ? kKeptPlaces : 0);
     arena.take(contact.is_idle, bristles);
     arena.take(contact.is_body_near, plan.contact.bodies.size());
     arena.take(is_robot_near, layout.robots.size());
@@ -94,18 +94,19 @@ struct TreeResponse {
 
 /// @tparam Values    how parameters and what derives from them are read
 /// @tparam Response  what forces on the bodies do to their accelerations
-template <class Real, class Values, class Response = TreeResponse>
+/// @tparam Lanes     how the lanes' values are read: a LanePlace or LaneList
+template <class Real, class Values, class Response = TreeResponse, class Lanes = LanePlace<Real>>
 class ContactCorrection {
  public:
-  /// @param first  of the lanes that Real holds
-  SKYBODY_INLINE ContactCorrection(const StepCall& call, int first, const Values& params,
+  /// @param lanes  that Real holds
+  SKYBODY_INLINE ContactCorrection(const StepCall& call, const Lanes& lanes, const Values& params,
                                    const Values& derived, const Response& response = {})
       : plan_(*call.plan),
         group_(*call.group),
         start_(call.start),
         clearances_(call.clearances),
         spins_(call.spins),
-        lanes_(first),
+        lanes_(lanes),
         bodies_(derived + call.plan->derived.bodies),
         response_(response),
         a_(*call.plan, call.scratch),
@@ -117,7 +118,8 @@ class ContactCorrection {
   /// Lanes of `mask` where something may touch within the step that begins.
   SKYBODY_INLINE MaskOf<Real> is_near(const MaskOf<Real>& mask) {
     for (const ContactBody& body : plan_.contact.bodies) {
-      const LaneValues<Real> b(lanes_.at(group_.bodies, 13 * body.body));
+      Real b[13];
+      lanes_.load(lanes_.block(group_.bodies, 13 * body.body), 13, b);
       BodyKinematics<Real>& m = a_.motion[body.body];
       m.position = load_vec3(b);
       m.velocity = load_vec3(b + 7);
@@ -138,7 +140,7 @@ class ContactCorrection {
     load(group_.q, group_.u, a_.end);
     start();
     forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    const MaskOf<Real> is_near = contact_.search(a_.motion) & mask;
+    const MaskOf<Real> is_near = contact_.search(a_.motion, mask);
     find_near_robots();
     load_bristles();
     const double rate = 1.0 / dt();
@@ -161,10 +163,10 @@ class ContactCorrection {
   SKYBODY_INLINE void each_contact(const List& list) {
     load(group_.q, group_.u, a_.now);
     forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    contact_.search(a_.motion);
+    contact_.search(a_.motion, MaskOf<Real>(true));
     load_bristles();
     contact_.begin();
-    contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), list);
+    contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), false, list);
   }
   /// Their sum for each body, likewise.
   const SpatialForce<Real>* forces() const { return a_.contact.forces; }
@@ -251,7 +253,7 @@ class ContactCorrection {
     const BodyKinematics<Real>* mean = a_.motion;
 #pragma GCC unroll 1
     for (int pass = 0; pass < 2; ++pass) {
-      contact_.act(a_.motion, mean, step, is_active);
+      contact_.act(a_.motion, mean, step, is_active, pass == 1);
       response_(plan_, bodies_, a_);
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
         for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
@@ -421,7 +423,7 @@ class ContactCorrection {
   StepStart start_;
   double* clearances_;
   double* spins_;
-  LanePlace<Real> lanes_;
+  Lanes lanes_;
   Values bodies_;
   Response response_;
   CorrectionArrays<Real> a_;

@@ -1,40 +1,76 @@
 // Kernels of contact, of any world.
 #include "core/physics/step/contact_correction.h"
 #include "core/physics/step/group_kernels.h"
+#include "core/physics/world/lane_list.h"
 
 namespace skybody {
 namespace {
 
-/// Calls f(correction, lanes as a mask, lanes as bits) for every pack.
-template <int W, class F>
-SKYBODY_INLINE std::uint32_t each_correction(const StepCall& call, std::uint32_t lanes,
-                                             const F& f) {
-  using Real = RealOf<W>;
-  return for_packs<W, false>(
-      call, lanes,
-      [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-          SKYBODY_INLINE_LAMBDA {
-            using Values = std::decay_t<decltype(params)>;
-            ContactCorrection<Real, Values> correction(call, first, params, derived);
-            return bits_from_mask(f(correction, mask_from_bits<Real>(bits))) & bits;
-          });
-}
-
 struct FindNear {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return each_correction<W>(call, lanes,
-                              [](auto& correction, const auto& mask)
-                                  SKYBODY_INLINE_LAMBDA { return correction.is_near(mask); });
+    using Real = RealOf<W>;
+    return for_packs<W, false>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              ContactCorrection<Real, Values> correction(call, first, params, derived);
+              return bits_from_mask(correction.is_near(mask_from_bits<Real>(bits))) & bits;
+            });
   }
 };
+
+/// Calls f(list, bits) for lists of lanes that hold all of `lanes`: the packs that they lie in, or
+/// lanes gathered from all over the group where these are fewer lists.
+/// @returns what f returns for each list, together: bit i is lane i of the group
+template <int W, class F>
+SKYBODY_INLINE std::uint32_t each_list(std::uint32_t lanes, const F& f) {
+  using Real = RealOf<W>;
+  int packs = 0;
+  for (std::uint32_t left = lanes; left != 0 && W > 1; ++packs) {
+    const int first = std::countr_zero(left) / W * W;
+    left &= ~(((1u << W) - 1u) << first);
+  }
+  const bool is_gathered = (std::popcount(lanes) + W - 1) / W < packs;
+  std::uint32_t result = 0;
+  while (lanes != 0) {
+    LaneList<Real> list(std::countr_zero(lanes) / W * W);
+    std::uint32_t bits = lanes >> list.first() & ((1u << W) - 1u);
+    if (is_gathered) {
+      list = LaneList<Real>::take(lanes, bits);
+    } else {
+      lanes &= ~(bits << list.first());
+    }
+    result |= list.in_group(f(list, bits));
+  }
+  return result;
+}
 
 struct Correct {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return each_correction<W>(call, lanes,
-                              [](auto& correction, const auto& mask)
-                                  SKYBODY_INLINE_LAMBDA { return correction.correct(mask); });
+    using Real = RealOf<W>;
+    const auto correct = [&](const LaneList<Real>& list, std::uint32_t bits, const auto& params,
+                             const auto& derived) SKYBODY_INLINE_LAMBDA {
+      using Values = std::decay_t<decltype(params)>;
+      ContactCorrection<Real, Values, TreeResponse, LaneList<Real>> correction(call, list, params,
+                                                                               derived);
+      return bits_from_mask(correction.correct(mask_from_bits<Real>(bits))) & bits;
+    };
+    if (call.derived == nullptr) {
+      const SharedValues<Real> params(call.plan->shared_params.data());
+      const SharedValues<Real> derived(call.plan->shared_derived.data());
+      return each_list<W>(
+          lanes, [&](const LaneList<Real>& list, std::uint32_t bits)
+                     SKYBODY_INLINE_LAMBDA { return correct(list, bits, params, derived); });
+    }
+    return each_list<W>(lanes, [&](const LaneList<Real>& list, std::uint32_t bits)
+                                   SKYBODY_INLINE_LAMBDA {
+                                     return correct(list, bits,
+                                                    ListedValues<Real>(call.group->params, list),
+                                                    ListedValues<Real>(call.derived, list));
+                                   });
   }
 };
 

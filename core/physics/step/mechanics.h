@@ -119,10 +119,11 @@ struct StepArrays {
 
 /// Writes the motion of bodies `first` to before `last` as GroupBlocks::bodies and StepCall::spins
 /// have it.
-/// @param mask  lanes to write, or AllLanes
-template <class Real, class Mask>
+/// @param lanes  a LanePlace or LaneList
+/// @param mask   lanes to write, or AllLanes
+template <class Real, class Lanes, class Mask>
 SKYBODY_INLINE void store_motion(int first, int last, const BodyKinematics<Real>* motion,
-                                 const LanePlace<Real>& lanes, const Mask& mask, double* bodies,
+                                 const Lanes& lanes, const Mask& mask, double* bodies,
                                  double* spins) {
   for (int i = first; i < last; ++i) {
     const BodyKinematics<Real>& m = motion[i];

@@ -82,7 +82,7 @@ template <class Real>
 class LanePlace {
  public:
   /// @param first  of the lanes, within the group
-  SKYBODY_INLINE explicit LanePlace(int first) : first_(first) {}
+  SKYBODY_INLINE LanePlace(int first) : first_(first) {}
 
   /// Where value k of a block begins, for all lanes of the group.
   static SKYBODY_INLINE double* block(double* values, int k) {

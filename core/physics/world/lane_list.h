@@ -1,0 +1,118 @@
+// Lanes from all over a group as one Real takes them: where few lanes need a long kernel, they are
+// gathered, so that it runs once for them and not once for each of the packs that they lie in.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "core/physics/world/lane_values.h"
+
+namespace skybody {
+
+/// As many lanes as Real holds: a row of them, or any. A LanePlace for these.
+template <class Real>
+class LaneList {
+ public:
+  /// @param first  of a row of lanes
+  explicit LaneList(int first) : first_(first), is_row_(true) {}
+
+  /// Takes the lowest lanes out of `lanes`, as many as Real holds at most; where they are fewer, the
+  /// last stands for the rest.
+  static LaneList take(std::uint32_t& lanes, std::uint32_t& taken) {
+    LaneList list(0);
+    list.is_row_ = false;
+    taken = 0;
+    int lane = 0;
+    for (int i = 0; i < kLanesOf<Real>; ++i) {
+      if (lanes != 0) {
+        lane = std::countr_zero(lanes);
+        lanes &= lanes - 1;
+        taken |= 1u << i;
+      }
+      list.lanes_[i] = static_cast<std::uint8_t>(lane);
+    }
+    return list;
+  }
+
+  /// Of a row.
+  int first() const { return first_; }
+
+  /// Bits of its places as bits of the group's lanes.
+  std::uint32_t in_group(std::uint32_t bits) const {
+    if (is_row_) return bits << first_;
+    std::uint32_t all = 0;
+    for (; bits != 0; bits &= bits - 1) all |= 1u << lanes_[std::countr_zero(bits)];
+    return all;
+  }
+
+  /// Where value k of a block begins, for all lanes of the group.
+  template <class T>
+  static SKYBODY_INLINE T* block(T* values, int k) {
+    return values + k * kLaneStride<Real>;
+  }
+  SKYBODY_INLINE void load(const double* block, int count, Real* out) const {
+    if (is_row_) {
+#pragma GCC unroll 1
+      for (int k = 0; k < count; ++k) out[k] = load_lanes<Real>(block + k * kLaneStride<Real> + first_);
+      return;
+    }
+#pragma GCC unroll 1
+    for (int k = 0; k < count; ++k) out[k] = gather(block + k * kLaneStride<Real>);
+  }
+  SKYBODY_INLINE Real load(const double* block) const {
+    return is_row_ ? load_lanes<Real>(block + first_) : gather(block);
+  }
+  /// @param mask  places to write
+  SKYBODY_INLINE void store(const Real* values, int count, const MaskOf<Real>& mask,
+                            double* block) const {
+    if (is_row_) {
+#pragma GCC unroll 1
+      for (int k = 0; k < count; ++k) {
+        store_lanes(block + k * kLaneStride<Real> + first_, values[k], mask);
+      }
+      return;
+    }
+    const std::uint32_t bits = bits_from_mask(mask);
+#pragma GCC unroll 1
+    for (int k = 0; k < count; ++k) {
+      alignas(64) double lanes[kLanesOf<Real>];
+      store_lanes(lanes, values[k]);
+      for (std::uint32_t left = bits; left != 0; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        block[k * kLaneStride<Real> + lanes_[i]] = lanes[i];
+      }
+    }
+  }
+
+ private:
+  SKYBODY_INLINE Real gather(const double* block) const {
+    alignas(64) double lanes[kLanesOf<Real>];
+    for (int i = 0; i < kLanesOf<Real>; ++i) lanes[i] = block[lanes_[i]];
+    return load_lanes<Real>(lanes);
+  }
+
+  int first_;
+  bool is_row_;
+  std::uint8_t lanes_[kLanesOf<Real>] = {};
+};
+
+/// Values that each lane has of its own: value k of the lanes of a list.
+template <class Real>
+class ListedValues {
+ public:
+  /// @param data  value 0 of the group's first lane
+  /// @param list  must outlive it
+  ListedValues(const double* data, const LaneList<Real>& list) : data_(data), list_(&list) {}
+  SKYBODY_INLINE Real operator[](int k) const {
+    return list_->load(data_ + k * kLaneStride<Real>);
+  }
+  SKYBODY_INLINE ListedValues operator+(int k) const {
+    return ListedValues(data_ + k * kLaneStride<Real>, *list_);
+  }
+
+ private:
+  const double* data_;
+  const LaneList<Real>* list_;
+};
+
+}  // namespace skybody
