@@ -6,7 +6,7 @@
 //             each other, and slips where it would carry more than Coulomb's mu f: P. A. Cundall,
 //             O. D. L. Strack, "A discrete numerical model for granular assemblies", 1979
 //
-// x is the depth, v the rate at which it grows. What multiplies a velocity is at most m / (8 h), m
+// x is the depth, v the rate at which it grows. What multiplies a velocity is at most m / (4 h), m
 // the mass of the bodies and h the step: parts of a step (contact_step.h) are so short that no more
 // is asked for, as long as there are enough of them.
 #pragma once
@@ -24,7 +24,7 @@ struct Touch {
   Vec3<Real> velocity;  ///< of the body's place past the other's, mean of the step [m/s]
   Vec3<Real> slide;   ///< how far it has gone past it since the step before, along the normal, too
                       ///< [m]
-  Real most_damping;  ///< m / (8 h) [N s/m]
+  Real most_damping;  ///< m / (4 h) [N s/m]
 };
 
 /// @param dissipation c [s/m]

@@ -324,6 +324,7 @@ void make_obstacle_constants(const World& world, const double* params, double* o
       for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
       store(half, out + kSolidHalf);
       out[kSolidRounding] = is_there ? rounding : kNoSolid;
+      out[kSolidReach] = norm(half) + out[kSolidRounding];
       out += kSolidConstantCount;
     };
     const Vec3<double> middle{0.0, 0.0, 0.0};

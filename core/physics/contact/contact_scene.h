@@ -99,7 +99,8 @@ enum ObstacleConstant : int {
   kSolidAxes = 3,       ///< 9, by rows: W from the solid's frame
   kSolidHalf = 12,      ///< 3 [m]
   kSolidRounding = 15,  ///< [m]
-  kSolidConstantCount = 16
+  kSolidReach = 16,     ///< of its farthest point from its centre [m]
+  kSolidConstantCount = 17
 };
 
 /// How many solids the obstacles have.

@@ -22,16 +22,13 @@ class ContactSearch {
   /// Whether search() may find anything that moves: by spheres about the bodies' origins, so that
   /// nothing is to be turned.
   /// @param motion  of bodies with solids: position, velocity, spin
-  /// @param clearances  per contact body: what is known of its distance from what stands still, in
-  ///                    the lanes of `wanted`; brought up to date. Null: nothing is kept
+  /// @param clearances  per contact body: what is known of its distance from obstacles, in the
+  /// lanes
+  ///                    of `wanted`; brought up to date. Null: nothing is kept
   SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion, const MaskOf<Real>& wanted,
                                           Clearance<Real>* clearances) const {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      const ContactBody& body = scene_.bodies[i];
-      const Motion& m = motion[body.body];
-      const double radius = body.radius + norm(body.center);
-      const Real speed = size_of(m.velocity) + radius * size_of(m.spin);
-      w_.bounds[i] = {m.position, (radius + kMargin) + dt() * speed, speed};
+      w_.bounds[i] = bound_about_origin(scene_.bodies[i], motion);
     }
     MaskOf<Real> is_near(false);
     int looked_at = -1;  // of the bodies, whose meetings follow one another
@@ -39,20 +36,28 @@ class ContactSearch {
     for (const Meeting& meeting : scene_.meetings) {
       if (!meeting.moves) continue;
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
+      if (meeting.other == kGround) {
+        is_near |= bound.center.z < bound.radius;
+        continue;
+      }
       if (meeting.other >= 0) {
         is_near |= is_within(meeting, bound);
         continue;
       }
-      if (clearances != nullptr && meeting.body != looked_at) {
-        looked_at = meeting.body;
-        is_clear = look_at(bound, wanted, clearances[meeting.body]);
+      if (clearances == nullptr) {
+        is_near |= distance_of(meeting, bound.center) < bound.radius;
+        continue;
       }
-      if (is_clear) continue;
+      Clearance<Real>& clearance = clearances[meeting.body];
+      if (meeting.body != looked_at) {
+        looked_at = meeting.body;
+        is_clear = all(logical_or(logical_not(wanted), is_clear_of(bound, clearance)));
+        if (!is_clear) clearance = {bound.center, Real(kInfinity)};
+      }
+      if (is_clear || none(may_be_within(meeting, bound.center, clearance.distance))) continue;
       const Real distance = distance_of(meeting, bound.center);
       is_near |= distance < bound.radius;
-      if (clearances == nullptr) continue;
-      Real& least = clearances[meeting.body].distance;
-      least = min(distance, least);
+      clearance.distance = min(distance, clearance.distance);
     }
     return is_near;
   }
@@ -61,26 +66,43 @@ class ContactSearch {
   /// nothing.
   /// @param motion  of all bodies: position, axes, velocity, angular velocity
   /// @param wanted  lanes to look at
+  /// @param clearances  as may_be_near() left them, or null
   /// @returns the lanes where anything may
-  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion, const MaskOf<Real>& wanted) {
+  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion, const MaskOf<Real>& wanted,
+                                     const Clearance<Real>* clearances) {
     bound(motion);
     MaskOf<Real> is_near(false);
     near_count_ = 0;
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = false;
     parts_ = Real(1.0);
+    int looked_at = -1;  // of the bodies, whose meetings follow one another
+    bool is_clear = false;
     for (const Meeting& meeting : scene_.meetings) {
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
-      const auto within = logical_and(wanted, meeting.other == kGround
-                                                  ? is_near_ground(meeting, bound, motion)
-                                                  : is_within(meeting, bound));
+      if (clearances != nullptr && is_obstacle(meeting.other)) {
+        if (meeting.body != looked_at) {
+          looked_at = meeting.body;
+          const ContactBody& body = scene_.bodies[static_cast<std::size_t>(looked_at)];
+          is_clear =
+              all(logical_or(logical_not(wanted),
+                             is_clear_of(bound_about_origin(body, motion), clearances[looked_at])));
+        }
+        if (is_clear) continue;
+      }
+      const auto within =
+          logical_and(wanted, meeting.other == kGround ? is_near_ground(meeting, bound, motion)
+                                                       : is_within(meeting, bound));
       if (none(within)) continue;
-      const MaskOf<Real> here = meeting.other == kGround ? within : near_solids(meeting, within, motion);
-      if (none(here)) continue;
+      MaskOf<Real> here = within;
+      if (meeting.other == kGround) {
+        add_pair(meeting, 0, 0, within, Real(kInfinity));
+      } else {
+        here = near_solids(meeting, within, motion);
+        if (none(here)) continue;
+      }
       is_near |= here;
-      if (meeting.other == kGround) add_pair(meeting, 0, 0, here);
       w_.is_body_near[meeting.body] = true;
       if (meeting.other >= 0) w_.is_body_near[meeting.other] = true;
-      cut(meeting, here);
     }
     return is_near;
   }
@@ -109,22 +131,34 @@ class ContactSearch {
     }
   }
 
-  /// Whether a body is clear of all that stands still in the lanes of `wanted`. If not, it is to
-  /// be measured from here: its clearance begins anew.
-  SKYBODY_INLINE bool look_at(const BodyBound<Real>& bound, const MaskOf<Real>& wanted,
-                              Clearance<Real>& clearance) const {
-    // Distances grow and fall no quicker than the body moves.
-    const Real moved = size_of(bound.center - clearance.at);
-    if (none(logical_and(wanted, logical_not(moved + bound.radius + 1e-9 < clearance.distance)))) {
-      return true;
-    }
-    clearance = {bound.center, Real(kInfinity)};
-    return false;
+  SKYBODY_INLINE BodyBound<Real> bound_about_origin(const ContactBody& body,
+                                                    const Motion* motion) const {
+    const Motion& m = motion[body.body];
+    const double radius = body.radius + norm(body.center);
+    const Real speed = size_of(m.velocity) + radius * size_of(m.spin);
+    return {m.position, (radius + kMargin) + dt() * speed, speed};
   }
 
-  /// Of a point from the ground, or from the box about an obstacle.
+  /// Whether a body is clear of all obstacles. If not, it is to be measured from here.
+  /// @param bound  about its origin
+  static SKYBODY_INLINE MaskOf<Real> is_clear_of(const BodyBound<Real>& bound,
+                                                 const Clearance<Real>& clearance) {
+    // Distances grow and fall no quicker than the body moves.
+    const Real moved = size_of(bound.center - clearance.at);
+    return moved + bound.radius + 1e-9 < clearance.distance;
+  }
+
+  /// Whether an obstacle may be nearer to a point than a distance: by the sphere about it.
+  SKYBODY_INLINE MaskOf<Real> may_be_within(const Meeting& meeting, const Vec3<Real>& point,
+                                            const Real& distance) const {
+    const Values c = obstacle_constants(meeting.other);
+    const Vec3<Real> apart = point - load_vec3(c + kSolidPosition);
+    const Real reach = c[kSolidReach] + distance;
+    return logical_and(reach > 0.0, dot(apart, apart) < reach * reach);
+  }
+
+  /// Of a point from the box about an obstacle.
   SKYBODY_INLINE Real distance_of(const Meeting& meeting, const Vec3<Real>& point) const {
-    if (meeting.other == kGround) return point.z;
     const Values c = obstacle_constants(meeting.other);
     const Vec3<Real> apart = point - load_vec3(c + kSolidPosition),
                      half = load_vec3(c + kSolidHalf);
@@ -143,6 +177,8 @@ class ContactSearch {
   SKYBODY_INLINE MaskOf<Real> is_within(const Meeting& meeting,
                                         const BodyBound<Real>& bound) const {
     if (is_obstacle(meeting.other)) {
+      const auto may = may_be_within(meeting, bound.center, bound.radius);
+      if (none(may)) return may;
       const Values c = obstacle_constants(meeting.other);
       const Vec3<Real> apart = bound.center - load_vec3(c + kSolidPosition);
       const Mat3<Real> axes = load_axes(c);
@@ -177,16 +213,21 @@ class ContactSearch {
   /// @returns the lanes where any two of them are
   SKYBODY_INLINE MaskOf<Real> near_solids(const Meeting& meeting, const MaskOf<Real>& within,
                                           const Motion* motion) {
-    Real way = dt() * w_.bounds[meeting.body].speed + kMargin;
+    Real way = dt() * w_.bounds[meeting.body].speed;
     if (meeting.other >= 0) way += dt() * w_.bounds[meeting.other].speed;
     MaskOf<Real> is_near(false);
-    each_two_solids(meeting, motion, [&](int s, int t, const Solid<Real>& solid,
-                                         const Solid<Real>& other) SKYBODY_INLINE_LAMBDA {
-      const auto here = logical_and(within, is_close(solid, other, way));
-      if (none(here)) return;
-      is_near |= here;
-      add_pair(meeting, s, t, here);
-    });
+    each_two_solids(meeting, motion,
+                    [&](int s, int t, const Solid<Real>& solid,
+                        const Solid<Real>& other) SKYBODY_INLINE_LAMBDA {
+                      const auto here = logical_and(within, is_close(solid, other, way + kMargin));
+                      if (none(here)) return;
+                      is_near |= here;
+                      const Real give = min(give_of(solid.half, solid.rounding),
+                                            give_of(other.half, other.rounding));
+                      add_pair(meeting, s, t, here, give);
+                      // What is stopped must not have passed.
+                      ask_for(2.0 * way / give, here);
+                    });
     return is_near;
   }
 
@@ -217,8 +258,8 @@ class ContactSearch {
   }
 
   SKYBODY_INLINE void add_pair(const Meeting& meeting, int solid, int other,
-                               const MaskOf<Real>& here) {
-    w_.near[near_count_++] = {&meeting, solid, other, here, Real(0.0), Real(0.0)};
+                               const MaskOf<Real>& here, const Real& give) {
+    w_.near[near_count_++] = {&meeting, solid, other, here, give, Real(0.0), Real(0.0)};
   }
 
   static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
@@ -230,8 +271,7 @@ class ContactSearch {
   SKYBODY_INLINE Solid<Real> other_solid(const Meeting& meeting, int t,
                                          const Motion* motion) const {
     if (meeting.other >= 0) {
-      return solid_of(scene_.solids[static_cast<std::size_t>(t)],
-                      motion[other_body(meeting).body]);
+      return solid_of(scene_.solids[static_cast<std::size_t>(t)], motion[other_body(meeting).body]);
     }
     const Values c = obstacle_constants(meeting.other);
     return {scene_.obstacles[static_cast<std::size_t>(t)].type, load_vec3(c + kSolidPosition),
@@ -244,29 +284,13 @@ class ContactSearch {
     return select(over < Real(0.0), Real(0.0), over);
   }
 
-  /// Into how many parts a meeting cuts the step before it is known what touches: what is stopped
-  /// must not have passed.
-  SKYBODY_INLINE void cut(const Meeting& meeting, const MaskOf<Real>& here) {
-    if (meeting.other == kGround) return;
-    Real speed = w_.bounds[meeting.body].speed;
-    if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
-    ask_for(speed * (2.0 * dt()) / give_of_meeting(meeting), here);
-  }
-
+  /// Cuts the step into as many parts as are wanted, rounded up to a power of two.
   SKYBODY_INLINE void ask_for(const Real& wanted, const MaskOf<Real>& here) {
     for (int parts = 2; parts <= kMostParts; parts *= 2) {
       const auto more = logical_and(here, wanted > 0.5 * parts);
       if (none(more)) break;
       parts_ = select(logical_and(more, parts_ < parts), Real(parts), parts_);
     }
-  }
-
-  SKYBODY_INLINE Real give_of_meeting(const Meeting& meeting) const {
-    if (meeting.other == kGround) return Real(kInfinity);
-    const Real give(scene_.bodies[static_cast<std::size_t>(meeting.body)].give);
-    if (meeting.other >= 0) return min(give, Real(other_body(meeting).give));
-    const Values c = obstacle_constants(meeting.other);
-    return min(give, give_of(load_vec3(c + kSolidHalf), Real(c[kSolidRounding])));
   }
 
   SKYBODY_INLINE Values obstacle_constants(int other) const {

@@ -112,7 +112,6 @@ class ContactStep : public ContactSearch<Real, Values> {
   using Search::ask_for;
   using Search::dt;
   using Search::each_two_solids;
-  using Search::give_of_meeting;
   using Search::is_close;
   using Search::near_count_;
   using Search::other_body;
@@ -132,8 +131,8 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// goes through more of the swing of its spring than kLargestPhase, nor asks for more damping
   /// than Touch::most_damping, nor goes far where it is going to be stopped.
   /// @param speed  at which it gets deeper, or less deep
-  SKYBODY_INLINE void ask_for_parts(const NearPair<Real>& pair, const Real& depth, const Real& speed,
-                                    const MaskOf<Real>& touches) {
+  SKYBODY_INLINE void ask_for_parts(const NearPair<Real>& pair, const Real& depth,
+                                    const Real& speed, const MaskOf<Real>& touches) {
     constexpr double kLargestPhase = 0.5, kStoppedParts = 24.0, kQuickWay = 0.05;
     const Real way = dt() * speed;
     const double rest = scene_.world.scenario.contact.penetration;
@@ -144,10 +143,10 @@ class ContactStep : public ContactSearch<Real, Values> {
     const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
     const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
     const Real damping = 1.5 * Real(constants_[kDissipation]) * (rigidity * reach);
-    Real parts = max(phase * (1.0 / kLargestPhase), (2.0 * dt()) * (damping * pair.per_mass));
+    Real parts = max(phase * (1.0 / kLargestPhase), dt() * (damping * pair.per_mass));
     if (pair.meeting->other != kGround) {
       // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
-      const Real give = give_of_meeting(*pair.meeting);
+      const Real& give = pair.give;
       const Real held = (0.8 * kContactShare * stiffness) * ((give * give) * sqrt(give));
       const auto is_stopped = speed * speed > held * pair.per_mass;
       parts = select(is_stopped, max(parts, way * kStoppedParts / give), parts);
@@ -174,7 +173,7 @@ class ContactStep : public ContactSearch<Real, Values> {
       }
       if (found.count == first) continue;
       pair.per_mass = inverse_mass(*pair.meeting);
-      pair.most_damping = 1.0 / max(2.0 * (pair.per_mass * part.step), Real(1e-12));
+      pair.most_damping = 1.0 / max(pair.per_mass * part.step, Real(1e-12));
       for (int i = first; i < found.count; ++i) found.places[i].pair = next;
     }
     place_count_ = found.count;
@@ -227,7 +226,7 @@ class ContactStep : public ContactSearch<Real, Values> {
                         velocity * part.step, pair.most_damping};
     if (!part.is_again) ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
     Real push = normal_force(t, meeting.law.stiffness, Real(constants_[kDissipation]));
-    if (meeting.other != kGround) stop(meeting, part, point, t, other, touches, push);
+    if (meeting.other != kGround) stop(pair, part, point, t, other, touches, push);
     const Real most = constants_[kFriction] * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     Vec3<Real> force = out * push + friction(t, meeting.law, most, place.bristle, touches);
@@ -309,10 +308,11 @@ class ContactStep : public ContactSearch<Real, Values> {
 
   /// Makes a push so large that the place stays within what it may get in, after all that was
   /// stopped before it: plastic, and no more.
-  SKYBODY_INLINE void stop(const Meeting& meeting, const Part& part, const Vec3<Real>& point,
+  SKYBODY_INLINE void stop(const NearPair<Real>& pair, const Part& part, const Vec3<Real>& point,
                            const Touch<Real>& t, int other, const MaskOf<Real>& touches,
                            Real& push) const {
-    const Real room = max(give_of_meeting(meeting) - t.depth, Real(0.0));
+    const Meeting& meeting = *pair.meeting;
+    const Real room = max(pair.give - t.depth, Real(0.0));
     const auto is_quick = logical_and(touches, -dot(t.normal, t.slide) > room);
     if (none(is_quick)) return;
     const ContactBody& body = scene_.bodies[static_cast<std::size_t>(meeting.body)];

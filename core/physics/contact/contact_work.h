@@ -16,7 +16,7 @@ struct BodyBound {
   Real speed;         ///< no place of the body is faster [m/s]
 };
 
-/// How far a body's origin was from all that stands still, where it was looked at last.
+/// How far a body's origin was from all obstacles, where it was looked at last.
 template <class Real>
 struct Clearance {
   Vec3<Real> at;  ///< W [m]
@@ -34,8 +34,9 @@ struct BodyKick {
 template <class Real>
 struct NearPair {
   const Meeting* meeting;
-  int solid, other;    ///< of ContactScene::solids, and of its obstacles or solids; unset: the ground
+  int solid, other;  ///< of ContactScene::solids, and of its obstacles or solids; unset: the ground
   MaskOf<Real> lanes;  ///< where they are near
+  Real give;           ///< how deep they get into each other at most [m]
   Real per_mass;       ///< inverse of the mass that a place feels [1/kg]
   Real most_damping;   ///< see Touch; of the present part
 };

@@ -270,13 +270,12 @@ SKYBODY_INLINE void add_places(const ContactSolid& model_a, const Solid<Real>& a
                                const MaskOf<Real>& is_close, Manifold<Real>& out) {
   const bool is_box_a = model_a.type == ShapeType::kBox, is_box_b = model_b.type == ShapeType::kBox;
   if (is_box_a && is_box_b) return meet_boxes(model_a, a, model_b, b, is_close, out);
-  MaskOf<Real> is_left = is_close;
   if (is_box_a && model_b.type == ShapeType::kCylinder) {
-    is_left = logical_and(is_left, logical_not(meet_side(model_a, a, b, 1.0, is_close, out)));
-  } else if (is_box_b && model_a.type == ShapeType::kCylinder) {
-    is_left = logical_and(is_left, logical_not(meet_side(model_b, b, a, -1.0, is_close, out)));
+    return BoxAndCylinder<Real>(model_a, a, b, 1.0).meet(model_b, is_close, out);
   }
-  if (none(is_left)) return;
+  if (is_box_b && model_a.type == ShapeType::kCylinder) {
+    return BoxAndCylinder<Real>(model_b, b, a, -1.0).meet(model_a, is_close, out);
+  }
   // Edges of a box, if there is one; else of the first. A sphere has one place, which is nearest to
   // the other's surface: nothing of the other needs to be in it.
   const bool is_sphere_a = model_a.type == ShapeType::kSphere,
@@ -286,14 +285,14 @@ SKYBODY_INLINE void add_places(const ContactSolid& model_a, const Solid<Real>& a
 #pragma GCC unroll 1
   for (int turn = 0; turn < 2; ++turn) {
     const bool is_first = turn == 0;
-    if (is_first ? is_sphere_b : is_sphere_a) continue;
+    if (is_first ? is_sphere_b && !is_sphere_a : is_sphere_a) continue;
     add_points(is_first ? model_a : model_b, is_first ? a : b, is_first ? b : a,
-               is_first ? 1.0 : -1.0, is_left, ends[turn], out);
+               is_first ? 1.0 : -1.0, is_close, ends[turn], out);
   }
   if (is_sphere_a || is_sphere_b) return;
   const bool is_first = !by_others_edges;
   add_edges(is_first ? model_a : model_b, is_first ? a : b, is_first ? b : a, is_first ? 1.0 : -1.0,
-            is_left, ends[is_first ? 0 : 1], out);
+            is_close, ends[is_first ? 0 : 1], out);
 }
 
 }  // namespace skybody

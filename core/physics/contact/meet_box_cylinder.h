@@ -1,9 +1,9 @@
-// A box that touches the side of a cylinder, in closed form. On double and packs.
+// A box and a cylinder. On double and packs.
 //
-// Seen along the cylinder's axis a box is a set of corners and edges, and the cylinder a disc: a
-// corner is in by what its distance from the axis is less than the radius; an edge is deepest where
-// it passes the axis most closely, and counts for what it is in deeper than its corners are. That
-// is so as long as no way out over the cylinder's ends is shorter.
+// Seen along the cylinder's axis a box is a set of corners and edges, and the cylinder a disc. An
+// edge passes the axis most closely in one point, in closed form: as long as no way out over the
+// cylinder's ends is shorter, that is where it is deepest. Else it is looked for along the edge,
+// and points of the cylinder's ends may be in the box.
 #pragma once
 
 #include "core/physics/contact/manifold.h"
@@ -13,9 +13,9 @@ namespace skybody {
 /// The corners of a box about the axis of a cylinder.
 template <class Real>
 struct CornersAboutAxis {
-  Vec3<Real> edges[3];                 ///< along the box's axes, whole, cylinder's axes [m]
-  Real x[8], y[8], z[8];               ///< of the corners, in the order of the box's form [m]
-  Real square[8];                      ///< squared distances from the axis [m^2]
+  Vec3<Real> edges[3];    ///< along the box's axes, whole, cylinder's axes [m]
+  Real x[8], y[8], z[8];  ///< of the corners, in the order of the box's form [m]
+  Real square[8];         ///< squared distances from the axis [m^2]
 
   SKYBODY_INLINE CornersAboutAxis(const Solid<Real>& box, const Solid<Real>& cylinder) {
     const Vec3<Real> center = cylinder.to_local(box.position);
@@ -37,80 +37,135 @@ struct CornersAboutAxis {
   }
 };
 
-/// The way from a cylinder's axis to a point beside it, W; x of the cylinder on the axis.
+/// Adds the places where a box and a cylinder touch. Refers to its arguments.
 template <class Real>
-SKYBODY_INLINE Vec3<Real> way_from_axis(const Solid<Real>& cylinder, const Real& x, const Real& y,
-                                        const Real& distance) {
-  const auto is_on_axis = distance == 0.0;
-  const Real scale = 1.0 / select(is_on_axis, Real(1.0), distance);
-  return cylinder.axes *
-         Vec3<Real>{select(is_on_axis, Real(1.0), x * scale), y * scale, Real(0.0)};
-}
+class BoxAndCylinder {
+ public:
+  /// @param sign  1: the box is the first solid; -1: the cylinder is
+  SKYBODY_INLINE BoxAndCylinder(const ContactSolid& box_model, const Solid<Real>& box,
+                                const Solid<Real>& cylinder, double sign)
+      : model_(box_model),
+        box_(box),
+        cylinder_(cylinder),
+        sign_(sign),
+        corners_(box, cylinder),
+        disc_(cylinder.half.x * cylinder.half.x) {}
 
-/// Adds the places of a box at the side of a cylinder.
-/// @param model  of the box
-/// @param sign   1: the box is the first solid; -1: the cylinder is
-/// @returns lanes of `is_close` that are done with: in others the cylinder's ends may matter
-template <class Real>
-SKYBODY_INLINE MaskOf<Real> meet_side(const ContactSolid& model, const Solid<Real>& box,
-                                      const Solid<Real>& cylinder, double sign,
-                                      const MaskOf<Real>& is_close, Manifold<Real>& out) {
-  const auto is_there = logical_and(box.rounding > kNoSolid, cylinder.rounding > kNoSolid);
-  const CornersAboutAxis<Real> corners(box, cylinder);
-  const Real radius = cylinder.half.x, disc = radius * radius;
-  Real highest(0.0), sum_x(0.0), sum_y(0.0);
-  for (int k = 0; k < 8; ++k) {
-    highest = max(highest, abs(corners.z[k]));
-    sum_x += corners.x[k];
-    sum_y += corners.y[k];
+  /// @param cylinder_model  of the cylinder
+  SKYBODY_INLINE void meet(const ContactSolid& cylinder_model, const MaskOf<Real>& is_close,
+                           Manifold<Real>& out) {
+    const auto acts =
+        logical_and(is_close, logical_and(box_.rounding > kNoSolid, cylinder_.rounding > kNoSolid));
+    const auto is_side = logical_and(acts, is_at_side());
+    const auto is_end = logical_and(acts, logical_not(is_side));
+    add_corners(acts, out);
+    add_edges(is_side, is_end, out);
+    if (!none(is_end)) add_points_of_ends(cylinder_model, is_end, out);
   }
-  // What the box reaches towards the axis from its centre is how deep it is in at most.
-  const Real off = sqrt(sum_x * sum_x + sum_y * sum_y);
-  const Real scale = 1.0 / max(off, Real(1e-12));
-  Real nearest(kInfinity);
-  for (int k = 0; k < 8; ++k) {
-    nearest = min(nearest, (corners.x[k] * sum_x + corners.y[k] * sum_y) * scale);
-  }
-  const auto is_side =
-      logical_and(is_close, cylinder.half.z - highest > radius - max(nearest, Real(0.0)));
-  const auto acts = logical_and(is_side, is_there);
-  if (none(acts)) return is_side;
 
-  Real depth[8];
-#pragma GCC unroll 1
-  for (int k = 0; k < 8; ++k) {
-    depth[k] = Real(0.0);
-    const auto is_in = logical_and(acts, corners.square[k] < disc);
-    if (none(is_in)) continue;
-    const Real distance = sqrt(corners.square[k]);
-    depth[k] = max(radius - distance, Real(0.0));
-    const Vec3<Real> way = way_from_axis(cylinder, corners.x[k], corners.y[k], distance);
-    out.add(box.place(model.form->places[static_cast<std::size_t>(k)]), way * Real(sign), depth[k],
-            bristle_of(model, k), is_in);
+ private:
+  /// Whether the ways out over the ends are longer than any over the side.
+  SKYBODY_INLINE MaskOf<Real> is_at_side() const {
+    Real highest(0.0), sum_x(0.0), sum_y(0.0);
+    for (int k = 0; k < 8; ++k) {
+      highest = max(highest, abs(corners_.z[k]));
+      sum_x += corners_.x[k];
+      sum_y += corners_.y[k];
+    }
+    // How near it comes to the axis, along the way to its centre.
+    const Real scale = 1.0 / max(sqrt(sum_x * sum_x + sum_y * sum_y), Real(1e-12));
+    Real nearest(kInfinity);
+    for (int k = 0; k < 8; ++k) {
+      nearest = min(nearest, (corners_.x[k] * sum_x + corners_.y[k] * sum_y) * scale);
+    }
+    return cylinder_.half.z - highest > cylinder_.half.x - max(nearest, Real(0.0));
   }
-  const int count = static_cast<int>(model.form->edges.size());
+
+  SKYBODY_INLINE void add_corners(const MaskOf<Real>& acts, Manifold<Real>& out) {
 #pragma GCC unroll 1
-  for (int e = 0; e < count; ++e) {
-    const int i = model.form->edges[static_cast<std::size_t>(e)][0];
-    const int k = model.form->edges[static_cast<std::size_t>(e)][1];
-    const Vec3<Real>& along = corners.edges[k - i == 1 ? 0 : k - i == 2 ? 1 : 2];
-    const Real square = along.x * along.x + along.y * along.y;
-    const Real moment = corners.x[i] * along.y - corners.y[i] * along.x;
-    const Real back = -(corners.x[i] * along.x + corners.y[i] * along.y);
-    const auto passes = logical_and(logical_and(back > 0.0, back < square),
-                                    moment * moment < disc * square);
-    const auto here = logical_and(acts, passes);
-    if (none(here)) continue;
+    for (int k = 0; k < 8; ++k) {
+      depth_[k] = Real(0.0);
+      const auto is_in = logical_and(
+          acts, logical_and(corners_.square[k] < disc_, abs(corners_.z[k]) < cylinder_.half.z));
+      if (none(is_in)) continue;
+      const SurfaceDistance<Real> d = cylinder_distance(
+          cylinder_.half.x, cylinder_.half.z, {corners_.x[k], corners_.y[k], corners_.z[k]});
+      depth_[k] = select(is_in, -d.distance, Real(0.0));
+      out.add(box_.place(model_.form->places[static_cast<std::size_t>(k)]),
+              cylinder_.axes * d.normal * Real(sign_), depth_[k], bristle_of(model_, k), is_in);
+    }
+  }
+
+  SKYBODY_INLINE void add_edges(const MaskOf<Real>& is_side, const MaskOf<Real>& is_end,
+                                Manifold<Real>& out) const {
+    const int count = static_cast<int>(model_.form->edges.size());
+#pragma GCC unroll 1
+    for (int e = 0; e < count; ++e) {
+      const int i = model_.form->edges[static_cast<std::size_t>(e)][0];
+      const int k = model_.form->edges[static_cast<std::size_t>(e)][1];
+      const Vec3<Real>& along = corners_.edges[k - i == 1 ? 0 : k - i == 2 ? 1 : 2];
+      // Its line passes through the disc, and some of it between the ends.
+      const Real square = along.x * along.x + along.y * along.y;
+      const Real moment = corners_.x[i] * along.y - corners_.y[i] * along.x;
+      const auto passes = logical_and(
+          moment * moment < disc_ * square,
+          min(abs(corners_.z[i]), abs(corners_.z[k])) < cylinder_.half.z + abs(along.z));
+      const auto at_side = logical_and(is_side, passes), at_end = logical_and(is_end, passes);
+      if (!none(at_side)) add_edge_at_side(e, i, k, along, square, at_side, out);
+      if (!none(at_end)) add_edge_at_end(e, i, k, along, at_end, out);
+    }
+  }
+
+  SKYBODY_INLINE void add_edge_at_side(int e, int i, int k, const Vec3<Real>& along,
+                                       const Real& square, const MaskOf<Real>& here,
+                                       Manifold<Real>& out) const {
+    const Real back = -(corners_.x[i] * along.x + corners_.y[i] * along.y);
     const Real share = back / max(square, Real(1e-30));
-    const Real px = corners.x[i] + along.x * share, py = corners.y[i] + along.y * share;
-    const Real distance = sqrt(px * px + py * py);
-    const Real deeper = (radius - distance) - max(depth[i], depth[k]);
-    const Vec3<Real> way = way_from_axis(cylinder, px, py, distance);
-    const Vec3<Real> at{px, py, corners.z[i] + along.z * share};
-    out.add(cylinder.position + cylinder.axes * at, way * Real(sign), deeper,
-            bristle_of(model, model.form->point_count + e), logical_and(here, deeper > 0.0));
+    const Vec3<Real> at{corners_.x[i] + along.x * share, corners_.y[i] + along.y * share,
+                        corners_.z[i] + along.z * share};
+    const Real distance = sqrt(at.x * at.x + at.y * at.y);
+    const Real deeper = (cylinder_.half.x - distance) - max(depth_[i], depth_[k]);
+    const auto is_between = logical_and(share > 0.0, share < 1.0);
+    const auto is_on_axis = distance == 0.0;
+    const Real scale = 1.0 / select(is_on_axis, Real(1.0), distance);
+    const Vec3<Real> normal{select(is_on_axis, Real(1.0), at.x * scale), at.y * scale, Real(0.0)};
+    out.add(cylinder_.position + cylinder_.axes * at, cylinder_.axes * normal * Real(sign_), deeper,
+            bristle_of(model_, model_.form->point_count + e),
+            logical_and(here, logical_and(is_between, deeper > 0.0)));
   }
-  return is_side;
-}
+
+  SKYBODY_INLINE void add_edge_at_end(int e, int i, int k, const Vec3<Real>& along,
+                                      const MaskOf<Real>& here, Manifold<Real>& out) const {
+    const Vec3<Real> start{corners_.x[i], corners_.y[i], corners_.z[i]};
+    const EdgeDepth<Real> d = edge_depth(cylinder_, start, start + along);
+    const Real deeper = -d.distance - max(depth_[i], depth_[k]);
+    out.add(cylinder_.position + cylinder_.axes * (start + along * d.share),
+            cylinder_.axes * d.normal * Real(sign_), deeper,
+            bristle_of(model_, model_.form->point_count + e),
+            logical_and(here, logical_and(d.is_between, deeper > 0.0)));
+  }
+
+  SKYBODY_INLINE void add_points_of_ends(const ContactSolid& model, const MaskOf<Real>& is_end,
+                                         Manifold<Real>& out) const {
+#pragma GCC unroll 1
+    for (int k = 0; k < model.form->point_count; ++k) {
+      const Vec3<Real> p = cylinder_.place(model.form->places[static_cast<std::size_t>(k)]);
+      const Vec3<Real> local = box_.to_local(p);
+      const auto is_in =
+          logical_and(logical_and(is_end, abs(local.x) < box_.half.x),
+                      logical_and(abs(local.y) < box_.half.y, abs(local.z) < box_.half.z));
+      if (none(is_in)) continue;
+      const SurfaceDistance<Real> d = box_distance(box_.half, local);
+      out.add(p, box_.axes * d.normal * Real(-sign_), -d.distance, bristle_of(model, k), is_in);
+    }
+  }
+
+  const ContactSolid& model_;
+  const Solid<Real>&box_, &cylinder_;
+  double sign_;
+  CornersAboutAxis<Real> corners_;
+  Real disc_;      ///< the cylinder's squared radius [m^2]
+  Real depth_[8];  ///< of the corners [m]
+};
 
 }  // namespace skybody

@@ -125,12 +125,11 @@ class ContactCorrection {
       m.velocity = load_vec3(b + 7);
       m.spin = load_vec3(b + 10);
     }
-    if (clearances_ == nullptr) return contact_.may_be_near(a_.motion, mask, nullptr);
-    const int values = 4 * static_cast<int>(plan_.contact.bodies.size());
-    Real* const known = reinterpret_cast<Real*>(a_.clearances);
-    lanes_.load(clearances_, values, known);
-    const MaskOf<Real> is_near = contact_.may_be_near(a_.motion, mask, a_.clearances);
-    lanes_.store(known, values, mask, clearances_);
+    Clearance<Real>* const known = load_clearances();
+    const MaskOf<Real> is_near = contact_.may_be_near(a_.motion, mask, known);
+    if (known != nullptr) {
+      lanes_.store(reinterpret_cast<const Real*>(known), clearance_count(), mask, clearances_);
+    }
     return is_near;
   }
 
@@ -140,7 +139,7 @@ class ContactCorrection {
     load(group_.q, group_.u, a_.end);
     start();
     forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    const MaskOf<Real> is_near = contact_.search(a_.motion, mask);
+    const MaskOf<Real> is_near = contact_.search(a_.motion, mask, load_clearances());
     find_near_robots();
     load_bristles();
     const double rate = 1.0 / dt();
@@ -163,7 +162,7 @@ class ContactCorrection {
   SKYBODY_INLINE void each_contact(const List& list) {
     load(group_.q, group_.u, a_.now);
     forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    contact_.search(a_.motion, MaskOf<Real>(true));
+    contact_.search(a_.motion, MaskOf<Real>(true), nullptr);
     load_bristles();
     contact_.begin();
     contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), false, list);
@@ -176,6 +175,12 @@ class ContactCorrection {
   const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
   int u_count() const { return a_.now.u_count; }
 
+  int clearance_count() const { return 4 * static_cast<int>(plan_.contact.bodies.size()); }
+  SKYBODY_INLINE Clearance<Real>* load_clearances() const {
+    if (clearances_ == nullptr) return nullptr;
+    lanes_.load(clearances_, clearance_count(), reinterpret_cast<Real*>(a_.clearances));
+    return a_.clearances;
+  }
   SKYBODY_INLINE void load(const double* q, const double* u, const Coordinates<Real>& to) const {
     lanes_.load(q, to.q_count, to.q);
     lanes_.load(u, to.u_count, to.u);
@@ -218,8 +223,7 @@ class ContactCorrection {
       if (none(is_active)) break;
       const Real step = Real(dt()) / parts, half = 0.5 * step;
       begin_part(half);
-      push(step, is_active);
-      if (any(contact_.parts() > parts)) {  // what touches asks for more: begin again with them
+      if (!push(step, parts, is_active)) {  // what touches asks for more: begin again with them
         parts = contact_.parts();
         start();
         load_bristles();
@@ -249,11 +253,13 @@ class ContactCorrection {
   }
 
   /// The response to the contacts of a part.
-  SKYBODY_INLINE void push(const Real& step, const MaskOf<Real>& is_active) {
+  /// @returns false if some ask for more parts
+  SKYBODY_INLINE bool push(const Real& step, const Real& parts, const MaskOf<Real>& is_active) {
     const BodyKinematics<Real>* mean = a_.motion;
 #pragma GCC unroll 1
     for (int pass = 0; pass < 2; ++pass) {
       contact_.act(a_.motion, mean, step, is_active, pass == 1);
+      if (any(contact_.parts() > parts)) return false;
       response_(plan_, bodies_, a_);
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
         for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
@@ -271,11 +277,24 @@ class ContactCorrection {
           const Real change = (0.5 * step) * a_.rates[i];
           a_.mean_u[i] = select(is_quick, a_.now.u[i] + change, a_.now.u[i]);
         }
-        forward_kinematics(tree(), robot.first_body, robot.first_body + robot.body_count, a_.now.q,
-                           a_.mean_u, a_.mean);
+        find_mean_motion(robot);
       });
       mean = a_.mean;
     }
+    return true;
+  }
+
+  /// Bodies are where they are, with mean velocities.
+  SKYBODY_INLINE void find_mean_motion(const RobotLayout& robot) const {
+    const int first = robot.first_body;
+    const TreeBody& base = tree()[static_cast<std::size_t>(first)];
+    if (robot.body_count == 1 && base.type == JointType::kFree && base.plain_body) {
+      a_.mean[first].position = a_.motion[first].position;
+      a_.mean[first].velocity = load_vec3(a_.mean_u + base.u);
+      a_.mean[first].angular_velocity = a_.motion[first].axes * load_vec3(a_.mean_u + (base.u + 3));
+      return;
+    }
+    forward_kinematics(tree(), first, first + robot.body_count, a_.now.q, a_.mean_u, a_.mean);
   }
 
   /// The velocities, and the other half of the coordinates.

@@ -65,12 +65,11 @@ struct Correct {
           lanes, [&](const LaneList<Real>& list, std::uint32_t bits)
                      SKYBODY_INLINE_LAMBDA { return correct(list, bits, params, derived); });
     }
-    return each_list<W>(lanes, [&](const LaneList<Real>& list, std::uint32_t bits)
-                                   SKYBODY_INLINE_LAMBDA {
-                                     return correct(list, bits,
-                                                    ListedValues<Real>(call.group->params, list),
-                                                    ListedValues<Real>(call.derived, list));
-                                   });
+    return each_list<W>(lanes,
+                        [&](const LaneList<Real>& list, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+                          return correct(list, bits, ListedValues<Real>(call.group->params, list),
+                                         ListedValues<Real>(call.derived, list));
+                        });
   }
 };
 

@@ -16,8 +16,8 @@ class LaneList {
   /// @param first  of a row of lanes
   explicit LaneList(int first) : first_(first), is_row_(true) {}
 
-  /// Takes the lowest lanes out of `lanes`, as many as Real holds at most; where they are fewer, the
-  /// last stands for the rest.
+  /// Takes the lowest lanes out of `lanes`, as many as Real holds at most; where they are fewer,
+  /// the last stands for the rest.
   static LaneList take(std::uint32_t& lanes, std::uint32_t& taken) {
     LaneList list(0);
     list.is_row_ = false;
@@ -53,7 +53,8 @@ class LaneList {
   SKYBODY_INLINE void load(const double* block, int count, Real* out) const {
     if (is_row_) {
 #pragma GCC unroll 1
-      for (int k = 0; k < count; ++k) out[k] = load_lanes<Real>(block + k * kLaneStride<Real> + first_);
+      for (int k = 0; k < count; ++k)
+        out[k] = load_lanes<Real>(block + k * kLaneStride<Real> + first_);
       return;
     }
 #pragma GCC unroll 1
@@ -103,9 +104,7 @@ class ListedValues {
   /// @param data  value 0 of the group's first lane
   /// @param list  must outlive it
   ListedValues(const double* data, const LaneList<Real>& list) : data_(data), list_(&list) {}
-  SKYBODY_INLINE Real operator[](int k) const {
-    return list_->load(data_ + k * kLaneStride<Real>);
-  }
+  SKYBODY_INLINE Real operator[](int k) const { return list_->load(data_ + k * kLaneStride<Real>); }
   SKYBODY_INLINE ListedValues operator+(int k) const {
     return ListedValues(data_ + k * kLaneStride<Real>, *list_);
   }

@@ -230,8 +230,8 @@ TEST(Edges, CrossedRodsMeetBetweenTheirEnds) {
   }
 }
 
-/// Two QDrone2 meet at 5 m/s: how far apart the results are after 0.6 s.
-/// Two vehicles meet; how far a result is from that of the finest step after 0.6 s [m].
+/// Two QDrone2 meet: how far a result is from that of the finest step. At 1 m/s they graze each
+/// other once more 0.21 s later, which amplifies any difference 200 times: it is looked at before.
 TEST(Collision, ConvergesAsTheStepFalls) {
   const auto fly = [](double dt, double speed) {
     Scenario scenario = world_of(make_vehicle(qdrone2()), dt);
@@ -242,7 +242,7 @@ TEST(Collision, ConvergesAsTheStepFalls) {
     Bench bench(scenario);
     bench.state.u[0] = 0.5 * speed;
     bench.state.u[6] = -0.5 * speed;
-    EXPECT_TRUE(bench.run_seconds(0.65 / speed + 0.6));
+    EXPECT_TRUE(bench.run_seconds(0.65 / speed + (speed > 1.0 ? 0.6 : 0.2)));
     return bench.state.q;
   };
   const auto apart = [](const std::vector<double>& a, const std::vector<double>& b) {
@@ -253,7 +253,7 @@ TEST(Collision, ConvergesAsTheStepFalls) {
   const std::vector<double> quick = fly(2.5e-5, 5.0), slow = fly(2.5e-5, 1.0);
   for (const double dt : {2e-3, 1e-3, 5e-4, 1e-4}) {
     EXPECT_LT(apart(fly(dt, 5.0), quick), 0.01) << dt;
-    EXPECT_LT(apart(fly(dt, 1.0), slow), 3e-3) << dt;
+    EXPECT_LT(apart(fly(dt, 1.0), slow), 1e-3) << dt;
   }
   EXPECT_LT(apart(fly(5e-5, 5.0), quick), apart(fly(2e-3, 5.0), quick));
 }
