@@ -128,7 +128,7 @@ class ContactSearch {
                      half = load_vec3(c + kSolidHalf);
     const Vec3<Real> local = transpose_times(load_axes(c), apart);
     const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                             beyond(local.z, half.z)};
+                             beyond_top(meeting, local.z, half.z)};
     return norm(outside) - c[kSolidRounding];
   }
 
@@ -146,7 +146,7 @@ class ContactSearch {
       const Mat3<Real> axes = load_axes(c);
       const Vec3<Real> local = transpose_times(axes, apart), half = load_vec3(c + kSolidHalf);
       const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                               beyond(local.z, half.z)};
+                               beyond_top(meeting, local.z, half.z)};
       const Real reach = bound.radius + c[kSolidRounding];
       return logical_and(reach > 0.0, dot(outside, outside) < reach * reach);
     }
@@ -167,6 +167,7 @@ class ContactSearch {
     for (const GroundPoint& p : body.points) {
       lowest = min(lowest, dot(row, to_real<Real>(p.at)) - p.radius);
     }
+    for (const GroundRim& rim : body.rims) lowest = min(lowest, lowest_of_rim(rim, row));
     lowest += m.position.z;
     return logical_and(is_low, lowest < dt() * bound.speed + 1e-4);
   }
@@ -177,10 +178,17 @@ class ContactSearch {
     return select(over < Real(0.0), Real(0.0), over);
   }
 
+  /// The same along z; what is endless reaches down without end.
+  static SKYBODY_INLINE Real beyond_top(const Meeting& meeting, const Real& z, const Real& half) {
+    if (!meeting.is_endless) return beyond(z, half);
+    const Real over = z - half;
+    return select(over < Real(0.0), Real(0.0), over);
+  }
+
   /// Into how many parts a meeting cuts the step before it is known what touches: what is stopped
   /// must not have passed.
   SKYBODY_INLINE void cut(const Meeting& meeting, const MaskOf<Real>& here) {
-    if (meeting.other == kGround) return;
+    if (meeting.is_endless) return;
     Real speed = w_.bounds[meeting.body].speed;
     if (meeting.other >= 0) speed += w_.bounds[meeting.other].speed;
     ask_for(speed * (2.0 * dt()) / give_of_meeting(meeting), here);
@@ -195,7 +203,7 @@ class ContactSearch {
   }
 
   SKYBODY_INLINE Real give_of_meeting(const Meeting& meeting) const {
-    if (meeting.other == kGround) return Real(kInfinity);
+    if (meeting.is_endless) return Real(kInfinity);
     const Real give(scene_.bodies[static_cast<std::size_t>(meeting.body)].give);
     if (meeting.other >= 0) return min(give, Real(other_body(meeting).give));
     const Values c = obstacle_constants(meeting.other);

@@ -169,13 +169,14 @@ class ContactStep : public ContactSearch<Real, Values> {
   static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
     return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
             m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
-            Real(solid.rounding)};
+            Real(solid.rounding), solid.heights};
   }
   SKYBODY_INLINE Solid<Real> solid_of_obstacle(int other) const {
     const Values c = obstacle_constants(other);
-    return {scene_.obstacles[static_cast<std::size_t>(obstacle_of(other))].type,
+    const ContactSolid& model = scene_.obstacles[static_cast<std::size_t>(obstacle_of(other))];
+    return {model.type,
             load_vec3(c + kSolidPosition), load_axes(c), load_vec3(c + kSolidHalf),
-            Real(c[kSolidRounding])};
+            Real(c[kSolidRounding]), model.heights};
   }
 
   /// ---- what touches
@@ -192,6 +193,13 @@ class ContactStep : public ContactSearch<Real, Values> {
       const Vec3<Real> place{m.position.x + dot(m.axes.row(0), at),
                              m.position.y + dot(m.axes.row(1), at), z};
       touch(pair, {place, up, -z, touches, point.bristle}, list);
+    }
+    for (const GroundRim& rim : pair.body.rims) {
+      if (none(m.position.z + lowest_of_rim(rim, m.axes.row(2)) < 0.0)) continue;
+      each_ground_place(rim, m, [&](const Vec3<Real>& place, int bristle) SKYBODY_INLINE_LAMBDA {
+        const auto touches = logical_and(pair.is_active, place.z < 0.0);
+        if (!none(touches)) touch(pair, {place, up, -place.z, touches, bristle}, list);
+      });
     }
   }
 
@@ -212,7 +220,10 @@ class ContactStep : public ContactSearch<Real, Values> {
         // The plane through the nearest point of their surface has all of them behind it.
         const SurfaceDistance<Real> apart =
             their_solid.distance(their_solid.to_local(solid.position));
-        const Real reach = solid.extent(their_solid.axes * apart.normal) + 1e-9;
+        // That does not hold for what is not convex.
+        const Real reach = theirs.type == ShapeType::kHeightField
+                               ? Real(mine.reach)
+                               : solid.extent(their_solid.axes * apart.normal) + 1e-9;
         const auto is_close = logical_and(pair.is_active, apart.distance < reach);
         if (none(is_close)) continue;
         Manifold<Real> found;
