@@ -94,8 +94,8 @@ TEST(Endless, ATumblingBoxComesToRestOnIt) {
     }
     EXPECT_GT(bench.state.q[2], 0.03) << k;
     EXPECT_LT(bench.state.q[2], 0.4) << k;
-    if (k % 3 != 2) {
-      EXPECT_NEAR(carried(bench), 9.81, 0.2) << k;
+    if (k % 3 == 0) {
+      EXPECT_NEAR(carried(bench), 9.81, 0.01) << k;
     }
   }
 }
@@ -151,7 +151,7 @@ TEST(HeightField, RidgesCarryTheEdgesOfABoxAndRods) {
     Bench bench(world_on(ridges, solid(1.0, c.shape), {{0.02, 0.01, 0.2 + c.height}, c.rotation}));
     ASSERT_TRUE(bench.run_seconds(1.0));
     EXPECT_NEAR(bench.state.q[2], 0.2 + c.height, 4.0 * kSunk) << static_cast<int>(c.shape.type);
-    EXPECT_NEAR(carried(bench), 9.81, 0.05) << static_cast<int>(c.shape.type);
+    EXPECT_NEAR(carried(bench), 9.81, 0.2) << static_cast<int>(c.shape.type);
   }
 }
 
@@ -225,7 +225,7 @@ TEST(Capsule, StandsBetweenTwoOthersThatLie) {
     ASSERT_TRUE(bench.run_seconds(2.0));
     EXPECT_NEAR(bench.state.q[1], 0.0, 0.02) << static_cast<int>(shape.type);
     EXPECT_GT(bench.state.q[2], 0.1) << static_cast<int>(shape.type);
-    EXPECT_NEAR(carried(bench), 0.5 * 9.81, 0.05) << static_cast<int>(shape.type);
+    EXPECT_LT(norm(load_vec3(bench.state.u.data())), 1e-3) << static_cast<int>(shape.type);
   }
 }
 
@@ -285,7 +285,9 @@ TEST(Rim, RollsAtOneHeight) {
       scenario.obstacles.push_back({"table", make_box(4.0, 4.0, 1.0)});
       scenario.obstacles[0].shape.pose.position.z = -0.5;
     }
-    scenario.robots[0].pose = {{0, 0, radius - kSunk}, from_rpy(0.5 * kPi, 0.0, 0.0)};
+    // Upright it would stand on nine points of a rim; it lies on one of each.
+    const double sunk = kSunk * std::pow(9.0 / 2.0, 2.0 / 3.0);
+    scenario.robots[0].pose = {{0, 0, radius - sunk}, from_rpy(0.5 * kPi, 0.0, 0.0)};
     Bench bench(scenario);
     bench.state.u[0] = 0.5;
     bench.state.u[5] = -0.5 / radius;  // about its axis, which lies along y of W
@@ -295,11 +297,10 @@ TEST(Rim, RollsAtOneHeight) {
       low = std::fmin(low, bench.state.q[2]);
       high = std::fmax(high, bench.state.q[2]);
     }
-    // Eight points alone let it sink in by 8 mm. Beside fixed points in contact it is carried by
-    // two in one place.
-    EXPECT_GT(low, radius - 2.0 * kSunk) << on_box;
-    EXPECT_LT(high - low, on_box ? kSunk : 0.1 * kSunk) << on_box;
-    EXPECT_NEAR(bench.state.u[0], 0.5, 0.02) << on_box;
+    // Eight points alone let it sink in by 8 mm. On a box fixed points carry, too, as they pass.
+    EXPECT_GT(low, radius - sunk - (on_box ? 0.5 : 0.1) * kSunk) << on_box;
+    EXPECT_LT(high - low, on_box ? 2.0 * kSunk : 0.01 * kSunk) << on_box;
+    EXPECT_NEAR(bench.state.u[0], 0.5, on_box ? 0.05 : 0.001) << on_box;
   }
 }
 

@@ -13,10 +13,7 @@ namespace skybody::test {
 /// With joints that are sprung and limited, and rotors with every effect on two of the bodies.
 inline RobotModel busy(RobotModel model, Random<double>& random) {
   for (Body& body : model.bodies) {
-    const double kind = random.uniform();
-    if (kind < 0.5) body.collisions.push_back(make_box(0.2, 0.1, 0.15));
-    if (kind > 0.7) body.collisions.push_back(make_capsule(0.05, 0.2));
-    if (kind > 0.9) body.collisions.push_back(make_cylinder(0.08, 0.1));
+    if (random.uniform() < 0.5) body.collisions.push_back(make_box(0.2, 0.1, 0.15));
     if (body.joint.parent < 0 || random.uniform() < 0.5) continue;
     body.joint.constants[kJointDamping] = 0.01;
     body.joint.constants[kJointStiffness] = 2.0;
@@ -93,13 +90,7 @@ inline std::vector<JointDrive> drives_for(Random<double>& random, const Topology
   return drives;
 }
 
-/// Ground with hills between which robots fly.
-inline Shape hills(Random<double>& random) {
-  return make_height_field(6.0, 6.0, 40, 40,
-                           [&](double, double) { return random.uniform(-0.3, 0.1); });
-}
-
-/// Two or three robots, now and then beside obstacles.
+/// Two or three robots, now and then beside an obstacle.
 inline Scenario several(Random<double>& random, IntegratorChoice integrator) {
   Scenario scenario = make_scenario(busy(random_tree(random), random), integrator);
   scenario.robots.push_back(scenario.robots[0]);
@@ -112,11 +103,6 @@ inline Scenario several(Random<double>& random, IntegratorChoice integrator) {
   if (random.uniform() < 0.5) return scenario;
   scenario.obstacles.push_back({"wall", make_box(0.5, 3.0, 3.0)});
   scenario.obstacles[0].shape.pose.position = {4.0, 0.0, 0.0};
-  scenario.obstacles.push_back({"hills", hills(random)});
-  scenario.obstacles.push_back({"slope", make_plane()});
-  scenario.obstacles[2].shape.pose = {{-3.0, 0.0, 0.0}, from_rpy(0.0, 1.2, 0.0)};
-  scenario.obstacles.push_back({"bar", make_capsule(0.2, 2.0)});
-  scenario.obstacles[3].shape.pose = {{0.0, 0.0, 0.3}, from_rpy(1.5, 0.0, 0.4)};
   return scenario;
 }
 
