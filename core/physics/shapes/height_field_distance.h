@@ -128,6 +128,19 @@ SKYBODY_INLINE void take_cell(const Vec3<Real>& p, const Vec3<Real>& a, const Ve
   take_face(cross(b, c), false);
 }
 
+/// How far a point is from the box about a cell, squared.
+template <class Real>
+SKYBODY_INLINE Real squared_from_box(const Vec3<Real>& p, const Vec3<Real>* corners) {
+  const auto beyond = [](const Real& x, const Real& low, const Real& high) {
+    return max(max(low - x, x - high), Real(0.0));
+  };
+  const Real &a = corners[0].z, &b = corners[1].z, &c = corners[2].z, &d = corners[3].z;
+  const Vec3<Real> apart{beyond(p.x, corners[0].x, corners[2].x),
+                         beyond(p.y, corners[0].y, corners[2].y),
+                         beyond(p.z, min(min(a, b), min(c, d)), max(max(a, b), max(c, d)))};
+  return dot(apart, apart);
+}
+
 /// All cells within `window` of a point along x and along y.
 template <class Real>
 SKYBODY_INLINE void take_cells(const HeightGrid<Real>& grid, const Vec3<Real>& p,
@@ -140,10 +153,14 @@ SKYBODY_INLINE void take_cells(const HeightGrid<Real>& grid, const Vec3<Real>& p
     Real column = first_x;
     while (any(column <= last_x)) {
       const Real c = min(column, last_x);
-      const Vec3<Real> corner = grid.corner(c, r);
-      take_cell(p - corner, grid.corner(c + 1.0, r) - corner,
-                grid.corner(c + 1.0, r + 1.0) - corner, grid.corner(c, r + 1.0) - corner,
-                logical_and(row <= last_y, column <= last_x), shortest);
+      const Vec3<Real> corners[4] = {grid.corner(c, r), grid.corner(c + 1.0, r),
+                                     grid.corner(c + 1.0, r + 1.0), grid.corner(c, r + 1.0)};
+      const auto counts = logical_and(logical_and(row <= last_y, column <= last_x),
+                                      squared_from_box(p, corners) < shortest.squared);
+      if (!none(counts)) {  // most cells are farther off than the point straight below
+        take_cell(p - corners[0], corners[1] - corners[0], corners[2] - corners[0],
+                  corners[3] - corners[0], counts, shortest);
+      }
       column += 1.0;
     }
     row += 1.0;

@@ -210,7 +210,7 @@ Scenario among_shapes(Random<double>& random, IntegratorChoice integrator, int k
     scenario.obstacles.push_back({name, shape});
   };
   const Shape hills = make_height_field(
-      3.0, 4.0, 23, 31, [&](double, double) { return random.uniform(-0.15, 0.15); });
+      3.0, 4.0, 13, 17, [&](double, double) { return random.uniform(-0.15, 0.15); });
   add("hills", hills, {{0, 0, 0.1}, from_rpy(0.1, -0.1, 0.3)});
   add("slope", make_plane(), {{0, 0, -0.2}, from_rpy(0.4, 0.2, 0.0)});
   add("bar", make_capsule(0.1, 1.5), {{0, 0.2, 0.4}, from_rpy(1.5, 0.0, 0.4)});
@@ -234,7 +234,7 @@ TEST_P(Packs, TouchPlanesHillsAndCapsulesEachLaneForItself) {
     }
     ways.refresh(kAllLanes);
     std::uint32_t lanes = kAllLanes;
-    for (int step = 0; step < 40; ++step) {
+    for (int step = 0; step < 12; ++step) {
       const std::uint32_t some = step % 5 == 4 ? lanes & kSomeLanes : lanes;
       const std::uint32_t through =
           ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
@@ -244,7 +244,7 @@ TEST_P(Packs, TouchPlanesHillsAndCapsulesEachLaneForItself) {
     }
     EXPECT_EQ(lanes, kAllLanes);
   }
-  EXPECT_GT(near, 100);
+  EXPECT_GT(near, 40);
 }
 
 TEST_P(Packs, LeaveTheOthersAloneWhereOneFailsInContact) {
