@@ -29,7 +29,8 @@ std::string_view cut(std::string_view& rest, char separator) {
 }
 
 std::string too_many_heights() {
-  return "more than " + std::to_string(kMostHeights) + " heights, which is the most that is allowed";
+  return "more than " + std::to_string(kMostHeights) +
+         " heights, which is the most that is allowed";
 }
 
 /// Reads one file of heights.
@@ -75,8 +76,8 @@ class HeightsReader {
     const std::string which = "height " + std::to_string(column) + " of the row ";
     if (!height) return refuse(line, which + "is no number");
     if (!kPlaceRange.has(*height)) {
-      return refuse(line, which + "is " + format_number(*height) + "; allowed: " +
-                              kPlaceRange.text());
+      return refuse(line,
+                    which + "is " + format_number(*height) + "; allowed: " + kPlaceRange.text());
     }
     if (heights_.size() == kMostHeights) return refuse(line, "the file has " + too_many_heights());
     heights_.push_back(*height);
@@ -98,11 +99,12 @@ std::shared_ptr<const HeightField> heights_of_file(const MapReader& reader, Inpu
                                                    Diagnostics& diagnostics) {
   const std::string written = reader.text("file");
   const SourceMark mark = reader.mark("file");
-  const bool is_csv = written.size() > kExtension.size() &&
-                      written.compare(written.size() - kExtension.size(), written.npos,
-                                      kExtension) == 0;
+  const bool is_csv =
+      written.size() > kExtension.size() &&
+      written.compare(written.size() - kExtension.size(), written.npos, kExtension) == 0;
   if (!is_csv) {
-    diagnostics.error(mark, "`file` is `" + written + "`; allowed: a file of heights whose name "
+    diagnostics.error(mark, "`file` is `" + written +
+                                "`; allowed: a file of heights whose name "
                                 "ends in .csv");
     return nullptr;
   }
@@ -124,12 +126,12 @@ std::shared_ptr<const HeightField> heights_of_yaml(const MapReader& reader,
   if (diagnostics.error_count() > errors_before) return nullptr;
   const auto count = static_cast<int>(heights.size());
   if (reader.node("columns") == nullptr || count % columns != 0 || count / columns < 2) {
-    diagnostics.error(reader.mark("heights"),
-                      "`heights` has " + std::to_string(count) + " numbers" +
-                          (reader.node("columns") == nullptr
-                               ? ", but `columns` is missing"
-                               : ", but `columns` is " + std::to_string(columns)) +
-                          "; needed: two or more rows of `columns` numbers");
+    diagnostics.error(
+        reader.mark("heights"),
+        "`heights` has " + std::to_string(count) + " numbers" +
+            (reader.node("columns") == nullptr ? ", but `columns` is missing"
+                                               : ", but `columns` is " + std::to_string(columns)) +
+            "; needed: two or more rows of `columns` numbers");
     return nullptr;
   }
   return std::make_shared<HeightField>(columns, count / columns, std::move(heights));

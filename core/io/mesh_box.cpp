@@ -1,17 +1,17 @@
-// Needs: assimp, for the formats. Files may be a stranger's, so that assimp gets the text of one file
-// of bounded size from memory, a file system that has no other, the one importer that the name's
-// ending stands for, and no processing of its own.
+// Needs: assimp, for the formats. Files may be a stranger's, so that assimp gets the text of one
+// file of bounded size from memory, a file system that has no other, the one importer that the
+// name's ending stands for, and no processing of its own.
 #include "core/io/mesh_box.h"
 
 #include <assimp/BaseImporter.h>
-#include <assimp/IOStream.hpp>
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
 #include <array>
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -148,7 +148,7 @@ double unit_of(const aiScene& scene) {
 }
 
 /// To micrometres: COLLADA's rotations go through libm, whose last bits depend on the processor.
-double rounded(double length) { return round_half_even(length * 1e6) * 1e-6; }
+double rounded(double length) { return round_half_even(length * 1e6) / 1e6; }
 
 /// The largest coordinate of a box's corners, by size.
 double farthest(const MeshBox& box) {
@@ -167,6 +167,11 @@ std::string box_of(const aiScene& scene, MeshBox& box) {
 }
 
 }  // namespace
+
+Vec3<double> MeshBox::size() const {
+  const Vec3<double> d = high - low;
+  return {rounded(d.x), rounded(d.y), rounded(d.z)};
+}
 
 std::string scale_mesh_box(const Vec3<double>& scale, MeshBox& box) {
   const Vec3<double> a = multiply_elements(box.low, scale), b = multiply_elements(box.high, scale);

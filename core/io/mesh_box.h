@@ -17,7 +17,7 @@ inline constexpr std::size_t kMostMeshes = 100;
 struct MeshBox {
   Vec3<double> low{0.0, 0.0, 0.0}, high{0.0, 0.0, 0.0};  ///< [m]
 
-  Vec3<double> size() const { return high - low; }
+  Vec3<double> size() const;  ///< in whole micrometres
   Vec3<double> center() const { return 0.5 * (low + high); }
 };
 

@@ -359,12 +359,12 @@ std::string too_many_entries(const std::string& key, std::size_t count, std::siz
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {
-      &scenario_fields(), &stepping_fields(),   &solver_fields(),      &contact_fields(),
-      &robot_fields(),    &pose_fields(),       &disturbance_fields(), &joint_fields(),
-      &team_fields(),     &obstacle_fields(),   &height_field_fields(), &coupling_fields(),
-      &coupling_end_fields(), &observed_fields(), &plugin_use_fields(), &rotors_file_fields(),
-      &rotor_fields()};
+  const MapSpec* specs[] = {&scenario_fields(),     &stepping_fields(),     &solver_fields(),
+                            &contact_fields(),      &robot_fields(),        &pose_fields(),
+                            &disturbance_fields(),  &joint_fields(),        &team_fields(),
+                            &obstacle_fields(),     &height_field_fields(), &coupling_fields(),
+                            &coupling_end_fields(), &observed_fields(),     &plugin_use_fields(),
+                            &rotors_file_fields(),  &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {
     text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";

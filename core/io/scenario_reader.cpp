@@ -285,7 +285,8 @@ class ScenarioReader {
     } else if (shapes[0] == "plane") {
       obstacle.shape.type = ShapeType::kPlane;
       if (!reader.boolean("plane")) {
-        diagnostics_.error(reader.mark("plane"), "`plane` is false; allowed: true, or another shape");
+        diagnostics_.error(reader.mark("plane"),
+                           "`plane` is false; allowed: true, or another shape");
       }
     } else if (shapes[0] == "height_field") {
       if (!read_height_field(*reader.node("height_field"), budget_, diagnostics_, obstacle.shape)) {

@@ -182,8 +182,8 @@ class DocumentBuilder {
     const std::string problem =
         read.problem.empty() ? scale_mesh_box(shape.size, box) : read.problem;
     if (!problem.empty()) {
-      diagnostics_.error(mark, what + problem + remedy +
-                                   "mend it, or write a box, cylinder, sphere or capsule");
+      diagnostics_.error(
+          mark, what + problem + remedy + "mend it, or write a box, cylinder, sphere or capsule");
       return false;
     }
     shape.box_size = box.size();

@@ -93,10 +93,10 @@ enum class ShapeType { kBox, kCylinder, kSphere, kMesh, kCapsule, kPlane, kHeigh
 /// A collision or visual shape, placed in the frame of its body.
 struct Shape {
   ShapeType type = ShapeType::kSphere;
-  Pose pose;                                       ///< shape frame in the body's frame
+  Pose pose;                         ///< shape frame in the body's frame
   Vec3<double> size{0.0, 0.0, 0.0};  ///< box: edge lengths; height field: along x and y [m]; mesh:
                                      ///< scale factors
-  double radius = 0.0;  ///< cylinder, sphere, capsule [m]
+  double radius = 0.0;               ///< cylinder, sphere, capsule [m]
   double length = 0.0;  ///< cylinder: along z of the shape; capsule: between the centres of its
                         ///< caps, likewise [m]
   Vec3<double> box_size{0.0, 0.0, 0.0};    ///< mesh that is a collision shape: edge lengths of the

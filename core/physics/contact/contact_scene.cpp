@@ -204,8 +204,8 @@ void add_ground_places(const ContactSolid& solid, ContactBody& body) {
   for (int k = 0; k < solid.form->point_count; ++k) {
     const Vec3<double> at =
         multiply_elements(solid.half, solid.form->places[static_cast<std::size_t>(k)]);
-    body.points.push_back({solid.pose.position + rotate(solid.pose.rotation, at), solid.rounding,
-                           solid.bristle + k});
+    body.points.push_back(
+        {solid.pose.position + rotate(solid.pose.rotation, at), solid.rounding, solid.bristle + k});
   }
 }
 

@@ -77,9 +77,9 @@ struct Meeting {
   int other = kGround;  ///< of ContactScene::bodies, the ground or kFirstObstacle - i for the solid
                         ///< i of ContactScene::obstacles
   ContactLaw law;
-  bool moves = true;  ///< forces move one of the two
-  bool is_endless = false;  ///< the other is the ground, a plane or a height field: the body may get
-                            ///< into it as deep as the law lets it
+  bool moves = true;        ///< forces move one of the two
+  bool is_endless = false;  ///< the other is the ground, a plane or a height field: the body may
+                            ///< get into it as deep as the law lets it
 };
 
 /// Immutable; refers to the world, which must outlive it.

@@ -167,16 +167,22 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// ---- where things are
 
   static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
-    return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
-            m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
-            Real(solid.rounding), solid.heights};
+    return {solid.type,
+            m.position + m.axes * to_real<Real>(solid.pose.position),
+            m.axes * to_mat3(to_real<Real>(solid.pose.rotation)),
+            to_real<Real>(solid.half),
+            Real(solid.rounding),
+            solid.heights};
   }
   SKYBODY_INLINE Solid<Real> solid_of_obstacle(int other) const {
     const Values c = obstacle_constants(other);
     const ContactSolid& model = scene_.obstacles[static_cast<std::size_t>(obstacle_of(other))];
     return {model.type,
-            load_vec3(c + kSolidPosition), load_axes(c), load_vec3(c + kSolidHalf),
-            Real(c[kSolidRounding]), model.heights};
+            load_vec3(c + kSolidPosition),
+            load_axes(c),
+            load_vec3(c + kSolidHalf),
+            Real(c[kSolidRounding]),
+            model.heights};
   }
 
   /// ---- what touches

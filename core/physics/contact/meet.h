@@ -5,8 +5,8 @@
 // or of the products of their edges (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, section
 // 5). All places have that normal: corners of either within the other's sides, and where edges of
 // one pass the other's sides. Planes and height fields: meet_endless.h; two capsules:
-// meet_capsules.h. Other pairs touch with points in the other's inside, by the shortest way out, and
-// with edges across.
+// meet_capsules.h. Other pairs touch with points in the other's inside, by the shortest way out,
+// and with edges across.
 #pragma once
 
 #include "core/physics/contact/meet_capsules.h"

@@ -37,8 +37,7 @@ SKYBODY_INLINE void meet_plane(const ContactSolid& model, const Solid<Real>& a,
       const int first = end * kRimPoints;
       const Rim<Real> rim = rim_of(a, end);
       each_rim_place(
-          rim, up,
-          [&](int k) SKYBODY_INLINE_LAMBDA { return place(first + k) - rim.middle; },
+          rim, up, [&](int k) SKYBODY_INLINE_LAMBDA { return place(first + k) - rim.middle; },
           [&](const Vec3<Real>& at, int k) SKYBODY_INLINE_LAMBDA { add(at, first + k); });
     }
     return;
@@ -131,9 +130,8 @@ class FieldEdges {
   SKYBODY_INLINE void add_valley(int s, const MaskOf<Real>& is_valley) {
     if (none(is_valley)) return;
     const double step = 1.0 / kEdgeParts;
-    const EdgeDepth<Real> d =
-        edge_depth(field_, field_.to_local(start_ + along_ * Real(s * step)),
-                   field_.to_local(start_ + along_ * Real((s + 1) * step)));
+    const EdgeDepth<Real> d = edge_depth(field_, field_.to_local(start_ + along_ * Real(s * step)),
+                                         field_.to_local(start_ + along_ * Real((s + 1) * step)));
     put((Real(s * 1.0) + d.share) * step, d.distance, d.normal,
         logical_and(is_valley, d.is_between));
   }

@@ -24,8 +24,7 @@ SKYBODY_INLINE void add_rims(const ContactSolid& model, const Solid<Real>& a, co
 #pragma GCC unroll 1
   for (int end = 0; end < 2; ++end) {
     const Rim<Real> rim = rim_of(a, end);
-    const Vec3<Real> down =
-        way_down(rim.axis, b.axes * b.distance(b.to_local(rim.middle)).normal);
+    const Vec3<Real> down = way_down(rim.axis, b.axes * b.distance(b.to_local(rim.middle)).normal);
     const Vec3<Real> p = lowest_place(rim, down, norm(down));
     const SurfaceDistance<Real> d = b.distance(b.to_local(p));
     out.add(p, b.axes * d.normal * Real(sign), -d.distance, bristle_of(model, end * kRimPoints),

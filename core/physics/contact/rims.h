@@ -72,9 +72,9 @@ SKYBODY_INLINE void each_rim_place(const Rim<Real>& rim, const Vec3<Real>& out, 
 
 /// A rim of a body that may touch the ground.
 struct GroundRim {
-  Rim<double> rim;                               ///< in the body's frame
-  std::array<Vec3<double>, kRimPoints> spokes;   ///< from its middle to its fixed points
-  int bristle = 0;                               ///< of the first of these
+  Rim<double> rim;                              ///< in the body's frame
+  std::array<Vec3<double>, kRimPoints> spokes;  ///< from its middle to its fixed points
+  int bristle = 0;                              ///< of the first of these
 };
 
 /// Calls f(place, bristle) for all places of a rim, in W, by which it may touch the ground.

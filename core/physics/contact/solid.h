@@ -28,8 +28,8 @@ struct Solid {
   Vec3<Real> half;      ///< half its size along its axes; of a sphere 0, of a capsule half the way
                         ///< between its caps along z; of a plane and a height field z is the
                         ///< greatest height [m]
-  Real rounding;        ///< what is so near belongs to it: the radius of a sphere or capsule, else 0;
-                        ///< or kNoSolid
+  Real rounding;  ///< what is so near belongs to it: the radius of a sphere or capsule, else 0;
+                  ///< or kNoSolid
   FieldHeights heights = {};  ///< of a height field
 
   /// @param at  in units of `half`

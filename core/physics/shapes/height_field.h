@@ -1,5 +1,5 @@
-// Distances from height fields by functions of their own: for each width of packs there is one, which
-// all that asks for distances calls (the code is long).
+// Distances from height fields by functions of their own: for each width of packs there is one,
+// which all that asks for distances calls (the code is long).
 #pragma once
 
 #include "core/base/pack.h"

@@ -4,8 +4,8 @@
 //
 // Idea: the point straight below or above gives a bound on the distance, so that only cells within
 // that bound can hold the nearest point; all of them are looked at. Close to the surface these are
-// one to four cells. Lanes look at different cells: each reads heights by its own indices, and cells
-// that a lane has no need of change nothing there, so that it has the bits that it has alone.
+// one to four cells. Lanes look at different cells: each reads heights by its own indices, and
+// cells that a lane has no need of change nothing there, so that it has the bits that it has alone.
 #pragma once
 
 #include "core/model/height_field.h"
@@ -45,7 +45,9 @@ struct HeightGrid {
   static SKYBODY_INLINE Real cell(const Real& x, const Real& half, const Real& step, int count) {
     return floor(within((x + half) / step, count - 2.0));
   }
-  SKYBODY_INLINE Real cell_x(const Real& x) const { return cell(x, half_x, step_x, field.columns()); }
+  SKYBODY_INLINE Real cell_x(const Real& x) const {
+    return cell(x, half_x, step_x, field.columns());
+  }
   SKYBODY_INLINE Real cell_y(const Real& y) const { return cell(y, half_y, step_y, field.rows()); }
 
   /// The nearest number from 0 to `most`; NaN counts as 0.
@@ -70,8 +72,8 @@ SKYBODY_INLINE HeightBelow<Real> height_below(const HeightGrid<Real>& grid, cons
   const Real v = HeightGrid<Real>::within((y + grid.half_y) / grid.step_y - row, 1.0);
   const Real low = grid.height(column, row), high = grid.height(column + 1.0, row + 1.0);
   const auto is_right = u > v;  // of the cell's diagonal
-  const Real aside = grid.height(select(is_right, column + 1.0, column),
-                                 select(is_right, row, row + 1.0));
+  const Real aside =
+      grid.height(select(is_right, column + 1.0, column), select(is_right, row, row + 1.0));
   const Real along_x = select(is_right, aside - low, high - aside);
   const Real along_y = select(is_right, high - aside, aside - low);
   const Vec3<Real> face{-along_x / grid.step_x, -along_y / grid.step_y, Real(1.0)};
@@ -83,8 +85,8 @@ namespace detail {
 /// The shortest way from a surface to a point, as far as it is known.
 template <class Real>
 struct ShortestWay {
-  Vec3<Real> way;   ///< from the surface to the point [m]
-  Real squared;     ///< its length squared
+  Vec3<Real> way;  ///< from the surface to the point [m]
+  Real squared;    ///< its length squared
 
   SKYBODY_INLINE void take(const Vec3<Real>& other, const MaskOf<Real>& counts) {
     const Real length = dot(other, other);
@@ -120,8 +122,7 @@ SKYBODY_INLINE void take_cell(const Vec3<Real>& p, const Vec3<Real>& a, const Ve
     const Real u = foot.x / b.x, v = foot.y / b.y;
     const Real& greater = is_right ? u : v;
     const Real& less = is_right ? v : u;
-    const auto is_on_it =
-        logical_and(logical_and(less >= 0.0, greater <= 1.0), greater >= less);
+    const auto is_on_it = logical_and(logical_and(less >= 0.0, greater <= 1.0), greater >= less);
     shortest.take(way, logical_and(counts, is_on_it));
   };
   take_face(cross(a, b), true);

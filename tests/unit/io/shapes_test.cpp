@@ -82,12 +82,12 @@ TEST_F(ShapeFiles, ObstaclesAreCapsulesAndPlanes) {
   ASSERT_TRUE(plane.has_value()) << messages();
   EXPECT_EQ(plane->type, ShapeType::kPlane);
   EXPECT_FALSE(read_obstacle("plane: false").has_value());
-  EXPECT_THAT(messages(), HasSubstr("s.yaml:3:23: error: `plane` is false; allowed: true"));
+  EXPECT_THAT(messages(), HasSubstr("s.yaml:3:22: error: `plane` is false; allowed: true"));
 }
 
 TEST_F(ShapeFiles, HeightsStandInTheScenarioOrInAFile) {
-  const auto written = read_obstacle(
-      "height_field: {size: [2, 4], columns: 3, heights: [0, 1, 2, 3, 4, 5]}");
+  const auto written =
+      read_obstacle("height_field: {size: [2, 4], columns: 3, heights: [0, 1, 2, 3, 4, 5]}");
   ASSERT_TRUE(written.has_value()) << messages();
   EXPECT_EQ(written->type, ShapeType::kHeightField);
   EXPECT_EQ(written->size.y, 4.0);
@@ -112,7 +112,8 @@ TEST_F(ShapeFiles, HeightsThatAreNoGridAreRefusedWithTheirLine) {
   };
   EXPECT_THAT(refused("0,1\n2,3,4\n"),
               HasSubstr("hills.csv:2: error: the row has 3 heights, that of line 1 has 2"));
-  EXPECT_THAT(refused("0,1\n2,secret\n"), HasSubstr("hills.csv:2: error: height 2 of the row is no number"));
+  EXPECT_THAT(refused("0,1\n2,secret\n"),
+              HasSubstr("hills.csv:2: error: height 2 of the row is no number"));
   EXPECT_THAT(messages(), ::testing::Not(HasSubstr("secret"))) << "files are not quoted";
   EXPECT_THAT(refused("0,1\n2,.inf\n"), HasSubstr("height 2 of the row is"));
   EXPECT_THAT(refused("0,1\n2,.nan\n"), HasSubstr("height 2 of the row is"));
@@ -136,7 +137,8 @@ TEST_F(ShapeFiles, HeightFieldsHaveOneSourceOfHeights) {
   EXPECT_THAT(refused("{size: [1, 1]}"), HasSubstr("`height_field` has no heights"));
   EXPECT_THAT(refused("{size: [1, 1], file: a.csv, heights: [1]}"),
               HasSubstr("has `file` and `heights`"));
-  EXPECT_THAT(refused("{size: [1, 1], file: missing.csv}"), HasSubstr("missing.csv` does not exist"));
+  EXPECT_THAT(refused("{size: [1, 1], file: missing.csv}"),
+              HasSubstr("missing.csv` does not exist"));
   EXPECT_THAT(refused("{size: [1, 1], file: /etc/passwd}"), HasSubstr("whose name ends in .csv"));
   EXPECT_THAT(refused("{size: [1, 1], heights: [1, 2, 3, 4]}"), HasSubstr("`columns` is missing"));
   EXPECT_THAT(refused("{size: [1, 1], columns: 3, heights: [1, 2, 3, 4]}"),
@@ -176,7 +178,8 @@ TEST_F(ShapeFiles, MeshesAreTheBoxAboutThem) {
 }
 
 TEST_F(ShapeFiles, MeshesOfAllFormatsThatAreRead) {
-  folder_.write("m/t.obj", "mtllib other.mtl\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 2 4\n");
+  folder_.write("m/t.obj",
+                "mtllib other.mtl\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 2 4\n");
   folder_.write("m/t.ply",
                 "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
                 "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"

@@ -84,8 +84,8 @@ TEST(Endless, ATumblingBoxComesToRestOnIt) {
   for (int k = 0; k < 9; ++k) {
     Shape floor = k % 3 == 0 ? make_plane() : k % 3 == 1 ? rough : capsule_floor;
     if (k % 3 == 2) floor.pose = {{0, 0, -3.0}, from_rpy(0.5 * kPi, 0.0, 0.0)};
-    Bench bench(world_on(floor, solid(1.0, make_box(0.3, 0.2, 0.1)),
-                         {{0, 0, 0.5}, random.quaternion()}));
+    Bench bench(
+        world_on(floor, solid(1.0, make_box(0.3, 0.2, 0.1)), {{0, 0, 0.5}, random.quaternion()}));
     for (int axis = 0; axis < 3; ++axis) bench.state.u[3 + axis] = random.uniform(-8.0, 8.0);
     ASSERT_TRUE(bench.run_seconds(k % 3 == 2 ? 1.5 : 6.0));
     // On the round back of a capsule it may rock on, and slide off at last.
@@ -156,9 +156,8 @@ TEST(HeightField, RidgesCarryTheEdgesOfABoxAndRods) {
 }
 
 TEST(HeightField, ABoxOverTheEdgeOfATableTipsWhereItsMiddleIsBeyond) {
-  const Shape table = make_height_field(2.0, 2.0, 21, 21, [](double x, double) {
-    return x < 0.05 ? 0.5 : 0.0;
-  });
+  const Shape table =
+      make_height_field(2.0, 2.0, 21, 21, [](double x, double) { return x < 0.05 ? 0.5 : 0.0; });
   // The table's top ends at x = 0, its flank at 0.1.
   for (const bool tips : {false, true}) {
     Bench bench(world_on(table, solid(1.0, make_box(0.4, 0.2, 0.1)),
@@ -173,9 +172,8 @@ TEST(HeightField, ABoxOverTheEdgeOfATableTipsWhereItsMiddleIsBeyond) {
 }
 
 TEST(HeightField, ABallRestsInAHollowAndOnFineGround) {
-  const Shape hollow = make_height_field(2.0, 2.0, 81, 81, [](double x, double y) {
-    return 0.3 * (x * x + y * y);
-  });
+  const Shape hollow =
+      make_height_field(2.0, 2.0, 81, 81, [](double x, double y) { return 0.3 * (x * x + y * y); });
   Bench bench(world_on(hollow, solid(0.5, make_sphere(0.1)), {{0.4, 0.1, 0.4}, {1, 0, 0, 0}}));
   ASSERT_TRUE(bench.run_seconds(5.0));
   EXPECT_LT(std::hypot(bench.state.q[0], bench.state.q[1]), 0.6);
@@ -185,7 +183,8 @@ TEST(HeightField, ABallRestsInAHollowAndOnFineGround) {
 
 TEST(HeightField, IsWhereAndAsLargeAsItsParametersSay) {
   const auto height_after = [](const std::string& path, double value) {
-    Bench bench(world_on(flat_field(), solid(0.5, make_sphere(0.1)), {{1.0, 0, 0.1}, {1, 0, 0, 0}}));
+    Bench bench(
+        world_on(flat_field(), solid(0.5, make_sphere(0.1)), {{1.0, 0, 0.1}, {1, 0, 0, 0}}));
     if (!path.empty()) bench.param(path) = value;
     EXPECT_TRUE(bench.run_seconds(0.5));
     return bench.state.q[2];
@@ -255,8 +254,8 @@ TEST(Capsule, NonePassesAWallNorAWallOfCapsules) {
       scenario.obstacles.push_back({"wall", make_box(thickness, 8.0, 8.0)});
     } else {  // bars side by side
       for (int i = -20; i <= 20; ++i) {
-        scenario.obstacles.push_back({"bar_" + std::to_string(i + 20),
-                                      make_capsule(0.5 * thickness, 8.0)});
+        scenario.obstacles.push_back(
+            {"bar_" + std::to_string(i + 20), make_capsule(0.5 * thickness, 8.0)});
         scenario.obstacles.back().shape.pose.position.y = 0.5 * thickness * i;
       }
     }
@@ -269,9 +268,9 @@ TEST(Capsule, NonePassesAWallNorAWallOfCapsules) {
     for (int i = 0; i * dt < 0.2; ++i) {
       ASSERT_TRUE(bench.run(1));
       if (std::fabs(bench.state.q[1]) > 7.0 * thickness) break;  // beside the bars
-      ASSERT_GT(bench.state.q[0], 0.0) << "try " << k << " step " << i << ": radius " << radius
-                                       << ", wall " << thickness << ", " << speed << " m/s, dt "
-                                       << dt << (is_box ? ", box" : ", bars");
+      ASSERT_GT(bench.state.q[0], 0.0)
+          << "try " << k << " step " << i << ": radius " << radius << ", wall " << thickness << ", "
+          << speed << " m/s, dt " << dt << (is_box ? ", box" : ", bars");
     }
   }
 }

@@ -25,10 +25,9 @@ Shape random_shape(Random<double>& random) {
 Shape random_obstacle(Random<double>& random) {
   const double kind = random.uniform();
   if (kind < 0.6) return random_shape(random);
-  Shape shape = kind < 0.7 ? make_plane()
-                           : make_height_field(1.0, 1.4, 6, 9, [&](double, double) {
-                               return random.uniform(-0.1, 0.1);
-                             });
+  Shape shape = kind < 0.7 ? make_plane() : make_height_field(1.0, 1.4, 6, 9, [&](double, double) {
+    return random.uniform(-0.1, 0.1);
+  });
   shape.pose = {in_cube(random, 0.1), random.quaternion()};
   return shape;
 }

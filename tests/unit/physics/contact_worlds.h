@@ -27,8 +27,8 @@ inline RobotModel solid(double mass, const Shape& shape) {
   if (shape.type == ShapeType::kCapsule) {  // two halves of a ball, and a cylinder between them
     const double r = shape.radius, l = shape.length, ball = 4.0 / 3.0 * r / (l + 4.0 / 3.0 * r);
     const double caps = ball * mass, rod = mass - caps;
-    const double across = rod * (3.0 * r * r + l * l) / 12.0 +
-                          caps * (0.4 * r * r + 0.375 * r * l + 0.25 * l * l);
+    const double across =
+        rod * (3.0 * r * r + l * l) / 12.0 + caps * (0.4 * r * r + 0.375 * r * l + 0.25 * l * l);
     inertia = diagonal(across, across, 0.5 * rod * r * r + 0.4 * caps * r * r);
   }
   RobotModel model = make_free_body(mass, inertia);

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/random.h"
 #include "core/base/kernels.h"
+#include "core/base/random.h"
 #include "core/physics/shapes/height_field.h"
 #include "core/physics/shapes/overlap.h"
 #include "core/physics/shapes/surface_distance.h"
@@ -56,8 +56,8 @@ TEST(HeightFieldDistance, OfFlatGroundIsThatOfAPlaneAndItsWalls) {
 }
 
 TEST(HeightFieldDistance, OfARampIsThatOfATurnedPlane) {
-  const Shape ramp = make_height_field(20.0, 20.0, 41, 41,
-                                       [](double x, double y) { return 0.3 * x - 0.4 * y; });
+  const Shape ramp =
+      make_height_field(20.0, 20.0, 41, 41, [](double x, double y) { return 0.3 * x - 0.4 * y; });
   const Vec3<double> normal = Vec3<double>{-0.3, 0.4, 1.0} * (1.0 / std::sqrt(1.25));
   Random<double> random{RandomKey{2026, 72}, 0, 0, derive_stream("shape_distance_test")};
   for (int k = 0; k < 300; ++k) {
@@ -107,9 +107,8 @@ std::vector<Vec3<double>> surface_of(const Shape& field, int fine) {
 
 TEST(HeightFieldDistance, IsThatOfTheNearestPointOfItsSurface) {
   Random<double> random{RandomKey{2026, 73}, 0, 0, derive_stream("shape_distance_test")};
-  const Shape field = make_height_field(1.0, 0.8, 6, 5, [&](double, double) {
-    return random.uniform(-0.15, 0.15);
-  });
+  const Shape field = make_height_field(
+      1.0, 0.8, 6, 5, [&](double, double) { return random.uniform(-0.15, 0.15); });
   const std::vector<Vec3<double>> surface = surface_of(field, 30);
   int inside = 0;
   for (int k = 0; k < 400; ++k) {
@@ -178,9 +177,8 @@ struct FindMany {
 
 TEST(HeightFieldDistance, OfALaneIsWhatItIsAlone) {
   Random<double> random{RandomKey{2026, 74}, 0, 0, derive_stream("shape_distance_test")};
-  const Shape field = make_height_field(1.0, 0.8, 17, 13, [&](double, double) {
-    return random.uniform(-0.1, 0.1);
-  });
+  const Shape field = make_height_field(1.0, 0.8, 17, 13,
+                                        [&](double, double) { return random.uniform(-0.1, 0.1); });
   constexpr int kCount = 512;
   static double points[kCount][3], out[kCount][4];
   for (auto& p : points) {
@@ -205,9 +203,8 @@ TEST(Overlap, KnowsCapsulesPlanesHeightFieldsAndTheBoxesOfMeshes) {
   EXPECT_NEAR(overlap(capsule, {}, ball, {{0, 0, 0.55}, {}}), 0.1, 1e-12);
   EXPECT_EQ(overlap(capsule, {}, ball, {{0.21, 0, 0}, {}}), 0.0);
   EXPECT_NEAR(overlap(make_plane(), {{0, 0, 1}, {}}, ball, {{3, 0, 1.05}, {}}), 0.05, 1e-12);
-  const Shape hill = make_height_field(2.0, 2.0, 3, 3, [](double x, double y) {
-    return x == 0.0 && y == 0.0 ? 0.5 : 0.0;
-  });
+  const Shape hill = make_height_field(
+      2.0, 2.0, 3, 3, [](double x, double y) { return x == 0.0 && y == 0.0 ? 0.5 : 0.0; });
   EXPECT_GT(overlap(ball, {{0.9, 0, 0.05}, {}}, hill, {}), 0.04);
   EXPECT_EQ(overlap(ball, {{0.9, 0.9, 0.3}, {}}, hill, {}), 0.0);
   EXPECT_GT(overlap(ball, {{0.1, 0.0, 0.5}, {}}, hill, {}), 0.0);
