@@ -163,9 +163,7 @@ def heights_of(keys: dict[str, str], folder: Path) -> np.ndarray | None:
     return np.loadtxt(file, delimiter=",", ndmin=2) if file.is_file() else None
 
 
-def obstacles_of(
-    scenario: str, drawn: dict[str, float], folder: Path = Path()
-) -> list[Obstacle]:
+def obstacles_of(scenario: str, drawn: dict[str, float], folder: Path = Path()) -> list[Obstacle]:
     """Those of the scenario as core/io/config_writer.cpp writes it: merged, one key a line.
 
     Args:
