@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
+SHAPES = ("box", "sphere", "cylinder", "capsule", "gate", "plane", "height_field")
 ENDINGS = ("terminated", "truncated", "fault", "stopped", "interrupted")
 
 
@@ -40,10 +42,11 @@ class Joints:
 class Obstacle:
     """A shape that stands still."""
 
-    kind: str  # box, sphere or cylinder
-    size: np.ndarray  # edges; radius; radius and length along z [m]
+    kind: str  # box, sphere, cylinder, capsule, plane or height_field
+    size: np.ndarray  # edges; radius; radius and length along z; none; edges along x and y [m]
     position: np.ndarray
     rotation: np.ndarray  # matrix, W from the shape
+    heights: np.ndarray | None = None  # of a height field: a row for each y [m]
 
 
 @dataclass
@@ -147,22 +150,38 @@ def rotation_of(quaternions: np.ndarray) -> np.ndarray:
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
-def obstacles_of(scenario: str, drawn: dict[str, float]) -> list[Obstacle]:
+def numbers_in(text: str) -> np.ndarray:
+    """Of a list such as `[1, 2]`, or one number."""
+    return np.array([float(n) for n in text.strip("[]").split(",") if n.strip()])
+
+
+def heights_of(keys: dict[str, str], folder: Path) -> np.ndarray | None:
+    """The grid of a height field; None where its file is gone."""
+    if "heights" in keys:
+        return numbers_in(keys["heights"]).reshape(-1, int(keys["columns"]))
+    file = folder / keys["file"].strip("\"'")
+    return np.loadtxt(file, delimiter=",", ndmin=2) if file.is_file() else None
+
+
+def obstacles_of(scenario: str, drawn: dict[str, float], folder: Path = Path()) -> list[Obstacle]:
     """Those of the scenario as core/io/config_writer.cpp writes it: merged, one key a line.
 
     Args:
         scenario: its text.
         drawn: values of the episode's EnvParams by path; poses and sizes are among them.
+        folder: that of the scenario, in which files of heights lie.
     """
     section = re.search(r"^obstacles:\n((?:[ -].*\n?)*)", scenario, re.MULTILINE)
     found = []
     for entry in re.split(r"^  - ", section.group(1) if section else "", flags=re.MULTILINE)[1:]:
         keys = dict(re.findall(r"^ *(\w+): (.*)$", entry, re.MULTILINE))
-        kind = next((k for k in ("box", "sphere", "cylinder", "gate") if k in keys), None)
+        shapes = re.findall(r"^ *(\w+):", entry, re.MULTILINE)
+        kind = next((k for k in SHAPES if k in shapes), None)
         path = f"obstacles.{keys.get('name', '')}."
         if kind is None or not drawn.get(path + "present", 1.0):
             continue
-        written = np.array([float(n) for n in keys[kind].strip("[]").split(",")])
+        of_field = kind == "height_field"
+        written = numbers_in(keys["size" if of_field else kind] if kind != "plane" else "")
         size = np.array([drawn.get(f"{path}size[{k}]", n) for k, n in enumerate(written)])
         position = np.array([drawn.get(f"{path}position[{k}]", 0.0) for k in range(3)])
         turn = np.array([drawn.get(f"{path}rotation[{k}]", float(k == 0)) for k in range(4)])
@@ -170,7 +189,8 @@ def obstacles_of(scenario: str, drawn: dict[str, float]) -> list[Obstacle]:
         if kind == "gate":
             found += bars_of_gate(size, position, rotation)
         else:
-            found.append(Obstacle(kind, size, position, rotation))
+            heights = heights_of(keys, folder) if of_field else None
+            found.append(Obstacle(kind, size, position, rotation, heights))
     return found
 
 
@@ -231,6 +251,10 @@ def read_flight(log: h5py.File, name: str) -> Flight:
         rotor_speed=episode["rotor_speed"][:] if rotors else None,
         rotor_command=episode["rotor_command"][:] if rotors else None,
         joints=joints_of(episode),
-        obstacles=obstacles_of(str(about["scenario_text"]), drawn_of(log, episode)),
+        obstacles=obstacles_of(
+            str(about["scenario_text"]),
+            drawn_of(log, episode),
+            Path(str(about["scenario_file"])).parent,
+        ),
         near=near_spans(episode["near"][:], time) if "near" in episode else [],
     )

@@ -12,6 +12,7 @@ NEAR = {"color": "gold", "alpha": 0.4, "linewidth": 0}
 AXES = ("tab:red", "tab:green", "tab:blue")
 INSTANTS = 7  # at which vehicles are drawn, along each path
 AROUND = 24  # points of a circle
+MOST_CELLS = 60  # of a height field that are drawn along an edge
 
 
 # --- obstacles ----------------------------------------------------------------------------------
@@ -40,10 +41,55 @@ def turned_faces(profile: np.ndarray) -> list[np.ndarray]:
     ]
 
 
+def field_faces(size: np.ndarray, heights: np.ndarray | None) -> list[np.ndarray]:
+    """The triangles of a height field; where there are too many cells, larger ones; a rectangle
+    where its heights are not known."""
+    if heights is None:
+        heights = np.zeros((2, 2))
+    rows, columns = (
+        np.unique(np.linspace(0, n - 1, min(n, MOST_CELLS + 1)).astype(int)) for n in heights.shape
+    )
+    y, x = (
+        size[k] * (places / (n - 1) - 0.5)
+        for k, places, n in zip((1, 0), (rows, columns), heights.shape, strict=True)
+    )
+    grid = np.stack([*np.meshgrid(x, y), heights[np.ix_(rows, columns)]], axis=-1)
+    low, right, high, left = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
+    both = np.stack([np.stack([low, right, high], -2), np.stack([low, high, left], -2)], axis=2)
+    return list(both.reshape(-1, 3, 3))
+
+
+def plane_faces(obstacle: Obstacle, low: np.ndarray, high: np.ndarray) -> list[np.ndarray]:
+    """The part of a plane within a box, in W: a polygon, or nothing."""
+    normal = obstacle.rotation[:, 2]
+    corners = np.array([[(low, high)[k >> a & 1][a] for a in range(3)] for k in range(8)])
+    apart = (corners - obstacle.position) @ normal
+    points = []
+    for k in range(8):
+        for other in (k | 1 << a for a in range(3) if not k >> a & 1):
+            if apart[k] * apart[other] <= 0 and apart[k] != apart[other]:
+                share = apart[k] / (apart[k] - apart[other])
+                points.append(corners[k] + share * (corners[other] - corners[k]))
+    if len(points) < 3:
+        return []
+    spread = np.array(points) - np.mean(points, axis=0)
+    angles = np.arctan2(spread @ obstacle.rotation[:, 1], spread @ obstacle.rotation[:, 0])
+    return [np.array(points)[np.argsort(angles)]]
+
+
 def faces_of(obstacle: Obstacle) -> list[np.ndarray]:
-    """Its faces in W."""
+    """Its faces in W; none of a plane, which has no end."""
+    if obstacle.kind == "plane":
+        return []
     if obstacle.kind == "box":
         faces = box_faces(obstacle.size)
+    elif obstacle.kind == "height_field":
+        faces = field_faces(obstacle.size, obstacle.heights)
+    elif obstacle.kind == "capsule":
+        radius, half = obstacle.size[0], 0.5 * obstacle.size[1]
+        angles = np.linspace(0, np.pi / 2, AROUND // 4 + 1)
+        cap = np.stack([radius * np.cos(angles), half + radius * np.sin(angles)], axis=1)
+        faces = turned_faces(np.concatenate([(cap * [1, -1])[::-1], cap]))
     elif obstacle.kind == "sphere":
         angles = np.linspace(-np.pi / 2, np.pi / 2, AROUND // 2 + 1)
         faces = turned_faces(obstacle.size[0] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
@@ -56,16 +102,19 @@ def faces_of(obstacle: Obstacle) -> list[np.ndarray]:
 def draw_obstacles(panel, obstacles: list[Obstacle], low: np.ndarray, high: np.ndarray) -> None:
     """What reaches beyond the picture ends at its border."""
     for obstacle in obstacles:
-        faces = np.array(faces_of(obstacle))
+        is_plane = obstacle.kind == "plane"
+        faces = np.array(plane_faces(obstacle, low, high) if is_plane else faces_of(obstacle))
+        if not len(faces):
+            continue
         points = faces.reshape(-1, 3)
         if (points.max(axis=0) < low).any() or (points.min(axis=0) > high).any():
             continue
-        is_box = obstacle.kind == "box"
+        has_edges = obstacle.kind in ("box", "plane", "height_field")
         panel.add_collection3d(
             Poly3DCollection(
                 np.clip(faces, low, high),
                 facecolor=(0.55, 0.55, 0.55, 0.25),
-                edgecolor=(0.3, 0.3, 0.3, 0.6 if is_box else 0.0),
+                edgecolor=(0.3, 0.3, 0.3, 0.6 if has_edges else 0.0),
                 linewidth=0.6,
             )
         )
@@ -130,6 +179,8 @@ def limits_of(flight: Flight) -> tuple[np.ndarray, np.ndarray]:
     low, high = points.min(axis=0), points.max(axis=0)
     margin = max(0.05, 0.5 * float((high - low).max()))
     for obstacle in flight.obstacles:
+        if obstacle.kind == "plane":
+            continue
         corners = np.array(faces_of(obstacle)).reshape(-1, 3)
         if (corners.max(axis=0) > low - margin).all() and (
             corners.min(axis=0) < high + margin

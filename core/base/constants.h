@@ -96,7 +96,8 @@
   X(SKYBODY_OBSTACLE_ROTATION, kObstacleRotation, "rotation", "", 4, (), -1, 1, -INFINITY,         \
     "quaternion w x y z, W from the obstacle; brought to norm 1")                                  \
   X(SKYBODY_OBSTACLE_SIZE, kObstacleSize, "size", "m", 3, (), 0, SKYBODY_FAR, 0,                   \
-    "box: edge lengths; cylinder: radius, length; sphere: radius; gate: width, height, thickness")
+    "box: edge lengths; cylinder, capsule: radius, length; sphere: radius; gate: width, height, "   \
+    "thickness; height_field: along x and y; plane: none")
 
 /* Paths: couplings.tether.length. A point has the first, rods and ropes the first two, springs all. */
 #define SKYBODY_COUPLING_CONSTANTS(X)                                                              \

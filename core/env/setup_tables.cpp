@@ -117,6 +117,17 @@ SkybodyShapeInfo shape_info(const Shape& shape, const char* name, int body) {
       info.kind = SKYBODY_SPHERE;
       copy(Vec3<double>{shape.radius, 0.0, 0.0}, info.size);
       break;
+    case ShapeType::kCapsule:
+      info.kind = SKYBODY_CAPSULE;
+      copy(Vec3<double>{shape.radius, shape.length, 0.0}, info.size);
+      break;
+    case ShapeType::kPlane:
+      info.kind = SKYBODY_PLANE;
+      break;
+    case ShapeType::kHeightField:
+      info.kind = SKYBODY_HEIGHT_FIELD;
+      copy(Vec3<double>{shape.size.x, shape.size.y, shape.heights->highest()}, info.size);
+      break;
     case ShapeType::kMesh:
       info.kind = SKYBODY_MESH;
       copy(shape.size, info.size);

@@ -97,12 +97,24 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
   note(*text);
   model = parse_urdf(*text, file, {fixed_base}, diagnostics_);
   if (model && !add_rotors(reader, *model)) model.reset();
+  if (model) note_meshes(*model);
   const bool refuses = model && model->fixed_base && !fixed_base;
   if (refuses && reader.node("fixed_base") != nullptr) {
     diagnostics_.error(reader.mark("fixed_base"), "`fixed_base` is false, but the root link of " +
                                                       file + " is `world`: remove one of them");
   }
   return model ? &*model : nullptr;
+}
+
+/// The boxes about meshes decide how a robot flies, as the text of its files does.
+void RobotReader::note_meshes(const RobotModel& model) {
+  for (const Body& body : model.bodies) {
+    for (const Shape& shape : body.collisions) {
+      if (shape.type != ShapeType::kMesh) continue;
+      const Vec3<double>&size = shape.box_size, &center = shape.box_center;
+      note(format_numbers({size.x, size.y, size.z, center.x, center.y, center.z}));
+    }
+  }
 }
 
 bool RobotReader::add_rotors(const MapReader& reader, RobotModel& model) {

@@ -29,6 +29,7 @@ class RobotReader {
  private:
   /// The model, or null after errors; it stays the reader's.
   const RobotModel* read_model(const MapReader& reader);
+  void note_meshes(const RobotModel& model);
   bool add_rotors(const MapReader& reader, RobotModel& model);
   void read_joints(const MapReader& reader, RobotModel& model);
   void read_joint(const ConfigEntry& entry, Joint& joint);

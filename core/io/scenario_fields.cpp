@@ -40,6 +40,13 @@ std::vector<Field> with_constants(std::vector<Field> fields, std::span<const Con
   return fields;
 }
 
+/// Any number of numbers, one or more.
+Field any_count(Field field) {
+  field.value.max_count = -1;
+  field.value.default_numbers.clear();
+  return field;
+}
+
 Field no_default(Field field) {
   field.value.default_numbers.clear();
   return field;
@@ -174,18 +181,40 @@ const MapSpec& team_fields() {
   return spec;
 }
 
+const MapSpec& height_field_fields() {
+  static const MapSpec spec{
+      "height_field",
+      "Heights on a grid of rectangular cells, each of two triangles; solid below them.",
+      {
+          required(vector_field("size", "m", {1, 1}, kSmallestLength, kFar, "along x and y")),
+          text_field("file", "",
+                     "a .csv file: a line for each row in the order of rising y, with numbers in "
+                     "the order of rising x [m]"),
+          any_count(real_field("heights", "m", 0, -kFar, kFar,
+                               "in place of a file: all heights, row after row")),
+          integer_field("columns", 2, 2, 1e6, "of `heights`: how many a row has"),
+      }};
+  return spec;
+}
+
 const MapSpec& obstacle_fields() {
   static const MapSpec spec{
       "obstacle",
-      "A shape that stands in the world: one of box, sphere, cylinder, gate.",
+      "A shape that stands in the world: one of box, sphere, cylinder, capsule, gate, plane, "
+      "height_field.",
       {
           required(name_field("its name")),
           vector_field("box", "m", {1, 1, 1}, kSmallestLength, kFar, "edge lengths"),
           real_field("sphere", "m", 1, kSmallestLength, kFar, "radius"),
           vector_field("cylinder", "m", {1, 1}, kSmallestLength, kFar, "radius, length along z"),
+          vector_field("capsule", "m", {1, 1}, kSmallestLength, kFar,
+                       "radius, length along z between the centres of its caps"),
           vector_field("gate", "m", {1, 1, 0.1}, kSmallestLength, kFar,
                        "a frame of four bars: width (y) and height (z) of the opening, thickness "
                        "of the bars; its way through is x"),
+          boolean_field("plane", false, "true: all below z = 0 of its frame, without end"),
+          map_field("height_field", Field::Kind::kMap, height_field_fields(),
+                    "ground with hills: all below a grid of heights above z = 0 of its frame"),
           vector_field("position", "m", {0, 0, 0}, -kFar, kFar, "of its centre in W"),
           vector_field("rpy", "rad", {0, 0, 0}, -kMostTurned, kMostTurned,
                        "roll, pitch, yaw about the fixed axes of W"),
@@ -330,11 +359,12 @@ std::string too_many_entries(const std::string& key, std::size_t count, std::siz
 }
 
 std::string scenario_reference() {
-  const MapSpec* specs[] = {
-      &scenario_fields(), &stepping_fields(),   &solver_fields(),      &contact_fields(),
-      &robot_fields(),    &pose_fields(),       &disturbance_fields(), &joint_fields(),
-      &team_fields(),     &obstacle_fields(),   &coupling_fields(),    &coupling_end_fields(),
-      &observed_fields(), &plugin_use_fields(), &rotors_file_fields(), &rotor_fields()};
+  const MapSpec* specs[] = {&scenario_fields(),     &stepping_fields(),     &solver_fields(),
+                            &contact_fields(),      &robot_fields(),        &pose_fields(),
+                            &disturbance_fields(),  &joint_fields(),        &team_fields(),
+                            &obstacle_fields(),     &height_field_fields(), &coupling_fields(),
+                            &coupling_end_fields(), &observed_fields(),     &plugin_use_fields(),
+                            &rotors_file_fields(),  &rotor_fields()};
   std::string text;
   for (const MapSpec* spec : specs) {
     text += "## " + spec->name + "\n\n" + spec->doc + "\n\n";

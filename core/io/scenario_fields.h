@@ -48,6 +48,8 @@ const MapSpec& joint_fields();
 const MapSpec& team_fields();
 /// One entry of `obstacles`.
 const MapSpec& obstacle_fields();
+/// `height_field` of an obstacle.
+const MapSpec& height_field_fields();
 /// One entry of `couplings`.
 const MapSpec& coupling_fields();
 /// One of its `ends`.

@@ -9,6 +9,7 @@
 #include "core/io/config_tree.h"
 #include "core/io/coupling_reader.h"
 #include "core/io/field.h"
+#include "core/io/height_field_reader.h"
 #include "core/io/observed_reader.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/robot_reader.h"
@@ -29,6 +30,10 @@ Audit audit_of(IntegratorChoice integrator) {
   return {0.004, "1 mm and 0.1 degrees"};  // no larger one was tried
 }
 
+/// Keys of an obstacle, of which it has one.
+const std::vector<std::string> kObstacleShapes = {"box",  "sphere", "cylinder",    "capsule",
+                                                  "gate", "plane",  "height_field"};
+
 class ScenarioReader {
  public:
   ScenarioReader(const ConfigNode& root, const std::string& file, const PluginCatalog& catalog,
@@ -36,6 +41,7 @@ class ScenarioReader {
       : root_(root),
         catalog_(catalog),
         diagnostics_(diagnostics),
+        budget_(budget),
         robots_(catalog, budget, diagnostics) {
     scenario_.file = file;
   }
@@ -260,13 +266,13 @@ class ScenarioReader {
     obstacle.name = reader.text("name");
     obstacle.shape.pose = read_pose(reader);
     std::vector<std::string> shapes;
-    for (const char* key : {"box", "sphere", "cylinder", "gate"}) {
+    for (const std::string& key : kObstacleShapes) {
       if (reader.node(key) != nullptr) shapes.push_back(key);
     }
     if (shapes.size() != 1) {
       const std::string what = shapes.empty() ? "has no shape" : "has " + join(shapes, " and ");
       diagnostics_.error(reader.mark(), "the obstacle `" + obstacle.name + "` " + what +
-                                            "; needed: one of box, sphere, cylinder, gate");
+                                            "; needed: one of " + join(kObstacleShapes));
       return;
     }
     if (shapes[0] == "box" || shapes[0] == "gate") {
@@ -276,9 +282,20 @@ class ScenarioReader {
     } else if (shapes[0] == "sphere") {
       obstacle.shape.type = ShapeType::kSphere;
       obstacle.shape.radius = reader.real("sphere");
+    } else if (shapes[0] == "plane") {
+      obstacle.shape.type = ShapeType::kPlane;
+      if (!reader.boolean("plane")) {
+        diagnostics_.error(reader.mark("plane"),
+                           "`plane` is false; allowed: true, or another shape");
+      }
+    } else if (shapes[0] == "height_field") {
+      if (!read_height_field(*reader.node("height_field"), budget_, diagnostics_, obstacle.shape)) {
+        return;
+      }
     } else {
-      const std::vector<double> size = reader.numbers("cylinder");
-      obstacle.shape.type = ShapeType::kCylinder;
+      const std::vector<double> size = reader.numbers(shapes[0]);
+      const bool is_capsule = shapes[0] == "capsule";
+      obstacle.shape.type = is_capsule ? ShapeType::kCapsule : ShapeType::kCylinder;
       obstacle.shape.radius = size[0];
       obstacle.shape.length = size[1];
     }
@@ -290,6 +307,10 @@ class ScenarioReader {
     HashChain chain;
     chain.update(hash_string(scenario_.text));
     chain.update(robots_.files_hash());
+    for (const Obstacle& obstacle : scenario_.obstacles) {
+      if (!obstacle.shape.heights) continue;
+      for (double height : obstacle.shape.heights->heights()) chain.update(height);
+    }
     for (const RobotUse& robot : scenario_.robots) add(robot.controllers, chain);
     for (const TeamUse& team : scenario_.teams) add(team.controllers, chain);
     add(scenario_.sensors, chain);
@@ -313,6 +334,7 @@ class ScenarioReader {
   const ConfigNode& root_;
   const PluginCatalog& catalog_;
   Diagnostics& diagnostics_;
+  InputBudget& budget_;
   RobotReader robots_;
   Scenario scenario_;
 };

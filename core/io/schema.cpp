@@ -203,7 +203,8 @@ std::string definitions(const PluginCatalog& catalog) {
   JsonObject list;
   const MapSpec* specs[] = {&stepping_fields(), &contact_fields(),     &pose_fields(),
                             &robot_fields(),    &disturbance_fields(), &joint_fields(),
-                            &team_fields(),     &obstacle_fields(),    &observed_fields()};
+                            &team_fields(),     &obstacle_fields(),    &height_field_fields(),
+                            &observed_fields()};
   for (const MapSpec* spec : specs) list.set(spec->name, map_schema(*spec));
   for (int k = 0; k < SKYBODY_KIND_COUNT; ++k) {
     const auto kind = static_cast<SkybodyKind>(k);

@@ -194,7 +194,7 @@ class Checker {
     const std::string name = e->Name();
     if (name == "box") {
       within(*e, "size", 3, kSizeRange, where);
-    } else if (name == "cylinder") {
+    } else if (name == "cylinder" || name == "capsule") {
       within(*e, "radius", 1, kSizeRange, where);
       within(*e, "length", 1, kSizeRange, where);
     } else if (name == "sphere") {
@@ -206,7 +206,7 @@ class Checker {
         within(*e, "scale", 3, kScaleRange, where);
       }
     } else {
-      error(*e, "<" + name + "> is not a shape; allowed: box, cylinder, sphere, mesh");
+      error(*e, "<" + name + "> is not a shape; allowed: box, cylinder, sphere, capsule, mesh");
     }
   }
 

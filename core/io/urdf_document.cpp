@@ -8,6 +8,7 @@
 
 #include <unordered_map>
 
+#include "core/io/mesh_box.h"
 #include "core/io/text.h"
 #include "core/io/urdf_meshes.h"
 #include "core/io/urdf_model.h"
@@ -130,7 +131,8 @@ class DocumentBuilder {
       shape.type = ShapeType::kBox;
       shape.size = {box->dim.x, box->dim.y, box->dim.z};
     } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
-      shape.type = ShapeType::kCylinder;
+      const bool is_capsule = std::string(shape_element(e)->Name()) == "capsule";
+      shape.type = is_capsule ? ShapeType::kCapsule : ShapeType::kCylinder;
       shape.radius = cylinder->radius;
       shape.length = cylinder->length;
     } else if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
@@ -140,31 +142,75 @@ class DocumentBuilder {
       shape.type = ShapeType::kMesh;
       shape.size = {mesh->scale.x, mesh->scale.y, mesh->scale.z};
       shape.mesh = mesh->filename;
-      if (!keep_mesh(shape.mesh, e, link)) return std::nullopt;
+      if (!keep_mesh(shape, e, link)) return std::nullopt;
     }
     return shape;
   }
 
-  bool keep_mesh(const std::string& mesh, const XMLElement& e, const std::string& link) {
+  bool keep_mesh(Shape& shape, const XMLElement& e, const std::string& link) {
     const SourceMark mark = document_.mark(shape_element(e)->GetLineNum());
-    const std::string what = "the mesh `" + mesh + "` of the link `" + link + "` ";
-    const MeshState state = meshes_.look_up(mesh);
+    const std::string what = "the mesh `" + shape.mesh + "` of the link `" + link + "` ";
+    const MeshFile& file = meshes_.look_up(shape.mesh);
+    const MeshState state = file.state;
     const MeshProblem problem = problem_of(state);
     const bool collision = std::string(e.Name()) == "collision";
     if (state != MeshState::kFound && collision && !primitive_collision_) {
       diagnostics_.error(mark, what + problem.text +
                                    ", and the link has no other collision shape; " +
-                                   problem.remedy + ", or a box, cylinder or sphere");
+                                   problem.remedy + ", or a box, cylinder, sphere or capsule");
       return false;
     }
     if (state != MeshState::kFound) {
       diagnostics_.warning(mark, what + problem.text + "; it is left out, primitive shapes remain");
       return false;
     }
-    if (collision) {
-      diagnostics_.warning(mark, what + "takes no part in contact; add primitive collision shapes");
+    return !collision || take_box(file.path, what, mark, shape);
+  }
+
+  /// Reads the box by which a mesh takes part in contact.
+  /// @param what  "the mesh `x` of the link `y` "
+  bool take_box(const std::string& file, const std::string& what, const SourceMark& mark,
+                Shape& shape) {
+    const std::string remedy = ", and contact needs the box about it; ";
+    if (!is_readable_mesh(shape.mesh)) {
+      diagnostics_.error(mark, what + "is none of .stl, .dae, .obj and .ply" + remedy +
+                                   "convert it, or write a box, cylinder, sphere or capsule");
+      return false;
     }
+    const ReadMesh& read = read_mesh(file);
+    MeshBox box = read.box;
+    const std::string problem =
+        read.problem.empty() ? scale_mesh_box(shape.size, box) : read.problem;
+    if (!problem.empty()) {
+      diagnostics_.error(
+          mark, what + problem + remedy + "mend it, or write a box, cylinder, sphere or capsule");
+      return false;
+    }
+    shape.box_size = box.size();
+    shape.box_center = box.center();
+    diagnostics_.warning(mark, what + "counts in contact as the box about it, " +
+                                   format_number(shape.box_size.x) + " x " +
+                                   format_number(shape.box_size.y) + " x " +
+                                   format_number(shape.box_size.z) +
+                                   " m; boxes, cylinders, spheres and capsules in its place would "
+                                   "follow its form");
     return true;
+  }
+
+  /// A file of a mesh that is a collision shape, each read once.
+  struct ReadMesh {
+    MeshBox box;
+    std::string problem;
+  };
+  const ReadMesh& read_mesh(const std::string& file) {
+    const auto [found, is_new] = read_meshes_.try_emplace(file);
+    ReadMesh& mesh = found->second;
+    if (!is_new) return mesh;
+    mesh.problem = read_meshes_.size() > kMostMeshes
+                       ? "is not read: the model has more than " + std::to_string(kMostMeshes) +
+                             " meshes that are collision shapes"
+                       : read_mesh_box(file, mesh.box);
+    return mesh;
   }
 
   void add_joint(const XmlJoint& named) {
@@ -198,6 +244,7 @@ class DocumentBuilder {
   Diagnostics& diagnostics_;
   UrdfDocument document_;
   std::unordered_map<std::string, int> index_;
+  std::unordered_map<std::string, ReadMesh> read_meshes_;
   bool primitive_collision_ = false;  ///< of the link at hand
 };
 

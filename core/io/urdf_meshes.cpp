@@ -58,7 +58,7 @@ UrdfMeshes::UrdfMeshes(const std::string& urdf_file) {
   }
 }
 
-MeshState UrdfMeshes::look_up(const std::string& name) {
+const MeshFile& UrdfMeshes::look_up(const std::string& name) {
   const auto known = known_.find(name);
   if (known != known_.end()) return known->second;
   return known_[name] = find(name);
@@ -69,24 +69,24 @@ bool UrdfMeshes::is_inside(const fs::path& path) const {
                      [&](const fs::path& folder) { return lies_in(path, folder); });
 }
 
-MeshState UrdfMeshes::find(const std::string& name) const {
+MeshFile UrdfMeshes::find(const std::string& name) const {
   const std::string package = "package://", file = "file://";
-  if (!is_mesh_name(name)) return MeshState::kNoMesh;
+  if (!is_mesh_name(name)) return {MeshState::kNoMesh, ""};
   if (starts_with(name, package)) return find_in_package(name.substr(package.size()));
   const fs::path path =
       true_path(folder_ / (starts_with(name, file) ? name.substr(file.size()) : name));
-  if (!is_inside(path)) return MeshState::kOutside;
-  return is_file(path.string()) ? MeshState::kFound : MeshState::kMissing;
+  if (!is_inside(path)) return {MeshState::kOutside, ""};
+  return {is_file(path.string()) ? MeshState::kFound : MeshState::kMissing, path.string()};
 }
 
-MeshState UrdfMeshes::find_in_package(const std::string& rest) const {
+MeshFile UrdfMeshes::find_in_package(const std::string& rest) const {
   const std::size_t slash = std::min(rest.find('/'), rest.size());
   const std::string name = rest.substr(0, slash);
   const fs::path inner = fs::path(rest.substr(slash)).relative_path();
   for (const fs::path& folder : {folder_, folder_.parent_path()}) {
     for (const fs::path& tail : {fs::path(name) / inner, inner}) {
       const fs::path path = true_path(folder / tail);
-      if (is_inside(path) && is_file(path.string())) return MeshState::kFound;
+      if (is_inside(path) && is_file(path.string())) return {MeshState::kFound, path.string()};
     }
   }
   bool outside = false;
@@ -96,10 +96,10 @@ MeshState UrdfMeshes::find_in_package(const std::string& rest) const {
     if (name.empty() || (!is_package && !is_file((root / "package.xml").string()))) continue;
     const fs::path path = true_path(root / inner);
     outside = outside || !lies_in(path, true_path(root));
-    if (!outside && is_file(path.string())) return MeshState::kFound;
+    if (!outside && is_file(path.string())) return {MeshState::kFound, path.string()};
   }
-  return outside || !is_inside(true_path(folder_ / inner)) ? MeshState::kOutside
-                                                           : MeshState::kMissing;
+  const bool is_outside = outside || !is_inside(true_path(folder_ / inner));
+  return {is_outside ? MeshState::kOutside : MeshState::kMissing, ""};
 }
 
 }  // namespace skybody

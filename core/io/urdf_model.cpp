@@ -1,6 +1,7 @@
 // urdfdom has an XML reader of its own, which decodes some texts otherwise than tinyxml2: the two
 // would know one link by two names. So urdfdom gets the elements and attributes as tinyxml2 has
 // read them, written anew, and what it gives back is held against the list of links and joints.
+// Capsules, which it does not know, it gets as cylinders: they have the same attributes.
 #include "core/io/urdf_model.h"
 
 #include <console_bridge/console.h>
@@ -45,7 +46,8 @@ bool is_name(std::string_view attribute) {
 /// Attributes, then `children`.
 template <class Children>
 void write_element(const XMLElement& element, tinyxml2::XMLPrinter& out, Children&& children) {
-  out.OpenElement(element.Name(), true);
+  const std::string_view name = element.Name();
+  out.OpenElement(name == "capsule" ? "cylinder" : element.Name(), true);
   for (const auto* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
     const std::string value = a->Value();
     out.PushAttribute(a->Name(), (is_name(a->Name()) ? value : with_single_blanks(value)).c_str());

@@ -28,6 +28,16 @@ MassProperties mass_properties(const double* constants) {
   return {constants[kMass], {c[0], c[1], c[2]}, {i[0], i[1], i[2], i[3], i[4], i[5]}};
 }
 
+Shape contact_shape(const Shape& shape) {
+  if (shape.type != ShapeType::kMesh) return shape;
+  Shape box;
+  box.type = ShapeType::kBox;
+  box.size = shape.box_size;
+  box.pose = shape.pose;
+  box.pose.position += rotate(shape.pose.rotation, shape.box_center);
+  return box;
+}
+
 double RobotModel::total_mass() const {
   double sum = 0.0;
   for (const Body& body : bodies) sum += body.mass.mass;

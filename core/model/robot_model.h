@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "core/base/quat.h"
 #include "core/base/vec3.h"
 #include "core/model/constants.h"
+#include "core/model/height_field.h"
 
 namespace skybody {
 
@@ -86,18 +88,32 @@ inline bool is_moving_joint(const Joint& joint) {
   return joint.type != JointType::kWeld && !(joint.type == JointType::kFree && joint.parent < 0);
 }
 
-enum class ShapeType { kBox, kCylinder, kSphere, kMesh };
+enum class ShapeType { kBox, kCylinder, kSphere, kMesh, kCapsule, kPlane, kHeightField };
 
 /// A collision or visual shape, placed in the frame of its body.
 struct Shape {
   ShapeType type = ShapeType::kSphere;
-  Pose pose;                                       ///< shape frame in the body's frame
-  Vec3<double> size{0.0, 0.0, 0.0};                ///< box: edge lengths [m]; mesh: scale factors
-  double radius = 0.0;                             ///< cylinder, sphere [m]
-  double length = 0.0;                             ///< cylinder, along z of the shape [m]
+  Pose pose;                         ///< shape frame in the body's frame
+  Vec3<double> size{0.0, 0.0, 0.0};  ///< box: edge lengths; height field: along x and y [m]; mesh:
+                                     ///< scale factors
+  double radius = 0.0;               ///< cylinder, sphere, capsule [m]
+  double length = 0.0;  ///< cylinder: along z of the shape; capsule: between the centres of its
+                        ///< caps, likewise [m]
+  Vec3<double> box_size{0.0, 0.0, 0.0};    ///< mesh that is a collision shape: edge lengths of the
+                                           ///< box about it, scaled, along the shape's axes [m]
+  Vec3<double> box_center{0.0, 0.0, 0.0};  ///< of that box, in the shape's frame [m]
+  std::shared_ptr<const HeightField> heights;      ///< height field
   std::string mesh;                                ///< mesh: file as written in the URDF
   std::array<double, 4> rgba{0.5, 0.5, 0.5, 1.0};  ///< visual colour, each in [0, 1]
 };
+
+/// What takes part in contact for a shape: itself, or, for a mesh, the box about it.
+Shape contact_shape(const Shape& shape);
+
+/// Whether a shape is solid all the way down: nothing can pass it, however deep it gets in.
+constexpr bool is_endless(ShapeType type) {
+  return type == ShapeType::kPlane || type == ShapeType::kHeightField;
+}
 
 /// A link as the URDF names it. Links on fixed joints share the body that they merged into.
 struct Link {

@@ -164,7 +164,11 @@ enum SkybodyShapeKind {
   SKYBODY_CYLINDER = 1, /* size: radius, length along z [m], 0 */
   SKYBODY_SPHERE = 2,   /* size: radius [m], 0, 0 */
   SKYBODY_MESH = 3,     /* size: scale factors */
-  SKYBODY_GATE = 4      /* of obstacles; size: width (y) and height (z) of the opening, thickness */
+  SKYBODY_GATE = 4,     /* of obstacles; size: width (y) and height (z) of the opening, thickness */
+  SKYBODY_CAPSULE = 5,  /* size: radius, length along z between the centres of its caps [m], 0 */
+  SKYBODY_PLANE = 6,    /* of obstacles: all below z = 0 of its frame; size: 0 */
+  SKYBODY_HEIGHT_FIELD = 7 /* of obstacles: all below heights on a grid; size: along x and y [m],
+                              greatest height [m] */
 };
 
 /* A collision shape of a body, or an obstacle. */

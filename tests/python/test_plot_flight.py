@@ -58,6 +58,29 @@ def test_obstacles_are_read_from_the_scenario_in_the_log(data: ModuleType, tmp_p
     assert found[2].size.tolist() == [0.1, 2]
 
 
+def test_new_shapes_are_read_and_have_faces(
+    data: ModuleType, scene: ModuleType, tmp_path: Path
+) -> None:
+    shapes = "[{name: bar, capsule: [0.1, 2], position: [0, 0, 9]}, {name: slope, plane: true, "
+    shapes += "position: [0, 0, -9], rpy: [0, 0.5, 0]}, {name: hills, position: [0, 0, -5], "
+    shapes += "height_field: {size: [4, 2], columns: 3, heights: [0, 1, 2, 3, 4, 5]}}]"
+    log = episode_of(flown(tmp_path, "hover", "--set", f"obstacles={shapes}"))
+    drawn = data.drawn_of(log, log["episodes/0001"])
+    found = data.obstacles_of(str(log.attrs["scenario_text"]), drawn)
+    assert [o.kind for o in found] == ["capsule", "plane", "height_field"]
+    assert found[2].heights.tolist() == [[0, 1, 2], [3, 4, 5]]
+    bar = np.concatenate(scene.faces_of(found[0]))
+    assert bar.max(axis=0) == pytest.approx([0.1, 0.1, 9 + 1.1], abs=1e-9)
+    hills = np.array(scene.faces_of(found[2]))
+    assert hills.shape == (4, 3, 3)
+    assert hills.reshape(-1, 3).max(axis=0).tolist() == [2, 1, 0]
+    low, high = np.full(3, -10.0), np.full(3, 10.0)
+    (slope,) = scene.plane_faces(found[1], low, high)
+    assert len(slope) >= 4
+    assert (slope - found[1].position) @ found[1].rotation[:, 2] == pytest.approx(0, abs=1e-9)
+    assert scene.faces_of(found[1]) == []
+
+
 def test_a_scenario_without_obstacles_has_none(data: ModuleType) -> None:
     assert data.obstacles_of("name: hover\nrobots:\n  - name: quad\n", {}) == []
 

@@ -4,14 +4,12 @@
 
 #include "core/base/error.h"
 #include "core/base/math.h"
-#include "core/model/gate.h"
 #include "core/physics/bodies/kinematics.h"
 #include "core/physics/shapes/overlap.h"
 
 namespace skybody {
 namespace {
 
-constexpr int kRimPoints = 8;
 /// Points within this height of the lowest one carry the robot at rest [m].
 constexpr double kLevel = 1e-3;
 /// Largest stiffness of a light body's points: (frequency x dt)^2 of the body on one point.
@@ -48,6 +46,14 @@ ContactForm make_cylinder() {
   return form;
 }
 
+ContactForm make_capsule() {
+  ContactForm form;
+  form.places = {{0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}};
+  form.point_count = 2;
+  form.edges.push_back({0, 1});
+  return form;
+}
+
 ContactForm make_sphere() {
   ContactForm form;
   form.places.push_back({0.0, 0.0, 0.0});
@@ -65,6 +71,10 @@ ContactSolid make_solid(const Shape& shape) {
     solid.half = {shape.radius, shape.radius, 0.5 * shape.length};
   }
   if (shape.type == ShapeType::kSphere) solid.rounding = shape.radius;
+  if (shape.type == ShapeType::kCapsule) {
+    solid.half.z = 0.5 * shape.length;
+    solid.rounding = shape.radius;
+  }
   solid.reach = bounding_radius(shape);
   return solid;
 }
@@ -75,8 +85,7 @@ bool has_others(const Scenario& scenario) {
 
 /// Bristles that a shape's solid has.
 int bristles_of(const Scenario& scenario, const Shape& shape) {
-  if (shape.type == ShapeType::kMesh) return 0;
-  const ContactForm& form = contact_form(shape.type);
+  const ContactForm& form = contact_form(contact_shape(shape).type);
   const int edges = has_others(scenario) ? static_cast<int>(form.edges.size()) : 0;
   return form.point_count + edges;
 }
@@ -102,6 +111,10 @@ std::vector<double> point_heights(const ContactScene& scene, int robot) {
     const BodyKinematics<double>& m = motion[static_cast<std::size_t>(body.body)];
     for (const GroundPoint& p : body.points) {
       heights.push_back((m.position + m.axes * p.at).z - p.radius);
+    }
+    for (const GroundRim& rim : body.rims) {
+      each_ground_place(rim, m,
+                        [&](const Vec3<double>& place, int) { heights.push_back(place.z); });
     }
   }
   return heights;
@@ -159,28 +172,41 @@ double nominal_share(const ContactScene& scene, const ContactBody& body) {
   return kContactShare * scene.world.bodies[static_cast<std::size_t>(body.body)].model->mass.mass;
 }
 
-/// @param params  the obstacle's
-void check_obstacle(const Obstacle& obstacle, const double* params) {
-  const auto check = [&](int place, const char* key) {
-    if (params[place] > 0.0) return;
-    throw Error("the obstacle `" + obstacle.name + "` has the " + key + " " +
-                std::to_string(params[place]) + "; allowed: above 0");
-  };
-  const ShapeType type = obstacle.shape.type;
-  const int sizes = type == ShapeType::kBox ? 3 : type == ShapeType::kCylinder ? 2 : 1;
-  for (int k = 0; k < sizes; ++k) check(kObstacleSize + k, "size");
-  const Quat<double> rotation = load_quat(params + kObstacleRotation);
-  if (!(squared_norm(rotation) > 0.0)) {
-    throw Error("the obstacle `" + obstacle.name + "` has a rotation of norm 0");
-  }
-}
-
 ContactLaw make_law(double penetration, double stiffness, double share) {
   ContactLaw law;
   law.stiffness = stiffness;
   law.bristle_stiffness = 1.5 * stiffness * sqrt(penetration);
   law.bristle_damping = share == kInfinity ? 0.0 : sqrt(law.bristle_stiffness * share);
   return law;
+}
+
+void add_rim(const ContactSolid& solid, double end, ContactBody& body) {
+  const auto turn = [&](const Vec3<double>& v) { return rotate(solid.pose.rotation, v); };
+  const int first = end < 0.0 ? 0 : kRimPoints;
+  GroundRim rim;
+  rim.rim = {solid.pose.position + turn({0.0, 0.0, end * solid.half.z}), turn({0.0, 0.0, 1.0}),
+             solid.half.x};
+  for (int k = 0; k < kRimPoints; ++k) {
+    const auto place = static_cast<std::size_t>(k);
+    const Vec3<double>& at = solid.form->places[static_cast<std::size_t>(first) + place];
+    rim.spokes[place] = turn({at.x * solid.half.x, at.y * solid.half.y, 0.0});
+  }
+  rim.bristle = solid.bristle + first;
+  body.rims.push_back(rim);
+}
+
+/// By which a solid of a body may touch the ground.
+void add_ground_places(const ContactSolid& solid, ContactBody& body) {
+  if (solid.type == ShapeType::kCylinder) {
+    for (const double end : {-1.0, 1.0}) add_rim(solid, end, body);
+    return;
+  }
+  for (int k = 0; k < solid.form->point_count; ++k) {
+    const Vec3<double> at =
+        multiply_elements(solid.half, solid.form->places[static_cast<std::size_t>(k)]);
+    body.points.push_back(
+        {solid.pose.position + rotate(solid.pose.rotation, at), solid.rounding, solid.bristle + k});
+  }
 }
 
 void add_bodies(ContactScene& scene) {
@@ -198,15 +224,9 @@ void add_bodies(ContactScene& scene) {
     body.first_bristle = bristles;
     Vec3<double> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
     for (const Shape& shape : model.model->collisions) {
-      if (shape.type == ShapeType::kMesh) continue;
-      ContactSolid solid = make_solid(shape);
+      ContactSolid solid = make_solid(contact_shape(shape));
       solid.bristle = bristles;
-      for (int k = 0; k < solid.form->point_count; ++k) {
-        const Vec3<double> at =
-            multiply_elements(solid.half, solid.form->places[static_cast<std::size_t>(k)]);
-        body.points.push_back({solid.pose.position + rotate(solid.pose.rotation, at),
-                               solid.rounding, solid.bristle + k});
-      }
+      add_ground_places(solid, body);
       bristles += bristles_of(world.scenario, shape);
       body.give = min(body.give, give_of(solid.half, solid.rounding));
       const Vec3<double>& p = solid.pose.position;
@@ -236,9 +256,10 @@ void add_meetings(ContactScene& scene) {
     const ContactLaw law = make_law(depth, stiffness[i], share);
     const int body = static_cast<int>(i);
     const bool moves = !scene.bodies[i].is_driven;
-    if (scenario.contact.ground) scene.meetings.push_back({body, kGround, law, moves});
+    if (scenario.contact.ground) scene.meetings.push_back({body, kGround, law, moves, true});
     for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
-      scene.meetings.push_back({body, kFirstObstacle - static_cast<int>(k), law, moves});
+      scene.meetings.push_back({body, kFirstObstacle - static_cast<int>(k), law, moves,
+                                is_endless(scene.obstacles[k].type)});
     }
     for (std::size_t k = i + 1; k < scene.bodies.size(); ++k) {
       if (scene.bodies[k].robot == scene.bodies[i].robot) continue;
@@ -246,7 +267,7 @@ void add_meetings(ContactScene& scene) {
       const double both = 1.0 / (1.0 / share + 1.0 / other);
       scene.meetings.push_back({body, static_cast<int>(k),
                                 make_law(depth, in_series(stiffness[i], stiffness[k]), both),
-                                moves || !scene.bodies[k].is_driven});
+                                moves || !scene.bodies[k].is_driven, false});
     }
   }
 }
@@ -264,8 +285,10 @@ int count_pairs(const ContactScene& scene, const Meeting& meeting) {
 }  // namespace
 
 const ContactForm& contact_form(ShapeType type) {
-  static const ContactForm box = make_box(), cylinder = make_cylinder(), sphere = make_sphere();
+  static const ContactForm box = make_box(), cylinder = make_cylinder(), sphere = make_sphere(),
+                           capsule = make_capsule();
   if (type == ShapeType::kBox) return box;
+  if (type == ShapeType::kCapsule) return capsule;
   return type == ShapeType::kCylinder ? cylinder : sphere;
 }
 
@@ -287,10 +310,13 @@ int count_bristles(const Topology& topology) {
 ContactScene::ContactScene(const World& w) : world(w) {
   if (count_bristles(world) == 0) return;
   add_bodies(*this);
+  double reach = 0.0;
+  for (const ContactSolid& solid : solids) reach = max(reach, solid.reach);
   int owner = 0;
   for (const Obstacle& obstacle : world.scenario.obstacles) {
     for (const Shape& shape : solids_of(obstacle)) {
       obstacles.push_back(make_solid(shape));
+      if (shape.heights) obstacles.back().heights = {shape.heights.get(), reach};
       if (shape.type == ShapeType::kMesh) obstacles.back().rounding = kNoSolid;
       obstacle_owners.push_back(owner);
     }
@@ -300,43 +326,6 @@ ContactScene::ContactScene(const World& w) : world(w) {
   for (const Meeting& meeting : meetings) {
     has_idle |= !meeting.moves;
     most_near += count_pairs(*this, meeting);
-  }
-}
-
-int count_obstacle_solids(const Scenario& scenario) {
-  std::size_t count = 0;
-  for (const Obstacle& obstacle : scenario.obstacles) count += solids_of(obstacle).size();
-  return static_cast<int>(count);
-}
-
-void make_obstacle_constants(const World& world, const double* params, double* out) {
-  std::size_t i = 0;
-  for (const Obstacle& obstacle : world.scenario.obstacles) {
-    const double* p = params + world.layout.obstacle_params[i++];
-    const ShapeType type = obstacle.shape.type;
-    const bool is_there = p[kObstaclePresent] != 0.0 && type != ShapeType::kMesh;
-    if (is_there) check_obstacle(obstacle, p);
-    const double* size = p + kObstacleSize;
-    const Vec3<double> place = load_vec3(p + kObstaclePosition);
-    const Mat3<double> axes = to_mat3(normalized(load_quat(p + kObstacleRotation)));
-    const auto put = [&](const Vec3<double>& position, const Vec3<double>& half, double rounding) {
-      store(place + axes * position, out + kSolidPosition);
-      for (int k = 0; k < 9; ++k) out[kSolidAxes + k] = axes.m[k];
-      store(half, out + kSolidHalf);
-      out[kSolidRounding] = is_there ? rounding : kNoSolid;
-      out[kSolidReach] = norm(half) + out[kSolidRounding];
-      out += kSolidConstantCount;
-    };
-    const Vec3<double> middle{0.0, 0.0, 0.0};
-    if (obstacle.is_gate) {
-      for (const GateBar& bar : gate_bars(load_vec3(size))) put(bar.position, 0.5 * bar.size, 0.0);
-    } else if (type == ShapeType::kBox) {
-      put(middle, 0.5 * load_vec3(size), 0.0);
-    } else if (type == ShapeType::kCylinder) {
-      put(middle, {size[0], size[0], 0.5 * size[1]}, 0.0);
-    } else {
-      put(middle, middle, type == ShapeType::kSphere ? size[0] : 0.0);
-    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/physics/contact/contact.h"
+#include "core/physics/contact/rims.h"
 #include "core/physics/contact/solid.h"
 #include "core/physics/world/world.h"
 
@@ -14,9 +15,9 @@ namespace skybody {
 /// By which places a kind of solid touches others, in units of its half sizes.
 struct ContactForm {
   std::vector<Vec3<double>> places;
-  int point_count = 0;  ///< the first so many of the places touch: corners, rims, centres
+  int point_count = 0;  ///< the first so many of the places touch: corners, rims, centres, ends
   std::vector<std::array<int, 2>> edges;  ///< between places: the edges of a box, the axis of a
-                                          ///< cylinder
+                                          ///< cylinder or capsule
   bool is_round = false;                  ///< its edge is as thick as its first half size
 };
 
@@ -26,7 +27,7 @@ inline constexpr double kContactShare = 0.25;
 /// The most places that a form has.
 inline constexpr int kMostPlaces = 18;
 
-/// That of a box, a cylinder or a sphere.
+/// That of a box, a cylinder, a sphere or a capsule.
 const ContactForm& contact_form(ShapeType type);
 
 /// A solid of a body or an obstacle, by the nominal constants.
@@ -36,8 +37,10 @@ struct ContactSolid {
   Pose pose;                         ///< in the body's frame; of obstacles in W
   Vec3<double> half{0.0, 0.0, 0.0};  ///< see Solid
   double rounding = 0.0;
-  double reach = 0.0;  ///< of its farthest point from its centre [m]
+  double reach = 0.0;  ///< of its farthest point from its centre [m]; of obstacles that are
+                       ///< endless: infinite
   int bristle = -1;    ///< its first bristle: one for each point, then one for each edge; -1: none
+  FieldHeights heights = {};  ///< of a height field
 };
 
 /// A point of a body that may touch the ground.
@@ -56,7 +59,8 @@ struct ContactBody {
   double radius = 0.0;                      ///< [m]
   double give = 0.0;                        ///< give_of() of its thinnest solid [m]
   int first_bristle = 0, last_bristle = 0;  ///< one beyond the last
-  std::vector<GroundPoint> points;          ///< of all its solids
+  std::vector<GroundPoint> points;          ///< of all its solids, without the rims
+  std::vector<GroundRim> rims;              ///< of all its cylinders
   bool is_driven = false;                   ///< forces do not move it
 };
 
@@ -73,7 +77,9 @@ struct Meeting {
   int other = kGround;  ///< of ContactScene::bodies, the ground or kFirstObstacle - i for the solid
                         ///< i of ContactScene::obstacles
   ContactLaw law;
-  bool moves = true;  ///< forces move one of the two
+  bool moves = true;        ///< forces move one of the two
+  bool is_endless = false;  ///< the other is the ground, a plane or a height field: the body may
+                            ///< get into it as deep as the law lets it
 };
 
 /// Immutable; refers to the world, which must outlive it.

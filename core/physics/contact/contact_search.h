@@ -164,7 +164,7 @@ class ContactSearch {
                      half = load_vec3(c + kSolidHalf);
     const Vec3<Real> local = transpose_times(load_axes(c), apart);
     const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                             beyond(local.z, half.z)};
+                             beyond_top(meeting, local.z, half.z)};
     return norm(outside) - c[kSolidRounding];
   }
 
@@ -184,7 +184,7 @@ class ContactSearch {
       const Mat3<Real> axes = load_axes(c);
       const Vec3<Real> local = transpose_times(axes, apart), half = load_vec3(c + kSolidHalf);
       const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                               beyond(local.z, half.z)};
+                               beyond_top(meeting, local.z, half.z)};
       const Real reach = bound.radius + c[kSolidRounding];
       return logical_and(reach > 0.0, dot(outside, outside) < reach * reach);
     }
@@ -205,6 +205,7 @@ class ContactSearch {
     for (const GroundPoint& p : body.points) {
       lowest = min(lowest, dot(row, to_real<Real>(p.at)) - p.radius);
     }
+    for (const GroundRim& rim : body.rims) lowest = min(lowest, lowest_of_rim(rim, row));
     lowest += m.position.z;
     return logical_and(is_low, lowest < dt() * bound.speed + 1e-4);
   }
@@ -219,7 +220,7 @@ class ContactSearch {
     each_two_solids(meeting, motion,
                     [&](int s, int t, const Solid<Real>& solid,
                         const Solid<Real>& other) SKYBODY_INLINE_LAMBDA {
-                      const auto here = logical_and(within, is_close(solid, other, way + kMargin));
+                      const auto here = logical_and(within, is_close(scene_.solids[static_cast<std::size_t>(s)], solid, other, way + kMargin));
                       if (none(here)) return;
                       is_near |= here;
                       const Real give = min(give_of(solid.half, solid.rounding),
@@ -233,10 +234,15 @@ class ContactSearch {
 
   /// Whether a solid is nearer than a distance to another one, or may be: the plane through the
   /// nearest point of the other's surface has all of it behind it.
-  static SKYBODY_INLINE MaskOf<Real> is_close(const Solid<Real>& solid, const Solid<Real>& other,
-                                              const Real& distance) {
+  /// @param model  of the first
+  static SKYBODY_INLINE MaskOf<Real> is_close(const ContactSolid& model, const Solid<Real>& solid,
+                                              const Solid<Real>& other, const Real& distance) {
     const SurfaceDistance<Real> apart = other.distance(other.to_local(solid.position));
-    return apart.distance < solid.extent(other.axes * apart.normal) + distance;
+    // That does not hold for what is not convex.
+    const Real reach = other.type == ShapeType::kHeightField
+                           ? Real(model.reach)
+                           : solid.extent(other.axes * apart.normal);
+    return apart.distance < reach + distance;
   }
 
   /// Calls f(s, t, solid, other) for the solids of a meeting, where they are.
@@ -265,7 +271,7 @@ class ContactSearch {
   static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
     return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
             m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
-            Real(solid.rounding)};
+            Real(solid.rounding), solid.heights};
   }
   /// Of the other body, or the obstacle.
   SKYBODY_INLINE Solid<Real> other_solid(const Meeting& meeting, int t,
@@ -274,13 +280,21 @@ class ContactSearch {
       return solid_of(scene_.solids[static_cast<std::size_t>(t)], motion[other_body(meeting).body]);
     }
     const Values c = obstacle_constants(meeting.other);
-    return {scene_.obstacles[static_cast<std::size_t>(t)].type, load_vec3(c + kSolidPosition),
-            load_axes(c), load_vec3(c + kSolidHalf), Real(c[kSolidRounding])};
+    const ContactSolid& model = scene_.obstacles[static_cast<std::size_t>(t)];
+    return {model.type, load_vec3(c + kSolidPosition), load_axes(c), load_vec3(c + kSolidHalf),
+            Real(c[kSolidRounding]), model.heights};
   }
 
   /// How far a coordinate lies beyond an edge; NaN stays NaN.
   static SKYBODY_INLINE Real beyond(const Real& x, const Real& half) {
     const Real over = abs(x) - half;
+    return select(over < Real(0.0), Real(0.0), over);
+  }
+
+  /// The same along z; what is endless reaches down without end.
+  static SKYBODY_INLINE Real beyond_top(const Meeting& meeting, const Real& z, const Real& half) {
+    if (!meeting.is_endless) return beyond(z, half);
+    const Real over = z - half;
     return select(over < Real(0.0), Real(0.0), over);
   }
 

@@ -194,6 +194,12 @@ class ContactStep : public ContactSearch<Real, Values> {
       found.add({m.position.x + dot(m.axes.row(0), at), m.position.y + dot(m.axes.row(1), at), z},
                 up, -z, point.bristle, touches);
     }
+    for (const GroundRim& rim : body.rims) {
+      if (none(m.position.z + lowest_of_rim(rim, m.axes.row(2)) < 0.0)) continue;
+      each_ground_place(rim, m, [&](const Vec3<Real>& place, int bristle) SKYBODY_INLINE_LAMBDA {
+        found.add(place, up, -place.z, bristle, logical_and(here, place.z < 0.0));
+      });
+    }
   }
 
   SKYBODY_INLINE void meet_solids(const NearPair<Real>& pair, const Part& part,
@@ -204,7 +210,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     const Solid<Real> solid =
         solid_of(mine, part.motion[scene_.bodies[static_cast<std::size_t>(meeting.body)].body]);
     const Solid<Real> other = other_solid(meeting, pair.other, part.motion);
-    const auto touches = logical_and(here, is_close(solid, other, Real(1e-9)));
+    const auto touches = logical_and(here, is_close(mine, solid, other, Real(1e-9)));
     if (none(touches)) return;
     meet(MeetCall<Real>{mine, others[static_cast<std::size_t>(pair.other)], solid, other, touches,
                         found});

@@ -8,11 +8,6 @@
 
 namespace skybody {
 
-/// Bristle of a solid's place, or of its edge.
-inline int bristle_of(const ContactSolid& solid, int place) {
-  return solid.bristle < 0 ? -1 : solid.bristle + place;
-}
-
 /// One place where two solids touch.
 template <class Real>
 struct Place {
@@ -27,9 +22,9 @@ struct Place {
 /// Places where two solids touch, added to a list with room for kMost.
 template <class Real>
 struct Manifold {
-  /// Of two boxes in a pack whose lanes touch in all ways: 12 edges with 2 ends, each a corner or
-  /// not, and 8 corners, for a face of either; and a crossing.
-  static constexpr int kMost = 2 * (12 * 2 * 2 + 8) + 1;
+  /// Of a box on a height field in a pack whose lanes touch in all ways: 12 edges of 8 parts, each
+  /// with up to 3 places; 18 points, 2 rims and 8 peaks.
+  static constexpr int kMost = 12 * 8 * 3 + 18 + 2 + 8;
   Place<Real>* places;
   int count = 0;
 
@@ -41,7 +36,7 @@ struct Manifold {
 };
 
 /// Places that are kept between the two passes of a part; with more of them they are found again.
-inline constexpr int kKeptPlaces = 256;
+inline constexpr int kKeptPlaces = 512;
 
 /// What to find the places of.
 template <class Real>

@@ -4,64 +4,16 @@
 // Two boxes are told apart by the axis along which they overlap least, one of their faces' normals
 // or of the products of their edges (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996, section
 // 5). All places have that normal: corners of either within the other's sides, and where edges of
-// one pass the other's sides. Other pairs touch with points in the other's inside, by the shortest
-// way out, and with edges across.
+// one pass the other's sides. Planes and height fields: meet_endless.h; two capsules:
+// meet_capsules.h. Other pairs touch with points in the other's inside, by the shortest way out,
+// and with edges across.
 #pragma once
 
-#include "core/physics/contact/manifold.h"
 #include "core/physics/contact/meet_box_cylinder.h"
+#include "core/physics/contact/meet_capsules.h"
+#include "core/physics/contact/meet_endless.h"
 
 namespace skybody {
-
-/// Points of `a` in `b`.
-/// @param sign  1: the first solid is `a`; -1: it is `b`
-/// @param ends  written: distances of all places of a's form
-template <class Real>
-SKYBODY_INLINE void add_points(const ContactSolid& model, const Solid<Real>& a,
-                               const Solid<Real>& b, double sign, const MaskOf<Real>& is_close,
-                               Real* ends, Manifold<Real>& out) {
-  const int count = static_cast<int>(model.form->places.size());
-#pragma GCC unroll 1
-  for (int k = 0; k < count; ++k) {
-    const Vec3<Real> p = a.place(model.form->places[static_cast<std::size_t>(k)]);
-    const SurfaceDistance<Real> d = b.distance(b.to_local(p));
-    ends[k] = d.distance;
-    if (k >= model.form->point_count) continue;
-    const Vec3<Real> way = b.axes * d.normal;
-    const Real depth = a.rounding - d.distance;
-    out.add(p - way * a.rounding, way * Real(sign), depth, bristle_of(model, k),
-            logical_and(is_close, depth > 0.0));
-  }
-}
-
-/// Edges of `a` across `b`. What an edge's ends are in by themselves is theirs.
-template <class Real>
-SKYBODY_INLINE void add_edges(const ContactSolid& model, const Solid<Real>& a, const Solid<Real>& b,
-                              double sign, const MaskOf<Real>& is_close, const Real* ends,
-                              Manifold<Real>& out) {
-  const ContactForm& form = *model.form;
-  const Real thickness = form.is_round ? a.half.x + a.rounding : a.rounding;
-  const int count = static_cast<int>(form.edges.size());
-#pragma GCC unroll 1
-  for (int e = 0; e < count; ++e) {
-    const int i = form.edges[static_cast<std::size_t>(e)][0];
-    const int k = form.edges[static_cast<std::size_t>(e)][1];
-    const Vec3<Real> start = a.place(form.places[static_cast<std::size_t>(i)]);
-    const Vec3<Real> along = a.place(form.places[static_cast<std::size_t>(k)]) - start;
-    // Along it the distance changes no faster than the way.
-    const Real nearest = thickness * 2.0 - ends[i] - ends[k];
-    const auto may =
-        logical_and(is_close, logical_or(nearest > 0.0, dot(along, along) > nearest * nearest));
-    if (none(may)) continue;
-    const EdgeDepth<Real> d = edge_depth(b, b.to_local(start), b.to_local(start + along));
-    const Real at_ends = max(thickness - min(ends[i], ends[k]), Real(0.0));
-    const Real depth = (thickness - d.distance) - at_ends;
-    const Vec3<Real> way = b.axes * d.normal;
-    out.add(start + along * d.share - way * thickness, way * Real(sign), depth,
-            bristle_of(model, form.point_count + e),
-            logical_and(may, logical_and(d.is_between, depth > 0.0)));
-  }
-}
 
 /// The axis along which two boxes overlap least.
 template <class Real>
@@ -270,6 +222,13 @@ SKYBODY_INLINE void add_places(const ContactSolid& model_a, const Solid<Real>& a
                                const MaskOf<Real>& is_close, Manifold<Real>& out) {
   const bool is_box_a = model_a.type == ShapeType::kBox, is_box_b = model_b.type == ShapeType::kBox;
   if (is_box_a && is_box_b) return meet_boxes(model_a, a, model_b, b, is_close, out);
+  if (model_b.type == ShapeType::kPlane) return meet_plane(model_a, a, b, is_close, out);
+  if (model_b.type == ShapeType::kHeightField) {
+    return meet_height_field(model_a, a, b, is_close, out);
+  }
+  if (are_capsules(model_a.type, model_b.type)) {
+    return meet_capsules(model_a, a, model_b, b, is_close, out);
+  }
   if (is_box_a && model_b.type == ShapeType::kCylinder) {
     return BoxAndCylinder<Real>(model_a, a, b, 1.0).meet(model_b, is_close, out);
   }

@@ -6,7 +6,7 @@
 // and points of the cylinder's ends may be in the box.
 #pragma once
 
-#include "core/physics/contact/manifold.h"
+#include "core/physics/contact/meet_places.h"
 
 namespace skybody {
 
@@ -158,6 +158,7 @@ class BoxAndCylinder {
       const SurfaceDistance<Real> d = box_distance(box_.half, local);
       out.add(p, box_.axes * d.normal * Real(-sign_), -d.distance, bristle_of(model, k), is_in);
     }
+    add_rims(model, cylinder_, box_, -sign_, is_end, out);
   }
 
   const ContactSolid& model_;

@@ -3,6 +3,7 @@
 
 #include "core/base/mat3.h"
 #include "core/model/robot_model.h"
+#include "core/physics/shapes/height_field.h"
 #include "core/physics/shapes/surface_distance.h"
 
 namespace skybody {
@@ -10,14 +11,26 @@ namespace skybody {
 /// Rounding of a solid that is switched off: everything is far from it.
 inline constexpr double kNoSolid = -1e30;
 
-/// A box, cylinder or sphere about its centre.
+/// The heights of a height field, for all environments.
+struct FieldHeights {
+  const HeightField* field = nullptr;
+  double reach = 0.0;  ///< how far from the surface distances are exact: the way from the centre of
+                       ///< any body's solid to its farthest point [m]
+};
+
+/// A box, cylinder, sphere or capsule about its centre, or a plane or height field above which
+/// there is nothing.
 template <class Real>
 struct Solid {
   ShapeType type = ShapeType::kSphere;
   Vec3<Real> position;  ///< of its centre, W [m]
   Mat3<Real> axes;      ///< W from the solid's frame
-  Vec3<Real> half;      ///< half its size along its axes; of a sphere 0 [m]
-  Real rounding;        ///< what is so near belongs to it: a sphere's radius, else 0; or kNoSolid
+  Vec3<Real> half;      ///< half its size along its axes; of a sphere 0, of a capsule half the way
+                        ///< between its caps along z; of a plane and a height field z is the
+                        ///< greatest height [m]
+  Real rounding;  ///< what is so near belongs to it: the radius of a sphere or capsule, else 0;
+                  ///< or kNoSolid
+  FieldHeights heights = {};  ///< of a height field
 
   /// @param at  in units of `half`
   SKYBODY_INLINE Vec3<Real> place(const Vec3<double>& at) const {
@@ -38,6 +51,12 @@ struct Solid {
       d = box_distance(half, local);
     } else if (type == ShapeType::kCylinder) {
       d = cylinder_distance(half.x, half.z, local);
+    } else if (type == ShapeType::kCapsule) {
+      d = capsule_distance(Real(0.0), half.z, local);
+    } else if (type == ShapeType::kPlane) {
+      d = plane_distance(local);
+    } else if (type == ShapeType::kHeightField) {
+      d = distance_from_heights(*heights.field, half.x, half.y, heights.reach, local);
     } else {
       d = sphere_distance(Real(0.0), local);
     }

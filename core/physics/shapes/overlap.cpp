@@ -1,5 +1,6 @@
 #include "core/physics/shapes/overlap.h"
 
+#include "core/physics/shapes/height_field.h"
 #include "core/physics/shapes/surface_distance.h"
 
 namespace skybody {
@@ -9,6 +10,12 @@ namespace {
 constexpr double kPlaces[] = {-1.0, -0.5, 0.0, 0.5, 1.0};
 constexpr int kDirections = 8;
 
+/// Up to what distance from a height field distances are exact: four of its cells [m].
+double reach_of(const Shape& shape) {
+  const HeightField& field = *shape.heights;
+  return 4.0 * max(shape.size.x / (field.columns() - 1), shape.size.y / (field.rows() - 1));
+}
+
 double distance(const Shape& shape, const Vec3<double>& point) {
   switch (shape.type) {
     case ShapeType::kBox:
@@ -17,8 +24,16 @@ double distance(const Shape& shape, const Vec3<double>& point) {
       return cylinder_distance(shape.radius, 0.5 * shape.length, point).distance;
     case ShapeType::kSphere:
       return sphere_distance(shape.radius, point).distance;
+    case ShapeType::kCapsule:
+      return capsule_distance(shape.radius, 0.5 * shape.length, point).distance;
+    case ShapeType::kPlane:
+      return plane_distance(point).distance;
+    case ShapeType::kHeightField:
+      return distance_from_heights(*shape.heights, 0.5 * shape.size.x, 0.5 * shape.size.y,
+                                   reach_of(shape), point)
+          .distance;
     case ShapeType::kMesh:
-      break;
+      return box_distance(0.5 * shape.box_size, point - shape.box_center).distance;
   }
   return kInfinity;
 }
@@ -54,8 +69,13 @@ double bounding_radius(const Shape& shape) {
       return sqrt(shape.radius * shape.radius + 0.25 * shape.length * shape.length);
     case ShapeType::kSphere:
       return shape.radius;
+    case ShapeType::kCapsule:
+      return shape.radius + 0.5 * shape.length;
+    case ShapeType::kPlane:
+    case ShapeType::kHeightField:
+      return kInfinity;
     case ShapeType::kMesh:
-      break;
+      return norm(shape.box_center) + 0.5 * norm(shape.box_size);
   }
   return 0.0;
 }
@@ -83,7 +103,22 @@ std::vector<Vec3<double>> points_of(const Shape& shape) {
         add_disc(shape.radius * sqrt(1.0 - z * z), z * shape.radius, points);
       }
       break;
-    case ShapeType::kMesh:
+    case ShapeType::kCapsule:
+      for (const double z : kPlaces) {
+        add_disc(shape.radius, z * 0.5 * shape.length, points);
+        const double cap = copysign(0.5 * shape.length, z) + z * shape.radius;
+        add_disc(shape.radius * sqrt(1.0 - z * z), cap, points);
+      }
+      break;
+    case ShapeType::kMesh: {
+      Shape box;
+      box.type = ShapeType::kBox;
+      box.size = shape.box_size;
+      for (const Vec3<double>& point : points_of(box)) points.push_back(point + shape.box_center);
+      break;
+    }
+    case ShapeType::kPlane:
+    case ShapeType::kHeightField:
       break;
   }
   return points;

@@ -7,11 +7,12 @@
 
 namespace skybody {
 
-/// Radius of the sphere about a shape's frame that holds it [m]; 0 of a mesh.
+/// Radius of the sphere about a shape's frame that holds it [m]; infinite of a plane and a height
+/// field. A mesh is the box about it.
 double bounding_radius(const Shape& shape);
 
 /// Points that span a shape: its extremities, points on its surface and inside; its own frame [m].
-/// None of a mesh.
+/// None of a plane or a height field.
 std::vector<Vec3<double>> points_of(const Shape& shape);
 
 /// How deep the deepest point of `a` lies in `b`, or of `b` in `a`: 0 where none does. Points are

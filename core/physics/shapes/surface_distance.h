@@ -66,4 +66,24 @@ SKYBODY_INLINE SurfaceDistance<Real> cylinder_distance(const Real& radius, const
                                {zero, zero, copysign(one, p.z)});
 }
 
+/// A capsule about the z axis: all within `radius` of a straight line. On that line the way out is
+/// x.
+/// @param half  of the line's length [m]
+template <class Real>
+SKYBODY_INLINE SurfaceDistance<Real> capsule_distance(const Real& radius, const Real& half,
+                                                      const Vec3<Real>& p) {
+  const Vec3<Real> apart{p.x, p.y, p.z - clamp(p.z, -half, half)};
+  const Real length = norm(apart);
+  const auto is_on_line = length == 0.0;
+  const Vec3<Real> side{Real(1.0), Real(0.0), Real(0.0)};
+  const Real safe = select(is_on_line, Real(1.0), length);
+  return {length - radius, select(is_on_line, side, apart * (1.0 / safe))};
+}
+
+/// All below z = 0.
+template <class Real>
+SKYBODY_INLINE SurfaceDistance<Real> plane_distance(const Vec3<Real>& p) {
+  return {p.z, {Real(0.0), Real(0.0), Real(1.0)}};
+}
+
 }  // namespace skybody

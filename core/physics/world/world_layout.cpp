@@ -36,11 +36,16 @@ std::vector<double> obstacle_constants(const Shape& shape) {
       values.insert(values.end(), {size.x, size.y, size.z});
       break;
     case ShapeType::kCylinder:
+    case ShapeType::kCapsule:
       values.insert(values.end(), {shape.radius, shape.length});
       break;
     case ShapeType::kSphere:
       values.push_back(shape.radius);
       break;
+    case ShapeType::kHeightField:
+      values.insert(values.end(), {size.x, size.y});
+      break;
+    case ShapeType::kPlane:
     case ShapeType::kMesh:
       break;
   }

@@ -6,58 +6,11 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "tests/unit/physics/contact_worlds.h"
 #include "tests/unit/physics/random_trees.h"
-#include "tests/unit/physics/test_models.h"
 
 namespace skybody::test {
 namespace {
-
-RobotModel solid(double mass, const Shape& shape) {
-  double i = 0.4 * mass * 1e-4;
-  if (shape.type == ShapeType::kSphere) i = 0.4 * mass * shape.radius * shape.radius;
-  SymMat3<double> inertia = diagonal(i, i, i);
-  const Vec3<double>& s = shape.size;
-  if (shape.type == ShapeType::kBox) {
-    const double m = mass / 12.0;
-    inertia = diagonal(m * (s.y * s.y + s.z * s.z), m * (s.x * s.x + s.z * s.z),
-                       m * (s.x * s.x + s.y * s.y));
-  }
-  if (shape.type == ShapeType::kCylinder) {
-    const double r2 = shape.radius * shape.radius, l2 = shape.length * shape.length;
-    const double across = mass * (3.0 * r2 + l2) / 12.0;
-    inertia = diagonal(across, across, 0.5 * mass * r2);
-  }
-  RobotModel model = make_free_body(mass, inertia);
-  model.bodies[0].collisions = {shape};
-  return model;
-}
-
-Scenario world_of(RobotModel model, double dt = 1e-3) {
-  return make_scenario(std::move(model), IntegratorChoice::kMidpoint, dt);
-}
-
-void add_robot(Scenario& scenario, const std::string& name, RobotModel model, Pose pose) {
-  RobotUse use;
-  use.name = name;
-  use.model = std::move(model);
-  use.pose = pose;
-  scenario.robots.push_back(std::move(use));
-}
-
-void switch_off_gravity_and_ground(Scenario& scenario) {
-  scenario.constants[kGravity + 2] = 0.0;
-  scenario.contact.ground = false;
-}
-
-double energy(const Bench& bench) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < bench.world.bodies.size(); ++i) {
-    const MassProperties& m = bench.world.bodies[i].model->mass;
-    sum += kinetic_energy(bench.state.bodies[i], m) +
-           m.mass * -bench.world.scenario.gravity().z * bench.state.bodies[i].position.z;
-  }
-  return sum;
-}
 
 TEST(Wall, NoBallPasses) {
   Random<double> random{RandomKey{2026, 51}, 0, 0, derive_stream("contact_robust_test")};

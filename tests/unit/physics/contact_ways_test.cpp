@@ -13,9 +13,21 @@ namespace {
 Shape random_shape(Random<double>& random) {
   const auto size = [&] { return random.uniform(0.05, 0.4); };
   const double kind = random.uniform();
-  Shape shape = kind < 0.33   ? make_sphere(size())
-                : kind < 0.66 ? make_cylinder(size(), size())
+  Shape shape = kind < 0.25   ? make_sphere(size())
+                : kind < 0.5  ? make_cylinder(size(), size())
+                : kind < 0.75 ? make_capsule(size(), size())
                               : make_box(size(), size(), size());
+  shape.pose = {in_cube(random, 0.1), random.quaternion()};
+  return shape;
+}
+
+/// One of these, a plane or hills.
+Shape random_obstacle(Random<double>& random) {
+  const double kind = random.uniform();
+  if (kind < 0.6) return random_shape(random);
+  Shape shape = kind < 0.7 ? make_plane() : make_height_field(1.0, 1.4, 6, 9, [&](double, double) {
+    return random.uniform(-0.1, 0.1);
+  });
   shape.pose = {in_cube(random, 0.1), random.quaternion()};
   return shape;
 }
@@ -37,7 +49,7 @@ Scenario crowd(Random<double>& random, bool has_arm) {
   use.name = "s";
   use.model = second;
   scenario.robots.push_back(use);
-  scenario.obstacles.push_back({"obstacle", random_shape(random)});
+  scenario.obstacles.push_back({"obstacle", random_obstacle(random)});
   return scenario;
 }
 

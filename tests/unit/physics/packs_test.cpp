@@ -184,6 +184,69 @@ TEST_P(Packs, TouchEachLaneForItself) {
   EXPECT_GT(changes, 5) << "for a while";
 }
 
+/// Two bodies of two shapes each between a slope, hills, a bar and a pole.
+Scenario among_shapes(Random<double>& random, IntegratorChoice integrator, int k) {
+  const Shape shapes[] = {make_box(0.3, 0.2, 0.1), make_capsule(0.06, 0.3),
+                          make_cylinder(0.12, 0.1), make_sphere(0.1)};
+  Scenario scenario;
+  for (int robot = 0; robot < 2; ++robot) {
+    RobotModel model = make_free_body(1.0, diagonal(0.01, 0.012, 0.015));
+    for (int i = 0; i < 2; ++i) {
+      Shape shape = shapes[(k + robot + 2 * i) % 4];
+      shape.pose = {in_cube(random, 0.1), random.quaternion()};
+      model.bodies[0].collisions.push_back(shape);
+    }
+    if (robot == 0) {
+      scenario = make_scenario(model, integrator);
+    } else {
+      scenario.robots.push_back(scenario.robots[0]);
+      scenario.robots[1].model = model;
+      scenario.robots[1].name = "s";
+    }
+  }
+  scenario.contact.ground = k % 2 == 0;
+  const auto add = [&](const char* name, Shape shape, const Pose& pose) {
+    shape.pose = pose;
+    scenario.obstacles.push_back({name, shape});
+  };
+  const Shape hills = make_height_field(
+      3.0, 4.0, 13, 17, [&](double, double) { return random.uniform(-0.15, 0.15); });
+  add("hills", hills, {{0, 0, 0.1}, from_rpy(0.1, -0.1, 0.3)});
+  add("slope", make_plane(), {{0, 0, -0.2}, from_rpy(0.4, 0.2, 0.0)});
+  add("bar", make_capsule(0.1, 1.5), {{0, 0.2, 0.4}, from_rpy(1.5, 0.0, 0.4)});
+  add("pole", make_cylinder(0.1, 2.0), {{0.4, 0, 0.5}, {1, 0, 0, 0}});
+  return scenario;
+}
+
+TEST_P(Packs, TouchPlanesHillsAndCapsulesEachLaneForItself) {
+  int near = 0;
+  for (int k = 0; k < 4; ++k) {
+    Random<double> random{RandomKey{2026, 18}, static_cast<std::uint64_t>(k), 0,
+                          derive_stream("packs_test")};
+    const World world(among_shapes(random, kFixedSteps[k % 3], k));
+    TwoWays ways(world);
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      LaneState state = random_lane(random, world, k < 2 && lane % 3 != 0);
+      for (int robot = 0; robot < 2; ++robot) {
+        store(Vec3<double>{0, 0, 0.5} + in_cube(random, 0.4), state.q.data() + 7 * robot);
+      }
+      ways.set(lane, state);
+    }
+    ways.refresh(kAllLanes);
+    std::uint32_t lanes = kAllLanes;
+    for (int step = 0; step < 12; ++step) {
+      const std::uint32_t some = step % 5 == 4 ? lanes & kSomeLanes : lanes;
+      const std::uint32_t through =
+          ways.advance(some, "world " + std::to_string(k) + ", step " + std::to_string(step));
+      if (testing::Test::HasFatalFailure()) return;
+      near += ways.packs.stepper->near() != 0;
+      lanes &= ~(some & ~through);
+    }
+    EXPECT_EQ(lanes, kAllLanes);
+  }
+  EXPECT_GT(near, 40);
+}
+
 TEST_P(Packs, LeaveTheOthersAloneWhereOneFailsInContact) {
   Random<double> random{RandomKey{2026, 15}, 0, 0, derive_stream("packs_test")};
   Scenario scenario = make_scenario(make_vehicle(qdrone2()));

@@ -53,6 +53,37 @@ inline Shape make_cylinder(double radius, double length) {
   return shape;
 }
 
+/// @param length  between the centres of its caps
+inline Shape make_capsule(double radius, double length) {
+  Shape shape;
+  shape.type = ShapeType::kCapsule;
+  shape.radius = radius;
+  shape.length = length;
+  return shape;
+}
+
+inline Shape make_plane() {
+  Shape shape;
+  shape.type = ShapeType::kPlane;
+  return shape;
+}
+
+/// @param heights  height(x, y) of the corners of cells
+template <class Height>
+Shape make_height_field(double x, double y, int columns, int rows, const Height& height) {
+  std::vector<double> heights;
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns; ++c) {
+      heights.push_back(height(x * (c / (columns - 1.0) - 0.5), y * (r / (rows - 1.0) - 0.5)));
+    }
+  }
+  Shape shape;
+  shape.type = ShapeType::kHeightField;
+  shape.size = {x, y, 0.0};
+  shape.heights = std::make_shared<HeightField>(columns, rows, std::move(heights));
+  return shape;
+}
+
 /// One free body without rotors or shapes.
 inline RobotModel make_free_body(double mass, SymMat3<double> inertia,
                                  Vec3<double> com = {0, 0, 0}) {

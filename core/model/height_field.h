@@ -1,0 +1,35 @@
+// Ground that is no plane: heights on a regular grid. C++17.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace skybody {
+
+/// Heights at the corners of rectangular cells, which lie side by side along x and y. Each cell is
+/// two triangles, on both sides of its diagonal from the corner of least x and y to the opposite
+/// one. What lies below the triangles is solid.
+class HeightField {
+ public:
+  /// @param columns, rows  heights along x and along y, 2 or more of each
+  /// @param heights  row by row, both in the order of rising x and y [m]
+  HeightField(int columns, int rows, std::vector<double> heights)
+      : columns_(columns),
+        rows_(rows),
+        heights_(std::move(heights)),
+        highest_(*std::max_element(heights_.begin(), heights_.end())) {}
+
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  const std::vector<double>& heights() const { return heights_; }
+  double highest() const { return highest_; }
+
+ private:
+  int columns_, rows_;
+  std::vector<double> heights_;
+  double highest_;
+};
+
+}  // namespace skybody
