@@ -106,8 +106,8 @@ class FieldEdges {
                                const MaskOf<Real>& may) {
     if (none(may)) return;
     const int first = half * (kEdgeParts / 2), last = first + kEdgeParts / 2;
-    SurfaceDistance<Real> before = half == 0 ? sample(0) : middle;
-    Real falls = slope(before), earlier = half == 0 ? Real(-1.0) : slope(sample(first - 1));
+    Real falls = slope(half == 0 ? sample(0) : middle);
+    Real earlier = half == 0 ? Real(-1.0) : slope(sample(first - 1));
 #pragma GCC unroll 1
     for (int s = first; s < last; ++s) {
       const bool is_middle = half == 0 && s + 1 == last;
@@ -115,28 +115,32 @@ class FieldEdges {
       const Real climbs = slope(after);
       const auto is_falling = logical_and(may, falls < -kLevelSlope);
       const auto is_climbing = logical_and(may, climbs > kLevelSlope);
-      add_valley(s, logical_and(is_falling, is_climbing));
-      if (s + 1 < kEdgeParts) add_end_of_level(s + 1, s, logical_and(is_falling, is_level(climbs)));
+      // A lane has one of these at most: one place for each part.
+      found_.counts = MaskOf<Real>(false);
+      find_valley(s, logical_and(is_falling, is_climbing));
+      if (s + 1 < kEdgeParts) {
+        find_end_of_level(s + 1, s, logical_and(is_falling, is_level(climbs)));
+      }
       // A single level sample is a ridge that the part before has taken.
       const auto was_level = logical_and(is_level(falls), is_level(earlier));
-      if (s > 0) add_end_of_level(s, s + 1, logical_and(was_level, is_climbing));
+      if (s > 0) find_end_of_level(s, s + 1, logical_and(was_level, is_climbing));
+      put_found();
       earlier = falls;
       falls = climbs;
-      before = after;
     }
   }
 
   /// Where it is deepest within a part.
-  SKYBODY_INLINE void add_valley(int s, const MaskOf<Real>& is_valley) {
+  SKYBODY_INLINE void find_valley(int s, const MaskOf<Real>& is_valley) {
     if (none(is_valley)) return;
     const double step = 1.0 / kEdgeParts;
     const EdgeDepth<Real> d = edge_depth(field_, field_.to_local(start_ + along_ * Real(s * step)),
                                          field_.to_local(start_ + along_ * Real((s + 1) * step)));
-    put((Real(s * 1.0) + d.share) * step, d.distance, d.normal,
-        logical_and(is_valley, d.is_between));
+    take((Real(s * 1.0) + d.share) * step, d.distance, d.normal,
+         logical_and(is_valley, d.is_between));
   }
   /// Where ground that is level along the edge ends: between a sample where it is and the next one.
-  SKYBODY_INLINE void add_end_of_level(int level, int beyond, const MaskOf<Real>& counts) {
+  SKYBODY_INLINE void find_end_of_level(int level, int beyond, const MaskOf<Real>& counts) {
     if (none(counts)) return;
     constexpr int kHalvings = 10;
     Real low(level * (1.0 / kEdgeParts)), high(beyond * (1.0 / kEdgeParts));
@@ -148,7 +152,7 @@ class FieldEdges {
       high = select(is_on_it, high, middle);
     }
     const SurfaceDistance<Real> d = distance_at(low);
-    put(low, d.distance, d.normal, counts);
+    take(low, d.distance, d.normal, counts);
   }
 
   /// How the distance changes along the edge.
@@ -159,18 +163,34 @@ class FieldEdges {
     return abs(slope) <= kLevelSlope;
   }
 
-  SKYBODY_INLINE void put(const Real& share, const Real& distance, const Vec3<Real>& normal,
-                          const MaskOf<Real>& counts) {
+  SKYBODY_INLINE void take(const Real& share, const Real& distance, const Vec3<Real>& normal,
+                           const MaskOf<Real>& counts) {
+    found_.share = select(counts, share, found_.share);
+    found_.distance = select(counts, distance, found_.distance);
+    found_.normal = select(counts, normal, found_.normal);
+    found_.counts |= counts;
+  }
+
+  SKYBODY_INLINE void put_found() {
+    if (none(found_.counts)) return;
+    const Real& share = found_.share;
     // What an edge's ends are in by themselves is theirs, near them.
     const auto of_end = [&](const Real& end, const Real& apart) SKYBODY_INLINE_LAMBDA {
       return max(thickness_ - end, Real(0.0)) * max(1.0 - kEdgeParts * apart, Real(0.0));
     };
     const Real taken = max(of_end(first_, share), of_end(last_, 1.0 - share));
-    const Real depth = (thickness_ - distance) - taken;
-    const Vec3<Real> way = field_.axes * normal;
+    const Real depth = (thickness_ - found_.distance) - taken;
+    const Vec3<Real> way = field_.axes * found_.normal;
     out_.add(start_ + along_ * share - way * thickness_, way, depth, bristle_,
-             logical_and(counts, depth > 0.0));
+             logical_and(found_.counts, depth > 0.0));
   }
+
+  /// Where an edge touches within a part.
+  struct Found {
+    Real share, distance;  ///< of the way along the edge; from the surface [m]
+    Vec3<Real> normal;     ///< in the field's frame
+    MaskOf<Real> counts;
+  };
 
   const ContactSolid& model_;
   const Solid<Real>&a_, &field_;
@@ -183,6 +203,7 @@ class FieldEdges {
   Real first_, last_;  ///< distances of its ends
   Real length_;
   int bristle_ = -1;
+  Found found_{};  // of the part at hand
 };
 
 /// Peaks of a height field in the faces of a solid.
@@ -304,6 +325,7 @@ SKYBODY_INLINE void meet_height_field(const ContactSolid& model, const Solid<Rea
                                       Manifold<Real>& out) {
   const auto is_there = logical_and(is_close, field.rounding > kNoSolid);
   if (none(is_there)) return;
+  static_assert(Manifold<Real>::kMost >= 8 + 12 * 8 + 8, "corners, parts of edges, peaks");
   Real ends[kMostPlaces];
   add_points(model, a, field, 1.0, is_there, ends, out);
   FieldEdges<Real>(model, a, field, is_there, ends, out).add_all();
