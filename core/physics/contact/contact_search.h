@@ -223,8 +223,9 @@ class ContactSearch {
                       const auto here = logical_and(within, is_close(scene_.solids[static_cast<std::size_t>(s)], solid, other, way + kMargin));
                       if (none(here)) return;
                       is_near |= here;
-                      const Real give = min(give_of(solid.half, solid.rounding),
-                                            give_of(other.half, other.rounding));
+                      const Real least = min(give_of(solid.half, solid.rounding),
+                                             give_of(other.half, other.rounding));
+                      const Real give = meeting.is_endless ? Real(kInfinity) : least;
                       add_pair(meeting, s, t, here, give);
                       // What is stopped must not have passed.
                       ask_for(2.0 * way / give, here);
