@@ -18,7 +18,7 @@ from shape_pairs import KINDS, Mujoco, Pair, Solid, Touch, draw
 
 SIZES, POSES = 6, 25  # drawn sizes of each ordered pair of shapes; poses of each
 # MuJoCo's EPA stops at 1e-6 m, and on curved surfaces ends on a facet that is up to a degree off. A
-# rim point that is turned half a degree aside for that is 0.2 m (1 - cos(0.5 deg)) = 8 um less deep.
+# rim point that is turned half a degree aside for that is 0.2 m (1 - cos 0.5 deg) = 8 um higher.
 DEPTH, SHARE, ANGLE = 1e-5, 0.02, math.radians(1.5)
 # What two shapes share is wider than deep: the deepest place lies anywhere in it.
 WIDTH = 8.0  # in depths
