@@ -4,12 +4,14 @@
     .venv/bin/python experiments/integrator_audit.py [--only NAME...] [--quick] [--out FOLDER]
 
 A scenario's baseline flight (`skybody run`, 1 s, commands held for the least common multiple of its
-action interval and the largest step) gives rotor commands. Hard dashes are made of them: each is
-multiplied by factors that are drawn anew every 0.1 s, equal for every robot, without a ground
-(hard_landing alone is flown onto it, and without dashes). They are flown open loop, with every
-integrator and step, and compared with CVODE at a tight tolerance: so the integrator is audited, not
-the controller's rate. Writes integrators.md, data/integrator_audit.json and
-images/integrator_audit.png. --quick: three scenarios, two steps. --only: nothing but the table.
+action interval and the largest step) gives commands: of rotors, and of other actuators where a
+robot has no rotors. Hard dashes are made of them: each is multiplied by factors that are drawn anew
+every 0.1 s, equal for every robot, without a ground. Two flights are flown as they are:
+hard_landing, onto the ground, and collision, which begins LEAD before the robots are near to each
+other in the scenario's own flight. All are flown open loop, with every integrator and step, and
+compared with CVODE at a tight tolerance, or with very small steps where things touch: so the
+integrator is audited, not the controller's rate. Writes integrators.md, data/integrator_audit.json
+and images/integrator_audit.png. --quick: five scenarios, two steps. --only: nothing but the table.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ import skybody
 from integrator_report import write_page, write_picture
 from numpy.typing import NDArray
 from skybody.program import run_program
+from skybody.simulation import CONTROL_MODES
 from throughput import ROOT, arguments, facts, output_folder, write_json
 
 PROGRAM = ROOT / "build/release/bin/skybody"
@@ -44,7 +47,13 @@ GOOD_POSITION, GOOD_ANGLE = 1e-3, math.radians(0.1)  # what counts as exact [m],
 POLICIES = {"hard_landing": "zero"}  # two thirds of the weight are carried: it falls
 DASH = 0.2  # a rotor's command is multiplied by 1 - DASH to 1 + DASH
 DASH_TIME = 0.1  # for so long [s]
-GROUNDED = ("hard_landing",)  # flown as it is, onto the ground; others dash in free air
+MOST_COMMANDS = 16  # of a robot
+GROUNDED = ("hard_landing",)  # flown onto the ground; others in free air
+TOUCHING = ("hard_landing", "collision")  # flown as they are, without dashes: things touch
+CLOSING = ("collision",)  # begun LEAD before anything is near, in the midst of the baseline flight
+LEAD = 0.3  # [s]
+APPROACH = 2.0  # so long may it take until then [s]
+QUICK = ("hover", "payload", "boom", "collision", "four_bar")
 Reals = NDArray[np.float64]
 
 
@@ -95,20 +104,42 @@ def reference(method: str, tolerance: float) -> tuple[str, ...]:
     )
 
 
-REFERENCE = reference("bdf", 1e-10)
-SECOND_REFERENCE = reference("adams", 1e-11)  # how far apart they are says how exact they are
+@dataclass(frozen=True)
+class Reference:
+    """What a flight is compared with."""
+
+    dt: float  # [s]
+    overrides: tuple[str, ...]
+
+
+COARSE = 1e-6 * max(STEPS_US)
+# How far apart the two are says how exact they are. Contact is a correction of each step, whatever
+# integrates the rest (docs/contact.md): where things touch, only small steps are exact.
+FREE = (Reference(COARSE, reference("bdf", 1e-10)), Reference(COARSE, reference("adams", 1e-11)))
+IN_CONTACT = (
+    Reference(2.5e-5, fixed("rk4").overrides),
+    Reference(5e-5, fixed("rk4").overrides),
+)
+
+
+def references(scenario: str) -> tuple[Reference, Reference]:
+    return IN_CONTACT if scenario in TOUCHING else FREE
 
 
 @dataclass(frozen=True)
 class Flight:
-    """A baseline flight: rotor commands, each held for `interval` [s]."""
+    """A baseline flight: commands of robots, each held for `interval` [s]."""
 
     scenario: str
     own: str  # name of the scenario's integrator
     own_dt: float
     interval: float
-    commands: Reals  # (intervals, rotors) [rad/s]
+    commands: dict[str, Reals]  # of each robot that takes any: (intervals, size); rotors in rad/s
     start: Reals  # (bodies, 13) as the flight log has it
+
+    @property
+    def count(self) -> int:
+        return len(next(iter(self.commands.values())))
 
 
 @dataclass(frozen=True)
@@ -159,9 +190,22 @@ def fly_and_log(scenario: str, steps: int, overrides: list[str]) -> dict[str, An
                 "dt": float(log.attrs["dt"]),
                 "action_repeat": int(log.attrs["action_repeat"]),
                 "text": str(log.attrs["scenario_text"]),
-                "commands": episode["rotor_command"][1:],
+                "commands": of_robots(episode, "command") | of_robots(episode, "rotor_command"),
                 "bodies": episode["bodies"][:],
+                "near": episode["near"][:],
             }
+
+
+def of_robots(episode: h5py.Group, name: str) -> dict[str, Reals]:
+    """A dataset of the log by robot, from the first action on. Columns are called ROBOT.WHAT."""
+    if name not in episode:  # of width 0
+        return {}
+    dataset = episode[name]
+    owners = [str(column).split(".", 1)[0] for column in dataset.attrs["columns"]]
+    return {
+        robot: dataset[1:][:, [i for i, owner in enumerate(owners) if owner == robot]]
+        for robot in dict.fromkeys(owners)
+    }
 
 
 def baseline(scenario: str) -> Flight:
@@ -169,23 +213,28 @@ def baseline(scenario: str) -> Flight:
     interval_us = math.lcm(round(1e6 * dt * repeat), max(STEPS_US))
     held = round(interval_us / (1e6 * dt))
     count = math.ceil(1e6 * FLIGHT / interval_us)
-    log = fly_and_log(scenario, count, [f"stepping.action_repeat={held}", "stepping.horizon=0"])
-    if len(log["commands"]) < count:
+    changes = [f"stepping.action_repeat={held}", "stepping.horizon=0"]
+    extra = math.ceil(1e6 * APPROACH / interval_us) if scenario in CLOSING else 0
+    log = fly_and_log(scenario, count + extra, changes)
+    begin = 0
+    if scenario in CLOSING:
+        begin = max(int(np.flatnonzero(log["near"])[0]) - math.ceil(1e6 * LEAD / interval_us), 0)
+    commands = {robot: rows[begin : begin + count] for robot, rows in log["commands"].items()}
+    if any(len(rows) < count for rows in commands.values()):
         sys.exit(f"{scenario}: the baseline flight ends before {FLIGHT:g} s")
-    commands = log["commands"]
-    if scenario not in GROUNDED:
-        robots = len(skybody.Simulation(scenario, control="rotor_speed").compiled.robots)
-        commands = commands * dashes(commands.shape, robots, 1e-6 * interval_us)
-    return Flight(scenario, own, dt, 1e-6 * interval_us, commands, log["bodies"][0])
+    if scenario not in TOUCHING:
+        factors = dashes(count, 1e-6 * interval_us)
+        commands = {r: rows * factors[:, : rows.shape[1]] for r, rows in commands.items()}
+    return Flight(scenario, own, dt, 1e-6 * interval_us, commands, log["bodies"][begin])
 
 
-def dashes(shape: tuple[int, ...], robots: int, interval: float) -> Reals:
-    """Factors of all commands, (intervals, rotors): the same for every robot, so that a formation
-    keeps its shape."""
+def dashes(count: int, interval: float) -> Reals:
+    """Factors of commands, (intervals, MOST_COMMANDS): every robot takes the first ones, so that a
+    formation keeps its shape."""
     random = np.random.default_rng(SEED)
     held = max(1, round(DASH_TIME / interval))
-    drawn = random.uniform(1.0 - DASH, 1.0 + DASH, (math.ceil(shape[0] / held), shape[1] // robots))
-    return np.tile(np.repeat(drawn, held, axis=0)[: shape[0]], (1, robots))
+    shape = (math.ceil(count / held), MOST_COMMANDS)
+    return np.repeat(random.uniform(1.0 - DASH, 1.0 + DASH, shape), held, axis=0)[:count]
 
 
 class Replay:
@@ -197,12 +246,19 @@ class Replay:
             changes.append("contact.ground=false")
         self.flight = flight
         self.repeats = round(flight.interval / dt)
-        self.world = skybody.Simulation(
-            flight.scenario, control="rotor_speed", seed=SEED, overrides=changes
-        )
-        robots = self.world.compiled.robots
-        ends = np.cumsum([self.world.command_size(robot) for robot in robots])
-        self.robots = list(zip(robots, np.split(np.arange(ends[-1]), ends[:-1]), strict=True))
+        probe = skybody.Simulation(flight.scenario)
+        have_rotors = {path.split(".")[1] for path in probe.state_paths() if ".rotors." in path}
+        motors = CONTROL_MODES["rotor_speed"]
+        changes += [f"robots.{robot}.controllers={motors}" for robot in have_rotors]
+        self.world = skybody.Simulation(flight.scenario, seed=SEED, overrides=changes)
+
+    def reset(self) -> None:
+        self.world.reset(seed=SEED)
+        if self.flight.scenario in CLOSING:  # robots of one free body each
+            for robot, state in zip(self.flight.commands, self.flight.start, strict=True):
+                self.world.teleport(state[:3], state[3:7], state[7:10], state[10:], robot=robot)
+        if not np.array_equal(motion(self.world)[:, :7], self.flight.start[:, :7]):
+            sys.exit(f"{self.flight.scenario}: a replay does not begin as the flight did")
 
     def fly(self) -> float:
         """Time that it took [s]."""
@@ -216,19 +272,29 @@ class Replay:
 
     def time_of(self, physics_steps: int) -> float:
         """Time of all commands from the start, each with so many physics steps behind it [s]."""
-        self.world.reset(seed=SEED)
-        if not np.array_equal(motion(self.world)[:, :7], self.flight.start[:, :7]):
-            sys.exit(f"{self.flight.scenario}: a replay does not begin as the flight did")
+        self.reset()
         began = time.perf_counter()
-        for row in self.flight.commands:
+        for row in range(self.flight.count):
             self.command(row)
             if not self.world.advance(physics_steps):
                 break
         return time.perf_counter() - began
 
-    def command(self, row: Reals) -> None:
-        for robot, rotors in self.robots:
-            self.world.command(row[rotors], robot)
+    def command(self, row: int) -> None:
+        for robot, rows in self.flight.commands.items():
+            self.world.command(rows[row], robot)
+
+    def first_touch(self) -> float | None:
+        """When anything touches, to a physics step [s]."""
+        self.reset()
+        for row in range(self.flight.count):
+            self.command(row)
+            for _ in range(self.repeats):
+                if not self.world.advance(1):
+                    return None
+                if self.world.contacts():
+                    return float(self.world.time)
+        return None
 
 
 def motion(world: skybody.Simulation) -> Reals:
@@ -273,9 +339,9 @@ def turned(a: Reals, b: Reals) -> Reals:
     return 4.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(a - nearest, axis=1), 1.0))
 
 
-def end_of(flight: Flight, overrides: tuple[str, ...]) -> tuple[Reals, float]:
+def end_of(flight: Flight, reference: Reference) -> tuple[Reals, float]:
     """Motion and energy after the flight by a reference."""
-    replay = Replay(flight, 1e-6 * max(STEPS_US), overrides)
+    replay = Replay(flight, reference.dt, reference.overrides)
     replay.fly()
     if replay.world.fault:
         sys.exit(f"{flight.scenario}: a reference gives up")
@@ -284,12 +350,12 @@ def end_of(flight: Flight, overrides: tuple[str, ...]) -> tuple[Reals, float]:
 
 def reference_error(flight: Flight) -> float:
     """Largest distance between two references [m]."""
-    first, second = end_of(flight, REFERENCE)[0], end_of(flight, SECOND_REFERENCE)[0]
+    first, second = (end_of(flight, exact)[0] for exact in references(flight.scenario))
     return float(np.linalg.norm(first[:, :3] - second[:, :3], axis=1).max())
 
 
 def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result]:
-    exact, exact_energy = end_of(flight, REFERENCE)
+    exact, exact_energy = end_of(flight, references(flight.scenario)[0])
     results = []
     for integrator in INTEGRATORS:
         for us in steps_us:
@@ -297,7 +363,7 @@ def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result
             flown = replay.fly()
             here, fault = motion(replay.world), bool(replay.world.fault)
             here_energy = energy(replay.world)
-            cost = replay.cost(flown, trials) / (len(flight.commands) * flight.interval)
+            cost = replay.cost(flown, trials) / (flight.count * flight.interval)
             results.append(
                 Result(
                     flight.scenario,
@@ -311,6 +377,11 @@ def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result
                 )
             )
     return results
+
+
+def first_touch(flight: Flight) -> float | None:
+    """When things touch in it [s], by midpoint at 1 ms."""
+    return Replay(flight, 1e-3, fixed("midpoint").overrides).first_touch()
 
 
 def words(result: Result) -> str:
@@ -333,7 +404,7 @@ def main() -> None:
     if options.only and options.out:
         parser.error("--only prints and writes nothing: leave --out away, or audit all")
     folder = None if options.only else output_folder(parser, options)
-    names = options.only or (["hover", "payload", "boom"] if options.quick else shipped())
+    names = options.only or (list(QUICK) if options.quick else shipped())
     flights, results = [], []
     for name in names:
         flight = baseline(name)
@@ -352,6 +423,7 @@ def main() -> None:
                 "own_dt": f.own_dt,
                 "interval": f.interval,
                 "reference_error": reference_error(f),
+                "first_touch": first_touch(f),
             }
             for f in flights
         ],
