@@ -75,7 +75,6 @@ def test_two_crates_collide_as_the_oracle_says(tmp_path: Path, speed: float) -> 
         flown = (crates.of_body(sim.base(name)) for name in ("first", "second"))
         pairs = [crates.apart(a, b) for a, b in zip(flown, ends, strict=True)]
         errors.append(max(position + 0.25 * angle for position, angle in pairs))
-    print("ERR", speed, errors)
     assert errors[1] < 1e-3  # at 1 ms; the bar of the project is 1 cm
     assert all(fine < coarse for coarse, fine in itertools.pairwise(errors)), errors
 
