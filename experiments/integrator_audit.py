@@ -23,7 +23,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 import skybody
-from integrator_flights import CLOSING, SEED, STEPS_US, TOUCHING, Flight, Reals, baseline, shipped
+from integrator_flights import CLOSING, SEED, STEPS_US, Flight, Reals, baseline, shipped
 from integrator_report import write_page, write_picture
 from skybody.program import run_program
 from skybody.simulation import CONTROL_MODES
@@ -102,8 +102,8 @@ IN_CONTACT = (
 )
 
 
-def references(scenario: str) -> tuple[Reference, Reference]:
-    return IN_CONTACT if scenario in TOUCHING else FREE
+def references(flight: Flight) -> tuple[Reference, Reference]:
+    return FREE if first_touch(flight) is None else IN_CONTACT
 
 
 @dataclass(frozen=True)
@@ -237,12 +237,12 @@ def end_of(flight: Flight, reference: Reference) -> tuple[Reals, float]:
 
 def reference_error(flight: Flight) -> float:
     """Largest distance between two references [m]."""
-    first, second = (end_of(flight, exact)[0] for exact in references(flight.scenario))
+    first, second = (end_of(flight, exact)[0] for exact in references(flight))
     return float(np.linalg.norm(first[:, :3] - second[:, :3], axis=1).max())
 
 
 def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result]:
-    exact, exact_energy = end_of(flight, references(flight.scenario)[0])
+    exact, exact_energy = end_of(flight, references(flight)[0])
     results = []
     for integrator in INTEGRATORS:
         for us in steps_us:

@@ -24,7 +24,7 @@ POLICIES = {"hard_landing": "zero"}  # two thirds of the weight are carried: it 
 DASH = 0.2  # a rotor's command is multiplied by 1 - DASH to 1 + DASH
 DASH_TIME = 0.1  # for so long [s]
 MOST_COMMANDS = 16  # of a robot
-TOUCHING = ("hard_landing", "collision")  # flown as they are, without dashes: things touch
+UNDASHED = ("hard_landing", "collision")  # flown as they are: they are to touch something
 CLOSING = ("collision",)  # begun LEAD before anything is near, in the midst of the baseline flight
 LEAD = 0.3  # [s]
 APPROACH = 2.0  # so long may it take until then [s]
@@ -110,7 +110,7 @@ def baseline(scenario: str) -> Flight:
     commands = {robot: rows[begin : begin + count] for robot, rows in log["commands"].items()}
     if any(len(rows) < count for rows in commands.values()):
         sys.exit(f"{scenario}: the baseline flight ends before {FLIGHT:g} s")
-    if scenario not in TOUCHING:
+    if scenario not in UNDASHED:
         factors = dashes(count, 1e-6 * interval_us)
         commands = {r: rows * factors[:, : rows.shape[1]] for r, rows in commands.items()}
     return Flight(scenario, own, dt, 1e-6 * interval_us, commands, log["bodies"][begin])
