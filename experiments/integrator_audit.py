@@ -4,48 +4,38 @@
     .venv/bin/python experiments/integrator_audit.py [--only NAME...] [--quick] [--out FOLDER]
 
 A scenario's baseline flight (`skybody run`, 1 s, commands held for the least common multiple of its
-action interval and the largest step) gives rotor commands. Hard dashes are made of them: each is
-multiplied by factors that are drawn anew every 0.1 s, equal for every robot, without a ground
-(hard_landing alone is flown onto it, and without dashes). They are flown open loop, with every
-integrator and step, and compared with CVODE at a tight tolerance: so the integrator is audited, not
-the controller's rate. Writes integrators.md, data/integrator_audit.json and
-images/integrator_audit.png. --quick: three scenarios, two steps. --only: nothing but the table.
+action interval and the largest step) gives commands: of rotors, and of other actuators where a
+robot has no rotors. Hard dashes are made of them: each is multiplied by factors that are drawn anew
+every 0.1 s, equal for every robot, without a ground. Two flights are flown as they are:
+hard_landing, onto the ground, and collision, which begins LEAD before the robots are near to each
+other in the scenario's own flight. All are flown open loop, with every integrator and step, and
+compared with CVODE at a tight tolerance, or with very small steps where things touch: so the
+integrator is audited, not the controller's rate. Writes integrators.md, data/integrator_audit.json
+and images/integrator_audit.png. --quick: five scenarios, two steps. --only: nothing but the table.
 """
 
 from __future__ import annotations
 
 import math
-import re
-import subprocess
 import sys
-import tempfile
 import time
 from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any
 
-import h5py
 import numpy as np
 import skybody
+from integrator_flights import CLOSING, SEED, STEPS_US, Flight, Reals, baseline, shipped
 from integrator_report import write_page, write_picture
-from numpy.typing import NDArray
 from skybody.program import run_program
-from throughput import ROOT, arguments, facts, output_folder, write_json
+from skybody.simulation import CONTROL_MODES
+from throughput import arguments, facts, output_folder, write_json
 
-PROGRAM = ROOT / "build/release/bin/skybody"
 GRAVITY = 9.81  # of every shipped scenario [m/s^2]
-SEED = 0  # as `skybody run` has it
-FLIGHT = 1.0  # [s]
-STEPS_US = (250, 500, 1000, 2000, 4000)  # dt [us]
 QUICK_STEPS_US = (1000, 4000)
 TRIALS = 4
 LONG = 0.5  # a flight that takes longer [s] is timed once: noise is small beside it
 GOOD_POSITION, GOOD_ANGLE = 1e-3, math.radians(0.1)  # what counts as exact [m], [rad]
-POLICIES = {"hard_landing": "zero"}  # two thirds of the weight are carried: it falls
-DASH = 0.2  # a rotor's command is multiplied by 1 - DASH to 1 + DASH
-DASH_TIME = 0.1  # for so long [s]
-GROUNDED = ("hard_landing",)  # flown as it is, onto the ground; others dash in free air
-Reals = NDArray[np.float64]
+GROUNDED = ("hard_landing",)  # flown onto the ground; others in free air
+QUICK = ("hover", "payload", "boom", "collision", "four_bar")
 
 
 @dataclass(frozen=True)
@@ -81,7 +71,6 @@ INTEGRATORS = (
     solver("arkode", "erk"),
     solver("arkode", "dirk"),
 )
-DEFAULTS = {"cvode": "cvode adams", "arkode": "arkode erk"}  # `method: auto`
 
 
 def reference(method: str, tolerance: float) -> tuple[str, ...]:
@@ -95,20 +84,26 @@ def reference(method: str, tolerance: float) -> tuple[str, ...]:
     )
 
 
-REFERENCE = reference("bdf", 1e-10)
-SECOND_REFERENCE = reference("adams", 1e-11)  # how far apart they are says how exact they are
-
-
 @dataclass(frozen=True)
-class Flight:
-    """A baseline flight: rotor commands, each held for `interval` [s]."""
+class Reference:
+    """What a flight is compared with."""
 
-    scenario: str
-    own: str  # name of the scenario's integrator
-    own_dt: float
-    interval: float
-    commands: Reals  # (intervals, rotors) [rad/s]
-    start: Reals  # (bodies, 13) as the flight log has it
+    dt: float  # [s]
+    overrides: tuple[str, ...]
+
+
+COARSE = 1e-6 * max(STEPS_US)
+# How far apart the two are says how exact they are. Contact is a correction of each step, whatever
+# integrates the rest (docs/contact.md): where things touch, only small steps are exact.
+FREE = (Reference(COARSE, reference("bdf", 1e-10)), Reference(COARSE, reference("adams", 1e-11)))
+IN_CONTACT = (
+    Reference(2.5e-5, fixed("rk4").overrides),
+    Reference(5e-5, fixed("rk4").overrides),
+)
+
+
+def references(flight: Flight) -> tuple[Reference, Reference]:
+    return FREE if first_touch(flight) is None else IN_CONTACT
 
 
 @dataclass(frozen=True)
@@ -129,65 +124,6 @@ class Result:
         return not self.fault and self.position < GOOD_POSITION and self.angle < GOOD_ANGLE
 
 
-def shipped() -> list[str]:
-    return sorted(path.stem for path in (ROOT / "scenarios").glob("*.yaml"))
-
-
-def stepping_of(scenario: str) -> tuple[float, int, str]:
-    """Its dt [s], action_repeat and integrator, by the name that tables have."""
-    log = fly_and_log(scenario, 1, [])
-    block = re.search(r"^stepping:\n((?: .*\n)+)", log["text"], re.MULTILINE)
-    values = dict(re.findall(r"^ +(\w+): (\S+)$", block[1] if block else "", re.MULTILINE))
-    own = values.get("integrator", "midpoint")
-    method = values.get("method", "auto")
-    name = DEFAULTS.get(own, own) if method == "auto" else f"{own} {method}"
-    return log["dt"], log["action_repeat"], name
-
-
-def fly_and_log(scenario: str, steps: int, overrides: list[str]) -> dict[str, Any]:
-    """One episode of `skybody run`; what its log says."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [str(PROGRAM), "run", scenario, "--policy", POLICIES.get(scenario, "hold")]
-        command += ["--seed", str(SEED), "--steps", str(steps), "--no-picture", "--out", folder]
-        command += [part for override in overrides for part in ("--set", override)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            sys.exit(f"{' '.join(command)}\n{done.stderr}")
-        with h5py.File(Path(folder) / "flight.h5") as log:
-            episode = log["episodes/0001"]
-            return {
-                "dt": float(log.attrs["dt"]),
-                "action_repeat": int(log.attrs["action_repeat"]),
-                "text": str(log.attrs["scenario_text"]),
-                "commands": episode["rotor_command"][1:],
-                "bodies": episode["bodies"][:],
-            }
-
-
-def baseline(scenario: str) -> Flight:
-    dt, repeat, own = stepping_of(scenario)
-    interval_us = math.lcm(round(1e6 * dt * repeat), max(STEPS_US))
-    held = round(interval_us / (1e6 * dt))
-    count = math.ceil(1e6 * FLIGHT / interval_us)
-    log = fly_and_log(scenario, count, [f"stepping.action_repeat={held}", "stepping.horizon=0"])
-    if len(log["commands"]) < count:
-        sys.exit(f"{scenario}: the baseline flight ends before {FLIGHT:g} s")
-    commands = log["commands"]
-    if scenario not in GROUNDED:
-        robots = len(skybody.Simulation(scenario, control="rotor_speed").compiled.robots)
-        commands = commands * dashes(commands.shape, robots, 1e-6 * interval_us)
-    return Flight(scenario, own, dt, 1e-6 * interval_us, commands, log["bodies"][0])
-
-
-def dashes(shape: tuple[int, ...], robots: int, interval: float) -> Reals:
-    """Factors of all commands, (intervals, rotors): the same for every robot, so that a formation
-    keeps its shape."""
-    random = np.random.default_rng(SEED)
-    held = max(1, round(DASH_TIME / interval))
-    drawn = random.uniform(1.0 - DASH, 1.0 + DASH, (math.ceil(shape[0] / held), shape[1] // robots))
-    return np.tile(np.repeat(drawn, held, axis=0)[: shape[0]], (1, robots))
-
-
 class Replay:
     """Flies the commands of a flight again, open loop."""
 
@@ -197,12 +133,19 @@ class Replay:
             changes.append("contact.ground=false")
         self.flight = flight
         self.repeats = round(flight.interval / dt)
-        self.world = skybody.Simulation(
-            flight.scenario, control="rotor_speed", seed=SEED, overrides=changes
-        )
-        robots = self.world.compiled.robots
-        ends = np.cumsum([self.world.command_size(robot) for robot in robots])
-        self.robots = list(zip(robots, np.split(np.arange(ends[-1]), ends[:-1]), strict=True))
+        probe = skybody.Simulation(flight.scenario)
+        have_rotors = {path.split(".")[1] for path in probe.state_paths() if ".rotors." in path}
+        motors = CONTROL_MODES["rotor_speed"]
+        changes += [f"robots.{robot}.controllers={motors}" for robot in have_rotors]
+        self.world = skybody.Simulation(flight.scenario, seed=SEED, overrides=changes)
+
+    def reset(self) -> None:
+        self.world.reset(seed=SEED)
+        if self.flight.scenario in CLOSING:  # robots of one free body each
+            for robot, state in zip(self.flight.commands, self.flight.start, strict=True):
+                self.world.teleport(state[:3], state[3:7], state[7:10], state[10:], robot=robot)
+        if not np.array_equal(motion(self.world)[:, :7], self.flight.start[:, :7]):
+            sys.exit(f"{self.flight.scenario}: a replay does not begin as the flight did")
 
     def fly(self) -> float:
         """Time that it took [s]."""
@@ -216,19 +159,29 @@ class Replay:
 
     def time_of(self, physics_steps: int) -> float:
         """Time of all commands from the start, each with so many physics steps behind it [s]."""
-        self.world.reset(seed=SEED)
-        if not np.array_equal(motion(self.world)[:, :7], self.flight.start[:, :7]):
-            sys.exit(f"{self.flight.scenario}: a replay does not begin as the flight did")
+        self.reset()
         began = time.perf_counter()
-        for row in self.flight.commands:
+        for row in range(self.flight.count):
             self.command(row)
             if not self.world.advance(physics_steps):
                 break
         return time.perf_counter() - began
 
-    def command(self, row: Reals) -> None:
-        for robot, rotors in self.robots:
-            self.world.command(row[rotors], robot)
+    def command(self, row: int) -> None:
+        for robot, rows in self.flight.commands.items():
+            self.world.command(rows[row], robot)
+
+    def first_touch(self) -> float | None:
+        """When anything touches, to a physics step [s]."""
+        self.reset()
+        for row in range(self.flight.count):
+            self.command(row)
+            for _ in range(self.repeats):
+                if not self.world.advance(1):
+                    return None
+                if self.world.contacts():
+                    return float(self.world.time)
+        return None
 
 
 def motion(world: skybody.Simulation) -> Reals:
@@ -273,9 +226,9 @@ def turned(a: Reals, b: Reals) -> Reals:
     return 4.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(a - nearest, axis=1), 1.0))
 
 
-def end_of(flight: Flight, overrides: tuple[str, ...]) -> tuple[Reals, float]:
+def end_of(flight: Flight, reference: Reference) -> tuple[Reals, float]:
     """Motion and energy after the flight by a reference."""
-    replay = Replay(flight, 1e-6 * max(STEPS_US), overrides)
+    replay = Replay(flight, reference.dt, reference.overrides)
     replay.fly()
     if replay.world.fault:
         sys.exit(f"{flight.scenario}: a reference gives up")
@@ -284,12 +237,12 @@ def end_of(flight: Flight, overrides: tuple[str, ...]) -> tuple[Reals, float]:
 
 def reference_error(flight: Flight) -> float:
     """Largest distance between two references [m]."""
-    first, second = end_of(flight, REFERENCE)[0], end_of(flight, SECOND_REFERENCE)[0]
+    first, second = (end_of(flight, exact)[0] for exact in references(flight))
     return float(np.linalg.norm(first[:, :3] - second[:, :3], axis=1).max())
 
 
 def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result]:
-    exact, exact_energy = end_of(flight, REFERENCE)
+    exact, exact_energy = end_of(flight, references(flight)[0])
     results = []
     for integrator in INTEGRATORS:
         for us in steps_us:
@@ -297,7 +250,7 @@ def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result
             flown = replay.fly()
             here, fault = motion(replay.world), bool(replay.world.fault)
             here_energy = energy(replay.world)
-            cost = replay.cost(flown, trials) / (len(flight.commands) * flight.interval)
+            cost = replay.cost(flown, trials) / (flight.count * flight.interval)
             results.append(
                 Result(
                     flight.scenario,
@@ -311,6 +264,11 @@ def audit(flight: Flight, steps_us: tuple[int, ...], trials: int) -> list[Result
                 )
             )
     return results
+
+
+def first_touch(flight: Flight) -> float | None:
+    """When things touch in it [s], by midpoint at 1 ms."""
+    return Replay(flight, 1e-3, fixed("midpoint").overrides).first_touch()
 
 
 def words(result: Result) -> str:
@@ -333,7 +291,7 @@ def main() -> None:
     if options.only and options.out:
         parser.error("--only prints and writes nothing: leave --out away, or audit all")
     folder = None if options.only else output_folder(parser, options)
-    names = options.only or (["hover", "payload", "boom"] if options.quick else shipped())
+    names = options.only or (list(QUICK) if options.quick else shipped())
     flights, results = [], []
     for name in names:
         flight = baseline(name)
@@ -352,6 +310,7 @@ def main() -> None:
                 "own_dt": f.own_dt,
                 "interval": f.interval,
                 "reference_error": reference_error(f),
+                "first_touch": first_touch(f),
             }
             for f in flights
         ],

@@ -117,6 +117,8 @@ def details(facts: Facts, flight: Row) -> list[str]:
             cells.append(text)
         table.append([name, *cells])
     held = f"Commands are held for {1e3 * flight['interval']:g} ms."
+    if flight.get("first_touch") is not None:
+        held += f" Things touch from {flight['first_touch']:.2f} s on: errors are those after it."
     return [f"### {flight['scenario']}", "", held, "", markdown_table(table), ""]
 
 
@@ -128,28 +130,31 @@ Written by `experiments/integrator_audit.py`; raw figures in data/integrator_aud
 
 Which time step and which integrator is a scenario accurate with, and what does that cost? Each
 shipped scenario's baseline flight (`skybody run SCENARIO --policy hold`, `zero` for hard_landing;
-1 s) gives rotor commands, held for the least common multiple of the scenario's action interval and
-4 ms. Hard dashes are made of them: each is multiplied by a factor of 0.8 to 1.2, drawn anew for
-each rotor of a robot every 0.1 s, and there is no ground (hard_landing alone is flown onto it,
-and without dashes). They are flown, open loop, by every integrator and step, and compared with
-CVODE (BDF) at a relative tolerance of 1e-10: the integrator is audited, not the controller's rate.
-How exact that is itself says its distance from CVODE (Adams) at 1e-11.
+1 s) gives commands, of rotors or of the actuators that a robot has instead, held for the least
+common multiple of the scenario's action interval and 4 ms. Hard dashes are made of them: each is
+multiplied by a factor of 0.8 to 1.2, drawn anew for each command of a robot every 0.1 s, and there
+is no ground. Two are flown as they are: hard_landing, onto the ground, and collision, which begins
+0.3 s before the two robots of the scenario's own flight are near to each other. All are flown, open
+loop, by every integrator and step, and compared with CVODE (BDF) at a relative tolerance of 1e-10:
+the integrator is audited, not the controller's rate. How exact that is itself says its distance
+from CVODE (Adams) at 1e-11. Where things touch, rk4 with steps of 0.025 ms is the reference, and
+its distance from steps of 0.05 ms is given: contact is a correction of each step, whatever
+integrates the rest ([contact.md](../contact.md)), so that cvode and arkode do not see it.
 
 - Error: largest distance of any body's origin and largest angle of any body after 1 s. **Bold**:
   less than {position:g} mm and {angle:.2g}°, here called exact.
-- On the ground (hard_landing) fixed steps have another model, too: their contact is bounded by dt
-  (`contact` in [scenarios.md](../scenarios.md)), cvode's and arkode's is not.
 - Energy: the mechanical energy (kinetic and gravitational) less the reference's. That in springs is
   left out (boom has some).
 - Cost: time of the same flight's physics steps, one environment alone, for a simulated second.
 
 `skybody check` warns where dt is larger than 1 ms with semi_implicit_euler, or 4 ms with another
 integrator: up to there the largest errors of shipped scenarios that are not made to be stiff (boom
-and hard_landing are) stay below 4 mm and 0.25°, or 1 mm and 0.1°.
+and hard_landing are) and in which nothing collides stay below 4 mm and 0.25°, or 1 mm and 0.1°.
 
 ## In short
 
-The last columns: the largest step up to which every audited one is exact, by integrator.
+The last columns: the step from which down every audited one is exact, by integrator; `none`: the
+smallest is not.
 """
 
 COSTS = """
@@ -158,11 +163,10 @@ outlive the step. What that costs, in times of semi-implicit Euler at 1 ms: medi
 scenarios where that comes through. All go alone here; in batches the fixed steps go 32 side by
 side in vector lanes, cvode and arkode one by one.
 
-The two stiff scenarios have cvode (BDF) because it asks for no step to be found first: at 1 ms
-fixed steps fault in boom and are millimetres off in hard_landing. It is not the cheapest that
-works. Where the stiffness is mild, as in boom, smaller fixed steps or explicit methods (`rk4` at
-0.5 ms, `arkode` erk) may do better, as the tables below say; BDF and dirk are for modes that are
-far quicker than the motion and die out.
+The two stiff scenarios have cvode (BDF) because it asks for no step to be found first. It is not
+the cheapest that works. Where the stiffness is mild, as in boom, smaller fixed steps or explicit
+methods (`rk4` at 0.5 ms, `arkode` erk) may do better, as the tables below say; BDF and dirk are for
+modes that are far quicker than the motion and die out.
 """
 
 

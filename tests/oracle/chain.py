@@ -16,6 +16,7 @@ from rigid_body import (
     GRAVITY,
     Reals,
     Vehicle,
+    axes_of,
     numbers,
     quaternion_rates,
     read_vehicle,
@@ -92,7 +93,7 @@ def start(chain: Chain, y: Reals) -> Reals:
 def rates(chain: Chain, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
     """dy/dt of all bodies, one after another."""
     states = y.reshape(-1, SIZE)
-    axes = [Rotation.from_quat(s[[4, 5, 6, 3]]).as_matrix() for s in states]
+    axes = [axes_of(s[3:7]) for s in states]
     spins = [s[10:] for s in states]
     vehicle = chain.vehicle
     bodies = [(vehicle.mass, vehicle.com, vehicle.inertia)]

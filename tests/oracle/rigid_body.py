@@ -113,21 +113,17 @@ def rotor_load(
     vehicle: Vehicle, velocity: Reals, w: Reals, speed: Reals, acceleration: Reals
 ) -> tuple[Reals, Reals]:
     """Force and moment about the origin, body axes, as the velocity of the origin and the spin."""
-    k = vehicle.constants
-    force, moment = np.zeros(3), np.zeros(3)
-    for i, (hub, s) in enumerate(zip(vehicle.hubs, vehicle.directions, strict=True)):
-        across = velocity + np.cross(w, hub)
-        across[2] = 0.0
-        own = np.array([0.0, 0.0, k["thrust_constant"][i] * speed[i] ** 2])
-        own -= k["drag_constant"][i] * speed[i] * across
-        force += own
-        moment += np.cross(hub, own)
-        moment -= s * k["rolling_moment_constant"][i] * speed[i] * across
-        momentum = np.array([0.0, 0.0, s * k["inertia"][i] * speed[i]])
-        moment -= np.cross(w, momentum)
-        moment[2] -= s * k["moment_constant"][i] * speed[i] ** 2
-        moment[2] -= s * k["inertia"][i] * acceleration[i]
-    return force, moment
+    k, s = vehicle.constants, vehicle.directions
+    across = velocity + np.cross(w, vehicle.hubs)
+    across[:, 2] = 0.0
+    forces = -(k["drag_constant"] * speed)[:, None] * across
+    forces[:, 2] += k["thrust_constant"] * speed**2
+    moment = np.cross(vehicle.hubs, forces).sum(axis=0)
+    moment -= (s * k["rolling_moment_constant"] * speed) @ across
+    momentum = np.array([0.0, 0.0, (s * k["inertia"] * speed).sum()])
+    moment -= np.cross(w, momentum)
+    moment[2] -= s @ (k["moment_constant"] * speed**2 + k["inertia"] * acceleration)
+    return forces.sum(axis=0), moment
 
 
 def quaternion_rates(q: Reals, w: Reals) -> Reals:
@@ -142,10 +138,22 @@ def quaternion_rates(q: Reals, w: Reals) -> Reals:
     )
 
 
+def axes_of(q: Reals) -> Reals:
+    """Columns: the axes of a body in W; q (w x y z) of any norm."""
+    w, x, y, z = q / np.sqrt(q @ q)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
 def rates(vehicle: Vehicle, y: Reals, speed: Reals, acceleration: Reals) -> Reals:
     """dy/dt of position, quaternion (w x y z), velocity (W) of the origin, spin (body axes)."""
     q, v, w = y[3:7], y[7:10], y[10:13]
-    axes = Rotation.from_quat(q[[1, 2, 3, 0]]).as_matrix()
+    axes = axes_of(q)
     force, moment = rotor_load(vehicle, axes.T @ v, w, speed, acceleration)
     about_com = moment - np.cross(vehicle.com, force)
     angular = np.linalg.solve(vehicle.inertia, about_com - np.cross(w, vehicle.inertia @ w))

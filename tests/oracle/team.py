@@ -14,13 +14,13 @@ from rigid_body import (
     GRAVITY,
     Reals,
     Vehicle,
+    axes_of,
     quaternion_rates,
     rotor_accelerations,
     rotor_load,
     rotor_speeds,
 )
 from scipy.integrate import solve_ivp
-from scipy.spatial.transform import Rotation
 
 SIZE = 13  # position and velocity (W) of the origin, quaternion, spin (body axes)
 
@@ -53,7 +53,7 @@ class Team:
     def rates(self, y: Reals, speeds: list[Reals], accelerations: list[Reals]) -> Reals:
         """dy/dt of all bodies, one after another; rotors' values per body."""
         states = y.reshape(-1, SIZE)
-        axes = [Rotation.from_quat(s[[4, 5, 6, 3]]).as_matrix() for s in states]
+        axes = [axes_of(s[3:7]) for s in states]
         count = len(self.members)
         matrix = np.zeros((6 * count + len(self.rods),) * 2)
         right = np.zeros(len(matrix))

@@ -13,7 +13,7 @@ from rigid_body import Reals, angle_between
 
 ROOT = Path(__file__).resolve().parents[2]
 HOLD = 0.02  # of a command [s]
-DRAWS = 50  # commands: one second
+DRAWS = 100  # commands: two seconds
 LINKS = {"rod": "rod_joint_x", "bob": "bob_joint_x"}
 
 
@@ -78,7 +78,7 @@ def wild(payload: Chain, request: pytest.FixtureRequest) -> Wild:
 
 def test_midpoint_is_exact_at_a_millisecond(wild: Wild) -> None:
     position, angle = wild.error("midpoint", 1e-3)
-    # These three are 0.052 mm and 0.014 degrees off at most; the bar is the project's.
+    # These three are 0.14 mm and 0.044 degrees off at most; the bar is the project's.
     assert position < 1e-3
     assert angle < math.radians(0.1)
 

@@ -1,77 +1,14 @@
-// Contact where it is hard: thin walls at high speed, edges, stacks, slopes, long rest.
+// Obstacles by their parameters, edges against edges, and collisions as the step falls.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
 #include "core/base/error.h"
-#include "core/base/random.h"
 #include "tests/unit/physics/contact_worlds.h"
-#include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
 namespace {
-
-TEST(Wall, NoBallPasses) {
-  Random<double> random{RandomKey{2026, 51}, 0, 0, derive_stream("contact_robust_test")};
-  int tries = 0;
-  for (int k = 0; k < 600; ++k) {
-    const double radius = random.uniform(0.01, 0.1), thickness = random.uniform(0.01, 0.1);
-    const double speed = random.uniform(0.5, 20.0);
-    const double dt = 1e-3 * std::pow(20.0, random.uniform()) * 0.1;
-    Scenario scenario = world_of(solid(4000.0 * radius * radius * radius, make_sphere(radius)), dt);
-    switch_off_gravity_and_ground(scenario);
-    Obstacle wall;
-    wall.name = "wall";
-    wall.shape = make_box(thickness, 4.0, 4.0);
-    wall.shape.pose.rotation = from_rpy(random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0), 0.0);
-    scenario.obstacles.push_back(wall);
-    Bench bench(scenario);
-    const Quat<double> r = wall.shape.pose.rotation;
-    const Vec3<double> out = rotate(r, {1, 0, 0}), along = rotate(r, {0, 1, 0});
-    store(out * (radius + 0.5 * thickness + random.uniform(0.001, 0.1)), bench.state.q.data());
-    store((out * -1.0 + along * random.uniform(-0.7, 0.7)) * speed, bench.state.u.data());
-    const double before = energy(bench);
-    bench.stepper->update_bodies(bench.state);
-    for (int i = 0; i * dt < 0.3; ++i) {
-      ASSERT_TRUE(bench.run(1));
-      const double x = dot(out, load_vec3(bench.state.q.data()));
-      ASSERT_GT(x, radius) << "try " << k << " step " << i << ": radius " << radius << ", wall "
-                           << thickness << ", " << speed << " m/s, dt " << dt;
-    }
-    EXPECT_LE(energy(bench),
-              1e-9 + before + 0.5 * speed * speed * 4000.0 * radius * radius * radius);
-    ++tries;
-  }
-  EXPECT_EQ(tries, 600);
-}
-
-TEST(Wall, NoTumblingVehiclePasses) {
-  Random<double> random{RandomKey{2026, 52}, 0, 0, derive_stream("contact_robust_test")};
-  for (int k = 0; k < 400; ++k) {
-    const double thickness = random.uniform(0.01, 0.1), speed = random.uniform(0.5, 20.0);
-    const double dt = 1e-3 * std::pow(20.0, random.uniform()) * 0.1;
-    Scenario scenario = world_of(make_vehicle(qdrone2()), dt);
-    switch_off_gravity_and_ground(scenario);
-    Obstacle wall;
-    wall.name = "wall";
-    wall.shape = make_box(thickness, 8.0, 8.0);
-    scenario.obstacles.push_back(wall);
-    Bench bench(scenario);
-    bench.state.q[0] = 0.5;
-    store(random.quaternion(), bench.state.q.data() + 3);
-    bench.state.u[0] = -speed;
-    for (int axis = 0; axis < 3; ++axis) bench.state.u[3 + axis] = random.uniform(-10.0, 10.0);
-    bench.stepper->update_bodies(bench.state);
-    const double before = energy(bench);
-    for (int i = 0; i * dt < 0.4; ++i) {
-      ASSERT_TRUE(bench.run(1));
-      ASSERT_GT(bench.state.q[0], 0.0) << "try " << k << " step " << i << ": wall " << thickness
-                                       << ", " << speed << " m/s, dt " << dt;
-      ASSERT_LT(energy(bench), before * (1.0 + 1e-3)) << "try " << k << " step " << i;
-    }
-  }
-}
 
 /// Where a ball that flies at 2 m/s along x is after half a second.
 double flown_to(const std::string& path, double value) {
@@ -112,59 +49,6 @@ TEST(Obstacle, OfNoSizeIsAFaultOfItsEnvironment) {
   EXPECT_TRUE(bench.run(1));
 }
 
-TEST(Stack, OfThreeBoxesRestsForAMinute) {
-  Scenario scenario = world_of(solid(1.0, make_box(0.2, 0.2, 0.1)));
-  scenario.robots[0].pose.position = {0, 0, 0.05};
-  add_robot(scenario, "s", solid(1.0, make_box(0.2, 0.2, 0.1)), {{0.02, 0.01, 0.15}, {1, 0, 0, 0}});
-  add_robot(scenario, "t", solid(1.0, make_box(0.2, 0.2, 0.1)),
-            {{-0.02, 0.03, 0.25}, from_rpy(0.0, 0.0, 0.3)});
-  Bench bench(scenario);
-  ASSERT_TRUE(bench.run_seconds(3.0));
-  const std::vector<double> rest = bench.state.q;
-  for (int i = 0; i < 57; ++i) {
-    ASSERT_TRUE(bench.run_seconds(1.0));
-    for (int b = 0; b < 3; ++b) {
-      for (int k = 0; k < 3; ++k) {
-        ASSERT_NEAR(bench.state.q[7 * b + k], rest[7 * b + k], 1e-3) << i << " s, box " << b;
-      }
-    }
-  }
-  std::vector<Contact> contacts;
-  bench.stepper->add_contacts(bench.state, contacts);
-  double carried = 0.0;
-  for (const Contact& c : contacts) carried += c.other == kGround ? c.force.z : 0.0;
-  EXPECT_NEAR(carried, 3.0 * 9.81, 1e-3);
-}
-
-/// A box on a slope below the angle of friction, by tilted gravity.
-TEST(Slope, BelowTheAngleOfFrictionABoxStays) {
-  Scenario scenario = world_of(solid(1.0, make_box(0.2, 0.2, 0.1)));
-  const double angle = 0.5;  // tan 0.546, friction 0.6
-  scenario.constants[kGravity] = 9.81 * std::sin(angle);
-  scenario.constants[kGravity + 2] = -9.81 * std::cos(angle);
-  scenario.robots[0].pose.position = {0, 0, 0.05};
-  Bench bench(scenario);
-  ASSERT_TRUE(bench.run_seconds(3.0));
-  const double rest = bench.state.q[0];
-  ASSERT_TRUE(bench.run_seconds(57.0));
-  EXPECT_NEAR(bench.state.q[0], rest, 1e-5);
-  EXPECT_LT(std::fabs(bench.state.u[0]), 1e-6);
-}
-
-TEST(Slope, AboveItItSlides) {
-  Scenario scenario = world_of(solid(1.0, make_box(0.2, 0.2, 0.1)));
-  const double angle = 0.6;  // tan 0.684
-  scenario.constants[kGravity] = 9.81 * std::sin(angle);
-  scenario.constants[kGravity + 2] = -9.81 * std::cos(angle);
-  scenario.robots[0].pose.position = {0, 0, 0.049};
-  Bench bench(scenario);
-  ASSERT_TRUE(bench.run_seconds(0.5));
-  const double before = bench.state.u[0];
-  ASSERT_TRUE(bench.run_seconds(0.5));
-  const double wanted = 9.81 * (std::sin(angle) - 0.6 * std::cos(angle));
-  EXPECT_NEAR(bench.state.u[0] - before, 0.5 * wanted, 0.01 * wanted);
-}
-
 TEST(Edges, CrossedRodsMeetBetweenTheirEnds) {
   for (const bool is_box : {true, false}) {
     const Shape rod = is_box ? make_box(0.02, 0.02, 1.0) : make_cylinder(0.01, 1.0);
@@ -183,10 +67,14 @@ TEST(Edges, CrossedRodsMeetBetweenTheirEnds) {
   }
 }
 
-/// Two QDrone2 meet: how far a result is from that of the finest step. At 1 m/s they graze each
-/// other once more 0.21 s later, which amplifies any difference 200 times: it is looked at before.
-TEST(Collision, ConvergesAsTheStepFalls) {
-  const auto fly = [](double dt, double speed) {
+/// Two vehicles meet; how far a result is from that of a very fine step after 0.6 s [m]. At 1 m/s
+/// they graze each other once more 0.21 s later, which amplifies any difference 200 times: it is
+/// looked at before.
+class Collision : public testing::TestWithParam<double> {};
+
+TEST_P(Collision, EndsNearTheResultOfTheFinestStep) {
+  const double speed = GetParam();
+  const auto fly = [speed](double dt) {
     Scenario scenario = world_of(make_vehicle(qdrone2()), dt);
     switch_off_gravity_and_ground(scenario);
     scenario.robots[0].pose = {{-0.5, 0.02, 3.0}, from_rpy(0.05, 0.1, 0.3)};
@@ -196,6 +84,7 @@ TEST(Collision, ConvergesAsTheStepFalls) {
     bench.state.u[0] = 0.5 * speed;
     bench.state.u[6] = -0.5 * speed;
     EXPECT_TRUE(bench.run_seconds(0.65 / speed + (speed > 1.0 ? 0.6 : 0.2)));
+    EXPECT_GT(bench.state.u[0], bench.state.u[6] - 0.9 * speed) << "they have met";
     return bench.state.q;
   };
   const auto apart = [](const std::vector<double>& a, const std::vector<double>& b) {
@@ -203,51 +92,16 @@ TEST(Collision, ConvergesAsTheStepFalls) {
     for (const std::size_t k : {0, 1, 2, 7, 8, 9}) most = std::fmax(most, std::fabs(a[k] - b[k]));
     return most;
   };
-  const std::vector<double> quick = fly(2.5e-5, 5.0), slow = fly(2.5e-5, 1.0);
-  for (const double dt : {2e-3, 1e-3, 5e-4, 1e-4}) {
-    EXPECT_LT(apart(fly(dt, 5.0), quick), 0.01) << dt;
-    EXPECT_LT(apart(fly(dt, 1.0), slow), 1e-3) << dt;
-  }
-  EXPECT_LT(apart(fly(5e-5, 5.0), quick), apart(fly(2e-3, 5.0), quick));
+  const std::vector<double> exact = fly(1.25e-5);
+  // At 1 m/s springs hold what meets: 0.5 to 1.8 mm. At 5 m/s feet of 1 cm are stopped plastically
+  // (3.6 to 5.7 mm): a step is cut into parts of about the same length then, whatever dt is, and
+  // the error is theirs. So it shrinks little with dt (docs/contact.md).
+  const double most = speed < 3.0 ? 3e-3 : 0.01;
+  for (const double dt : {2e-3, 1e-3, 5e-4, 1e-4}) EXPECT_LT(apart(fly(dt), exact), most) << dt;
+  EXPECT_LT(apart(fly(5e-5), exact), apart(fly(2e-3), exact));
 }
 
-TEST(Bounces, NeverGainEnergy) {
-  Random<double> random{RandomKey{2026, 53}, 0, 0, derive_stream("contact_robust_test")};
-  int bounces = 0;
-  for (int k = 0; bounces < 10'000; ++k) {
-    const auto size = [&] { return random.uniform(0.03, 0.3); };
-    const double kind = random.uniform();
-    const Shape shape = kind < 0.3   ? make_sphere(size())
-                        : kind < 0.6 ? make_cylinder(size(), size())
-                                     : make_box(size(), size(), size());
-    Scenario scenario =
-        world_of(solid(random.uniform(0.05, 5.0), shape), random.uniform() < 0.5 ? 1e-3 : 2e-3);
-    scenario.constants[kGravity + 2] = 0.0;
-    scenario.constants[kDissipation] = random.uniform(0.1, 3.0);
-    Obstacle table;
-    table.name = "table";
-    table.shape = make_box(size() * 3, size() * 3, size());
-    table.shape.pose = {{0, 0, 3.0}, random.quaternion()};
-    scenario.obstacles.push_back(table);
-    Bench bench(scenario);
-    const Vec3<double> from = in_cube(random, 1.0);
-    const Vec3<double> at = from * (1.3 / norm(from));
-    store(at + Vec3<double>{0, 0, 3.0}, bench.state.q.data());
-    store(random.quaternion(), bench.state.q.data() + 3);
-    store(at * (-random.uniform(0.5, 12.0) / 1.3), bench.state.u.data());
-    for (int axis = 0; axis < 3; ++axis) bench.state.u[3 + axis] = random.uniform(-8.0, 8.0);
-    bench.stepper->update_bodies(bench.state);
-    const double before = energy(bench);
-    bool touched = false;
-    for (int i = 0; i < 600; ++i) {
-      ASSERT_TRUE(bench.run(1));
-      touched |= bench.stepper->was_near();
-      // Free spin by the midpoint rule keeps it to 1e-5 of itself.
-      ASSERT_LT(energy(bench), before * (1.0 + 1e-4)) << "flight " << k << " step " << i;
-    }
-    bounces += touched;
-  }
-}
+INSTANTIATE_TEST_SUITE_P(Speeds, Collision, testing::Values(1.0, 2.0, 5.0));
 
 }  // namespace
 }  // namespace skybody::test

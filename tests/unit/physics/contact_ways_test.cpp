@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "tests/unit/physics/random_trees.h"
 #include "tests/unit/physics/tree_dynamics.h"
@@ -59,12 +61,24 @@ void scatter(Random<double>& random, Bench& bench) {
   store(in_cube(random, 0.3), bench.state.q.data() + 7);
 }
 
-TEST(ContactOnBothDynamics, GivesTheSameAccelerations) {
+class ContactOnBothDynamics : public testing::TestWithParam<int> {};
+
+/// 100,000 states in all the blocks.
+TEST_P(ContactOnBothDynamics, GivesTheSameAccelerations) {
   int touching = 0;
-  for (std::uint64_t k = 0; k < 500; ++k) {
-    Random<double> random{RandomKey{2026, 61}, k, 0, derive_stream("contact_ways_test")};
+  std::set<std::pair<ShapeType, ShapeType>> kinds;  // of what is crowded together
+  for (std::uint64_t k = 0; k < 125; ++k) {
+    Random<double> random{RandomKey{2026, 61}, k, static_cast<std::uint64_t>(GetParam()),
+                          derive_stream("contact_ways_test")};
     Bench bench(crowd(random, k % 2 == 0));
     const auto simbody = make_simbody_stepper(bench.world);
+    const auto kind_of = [&](int robot) {
+      return bench.world.scenario.robots[static_cast<std::size_t>(robot)]
+          .model.bodies[0]
+          .collisions[0]
+          .type;
+    };
+    kinds.insert({kind_of(0), kind_of(1)});
     std::vector<double> by_tree(bench.state.u.size()), by_simbody(bench.state.u.size());
     for (int i = 0; i < 200; ++i) {
       scatter(random, bench);
@@ -81,8 +95,11 @@ TEST(ContactOnBothDynamics, GivesTheSameAccelerations) {
       }
     }
   }
-  EXPECT_GT(touching, 50'000);
+  EXPECT_GT(touching, 12'500);
+  EXPECT_EQ(kinds.size(), 9u) << "all pairs of boxes, cylinders and spheres";
 }
+
+INSTANTIATE_TEST_SUITE_P(Blocks, ContactOnBothDynamics, testing::Range(0, 4));
 
 /// Bodies about their centres of mass: beside it, the velocity of the origin is what a step moves,
 /// and the momentum is right to second order in dt, as in free flight.

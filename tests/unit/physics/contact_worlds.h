@@ -1,35 +1,42 @@
-// Worlds of single solids, for tests of contact.
+// Worlds of single solids for tests of contact, and groups of lanes that fly side by side.
 #pragma once
 
 #include <string>
 #include <utility>
 
-#include "tests/unit/physics/test_models.h"
+#include "core/base/error.h"
+#include "tests/unit/physics/lane_groups.h"
+#include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
 
-/// A free body of one shape, its mass spread evenly.
+/// A free body of one shape, filled evenly.
 inline RobotModel solid(double mass, const Shape& shape) {
-  double i = 0.4 * mass * 1e-4;
-  if (shape.type == ShapeType::kSphere) i = 0.4 * mass * shape.radius * shape.radius;
-  SymMat3<double> inertia = diagonal(i, i, i);
+  SymMat3<double> inertia = diagonal(0, 0, 0);
   const Vec3<double>& s = shape.size;
-  if (shape.type == ShapeType::kBox) {
-    const double m = mass / 12.0;
-    inertia = diagonal(m * (s.y * s.y + s.z * s.z), m * (s.x * s.x + s.z * s.z),
-                       m * (s.x * s.x + s.y * s.y));
-  }
-  if (shape.type == ShapeType::kCylinder) {
-    const double r2 = shape.radius * shape.radius, l2 = shape.length * shape.length;
-    const double across = mass * (3.0 * r2 + l2) / 12.0;
-    inertia = diagonal(across, across, 0.5 * mass * r2);
-  }
-  if (shape.type == ShapeType::kCapsule) {  // two halves of a ball, and a cylinder between them
-    const double r = shape.radius, l = shape.length, ball = 4.0 / 3.0 * r / (l + 4.0 / 3.0 * r);
-    const double caps = ball * mass, rod = mass - caps;
-    const double across =
-        rod * (3.0 * r * r + l * l) / 12.0 + caps * (0.4 * r * r + 0.375 * r * l + 0.25 * l * l);
-    inertia = diagonal(across, across, 0.5 * rod * r * r + 0.4 * caps * r * r);
+  const double r2 = shape.radius * shape.radius, l2 = shape.length * shape.length;
+  switch (shape.type) {
+    case ShapeType::kBox: {
+      const double m = mass / 12.0;
+      inertia = diagonal(m * (s.y * s.y + s.z * s.z), m * (s.x * s.x + s.z * s.z),
+                         m * (s.x * s.x + s.y * s.y));
+      break;
+    }
+    case ShapeType::kCylinder: {
+      const double across = mass * (3.0 * r2 + l2) / 12.0;
+      inertia = diagonal(across, across, 0.5 * mass * r2);
+      break;
+    }
+    case ShapeType::kCapsule: {  // two halves of a ball, and a cylinder between them
+      const double r = shape.radius, l = shape.length, ball = 4.0 / 3.0 * r / (l + 4.0 / 3.0 * r);
+      const double caps = ball * mass, rod = mass - caps;
+      const double across =
+          rod * (3.0 * r2 + l2) / 12.0 + caps * (0.4 * r2 + 0.375 * r * l + 0.25 * l2);
+      inertia = diagonal(across, across, 0.5 * rod * r2 + 0.4 * caps * r2);
+      break;
+    }
+    default:
+      inertia = diagonal(0.4 * mass * r2, 0.4 * mass * r2, 0.4 * mass * r2);
   }
   RobotModel model = make_free_body(mass, inertia);
   model.bodies[0].collisions = {shape};
@@ -48,11 +55,26 @@ inline void add_robot(Scenario& scenario, const std::string& name, RobotModel mo
   scenario.robots.push_back(std::move(use));
 }
 
+inline void add_box(Scenario& scenario, const std::string& name, Vec3<double> size, Pose pose) {
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.shape = make_box(size.x, size.y, size.z);
+  obstacle.shape.pose = pose;
+  scenario.obstacles.push_back(std::move(obstacle));
+}
+
 inline void switch_off_gravity_and_ground(Scenario& scenario) {
   scenario.constants[kGravity + 2] = 0.0;
   scenario.contact.ground = false;
 }
 
+/// Kinetic and gravitational, of a free body whose centre of mass is its origin [J].
+inline double energy_of(const BodyState& body, const World& world) {
+  const MassProperties& m = world.bodies[0].model->mass;
+  return kinetic_energy(body, m) - m.mass * dot(world.scenario.gravity(), body.position);
+}
+
+/// The same of all bodies of a bench.
 inline double energy(const Bench& bench) {
   double sum = 0.0;
   for (std::size_t i = 0; i < bench.world.bodies.size(); ++i) {
@@ -62,5 +84,48 @@ inline double energy(const Bench& bench) {
   }
   return sum;
 }
+
+/// A group of lanes of one world with one free robot.
+class LaneTries {
+ public:
+  explicit LaneTries(Scenario scenario)
+      : world(make_world(std::move(scenario))), physics_(world), group_(world, physics_) {
+    write_default_state(world, nominal);
+  }
+
+  void set(int lane, const LaneState& state) { group_.set(lane, state); }
+  /// To be called when all lanes are set.
+  void begin() { group_.refresh(kAllLanes); }
+  /// One physics step. @returns whether all lanes came through
+  bool advance() { return group_.advance(kAllLanes) == kAllLanes; }
+  /// Whether anything was near enough to touch in the last step.
+  bool was_near(int lane) const { return (group_.stepper->near() >> lane & 1u) != 0; }
+  BodyState body(int lane) {
+    const auto value = [&](Block Layout::*block, int k) {
+      return group_.values_at(block)[static_cast<std::size_t>(k * kGroupLanes + lane)];
+    };
+    const auto vector = [&](Block Layout::*block, int k) {
+      return Vec3<double>{value(block, k), value(block, k + 1), value(block, k + 2)};
+    };
+    return {
+        vector(&Layout::q, 0),
+        {value(&Layout::q, 3), value(&Layout::q, 4), value(&Layout::q, 5), value(&Layout::q, 6)},
+        vector(&Layout::u, 0),
+        vector(&Layout::u, 3)};
+  }
+  /// Where a parameter is in LaneState::params.
+  std::size_t place(const std::string& path) const {
+    const int found = world.layout.find_param(path);
+    if (found < 0) throw Error("no parameter " + path);
+    return static_cast<std::size_t>(found);
+  }
+
+  const World world;
+  LaneState nominal;  ///< the state of a reset that draws nothing
+
+ private:
+  GroupPhysics physics_;
+  PackGroup group_;
+};
 
 }  // namespace skybody::test

@@ -95,11 +95,17 @@ TEST(Rope, CatchesWithoutALossOfMomentumNorAGainOfEnergy) {
     double energy = mechanical_energy(bench);
     bool was_caught = false;
     for (int i = 0; i < 500; ++i) {
+      const Vec3<double> turning = momentum(bench).angular;
       ASSERT_TRUE(bench.run(1));
       ASSERT_LE(distance_of(bench), 1.0 + 1e-9);
       const double now = mechanical_energy(bench);
-      ASSERT_LE(now, energy * (1.0 + 1e-5)) << k << ' ' << i;  // a turn's own error
-      was_caught |= now < 0.999 * energy;
+      ASSERT_LE(now, energy * (1.0 + 1e-7)) << k << ' ' << i;  // a turn's own error
+      if (now < 0.999 * energy) {
+        was_caught = true;
+        // Behind the catch the rest of the step is of second order: 3e-6 at most of these, and
+        // above 1e-6 in one of twenty.
+        ASSERT_LT(norm(momentum(bench).angular - turning), 1e-5 * norm(turning)) << k << ' ' << i;
+      }
       energy = now;
     }
     EXPECT_TRUE(was_caught) << k;
@@ -243,6 +249,32 @@ TEST(Coupling, ThatIsSaidTwiceChangesNothing) {
   for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(of_once[i], of_twice[i], 1e-10);
   ASSERT_TRUE(a.run(1000) && b.run(1000));
   for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(a.state.u[i], b.state.u[i], 1e-7);
+}
+
+/// A chain from the world: a point, then a rod, swinging. Said once, and twice: then four of the
+/// eight rows follow from the others.
+TEST(Coupling, DoesNotDriftInAHundredThousandSteps) {
+  for (const bool is_doubled : {false, true}) {
+    std::vector<Coupling> couplings{
+        make_coupling("hook", CouplingKind::kPoint, {0, 0, {0, 0.1, 0.2}}, {-1, 0, {0, 0.1, 0.2}}),
+        make_coupling("rod", CouplingKind::kRod, {0, 0, {0.1, 0, -0.2}}, {1, 0, {-0.1, 0.2, 0}})};
+    for (int i = 0; is_doubled && i < 2; ++i) {
+      couplings.push_back(couplings[static_cast<std::size_t>(i)]);
+      couplings.back().name += "_again";
+    }
+    Bench bench(make_team({make_robot("a", make_mass(0.5, 0.2), {0, 0, 0}),
+                           make_robot("b", make_mass(2.0, 0.1), {1, 0, 0})},
+                          couplings));
+    const double length = distance_of(bench, 1);
+    for (int i = 0; i < 1000; ++i) {
+      ASSERT_TRUE(bench.run(100));
+      for (std::size_t c = 0; c < couplings.size(); ++c) {
+        const double wanted = c % 2 == 0 ? 0.0 : length;
+        // Gaps are closed to 1e-10 m after each step; the bar is 1e-6 m.
+        ASSERT_NEAR(distance_of(bench, static_cast<int>(c)), wanted, 1e-9) << i << ' ' << c;
+      }
+    }
+  }
 }
 
 TEST(Coupling, ThatIsSwitchedOffDoesNothing) {

@@ -1,0 +1,164 @@
+"""Pairs of shapes in shallow overlap: where MuJoCo and Skybody say that they touch.
+
+MuJoCo gives the signed distance of two geoms and the points that are nearest (mj_geomDistance: GJK
+and EPA on convex shapes). Skybody gives contacts by the places of docs/contact.md. Nothing is
+shared but sizes and poses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import skybody
+from rigid_body import Reals
+from scipy.spatial.transform import Rotation
+
+KINDS = ("box", "cylinder", "sphere")
+SIZES = {"box": 3, "cylinder": 2, "sphere": 1}  # numbers: edges; radius and length; radius
+GEOMS = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+}
+SMALL = 1e-3  # a component of a unit normal that counts as none
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A shape in the world."""
+
+    kind: str
+    size: Reals
+    position: Reals
+    rotation: Rotation
+
+    def moved(self, way: Reals) -> Solid:
+        return Solid(self.kind, self.size, self.position + way, self.rotation)
+
+    def feature(self, normal: Reals) -> str:
+        """With what it touches something that lies along `normal` (W, unit, either sense)."""
+        n = np.abs(self.rotation.inv().apply(normal))
+        if self.kind == "sphere":
+            return "ball"
+        if self.kind == "cylinder":
+            return "end" if n[2] > 1.0 - SMALL**2 else "side" if n[2] < SMALL else "rim"
+        return ("face", "edge", "corner")[min(int((n > SMALL).sum()), 3) - 1]
+
+
+@dataclass(frozen=True)
+class Touch:
+    """The deepest place of the first solid in the second."""
+
+    depth: float  # [m]; negative: apart
+    normal: Reals  # the way in which the first is pushed off, unit, W
+    point: Reals  # in the middle of what overlaps, W
+
+
+class Mujoco:
+    """Two geoms whose shapes and poses are set before each question."""
+
+    def __init__(self) -> None:
+        geoms = '<geom type="sphere" size="1"/><body><geom type="sphere" size="1"/></body>'
+        self._model = mujoco.MjModel.from_xml_string(
+            f"<mujoco><worldbody>{geoms}</worldbody></mujoco>"
+        )
+        self._data = mujoco.MjData(self._model)
+        mujoco.mj_kinematics(self._model, self._data)
+
+    def _set(self, index: int, solid: Solid) -> None:
+        size = np.zeros(3)
+        size[: len(solid.size)] = solid.size
+        if solid.kind == "box":
+            size *= 0.5
+        if solid.kind == "cylinder":
+            size[1] *= 0.5
+        self._model.geom_type[index] = GEOMS[solid.kind]
+        self._model.geom_size[index] = size
+        self._model.geom_rbound[index] = np.linalg.norm(size)
+        self._data.geom_xpos[index] = solid.position
+        self._data.geom_xmat[index] = solid.rotation.as_matrix().ravel()
+
+    def touch(self, first: Solid, second: Solid) -> Touch:
+        self._set(0, first)
+        self._set(1, second)
+        ends = np.zeros(6)
+        distance = mujoco.mj_geomDistance(self._model, self._data, 0, 1, 10.0, ends)
+        way = (ends[:3] - ends[3:]) / distance  # apart: from the second to the first
+        return Touch(-distance, way / np.linalg.norm(way), 0.5 * (ends[:3] + ends[3:]))
+
+    def overlapping(self, first: Solid, second: Solid, way: Reals, depth: float) -> Solid:
+        """`first`, moved from afar against `way` until it is so deep in the second."""
+        far, near = 3.0, 0.0
+        for _ in range(60):
+            middle = 0.5 * (far + near)
+            if self.touch(first.moved(middle * way), second).depth > depth:
+                near = middle
+            else:
+                far = middle
+        return first.moved(far * way)
+
+
+def draw(random: np.random.Generator, kind: str, size: Reals | None = None) -> Solid:
+    """At the origin, turned."""
+    if size is None:
+        size = random.uniform(0.05, 0.4, SIZES[kind])
+        size[0] *= 0.5 if kind != "box" else 1.0
+    return Solid(kind, size, np.zeros(3), Rotation.random(rng=random))
+
+
+URDF = """<robot name="{name}"><link name="base"><inertial><mass value="1"/>
+<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+<collision><geometry>{shape}</geometry></collision></link></robot>"""
+SCENARIO = """name: pair
+contact: {{ground: false}}
+gravity: [0, 0, 0]
+robots:
+  - {{name: first, model: first.urdf}}
+{second}
+task: {{plugin: watch, parameters: {{robot: first, link: base}}}}
+"""
+
+
+def element(kind: str, size: Reals) -> str:
+    if kind == "box":
+        return f'<box size="{size[0]} {size[1]} {size[2]}"/>'
+    if kind == "cylinder":
+        return f'<cylinder radius="{size[0]}" length="{size[1]}"/>'
+    return f'<sphere radius="{size[0]}"/>'
+
+
+class Pair:
+    """Two solids in Skybody: robots both, or a robot and an obstacle. Sizes are fixed."""
+
+    def __init__(self, folder: Path, first: Solid, second: Solid, is_obstacle: bool) -> None:
+        for name, solid in (("first", first), ("second", second)):
+            shape = element(solid.kind, solid.size)
+            (folder / f"{name}.urdf").write_text(URDF.format(name=name, shape=shape))
+        other = "  - {name: second, model: second.urdf}"
+        if is_obstacle:
+            size = second.size[0] if second.kind == "sphere" else list(map(float, second.size))
+            other = f"obstacles: [{{name: second, {second.kind}: {size}, position: [0, 0, 9]}}]"
+        (folder / "pair.yaml").write_text(SCENARIO.format(second=other))
+        self._is_obstacle = is_obstacle
+        self._sim = skybody.Simulation(str(folder / "pair.yaml"))
+
+    def contacts(self, first: Solid, second: Solid) -> list[Touch]:
+        sim = self._sim
+        sim.reset()
+        for name, solid in (("first", first), ("second", second)):
+            rotation = solid.rotation.as_quat()[[3, 0, 1, 2]]
+            if name == "second" and self._is_obstacle:
+                for k in range(3):
+                    sim.set_param(f"obstacles.second.position[{k}]", float(solid.position[k]))
+                for k in range(4):
+                    sim.set_param(f"obstacles.second.rotation[{k}]", float(rotation[k]))
+            else:
+                sim.teleport(position=solid.position, rotation=rotation, robot=name)
+        found = []
+        for c in sim.contacts():
+            sign = 1.0 if c.body.startswith("first") else -1.0
+            found.append(Touch(c.depth, sign * np.array(c.normal), np.array(c.point)))
+        return found
