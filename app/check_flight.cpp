@@ -6,8 +6,8 @@
 
 #include "core/base/math.h"
 #include "core/base/random.h"
+#include "core/env/start_overlaps.h"
 #include "core/io/text.h"
-#include "core/model/fault_reason.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/shapes/overlap.h"
 #include "core/physics/world/pose_math.h"
@@ -18,8 +18,6 @@ namespace {
 
 /// Steps: every phase of a plugin with a period of at most so many actions is met.
 constexpr int kSteps = 8;
-/// A robot that stands on the ground sinks in by about ContactSettings::penetration.
-constexpr double kDeep = 10.0;
 
 /// To four digits: what is computed has more than anybody reads.
 std::string rounded(double value) {
@@ -87,7 +85,7 @@ std::map<std::string, double> find_overlaps(const CompiledScenario& compiled,
 /// Contact pushes apart what begins inside one another, hard.
 void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<BodyState>& bodies,
                       Diagnostics& diagnostics) {
-  const double deep = kDeep * compiled.scenario().contact.penetration;
+  const double deep = kDeepStart * compiled.scenario().contact.penetration;
   for (const auto& [what, depth] : find_overlaps(compiled, shapes_of_robots(compiled, bodies))) {
     if (depth < deep) continue;
     diagnostics.warning(
@@ -142,7 +140,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
   if (faults < kSteps) return;
   diagnostics.warning({compiled->scenario().file, 0, 0},
                       "every step of a trial flight ends in a fault: " +
-                          fault_reason(simulation.status()) + "; `skybody run` shows more");
+                          compiled->fault_reason(simulation.status()) + "; `skybody run` shows more");
 }
 
 }  // namespace skybody

@@ -152,6 +152,7 @@ class ScenarioReader {
     ContactSettings& contact = scenario_.contact;
     contact.ground = reader.boolean("ground");
     contact.penetration = reader.real("penetration");
+    contact.redraws = reader.integer("redraws");
     read_constants(reader, kWorldConstants, scenario_.constants.data());
   }
 
