@@ -14,6 +14,7 @@
 #include "core/env/state_values.h"
 #include "core/model/marked_error.h"
 #include "core/physics/bodies/default_state.h"
+#include "core/physics/coupling/coupling_start.h"
 #include "core/physics/world/lane_values.h"
 #include "core/physics/world/world_layout.h"
 
@@ -345,6 +346,7 @@ struct CompiledScenario::Builder {
 CompiledScenario::CompiledScenario(Scenario scenario, PluginFactory& factory, Checking checking)
     : is_checked_(checking == Checking::kYes) {
   Builder(*this, std::move(scenario), factory).build();
+  check_driven_ends(*world_);
   write_default_state(*world_, initial_);
   physics_ = std::make_unique<const GroupPhysics>(*world_);
   state_values_ = std::make_unique<const StateValues>(*this);

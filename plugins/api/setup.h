@@ -116,7 +116,7 @@ class Setup {
   int sensor(const std::string& instance, const std::string& channel, int* count = nullptr) const;
   /// Indices for EnvView::param() of the parameters that `path` means. A path may begin with
   /// `robot.` for every robot, and with `controllers.`, `sensors.`, `task.` for plugins; `[*]`
-  /// means all elements, `*` elsewhere any part of a name.
+  /// means all elements, `*` elsewhere any part of a name, or nothing: `kp*` is `kp`, too.
   /// @throws std::runtime_error if nothing matches
   std::vector<int> find_params(const std::string& path) const;
 

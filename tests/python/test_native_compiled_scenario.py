@@ -150,3 +150,12 @@ def test_shapes_of_bodies_and_obstacles_are_listed_with_sizes_and_poses() -> Non
     assert door.rotation == pytest.approx((0, 0, 0, 1))
     assert compiled.param_paths[pole.first_param] == "obstacles.pole.present"
     assert repr(pole) == "Shape(pole: cylinder [0.2, 3])"
+
+
+def test_a_star_in_a_path_stands_for_nothing_too() -> None:
+    ranges = "{paths: ['robots.quad.links.base_link.mass*'], scale: [0.5, 0.5]}"
+    overrides = [f"randomization=[{{plugin: uniform, parameters: {ranges}}}]"]
+    pool = skybody.make_pool(CompiledScenario("hover", overrides), 1)
+    pool.reset(seed=1)
+    path = "robots.quad.links.base_link.mass"
+    assert pool.param(0, path) == 0.5 * pool.compiled.param_info(path)[0]
