@@ -259,6 +259,7 @@ class ScenarioReader {
     const MapReader reader(&item, obstacle_fields(), item.mark, diagnostics_);
     Obstacle obstacle;
     obstacle.name = reader.text("name");
+    obstacle.mark = reader.mark();
     obstacle.shape.pose = read_pose(reader);
     std::vector<std::string> shapes;
     for (const char* key : {"box", "sphere", "cylinder", "gate"}) {
