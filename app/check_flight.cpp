@@ -6,8 +6,8 @@
 
 #include "core/base/math.h"
 #include "core/base/random.h"
+#include "core/env/start_overlaps.h"
 #include "core/io/text.h"
-#include "core/model/fault_reason.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/shapes/overlap.h"
 #include "core/physics/world/pose_math.h"
@@ -18,8 +18,6 @@ namespace {
 
 /// Steps: every phase of a plugin with a period of at most so many actions is met.
 constexpr int kSteps = 8;
-/// A robot that stands on the ground sinks in by about ContactSettings::penetration.
-constexpr double kDeep = 10.0;
 
 /// To four digits: what is computed has more than anybody reads.
 std::string rounded(double value) {
@@ -33,6 +31,13 @@ struct PlacedShape {
   const Shape* shape;
   Pose pose;          ///< of its frame, W
   std::string whose;  ///< such as "robot `quad`"
+  SourceMark mark;    ///< of the robot in the scenario
+};
+
+/// How deep something begins inside something else.
+struct Overlap {
+  double depth = 0.0;  ///< [m]
+  SourceMark mark;     ///< of the robot
 };
 
 std::vector<PlacedShape> shapes_of_robots(const CompiledScenario& compiled,
@@ -40,10 +45,11 @@ std::vector<PlacedShape> shapes_of_robots(const CompiledScenario& compiled,
   const World& world = compiled.world();
   std::vector<PlacedShape> placed;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const auto robot = static_cast<std::size_t>(world.bodies[i].robot);
+    const auto index = static_cast<std::size_t>(world.bodies[i].robot);
+    const RobotUse& robot = compiled.scenario().robots[index];
     for (const Shape& shape : world.bodies[i].model->collisions) {
       placed.push_back({&shape, compose({bodies[i].position, bodies[i].rotation}, shape.pose),
-                        "robot `" + compiled.scenario().robots[robot].name + "`"});
+                        "robot `" + robot.name + "`", robot.mark});
     }
   }
   return placed;
@@ -58,13 +64,13 @@ double depth_in_ground(const PlacedShape& placed) {
   return depth;
 }
 
-/// Depths of what begins inside something else [m], by "robot `a` begins inside robot `b`".
-std::map<std::string, double> find_overlaps(const CompiledScenario& compiled,
-                                            const std::vector<PlacedShape>& robots) {
-  std::map<std::string, double> depths;
+/// What begins inside something else, by "robot `a` begins inside robot `b`".
+std::map<std::string, Overlap> find_overlaps(const CompiledScenario& compiled,
+                                             const std::vector<PlacedShape>& robots) {
+  std::map<std::string, Overlap> overlaps;
   const auto note = [&](const PlacedShape& robot, const std::string& other, double depth) {
-    double& deepest = depths[robot.whose + " begins inside " + other];
-    deepest = max(deepest, depth);
+    Overlap& overlap = overlaps[robot.whose + " begins inside " + other];
+    overlap = {max(overlap.depth, depth), robot.mark};
   };
   for (auto a = robots.begin(); a != robots.end(); ++a) {
     if (compiled.scenario().contact.ground) note(*a, "the ground", depth_in_ground(*a));
@@ -81,18 +87,17 @@ std::map<std::string, double> find_overlaps(const CompiledScenario& compiled,
       note(*a, b->whose, overlap(*a->shape, a->pose, *b->shape, b->pose));
     }
   }
-  return depths;
+  return overlaps;
 }
 
 /// Contact pushes apart what begins inside one another, hard.
 void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<BodyState>& bodies,
                       Diagnostics& diagnostics) {
-  const double deep = kDeep * compiled.scenario().contact.penetration;
-  for (const auto& [what, depth] : find_overlaps(compiled, shapes_of_robots(compiled, bodies))) {
-    if (depth < deep) continue;
-    diagnostics.warning(
-        {compiled.scenario().file, 0, 0},
-        what + ", by " + rounded(depth) + " m; move its `pose`, or what `start` draws");
+  const double deep = kDeepStart * compiled.scenario().contact.penetration;
+  for (const auto& [what, overlap] : find_overlaps(compiled, shapes_of_robots(compiled, bodies))) {
+    if (overlap.depth < deep) continue;
+    diagnostics.warning(overlap.mark, what + ", by " + rounded(overlap.depth) +
+                                          " m; move its `pose`, or what `start` draws");
   }
 }
 
@@ -108,10 +113,9 @@ void warn_of_weight(const CompiledScenario& compiled, Diagnostics& diagnostics) 
       slowest = min(slowest, rotor.constants[kMaxSpeed]);
     }
     if (speed <= slowest) continue;
-    diagnostics.warning({scenario.file, 0, 0}, "robot `" + use.name +
-                                                   "` cannot hover: `rotor_speed: hover` is " +
-                                                   rounded(speed) + " rad/s, and `max_speed` " +
-                                                   rounded(slowest) + " rad/s");
+    diagnostics.warning(use.mark, "robot `" + use.name +
+                                      "` cannot hover: `rotor_speed: hover` is " + rounded(speed) +
+                                      " rad/s, and `max_speed` " + rounded(slowest) + " rad/s");
   }
 }
 
@@ -142,7 +146,8 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
   if (faults < kSteps) return;
   diagnostics.warning({compiled->scenario().file, 0, 0},
                       "every step of a trial flight ends in a fault: " +
-                          fault_reason(simulation.status()) + "; `skybody run` shows more");
+                          compiled->fault_reason(simulation.status()) +
+                          "; `skybody run` shows more");
 }
 
 }  // namespace skybody

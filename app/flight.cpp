@@ -4,14 +4,14 @@
 #include "app/interrupt.h"
 #include "app/progress_line.h"
 #include "app/text_table.h"
-#include "core/model/fault_reason.h"
 
 namespace skybody {
 namespace {
 
 /// Why the episode is over; empty: it goes on.
 std::string end_of(const FlightPlan& plan, const Simulation& simulation) {
-  if (simulation.fault()) return "fault: " + fault_reason(simulation.status());
+  if (simulation.fault())
+    return "fault: " + simulation.compiled().fault_reason(simulation.status());
   if (simulation.terminated()) return "terminated";
   if (simulation.truncated()) return "truncated";
   if (InterruptGuard::signal() != 0) return "interrupted";

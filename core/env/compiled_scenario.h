@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,9 @@
 namespace skybody {
 
 class GroupWork;
+class StartOverlaps;
 class StateValues;
+struct StartOverlap;
 
 /// Rows that a transition writes: the row of lane l lies l times its width further on.
 struct Rows {
@@ -138,6 +141,10 @@ class CompiledScenario {
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
   void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
 
+  /// Why an episode ended as a fault, in words. @param status  EpisodeStatus bits
+  /// @returns the reasons, separated by "; "; empty: no fault
+  std::string fault_reason(std::uint64_t status) const;
+
   /// Adds one transition of a lane to a trajectory hash: state words, observation, privileged row,
   /// images, reward and status.
   void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;
@@ -175,7 +182,13 @@ class CompiledScenario {
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
   void place_at_start(StateGroup&, int lane) const;
   void start(StateGroup&, std::uint32_t mask) const;
-  void draw(StateGroup&, GroupWork&, std::uint32_t mask, bool requested) const;
+  void draw(StateGroup&, const SkybodyLanes&, bool requested) const;
+  void draw_start(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void draw_again(StateGroup&, GroupWork&, int lane) const;
+  void keep_undrawn(const StateGroup&, GroupWork&) const;
+  void put_back_undrawn(StateGroup&, const GroupWork&, int lane) const;
+  std::optional<StartOverlap> find_overlap(StateGroup&, GroupWork&, int lane) const;
+  void look_for_overlaps();
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
   void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
   const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;
@@ -209,7 +222,9 @@ class CompiledScenario {
   std::size_t image_words_ = 0;  ///< of all sensors' images, of one environment
   std::vector<int> agents_;
   std::unique_ptr<const StateValues> state_values_;
-  LaneState initial_;  ///< what every reset starts from; nominal parameters
+  std::unique_ptr<const StartOverlaps> start_overlaps_;  ///< null: starts are taken as drawn
+  std::vector<int> drawn_words_;  ///< state words that randomizers change and that outlive a reset
+  LaneState initial_;             ///< what every reset starts from; nominal parameters
 };
 
 }  // namespace skybody

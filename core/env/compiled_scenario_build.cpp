@@ -10,9 +10,11 @@
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/setup_tables.h"
+#include "core/env/start_overlaps.h"
 #include "core/env/state_values.h"
 #include "core/model/marked_error.h"
 #include "core/physics/bodies/default_state.h"
+#include "core/physics/coupling/coupling_start.h"
 #include "core/physics/world/lane_values.h"
 #include "core/physics/world/world_layout.h"
 
@@ -344,9 +346,11 @@ struct CompiledScenario::Builder {
 CompiledScenario::CompiledScenario(Scenario scenario, PluginFactory& factory, Checking checking)
     : is_checked_(checking == Checking::kYes) {
   Builder(*this, std::move(scenario), factory).build();
+  check_driven_ends(*world_);
   write_default_state(*world_, initial_);
   physics_ = std::make_unique<const GroupPhysics>(*world_);
   state_values_ = std::make_unique<const StateValues>(*this);
+  look_for_overlaps();
 }
 
 CompiledScenario::~CompiledScenario() = default;
@@ -384,6 +388,7 @@ SkybodyChecks CompiledScenario::make_checks() const {
 }
 
 std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
+  constexpr std::size_t kFewContacts = 64;
   auto work = std::make_unique<GroupWork>();
   const auto n = static_cast<std::size_t>(lanes);
   const auto values = [n](std::size_t count) { return AlignedArray<double>(count * n); };
@@ -408,6 +413,11 @@ std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   work->image_rows.resize(plan_.images.size());
   work->joint_reactions.resize(joint_reactions_.empty() ? 0 : world_->bodies.size());
   work->end = AlignedArray<std::uint64_t>(n);
+  work->start_status = AlignedArray<std::uint64_t>(n);
+  if (start_overlaps_ != nullptr) {
+    work->undrawn = AlignedArray<std::uint64_t>(drawn_words_.size() * n);
+    work->contacts.reserve(kFewContacts);
+  }
   work->request = AlignedArray<std::uint64_t>(n);
   return work;
 }

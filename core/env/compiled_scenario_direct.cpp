@@ -25,7 +25,7 @@ void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, std::uint32_
                                 const Rows& rows) const {
   check(group, work, mask);
   const FpEnvironment guard;
-  work.bad_action = work.bad_state = 0;
+  work.clear_faults();
   count(group, kStep, mask);
   each_lane(mask, [&](int lane) {  // advance() has left its faults in the status
     if ((group.bits(kStatus)[lane] & kBadState) != 0) work.bad_state |= 1u << lane;

@@ -1,8 +1,5 @@
-// Beginning an episode: the scenario's start, randomizers, what bodies feel, reset() of
-// controllers, task, effects and sensors, then sense, evaluate and conclude.
-#include <algorithm>
-#include <cmath>
-
+// Beginning an episode: the scenario's start, randomizers (compiled_scenario_draw.cpp), what bodies
+// feel, reset() of controllers, task, effects and sensors, then sense, evaluate and conclude.
 #include "core/base/fp_environment.h"
 #include "core/base/octets.h"
 #include "core/env/compiled_scenario.h"
@@ -37,12 +34,10 @@ void CompiledScenario::place_at_start(StateGroup& group, int lane) const {
 void CompiledScenario::reset(StateGroup& group, GroupWork& work, std::uint32_t mask,
                              const Rows& rows) const {
   check(group, work, mask);
-  work.bad_action = work.bad_state = 0;
+  work.clear_faults();
   start(group, mask);
   clear_plugin_states(group, mask);
-  update(group, work, mask);  // randomizers may look at the bodies
-  draw(group, work, mask, false);
-  update(group, work, mask);
+  draw_start(group, work, mask);
   settle_joint_drives(group, mask);
   remember_bodies(group, mask);
   sense_contacts(group, work, mask);
@@ -105,23 +100,6 @@ void CompiledScenario::reset_plugin(const PluginInstance& plugin, StateGroup& gr
   call_plugin(plugin.kernels.reset, plugin, group, v, no_sizes);
 }
 
-/// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
-void CompiledScenario::draw(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                            bool requested) const {
-  const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
-  if (randomizers.empty()) return;
-  const Layout& l = layout();
-  SkybodyLanes v = view(group, work, mask);
-  if (requested) v.physics_step = number_requests(group, work, mask);
-  const SkybodyStart where{group.writable(l.q, mask), group.writable(l.u, mask),
-                           group.writable(l.rotor_speed, mask), group.writable(l.params, mask),
-                           requested ? 1u : 0u};
-  for (const PluginInstance& r : randomizers) {
-    call_plugin(r.kernels.randomize, r, group, v, no_sizes, &where);
-    for (const int param : r.writes) hold_to_bounds(group, mask, param);
-  }
-}
-
 /// Rotors stand still where a wrench or a drive moves the robot in their place: it would be pushed
 /// twice while they run down.
 void CompiledScenario::silence_rotors(StateGroup& group, std::uint32_t mask) const {
@@ -157,47 +135,6 @@ void CompiledScenario::settle_joint_drives(StateGroup& group, std::uint32_t mask
     double* state = group.writable({l.joint_state.offset + k, 1}, mask);
     each_lane(mask, [&](int lane) { command[lane] = state[lane] = q[lane]; });
   }
-}
-
-void CompiledScenario::hold_to_bounds(StateGroup& group, std::uint32_t mask, int param) const {
-  const EnvParam& info = layout().param_info[static_cast<std::size_t>(param)];
-  double* values = group.writable({layout().params.offset + param, 1}, mask);
-  each_lane(mask, [&](int lane) {
-    double& value = values[lane];
-    value = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.nominal;
-  });
-}
-
-/// Requested draws have counters of their own, beyond all physics steps, so that they differ from
-/// one another and from the reset's.
-const std::uint64_t* CompiledScenario::number_requests(StateGroup& group, GroupWork& work,
-                                                       std::uint32_t mask) const {
-  std::uint64_t* requests = group.writable(kRequests);
-  for (int lane = 0; lane < group.lanes(); ++lane) {
-    if (((mask >> lane) & 1u) != 0) ++requests[lane];
-    work.request[static_cast<std::size_t>(lane)] = (std::uint64_t{1} << 63) | requests[lane];
-  }
-  return work.request.data();
-}
-
-void CompiledScenario::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
-  check(group, work, mask);
-  const FpEnvironment guard;
-  update(group, work, mask);
-  // Motion goes on: a randomizer that also places robots must not move them now.
-  const Layout& l = layout();
-  std::vector<double> motion;
-  for (const Block& block : {l.q, l.u, l.rotor_speed}) {
-    const double* values = group.reals(block);
-    motion.insert(motion.end(), values, values + block.size * group.lanes());
-  }
-  draw(group, work, mask, true);
-  const double* from = motion.data();
-  for (const Block& block : {l.q, l.u, l.rotor_speed}) {
-    std::copy(from, from + block.size * group.lanes(), group.writable(block, mask));
-    from += block.size * group.lanes();
-  }
-  update(group, work, mask);
 }
 
 }  // namespace skybody

@@ -15,12 +15,13 @@ namespace skybody {
 namespace {
 
 /// Reason bits of a lane's fault.
-std::uint64_t fault_reason(const GroupWork& work, int lane, std::uint32_t finite) {
+std::uint64_t reason_bits(const GroupWork& work, int lane, std::uint32_t finite) {
   const auto bit = [lane](std::uint32_t lanes, std::uint64_t reason) {
     return ((lanes >> lane) & 1u) != 0 ? reason : std::uint64_t{0};
   };
   return bit(~finite, kBadOutcome) | bit(work.bad_action, kBadAction) |
-         bit(work.bad_state, kBadState);
+         bit(work.bad_state, kBadState) |
+         bit(work.bad_start, work.start_status[static_cast<std::size_t>(lane)]);
 }
 
 }  // namespace
@@ -42,7 +43,7 @@ void CompiledScenario::conclude(StateGroup& group, GroupWork& work, std::uint32_
   kernels.end(mask, work.end.data(), group.bits(kStep),
               static_cast<std::uint64_t>(scenario().stepping.horizon), group.writable(kStatus),
               rows.status);
-  const std::uint32_t faults = mask & (work.bad_action | work.bad_state | ~finite);
+  const std::uint32_t faults = mask & (work.bad_action | work.bad_state | work.bad_start | ~finite);
   if (faults != 0) conclude_faults(group, work, faults, finite, rows);
   if (rows.info != nullptr) kernels.write(mask, lanes, work.info.data(), info_size(), rows.info);
   if (rows.images != nullptr) write_images(group, mask, rows);
@@ -105,7 +106,7 @@ void CompiledScenario::conclude_faults(StateGroup& group, GroupWork& work, std::
   write_last_observation(group, faults & ~finite, rows);
   each_lane(faults, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
-    rows.status[l] = kTruncated | kFault | fault_reason(work, lane, finite);
+    rows.status[l] = kTruncated | kFault | reason_bits(work, lane, finite);
     group.writable(kStatus)[l] = rows.status[l];
     work.reward[l] = 0.0;
     for (const int robot : agents_) {

@@ -21,7 +21,7 @@ static_assert(kGroupLanes == SKYBODY_GROUP_LANES, "plugins are made for other gr
 void CompiledScenario::step(StateGroup& group, GroupWork& work, std::uint32_t mask,
                             const float* actions, int action_stride, const Rows& rows) const {
   check(group, work, mask);
-  work.bad_action = work.bad_state = 0;
+  work.clear_faults();
   group.refresh(mask, work.physics);
   const SkybodyLanes lanes = view(group, work, mask);
   act(group, work, lanes, actions, action_stride);

@@ -19,6 +19,9 @@ class GroupWork {
     if (wants_info) info.fill_zero();
   }
 
+  /// A transition begins: no lane has a fault.
+  void clear_faults() { bad_action = bad_state = bad_start = 0; }
+
   /// Rewards and end to 0.
   void clear_verdict() {
     reward.fill_zero();
@@ -46,8 +49,12 @@ class GroupWork {
   std::vector<Contact> contacts;        ///< of one lane
   std::vector<SpatialForce<double>> joint_reactions;  ///< of one lane, one per body
   std::vector<std::uint8_t*> image_rows;  ///< for Rows::images, one per image of the observation
-  std::uint32_t bad_action = 0;           ///< lanes of the present transition with such a fault
-  std::uint32_t bad_state = 0;            ///< likewise
+  AlignedArray<std::uint64_t> undrawn;    ///< words that a reset's draws change, before them, in
+                                        ///< lanes; empty: no start is drawn again
+  AlignedArray<std::uint64_t> start_status;  ///< of lanes of bad_start: the status bits, 1 per lane
+  std::uint32_t bad_action = 0;              ///< lanes of the present transition with such a fault
+  std::uint32_t bad_state = 0;               ///< likewise
+  std::uint32_t bad_start = 0;               ///< likewise
 };
 
 }  // namespace skybody

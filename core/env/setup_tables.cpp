@@ -99,11 +99,12 @@ SkybodyRobotInfo robot_info(const Topology& topology, const Layout& layout, int 
   return info;
 }
 
-SkybodyShapeInfo shape_info(const Shape& shape, const char* name, int body) {
+/// A shape that belongs to nothing so far.
+SkybodyShapeInfo shape_info(const Shape& shape, const std::string& name) {
   SkybodyShapeInfo info{};
-  info.name = name;
+  info.name = name.c_str();
   info.mesh = shape.mesh.c_str();
-  info.body = body;
+  info.robot = info.body = info.obstacle = info.first_param = -1;
   switch (shape.type) {
     case ShapeType::kBox:
       info.kind = SKYBODY_BOX;
@@ -184,13 +185,18 @@ SetupTables::SetupTables(const Topology& topology, const Layout& layout)
     rotors_.push_back(rotor_info(topology, layout, i));
   }
   for (int i = 0; i < static_cast<int>(topology.bodies.size()); ++i) {
-    const Body& body = *topology.bodies[static_cast<std::size_t>(i)].model;
-    for (const Shape& shape : body.collisions) {
-      shapes_.push_back(shape_info(shape, body.name.c_str(), i));
+    const WorldBody& body = topology.bodies[static_cast<std::size_t>(i)];
+    for (const Shape& shape : body.model->collisions) {
+      shapes_.push_back(shape_info(shape, body.model->name));
+      shapes_.back().robot = body.robot;
+      shapes_.back().body = i;
     }
   }
-  for (const Obstacle& obstacle : scenario_.obstacles) {
-    shapes_.push_back(shape_info(obstacle.shape, obstacle.name.c_str(), -1));
+  for (int i = 0; i < static_cast<int>(scenario_.obstacles.size()); ++i) {
+    const Obstacle& obstacle = scenario_.obstacles[static_cast<std::size_t>(i)];
+    shapes_.push_back(shape_info(obstacle.shape, obstacle.name));
+    shapes_.back().obstacle = i;
+    shapes_.back().first_param = layout.obstacle_params[static_cast<std::size_t>(i)];
     if (obstacle.is_gate) shapes_.back().kind = SKYBODY_GATE;
   }
   for (const EnvParam& p : layout.param_info) {

@@ -36,6 +36,9 @@ class SetupTables {
   SkybodySetup setup(const std::string& instance, const std::vector<int>& team,
                      const std::vector<SkybodyValue>& values) const;
 
+  /// Collision shapes of bodies, then obstacles.
+  const std::vector<SkybodyShapeInfo>& shapes() const { return shapes_; }
+
   /// Makes a configured sensor's channels visible to those configured later.
   void add_sensor(const PluginInstance& sensor);
   /// Tells the chains that the action commands, once the controllers are configured.

@@ -91,6 +91,10 @@ class StateGroup {
     refresh(1u << lane, scratch);
     stepper_->joint_reactions(blocks_, lane, scratch, out);
   }
+  std::uint32_t may_touch(std::uint32_t lanes, PhysicsScratch& scratch) {
+    refresh(lanes, scratch);
+    return stepper_->may_touch(blocks_, lanes, scratch);
+  }
   void add_contacts(int lane, PhysicsScratch& scratch, std::vector<Contact>& out) {
     refresh(1u << lane, scratch);
     stepper_->add_contacts(blocks_, lane, scratch, out);

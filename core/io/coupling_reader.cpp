@@ -35,6 +35,8 @@ class CouplingReader {
  private:
   void read_kind() {
     kind_ = reader_.text("kind");
+    const ConfigNode* written = reader_.node("kind");
+    if (written != nullptr && written->scalar != kind_) return;  // refused: another one stands in
     const auto found = std::find(kCouplingNames.begin(), kCouplingNames.end(), kind_);
     if (found == kCouplingNames.end()) return;  // refused
     coupling_.kind = static_cast<CouplingKind>(found - kCouplingNames.begin());

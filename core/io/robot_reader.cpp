@@ -1,9 +1,11 @@
 #include "core/io/robot_reader.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <unordered_map>
 
 #include "core/base/hash.h"
+#include "core/base/suggestion.h"
 #include "core/io/file.h"
 #include "core/io/plugin_use_reader.h"
 #include "core/io/rotors_reader.h"
@@ -20,6 +22,55 @@ constexpr std::size_t kMostBodies = 1000;
 /// Links, shapes and rotors of all robots.
 constexpr std::size_t kMostParts = 20'000;
 
+/// Entries of a folder that are looked at for a word that somebody may have meant.
+constexpr std::size_t kMostEntries = 200;
+
+namespace fs = std::filesystem;
+
+/// Names in a folder: of its folders, or of files that end in .urdf.
+std::vector<std::string> names_in(const fs::path& folder, bool folders) {
+  std::vector<std::string> names;
+  std::error_code problem;
+  for (fs::directory_iterator entry(folder, problem), end; !problem && entry != end;
+       entry.increment(problem)) {
+    std::error_code ignored;
+    const bool is_wanted =
+        folders ? entry->is_directory(ignored) : entry->path().extension() == ".urdf";
+    if (is_wanted) names.push_back(entry->path().filename().string());
+    if (names.size() >= kMostEntries) break;
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// The path with its misspelt parts mended, if such a file is there; else empty.
+std::string mended_path(const fs::path& file) {
+  fs::path there;
+  std::error_code ignored;
+  for (auto part = file.begin(); part != file.end(); ++part) {
+    fs::path next = there / *part;
+    if (!fs::exists(next, ignored)) {
+      const bool is_folder = std::next(part) != file.end();
+      const std::string name =
+          closest(part->string(), names_in(there.empty() ? "." : there, is_folder));
+      if (name.empty()) return "";
+      next = there / name;
+    }
+    there = std::move(next);
+  }
+  return is_file(there.string()) ? there.string() : "";
+}
+
+/// What a model that does not exist may have been meant to be: a file that is called nearly so, or
+/// a shipped model. Empty: it exists, or nothing is close.
+/// @param written  as the scenario has it; @param file  where that is
+std::string model_meant_by(const std::string& written, const std::string& file) {
+  std::error_code problem;
+  if (file.find('\0') != file.npos || fs::exists(file, problem) || problem) return "";
+  const std::string mended = mended_path(file);
+  return mended.empty() ? closest(fs::path(written).stem().string(), shipped_models()) : mended;
+}
+
 }  // namespace
 
 Pose read_pose(const MapReader& reader) {
@@ -35,6 +86,7 @@ std::optional<RobotUse> RobotReader::read(const ConfigNode& node) {
   const MapReader reader(&node, robot_fields(), node.mark, diagnostics_);
   RobotUse robot;
   robot.name = reader.text("name");
+  robot.mark = reader.mark();
   robot.pose = read_pose(MapReader(reader.node("pose"), pose_fields(), node.mark, diagnostics_));
   const MapReader load(reader.node("disturbance"), disturbance_fields(), node.mark, diagnostics_);
   read_constants(load, kRobotConstants, robot.constants.data());
@@ -88,6 +140,11 @@ const RobotModel* RobotReader::read_model(const MapReader& reader) {
     return known->second ? &*known->second : nullptr;
   }
   std::optional<RobotModel>& model = models_[key];
+  if (const std::string meant = model_meant_by(written, file); !meant.empty()) {
+    diagnostics_.error(mark,
+                       "the file `" + file + "` does not exist; did you mean `" + meant + "`?");
+    return nullptr;
+  }
   const std::optional<std::string> text = read_file(file, mark, diagnostics_);
   if (!text) return nullptr;
   if (!budget_.take_file(text->size())) {

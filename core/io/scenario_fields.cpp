@@ -111,6 +111,10 @@ const MapSpec& contact_fields() {
               real_field(
                   "penetration", "m", 0.001, 1e-6, 1.0,
                   "how deep a robot stands in the ground by its own weight; fixes the stiffness"),
+              integer_field("redraws", 16, 0, 1000,
+                            "how often randomizers draw a start again in which a robot begins "
+                            "inside something; still so then: a fault; 0: starts are taken as "
+                            "drawn"),
           },
           kWorldConstants, "contact.")};
   return spec;

@@ -158,6 +158,7 @@ class ScenarioReader {
     ContactSettings& contact = scenario_.contact;
     contact.ground = reader.boolean("ground");
     contact.penetration = reader.real("penetration");
+    contact.redraws = reader.integer("redraws");
     read_constants(reader, kWorldConstants, scenario_.constants.data());
   }
 
@@ -264,6 +265,7 @@ class ScenarioReader {
     const MapReader reader(&item, obstacle_fields(), item.mark, diagnostics_);
     Obstacle obstacle;
     obstacle.name = reader.text("name");
+    obstacle.mark = reader.mark();
     obstacle.shape.pose = read_pose(reader);
     std::vector<std::string> shapes;
     for (const std::string& key : kObstacleShapes) {

@@ -39,4 +39,16 @@ std::optional<fs::path> find_shipped_model(const std::string& name) {
   return find(name, "models/" + name + "/" + name + ".urdf");
 }
 
+std::vector<std::string> shipped_models() {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry :
+       fs::directory_iterator(shipped_data("scenarios", "scenarios") / "models", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (find_shipped_model(name)) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 }  // namespace skybody

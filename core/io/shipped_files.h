@@ -18,4 +18,7 @@ std::vector<std::string> shipped_scenarios();
 /// nothing.
 std::optional<std::filesystem::path> find_shipped_model(const std::string& name);
 
+/// Names of all shipped models, sorted.
+std::vector<std::string> shipped_models();
+
 }  // namespace skybody

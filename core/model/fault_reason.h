@@ -7,6 +7,7 @@
 
 namespace skybody {
 
+/// CompiledScenario::fault_reason() says more of a bad start.
 /// @param status  EpisodeStatus bits @returns the reasons, separated by "; "; empty: no fault
 inline std::string fault_reason(std::uint64_t status) {
   struct Row {
@@ -17,6 +18,7 @@ inline std::string fault_reason(std::uint64_t status) {
       {kBadAction, "the action was not finite"},
       {kBadState, "the physics gave up or left the finite numbers"},
       {kBadOutcome, "an observed value or the reward was not finite as a float"},
+      {kBadStart, "a robot begins inside something"},
   };
   std::string reasons;
   if ((status & kFault) == 0) return reasons;

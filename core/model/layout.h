@@ -42,7 +42,11 @@ enum EpisodeStatus : std::uint64_t {
   kBadAction = 8,    ///< the action was not finite; the last one was kept
   kBadState = 16,    ///< physics gave up or left the finite numbers (unphysical drawn values, too)
   kBadOutcome = 32,  ///< observation or reward is not finite as a float
+  kBadStart = 64,    ///< a robot begins inside something, however often its start was drawn; the
+                     ///< bits from kBadStartPlace on tell more (core/env/start_overlaps.h)
 };
+/// The first bit of a status that tells where a start is bad, and how deep.
+inline constexpr int kBadStartPlace = 7;
 
 /// Where one robot's values lie inside the q, u, rotor and body blocks.
 struct RobotLayout {

@@ -75,6 +75,8 @@ struct ContactSettings {
   bool ground = true;  ///< the plane z = 0 of W carries robots
   double penetration =
       0.001;  ///< static penetration under the robot's own weight [m]; fixes stiffness by mass
+  int redraws = 16;  ///< how often a drawn start is drawn again where robots begin inside
+                     ///< something; 0: starts are taken as they are drawn
 };
 
 /// A shape that stands in the world.
@@ -84,6 +86,7 @@ struct Obstacle {
   bool is_gate =
       false;  ///< a frame of four bars about a way through along x; a box whose size is
               ///< width and height of the opening, along y and z, and the bars' thickness
+  SourceMark mark = {};  ///< of the whole
 };
 
 /// The solids of an obstacle, in its own frame: itself, or the bars of a gate.
@@ -138,6 +141,7 @@ struct RobotUse {
   double rotor_speed = 0.0;  ///< of every rotor at reset [rad/s]; negative: hover speed
   std::array<double, kRobotParamCount> constants{};  ///< values of kRobotConstants
   std::vector<PluginUse> controllers;                ///< in the order in which they are evaluated
+  SourceMark mark;                                   ///< of the whole
 };
 
 /// Robots that controllers serve together.

@@ -171,13 +171,19 @@ enum SkybodyShapeKind {
                               greatest height [m] */
 };
 
-/* A collision shape of a body, or an obstacle. */
+/* A collision shape of a body, or an obstacle. Its place among all shapes is its id. */
 typedef struct SkybodyShapeInfo {
-  const char* name;   /* of the body or the obstacle */
-  const char* mesh;   /* file, or "" */
-  int32_t kind;       /* SkybodyShapeKind */
-  int32_t body;       /* world body index; -1: an obstacle */
-  double size[3];     /* as the kind says */
+  const char* name; /* of the body or the obstacle */
+  const char* mesh; /* file, or "" */
+  int32_t kind;     /* SkybodyShapeKind */
+  int32_t robot;    /* index of its robot; -1: an obstacle */
+  int32_t body;     /* world body index; -1: an obstacle */
+  int32_t
+      obstacle; /* its place among the obstacles (SkybodyDeclare::contact_pair); -1: of a body */
+  int32_t
+      first_param;    /* EnvParams of an obstacle, at the places of SkybodyObstacleConstant: whether
+                         it is there, its pose and its size; -1: of a body, whose shapes are fixed */
+  double size[3];     /* nominal, as the kind says */
   double position[3]; /* of its frame in the body's frame; of an obstacle in W [m] */
   double rotation[4]; /* body frame (W) from its frame, w x y z */
 } SkybodyShapeInfo;

@@ -62,7 +62,8 @@ class Plugin {
   ///     effect's reset() and first apply(), a task's reset(), first evaluate() and first
   ///     process();
   ///   - later: a task's evaluate() and the process() that follows.
-  /// Draws that are asked for in mid-episode (Start::requested) have a count of their own.
+  /// Draws that are asked for in mid-episode (Start::requested), and starts that are drawn again
+  /// since a robot began inside something, have counts of their own in place of the physics step.
   template <class Real>
   Random<Real> random(const EnvView<Real>& env, std::uint64_t substream = 0) const {
     return random_at(env, env.physics_step(), substream);

@@ -88,7 +88,8 @@ class Setup {
   View<EnvParamInfo> params() const { return {raw_.params, raw_.param_count}; }
   /// Tasks and randomizers: the chains of controllers, in robot order. Empty for others.
   View<ChainInfo> chains() const { return {raw_.chains, raw_.chain_count}; }
-  /// Collision shapes of bodies, then obstacles.
+  /// Collision shapes of bodies, in body order, then obstacles; a shape's place is its id. Where an
+  /// obstacle is in an environment, how large, and whether: EnvView::param() from first_param on.
   View<ShapeInfo> shapes() const { return {raw_.shapes, raw_.shape_count}; }
 
   /// Controllers: the robots that this one serves, by index: its own, or those of its team, in the
@@ -115,7 +116,7 @@ class Setup {
   int sensor(const std::string& instance, const std::string& channel, int* count = nullptr) const;
   /// Indices for EnvView::param() of the parameters that `path` means. A path may begin with
   /// `robot.` for every robot, and with `controllers.`, `sensors.`, `task.` for plugins; `[*]`
-  /// means all elements, `*` elsewhere any part of a name.
+  /// means all elements, `*` elsewhere any part of a name, or nothing: `kp*` is `kp`, too.
   /// @throws std::runtime_error if nothing matches
   std::vector<int> find_params(const std::string& path) const;
 

@@ -95,6 +95,7 @@ inline bool matches(const std::string& pattern, const std::string& path) {
       return false;
     }
   }
+  if (i + 1 == pattern.size() && pattern[i] == '*') ++i;              // it may stand for nothing
   if (i == pattern.size() && j < path.size()) return path[j] == '[';  // a whole vector
   return i == pattern.size() && j == path.size();
 }

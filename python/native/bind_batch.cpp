@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/model/fault_reason.h"
 #include "python/native/arrays.h"
 #include "python/native/batch.h"
 #include "python/native/bindings.h"
@@ -39,7 +38,7 @@ std::optional<std::vector<std::optional<std::string>>> fault_reasons(const Recei
   if (std::memchr(batch.fault.data(), 1, count) == nullptr) return std::nullopt;
   std::vector<std::optional<std::string>> reasons(count);
   for (std::size_t i = 0; i < count; ++i) {
-    if (batch.fault[i] != 0) reasons[i] = fault_reason(batch.status[i]);
+    if (batch.fault[i] != 0) reasons[i] = self.compiled->fault_reason(batch.status[i]);
   }
   return reasons;
 }

@@ -13,6 +13,7 @@
 #include "core/env/value_names.h"
 #include "python/native/bindings.h"
 #include "python/native/loaded_scenario.h"
+#include "python/native/shapes.h"
 
 namespace skybody::python {
 namespace {
@@ -194,6 +195,12 @@ void bind_identity(nb::class_<LoadedScenario>& c) {
       "Versions of the plugins in use, by their names. Looks at the plugin folders anew.");
   c.def_prop_ro(
       "robots", [](const E& e) { return robot_names(*e); }, "Names of the robots.");
+  c.def_prop_ro(
+      "shapes", [](const E& e) { return shapes_of(*e); },
+      "Collision shapes of all bodies, in body order, then the obstacles.");
+  c.def_prop_ro(
+      "obstacles", [](const E& e) { return obstacles_of(*e); },
+      "The obstacles of the scenario, in its order.");
   c.def_prop_ro(
       "agents", [](const E& e) { return e->agents(); },
       "Indices of the robots that take actions: the agents of a multi-agent learner.");

@@ -91,7 +91,7 @@ void send(PythonPool& self, nb::handle actions, nb::handle env_ids) {
 ReceivedBatch step(PythonPool& self, nb::handle actions) {
   const std::int64_t width = self.compiled()->action_size();
   const auto rows = read_array<float>(actions, "actions", {self.envs(), width});
-  return ReceivedBatch{self.step(rows.span())};
+  return ReceivedBatch{self.step(rows.span()), self.compiled().shared()};
 }
 
 nb::bytes save(PythonPool& self) {
@@ -182,7 +182,10 @@ void bind_flow(Class& c) {
         "(with\n"
         "autoreset disabled) its episode has ended; then nothing was sent.");
   c.def(
-      "recv", [](PythonPool& self) { return ReceivedBatch{self.recv()}; },
+      "recv",
+      [](PythonPool& self) {
+        return ReceivedBatch{self.recv(), self.compiled().shared()};
+      },
       "Waits for batch_size finished environments, fewer where fewer are in flight. Works with\n"
       "the other threads meanwhile, without the GIL; KeyboardInterrupt gets through.\n\n"
       "Raises ValueError if nothing is in flight; BufferError in debug mode if the buffer that\n"

@@ -12,6 +12,7 @@ void bind_compiled_scenario(nb::module_& m);
 void bind_batch(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_pool(nb::module_& m);
+void bind_shapes(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_simulation_pool(nb::module_& m);
 void bind_versions(nb::module_& m);

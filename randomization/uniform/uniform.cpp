@@ -96,10 +96,11 @@ class Uniform : public Randomizer {
     setup.writes(param);
   }
 
-  TextsParameter paths_{this,
-                        {.name = "paths",
-                         .doc = "what is drawn; `[*]` means all elements, `*` any part of a name",
-                         .required = true}};
+  TextsParameter paths_{
+      this,
+      {.name = "paths",
+       .doc = "what is drawn; `[*]` means all elements, `*` any part of a name or nothing",
+       .required = true}};
   RealsParameter scale_{
       this,
       {.name = "scale", .count = -1, .doc = "[low, high] as multiples of each nominal value"}};

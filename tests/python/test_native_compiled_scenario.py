@@ -128,3 +128,34 @@ def test_an_environment_is_pickled_as_what_it_was_loaded_from() -> None:
     copy = pickle.loads(pickle.dumps(compiled))
     assert copy.horizon == 77
     assert copy.scenario_hash == compiled.scenario_hash
+
+
+def test_shapes_of_bodies_and_obstacles_are_listed_with_sizes_and_poses() -> None:
+    obstacles = (
+        "[{name: pole, cylinder: [0.2, 3], position: [4, 1, 1.5]},"
+        " {name: door, gate: [1, 2, 0.1], position: [7, 0, 2], rpy: [0, 0, 3.141592653589793]}]"
+    )
+    compiled = CompiledScenario("hover", [f"obstacles={obstacles}"])
+    assert [shape.id for shape in compiled.shapes] == list(range(len(compiled.shapes)))
+    box = compiled.shapes[0]
+    assert (box.kind, box.robot, box.body, box.obstacle) == ("box", "quad", 0, -1)
+    assert box.size == (0.3, 0.35, 0.05)
+    assert box.position == (0.0, 0.0, 0.005)
+
+    pole, door = compiled.obstacles
+    assert (pole.name, pole.kind, pole.size, pole.robot) == ("pole", "cylinder", (0.2, 3.0), None)
+    assert (pole.obstacle, door.obstacle) == (0, 1)
+    assert pole.position == (4.0, 1.0, 1.5)
+    assert (door.kind, door.size) == ("gate", (1.0, 2.0, 0.1))
+    assert door.rotation == pytest.approx((0, 0, 0, 1))
+    assert compiled.param_paths[pole.first_param] == "obstacles.pole.present"
+    assert repr(pole) == "Shape(pole: cylinder [0.2, 3])"
+
+
+def test_a_star_in_a_path_stands_for_nothing_too() -> None:
+    ranges = "{paths: ['robots.quad.links.base_link.mass*'], scale: [0.5, 0.5]}"
+    overrides = [f"randomization=[{{plugin: uniform, parameters: {ranges}}}]"]
+    pool = skybody.make_pool(CompiledScenario("hover", overrides), 1)
+    pool.reset(seed=1)
+    path = "robots.quad.links.base_link.mass"
+    assert pool.param(0, path) == 0.5 * pool.compiled.param_info(path)[0]

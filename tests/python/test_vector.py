@@ -344,3 +344,17 @@ def test_without_infos_rows_rewards_and_ends_are_the_same() -> None:
         assert set(other[4]) == {"fault", "_fault"}
     with_infos.close()
     without.close()
+
+
+def test_a_start_inside_an_obstacle_is_a_fault_with_its_reason():
+    hall = "obstacles=[{name: hall, box: [50, 50, 20]}]"
+    above = "robots.quad.pose.position=[0, 0, 20]"
+    envs = skybody.make_vec(
+        skybody.CompiledScenario("hover", [hall, "contact.redraws=2", above]), 2
+    )
+    _, infos = envs.reset(seed=1)
+    assert infos["fault"].all()
+    reason = infos["fault_reason"][0]
+    assert reason.startswith("robot `quad` begins inside the obstacle `hall`, by ")
+    assert reason.endswith("or raise `contact.redraws` (2)")
+    envs.close()

@@ -6,17 +6,33 @@
 
 namespace skybody {
 
+/// The largest pivot that rounding leaves to a row that follows from those before it.
+///
+/// Two things make rounding. Elimination takes from the row's element what is as large as itself:
+/// that leaves less than 1e-11 of it. And the element is a difference of the accelerations of two
+/// ends: where these cancel, as out of the plane of a planar loop, it is itself rounding, of what a
+/// force does to a single end. That is bounded by what it would do to the end's body if nothing
+/// else held it (`mobility`), since joints only take freedom away.
+/// @param element   of the row, on the diagonal [1/kg]
+/// @param mobility  of its two ends [1/kg]
+template <class Real>
+SKYBODY_INLINE Real least_pivot_of(const Real& element, const Real& mobility) {
+  return max(1e-11 * element, 1e-13 * mobility);
+}
+
 /// A f = b for the rows that are held, by A = L D L^T. A row that follows from those before it has
 /// no pivot but rounding and gets no force: where the equations agree, the others are met then,
-/// too.
+/// too. What rounding leaves depends on the row (least_pivot): rows between heavy bodies have small
+/// elements, whatever else is in A.
 template <class Real>
 struct CouplingEquations {
   int count;
-  const Real* mass;     ///< A, its lower triangle
-  Real* factor;         ///< L below the diagonal, L D above it
-  Real* inverse_pivot;  ///< 1 / D; 0 of rows that do not count
-  const Real* asked;    ///< b
-  Real* force;          ///< f, written
+  const Real* mass;         ///< A, its lower triangle
+  Real* factor;             ///< L below the diagonal, L D above it
+  const Real* least_pivot;  ///< per row: a pivot that is no larger is rounding
+  Real* inverse_pivot;      ///< 1 / D; 0 of rows that do not count
+  const Real* asked;        ///< b
+  Real* force;              ///< f, written
 
   /// @param is_held  is_held(row): the lanes where it is an equation
   template <class IsHeld>
@@ -29,11 +45,8 @@ struct CouplingEquations {
  private:
   template <class IsHeld>
   SKYBODY_INLINE void factorize(const IsHeld& is_held) const {
-    constexpr double kLeastPivot = 1e-11;  // of the largest element: what rounding leaves is less
     const int n = count;
-    Real scale(0.0);
-    for (int k = 0; k < n; ++k) scale = max(scale, mass[k * n + k]);
-    const Real least = scale * kLeastPivot, zero(0.0);
+    const Real zero(0.0);
     for (int k = 0; k < n; ++k) {
       const MaskOf<Real> is_mine = is_held(k);
       Real pivot = mass[k * n + k];
@@ -46,7 +59,7 @@ struct CouplingEquations {
         factor[k * n + j] = l;
         pivot -= l * scaled;
       }
-      const auto counts = logical_and(is_mine, pivot > least);
+      const auto counts = logical_and(is_mine, pivot > least_pivot[k]);
       inverse_pivot[k] = select(counts, 1.0 / select(counts, pivot, Real(1.0)), zero);
     }
   }

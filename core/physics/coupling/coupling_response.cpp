@@ -1,6 +1,7 @@
 #include "core/physics/coupling/coupling_response.h"
 
 #include "core/base/kernel_width.h"
+#include "core/physics/coupling/coupling_equations.h"
 
 namespace skybody {
 namespace {
@@ -26,6 +27,8 @@ class CouplingResponse {
                              change);
       }
       for (int r = s; r < count_; ++r) w_.mass[r * count_ + s] = rate_of(r, joining);
+      const Real mobility = mobility_of(joining.ends[0]) + mobility_of(joining.ends[1]);
+      w_.least_pivot[s] = least_pivot_of(w_.mass[s * count_ + s], mobility);
       for (const JoinedEnd& end : joining.ends) {
         if (end.body >= 0) w_.forces[end.body] = SpatialForce<Real>::zero();
       }
@@ -74,6 +77,18 @@ class CouplingResponse {
       sum = e == 0 ? sum + along : sum - along;
     }
     return sum;
+  }
+
+  /// What a unit force at an end would do to it if its body were free; no direction has more: the
+  /// part that turns the body is the sum over three directions.
+  SKYBODY_INLINE Real mobility_of(const JoinedEnd& end) const {
+    if (end.body < 0) return Real(0.0);
+    const Real* body = w_.bodies + kBodyConstantCount * end.body;
+    const SymMat3<Real> inverse = load_sym_mat3(body + kBodyInverseInertia);
+    const Vec3<Real> arm = to_real<Real>(end.point) - load_vec3(body + kBodyCom);
+    const Real turning =
+        ((inverse.xx + inverse.yy) + inverse.zz) * dot(arm, arm) - dot(arm, inverse * arm);
+    return body[kBodyInverseMass] + turning;
   }
 
   const CouplingResponseCall<Real>& call_;

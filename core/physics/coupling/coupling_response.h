@@ -11,7 +11,8 @@ template <class Real>
 struct CouplingResponseCall {
   const CouplingScene& scene;
   const Forest& forest;
-  const CouplingWork<Real>& work;  ///< `rows` placed; `change` and `mass` are written
+  const CouplingWork<Real>& work;  ///< `rows` placed; `change`, `mass` and `least_pivot` are
+                                   ///< written
   const Real* q;
   const BodyKinematics<Real>* motion;  ///< of all bodies that are held, at q
 };

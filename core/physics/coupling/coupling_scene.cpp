@@ -48,6 +48,10 @@ CouplingScene::CouplingScene(const World& w) : world(w), held_with(w.scenario.ro
     joinings.push_back(joining);
     ++i;
   }
+  for (std::size_t r = 0; r < held_with.size(); ++r) {
+    if (!is_held(static_cast<int>(r)) || world.drives[r] == DriveKind::kNone) continue;
+    driven.push_back(world.layout.robots[r].first_body);
+  }
 }
 
 }  // namespace skybody

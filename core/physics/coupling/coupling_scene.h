@@ -36,6 +36,7 @@ struct CouplingScene {
   std::vector<Joining> joinings;  ///< one for each of the scenario's couplings
   std::vector<int> row_owners;    ///< per equation: its joining
   int rope_count = 0;
+  std::vector<int> driven;     ///< bodies: driven bases of robots that are held
   std::vector<int> held_with;  ///< per robot: the first of the robots that it hangs together with;
                                ///< -1: none
 };

@@ -58,7 +58,31 @@ void fit(Coupling& coupling, double distance) {
   }
 }
 
+/// Why forces do not move an end; empty: they do.
+std::string hold_of(const World& world, const CouplingEnd& end) {
+  if (end.robot < 0) return "the world";
+  if (end.body != 0) return "";
+  const auto r = static_cast<std::size_t>(end.robot);
+  const RobotUse& robot = world.scenario.robots[r];
+  const std::string base = "the base of `" + robot.name + "`";
+  if (robot.model.bodies[0].joint.type == JointType::kWeld) return base + ", which is fixed";
+  if (world.drives[r] != DriveKind::kNone) return base + ", which a controller drives";
+  return "";
+}
+
 }  // namespace
+
+void check_driven_ends(const World& world) {
+  for (const Coupling& coupling : world.scenario.couplings) {
+    const std::string first = hold_of(world, coupling.ends[0]),
+                      second = hold_of(world, coupling.ends[1]);
+    if (first.empty() || second.empty()) continue;
+    throw MarkedError(coupling.mark, "the ends of `" + coupling.name + "` are of " + first +
+                                         ", and of " + second +
+                                         ", so that nothing can give way; name a body that forces "
+                                         "move, or another controller");
+  }
+}
 
 void fit_couplings(Scenario& scenario) {
   if (scenario.couplings.empty()) return;

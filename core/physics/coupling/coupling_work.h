@@ -48,6 +48,7 @@ struct CouplingWork {
   MaskOf<Real>* was_held = nullptr;  ///< per joining: in the last constrain()
   MaskOf<Real>* is_taut = nullptr;   ///< per joining: when the step began
   MaskOf<Real>* is_new = nullptr;    ///< per joining: a rope that got taut within the step
+  MaskOf<Real>* is_open = nullptr;   ///< per joining: where the last project() left its gap open
   Vec3<Real>* pulls = nullptr;       ///< per joining: force on the first end, W [N]
 
   CouplingRow<Real>* rows = nullptr;
@@ -55,11 +56,13 @@ struct CouplingWork {
   Real* mass = nullptr;    ///< per row and row: what it does to the rate of another one [1/kg]
   Real* factor = nullptr;  ///< the same, as L D L^T of the rows that are held
   Real* inverse_pivot = nullptr;  ///< per row
+  Real* least_pivot = nullptr;    ///< per row: what is no more than that is rounding
   Real* asked = nullptr;          ///< per row: by how much rates are to grow
   Real* force = nullptr;          ///< per row: what makes them
 
   Real* shift = nullptr;    ///< per u
   Real* nothing = nullptr;  ///< per u: zeros
+  Real* driven = nullptr;   ///< 7 per driven base: its coordinates at a step's end
   BodyKinematics<Real>* motion = nullptr;
   BodyKinematics<Real>* at_rest = nullptr;
   SpatialForce<Real>* forces = nullptr;
@@ -80,8 +83,9 @@ struct CouplingWork {
     arena.take(change, count * us);
     arena.take(mass, count * count);
     arena.take(factor, count * count);
-    for (Real** values : {&inverse_pivot, &asked, &force}) arena.take(*values, count);
+    for (Real** values : {&inverse_pivot, &least_pivot, &asked, &force}) arena.take(*values, count);
     for (Real** values : {&shift, &nothing}) arena.take(*values, us);
+    arena.take(driven, 7 * scene.driven.size());
     arena.take(motion, body_count);
     arena.take(at_rest, body_count);
     arena.take(forces, body_count);
@@ -89,7 +93,7 @@ struct CouplingWork {
     arena.take(forest.body, body_count);
     arena.take(forest.ball, body_count);
     arena.take(forest.acceleration, body_count);
-    for (MaskOf<Real>** masks : {&is_there, &is_held, &was_held, &is_taut, &is_new}) {
+    for (MaskOf<Real>** masks : {&is_there, &is_held, &was_held, &is_taut, &is_new, &is_open}) {
       arena.take(*masks, joinings);
     }
   }

@@ -178,7 +178,7 @@ class CouplingSolver {
   /// @param most_push  most_push(joining's index, its row)
   template <class MostPush>
   SKYBODY_INLINE void solve(const MostPush& most_push) const {
-    const CouplingEquations<Real> equations{row_count(),      w_.mass,  w_.factor,
+    const CouplingEquations<Real> equations{row_count(),      w_.mass,  w_.factor, w_.least_pivot,
                                             w_.inverse_pivot, w_.asked, w_.force};
 #pragma GCC unroll 1
     for (int dropped = 0; dropped <= scene_.rope_count; ++dropped) {
@@ -266,6 +266,7 @@ class CouplingSolver {
       w_.is_held[i] &= logical_or(is_new, w_.was_held[i]);
     });
     if (none(is_caught)) return;
+    keep_driven(q);
     Real ago(0.0);
     for (int k = 0; k < 3; ++k) {  // Newton's method: distances grow all but evenly
       Real since(0.0);
@@ -283,6 +284,7 @@ class CouplingSolver {
     respond(q, w_.motion);
     stop(is_caught, dt, u);
     drift(ago, is_caught, q, u);
+    put_back_driven(q);
   }
 
   SKYBODY_INLINE void drift(const Real& time, const MaskOf<Real>& mask, Real* q,
@@ -291,10 +293,34 @@ class CouplingSolver {
     shift(mask, q);
   }
 
+  /// Driven bases go back to a catch with the others, but end where their drives have them, to the
+  /// bit: neither a catch nor a gap moves them.
+  SKYBODY_INLINE void keep_driven(const Real* q) const {
+    each_driven([&](Real* kept, int at, int count) SKYBODY_INLINE_LAMBDA {
+      for (int k = 0; k < count; ++k) kept[k] = q[at + k];
+    });
+  }
+  SKYBODY_INLINE void put_back_driven(Real* q) const {
+    each_driven([&](const Real* kept, int at, int count) SKYBODY_INLINE_LAMBDA {
+      for (int k = 0; k < count; ++k) q[at + k] = kept[k];
+    });
+  }
+  /// Calls f(kept, first of its coordinates, their count) for driven bases.
+  template <class F>
+  SKYBODY_INLINE void each_driven(const F& f) const {
+    Real* kept = w_.driven;
+    for (const int body : scene_.driven) {
+      const TreeBody& base = forest_.bodies()[static_cast<std::size_t>(body)];
+      f(kept, base.q, position_size(base.type));
+      kept += 7;
+    }
+  }
+
   /// The coordinates: Newton's method, lane by lane until the gaps are closed.
   /// @returns the lanes where they are
   SKYBODY_INLINE MaskOf<Real> close_gaps(const MaskOf<Real>& mask, Real* q, const Real* u) const {
     constexpr int kMostTries = 20;
+    keep_driven(q);
     for (int left = kMostTries;; --left) {
       move(q, u);
       each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
@@ -306,14 +332,30 @@ class CouplingSolver {
       const Real gap = largest([](const CouplingRow<Real>& row)
                                    SKYBODY_INLINE_LAMBDA { return abs(row.gap) - row.rounding; });
       const auto is_open = logical_and(mask, logical_not(gap <= 0.0));
-      if (none(is_open) || left == 0) return logical_and(mask, logical_not(is_open));
+      if (none(is_open) || left == 0) {
+        note_open();
+        return logical_and(mask, logical_not(is_open));
+      }
       respond(q, w_.motion);
       each_row([&](int r, const Joining&) SKYBODY_INLINE_LAMBDA { w_.asked[r] = -w_.rows[r].gap; });
       solve([](int, const CouplingRow<Real>&) SKYBODY_INLINE_LAMBDA { return Real(kInfinity); });
       for (int i = 0; i < u_count(); ++i) w_.shift[i] = Real(0.0);
       add_change(w_.shift);
       shift(is_open, q);
+      put_back_driven(q);
     }
+  }
+
+  /// Whose gaps are open.
+  SKYBODY_INLINE void note_open() const {
+    each_joining([&](int i, const Joining& joining) SKYBODY_INLINE_LAMBDA {
+      w_.is_open[i] = MaskOf<Real>(false);
+      for (int r = joining.first_row; r < joining.first_row + joining.row_count; ++r) {
+        const CouplingRow<Real>& row = w_.rows[r];
+        const auto is_closed = abs(row.gap) - row.rounding <= 0.0;
+        w_.is_open[i] |= logical_and(w_.is_held[i], logical_not(is_closed));
+      }
+    });
   }
 
   SKYBODY_INLINE void shift(const MaskOf<Real>& mask, Real* q) const {

@@ -71,6 +71,7 @@ class Couplings {
     int i = -1;
     for (const Joining& joining : scene_.joinings) {
       w_.pulls[++i] = zero;
+      w_.is_open[i] = MaskOf<Real>(false);
       w_.is_there[i] = Real(params[joining.params + kCouplingPresent]) != 0.0;
       w_.was_held[i] = joining.kind == CouplingKind::kRope ? MaskOf<Real>(false) : w_.is_there[i];
       if (joining.kind != CouplingKind::kPoint) {
@@ -167,6 +168,8 @@ class Couplings {
 
   /// Per joining: the force on its first end, W [N].
   Vec3<Real>* pulls() const { return w_.pulls; }
+  /// Per joining: the lanes where the last project() left its gap open.
+  const MaskOf<Real>* open() const { return w_.is_open; }
   /// Per joining: the lanes where its equations held in the last constrain().
   const MaskOf<Real>* held() const { return w_.was_held; }
 

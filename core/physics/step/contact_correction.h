@@ -29,7 +29,8 @@ struct CorrectionArrays {
   Real *smooth, *no_forces;  ///< per u
   Real* rates;               ///< per u: of a part, first those that contacts alone make
   Real* mean_u;
-  Vec3<Real>* pulls;  ///< per coupling: mean over the step so far
+  Vec3<Real>* pulls;         ///< per coupling: mean over the step so far
+  MaskOf<Real>* has_opened;  ///< per coupling: where a part of the step left its gap open
   BodyKinematics<Real>*motion, *mean;
   BodyKinematics<Real>* at_rest;  ///< the same places, without motion
   ContactWork<Real> contact;
@@ -71,6 +72,7 @@ struct CorrectionArrays {
     arena.take(forest.acceleration, bodies);
     couplings.take_from(arena, plan.couplings);
     arena.take(pulls, plan.couplings.joinings.size());
+    arena.take(has_opened, plan.couplings.joinings.size());
     arena.take(contact.is_bent, bristles);
     arena.take(contact.is_touched, bodies);
     arena.take(contact.near, static_cast<std::size_t>(plan.contact.most_near));
@@ -215,8 +217,7 @@ class ContactCorrection {
 
   SKYBODY_INLINE void go_through(const MaskOf<Real>& is_near) {
     Real parts = contact_.parts();
-    has_closed_ = is_near;
-    forget_pulls();
+    forget_couplings();
 #pragma GCC unroll 1
     for (int p = 0; p < kMostParts; ++p) {
       const auto is_active = logical_and(is_near, parts > static_cast<double>(p));
@@ -227,8 +228,7 @@ class ContactCorrection {
         parts = contact_.parts();
         start();
         load_bristles();
-        forget_pulls();
-        has_closed_ = is_near;
+        forget_couplings();
         p = -1;
         continue;
       }
@@ -315,16 +315,36 @@ class ContactCorrection {
   }
 
   SKYBODY_INLINE void project(const Real& step, const MaskOf<Real>& is_active) {
-    const auto is_closed = couplings_.project(is_active, step, a_.now.q, a_.now.u);
-    has_closed_ &= logical_or(is_closed, logical_not(is_active));
+    couplings_.project(is_active, step, a_.now.q, a_.now.u);
     for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
+      a_.has_opened[i] |= logical_and(is_active, couplings_.open()[i]);
       const Vec3<Real> more = couplings_.pulls()[i] * (step * (1.0 / dt()));
       a_.pulls[i] = select(is_active, a_.pulls[i] + more, a_.pulls[i]);
     }
   }
-  SKYBODY_INLINE void forget_pulls() const {
+  SKYBODY_INLINE void forget_couplings() const {
     for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
       a_.pulls[i] = SpatialForce<Real>::zero().force;
+      a_.has_opened[i] = MaskOf<Real>(false);
+    }
+  }
+  /// Lanes where bodies that get corrected coordinates are left with an open gap.
+  SKYBODY_INLINE MaskOf<Real> is_torn() const {
+    MaskOf<Real> is_torn(false);
+    each_equation([&](std::size_t i, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      is_torn |= logical_and(a_.has_opened[i], is_touched(robot));
+    });
+    return is_torn;
+  }
+  /// Calls f(i, robot) for the couplings that have equations, with a robot that they hold.
+  template <class F>
+  SKYBODY_INLINE void each_equation(const F& f) const {
+    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
+      const Joining& joining = plan_.couplings.joinings[i];
+      if (joining.row_count == 0) continue;
+      const int robot = std::max(joining.ends[0].robot, joining.ends[1].robot);
+      if (!a_.is_robot_near[robot]) continue;
+      f(i, plan_.world.layout.robots[static_cast<std::size_t>(robot)]);
     }
   }
 
@@ -371,7 +391,8 @@ class ContactCorrection {
         a_.now.q[base.q + k] = a_.end.q[base.q + k];
       }
     }
-    MaskOf<Real> through = logical_and(mask, logical_or(has_closed_, logical_not(is_near)));
+    MaskOf<Real> through = mask;
+    if (couplings_.any()) through &= logical_not(is_torn());
     each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
       MaskOf<Real> is_bounded(true);
       each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA {
@@ -392,16 +413,11 @@ class ContactCorrection {
   }
 
   SKYBODY_INLINE void store_pulls(const MaskOf<Real>& mask) const {
-    for (std::size_t i = 0; i < plan_.couplings.joinings.size(); ++i) {
-      const Joining& joining = plan_.couplings.joinings[i];
-      if (joining.row_count == 0) continue;
-      const int robot = std::max(joining.ends[0].robot, joining.ends[1].robot);
-      if (!a_.is_robot_near[robot]) continue;
-      const auto corrected =
-          logical_and(mask, is_touched(plan_.world.layout.robots[static_cast<std::size_t>(robot)]));
-      lanes_.store(reinterpret_cast<const Real*>(a_.pulls + i), 3, corrected,
+    each_equation([&](std::size_t i, const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      lanes_.store(reinterpret_cast<const Real*>(a_.pulls + i), 3,
+                   logical_and(mask, is_touched(robot)),
                    lanes_.block(group_.pulls, 3 * static_cast<int>(i)));
-    }
+    });
   }
 
   SKYBODY_INLINE MaskOf<Real> is_touched(const RobotLayout& robot) const {
@@ -448,7 +464,6 @@ class ContactCorrection {
   CorrectionArrays<Real> a_;
   Values params_;
   Couplings<Real> couplings_;
-  MaskOf<Real> has_closed_{true};
   ContactStep<Real, Values> contact_;
 };
 

@@ -43,7 +43,7 @@ class GroupStepper::Alone {
     stepper(lane).joint_reactions(take(all, lane), out);
   }
   void add_contacts(const StepCall& all, int lane, std::vector<Contact>& out) {
-    stepper(lane).add_contacts(take(all, lane), out);
+    any_stepper(lane).add_contacts(take(all, lane), out);
   }
 
  private:
@@ -51,6 +51,15 @@ class GroupStepper::Alone {
     auto& stepper = steppers_[static_cast<std::size_t>(lane)];
     if (stepper == nullptr) stepper = std::make_unique<LaneStepper>(plan_);
     return *stepper;
+  }
+
+  /// One for a question that needs no Simbody system of the lane's own: starts of whole batches may
+  /// ask it, and a stepper for each lane takes memory.
+  LaneStepper& any_stepper(int lane) {
+    for (auto& stepper : steppers_) {
+      if (stepper != nullptr) return *stepper;
+    }
+    return stepper(lane);
   }
 
   /// A lane as a group of its own; bodies are left out.
@@ -227,6 +236,12 @@ void GroupStepper::joint_reactions(const GroupBlocks& group, int lane, PhysicsSc
                                    SpatialForce<double>* out) {
   if (((broken_ >> lane) & 1u) != 0) make_bodies(group, lane, scratch);  // throws
   alone().joint_reactions(call(group, scratch), lane, out);
+}
+
+/// Lanes with parameters that no body has fail in their first step: nothing is known of them.
+std::uint32_t GroupStepper::may_touch(const GroupBlocks& group, std::uint32_t lanes,
+                                      PhysicsScratch& scratch) {
+  return find_near(call(group, scratch), lanes & ~broken_);
 }
 
 void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,

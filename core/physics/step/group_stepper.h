@@ -105,6 +105,8 @@ class GroupStepper {
   /// @param out  one per body: joint_reactions.h
   void joint_reactions(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                        SpatialForce<double>* out);
+  /// The refreshed lanes where something touches, or is near enough to touch within a step.
+  std::uint32_t may_touch(const GroupBlocks& group, std::uint32_t lanes, PhysicsScratch& scratch);
   /// Appends the contacts of one refreshed lane. @throws as accelerations
   void add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                     std::vector<Contact>& out);

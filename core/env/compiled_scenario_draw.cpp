@@ -1,0 +1,181 @@
+// What randomizers draw: at a reset, again where robots would begin inside something, and on
+// request.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "core/base/fp_environment.h"
+#include "core/base/octets.h"
+#include "core/env/compiled_scenario.h"
+#include "core/env/group_work.h"
+#include "core/env/plugin_call.h"
+#include "core/env/start_overlaps.h"
+#include "core/model/fault_reason.h"
+
+namespace skybody {
+namespace {
+
+/// Draws have counters in place of the physics step, beyond all that there are: of requested draws,
+/// and of a start that is drawn again.
+constexpr std::uint64_t kRequestedDraw = std::uint64_t{1} << 63;
+constexpr std::uint64_t kRepeatedDraw = std::uint64_t{1} << 62;
+
+/// After so many draws that left the worst overlap as it was, to the bit, nothing that is drawn
+/// moves it. Draws from a few places may well be the same several times.
+constexpr int kMostUnchanged = 4;
+
+/// The same number for all lanes.
+const std::uint64_t* number_repetition(GroupWork& work, int repetition) {
+  const std::uint64_t number = kRepeatedDraw | static_cast<std::uint64_t>(repetition);
+  std::fill_n(work.request.data(), work.lanes, number);
+  return work.request.data();
+}
+
+}  // namespace
+
+/// What overlaps in the scenario's own start, if there is anything that may overlap and anything
+/// that is drawn.
+void CompiledScenario::look_for_overlaps() {
+  const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
+  if (scenario().contact.redraws == 0 || randomizers.empty()) return;
+  if (count_bristles(*world_) == 0) return;
+  for (const PluginInstance& r : randomizers) {
+    for (int k = r.state; k < r.state + r.state_words + r.buffer_words; ++k) {
+      drawn_words_.push_back(layout().plugin_state.offset + k);
+    }
+    for (const int param : r.writes) drawn_words_.push_back(layout().params.offset + param);
+  }
+  StateGroup group = make_state(1);
+  const std::unique_ptr<GroupWork> work = make_work(1);
+  initialize(group, 0, 0, 0);
+  start_overlaps_ = std::make_unique<const StartOverlaps>(*world_, contacts(group, *work, 0));
+}
+
+std::string CompiledScenario::fault_reason(std::uint64_t status) const {
+  if ((status & kBadStart) == 0 || start_overlaps_ == nullptr) {
+    return skybody::fault_reason(status);
+  }
+  const std::string others = skybody::fault_reason(status & ~std::uint64_t{kBadStart});
+  return (others.empty() ? "" : others + "; ") + start_overlaps_->reason(status);
+}
+
+/// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
+void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes, bool requested) const {
+  const Layout& l = layout();
+  const std::uint32_t mask = lanes.active;
+  const SkybodyStart where{group.writable(l.q, mask), group.writable(l.u, mask),
+                           group.writable(l.rotor_speed, mask), group.writable(l.params, mask),
+                           requested ? 1u : 0u};
+  for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
+    call_plugin(r.kernels.randomize, r, group, lanes, no_sizes, &where);
+    for (const int param : r.writes) hold_to_bounds(group, mask, param);
+  }
+}
+
+void CompiledScenario::hold_to_bounds(StateGroup& group, std::uint32_t mask, int param) const {
+  const EnvParam& info = layout().param_info[static_cast<std::size_t>(param)];
+  double* values = group.writable({layout().params.offset + param, 1}, mask);
+  each_lane(mask, [&](int lane) {
+    double& value = values[lane];
+    value = std::isfinite(value) ? std::clamp(value, info.min, info.max) : info.nominal;
+  });
+}
+
+/// Draws the start of an episode. Lanes where anything may touch are looked at one by one: nearly
+/// all robots begin in the air.
+void CompiledScenario::draw_start(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  update(group, work, mask);  // randomizers may look at the bodies
+  if (plugins_[SKYBODY_RANDOMIZER].empty()) return;
+  if (start_overlaps_ != nullptr) keep_undrawn(group, work);
+  draw(group, view(group, work, mask), false);
+  update(group, work, mask);
+  if (start_overlaps_ == nullptr) return;
+  each_lane(group.may_touch(mask, work.physics), [&](int lane) { draw_again(group, work, lane); });
+}
+
+/// As long as the lane's robots begin inside something, all randomizers draw again from where they
+/// were before the reset, with the numbers of this repetition. What still overlaps then is a fault.
+void CompiledScenario::draw_again(StateGroup& group, GroupWork& work, int lane) const {
+  const std::uint32_t mask = 1u << lane;
+  const int most = scenario().contact.redraws;
+  std::optional<StartOverlap> overlap = find_overlap(group, work, lane);
+  int unchanged = 0;
+  for (int k = 1; overlap && k <= most && unchanged < kMostUnchanged; ++k) {
+    const StartOverlap before = *overlap;
+    put_back_undrawn(group, work, lane);
+    place_at_start(group, lane);
+    update(group, work, mask);
+    SkybodyLanes lanes = view(group, work, mask);
+    lanes.physics_step = number_repetition(work, k);
+    draw(group, lanes, false);
+    update(group, work, mask);
+    overlap = find_overlap(group, work, lane);
+    unchanged = overlap && *overlap == before ? unchanged + 1 : 0;
+  }
+  if (!overlap) return;
+  work.bad_start |= mask;
+  work.start_status[static_cast<std::size_t>(lane)] = start_overlaps_->status(*overlap);
+}
+
+/// Nothing where the dynamics gives up: the first step is a fault then.
+std::optional<StartOverlap> CompiledScenario::find_overlap(StateGroup& group, GroupWork& work,
+                                                           int lane) const {
+  try {
+    find_contacts(group, work, lane);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+  return start_overlaps_->find(work.contacts);
+}
+
+/// Keeps what draws change and a reset does not put back: parameters that stay until they are due,
+/// and the randomizers' own words, which count resets.
+void CompiledScenario::keep_undrawn(const StateGroup& group, GroupWork& work) const {
+  std::uint64_t* to = work.undrawn.data();
+  for (const int word : drawn_words_) to = std::copy_n(group.bits(word), group.lanes(), to);
+}
+
+void CompiledScenario::put_back_undrawn(StateGroup& group, const GroupWork& work, int lane) const {
+  const std::uint64_t* from = work.undrawn.data() + lane;
+  for (const int word : drawn_words_) {
+    std::memcpy(group.writable({word, 1}, 1u << lane) + lane, from, sizeof *from);
+    from += group.lanes();
+  }
+}
+
+/// So that requested draws differ from one another and from the reset's.
+const std::uint64_t* CompiledScenario::number_requests(StateGroup& group, GroupWork& work,
+                                                       std::uint32_t mask) const {
+  std::uint64_t* requests = group.writable(kRequests);
+  for (int lane = 0; lane < group.lanes(); ++lane) {
+    if (((mask >> lane) & 1u) != 0) ++requests[lane];
+    work.request[static_cast<std::size_t>(lane)] = kRequestedDraw | requests[lane];
+  }
+  return work.request.data();
+}
+
+void CompiledScenario::randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  check(group, work, mask);
+  const FpEnvironment guard;
+  update(group, work, mask);
+  if (plugins_[SKYBODY_RANDOMIZER].empty()) return;
+  // Motion goes on: a randomizer that also places robots must not move them now.
+  const Layout& l = layout();
+  std::vector<double> motion;
+  for (const Block& block : {l.q, l.u, l.rotor_speed}) {
+    const double* values = group.reals(block);
+    motion.insert(motion.end(), values, values + block.size * group.lanes());
+  }
+  SkybodyLanes lanes = view(group, work, mask);
+  lanes.physics_step = number_requests(group, work, mask);
+  draw(group, lanes, true);
+  const double* from = motion.data();
+  for (const Block& block : {l.q, l.u, l.rotor_speed}) {
+    std::copy(from, from + block.size * group.lanes(), group.writable(block, mask));
+    from += block.size * group.lanes();
+  }
+  update(group, work, mask);
+}
+
+}  // namespace skybody
