@@ -96,7 +96,7 @@ TEST_P(ContactOnBothDynamics, GivesTheSameAccelerations) {
     }
   }
   EXPECT_GT(touching, 12'500);
-  EXPECT_EQ(kinds.size(), 9u) << "all pairs of boxes, cylinders and spheres";
+  EXPECT_EQ(kinds.size(), 16u) << "all pairs of boxes, cylinders and spheres";
 }
 
 INSTANTIATE_TEST_SUITE_P(Blocks, ContactOnBothDynamics, testing::Range(0, 4));
