@@ -24,6 +24,7 @@ struct Touch {
   Vec3<Real> velocity;  ///< of the body's place past the other's, mean of the step [m/s]
   Vec3<Real> slide;   ///< how far it has gone past it since the step before, along the normal, too
                       ///< [m]
+  Real step;          ///< h [s]
   Real most_damping;  ///< m / (4 h) [N s/m]
 };
 
@@ -43,21 +44,26 @@ SKYBODY_INLINE Vec3<Real> across(const Vec3<Real>& normal, const Vec3<Real>& v) 
   return v - normal * dot(normal, v);
 }
 
-/// Friction with a bristle.
+/// Friction with a bristle: its spring and damper lie in line with what slips. While it slips,
+/// force and bristle follow mu f = k_t s + c_t ds/dt, so that it never bends further than the
+/// places slide.
 /// @param most     mu f [N]
 /// @param bristle  s of the step before [m]; written: where it is after this one
 template <class Real>
 SKYBODY_INLINE Vec3<Real> bristle_force(const Touch<Real>& touch, const ContactLaw& law,
                                         const Real& most, Vec3<Real>& bristle) {
-  const Vec3<Real> bent = across(touch.normal, bristle + touch.slide);
+  const Real stiffness(law.bristle_stiffness);
   const Real damping = min(Real(law.bristle_damping), touch.most_damping);
-  const Vec3<Real> wanted =
-      bent * Real(law.bristle_stiffness) + across(touch.normal, touch.velocity) * damping;
+  const Vec3<Real> before = across(touch.normal, bristle);
+  const Vec3<Real> bent = before + across(touch.normal, touch.slide);
+  const Vec3<Real> wanted = bent * stiffness + across(touch.normal, touch.velocity) * damping;
   const Real size = norm(wanted);
   const auto slips = size > most;
   const Real share = select(slips, most / select(slips, size, Real(1.0)), Real(1.0));
   const Vec3<Real> force = wanted * share;
-  bristle = select(slips, force * Real(1.0 / law.bristle_stiffness), bent);
+  const Real resists = max(stiffness * touch.step + damping, Real(1e-300));
+  const Vec3<Real> slipped = (force * touch.step + before * damping) * (1.0 / resists);
+  bristle = select(slips, slipped, bent);
   return -force;
 }
 

@@ -227,9 +227,12 @@ class ContactStep : public ContactSearch<Real, Values> {
     const int body = scene_.bodies[static_cast<std::size_t>(meeting.body)].body;
     const int other = meeting.other >= 0 ? other_body(meeting).body : -1;
     const Vec3<Real> velocity = velocity_at(part.motion, body, other, point);
-    const Touch<Real> t{place.depth, out,
+    const Touch<Real> t{place.depth,
+                        out,
                         part.is_again ? velocity_at(part.mean, body, other, point) : velocity,
-                        velocity * part.step, pair.most_damping};
+                        velocity * part.step,
+                        part.step,
+                        pair.most_damping};
     if (!part.is_again) ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
     Real push = normal_force(t, meeting.law.stiffness, Real(constants_[kDissipation]));
     if (meeting.other != kGround) stop(pair, part, point, t, other, touches, push);
