@@ -29,6 +29,25 @@ robots:
 task: {plugin: hover}
 """
 
+# Spans a box of 0.1 x 0.2 x 0.05 m.
+TETRAHEDRON = """solid there
+facet normal 0 0 -1
+outer loop
+vertex 0 0 0
+vertex 0 0.2 0
+vertex 0.1 0 0
+endloop
+endfacet
+facet normal -1 0 0
+outer loop
+vertex 0 0 0
+vertex 0 0 0.05
+vertex 0 0.2 0
+endloop
+endfacet
+endsolid there
+"""
+
 
 def model(
     kind: str = "continuous",
@@ -86,7 +105,7 @@ def warnings(folder: Path, urdf: str) -> list[str]:
     """What `skybody check` warns of in a robot of this model."""
     (folder / "model.urdf").write_text(urdf)
     (folder / "scenario.yaml").write_text(SCENARIO)
-    (folder / "there.stl").write_text("solid there\nendsolid there\n")
+    (folder / "there.stl").write_text(TETRAHEDRON)
     done = subprocess.run(
         [PROGRAM, "check", folder / "scenario.yaml"], capture_output=True, text=True, timeout=60
     )
