@@ -149,7 +149,7 @@ integrates the rest ([contact.md](../contact.md)), so that cvode and arkode do n
 
 `skybody check` warns where dt is larger than 1 ms with semi_implicit_euler, or 4 ms with another
 integrator: up to there the largest errors of shipped scenarios that are not made to be stiff (boom
-and hard_landing are) and in which nothing collides stay below 4 mm and 0.25°, or 1 mm and 0.1°.
+and hard_landing are) and in which nothing collides stay below 8 mm and 0.5°, or 1 mm and 0.1°.
 
 ## In short
 

@@ -63,7 +63,7 @@ StartOverlaps::StartOverlaps(const World& world, std::vector<Contact> nominal)
   }
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const ContactSolid& solid = scene.obstacles[i];
-    if (solid.rounding == kNoSolid) continue;
+    if (solid.rounding == kNoSolid || is_endless(solid.type)) continue;
     double& give = give_of_obstacles_[static_cast<std::size_t>(scene.obstacle_owners[i])];
     give = min(give, give_of(solid.half, solid.rounding));
   }
@@ -114,7 +114,7 @@ std::uint64_t StartOverlaps::status(const StartOverlap& overlap) const {
   const int obstacles = static_cast<int>(world_.scenario.obstacles.size());
   return kBadStart | kBodyField.put(overlap.body) |
          kOtherField.put(number_of(overlap.other, obstacles)) |
-         kDepthField.put(std::round(overlap.depth / kDepthUnit));
+         kDepthField.put(round_half_even(overlap.depth / kDepthUnit));
 }
 
 std::string StartOverlaps::name_of(int other) const {

@@ -24,7 +24,9 @@ struct Kind {
   const char* word;
   int size;
 };
-constexpr Kind kKinds[] = {{"box", 3}, {"cylinder", 2}, {"sphere", 1}, {"mesh", 3}, {"gate", 3}};
+constexpr Kind kKinds[] = {{"box", 3},  {"cylinder", 2}, {"sphere", 1}, {"mesh", 3},
+                           {"gate", 3}, {"capsule", 2},  {"plane", 0},  {"height_field", 3}};
+static_assert(std::size(kKinds) == SKYBODY_HEIGHT_FIELD + 1, "a row for each kind of abi.h");
 
 Kind kind_of(const SkybodyShapeInfo& info) {
   const bool is_known = info.kind >= 0 && info.kind < static_cast<int>(std::size(kKinds));

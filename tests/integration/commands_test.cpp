@@ -86,7 +86,7 @@ TEST(Check, WarnsWhereTheStepIsLargerThanTheAuditSupports) {
   EXPECT_EQ(coarse.err,
             "--set stepping={dt: 0.01, integrator: semi_implicit_euler}: warning: `dt` is 0.01 s; "
             "the audit in docs/results/integrators.md "
-            "supports up to 0.001 s with `semi_implicit_euler` (errors below 4 mm and 0.25 degrees "
+            "supports up to 0.001 s with `semi_implicit_euler` (errors below 8 mm and 0.5 degrees "
             "after a second of flight): take a smaller one, or the default integrator with at most "
             "0.004 s\n");
   const Outcome fine = run_skybody({"check", kHover, "--set", "stepping.dt=0.004"});

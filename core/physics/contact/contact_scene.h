@@ -27,6 +27,10 @@ inline constexpr double kContactShare = 0.25;
 /// The most places that a form has.
 inline constexpr int kMostPlaces = 18;
 
+/// The most places where two solids touch, in a pack whose lanes touch in all ways: of a box on a
+/// height field, 12 edges of 8 parts; 18 points, 2 rims and 8 peaks.
+inline constexpr int kMostMeetPlaces = 12 * 8 + 18 + 2 + 8;
+
 /// That of a box, a cylinder, a sphere or a capsule.
 const ContactForm& contact_form(ShapeType type);
 
@@ -54,10 +58,10 @@ struct GroundPoint {
 struct ContactBody {
   int body = 0;  ///< world body index
   int robot = 0;
-  int first_solid = 0, last_solid = 0;      ///< of ContactScene::solids, one beyond the last
-  Vec3<double> center{0.0, 0.0, 0.0};       ///< of the sphere, in the body's frame [m]
-  double radius = 0.0;                      ///< [m]
-  double give = 0.0;                        ///< give_of() of its thinnest solid [m]
+  int first_solid = 0, last_solid = 0;  ///< of ContactScene::solids, one beyond the last
+  Vec3<double> center{0.0, 0.0, 0.0};   ///< of the sphere, in the body's frame [m]
+  double radius = 0.0;                  ///< [m]
+  double give = 0.0;  ///< give_of() of its thinnest solid, for checks of starts [m]
   int first_bristle = 0, last_bristle = 0;  ///< one beyond the last
   std::vector<GroundPoint> points;          ///< of all its solids, without the rims
   std::vector<GroundRim> rims;              ///< of all its cylinders
@@ -91,9 +95,11 @@ struct ContactScene {
   std::vector<ContactSolid> solids;     ///< of the bodies
   std::vector<ContactSolid> obstacles;  ///< of the scenario's obstacles, one after another
   std::vector<int> obstacle_owners;     ///< for each of these: the scenario's obstacle
-  std::vector<Meeting> meetings;        ///< bodies of one robot do not meet
-  bool has_idle = false;                ///< there are meetings of which forces move nothing
-  int most_near = 0;                    ///< pairs of a body and the ground, or of two solids
+  /// Bodies of one robot do not meet. Those of a body with obstacles follow one another.
+  std::vector<Meeting> meetings;
+  bool has_idle = false;              ///< there are meetings of which forces move nothing
+  int most_near = 0;                  ///< pairs of a body and the ground, or of two solids
+  int most_places = kMostMeetPlaces;  ///< of a body with the ground, or of two solids
 };
 
 /// |g| for contact stiffness [m/s^2]: the scenario's, or 9.81 where it has no gravity.

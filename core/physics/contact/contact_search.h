@@ -31,7 +31,7 @@ class ContactSearch {
       w_.bounds[i] = bound_about_origin(scene_.bodies[i], motion);
     }
     MaskOf<Real> is_near(false);
-    int looked_at = -1;  // of the bodies, whose meetings follow one another
+    int looked_at = -1;  // the body whose clearance is known; its meetings are contiguous
     bool is_clear = false;
     for (const Meeting& meeting : scene_.meetings) {
       if (!meeting.moves) continue;
@@ -73,36 +73,35 @@ class ContactSearch {
     bound(motion);
     MaskOf<Real> is_near(false);
     near_count_ = 0;
-    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = false;
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = MaskOf<Real>(false);
     parts_ = Real(1.0);
-    int looked_at = -1;  // of the bodies, whose meetings follow one another
-    bool is_clear = false;
+    int looked_at = -1;       // the body whose clearance is known; its meetings are contiguous
+    MaskOf<Real> may(false);  // lanes where an obstacle may be near it
     for (const Meeting& meeting : scene_.meetings) {
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
+      MaskOf<Real> here = wanted;
       if (clearances != nullptr && is_obstacle(meeting.other)) {
         if (meeting.body != looked_at) {
           looked_at = meeting.body;
           const ContactBody& body = scene_.bodies[static_cast<std::size_t>(looked_at)];
-          is_clear =
-              all(logical_or(logical_not(wanted),
-                             is_clear_of(bound_about_origin(body, motion), clearances[looked_at])));
+          may = logical_and(wanted, logical_not(is_clear_of(bound_about_origin(body, motion),
+                                                            clearances[looked_at])));
         }
-        if (is_clear) continue;
+        here = may;
+        if (none(here)) continue;
       }
-      const auto within =
-          logical_and(wanted, meeting.other == kGround ? is_near_ground(meeting, bound, motion)
-                                                       : is_within(meeting, bound));
-      if (none(within)) continue;
-      MaskOf<Real> here = within;
+      here = logical_and(here, meeting.other == kGround ? is_near_ground(meeting, bound, motion)
+                                                        : is_within(meeting, bound));
+      if (none(here)) continue;
       if (meeting.other == kGround) {
-        add_pair(meeting, 0, 0, within, Real(kInfinity));
+        add_pair(meeting, 0, 0, here, Real(kInfinity));
       } else {
-        here = near_solids(meeting, within, motion);
+        here = near_solids(meeting, here, motion);
         if (none(here)) continue;
       }
       is_near |= here;
-      w_.is_body_near[meeting.body] = true;
-      if (meeting.other >= 0) w_.is_body_near[meeting.other] = true;
+      w_.is_body_near[meeting.body] |= here;
+      if (meeting.other >= 0) w_.is_body_near[meeting.other] |= here;
     }
     return is_near;
   }
@@ -186,7 +185,7 @@ class ContactSearch {
       const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
                                beyond_top(meeting, local.z, half.z)};
       const Real reach = bound.radius + c[kSolidRounding];
-      return logical_and(reach > 0.0, dot(outside, outside) < reach * reach);
+      return may & logical_and(reach > 0.0, dot(outside, outside) < reach * reach);
     }
     const BodyBound<Real>& other = w_.bounds[meeting.other];
     const Vec3<Real> apart = bound.center - other.center;
@@ -218,18 +217,20 @@ class ContactSearch {
     if (meeting.other >= 0) way += dt() * w_.bounds[meeting.other].speed;
     MaskOf<Real> is_near(false);
     each_two_solids(meeting, motion,
-                    [&](int s, int t, const Solid<Real>& solid,
-                        const Solid<Real>& other) SKYBODY_INLINE_LAMBDA {
-                      const auto here = logical_and(within, is_close(scene_.solids[static_cast<std::size_t>(s)], solid, other, way + kMargin));
-                      if (none(here)) return;
-                      is_near |= here;
-                      const Real least = min(give_of(solid.half, solid.rounding),
-                                             give_of(other.half, other.rounding));
-                      const Real give = meeting.is_endless ? Real(kInfinity) : least;
-                      add_pair(meeting, s, t, here, give);
-                      // What is stopped must not have passed.
-                      ask_for(2.0 * way / give, here);
-                    });
+                    [&](int s, int t, const Solid<Real>& solid, const Solid<Real>& other)
+                        SKYBODY_INLINE_LAMBDA {
+                          const ContactSolid& model = scene_.solids[static_cast<std::size_t>(s)];
+                          const auto here =
+                              logical_and(within, is_close(model, solid, other, way + kMargin));
+                          if (none(here)) return;
+                          is_near |= here;
+                          const Real least = min(give_of(solid.half, solid.rounding),
+                                                 give_of(other.half, other.rounding));
+                          const Real give = meeting.is_endless ? Real(kInfinity) : least;
+                          add_pair(meeting, s, t, here, give);
+                          // What is stopped must not have passed.
+                          ask_for(2.0 * way / give, here);
+                        });
     return is_near;
   }
 
@@ -270,9 +271,12 @@ class ContactSearch {
   }
 
   static SKYBODY_INLINE Solid<Real> solid_of(const ContactSolid& solid, const Motion& m) {
-    return {solid.type, m.position + m.axes * to_real<Real>(solid.pose.position),
-            m.axes * to_mat3(to_real<Real>(solid.pose.rotation)), to_real<Real>(solid.half),
-            Real(solid.rounding), solid.heights};
+    return {solid.type,
+            m.position + m.axes * to_real<Real>(solid.pose.position),
+            m.axes * to_mat3(to_real<Real>(solid.pose.rotation)),
+            to_real<Real>(solid.half),
+            Real(solid.rounding),
+            solid.heights};
   }
   /// Of the other body, or the obstacle.
   SKYBODY_INLINE Solid<Real> other_solid(const Meeting& meeting, int t,
@@ -282,8 +286,12 @@ class ContactSearch {
     }
     const Values c = obstacle_constants(meeting.other);
     const ContactSolid& model = scene_.obstacles[static_cast<std::size_t>(t)];
-    return {model.type, load_vec3(c + kSolidPosition), load_axes(c), load_vec3(c + kSolidHalf),
-            Real(c[kSolidRounding]), model.heights};
+    return {model.type,
+            load_vec3(c + kSolidPosition),
+            load_axes(c),
+            load_vec3(c + kSolidHalf),
+            Real(c[kSolidRounding]),
+            model.heights};
   }
 
   /// How far a coordinate lies beyond an edge; NaN stays NaN.

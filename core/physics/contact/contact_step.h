@@ -49,7 +49,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// @param mean       the same with mean velocities of the part, as far as they are known
   /// @param step       of the part [s]
   /// @param is_active  lanes where anything acts
-  /// @param is_again   the bodies are where they were at the last call: so are the places
+  /// @param is_again   positions are as at the last call, so its places are used again
   /// @param list       list(meeting, point, Touch, force, lanes) of each contact
   template <class List = NoContactList>
   SKYBODY_INLINE void act(const Motion* motion, const Motion* mean, const Real& step,
@@ -74,10 +74,16 @@ class ContactStep : public ContactSearch<Real, Values> {
   /// The part is over: bristles are where its last act() has bent them, in the lanes of a mask.
   SKYBODY_INLINE void bend(const MaskOf<Real>& is_active) const {
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
-    each_busy_bristle([&](int i) SKYBODY_INLINE_LAMBDA {
-      const Vec3<Real> bent = select(w_.is_bent[i], w_.bent[i], zero);
-      w_.bristles[i] = select(is_active, bent, w_.bristles[i]);
-    });
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+      // Of a body that is near nothing they stay, whatever it does in other lanes.
+      const auto here = logical_and(is_active, w_.is_body_near[b]);
+      if (none(here)) continue;
+      for (int i = scene_.bodies[b].first_bristle; i < scene_.bodies[b].last_bristle; ++i) {
+        if (w_.is_idle[i]) continue;
+        const Vec3<Real> bent = select(w_.is_bent[i], w_.bent[i], zero);
+        w_.bristles[i] = select(here, bent, w_.bristles[i]);
+      }
+    }
   }
 
   /// The bristles of all bodies that are near something. @param load  load(i) fills bristle i
@@ -103,7 +109,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   template <class F>
   SKYBODY_INLINE void each_near_bristle(const F& f) const {
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-      if (!w_.is_body_near[b]) continue;
+      if (none(w_.is_body_near[b])) continue;
       for (int i = scene_.bodies[b].first_bristle; i < scene_.bodies[b].last_bristle; ++i) f(i);
     }
   }
@@ -111,7 +117,6 @@ class ContactStep : public ContactSearch<Real, Values> {
  private:
   using Search::ask_for;
   using Search::dt;
-  using Search::each_two_solids;
   using Search::is_close;
   using Search::near_count_;
   using Search::other_body;
@@ -144,7 +149,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
     const Real damping = 1.5 * Real(constants_[kDissipation]) * (rigidity * reach);
     Real parts = max(phase * (1.0 / kLargestPhase), dt() * (damping * pair.per_mass));
-    if (pair.meeting->other != kGround) {
+    if (!pair.meeting->is_endless) {
       // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
       const Real& give = pair.give;
       const Real held = (0.8 * kContactShare * stiffness) * ((give * give) * sqrt(give));
@@ -161,7 +166,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   SKYBODY_INLINE int find_places(const Part& part, int next, const MaskOf<Real>& is_active) {
     Manifold<Real> found{w_.places};
     if (next > 0) are_places_kept_ = false;
-    for (; next < near_count_ && found.count <= kKeptPlaces - Manifold<Real>::kMost; ++next) {
+    for (; next < near_count_ && found.count <= kKeptPlaces; ++next) {
       NearPair<Real>& pair = w_.near[next];
       const auto here = logical_and(is_active, pair.lanes);
       if (none(here)) continue;
@@ -195,9 +200,10 @@ class ContactStep : public ContactSearch<Real, Values> {
                 up, -z, point.bristle, touches);
     }
     for (const GroundRim& rim : body.rims) {
-      if (none(m.position.z + lowest_of_rim(rim, m.axes.row(2)) < 0.0)) continue;
+      const auto may = logical_and(here, m.position.z + lowest_of_rim(rim, m.axes.row(2)) < 0.0);
+      if (none(may)) continue;
       each_ground_place(rim, m, [&](const Vec3<Real>& place, int bristle) SKYBODY_INLINE_LAMBDA {
-        found.add(place, up, -place.z, bristle, logical_and(here, place.z < 0.0));
+        found.add(place, up, -place.z, bristle, logical_and(may, place.z < 0.0));
       });
     }
   }
@@ -235,7 +241,7 @@ class ContactStep : public ContactSearch<Real, Values> {
                         pair.most_damping};
     if (!part.is_again) ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
     Real push = normal_force(t, meeting.law.stiffness, Real(constants_[kDissipation]));
-    if (meeting.other != kGround) stop(pair, part, point, t, other, touches, push);
+    if (!meeting.is_endless) stop(pair, part, point, t, other, touches, push);
     const Real most = constants_[kFriction] * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     Vec3<Real> force = out * push + friction(t, meeting.law, most, place.bristle, touches);

@@ -53,8 +53,8 @@ struct ContactWork {
   bool* is_idle = nullptr;             ///< per bristle: all lanes have words of 0, untouched so far
   MaskOf<Real>* is_touched = nullptr;  ///< per body of the world: since begin()
   NearPair<Real>* near = nullptr;      ///< things that are near each other
-  bool* is_body_near = nullptr;        ///< per contact body: any of these pairs is its own
-  Place<Real>* places = nullptr;       ///< kKeptPlaces: where they touch
+  MaskOf<Real>* is_body_near = nullptr;  ///< per contact body: the lanes where any of these is its
+  Place<Real>* places = nullptr;  ///< where they touch: kKeptPlaces, and room for one pair more
 };
 
 /// Takes nothing down.

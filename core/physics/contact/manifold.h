@@ -19,12 +19,9 @@ struct Place {
   int pair;     ///< whose place it is: of ContactWork::near; set by who asked for it
 };
 
-/// Places where two solids touch, added to a list with room for kMost.
+/// Places where things touch, added to a list with room for them (ContactScene::most_places).
 template <class Real>
 struct Manifold {
-  /// Of a box on a height field in a pack whose lanes touch in all ways: 12 edges of 8 parts, each
-  /// with up to 3 places; 18 points, 2 rims and 8 peaks.
-  static constexpr int kMost = 12 * 8 * 3 + 18 + 2 + 8;
   Place<Real>* places;
   int count = 0;
 
@@ -35,8 +32,8 @@ struct Manifold {
   }
 };
 
-/// Places that are kept between the two passes of a part; with more of them they are found again.
-inline constexpr int kKeptPlaces = 512;
+/// With more places than so many, those of a part are found again for its second pass.
+inline constexpr int kKeptPlaces = 256;
 
 /// What to find the places of.
 template <class Real>

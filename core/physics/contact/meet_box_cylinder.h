@@ -108,7 +108,7 @@ class BoxAndCylinder {
       const Real square = along.x * along.x + along.y * along.y;
       const Real moment = corners_.x[i] * along.y - corners_.y[i] * along.x;
       const auto passes = logical_and(
-          moment * moment < disc_ * square,
+          moment * moment <= disc_ * square,
           min(abs(corners_.z[i]), abs(corners_.z[k])) < cylinder_.half.z + abs(along.z));
       const auto at_side = logical_and(is_side, passes), at_end = logical_and(is_end, passes);
       if (!none(at_side)) add_edge_at_side(e, i, k, along, square, at_side, out);

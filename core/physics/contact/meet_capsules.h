@@ -50,7 +50,7 @@ SKYBODY_INLINE void meet_capsules(const ContactSolid& model_a, const Solid<Real>
   const Vec3<Real> start = a.place({0.0, 0.0, -1.0}), along = a.place({0.0, 0.0, 1.0}) - start;
   const EdgeDepth<Real> d = edge_depth(b, b.to_local(start), b.to_local(start + along));
   const Vec3<Real> p = start + along * d.share;
-  // What ends are in is theirs, so that nothing jumps where the crossing comes to one.
+  // The depth of the ends is subtracted, so that nothing jumps where the crossing comes to one.
   const Real depth = (a.rounding - d.distance) - deepest;
   const auto is_crossing = logical_and(d.is_between, abs(b.to_local(p).z) < b.half.z);
   const Vec3<Real> way = b.axes * d.normal;

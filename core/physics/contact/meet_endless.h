@@ -174,7 +174,7 @@ class FieldEdges {
   SKYBODY_INLINE void put_found() {
     if (none(found_.counts)) return;
     const Real& share = found_.share;
-    // What an edge's ends are in by themselves is theirs, near them.
+    // Near an end its depth is subtracted, so that an edge and its ends do not push twice.
     const auto of_end = [&](const Real& end, const Real& apart) SKYBODY_INLINE_LAMBDA {
       return max(thickness_ - end, Real(0.0)) * max(1.0 - kEdgeParts * apart, Real(0.0));
     };
@@ -325,7 +325,7 @@ SKYBODY_INLINE void meet_height_field(const ContactSolid& model, const Solid<Rea
                                       Manifold<Real>& out) {
   const auto is_there = logical_and(is_close, field.rounding > kNoSolid);
   if (none(is_there)) return;
-  static_assert(Manifold<Real>::kMost >= 8 + 12 * 8 + 8, "corners, parts of edges, peaks");
+  static_assert(kMostMeetPlaces >= 8 + 12 * 8 + 8, "corners, parts of edges, peaks");
   Real ends[kMostPlaces];
   add_points(model, a, field, 1.0, is_there, ends, out);
   FieldEdges<Real>(model, a, field, is_there, ends, out).add_all();

@@ -54,7 +54,8 @@ SKYBODY_INLINE void add_points(const ContactSolid& model, const Solid<Real>& a,
   if (model.type == ShapeType::kCylinder) add_rims(model, a, b, sign, is_close, out);
 }
 
-/// Edges of `a` across `b`. What an edge's ends are in by themselves is theirs.
+/// Edges of `a` across `b`. The depth of the deeper end is
+/// subtracted, so that an edge and its ends do not push twice.
 template <class Real>
 SKYBODY_INLINE void add_edges(const ContactSolid& model, const Solid<Real>& a, const Solid<Real>& b,
                               double sign, const MaskOf<Real>& is_close, const Real* ends,

@@ -75,10 +75,11 @@ struct CorrectionArrays {
     arena.take(has_opened, plan.couplings.joinings.size());
     arena.take(contact.is_bent, bristles);
     arena.take(contact.is_touched, bodies);
-    arena.take(contact.near, static_cast<std::size_t>(plan.contact.most_near));
-    arena.take(contact.places, plan.contact.most_near > 0 ? kKeptPlaces : 0);
-    arena.take(contact.is_idle, bristles);
     arena.take(contact.is_body_near, plan.contact.bodies.size());
+    arena.take(contact.near, static_cast<std::size_t>(plan.contact.most_near));
+    const int places = plan.contact.most_near > 0 ? kKeptPlaces + plan.contact.most_places : 0;
+    arena.take(contact.places, static_cast<std::size_t>(places));
+    arena.take(contact.is_idle, bristles);
     arena.take(is_robot_near, layout.robots.size());
     return arena.used;
   }
@@ -359,7 +360,7 @@ class ContactCorrection {
   SKYBODY_INLINE void find_near_robots() {
     for (std::size_t r = 0; r < plan_.world.layout.robots.size(); ++r) a_.is_robot_near[r] = false;
     for (std::size_t i = 0; i < plan_.contact.bodies.size(); ++i) {
-      a_.is_robot_near[plan_.contact.bodies[i].robot] |= a_.contact.is_body_near[i];
+      a_.is_robot_near[plan_.contact.bodies[i].robot] |= any(a_.contact.is_body_near[i]);
     }
     // All couplings of a lane are solved together: what is held takes part whole, wherever in the
     // pack something is near, so that a lane does what it does alone.

@@ -141,7 +141,7 @@ class GroupStepper {
   AlignedArray<double> spins_;       ///< per body: angular velocity (W), in lanes; unless the world
                                      ///< has free robots only
   AlignedArray<double> derived_;     ///< of all lanes; empty: none was ever drawn
-  AlignedArray<double> clearances_;  ///< StepCall's; empty where there is little to be clear of
+  AlignedArray<double> clearances_;  ///< StepCall's; empty with four solids of obstacles or fewer
   AlignedArray<double> made_from_;   ///< parameters, of known lanes
   std::uint32_t known_ = 0;          ///< lanes whose numbers follow from `made_from_`
   std::uint32_t drawn_ = 0;          ///< lanes whose parameters are not the nominal ones

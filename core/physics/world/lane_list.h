@@ -9,7 +9,8 @@
 
 namespace skybody {
 
-/// As many lanes as Real holds: a row of them, or any. A LanePlace for these.
+/// The lanes that one Real holds: neighbours, or any lanes of the group. It is used as a LanePlace
+/// is.
 template <class Real>
 class LaneList {
  public:
