@@ -48,9 +48,9 @@ class GroupWork {
   AlignedArray<std::uint64_t> request;  ///< counters of requested draws, 1 per lane
   std::vector<Contact> contacts;        ///< of one lane
   std::vector<SpatialForce<double>> joint_reactions;  ///< of one lane, one per body
-  std::vector<std::uint8_t*> image_rows;  ///< for Rows::images, one per image of the observation
-  AlignedArray<std::uint64_t> undrawn;    ///< words that a reset's draws change, before them, in
-                                        ///< lanes; empty: no start is drawn again
+  std::vector<std::uint8_t*> image_rows;     ///< for Rows::images, one per image of the observation
+  AlignedArray<std::uint64_t> undrawn;       ///< words that a reset's draws change, before them, in
+                                             ///< lanes; empty: no start is drawn again
   AlignedArray<std::uint64_t> start_status;  ///< of lanes of bad_start: the status bits, 1 per lane
   std::uint32_t bad_action = 0;              ///< lanes of the present transition with such a fault
   std::uint32_t bad_state = 0;               ///< likewise

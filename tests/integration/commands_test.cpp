@@ -67,7 +67,9 @@ TEST(Check, WarnsOfARobotThatBeginsInsideAnObstacleHoweverLarge) {
     const Outcome outcome = run_skybody(
         {"check", kHover, "--set", "randomization=[]", "--set", "obstacles=[" + box + "]"});
     EXPECT_EQ(outcome.exit_code, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("hover.yaml:5:5: warning: robot `quad` begins inside the obstacle `wall`, by "));
+    EXPECT_THAT(
+        outcome.err,
+        HasSubstr("hover.yaml:5:5: warning: robot `quad` begins inside the obstacle `wall`, by "));
   }
 }
 

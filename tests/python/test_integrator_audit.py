@@ -112,6 +112,7 @@ def test_skybody_check_warns_beyond_what_the_audit_found(audit):
     # What core/io/scenario_reader.cpp says of the largest steps that it does not warn of.
     for name, dt, position, angle in (
         ("semi_implicit_euler", 1e-3, 8e-3, 0.5),
+        ("midpoint", 4e-3, 1e-3, 0.1),
         ("rk4", 4e-3, 1e-3, 0.1),
         ("cvode adams", 4e-3, 1e-3, 0.1),
         ("cvode bdf", 4e-3, 1e-3, 0.1),
