@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/base/mat3.h"
 #include "core/model/gate.h"
+#include "core/physics/bodies/kinematics.h"
 #include "core/physics/contact/contact_scene.h"
 
 namespace skybody {
