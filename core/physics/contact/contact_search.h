@@ -22,9 +22,8 @@ class ContactSearch {
   /// Whether search() may find anything that moves: by spheres about the bodies' origins, so that
   /// nothing is to be turned.
   /// @param motion  of bodies with solids: position, velocity, spin
-  /// @param clearances  per contact body: what is known of its distance from obstacles, in the
-  /// lanes
-  ///                    of `wanted`; brought up to date. Null: nothing is kept
+  /// @param clearances  per contact body: what is known of its distance from obstacles, in
+  ///                    the lanes of `wanted`; brought up to date. Null: nothing is kept
   SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion, const MaskOf<Real>& wanted,
                                           Clearance<Real>* clearances) const {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {

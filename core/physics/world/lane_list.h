@@ -17,8 +17,9 @@ class LaneList {
   /// @param first  of a row of lanes
   explicit LaneList(int first) : first_(first), is_row_(true) {}
 
-  /// Takes the lowest lanes out of `lanes`, as many as Real holds at most; where they are fewer,
-  /// the last stands for the rest.
+  /// Takes the lowest lanes out of `lanes`, as many as Real holds at most. If fewer are left, the
+  /// last is repeated; repeated places are not in `taken` and never stored.
+  /// @param taken  written: the places that hold a lane, as bits
   static LaneList take(std::uint32_t& lanes, std::uint32_t& taken) {
     LaneList list(0);
     list.is_row_ = false;
@@ -35,7 +36,7 @@ class LaneList {
     return list;
   }
 
-  /// Of a row.
+  /// The first lane of a row; 0 of gathered lanes.
   int first() const { return first_; }
 
   /// Bits of its places as bits of the group's lanes.
