@@ -71,9 +71,7 @@ SKYBODY_INLINE void split(const Reals8& v, Reals4& low, Reals4& high) {
 }
 
 #ifdef __SSE2__
-/// Correctly rounded square roots by SSE2's sqrtpd, two lanes at a time. Wider forms have the same
-/// throughput per lane on every x86-64 so far, and an intrinsic of a wider set could not be used in
-/// code that is compiled for a lower one.
+/// Correctly rounded square roots.
 SKYBODY_INLINE void sqrt(const Reals2& v, Reals2& root) {
   root = reinterpret_cast<Reals2>(_mm_sqrt_pd(reinterpret_cast<__m128d>(v)));
 }
@@ -90,19 +88,15 @@ SKYBODY_INLINE std::uint32_t sign_bits(const Reals2& v) {
   return static_cast<std::uint32_t>(words[0] | words[1] << 1);
 }
 #endif
+// Compilers make one instruction of these where the function's set has it.
 SKYBODY_INLINE void sqrt(const Reals4& v, Reals4& root) {
-  Reals2 low, high;
-  split(v, low, high);
-  sqrt(low, low);
-  sqrt(high, high);
-  root = __builtin_shufflevector(low, high, 0, 1, 2, 3);
+  root = Reals4{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]),
+                __builtin_sqrt(v[3])};
 }
 SKYBODY_INLINE void sqrt(const Reals8& v, Reals8& root) {
-  Reals4 low, high;
-  split(v, low, high);
-  sqrt(low, low);
-  sqrt(high, high);
-  root = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+  root = Reals8{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]),
+                __builtin_sqrt(v[3]), __builtin_sqrt(v[4]), __builtin_sqrt(v[5]),
+                __builtin_sqrt(v[6]), __builtin_sqrt(v[7])};
 }
 
 SKYBODY_INLINE std::uint32_t sign_bits(const Reals4& v) {

@@ -71,6 +71,21 @@ SKYBODY_INLINE Real load_lanes(const double* p) {
   }
 }
 
+/// Reads kLanesOf<Real> doubles from places that need not be neighbours: lane i is p[places[i]].
+template <class Real>
+SKYBODY_INLINE Real gather_lanes(const double* p, const std::uint8_t* places) {
+  using Native = typename Real::Native;
+  // In registers: a vector that is loaded from what was stored lane by lane waits for the stores.
+  if constexpr (kLanesOf<Real> == 2) {
+    return Real(Native{p[places[0]], p[places[1]]});
+  } else if constexpr (kLanesOf<Real> == 4) {
+    return Real(Native{p[places[0]], p[places[1]], p[places[2]], p[places[3]]});
+  } else {
+    return Real(Native{p[places[0]], p[places[1]], p[places[2]], p[places[3]], p[places[4]],
+                       p[places[5]], p[places[6]], p[places[7]]});
+  }
+}
+
 /// Reads kLanesOf<Real> consecutive words.
 template <class Real>
 SKYBODY_INLINE Word<Real> load_words(const std::uint64_t* p) {

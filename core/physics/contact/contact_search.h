@@ -19,76 +19,78 @@ class ContactSearch {
                                const ContactWork<Real>& work)
       : scene_(scene), obstacles_(obstacles), w_(work) {}
 
-  /// Whether search() may find anything that moves: by spheres about the bodies' origins, so that
-  /// nothing is to be turned.
+  /// Finds the meetings that are near enough to touch within the step that begins: by spheres about
+  /// the bodies' origins, so that nothing is to be turned. Obstacles are left to measure() where
+  /// clearances are kept, and meetings in which nothing moves are left out.
   /// @param motion  of bodies with solids: position, velocity, spin
-  /// @param clearances  per contact body: what is known of its distance from obstacles, in
-  ///                    the lanes of `wanted`; brought up to date. Null: nothing is kept
-  SKYBODY_INLINE MaskOf<Real> may_be_near(const Motion* motion, const MaskOf<Real>& wanted,
-                                          Clearance<Real>* clearances) const {
-    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      w_.bounds[i] = bound_about_origin(scene_.bodies[i], motion);
-    }
-    MaskOf<Real> is_near(false);
-    int looked_at = -1;  // the body whose clearance is known; its meetings are contiguous
-    bool is_clear = false;
-    for (const Meeting& meeting : scene_.meetings) {
-      if (!meeting.moves) continue;
+  /// @param wanted  lanes to look at
+  /// @param clearances  per contact body; null: none are kept
+  /// @param found   found(m, lanes) of each meeting that is near
+  /// @returns the lanes that measure() is to look at
+  template <class Found>
+  SKYBODY_INLINE MaskOf<Real> find_near(const Motion* motion, const MaskOf<Real>& wanted,
+                                        const Clearance<Real>* clearances,
+                                        const Found& found) const {
+    bound_about_origins(motion);
+    MaskOf<Real> is_unclear(false);
+    each_moving_meeting([&](int m, const Meeting& meeting, bool is_first) SKYBODY_INLINE_LAMBDA {
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
       if (meeting.other == kGround) {
-        is_near |= bound.center.z < bound.radius;
-        continue;
+        found(m, logical_and(wanted, bound.center.z < bound.radius));
+      } else if (meeting.other >= 0) {
+        found(m, logical_and(wanted, is_within(meeting, bound)));
+      } else if (clearances == nullptr) {
+        found(m, logical_and(wanted, distance_of(meeting, bound.center) < bound.radius));
+      } else if (is_first) {
+        const auto is_clear = is_clear_of(bound, clearances[meeting.body]);
+        is_unclear |= logical_and(wanted, logical_not(is_clear));
       }
-      if (meeting.other >= 0) {
-        is_near |= is_within(meeting, bound);
-        continue;
-      }
-      if (clearances == nullptr) {
-        is_near |= distance_of(meeting, bound.center) < bound.radius;
-        continue;
-      }
+    });
+    return is_unclear;
+  }
+
+  /// The same of the obstacles, as find_near() asks for it.
+  /// @param clearances  brought up to date
+  template <class Found>
+  SKYBODY_INLINE void measure(const Motion* motion, const MaskOf<Real>& wanted,
+                              Clearance<Real>* clearances, const Found& found) const {
+    bound_about_origins(motion);
+    MaskOf<Real> is_clear(true);  // of all obstacles: the body of the meetings that come
+    each_moving_meeting([&](int m, const Meeting& meeting, bool is_first) SKYBODY_INLINE_LAMBDA {
+      if (!is_obstacle(meeting.other)) return;
+      const BodyBound<Real>& bound = w_.bounds[meeting.body];
       Clearance<Real>& clearance = clearances[meeting.body];
-      if (meeting.body != looked_at) {
-        looked_at = meeting.body;
-        is_clear = all(logical_or(logical_not(wanted), is_clear_of(bound, clearance)));
-        if (!is_clear) clearance = {bound.center, Real(kInfinity)};
+      if (is_first) {
+        is_clear = is_clear_of(bound, clearance);
+        clearance.at = select(is_clear, clearance.at, bound.center);
+        clearance.distance = select(is_clear, clearance.distance, Real(kInfinity));
       }
-      if (is_clear || none(may_be_within(meeting, bound.center, clearance.distance))) continue;
+      const auto may = logical_and(logical_not(is_clear),
+                                   may_be_within(meeting, bound.center, clearance.distance));
+      if (none(may)) return;
       const Real distance = distance_of(meeting, bound.center);
-      is_near |= distance < bound.radius;
-      clearance.distance = min(distance, clearance.distance);
-    }
-    return is_near;
+      found(m, logical_and(logical_and(wanted, may), distance < bound.radius));
+      clearance.distance = select(is_clear, clearance.distance, min(distance, clearance.distance));
+    });
   }
 
   /// Looks for what may touch within the step that begins. A motion that is not finite is near
   /// nothing.
   /// @param motion  of all bodies: position, axes, velocity, angular velocity
-  /// @param wanted  lanes to look at
-  /// @param clearances  as may_be_near() left them, or null
+  /// @param near_of  near_of(m): lanes to look at meeting m in
   /// @returns the lanes where anything may
-  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion, const MaskOf<Real>& wanted,
-                                     const Clearance<Real>* clearances) {
+  template <class NearOf>
+  SKYBODY_INLINE MaskOf<Real> search(const Motion* motion, const NearOf& near_of) {
     bound(motion);
     MaskOf<Real> is_near(false);
     near_count_ = 0;
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) w_.is_body_near[i] = MaskOf<Real>(false);
     parts_ = Real(1.0);
-    int looked_at = -1;       // the body whose clearance is known; its meetings are contiguous
-    MaskOf<Real> may(false);  // lanes where an obstacle may be near it
+    int m = -1;
     for (const Meeting& meeting : scene_.meetings) {
+      MaskOf<Real> here = near_of(++m);
+      if (none(here)) continue;
       const BodyBound<Real>& bound = w_.bounds[meeting.body];
-      MaskOf<Real> here = wanted;
-      if (clearances != nullptr && is_obstacle(meeting.other)) {
-        if (meeting.body != looked_at) {
-          looked_at = meeting.body;
-          const ContactBody& body = scene_.bodies[static_cast<std::size_t>(looked_at)];
-          may = logical_and(wanted, logical_not(is_clear_of(bound_about_origin(body, motion),
-                                                            clearances[looked_at])));
-        }
-        here = may;
-        if (none(here)) continue;
-      }
       here = logical_and(here, meeting.other == kGround ? is_near_ground(meeting, bound, motion)
                                                         : is_within(meeting, bound));
       if (none(here)) continue;
@@ -114,6 +116,20 @@ class ContactSearch {
     return scene_.bodies[static_cast<std::size_t>(meeting.other)];
   }
 
+  /// Calls f(m, meeting, is_first) of the meetings in which anything moves. Those of a body with
+  /// obstacles are contiguous; is_first: of the first of them.
+  template <class F>
+  SKYBODY_INLINE void each_moving_meeting(const F& f) const {
+    int m = -1, last = -1;
+    for (const Meeting& meeting : scene_.meetings) {
+      ++m;
+      if (!meeting.moves) continue;
+      const bool is_first = is_obstacle(meeting.other) && meeting.body != last;
+      if (is_first) last = meeting.body;
+      f(m, meeting, is_first);
+    }
+  }
+
   /// What acceleration adds to the way of a step: 2000 m/s^2 at 1 ms [m].
   static constexpr double kMargin = 1e-3;
 
@@ -129,6 +145,11 @@ class ContactSearch {
     }
   }
 
+  SKYBODY_INLINE void bound_about_origins(const Motion* motion) const {
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      w_.bounds[i] = bound_about_origin(scene_.bodies[i], motion);
+    }
+  }
   SKYBODY_INLINE BodyBound<Real> bound_about_origin(const ContactBody& body,
                                                     const Motion* motion) const {
     const Motion& m = motion[body.body];

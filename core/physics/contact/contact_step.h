@@ -24,12 +24,14 @@ class ContactStep : public ContactSearch<Real, Values> {
   using Motion = BodyKinematics<Real>;
 
   /// @param constants  the world's kWorldParamCount values
-  /// @param bodies     kBodyConstantCount values per body
+  /// @param bodies     kBodyConstantCount values per body; read by act() alone
   /// @param obstacles  kSolidConstantCount values per obstacle
-  SKYBODY_INLINE ContactStep(const ContactScene& scene, const Values& constants,
-                             const Values& bodies, const Values& obstacles,
-                             const ContactWork<Real>& work)
-      : Search(scene, obstacles, work), constants_(constants), bodies_(bodies) {}
+  SKYBODY_INLINE ContactStep(const ContactScene& scene, const Values& constants, const Real* bodies,
+                             const Values& obstacles, const ContactWork<Real>& work)
+      : Search(scene, obstacles, work),
+        bodies_(bodies),
+        friction_(constants[kFriction]),
+        dissipation_(constants[kDissipation]) {}
 
   /// Where things touch so quickly that it matters whether forces go by the velocity at a part's
   /// start or by its mean: known after act().
@@ -147,7 +149,7 @@ class ContactStep : public ContactSearch<Real, Values> {
     const double stiffness = pair.meeting->law.stiffness;
     const Real reach = depth + way, rigidity = stiffness * sqrt(reach);
     const Real phase = dt() * sqrt(1.5 * (rigidity * pair.per_mass));
-    const Real damping = 1.5 * Real(constants_[kDissipation]) * (rigidity * reach);
+    const Real damping = 1.5 * dissipation_ * (rigidity * reach);
     Real parts = max(phase * (1.0 / kLargestPhase), dt() * (damping * pair.per_mass));
     if (!pair.meeting->is_endless) {
       // Where the spring alone does not hold it: 0.4 k x^2.5 < m v^2 / 2.
@@ -240,9 +242,9 @@ class ContactStep : public ContactSearch<Real, Values> {
                         part.step,
                         pair.most_damping};
     if (!part.is_again) ask_for_parts(pair, place.depth, abs(dot(out, velocity)), touches);
-    Real push = normal_force(t, meeting.law.stiffness, Real(constants_[kDissipation]));
+    Real push = normal_force(t, meeting.law.stiffness, dissipation_);
     if (!meeting.is_endless) stop(pair, part, point, t, other, touches, push);
-    const Real most = constants_[kFriction] * push;
+    const Real most = friction_ * push;
     const Vec3<Real> zero = SpatialForce<Real>::zero().force;
     Vec3<Real> force = out * push + friction(t, meeting.law, most, place.bristle, touches);
     force = select(touches, force, zero);
@@ -299,7 +301,7 @@ class ContactStep : public ContactSearch<Real, Values> {
   SKYBODY_INLINE BodyKick<Real> response(const ContactBody& body, const Motion* motion,
                                          const Vec3<Real>& point, const Vec3<Real>& impulse) const {
     const Motion& m = motion[body.body];
-    const Values c = bodies_ + kBodyConstantCount * body.body;
+    const Real* c = bodies_ + kBodyConstantCount * body.body;
     const Vec3<Real> arm = point - m.position - m.axes * load_vec3(c + kBodyCom);
     const Vec3<Real> twist = transpose_times(m.axes, cross(arm, impulse));
     return {impulse * inverse_mass(body),
@@ -351,7 +353,8 @@ class ContactStep : public ContactSearch<Real, Values> {
     if (other >= 0) kick(other_body(meeting), part.motion, point, -impulse);
   }
 
-  Values constants_, bodies_;
+  const Real* bodies_;
+  Real friction_, dissipation_;
   MaskOf<Real> is_quick_{false};
   int place_count_ = 0;           ///< of ContactWork::places
   bool are_places_kept_ = false;  ///< they are all that the last act() found

@@ -15,85 +15,10 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "core/physics/contact/contact_step.h"
-#include "core/physics/coupling/couplings.h"
+#include "core/physics/step/correction_arrays.h"
 #include "core/physics/step/mechanics.h"
 
 namespace skybody {
-
-/// Work arrays of a correction.
-template <class Real>
-struct CorrectionArrays {
-  Coordinates<Real> before, now,
-      end;                   ///< at the part's start; now; as the step without contact has it
-  Real *smooth, *no_forces;  ///< per u
-  Real* rates;               ///< per u: of a part, first those that contacts alone make
-  Real* mean_u;
-  Vec3<Real>* pulls;         ///< per coupling: mean over the step so far
-  MaskOf<Real>* has_opened;  ///< per coupling: where a part of the step left its gap open
-  BodyKinematics<Real>*motion, *mean;
-  BodyKinematics<Real>* at_rest;  ///< the same places, without motion
-  ContactWork<Real> contact;
-  Clearance<Real>* clearances;  ///< per contact body
-  typename Forest::template Work<Real> forest;
-  CouplingWork<Real> couplings;
-  bool* is_robot_near;  ///< per robot: what is not is left out
-
-  SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
-    lay_out(plan, memory);
-  }
-  static std::size_t bytes(const StepPlan& plan) {
-    CorrectionArrays sizes;
-    return sizes.lay_out(plan, nullptr);
-  }
-
- private:
-  CorrectionArrays() = default;
-
-  SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
-    const Layout& layout = plan.world.layout;
-    const std::size_t bodies = plan.world.bodies.size();
-    const auto us = static_cast<std::size_t>(layout.u.size);
-    const auto bristles = static_cast<std::size_t>(layout.bristles.size / 3);
-    StepArena arena{memory};
-    for (Coordinates<Real>* c : {&before, &now, &end}) c->take_from(arena, plan);
-    for (Real** values : {&smooth, &rates, &mean_u, &no_forces}) arena.take(*values, us);
-    arena.take(motion, bodies);
-    arena.take(mean, bodies);
-    arena.take(at_rest, bodies);
-    arena.take(contact.bounds, plan.contact.bodies.size());
-    arena.take(clearances, plan.contact.bodies.size());
-    arena.take(contact.forces, bodies);
-    arena.take(contact.kicks, bodies);
-    arena.take(contact.bristles, bristles);
-    arena.take(contact.bent, bristles);
-    arena.take(forest.body, bodies);
-    arena.take(forest.ball, bodies);
-    arena.take(forest.acceleration, bodies);
-    couplings.take_from(arena, plan.couplings);
-    arena.take(pulls, plan.couplings.joinings.size());
-    arena.take(has_opened, plan.couplings.joinings.size());
-    arena.take(contact.is_bent, bristles);
-    arena.take(contact.is_touched, bodies);
-    arena.take(contact.is_body_near, plan.contact.bodies.size());
-    arena.take(contact.near, static_cast<std::size_t>(plan.contact.most_near));
-    const int places = plan.contact.most_near > 0 ? kKeptPlaces + plan.contact.most_places : 0;
-    arena.take(contact.places, static_cast<std::size_t>(places));
-    arena.take(contact.is_idle, bristles);
-    arena.take(is_robot_near, layout.robots.size());
-    return arena.used;
-  }
-};
-
-/// What forces on the bodies do to their accelerations, by the tree's algorithms.
-struct TreeResponse {
-  template <class Real, class Values>
-  SKYBODY_INLINE void operator()(const StepPlan& plan, const Values& bodies,
-                                 const CorrectionArrays<Real>& a) const {
-    plan.forest.accelerations(a.now.q, a.no_forces, a.at_rest, bodies, a.contact.forces,
-                              a.no_forces, a.forest, a.rates, a.is_robot_near);
-  }
-};
 
 /// @tparam Values    how parameters and what derives from them are read
 /// @tparam Response  what forces on the bodies do to their accelerations
@@ -108,6 +33,7 @@ class ContactCorrection {
         group_(*call.group),
         start_(call.start),
         clearances_(call.clearances),
+        near_(call.near),
         spins_(call.spins),
         lanes_(lanes),
         bodies_(derived + call.plan->derived.bodies),
@@ -115,24 +41,27 @@ class ContactCorrection {
         a_(*call.plan, call.scratch),
         params_(params),
         couplings_(plan_.couplings, plan_.forest, a_.couplings),
-        contact_(call.plan->contact, params + call.plan->world.layout.world_params, bodies_,
+        contact_(call.plan->contact, params + call.plan->world.layout.world_params, a_.bodies,
                  derived + call.plan->derived.obstacles, a_.contact) {}
 
-  /// Lanes of `mask` where something may touch within the step that begins.
-  SKYBODY_INLINE MaskOf<Real> is_near(const MaskOf<Real>& mask) {
-    for (const ContactBody& body : plan_.contact.bodies) {
-      Real b[13];
-      lanes_.load(lanes_.block(group_.bodies, 13 * body.body), 13, b);
-      BodyKinematics<Real>& m = a_.motion[body.body];
-      m.position = load_vec3(b);
-      m.velocity = load_vec3(b + 7);
-      m.spin = load_vec3(b + 10);
-    }
+  /// Finds what may touch within the step that begins, in the lanes of `mask`.
+  /// @param is_unclear  written: those whose obstacles are to be measured
+  /// @returns lanes where something else is near
+  SKYBODY_INLINE MaskOf<Real> find_near(const MaskOf<Real>& mask, MaskOf<Real>& is_unclear) {
+    load_motion();
+    MaskOf<Real> is_near(false);
+    is_unclear = contact_.find_near(a_.motion, mask, load_clearances(), take_down(is_near));
+    return is_near;
+  }
+
+  /// Finds the obstacles that may be touched.
+  /// @returns lanes where one is near
+  SKYBODY_INLINE MaskOf<Real> measure(const MaskOf<Real>& mask) {
+    load_motion();
+    MaskOf<Real> is_near(false);
     Clearance<Real>* const known = load_clearances();
-    const MaskOf<Real> is_near = contact_.may_be_near(a_.motion, mask, known);
-    if (known != nullptr) {
-      lanes_.store(reinterpret_cast<const Real*>(known), clearance_count(), mask, clearances_);
-    }
+    contact_.measure(a_.motion, mask, known, take_down(is_near));
+    lanes_.store(reinterpret_cast<const Real*>(known), clearance_count(), mask, clearances_);
     return is_near;
   }
 
@@ -142,8 +71,12 @@ class ContactCorrection {
     load(group_.q, group_.u, a_.end);
     start();
     forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    const MaskOf<Real> is_near = contact_.search(a_.motion, mask, load_clearances());
+    const MaskOf<Real> is_near = contact_.search(a_.motion, [&](int m) SKYBODY_INLINE_LAMBDA {
+      if (near_[m] == 0) return MaskOf<Real>(false);
+      return logical_and(mask, mask_from_bits<Real>(lanes_.of_group(near_[m])));
+    });
     find_near_robots();
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA { load_bodies(robot); });
     load_bristles();
     const double rate = 1.0 / dt();
     for (int i = 0; i < u_count(); ++i) {
@@ -165,7 +98,8 @@ class ContactCorrection {
   SKYBODY_INLINE void each_contact(const List& list) {
     load(group_.q, group_.u, a_.now);
     forward_kinematics(tree(), a_.now.q, a_.now.u, a_.motion);
-    contact_.search(a_.motion, MaskOf<Real>(true), nullptr);
+    contact_.search(a_.motion, [](int) SKYBODY_INLINE_LAMBDA { return MaskOf<Real>(true); });
+    for (const RobotLayout& robot : plan_.world.layout.robots) load_bodies(robot);
     load_bristles();
     contact_.begin();
     contact_.act(a_.motion, a_.motion, Real(0.0), MaskOf<Real>(true), false, list);
@@ -178,6 +112,25 @@ class ContactCorrection {
   const std::vector<TreeBody>& tree() const { return plan_.forest.bodies(); }
   int u_count() const { return a_.now.u_count; }
 
+  SKYBODY_INLINE void load_motion() const {
+    for (const ContactBody& body : plan_.contact.bodies) {
+      Real b[13];
+      lanes_.load(lanes_.block(group_.bodies, 13 * body.body), 13, b);
+      BodyKinematics<Real>& m = a_.motion[body.body];
+      m.position = load_vec3(b);
+      m.velocity = load_vec3(b + 7);
+      m.spin = load_vec3(b + 10);
+    }
+  }
+  /// @param is_near  gets the lanes of all meetings
+  SKYBODY_INLINE auto take_down(MaskOf<Real>& is_near) const {
+    return [this, &is_near](int m, const MaskOf<Real>& here) SKYBODY_INLINE_LAMBDA {
+      if (none(here)) return;
+      is_near |= here;
+      near_[m] |= lanes_.in_group(bits_from_mask(here));
+    };
+  }
+
   int clearance_count() const { return 4 * static_cast<int>(plan_.contact.bodies.size()); }
   SKYBODY_INLINE Clearance<Real>* load_clearances() const {
     if (clearances_ == nullptr) return nullptr;
@@ -187,6 +140,12 @@ class ContactCorrection {
   SKYBODY_INLINE void load(const double* q, const double* u, const Coordinates<Real>& to) const {
     lanes_.load(q, to.q_count, to.q);
     lanes_.load(u, to.u_count, to.u);
+  }
+  SKYBODY_INLINE void load_bodies(const RobotLayout& robot) const {
+    const int first = kBodyConstantCount * robot.first_body;
+    for (int k = first; k < first + kBodyConstantCount * robot.body_count; ++k) {
+      a_.bodies[k] = bodies_[k];
+    }
   }
   SKYBODY_INLINE void load_bristles() const {
     contact_.take_bristles([&](int i) SKYBODY_INLINE_LAMBDA {
@@ -227,15 +186,27 @@ class ContactCorrection {
       begin_part(half);
       if (!push(step, parts, is_active)) {  // what touches asks for more: begin again with them
         parts = contact_.parts();
-        start();
-        load_bristles();
-        forget_couplings();
+        begin_again(p == 0);
         p = -1;
         continue;
       }
       contact_.bend(is_active);
       end_part(step, half, is_active);
     }
+  }
+
+  /// @param is_first  the first part of the step is not over: nothing but coordinates has changed
+  SKYBODY_INLINE void begin_again(bool is_first) {
+    if (!is_first) {
+      start();
+      load_bristles();
+      forget_couplings();
+      return;
+    }
+    contact_.begin();
+    each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
+      each_coordinate(robot, [&](int i) SKYBODY_INLINE_LAMBDA { a_.now.q[i] = a_.before.q[i]; });
+    });
   }
 
   /// Half a part of the coordinates, and the motion there.
@@ -261,7 +232,7 @@ class ContactCorrection {
     for (int pass = 0; pass < 2; ++pass) {
       contact_.act(a_.motion, mean, step, is_active, pass == 1);
       if (any(contact_.parts() > parts)) return false;
-      response_(plan_, bodies_, a_);
+      response_(plan_, a_);
       each_near_robot([&](const RobotLayout& robot) SKYBODY_INLINE_LAMBDA {
         for (int i = robot.first_u; i < robot.first_u + robot.u_count; ++i) {
           a_.rates[i] = a_.smooth[i] + a_.rates[i];
@@ -458,6 +429,7 @@ class ContactCorrection {
   const GroupBlocks& group_;
   StepStart start_;
   double* clearances_;
+  std::uint32_t* near_;
   double* spins_;
   Lanes lanes_;
   Values bodies_;

@@ -6,21 +6,6 @@
 namespace skybody {
 namespace {
 
-struct FindNear {
-  template <int W>
-  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    using Real = RealOf<W>;
-    return for_packs<W, false>(
-        call, lanes,
-        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
-            SKYBODY_INLINE_LAMBDA {
-              using Values = std::decay_t<decltype(params)>;
-              ContactCorrection<Real, Values> correction(call, first, params, derived);
-              return bits_from_mask(correction.is_near(mask_from_bits<Real>(bits))) & bits;
-            });
-  }
-};
-
 /// Calls f(list, bits) for lists of lanes that hold all of `lanes`: the packs that they lie in, or
 /// lanes gathered from all over the group where these are fewer lists.
 /// @returns what f returns for each list, together: bit i is lane i of the group
@@ -47,29 +32,68 @@ SKYBODY_INLINE std::uint32_t each_list(std::uint32_t lanes, const F& f) {
   return result;
 }
 
+/// Calls f(list, bits, params, derived) for such lists, as for_packs() does.
+template <int W, class F>
+SKYBODY_INLINE std::uint32_t for_lists(const StepCall& call, std::uint32_t lanes, const F& f) {
+  using Real = RealOf<W>;
+  if (call.derived == nullptr) {
+    const SharedValues<Real> params(call.plan->shared_params.data());
+    const SharedValues<Real> derived(call.plan->shared_derived.data());
+    return each_list<W>(lanes,
+                        [&](const LaneList<Real>& list, std::uint32_t bits)
+                            SKYBODY_INLINE_LAMBDA { return f(list, bits, params, derived); });
+  }
+  return each_list<W>(lanes,
+                      [&](const LaneList<Real>& list, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
+                        return f(list, bits, ListedValues<Real>(call.group->params, list),
+                                 ListedValues<Real>(call.derived, list));
+                      });
+}
+
+template <class Real, class Values>
+using ListCorrection = ContactCorrection<Real, Values, TreeResponse, LaneList<Real>>;
+
+struct FindNear {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
+    using Real = RealOf<W>;
+    std::uint32_t unclear = 0;
+    const std::uint32_t near = for_packs<W, false>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              ContactCorrection<Real, Values> correction(call, first, params, derived);
+              MaskOf<Real> is_unclear;
+              const auto is_near = correction.find_near(mask_from_bits<Real>(bits), is_unclear);
+              unclear |= (bits_from_mask(is_unclear) & bits) << first;
+              return bits_from_mask(is_near) & bits;
+            });
+    if (unclear == 0) return near;
+    return near |
+           for_lists<W>(call, unclear,
+                        [&](const LaneList<Real>& list, std::uint32_t bits, const auto& params,
+                            const auto& derived) SKYBODY_INLINE_LAMBDA {
+                          using Values = std::decay_t<decltype(params)>;
+                          ListCorrection<Real, Values> correction(call, list, params, derived);
+                          const auto mask = mask_from_bits<Real>(bits);
+                          return bits_from_mask(correction.measure(mask)) & bits;
+                        });
+  }
+};
+
 struct Correct {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
     using Real = RealOf<W>;
-    const auto correct = [&](const LaneList<Real>& list, std::uint32_t bits, const auto& params,
-                             const auto& derived) SKYBODY_INLINE_LAMBDA {
-      using Values = std::decay_t<decltype(params)>;
-      ContactCorrection<Real, Values, TreeResponse, LaneList<Real>> correction(call, list, params,
-                                                                               derived);
-      return bits_from_mask(correction.correct(mask_from_bits<Real>(bits))) & bits;
-    };
-    if (call.derived == nullptr) {
-      const SharedValues<Real> params(call.plan->shared_params.data());
-      const SharedValues<Real> derived(call.plan->shared_derived.data());
-      return each_list<W>(
-          lanes, [&](const LaneList<Real>& list, std::uint32_t bits)
-                     SKYBODY_INLINE_LAMBDA { return correct(list, bits, params, derived); });
-    }
-    return each_list<W>(lanes,
-                        [&](const LaneList<Real>& list, std::uint32_t bits) SKYBODY_INLINE_LAMBDA {
-                          return correct(list, bits, ListedValues<Real>(call.group->params, list),
-                                         ListedValues<Real>(call.derived, list));
-                        });
+    return for_lists<W>(
+        call, lanes,
+        [&](const LaneList<Real>& list, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              ListCorrection<Real, Values> correction(call, list, params, derived);
+              return bits_from_mask(correction.correct(mask_from_bits<Real>(bits))) & bits;
+            });
   }
 };
 

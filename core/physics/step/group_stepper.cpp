@@ -4,6 +4,7 @@
 // been taken (contact_correction.h).
 #include "core/physics/step/group_stepper.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -17,7 +18,10 @@ namespace skybody {
 /// The lanes of a group one at a time.
 class GroupStepper::Alone {
  public:
-  Alone(const StepPlan& plan, int lanes) : plan_(plan), steppers_(static_cast<std::size_t>(lanes)) {
+  Alone(const StepPlan& plan, int lanes)
+      : plan_(plan),
+        steppers_(static_cast<std::size_t>(lanes)),
+        near_(plan.contact.meetings.size()) {
     const Layout& layout = plan.world.layout;
     int total = plan.derived.size + layout.q.size + layout.u.size;
     for (const StateBlock& b : kStateBlocks) total += (layout.*b.place).size;
@@ -87,6 +91,8 @@ class GroupStepper::Alone {
       call.start = {copy(all.start.q, layout.q.size), copy(all.start.u, layout.u.size)};
     }
     one_.bodies = next;
+    call.near = near_.data();
+    for (std::size_t m = 0; m < near_.size(); ++m) near_[m] = all.near[m] >> lane & 1u;
     return call;
   }
   void give(const StepCall& all, int lane) const {
@@ -101,14 +107,15 @@ class GroupStepper::Alone {
   const StepPlan& plan_;
   std::vector<std::unique_ptr<LaneStepper>> steppers_;
   std::vector<double> values_;  ///< that `one_` points into
+  std::vector<std::uint32_t> near_;
   GroupBlocks one_;
 };
 
 GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
     : plan_(plan),
       lanes_(lanes),
-      spins_(plan.free_robots ? 0
-                              : 3 * plan.world.bodies.size() * static_cast<std::size_t>(lanes)) {
+      spins_(plan.free_robots ? 0 : 3 * plan.world.bodies.size() * static_cast<std::size_t>(lanes)),
+      near_meetings_(plan.contact.meetings.size()) {
   SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()),
                  "a group has 1 or 32 lanes");
   if (plan.has_held) make_derived();  // its kernels read each lane's own
@@ -126,6 +133,7 @@ StepCall GroupStepper::call(const GroupBlocks& group, PhysicsScratch& scratch) {
   StepCall all{&plan_, &group, spins_.data(), is_shared ? nullptr : derived_.data(),
                scratch.data()};
   if (clearances_.size() > 0) all.clearances = clearances_.data();
+  all.near = near_meetings_.data();
   return all;
 }
 
@@ -173,6 +181,7 @@ std::uint32_t GroupStepper::advance_alone(const StepCall& all, std::uint32_t lan
 /// The lanes where something may touch within the step that begins.
 std::uint32_t GroupStepper::find_near(const StepCall& all, std::uint32_t lanes) const {
   if (plan_.contact.meetings.empty() || lanes == 0) return 0;
+  std::fill_n(all.near, plan_.contact.meetings.size(), 0u);
   return kernels().find_near(all, lanes);
 }
 

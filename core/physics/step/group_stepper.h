@@ -138,9 +138,10 @@ class GroupStepper {
 
   const StepPlan& plan_;
   int lanes_;
-  AlignedArray<double> spins_;       ///< per body: angular velocity (W), in lanes; unless the world
-                                     ///< has free robots only
-  AlignedArray<double> derived_;     ///< of all lanes; empty: none was ever drawn
+  AlignedArray<double> spins_;    ///< per body: angular velocity (W), in lanes; unless the world
+                                  ///< has free robots only
+  AlignedArray<double> derived_;  ///< of all lanes; empty: none was ever drawn
+  std::vector<std::uint32_t> near_meetings_;  ///< StepCall's
   AlignedArray<double> clearances_;  ///< StepCall's; empty with four solids of obstacles or fewer
   AlignedArray<double> made_from_;   ///< parameters, of known lanes
   std::uint32_t known_ = 0;          ///< lanes whose numbers follow from `made_from_`

@@ -45,12 +45,11 @@ using LaneMechanics = Mechanics<double, LaneValues<double>, true, ChosenAccelera
 struct ChosenResponse {
   Dynamics* simbody;
 
-  void operator()(const StepPlan& plan, const LaneValues<double>& bodies,
-                  const CorrectionArrays<double>& a) const {
+  void operator()(const StepPlan& plan, const CorrectionArrays<double>& a) const {
     if (simbody != nullptr) {
       simbody->accelerations(a.now.q, a.no_forces, a.contact.forces, a.no_forces, a.rates);
     } else {
-      TreeResponse()(plan, bodies, a);
+      TreeResponse()(plan, a);
     }
   }
 };

@@ -78,6 +78,9 @@ struct StepCall {
   StepStart start = {};  ///< for `correct`
   /// For `find_near`: Clearance of each contact body, four values in lanes; null: none are kept
   double* clearances = nullptr;
+  /// Per Meeting of the contact scene: the lanes where it is near, which `find_near` adds to and
+  /// `correct` looks at; those that nothing moves in are left out
+  std::uint32_t* near = nullptr;
 };
 
 /// Does one thing to the lanes in `lanes`. @returns the lanes where it succeeded or holds

@@ -47,6 +47,14 @@ class LaneList {
     return all;
   }
 
+  /// The other way; places that hold no lane of their own follow the one that they repeat.
+  std::uint32_t of_group(std::uint32_t lanes) const {
+    if (is_row_) return lanes >> first_;
+    std::uint32_t bits = 0;
+    for (int i = 0; i < kLanesOf<Real>; ++i) bits |= (lanes >> lanes_[i] & 1u) << i;
+    return bits;
+  }
+
   /// Where value k of a block begins, for all lanes of the group.
   template <class T>
   static SKYBODY_INLINE T* block(T* values, int k) {
@@ -89,9 +97,10 @@ class LaneList {
 
  private:
   SKYBODY_INLINE Real gather(const double* block) const {
-    alignas(64) double lanes[kLanesOf<Real>];
-    for (int i = 0; i < kLanesOf<Real>; ++i) lanes[i] = block[lanes_[i]];
-    return load_lanes<Real>(lanes);
+    if constexpr (kLanesOf<Real> == 1)
+      return block[lanes_[0]];
+    else
+      return gather_lanes<Real>(block, lanes_);
   }
 
   int first_;

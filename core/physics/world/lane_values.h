@@ -84,6 +84,10 @@ class LanePlace {
   /// @param first  of the lanes, within the group
   SKYBODY_INLINE LanePlace(int first) : first_(first) {}
 
+  /// Bits of these lanes as bits of the group's; and the other way, with others above them.
+  std::uint32_t in_group(std::uint32_t bits) const { return bits << first_; }
+  std::uint32_t of_group(std::uint32_t lanes) const { return lanes >> first_; }
+
   /// Where value k of a block begins, for all lanes of the group.
   static SKYBODY_INLINE double* block(double* values, int k) {
     return values + k * kLaneStride<Real>;

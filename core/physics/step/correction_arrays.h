@@ -1,0 +1,84 @@
+// What a correction of contact works on, and how forces on the bodies change their motion.
+#pragma once
+
+#include "core/physics/contact/contact_step.h"
+#include "core/physics/step/step_arrays.h"
+
+namespace skybody {
+
+/// Work arrays of a correction.
+template <class Real>
+struct CorrectionArrays {
+  Coordinates<Real> before, now,
+      end;                   ///< at the part's start; now; as the step without contact has it
+  Real *smooth, *no_forces;  ///< per u
+  Real* bodies;              ///< kBodyConstantCount per body, of robots that are near something
+  Real* rates;               ///< per u: of a part, first those that contacts alone make
+  Real* mean_u;
+  Vec3<Real>* pulls;         ///< per coupling: mean over the step so far
+  MaskOf<Real>* has_opened;  ///< per coupling: where a part of the step left its gap open
+  BodyKinematics<Real>*motion, *mean;
+  BodyKinematics<Real>* at_rest;  ///< the same places, without motion
+  ContactWork<Real> contact;
+  Clearance<Real>* clearances;  ///< per contact body
+  typename Forest::template Work<Real> forest;
+  CouplingWork<Real> couplings;
+  bool* is_robot_near;  ///< per robot: what is not is left out
+
+  SKYBODY_INLINE CorrectionArrays(const StepPlan& plan, std::byte* memory) {
+    lay_out(plan, memory);
+  }
+  static std::size_t bytes(const StepPlan& plan) {
+    CorrectionArrays sizes;
+    return sizes.lay_out(plan, nullptr);
+  }
+
+ private:
+  CorrectionArrays() = default;
+
+  SKYBODY_INLINE std::size_t lay_out(const StepPlan& plan, std::byte* memory) {
+    const Layout& layout = plan.world.layout;
+    const std::size_t count = plan.world.bodies.size();
+    const auto us = static_cast<std::size_t>(layout.u.size);
+    const auto bristles = static_cast<std::size_t>(layout.bristles.size / 3);
+    StepArena arena{memory};
+    for (Coordinates<Real>* c : {&before, &now, &end}) c->take_from(arena, plan);
+    for (Real** values : {&smooth, &rates, &mean_u, &no_forces}) arena.take(*values, us);
+    arena.take(bodies, kBodyConstantCount * count);
+    arena.take(motion, count);
+    arena.take(mean, count);
+    arena.take(at_rest, count);
+    arena.take(contact.bounds, plan.contact.bodies.size());
+    arena.take(clearances, plan.contact.bodies.size());
+    arena.take(contact.forces, count);
+    arena.take(contact.kicks, count);
+    arena.take(contact.bristles, bristles);
+    arena.take(contact.bent, bristles);
+    arena.take(forest.body, count);
+    arena.take(forest.ball, count);
+    arena.take(forest.acceleration, count);
+    couplings.take_from(arena, plan.couplings);
+    arena.take(pulls, plan.couplings.joinings.size());
+    arena.take(has_opened, plan.couplings.joinings.size());
+    arena.take(contact.is_bent, bristles);
+    arena.take(contact.is_touched, count);
+    arena.take(contact.is_body_near, plan.contact.bodies.size());
+    arena.take(contact.near, static_cast<std::size_t>(plan.contact.most_near));
+    const int places = plan.contact.most_near > 0 ? kKeptPlaces + plan.contact.most_places : 0;
+    arena.take(contact.places, static_cast<std::size_t>(places));
+    arena.take(contact.is_idle, bristles);
+    arena.take(is_robot_near, layout.robots.size());
+    return arena.used;
+  }
+};
+
+/// What forces on the bodies do to their accelerations, by the tree's algorithms.
+struct TreeResponse {
+  template <class Real>
+  SKYBODY_INLINE void operator()(const StepPlan& plan, const CorrectionArrays<Real>& a) const {
+    plan.forest.accelerations(a.now.q, a.no_forces, a.at_rest, a.bodies, a.contact.forces,
+                              a.no_forces, a.forest, a.rates, a.is_robot_near);
+  }
+};
+
+}  // namespace skybody
