@@ -16,11 +16,13 @@ import skybody
 from rigid_body import Reals
 from scipy.spatial.transform import Rotation
 
-KINDS = ("box", "cylinder", "sphere")
-SIZES = {"box": 3, "cylinder": 2, "sphere": 1}  # numbers: edges; radius and length; radius
+KINDS = ("box", "cylinder", "capsule", "sphere")
+# Numbers: edges; radius and length (of a capsule without its caps); radius.
+SIZES = {"box": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
 GEOMS = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
 }
 SMALL = 1e-3  # a component of a unit normal that counts as none
@@ -43,6 +45,8 @@ class Solid:
         n = np.abs(self.rotation.inv().apply(normal))
         if self.kind == "sphere":
             return "ball"
+        if self.kind == "capsule":
+            return "side" if n[2] < SMALL else "ball"
         if self.kind == "cylinder":
             return "end" if n[2] > 1.0 - SMALL**2 else "side" if n[2] < SMALL else "rim"
         return ("face", "edge", "corner")[min(int((n > SMALL).sum()), 3) - 1]
@@ -73,11 +77,11 @@ class Mujoco:
         size[: len(solid.size)] = solid.size
         if solid.kind == "box":
             size *= 0.5
-        if solid.kind == "cylinder":
+        if solid.kind in ("cylinder", "capsule"):
             size[1] *= 0.5
         self._model.geom_type[index] = GEOMS[solid.kind]
         self._model.geom_size[index] = size
-        self._model.geom_rbound[index] = np.linalg.norm(size)
+        self._model.geom_rbound[index] = size.sum()  # no less than it reaches
         self._data.geom_xpos[index] = solid.position
         self._data.geom_xmat[index] = solid.rotation.as_matrix().ravel()
 
@@ -125,8 +129,8 @@ task: {{plugin: watch, parameters: {{robot: first, link: base}}}}
 def element(kind: str, size: Reals) -> str:
     if kind == "box":
         return f'<box size="{size[0]} {size[1]} {size[2]}"/>'
-    if kind == "cylinder":
-        return f'<cylinder radius="{size[0]}" length="{size[1]}"/>'
+    if kind in ("cylinder", "capsule"):
+        return f'<{kind} radius="{size[0]}" length="{size[1]}"/>'
     return f'<sphere radius="{size[0]}"/>'
 
 

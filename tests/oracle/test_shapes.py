@@ -72,9 +72,9 @@ def is_well_defined(first: Solid, second: Solid, exact: Touch) -> bool:
     if least < MARGIN * exact.depth:
         return False
     kinds = {feature for _, feature in pairs}
+    if "cylinder" in (first.kind, second.kind) and kinds == {"side"}:  # they cross as rods do
+        return ends_are_apart(first, second)
     if first.kind == second.kind == "cylinder":
-        if kinds == {"side"}:  # they cross as rods do
-            return ends_are_apart(first, second)
         return kinds != {"rim"}
     return True
 

@@ -1,5 +1,6 @@
-// Bodies of so many shapes that the places where they touch do not fit into the list that is kept
-// between the passes of a part.
+// Lists of contact: bodies of so many shapes that the places where they touch do not fit into the
+// list that is kept between the passes of a part; and so many obstacles that it is kept how far
+// each lane is from them, and lanes are gathered from all over their group.
 #include <gtest/gtest.h>
 
 #include "tests/unit/physics/contact_worlds.h"
@@ -45,6 +46,56 @@ TEST(ManyShapes, LieOnAnObstacleWithAllOfTheirCorners) {
   Bench bench(scenario);
   ASSERT_TRUE(bench.run_seconds(1.0));
   EXPECT_NEAR(carried(bench), 2.0 * 9.81, 1e-3);
+}
+
+/// A box that its body carries far beside its origin, among twelve posts.
+Scenario among_posts() {
+  Shape box = make_box(0.1, 0.08, 0.06);
+  box.pose.position = {0.15, 0.02, -0.01};
+  Scenario scenario = world_of(solid(0.5, box));
+  for (int k = 0; k < 12; ++k) {
+    const Pose pose{{0.5 * (k % 4) - 0.75, 0.5 * (k / 4) - 0.5, 0.5}, {1, 0, 0, 0}};
+    add_box(scenario, "post_" + std::to_string(k), {0.06, 0.06, 1.0}, pose);
+  }
+  return scenario;
+}
+
+TEST(ManyObstacles, AreToALaneWhatTheyAreToItAlone) {
+  constexpr int kSteps = 800;
+  const World world = make_world(among_posts());
+  const GroupPhysics physics(world);
+  PackGroup packs(world, physics);
+  Alone alone(world);
+  LaneState state;
+  write_default_state(world, state);
+  Random<double> random{RandomKey{2026, 62}, 0, 0, derive_stream("contact_lists_test")};
+  for (int lane = 0; lane < kGroupLanes; ++lane) {
+    store(in_cube(random, 0.7) + Vec3<double>{0, 0, 0.9}, state.q.data());
+    store(random.quaternion(), state.q.data() + 3);
+    store(in_cube(random, 3.0), state.u.data());
+    store(in_cube(random, 8.0), state.u.data() + 3);
+    packs.set(lane, state);
+    alone.set(lane, state);
+  }
+  packs.refresh(kAllLanes);
+  alone.refresh(kAllLanes);
+  int near_some = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const std::uint32_t lanes = step % 2 == 0 ? kAllLanes : kSomeLanes;
+    ASSERT_EQ(packs.advance(lanes), lanes) << step;
+    ASSERT_EQ(alone.advance(lanes), lanes) << step;
+    ASSERT_EQ(packs.stepper->near(), alone.near) << step;
+    if (alone.near != 0 && alone.near != lanes) ++near_some;
+    for (int lane = 0; lane < kGroupLanes; ++lane) {
+      const std::vector<double>& q = alone.states[static_cast<std::size_t>(lane)].q;
+      for (std::size_t k = 0; k < q.size(); ++k) {
+        const double found =
+            packs.values_at(&Layout::q)[k * kGroupLanes + static_cast<std::size_t>(lane)];
+        ASSERT_EQ(found, q[k]) << "step " << step << ", lane " << lane << ", value " << k;
+      }
+    }
+  }
+  EXPECT_GT(near_some, kSteps / 2) << "steps in which some lanes are near something, others not";
 }
 
 }  // namespace
