@@ -167,8 +167,8 @@ class Held {
     add(SKYBODY_HELD_WRENCH, body, 0, force);
     add(SKYBODY_HELD_WRENCH, body, 3, moment);
   }
-  /// Drag at the body's centre of mass against the air, along each body axis i:
-  ///   F_i = -(linear_i v_i + quadratic_i |v_i| v_i), in [N s/m] and [N s^2/m^2].
+  /// Drag at the body's centre of mass, which moves through the air at v, along each body axis i:
+  ///   F_i = -(linear_i + quadratic_i |v|) v_i, in [N s/m] and [N s^2/m^2].
   void add_drag(int body, const Vec3<Real>& linear, const Vec3<Real>& quadratic) {
     add(SKYBODY_HELD_BODY_DRAG, body, 0, linear);
     add(SKYBODY_HELD_BODY_DRAG, body, 3, quadratic);
@@ -182,6 +182,12 @@ class Held {
   /// Factor on a rotor's rolling moment.
   void scale_rolling_moment(int rotor, const Real& gain) {
     scale(rotor, SKYBODY_GAIN_ROLLING, gain);
+  }
+  /// What the air at a rotor's hub does to it, at speed w with v the hub's velocity through the air
+  /// and n the axis: force -axial_drag w (v . n) n [N s^2/(m rad)] and lift |v - (v . n) n|^2 n
+  /// [N s^2/m^2], moment -flapping w v x n [N s^2/rad].
+  void add_rotor_flow(int rotor, const Real& axial_drag, const Real& flapping, const Real& lift) {
+    add(SKYBODY_HELD_ROTOR_FLOW, rotor, 0, Vec3<Real>{axial_drag, flapping, lift});
   }
   /// Bounds of a rotor's command, and of its speed where an acceleration is set [rad/s], besides
   /// its own limit; the narrowest of all holds. A rotor that is faster runs down by its lag.

@@ -82,8 +82,8 @@ class ForceModel {
       const Vec3<Real> velocity = air_velocity(in.held, group.body, body);
       const auto motion = [&](int i) SKYBODY_INLINE_LAMBDA { return in.rotors[i]; };
       load(in, group.body, forces)
-          .add_in_body(gained_rotor_forces<Real>(group, rotors_.data(), in.params, in.held, motion,
-                                                 1.0, velocity, body.spin));
+          .add_in_body(held_rotor_forces<Real>(group, rotors_.data(), in.params, in.held, motion,
+                                               1.0, velocity, body.spin));
     }
   }
 

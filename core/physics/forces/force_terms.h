@@ -56,7 +56,7 @@ SKYBODY_INLINE Vec3<Real> air_velocity(const HeldLanes<Real>* held, int index,
 }
 
 /// The drag of a body in the air, at its centre of mass: along each body axis
-///   F = -(linear v + quadratic |v| v), v the velocity of the centre of mass through the air.
+///   F = -(linear + quadratic |v|) v, v the velocity of the centre of mass through the air.
 /// @param drag  three linear coefficients, then three quadratic ones: a pointer, or a view
 template <class Real, class Values, class Load>
 SKYBODY_INLINE void add_body_drag(const Values& drag, const Vec3<Real>& air_velocity,
@@ -65,9 +65,10 @@ SKYBODY_INLINE void add_body_drag(const Values& drag, const Vec3<Real>& air_velo
   const auto any = logical_or(is_not_zero(linear), is_not_zero(quadratic));
   if (none(any)) return;
   const Vec3<Real> v = air_velocity + cross(body.spin, load.com());
-  const Vec3<Real> force{-((linear.x + quadratic.x * abs(v.x)) * v.x),
-                         -((linear.y + quadratic.y * abs(v.y)) * v.y),
-                         -((linear.z + quadratic.z * abs(v.z)) * v.z)};
+  const Real speed = norm(v);
+  const Vec3<Real> force{-((linear.x + quadratic.x * speed) * v.x),
+                         -((linear.y + quadratic.y * speed) * v.y),
+                         -((linear.z + quadratic.z * speed) * v.z)};
   load.add_where(any, [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_at_com(force, Axes::kBody); });
 }
 

@@ -291,23 +291,55 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
   return rotors.force(places[group.first].position.z, unit, velocity, spin);
 }
 
-/// The same with the gains of effects, if there are any.
+/// What the air at the hubs does besides, where effects hold it (core/base/held_inputs.h,
+/// SkybodyRotorFlow): S. Folk, J. Paulos, V. Kumar, "RotorPy: A Python-based multirotor simulator
+/// with aerodynamics for education and research", 2023, section "Rotor aerodynamics".
+/// @param flow  of all rotors of the world
+template <class Real, class Flow, class Motion>
+SKYBODY_INLINE void add_flow_forces(const RotorGroup& group, const RotorPlace* places,
+                                    const Flow& flow, Motion&& motion, const Vec3<Real>& velocity,
+                                    const Vec3<Real>& spin, SpatialForce<Real>& sum) {
+  constexpr int kSize = kHeldInputs[SKYBODY_HELD_ROTOR_FLOW].size;
+  for (int i = group.first; i < group.first + group.count; ++i) {
+    const Vec3<Real> c{flow[kSize * i + SKYBODY_FLOW_AXIAL_DRAG],
+                       flow[kSize * i + SKYBODY_FLOW_FLAPPING],
+                       flow[kSize * i + SKYBODY_FLOW_LIFT]};
+    const auto any = is_not_zero(c);
+    if (none(any)) continue;
+    const Vec3<Real> position = to_real<Real>(places[i].position);
+    const Vec3<Real> axis = to_real<Real>(places[i].axis);
+    const Vec3<Real> hub = velocity + cross(spin, position);
+    const Real along = dot(hub, axis), w = motion(i).speed;
+    const Vec3<Real> across = hub - axis * along;
+    SpatialForce<Real> with = sum;
+    with.add_force_at(position, axis * (c.z * dot(across, across) - c.x * (w * along)));
+    with.moment -= cross(hub, axis) * (c.y * w);
+    sum.force = select(any, with.force, sum.force);  // what is neutral leaves a -0 as it is
+    sum.moment = select(any, with.moment, sum.moment);
+  }
+}
+
+/// The same as rotor_forces() with what effects hold of the rotors, if there are any.
 /// @param params  of the environment: a pointer, or a view
 /// @param held    null: no effects
 template <class Real, class Params, class Motion>
-SKYBODY_INLINE SpatialForce<Real> gained_rotor_forces(const RotorGroup& group,
-                                                      const RotorPlace* places,
-                                                      const Params& params,
-                                                      const HeldLanes<Real>* held, Motion&& motion,
-                                                      double unit, const Vec3<Real>& velocity,
-                                                      const Vec3<Real>& spin) {
+SKYBODY_INLINE SpatialForce<Real> held_rotor_forces(const RotorGroup& group,
+                                                    const RotorPlace* places, const Params& params,
+                                                    const HeldLanes<Real>* held, Motion&& motion,
+                                                    double unit, const Vec3<Real>& velocity,
+                                                    const Vec3<Real>& spin) {
   const auto own = [&](int i) SKYBODY_INLINE_LAMBDA { return params + places[i].params; };
   const auto gained = [&](int i) SKYBODY_INLINE_LAMBDA {
     return GainedConstants(own(i), (*held)[SKYBODY_HELD_ROTOR_GAIN] + kGainedConstants * i);
   };
-  return held != nullptr && held->has(SKYBODY_HELD_ROTOR_GAIN)
-             ? rotor_forces<Real>(group, places, gained, motion, unit, velocity, spin)
-             : rotor_forces<Real>(group, places, own, motion, unit, velocity, spin);
+  SpatialForce<Real> sum =
+      held != nullptr && held->has(SKYBODY_HELD_ROTOR_GAIN)
+          ? rotor_forces<Real>(group, places, gained, motion, unit, velocity, spin)
+          : rotor_forces<Real>(group, places, own, motion, unit, velocity, spin);
+  if (held != nullptr && held->has(SKYBODY_HELD_ROTOR_FLOW)) {
+    add_flow_forces(group, places, (*held)[SKYBODY_HELD_ROTOR_FLOW], motion, velocity, spin, sum);
+  }
+  return sum;
 }
 
 }  // namespace skybody

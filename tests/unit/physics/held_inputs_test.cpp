@@ -13,7 +13,7 @@ namespace skybody::test {
 namespace {
 
 using Held = std::array<bool, SKYBODY_HELD_COUNT>;
-constexpr Held kAll{true, true, true, true, true, true};
+constexpr Held kAll{true, true, true, true, true, true, true};
 
 Held only(std::initializer_list<int> inputs) {
   Held held{};
@@ -133,8 +133,8 @@ TEST(HeldInputs, BodyDragActsAlongEachBodyAxisAgainstTheAir) {
   bench.state.held[SKYBODY_HELD_BODY_DRAG] = {0.1, 0.2, 0.3, 0.04, 0.05, 0.06};
   const std::vector<double> udot = accelerations(bench);
   const Vec3<double> v = rotate_inverse(turn, velocity - wind) + cross(spin, mass.com);
-  const auto drag = [](double x, double linear, double quadratic) {
-    return -(linear * x + quadratic * std::fabs(x) * x);
+  const auto drag = [speed = norm(v)](double x, double linear, double quadratic) {
+    return -(linear * x + quadratic * speed * x);
   };
   const Vec3<double> force{drag(v.x, 0.1, 0.04), drag(v.y, 0.2, 0.05), drag(v.z, 0.3, 0.06)};
   const Vec3<double> angular = load_vec3(udot.data() + 3);
@@ -188,6 +188,42 @@ TEST(HeldInputs, AGainOnTheRollingMomentScalesIt) {
   const std::vector<double> udot = with_gains(3, {0.0, 2.0, 0.0, 0.0});
   // M = -s c_r w v', s = -1.
   EXPECT_NEAR(udot[3], 2.0 * 1e-5 * 800.0 * 5.0 / qdrone2().inertia.xx, 1e-12);
+}
+
+TEST(HeldInputs, TheFlowAtAHubDragsLiftsAndFlaps) {
+  const VehicleData d = qdrone2();
+  Scenario scenario = aloft(make_vehicle(d));
+  scenario.constants[kGravity + 2] = 0.0;
+  Bench with = make_bench(scenario, only({SKYBODY_HELD_WIND, SKYBODY_HELD_ROTOR_FLOW}));
+  Bench without(scenario);
+  const Quat<double> turn = from_rpy(0.4, 0.2, -0.7);
+  const Vec3<double> velocity{3.0, 1.0, -2.0}, spin{0.5, -1.0, 0.3}, wind{-1.0, 2.0, 0.5};
+  for (Bench* bench : {&with, &without}) {
+    set_speeds(*bench, 800.0);
+    store(turn, bench->state.q.data() + 3);
+    store(velocity - (bench == &without ? wind : Vec3<double>{0, 0, 0}), bench->state.u.data());
+    store(spin, bench->state.u.data() + 3);
+  }
+  store(wind, with.state.held[SKYBODY_HELD_WIND].data());
+  const double axial = 1e-4, flapping = 3e-5, lift = 2e-3, w = 800.0;
+  for (std::size_t i = 0; i < 2; ++i) {  // of the first two rotors
+    with.state.held[SKYBODY_HELD_ROTOR_FLOW][3 * i] = axial;
+    with.state.held[SKYBODY_HELD_ROTOR_FLOW][3 * i + 1] = flapping;
+    with.state.held[SKYBODY_HELD_ROTOR_FLOW][3 * i + 2] = lift;
+  }
+  Vec3<double> force{0, 0, 0}, moment{0, 0, 0};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vec3<double> hub_place = with.world.rotors[i].model->position;
+    const Vec3<double> hub = rotate_inverse(turn, velocity - wind) + cross(spin, hub_place);
+    const Vec3<double> up{0, 0, lift * (hub.x * hub.x + hub.y * hub.y) - axial * w * hub.z};
+    force += up;
+    moment += cross(hub_place, up) - cross(hub, Vec3<double>{0, 0, 1}) * (flapping * w);
+  }
+  const std::vector<double> a = accelerations(with), b = accelerations(without);
+  const Vec3<double> linear = load_vec3(a.data()) - load_vec3(b.data());
+  const Vec3<double> angular = load_vec3(a.data() + 3) - load_vec3(b.data() + 3);
+  EXPECT_LT(norm(linear - rotate(turn, force) * (1.0 / d.mass)), 1e-13);
+  EXPECT_LT(norm(angular - inverse(d.inertia) * moment), 1e-11);
 }
 
 TEST(HeldInputs, LimitsBoundTheSpeedThatARotorRunsTo) {
@@ -269,6 +305,7 @@ void draw_inputs(Random<double>& random, LaneState& state) {
   for (double& f : state.held[SKYBODY_HELD_WRENCH]) f = random.uniform(-1.0, 1.0);
   for (double& c : state.held[SKYBODY_HELD_BODY_DRAG]) c = random.uniform(0.0, 0.05);
   for (double& g : state.held[SKYBODY_HELD_ROTOR_GAIN]) g = random.uniform(0.0, 2.0);
+  for (double& c : state.held[SKYBODY_HELD_ROTOR_FLOW]) c = random.uniform(0.0, 1e-4);
   for (std::size_t i = 0; i < state.held[SKYBODY_HELD_ROTOR_RATE].size(); ++i) {
     state.held[SKYBODY_HELD_ROTOR_LIMIT][2 * i] = random.uniform(0.0, 300.0);
     state.held[SKYBODY_HELD_ROTOR_LIMIT][2 * i + 1] = random.uniform(700.0, 1200.0);
