@@ -95,6 +95,7 @@ void Pool::Engine::send_reset(std::span<const std::uint8_t> mask) {
   for (int env = 0; env < fleet.envs(); ++env) {
     if (mask[static_cast<std::size_t>(env)] == 0) continue;
     fleet.want_reset(env);
+    fleet.hand_over(env);
     enqueue(env);
   }
   crew_.submit();
@@ -126,6 +127,7 @@ void Pool::Engine::send_steps(std::span<const float> actions,
     const int env = env_ids.empty() ? static_cast<int>(k) : env_ids[k];
     std::copy_n(actions.data() + k * width, width, fleet.action(env));
     fleet.want_step(env);
+    fleet.hand_over(env);
     enqueue(env);
   }
   crew_.submit();
@@ -137,6 +139,7 @@ void Pool::Engine::send_all_steps(std::span<const float> actions) {
   open_round(fleet.envs());
   std::copy(actions.begin(), actions.end(), fleet.action(0));
   fleet.want_step_all();
+  fleet.hand_over_all();
   enqueue_all();
 }
 

@@ -47,7 +47,10 @@ Fleet::Fleet(std::shared_ptr<const CompiledScenario> compiled, const PoolOptions
       wants_reset_(groups_of(envs_, span_)),
       started_(groups_of(envs_, span_)),
       ended_(groups_of(envs_, span_)),
-      chains_(index(envs_)) {
+      chains_(index(envs_)),
+      asked_(index(envs_)),
+      handed_(index(envs_)),
+      waiting_(index(envs_)) {
   const int groups = groups_of(envs_, span_);
   const int lanes = span_ == 1 ? 1 : compiled_->preferred_lanes();
   states_.reserve(index(groups));
@@ -71,6 +74,11 @@ void Fleet::initialize(std::uint64_t seed) {
   }
   started_.clear();
   ended_.clear();
+  for (int env = 0; has_asked_ && env < envs_; ++env) {
+    asked_[index(env)].clear();
+    handed_[index(env)].clear();
+    waiting_[index(env)].clear();
+  }
 }
 
 void Fleet::want_step_all() { wants_reset_.clear(); }
@@ -111,6 +119,7 @@ Rows Fleet::rows_of(int first, Batch& rows, GroupWork& work) const {
 void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const int first = env_of(group, 0);
   const Rows out = rows_of(first, rows, work);
+  if (has_handed_.load(std::memory_order_relaxed)) apply_requests(group, mask, work);
   compiled_->step(states_[index(group)], work, mask, action(first), static_cast<int>(action_size_),
                   out);
   add_to_hash(group, mask, out);
@@ -120,7 +129,10 @@ void Fleet::step(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
 
 void Fleet::reset(int group, std::uint32_t mask, Batch& rows, GroupWork& work) {
   const Rows out = rows_of(env_of(group, 0), rows, work);
+  const bool has_requests = has_handed_.load(std::memory_order_relaxed);
+  if (has_requests) begin_requests(group, mask, true, work);
   compiled_->reset(states_[index(group)], work, mask, out);
+  if (has_requests) end_requests(group, mask, work);
   add_to_hash(group, mask, out);
   describe(group, mask, true, rows);
 }
@@ -137,10 +149,63 @@ void Fleet::reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& w
   out.reward = reward;
   out.status = status;
   out.agent_reward = nullptr;
+  const bool has_requests = has_handed_.load(std::memory_order_relaxed);
+  if (has_requests) begin_requests(group, over, false, work);
   compiled_->reset(states_[index(group)], work, over, out);
+  if (has_requests) end_requests(group, over, work);
   add_to_hash(group, over, out);
   // A reset whose own outcome is bad ends this episode too: the next transition is a reset.
   each_lane(over, [&](int l) { ended_.set(group, 1u << l, status[l] != kRunning); });
+}
+
+void Fleet::ask(int env, std::shared_ptr<const ParamRequest> request, bool at_reset) {
+  has_asked_ = true;
+  asked_[index(env)].push_back({std::move(request), at_reset});
+}
+
+/// The environment is not in flight: nobody runs it.
+void Fleet::hand_over_requests(int env) {
+  std::vector<Asked>& asked = asked_[index(env)];
+  if (asked.empty()) return;
+  handed_[index(env)].swap(asked);
+  has_handed_.store(true, std::memory_order_relaxed);
+}
+
+void Fleet::hand_over_all() {
+  for (int env = 0; has_asked_ && env < envs_; ++env) hand_over_requests(env);
+}
+
+/// Before a step; what is for a reset waits.
+void Fleet::apply_requests(int group, std::uint32_t mask, GroupWork& work) {
+  each_lane(mask, [&](int l) {
+    const std::size_t env = index(env_of(group, l));
+    for (Asked& asked : handed_[env]) {
+      if (asked.at_reset) {
+        waiting_[env].push_back(std::move(asked.request));
+      } else {
+        compiled_->apply(states_[index(group)], work, l, *asked.request);
+      }
+    }
+    handed_[env].clear();
+  });
+}
+
+/// Gives a reset what was asked for.
+/// @param takes_all  also what was not asked for a reset: this is the next transition
+void Fleet::begin_requests(int group, std::uint32_t mask, bool takes_all, GroupWork& work) {
+  each_lane(mask, [&](int l) {
+    const std::size_t env = index(env_of(group, l));
+    for (Asked& asked : handed_[env]) {
+      if (takes_all) waiting_[env].push_back(std::move(asked.request));
+    }
+    if (takes_all) handed_[env].clear();
+    work.requests[index(l)] = waiting_[env];
+  });
+}
+
+void Fleet::end_requests(int group, std::uint32_t mask, GroupWork& work) {
+  work.clear_requests();
+  each_lane(mask, [&](int l) { waiting_[index(env_of(group, l))].clear(); });
 }
 
 void Fleet::add_to_hash(int group, std::uint32_t mask, const Rows& rows) {

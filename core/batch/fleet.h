@@ -44,6 +44,16 @@ class Fleet {
   void want_reset(int env) { wants_reset_.set(group_of(env), bit(env), true); }
   void want_step(int env) { wants_reset_.set(group_of(env), bit(env), false); }
   void want_step_all();
+  /// Asks for something in the transitions of an environment that will be sent from now on. It may
+  /// be in flight.
+  /// @param at_reset  the next time that an episode begins; else before the next transition, or
+  ///                  where that is a reset, in it
+  void ask(int env, std::shared_ptr<const ParamRequest> request, bool at_reset);
+  /// What an environment was asked so far belongs to whoever runs it next: before it is sent.
+  void hand_over(int env) {
+    if (has_asked_) hand_over_requests(env);
+  }
+  void hand_over_all();
 
   bool started(int env) const { return (started_.of(group_of(env)) & bit(env)) != 0; }
   bool ended(int env) const { return (ended_.of(group_of(env)) & bit(env)) != 0; }
@@ -98,6 +108,10 @@ class Fleet {
   void reset_ended(int group, std::uint32_t mask, Batch& rows, GroupWork& work);
   void add_to_hash(int group, std::uint32_t mask, const Rows& rows);
   void refresh_flags(int env);
+  void hand_over_requests(int env);
+  void apply_requests(int group, std::uint32_t mask, GroupWork& work);
+  void begin_requests(int group, std::uint32_t mask, bool takes_all, GroupWork& work);
+  void end_requests(int group, std::uint32_t mask, GroupWork& work);
   void describe(int group, std::uint32_t mask, bool is_reset, Batch& rows);
   bool describe_running(int first, const std::uint64_t* steps, bool is_reset, Batch& rows);
 
@@ -115,6 +129,17 @@ class Fleet {
   LaneFlags wants_reset_;      ///< the caller's
   LaneFlags started_, ended_;  ///< of whoever runs the group
   std::vector<HashChain> chains_;
+
+  struct Asked {
+    std::shared_ptr<const ParamRequest> request;
+    bool at_reset;
+  };
+  using Requests = std::vector<std::shared_ptr<const ParamRequest>>;
+  std::vector<std::vector<Asked>> asked_;   ///< per environment, the caller's: not yet handed over
+  std::vector<std::vector<Asked>> handed_;  ///< whoever runs the group: for the next transition
+  std::vector<Requests> waiting_;           ///< likewise: for the next reset
+  bool has_asked_ = false;                  ///< the caller's: something was asked for, ever
+  std::atomic<bool> has_handed_{false};     ///< something was handed over, ever
 };
 
 }  // namespace skybody

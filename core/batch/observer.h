@@ -6,10 +6,19 @@
 #include <string>
 
 #include "core/batch/batch.h"
+#include "core/env/param_request.h"
 
 namespace skybody {
 
 class Fleet;
+
+/// What Pool::request() or Pool::randomize() asks for.
+struct PoolRequest {
+  std::span<const ParamChange> changes;
+  bool redraws = false;  ///< all randomizers draw
+  RequestTime when = RequestTime::kNextStep;
+  std::span<const std::int32_t> env_ids;  ///< empty: all
+};
 
 /// Told of all that determines the environments' future, in order, after it was done, and of every
 /// batch that recv() gives. Called on the thread that calls the Pool. What a method throws comes
@@ -29,6 +38,7 @@ class PoolObserver {
   virtual void restored(std::span<const std::uint64_t> /*saved*/) {}
   virtual void forked(int /*source*/, std::span<const std::int32_t> /*targets*/, bool /*rekey*/) {}
   virtual void param_set(int /*env*/, const std::string& /*path*/, double /*value*/) {}
+  virtual void requested(const PoolRequest& /*request*/) {}
   /// recv() is about to give these rows. `fleet` has the state words and hashes of their
   /// environments, which nobody touches now.
   virtual void received(const Batch& rows, const Fleet& fleet) = 0;

@@ -174,6 +174,28 @@ void Pool::set_param(int env, const std::string& path, double value) {
   if (engine_->observer) engine_->observer->param_set(env, path, value);
 }
 
+void Pool::request(std::span<const ParamChange> changes, RequestTime when,
+                   std::span<const std::int32_t> env_ids) {
+  ask({changes, false, when, env_ids});
+}
+
+void Pool::randomize(RequestTime when, std::span<const std::int32_t> env_ids) {
+  ask({{}, true, when, env_ids});
+}
+
+void Pool::ask(const PoolRequest& asked) {
+  engine_->check_alive();
+  for (const std::int32_t env : asked.env_ids) engine_->check_id(env);
+  const auto request =
+      std::make_shared<const ParamRequest>(compiled(), asked.changes, asked.redraws);
+  const bool at_reset = asked.when == RequestTime::kNextReset;
+  for (const std::int32_t env : asked.env_ids) engine_->fleet.ask(env, request, at_reset);
+  for (int env = 0; asked.env_ids.empty() && env < envs(); ++env) {
+    engine_->fleet.ask(env, request, at_reset);
+  }
+  if (engine_->observer) engine_->observer->requested(asked);
+}
+
 StepCounts Pool::step_counts() const {
   engine_->check_idle("step_counts()");
   return engine_->fleet.step_counts();

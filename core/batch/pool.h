@@ -110,6 +110,19 @@ class Pool {
   double param(int env, const std::string& path) const;
   void set_param(int env, const std::string& path, double value);
 
+  /// Asks for values of randomizable parameters, in flight or not. The next transition that is sent
+  /// to an environment brings them: before a step, or where it is a reset, after what randomizers
+  /// draw there. What is in flight now does not see them, however long it takes. Several are done
+  /// in order. What no episode began with stays until a randomizer or another request writes it.
+  /// @param when     kNextReset: the next reset that is sent from now on, or that an end of an
+  ///                 episode brings in a transition sent from now on
+  /// @param env_ids  as for send()
+  /// @throws Error as ParamRequest, or if an id is out of range; then nothing was asked for
+  void request(std::span<const ParamChange> changes, RequestTime when,
+               std::span<const std::int32_t> env_ids = {});
+  /// The same of what all randomizers draw, whatever their schedule.
+  void randomize(RequestTime when, std::span<const std::int32_t> env_ids = {});
+
   /// Physics steps of all environments since the Pool was made, and in how many anything was near.
   /// @throws Error while some are in flight
   StepCounts step_counts() const;
@@ -124,6 +137,7 @@ class Pool {
   void observe(std::shared_ptr<PoolObserver> observer);
 
  private:
+  void ask(const PoolRequest& request);
   class Engine;
   std::unique_ptr<Engine> engine_;
 };

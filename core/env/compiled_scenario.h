@@ -21,6 +21,7 @@
 namespace skybody {
 
 class GroupWork;
+class ParamRequest;
 class StartOverlaps;
 class StateValues;
 struct StartOverlap;
@@ -125,6 +126,9 @@ class CompiledScenario {
 
   /// Draws from all randomizers now, whatever their schedule; episode and motion go on.
   void randomize(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
+  /// Does in one lane what a caller asks for; episode and motion go on. What is asked for at a
+  /// reset goes to GroupWork::requests instead.
+  void apply(StateGroup& group, GroupWork& work, int lane, const ParamRequest& request) const;
 
   /// Makes the work's bodies and sensors' view current after state words were changed from outside.
   void update(StateGroup& group, GroupWork& work, std::uint32_t mask) const;
@@ -183,6 +187,7 @@ class CompiledScenario {
   void place_at_start(StateGroup&, int lane) const;
   void start(StateGroup&, std::uint32_t mask) const;
   void draw(StateGroup&, const SkybodyLanes&, bool requested) const;
+  void draw_with_requests(StateGroup&, const GroupWork&, const SkybodyLanes&) const;
   void draw_start(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void draw_again(StateGroup&, GroupWork&, int lane) const;
   void keep_undrawn(const StateGroup&, GroupWork&) const;

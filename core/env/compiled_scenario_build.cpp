@@ -393,6 +393,7 @@ std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   const auto n = static_cast<std::size_t>(lanes);
   const auto values = [n](std::size_t count) { return AlignedArray<double>(count * n); };
   work->lanes = lanes;
+  work->requests.resize(static_cast<std::size_t>(lanes));
   work->is_checked = is_checked_;
   work->checks = make_checks();
   work->physics = physics_->make_scratch();

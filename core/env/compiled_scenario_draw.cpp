@@ -7,6 +7,7 @@
 
 #include "core/base/fp_environment.h"
 #include "core/base/octets.h"
+#include "core/base/random.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
@@ -60,6 +61,48 @@ std::string CompiledScenario::fault_reason(std::uint64_t status) const {
   return (others.empty() ? "" : others + "; ") + start_overlaps_->reason(status);
 }
 
+namespace {
+
+/// Writes what a request gives. @param number  of all that were asked for in this environment
+void put_request(const Layout& layout, StateGroup& group, int lane, std::uint64_t number,
+                 const ParamRequest& request) {
+  const RandomKey key{group.bits(kSeed)[lane], group.bits(kStreamEnv)[lane]};
+  const Random<double> random(key, group.bits(kEpisode)[lane], kRequestedDraw | number,
+                              derive_stream("requests"));
+  request.each_value(random, [&](int param, double value) {
+    const EnvParam& info = layout.param_info[static_cast<std::size_t>(param)];
+    group.writable({layout.params.offset + param, 1}, 1u << lane)[lane] =
+        std::clamp(value, info.min, info.max);
+  });
+}
+
+}  // namespace
+
+void CompiledScenario::apply(StateGroup& group, GroupWork& work, int lane,
+                             const ParamRequest& request) const {
+  if (request.redraws()) randomize(group, work, 1u << lane);
+  if (request.changes().empty()) return;
+  const std::uint64_t number = ++group.writable(kRequests)[lane];
+  put_request(layout(), group, lane, number, request);
+}
+
+/// What randomizers draw at a reset, then what callers asked for.
+void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWork& work,
+                                          const SkybodyLanes& lanes) const {
+  draw(group, lanes, false);
+  each_lane(lanes.active, [&](int lane) {
+    std::uint64_t number = group.bits(kRequests)[lane];
+    for (const auto& request : work.requests[static_cast<std::size_t>(lane)]) {
+      if (request->redraws()) {
+        SkybodyLanes one = lanes;
+        one.active = 1u << lane;
+        draw(group, one, true);
+      }
+      put_request(layout(), group, lane, ++number, *request);
+    }
+  });
+}
+
 /// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
 void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes, bool requested) const {
   const Layout& l = layout();
@@ -86,12 +129,22 @@ void CompiledScenario::hold_to_bounds(StateGroup& group, std::uint32_t mask, int
 /// all robots begin in the air.
 void CompiledScenario::draw_start(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
   update(group, work, mask);  // randomizers may look at the bodies
-  if (plugins_[SKYBODY_RANDOMIZER].empty()) return;
+  std::uint32_t asked = 0;
+  each_lane(mask, [&](int lane) {
+    if (!work.requests[static_cast<std::size_t>(lane)].empty()) asked |= 1u << lane;
+  });
+  if (plugins_[SKYBODY_RANDOMIZER].empty() && asked == 0) return;
   if (start_overlaps_ != nullptr) keep_undrawn(group, work);
-  draw(group, view(group, work, mask), false);
+  draw_with_requests(group, work, view(group, work, mask));
   update(group, work, mask);
-  if (start_overlaps_ == nullptr) return;
-  each_lane(group.may_touch(mask, work.physics), [&](int lane) { draw_again(group, work, lane); });
+  if (start_overlaps_ != nullptr) {
+    each_lane(group.may_touch(mask, work.physics),
+              [&](int lane) { draw_again(group, work, lane); });
+  }
+  each_lane(asked, [&](int lane) {
+    const std::size_t count = work.requests[static_cast<std::size_t>(lane)].size();
+    group.writable(kRequests)[lane] += count;
+  });
 }
 
 /// As long as the lane's robots begin inside something, all randomizers draw again from where they
@@ -108,7 +161,7 @@ void CompiledScenario::draw_again(StateGroup& group, GroupWork& work, int lane) 
     update(group, work, mask);
     SkybodyLanes lanes = view(group, work, mask);
     lanes.physics_step = number_repetition(work, k);
-    draw(group, lanes, false);
+    draw_with_requests(group, work, lanes);
     update(group, work, mask);
     overlap = find_overlap(group, work, lane);
     unchanged = overlap && *overlap == before ? unchanged + 1 : 0;

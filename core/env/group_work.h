@@ -1,11 +1,15 @@
 // Scratch of one thread while it steps groups of a compiled scenario.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/aligned_array.h"
 #include "core/env/compiled_scenario.h"
+#include "core/env/param_request.h"
 
 namespace skybody {
 
@@ -22,6 +26,9 @@ class GroupWork {
   /// A transition begins: no lane has a fault.
   void clear_faults() { bad_action = bad_state = bad_start = 0; }
 
+  /// Nothing is asked for at a reset.
+  void clear_requests() { std::fill(requests.begin(), requests.end(), Requests()); }
+
   /// Rewards and end to 0.
   void clear_verdict() {
     reward.fill_zero();
@@ -29,9 +36,13 @@ class GroupWork {
     robot_reward.fill_zero();
   }
 
+  /// In order.
+  using Requests = std::span<const std::shared_ptr<const ParamRequest>>;
+
   int lanes = 1;
-  bool is_checked = false;  ///< plugins are held to the values that they may touch
-  SkybodyChecks checks{};   ///< of a checked work
+  std::vector<Requests> requests;  ///< for the next reset, one per lane: set and cleared by callers
+  bool is_checked = false;         ///< plugins are held to the values that they may touch
+  SkybodyChecks checks{};          ///< of a checked work
   PhysicsScratch physics;
   AlignedArray<double> signal[2];       ///< between controllers, in lanes
   AlignedArray<double> scratch;         ///< of one call of a plugin, in lanes

@@ -34,7 +34,14 @@ enum class ReplayEventKind : std::uint8_t {
   kFork,      ///< `env_ids` are the source, then its targets; argument 1: rekeyed
   kSetParam,  ///< of one environment; argument: the value's bits
   kReseed,    ///< back to the beginning under another seed (argument), resets sent to all
+  kRequest,  ///< `env_ids` were asked for changes (path: a line each); argument: bit 0: at the next
+             ///< reset, bit 1: all randomizers draw
 };
+
+/// Whether an event of a kind has a text.
+constexpr bool has_path_text(ReplayEventKind kind) {
+  return kind == ReplayEventKind::kSetParam || kind == ReplayEventKind::kRequest;
+}
 
 /// Something that was done to the environments, in the order in which it was done.
 struct ReplayEvent {
@@ -42,7 +49,7 @@ struct ReplayEvent {
   std::vector<std::int32_t> env_ids;
   std::vector<float> actions;        ///< kSend: a row per id
   std::uint64_t argument = 0;        ///< see the kinds
-  std::string path;                  ///< kSetParam
+  std::string path;                  ///< kSetParam, kRequest
   std::vector<std::uint64_t> saved;  ///< kRestore: what Pool::save() gave
 };
 
@@ -117,6 +124,6 @@ class ReplayReader {
 };
 
 /// The newest format.
-inline constexpr int kReplayFormat = 3;
+inline constexpr int kReplayFormat = 4;
 
 }  // namespace skybody

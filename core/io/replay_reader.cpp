@@ -133,7 +133,7 @@ struct ReplayReader::File {
     };
     for (; event < kind.size(); ++event) {
       const std::size_t k = event;
-      if (kind[k] > static_cast<std::uint8_t>(ReplayEventKind::kReseed)) damaged_event(k);
+      if (kind[k] > static_cast<std::uint8_t>(ReplayEventKind::kRequest)) damaged_event(k);
       take(is_restore(k) ? words : ids, count[k]);
       if (kind_of(k) == ReplayEventKind::kSend && header.action_size > 0) take(actions, count[k]);
     }
@@ -286,7 +286,7 @@ bool ReplayReader::next(ReplayEvent& event) {
   event.env_ids.assign(first, first + static_cast<std::ptrdiff_t>(count));
   f.next_id += count;
   if (event.kind == ReplayEventKind::kSend) f.read_actions(count, event.actions);
-  if (event.kind == ReplayEventKind::kSetParam) f.read_path(event.path);
+  if (has_path_text(event.kind)) f.read_path(event.path);
   const bool needs_one =
       event.kind == ReplayEventKind::kFork || event.kind == ReplayEventKind::kSetParam;
   if (needs_one && count == 0) f.damaged_event(k);

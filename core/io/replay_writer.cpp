@@ -206,7 +206,7 @@ ReplayWriter::~ReplayWriter() {
 
 void ReplayWriter::add(const ReplayEvent& event) {
   SKYBODY_DEMAND(file_, "an event for a closed replay");
-  const bool has_path = event.kind == ReplayEventKind::kSetParam;
+  const bool has_path = has_path_text(event.kind);
   const std::size_t count =
       event.kind == ReplayEventKind::kRestore ? event.saved.size() : event.env_ids.size();
   file_->kind.add(static_cast<std::uint8_t>(event.kind));

@@ -104,6 +104,8 @@ class Player {
                           event_.argument != 0);
       case ReplayEventKind::kSetParam:
         return set_param();
+      case ReplayEventKind::kRequest:
+        return request();
     }
   }
 
@@ -120,6 +122,17 @@ class Player {
     double value;
     std::memcpy(&value, &event_.argument, sizeof value);
     envs_.set_param(event_.env_ids[0], event_.path, value);
+  }
+
+  /// Nothing need be received first: what is in flight does not see it.
+  void request() {
+    const RequestTime when =
+        (event_.argument & 1) != 0 ? RequestTime::kNextReset : RequestTime::kNextStep;
+    if ((event_.argument & 2) != 0) return envs_.randomize(when, event_.env_ids);
+    std::vector<ParamChange> changes;
+    std::istringstream lines(event_.path);
+    for (std::string line; std::getline(lines, line);) changes.push_back(read_param_change(line));
+    envs_.request(changes, when, event_.env_ids);
   }
 
   void mark_sent() {

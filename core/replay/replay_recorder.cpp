@@ -183,6 +183,17 @@ void ReplayRecorder::param_set(int env, const std::string& path, double value) {
   add(std::move(event));
 }
 
+void ReplayRecorder::requested(const PoolRequest& request) {
+  ReplayEvent event;
+  event.kind = ReplayEventKind::kRequest;
+  const std::span<const std::int32_t> ids = request.env_ids.empty() ? all_ids_ : request.env_ids;
+  event.env_ids.assign(ids.begin(), ids.end());
+  event.argument =
+      (request.when == RequestTime::kNextReset ? 1u : 0u) | (request.redraws ? 2u : 0u);
+  for (const ParamChange& change : request.changes) event.path += change.text() + "\n";
+  add(std::move(event));
+}
+
 void ReplayRecorder::received(const Batch& rows, const Fleet& fleet) {
   write([&](ReplayWriter& writer) {
     for (int k = 0; k < rows.rows; ++k) {

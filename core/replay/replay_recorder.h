@@ -42,6 +42,7 @@ class ReplayRecorder : public PoolObserver {
   void restored(std::span<const std::uint64_t> saved) override;
   void forked(int source, std::span<const std::int32_t> targets, bool rekey) override;
   void param_set(int env, const std::string& path, double value) override;
+  void requested(const PoolRequest& request) override;
   void received(const Batch& rows, const Fleet& fleet) override;
 
  private:

@@ -1,5 +1,7 @@
 #include "core/simulation/simulation.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/base/arguments.h"
@@ -25,7 +27,13 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::reset() {
   const FpEnvironment guard;
+  Data::Requests& requests = data_->requests_at_reset;
+  std::move(data_->requests_now.begin(), data_->requests_now.end(), std::back_inserter(requests));
+  data_->requests_now.clear();
+  data_->work->requests[0] = requests;
   compiled_->reset(data_->group, *data_->work, 1u, data_->rows());
+  data_->work->clear_requests();
+  requests.clear();
   add_to_hash();
   data_->started = true;
 }
@@ -39,6 +47,7 @@ void Simulation::step(std::span<const float> action) {
   demand_started("step");
   check_values("action", action.size(), 1, action_size());
   const FpEnvironment guard;
+  apply_requests();
   compiled_->step(data_->group, *data_->work, 1u, action.data(), action_size(), data_->rows());
   add_to_hash();
 }
@@ -146,6 +155,18 @@ double Simulation::param(const std::string& path) const {
 
 void Simulation::set_param(const std::string& path, double value) {
   skybody::set_param(*compiled_, data_->group, 0, path, value);
+}
+
+void Simulation::request(std::span<const ParamChange> changes, RequestTime when) {
+  auto& requests = when == RequestTime::kNextReset ? data_->requests_at_reset : data_->requests_now;
+  requests.push_back(std::make_shared<const ParamRequest>(*compiled_, changes, false));
+}
+
+void Simulation::apply_requests() {
+  for (const auto& request : data_->requests_now) {
+    compiled_->apply(data_->group, *data_->work, 0, *request);
+  }
+  data_->requests_now.clear();
 }
 
 void Simulation::randomize() {

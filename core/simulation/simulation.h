@@ -11,6 +11,7 @@
 
 #include "core/assemble/load.h"
 #include "core/env/compiled_scenario.h"
+#include "core/env/param_request.h"
 #include "core/env/state_values.h"
 #include "core/physics/bodies/body_accelerations.h"
 #include "core/physics/contact/contact.h"
@@ -174,6 +175,10 @@ class Simulation {
                            double value);
   /// Draws from all randomizers now, in mid-episode; motion goes on.
   void randomize();
+  /// Asks for values of randomizable parameters, as Pool::request() does of one environment: before
+  /// the next step() or advance(), or in the next reset(), whichever comes first; or in that reset.
+  /// @throws Error as ParamRequest
+  void request(std::span<const ParamChange> changes, RequestTime when);
 
   /// Everything: motion, rotors, drawn values, plugin states, counters, random key.
   Snapshot save() const;
@@ -191,6 +196,7 @@ class Simulation {
   void keep_hash(bool keep);
 
  private:
+  void apply_requests();
   void touch() const;
   void demand_started(const char* call) const;
   int robot_index(const std::string& name) const;

@@ -33,6 +33,8 @@ struct Simulation::Data {
   std::uint64_t status = kRunning;
   HashChain chain;
   bool keeps_hash = true;
+  using Requests = std::vector<std::shared_ptr<const ParamRequest>>;
+  Requests requests_now, requests_at_reset;  ///< asked for and not yet done
   bool started = false;
 };
 

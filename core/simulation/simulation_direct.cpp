@@ -88,6 +88,7 @@ bool Simulation::advance(std::int64_t physics_steps) {
   demand_started("advance");
   check_physics_steps(physics_steps);
   if ((data_->status & kBadState) != 0) return false;  // ended: in parts as at once
+  apply_requests();
   const bool through = compiled_->advance(data_->group, *data_->work, 1u, physics_steps) != 0;
   data_->status = data_->group.bits(kStatus)[0];
   return through;

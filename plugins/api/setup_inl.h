@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "plugins/api/path_pattern.h"
 #include "plugins/api/setup.h"
 
 namespace skybody {
@@ -75,54 +76,18 @@ inline int Setup::sensor(const std::string& instance, const std::string& channel
                            (known.empty() ? "none" : known));
 }
 
-namespace plugin_detail {
-
-/// Does `path` match `pattern`, in which `[*]` stands for any index, and `*` elsewhere for any
-/// part of a name?
-inline bool matches(const std::string& pattern, const std::string& path) {
-  std::size_t i = 0, j = 0;
-  while (i < pattern.size() && j < path.size()) {
-    if (pattern.compare(i, 3, "[*]") == 0 && path[j] == '[') {
-      i += 3;
-      j = path.find(']', j) + 1;
-    } else if (pattern[i] == '*') {
-      const std::size_t end = std::min(path.find_first_of(".[", j), path.size());
-      for (std::size_t from = j; from <= end; ++from) {
-        if (matches(pattern.substr(i + 1), path.substr(from))) return true;
-      }
-      return false;
-    } else if (pattern[i++] != path[j++]) {
-      return false;
-    }
-  }
-  if (i + 1 == pattern.size() && pattern[i] == '*') ++i;              // it may stand for nothing
-  if (i == pattern.size() && j < path.size()) return path[j] == '[';  // a whole vector
-  return i == pattern.size() && j == path.size();
-}
-
-}  // namespace plugin_detail
-
 inline std::vector<int> Setup::find_params(const std::string& path) const {
+  std::vector<std::string> robots;
+  for (int r = 0; r < raw_.robot_count; ++r) robots.emplace_back(raw_.robots[r].name);
+  const std::vector<std::string> patterns = plugin_detail::patterns_of(path, robots);
   std::vector<int> found;
-  const bool every_robot = path.rfind("robot.", 0) == 0 || path.rfind("controllers.", 0) == 0;
-  const std::string rest = path.rfind("robot.", 0) == 0 ? path.substr(6) : path;
-  std::vector<std::string> patterns{path};
-  for (int r = 0; every_robot && r < raw_.robot_count; ++r) {
-    patterns.push_back("robots." + std::string(raw_.robots[r].name) + "." + rest);
-  }
   for (int i = 0; i < raw_.param_count; ++i) {
     const SkybodyEnvParamInfo& param = raw_.params[i];
-    for (const std::string& pattern : patterns) {
-      if (plugin_detail::matches(pattern, param.path) ||
-          (*param.alias != '\0' && plugin_detail::matches(pattern, param.alias))) {
-        found.push_back(i);
-        break;
-      }
-    }
+    if (plugin_detail::any_matches(patterns, param.path, param.alias)) found.push_back(i);
   }
   if (found.empty()) {
-    throw std::runtime_error("nothing randomizable is called `" + path +
-                             "`; `skybody check --parameters` lists what is");
+    throw std::runtime_error("nothing randomizable is called `" + path + "`" +
+                             plugin_detail::kNoSuchParam);
   }
   return found;
 }

@@ -94,6 +94,21 @@ ReceivedBatch step(PythonPool& self, nb::handle actions) {
   return ReceivedBatch{self.step(rows.span()), self.compiled().shared()};
 }
 
+/// @param lines  changes, see read_param_change(); @param redraws  all randomizers draw instead
+void request(PythonPool& self, const std::vector<std::string>& lines, bool redraws, bool at_reset,
+             nb::handle env_ids) {
+  const RequestTime when = at_reset ? RequestTime::kNextReset : RequestTime::kNextStep;
+  const auto ask = [&](std::span<const std::int32_t> ids) {
+    self.call_with_argument([&](Pool& pool) {
+      if (redraws) return pool.randomize(when, ids);
+      pool.request(read_param_changes(lines), when, ids);
+    });
+  };
+  if (env_ids.is_none()) return ask({});
+  const auto ids = read_array<std::int32_t>(env_ids, "env_ids", {-1});
+  if (!ids.span().empty()) ask(ids.span());  // empty means all to the pool
+}
+
 nb::bytes save(PythonPool& self) {
   const auto words = self.call([](Pool& pool) { return pool.save(); });
   return nb::bytes(words.data(), words.size() * sizeof(std::uint64_t));
@@ -263,6 +278,17 @@ void bind_state(Class& c) {
       },
       nb::arg("env"), nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
+  c.def("request", &request, nb::arg("lines"), nb::arg("redraws"), nb::arg("at_reset"),
+        nb::arg("env_ids") = nb::none(),
+        nb::sig("def request(self, lines: list[str], redraws: bool, at_reset: bool, env_ids: "
+                "numpy.typing.NDArray[numpy.int32] | None = None) -> None"),
+        "Asks for values of parameters, also while environments are in flight.\n\n"
+        "lines: changes as skybody.requests.request_lines makes them\n"
+        "redraws: all randomizers draw instead\n"
+        "at_reset: at the next reset, not with the next transition that is sent\n"
+        "env_ids: (n,) int32; None: all environments\n\n"
+        "Raises ValueError if there is no such environment or parameter, or a value would be\n"
+        "outside its bounds; then nothing was asked for.");
 }
 
 void bind_recording(Class& c) {

@@ -224,6 +224,17 @@ void bind_params(Class& c) {
       },
       nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
+  c.def(
+      "_request",
+      [](S& s, const std::vector<std::string>& lines, bool at_reset) {
+        s.look([&](Simulation& sim) {
+          blame_argument([&] {
+            sim.request(read_param_changes(lines),
+                        at_reset ? RequestTime::kNextReset : RequestTime::kNextStep);
+          });
+        });
+      },
+      nb::arg("lines"), nb::arg("at_reset"), "What skybody.Simulation.request() hands over.");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ from .arguments import (
 )
 from .observations import Observations
 from .options import PooledOptions
+from .requests import Change, When, at_reset, request_lines
+
+_ids = env_ids  # methods have arguments of that name
 
 
 def drain(pool: _native.Pool) -> None:
@@ -136,6 +140,38 @@ class PooledEnvironments:
             skybody.Error: some environments are in flight.
         """
         self.native.set_param(integer("env", env), text("path", path), value)
+
+    def request(
+        self,
+        env_ids: ArrayLike | None,
+        changes: Mapping[str, Change],
+        when: When = "next_step",
+    ) -> None:
+        """Asks for values of randomizable parameters; environments may be in flight meanwhile.
+
+        The next action that is sent to an environment after this brings them, whatever is in
+        flight now: before its first physics step, or where the transition is a reset, after what
+        randomizers draw there. Requests are done in the order in which they were made; each
+        environment draws for itself. The same seed and the same order of calls give the same bits.
+
+        Args:
+            env_ids: (n,) int32, which environments; None: all.
+            changes: path (as randomizers name them, `[*]` and `*` included) -> a number, several
+                for a vector, or a draw such as
+                `{"distribution": "uniform", "range": [0.8, 1.2], "form": "scale"}`: see
+                `skybody.requests.Draw`. Units: `compiled.param_info(path)`.
+            when: "next_step", or "next_reset": the next episode that begins.
+
+        Raises:
+            ValueError: no such environment or parameter, a distribution that cannot be, or a value
+                that would be outside its bounds; then nothing was asked for.
+        """
+        ids = None if env_ids is None else _ids(env_ids)
+        self.native.request(request_lines(changes), False, at_reset(when), ids)
+
+    def randomize(self, env_ids: ArrayLike | None = None, when: When = "next_step") -> None:
+        """Asks all randomizers to draw, whatever their schedule; motion goes on. See `request`."""
+        self.native.request([], True, at_reset(when), None if env_ids is None else _ids(env_ids))
 
     def hash(self, env: int | None = None) -> int:
         """Trajectory hash of one environment, or of all. Needs keep_hash=True."""

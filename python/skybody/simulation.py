@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple, Unpack
 
 import numpy as np
@@ -24,6 +24,7 @@ from .arguments import (
     text,
 )
 from .options import SimulationOptions, SimulationPoolOptions, takes
+from .requests import Change, When, at_reset, request_lines
 
 CONTROL_MODES: dict[str, str] = {
     "rotor_speed": "[{plugin: rotor_speed}]",
@@ -178,6 +179,12 @@ class Simulation(_native.Simulation):
         super().set_mass_properties(
             link, mass=mass, com=_floats(com), inertia=_floats(inertia), robot=robot
         )
+
+    def request(self, changes: Mapping[str, Change], when: When = "next_step") -> None:
+        """Asks for values of randomizable parameters: done with the next `step` or `advance`, or in
+        the next `reset`. Values and errors: `skybody.vector.SkybodyVectorEnv.request`.
+        """
+        super()._request(request_lines(changes), at_reset(when))
 
     def state_paths(self) -> dict[str, _native.StateValue]:
         """What `state` can give: path -> unit, frame, shape and meaning."""

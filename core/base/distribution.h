@@ -1,0 +1,161 @@
+// Distributions of one number, for randomizers and requests: how a uniform number becomes a value
+// of one. On double and packs.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/math.h"
+#include "core/base/math_normal.h"
+
+namespace skybody {
+
+enum class DistributionKind {
+  kConstant,    ///< always `low`
+  kUniform,     ///< between low and high
+  kLogUniform,  ///< whose logarithm is uniform; low > 0
+  kNormal,      ///< of a mean and a deviation, cut off at low and high
+  kChoice       ///< one of `values`, by `weights`
+};
+
+/// One distribution. Made by one of the functions below, which check it.
+struct Distribution {
+  DistributionKind kind = DistributionKind::kConstant;
+  double low = 0.0, high = 0.0;        ///< no value lies beyond
+  double mean = 0.0, deviation = 0.0;  ///< of the normal one before it is cut off
+  double from = 0.0, share = 1.0;  ///< of the normal one: what lies below low; what lies between
+  std::vector<double> values;      ///< of a choice
+  std::vector<double> weights;     ///< of a choice, one per value, adding up to 1
+  std::vector<double> sums;        ///< of a choice: of the weights up to and with each value
+
+  /// The value at a share of the whole: the inverse of the cumulative distribution.
+  /// @param u  0 <= u < 1
+  template <class Real>
+  Real at(const Real& u) const {
+    switch (kind) {
+      case DistributionKind::kUniform:
+        return low + (high - low) * u;
+      case DistributionKind::kLogUniform:
+        return clamp(low * exp(u * log(high / low)), Real(low), Real(high));
+      case DistributionKind::kNormal:
+        return clamp(mean + deviation * normal_quantile(from + share * u), Real(low), Real(high));
+      case DistributionKind::kChoice: {
+        Real value(values.back());
+        for (std::size_t k = values.size() - 1; k-- > 0;) {
+          value = select(u < sums[k], Real(values[k]), value);
+        }
+        return value;
+      }
+      case DistributionKind::kConstant:
+        break;
+    }
+    return Real(low);
+  }
+};
+
+namespace detail {
+
+inline std::string number_text(double value) {
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (!text.empty() && text.back() == '.') text.pop_back();
+  return text;
+}
+
+inline void check_distribution_range(double low, double high) {
+  if (!(low <= high)) {
+    throw std::runtime_error("the range [" + number_text(low) + ", " + number_text(high) +
+                             "] runs backwards: write [low, high]");
+  }
+}
+
+}  // namespace detail
+
+inline Distribution make_constant(double value) {
+  Distribution d;
+  d.low = d.high = value;
+  return d;
+}
+
+/// @throws std::runtime_error if low > high
+inline Distribution make_uniform(double low, double high) {
+  detail::check_distribution_range(low, high);
+  Distribution d;
+  d.kind = DistributionKind::kUniform;
+  d.low = low;
+  d.high = high;
+  return d;
+}
+
+/// @throws std::runtime_error if low > high, or low <= 0
+inline Distribution make_log_uniform(double low, double high) {
+  detail::check_distribution_range(low, high);
+  if (!(low > 0.0)) {
+    throw std::runtime_error("log_uniform needs a range above 0, and this one begins at " +
+                             detail::number_text(low) + ": raise it, or take uniform");
+  }
+  Distribution d = make_uniform(low, high);
+  d.kind = DistributionKind::kLogUniform;
+  return d;
+}
+
+/// A normal distribution cut off at both ends, as if values beyond them were drawn again.
+/// @throws std::runtime_error if low >= high, deviation <= 0, or less than a millionth of it lies
+///         between the ends
+inline Distribution make_normal(double mean, double deviation, double low, double high) {
+  detail::check_distribution_range(low, high);
+  if (!(deviation > 0.0)) {
+    throw std::runtime_error("the deviation is " + detail::number_text(deviation) +
+                             ": it has to be above 0");
+  }
+  Distribution d = make_uniform(low, high);
+  d.kind = DistributionKind::kNormal;
+  d.mean = mean;
+  d.deviation = deviation;
+  d.from = normal_share_below((low - mean) / deviation);
+  d.share = normal_share_below((high - mean) / deviation) - d.from;
+  if (!(d.share >= 1e-6)) {
+    throw std::runtime_error("the range [" + detail::number_text(low) + ", " +
+                             detail::number_text(high) +
+                             "] holds less than a millionth of the normal distribution: move it "
+                             "nearer to the mean " +
+                             detail::number_text(mean));
+  }
+  return d;
+}
+
+/// @param weights  of the values, above 0, adding up to 1; none: all alike
+/// @throws std::runtime_error if there is no value, or weights do not fit
+inline Distribution make_choice(std::vector<double> values, std::vector<double> weights = {}) {
+  if (values.empty()) throw std::runtime_error("a choice needs at least one value");
+  if (weights.empty()) weights.assign(values.size(), 1.0 / static_cast<double>(values.size()));
+  if (weights.size() != values.size()) {
+    throw std::runtime_error("there are " + std::to_string(values.size()) + " values and " +
+                             std::to_string(weights.size()) + " weights: give one for each");
+  }
+  Distribution d;
+  d.kind = DistributionKind::kChoice;
+  double sum = 0.0;
+  d.low = d.high = values[0];
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!(weights[k] > 0.0)) {
+      throw std::runtime_error("the weight " + detail::number_text(weights[k]) +
+                               " is not above 0: leave that value out");
+    }
+    sum += weights[k];
+    d.sums.push_back(sum);
+    d.low = min(d.low, values[k]);
+    d.high = max(d.high, values[k]);
+  }
+  if (!(abs(sum - 1.0) < 1e-9)) {
+    throw std::runtime_error("the weights add up to " + detail::number_text(sum) +
+                             ": they have to add up to 1");
+  }
+  d.values = std::move(values);
+  d.weights = std::move(weights);
+  return d;
+}
+
+}  // namespace skybody
