@@ -1,0 +1,143 @@
+"""Requests for values of randomizable parameters, as Python makes them."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import skybody
+from reference import PROGRAM
+from skybody.requests import request_lines
+
+GRAVITY = "gravity[2]"
+
+
+def step(envs) -> None:
+    envs.step(np.zeros(envs.action_space.shape, np.float32))
+
+
+@pytest.fixture
+def envs():
+    with skybody.make_vec("hover", num_envs=4, num_threads=2, seed=3) as made:
+        made.reset()
+        yield made
+
+
+def test_a_request_comes_with_the_next_step(envs):
+    envs.request([1, 2], {GRAVITY: -5.0})
+    assert envs.param(1, GRAVITY) == pytest.approx(-9.81)
+    step(envs)
+    assert [envs.param(k, GRAVITY) for k in range(4)] == pytest.approx([-9.81, -5.0, -5.0, -9.81])
+
+
+def test_vectors_and_draws(envs):
+    mass = "robots.quad.links.base_link.mass"
+    nominal = envs.param(0, mass)
+    envs.request(None, {"gravity": [0.0, 1.0, -9.0]})
+    envs.request(None, {mass: {"range": [0.9, 1.1], "form": "scale"}})
+    step(envs)
+    assert [envs.param(2, f"gravity[{k}]") for k in range(3)] == [0.0, 1.0, -9.0]
+    masses = [envs.param(k, mass) / nominal for k in range(4)]
+    assert len(set(masses)) == 4 and 0.9 <= min(masses) <= max(masses) <= 1.1
+
+
+def test_requests_at_a_reset(envs):
+    envs.request(None, {GRAVITY: -5.0}, when="next_reset")
+    step(envs)
+    assert envs.param(0, GRAVITY) == pytest.approx(-9.81)
+    envs.reset()
+    assert envs.param(0, GRAVITY) == -5.0
+
+
+def test_a_pool_takes_requests_in_flight():
+    with skybody.make_pool("hover", num_envs=4, batch_size=2, seed=3) as pool:
+        pool.async_reset()
+        pool.request([0], {GRAVITY: -5.0})
+        for _ in range(8):
+            batch = pool.recv()
+            pool.send(np.zeros((len(batch.env_id), 4), np.float32), batch.env_id)
+        while pool.in_flight:
+            pool.recv()
+        assert pool.param(0, GRAVITY) == -5.0
+
+
+def test_a_simulation_takes_requests():
+    sim = skybody.Simulation("hover", seed=1)
+    sim.reset()
+    sim.request({GRAVITY: -5.0})
+    sim.request({GRAVITY: -6.0}, when="next_reset")
+    assert sim.param(GRAVITY) == pytest.approx(-9.81)
+    sim.advance(1)
+    assert sim.param(GRAVITY) == -5.0
+    sim.reset()
+    assert sim.param(GRAVITY) == -6.0
+
+
+def test_a_recording_of_requests_is_replayed(tmp_path: Path):
+    file = tmp_path / "run.h5"
+    with skybody.make_vec("hover", num_envs=4, seed=3) as envs:
+        envs.record(file)
+        envs.reset()
+        for k in range(20):
+            envs.request(
+                [k % 4],
+                {
+                    GRAVITY: {
+                        "distribution": "normal",
+                        "mean": -9.81,
+                        "deviation": 1.0,
+                        "range": [-12.0, -8.0],
+                    }
+                },
+            )
+            envs.request(
+                None,
+                {"robots.quad.rotors[*].thrust_constant": {"range": [0.9, 1.1], "form": "scale"}},
+                when="next_reset",
+            )
+            if k % 5 == 0:
+                envs.randomize([1, 3])
+            step(envs)
+        envs.stop_recording()
+    done = subprocess.run(
+        [str(PROGRAM), "replay", str(file), "--threads", "3"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0 and done.stdout.startswith("identical"), done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"gravty": 1.0}, "nothing randomizable is called `gravty`"),
+        ({GRAVITY: {"range": [1.0, 0.0]}}, "runs backwards"),
+        ({GRAVITY: {"range": [1.0]}}, "range of 1 numbers"),
+        ({GRAVITY: {"low": 1.0}}, "has 'low'; there are distribution"),
+        ({GRAVITY: {"distribution": "flat"}}, "has distribution 'flat'"),
+        ({GRAVITY: {"distribution": "normal", "mean": 0.0}}, "needs 'deviation'"),
+        ({GRAVITY: {"values": [1.0]}}, "which uniform does not know"),
+        (
+            {GRAVITY: {"distribution": "choice", "values": [-1, -2], "weights": [0.5, 0.4]}},
+            "add up to",
+        ),
+        ({GRAVITY: float("nan")}, "must be finite"),
+        ({"robots.quad.links.base_link.mass": -1.0}, "allowed is"),
+    ],
+)
+def test_what_cannot_be_is_refused(envs, changes, words):
+    with pytest.raises(ValueError, match=words.replace("[", r"\[").replace("(", r"\(")):
+        envs.request(None, changes)
+    with pytest.raises(ValueError, match="next_step"):
+        envs.request(None, {GRAVITY: -9.0}, when="now")
+
+
+def test_lines_are_exact():
+    assert request_lines({"a": 0.1, "b": [1, 2e-300]}) == [
+        "a value each constant 0.1",
+        "b[0] value each constant 1.0",
+        "b[1] value each constant 2e-300",
+    ]
