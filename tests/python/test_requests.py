@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import skybody
-from reference import PROGRAM
 from skybody.requests import request_lines
 
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "build/release/bin/skybody"
 GRAVITY = "gravity[2]"
 
 
