@@ -33,7 +33,7 @@ struct Distribution {
   /// The value at a share of the whole: the inverse of the cumulative distribution.
   /// @param u  0 <= u < 1
   template <class Real>
-  Real at(const Real& u) const {
+  SKYBODY_INLINE Real at(const Real& u) const {
     switch (kind) {
       case DistributionKind::kUniform:
         return low + (high - low) * u;

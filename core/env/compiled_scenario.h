@@ -186,7 +186,8 @@ class CompiledScenario {
   void check(const StateGroup&, const GroupWork&, std::uint32_t mask) const;
   void place_at_start(StateGroup&, int lane) const;
   void start(StateGroup&, std::uint32_t mask) const;
-  void draw(StateGroup&, const SkybodyLanes&, bool requested) const;
+  void draw(StateGroup&, const SkybodyLanes&, SkybodyOccasion) const;
+  void draw_in_time(StateGroup&, GroupWork&, const SkybodyLanes&) const;
   void draw_with_requests(StateGroup&, const GroupWork&, const SkybodyLanes&) const;
   void draw_start(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void draw_again(StateGroup&, GroupWork&, int lane) const;
@@ -218,6 +219,7 @@ class CompiledScenario {
   bool is_checked_ = false;
   bool needs_bodies_before_ = false;
   bool needs_contacts_ = false;
+  bool draws_in_time_ = false;              ///< a randomizer does
   std::vector<ContactPair> contact_pairs_;  ///< that plugins ask for
   std::vector<int> joint_reactions_;        ///< bodies whose joints plugins ask about
   int commanded_ = 0;                       ///< values of the command that action or task give

@@ -129,6 +129,7 @@ struct CompiledScenario::Builder {
       PluginInstance made = configure(bound, tables);
       env.needs_bodies_before_ |= made.needs_bodies_before;
       env.needs_contacts_ |= made.needs_contacts;
+      env.draws_in_time_ |= made.draws_in_time;
       append(made.contact_pairs, env.contact_pairs_);
       append(made.joint_reactions, env.joint_reactions_);
       env.scratch_size_ = std::max(env.scratch_size_, made.scratch);
@@ -407,6 +408,11 @@ std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   if (!plan_.is_task_in_place) {
     work->task_values = values(static_cast<std::size_t>(task().channel_count()));
   }
+  std::size_t drawn = 0;
+  for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
+    if (r.draws_in_time) drawn = std::max(drawn, r.writes.size());
+  }
+  work->drawn = values(drawn);
   work->reward = values(1);
   work->robot_reward = values(scenario().robots.size());
   work->agent_reward = values(agents_.size());

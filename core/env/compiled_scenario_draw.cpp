@@ -89,14 +89,14 @@ void CompiledScenario::apply(StateGroup& group, GroupWork& work, int lane,
 /// What randomizers draw at a reset, then what callers asked for.
 void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWork& work,
                                           const SkybodyLanes& lanes) const {
-  draw(group, lanes, false);
+  draw(group, lanes, SKYBODY_AT_RESET);
   each_lane(lanes.active, [&](int lane) {
     std::uint64_t number = group.bits(kRequests)[lane];
     for (const auto& request : work.requests[static_cast<std::size_t>(lane)]) {
       if (request->redraws()) {
         SkybodyLanes one = lanes;
         one.active = 1u << lane;
-        draw(group, one, true);
+        draw(group, one, SKYBODY_ON_REQUEST);
       }
       put_request(layout(), group, lane, ++number, *request);
     }
@@ -104,15 +104,46 @@ void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWork& wo
 }
 
 /// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
-void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes, bool requested) const {
+void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
+                            SkybodyOccasion occasion) const {
   const Layout& l = layout();
   const std::uint32_t mask = lanes.active;
   const SkybodyStart where{group.writable(l.q, mask), group.writable(l.u, mask),
                            group.writable(l.rotor_speed, mask), group.writable(l.params, mask),
-                           requested ? 1u : 0u};
+                           static_cast<std::uint32_t>(occasion)};
   for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
     call_plugin(r.kernels.randomize, r, group, lanes, no_sizes, &where);
     for (const int param : r.writes) hold_to_bounds(group, mask, param);
+  }
+}
+
+/// Lets the randomizers that ask for it draw parameters before a physics step. Lanes in which
+/// nothing changes stay as they are, and so does what was made of their parameters.
+void CompiledScenario::draw_in_time(StateGroup& group, GroupWork& work,
+                                    const SkybodyLanes& lanes) const {
+  const Layout& l = layout();
+  const int width = group.lanes();
+  for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
+    if (!r.draws_in_time) continue;
+    const SkybodyStart where{group.unmarked(l.q), group.unmarked(l.u),
+                             group.unmarked(l.rotor_speed), group.unmarked(l.params),
+                             SKYBODY_IN_TIME};
+    double* before = work.drawn.data();
+    for (const int param : r.writes)
+      before = std::copy_n(where.params + param * width, width, before);
+    call_plugin(r.kernels.randomize, r, group, lanes, no_sizes, &where);
+    std::uint32_t changed = 0;
+    before = work.drawn.data();
+    for (const int param : r.writes) {
+      const double* now = where.params + param * width;
+      each_lane(lanes.active, [&](int lane) {
+        if (std::memcmp(now + lane, before + lane, sizeof *now) != 0) changed |= 1u << lane;
+      });
+      before += width;
+    }
+    if (changed == 0) continue;
+    for (const int param : r.writes) hold_to_bounds(group, changed, param);
+    update(group, work, changed);
   }
 }
 
@@ -222,7 +253,7 @@ void CompiledScenario::randomize(StateGroup& group, GroupWork& work, std::uint32
   }
   SkybodyLanes lanes = view(group, work, mask);
   lanes.physics_step = number_requests(group, work, mask);
-  draw(group, lanes, true);
+  draw(group, lanes, SKYBODY_ON_REQUEST);
   const double* from = motion.data();
   for (const Block& block : {l.q, l.u, l.rotor_speed}) {
     std::copy(from, from + block.size * group.lanes(), group.writable(block, mask));

@@ -48,6 +48,7 @@ void CompiledScenario::fly_action(StateGroup& group, GroupWork& work, SkybodyLan
 /// @param steps_left  behind this one, before anybody but plugins looks
 void CompiledScenario::fly(StateGroup& group, GroupWork& work, SkybodyLanes& lanes,
                            std::int64_t steps_left) const {
+  if (draws_in_time_) draw_in_time(group, work, lanes);
   control(group, work, lanes);
   apply_effects(group, lanes);
   lanes.active = advance(group, work, lanes.active);

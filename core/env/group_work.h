@@ -60,6 +60,7 @@ class GroupWork {
   std::vector<Contact> contacts;        ///< of one lane
   std::vector<SpatialForce<double>> joint_reactions;  ///< of one lane, one per body
   std::vector<std::uint8_t*> image_rows;     ///< for Rows::images, one per image of the observation
+  AlignedArray<double> drawn;                ///< what a randomizer writes, before it draws in time
   AlignedArray<std::uint64_t> undrawn;       ///< words that a reset's draws change, before them, in
                                              ///< lanes; empty: no start is drawn again
   AlignedArray<std::uint64_t> start_status;  ///< of lanes of bad_start: the status bits, 1 per lane

@@ -99,6 +99,7 @@ struct PluginInstance {
   std::vector<Goal> goals;
   bool robot_rewards = false;  ///< tasks: evaluate() gives each robot a reward of its own
   std::vector<int> writes;     ///< EnvParams that a randomizer writes
+  bool draws_in_time = false;  ///< randomizers: is called before every physics step, too
   std::vector<int> reads;      ///< sensors' values that it looks at, the first of each channel
   std::vector<Report> reports;
   std::vector<Channel> actions;  ///< tasks: parts of the action; none: the chains' commands

@@ -317,6 +317,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   d.reads = [](void* host, int32_t first) { instance_of(host).reads.push_back(first); };
   d.only_when_read = [](void* host) { instance_of(host).is_only_when_read = true; };
   d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
+  d.draws_in_time = [](void* host) { instance_of(host).draws_in_time = true; };
   d.goal = [](void* host, int32_t robot, int32_t body) {
     instance_of(host).goals.push_back({robot, body});
   };

@@ -55,6 +55,8 @@ class StateGroup {
     return start_of(block);
   }
   std::uint64_t* writable(HeaderWord word) { return at(word); }
+  /// The same without a note: whoever changes a lane's values calls writable() for it afterwards.
+  double* unmarked(Block block) { return reinterpret_cast<double*>(at(block.offset)); }
   /// A plugin's words. @param k  place within the block plugin_state
   std::uint64_t* plugin_bits(int k) { return at(layout_->plugin_state.offset + k); }
   double* plugin_reals(int k) { return reinterpret_cast<double*>(plugin_bits(k)); }

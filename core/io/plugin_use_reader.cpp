@@ -9,11 +9,34 @@
 namespace skybody {
 namespace {
 
+/// Plugins that are no longer there, and what does their work.
+struct Retired {
+  SkybodyKind kind;
+  const char *name, *remedy;
+};
+constexpr Retired kRetired[] = {
+    {SKYBODY_RANDOMIZER, "uniform",
+     "`draw` does its work: `paths` is `what` there, and `scale` and `shift` are `range` with "
+     "`form: scale` or `form: shift`"},
+    {SKYBODY_RANDOMIZER, "inertia", "`vehicle_constants` does its work"},
+};
+
+std::string remedy_of(const PluginUse& use, SkybodyKind kind) {
+  for (const Retired& r : kRetired) {
+    if (r.kind == kind && use.plugin == r.name) return r.remedy;
+  }
+  return {};
+}
+
 /// The declaration that `use` names, or null and an error where it is written.
 const PluginDeclaration* find_plugin(const PluginUse& use, SkybodyKind kind,
                                      const PluginCatalog& catalog, Diagnostics& diagnostics) {
   const std::string what = std::string(kind_name(kind)) + " `" + use.plugin + "`";
   const PluginDeclaration* found = catalog.find(kind, use.plugin);
+  if (found == nullptr && !remedy_of(use, kind).empty()) {
+    diagnostics.error(use.mark, "the " + what + " is retired: " + remedy_of(use, kind));
+    return nullptr;
+  }
   if (found == nullptr) {
     const std::string hint = suggestion(use.plugin, catalog.names(kind), "found");
     const bool is_slip = hint.find("did you mean") != std::string::npos;

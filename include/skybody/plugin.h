@@ -1,6 +1,7 @@
 // Everything that a plugin author includes.
 #pragma once
 
+#include "core/base/distribution.h"
 #include "core/base/math.h"
 #include "plugins/api/export.h"
 #include "plugins/api/plugin.h"

@@ -339,6 +339,8 @@ typedef struct SkybodyDeclare {
   /* Randomizers: this parameter will be written, and is held to its bounds after each draw. Two
    * writers of one parameter are an error. */
   void (*writes)(void* host, int32_t env_param);
+  /* Randomizers: asks to be called before every physics step, too. */
+  void (*draws_in_time)(void* host);
   /* Tasks: the body of `robot` that the goal is about. */
   void (*goal)(void* host, int32_t robot, int32_t body);
   /* Tasks: evaluate() will write SkybodyEvaluation::robot_reward. */
@@ -391,13 +393,20 @@ typedef struct SkybodyLanes {
   SkybodyChecks* checks; /* NULL: not checked */
 } SkybodyLanes;
 
+/* Why a randomizer is called. */
+typedef enum SkybodyOccasion {
+  SKYBODY_AT_RESET = 0,
+  SKYBODY_ON_REQUEST = 1, /* a caller asks: draw now, whatever the randomizer's own schedule says */
+  SKYBODY_IN_TIME = 2     /* before a physics step, where it has declared draws_in_time */
+} SkybodyOccasion;
+
 /* What a randomizer changes at a reset. */
 typedef struct SkybodyStart {
   double* q;
   double* u;
   double* rotor_speed;
   double* params;
-  uint32_t requested; /* 1: draw now, whatever the randomizer's own schedule says */
+  uint32_t occasion; /* SkybodyOccasion; parameters alone may be written but at a reset */
 } SkybodyStart;
 
 /* What an effect adds to; NULL where it does not hold that input. Neutral when it is called. */

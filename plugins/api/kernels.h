@@ -99,7 +99,7 @@ struct Views {
         env.values(s.rotor_speed, first, mask, "rotor",
                    [](const SkybodyChecks& c) { return c.rotors; }),
         env.values(s.params, first, mask, "param", [](const SkybodyChecks& c) { return c.params; }),
-        s.requested != 0);
+        s.occasion);
   }
 };
 

@@ -119,12 +119,14 @@ template <class Real>
 class Start {
  public:
   Start(const Values<Real>& q_values, const Values<Real>& u_values,
-        const Values<Real>& rotor_speed_values, const Values<Real>& param_values, bool draw_now)
+        const Values<Real>& rotor_speed_values, const Values<Real>& param_values,
+        std::uint32_t occasion)
       : q(q_values),
         u(u_values),
         rotor_speed(rotor_speed_values),
         params(param_values),
-        requested(draw_now) {}
+        requested(occasion == SKYBODY_ON_REQUEST),
+        in_time(occasion == SKYBODY_IN_TIME) {}
 
   /// Joint coordinates of the world, at BodyInfo::first_q [m] and [rad]. A free base: position (W)
   /// and quaternion w x y z.
@@ -137,6 +139,7 @@ class Start {
   /// written; they are held to their bounds afterwards.
   Values<Real> params;
   bool requested;  ///< the caller asks for a draw now, whatever the schedule says
+  bool in_time;    ///< before a physics step (Setup::draws_in_time): parameters alone may change
 };
 
 /// Draws values when an episode begins. `configure()` announces the parameters that it may write by

@@ -196,6 +196,9 @@ class Setup {
   /// Randomizers: announces that parameter `param` of params() will be written; it is then held to
   /// its bounds after every draw. Two randomizers that announce one are an error of the scenario.
   void writes(int param) const { declare_.writes(declare_.host, param); }
+  /// Randomizers: asks to be called before every physics step as well (Start::in_time), to draw
+  /// parameters at times within the episode.
+  void draws_in_time() const { declare_.draws_in_time(declare_.host); }
   /// Tasks: goal() gives where world body `body` of `robot` should be. In order; once a robot at
   /// most.
   void goal(int robot, int body) const { declare_.goal(declare_.host, robot, body); }

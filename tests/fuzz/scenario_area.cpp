@@ -64,7 +64,7 @@ obstacles:
 sensors:
   - {plugin: imu, name: imu_1, parameters: {link: base_link, period: 2, latency: 3}}
 randomization:
-  - {plugin: uniform, parameters: {paths: [robots.quad.links.base_link.mass], scale: [0.9, 1.1]}}
+  - {plugin: draw, parameters: {what: [robots.quad.links.base_link.mass], range: [0.9, 1.1], form: scale}}
   - {plugin: vehicle_constants, name: inertia, parameters: {inertia: [0.9, 1.1], every: 2}}
 task: {plugin: hover, parameters: {target: [0, 0, 1, 0]}}
 )"};

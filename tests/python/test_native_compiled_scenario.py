@@ -153,8 +153,8 @@ def test_shapes_of_bodies_and_obstacles_are_listed_with_sizes_and_poses() -> Non
 
 
 def test_a_star_in_a_path_stands_for_nothing_too() -> None:
-    ranges = "{paths: ['robots.quad.links.base_link.mass*'], scale: [0.5, 0.5]}"
-    overrides = [f"randomization=[{{plugin: uniform, parameters: {ranges}}}]"]
+    ranges = "{what: ['robots.quad.links.base_link.mass*'], range: [0.5, 0.5], form: scale}"
+    overrides = [f"randomization=[{{plugin: draw, parameters: {ranges}}}]"]
     pool = skybody.make_pool(CompiledScenario("hover", overrides), 1)
     pool.reset(seed=1)
     path = "robots.quad.links.base_link.mass"

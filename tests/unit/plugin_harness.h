@@ -189,7 +189,17 @@ class Instance {
     return g;
   }
 
-  enum class Call { kReset, kControl, kSense, kRandomize, kRequest, kProcess, kEvaluate, kApply };
+  enum class Call {
+    kReset,
+    kControl,
+    kSense,
+    kRandomize,
+    kRequest,
+    kInTime,
+    kProcess,
+    kEvaluate,
+    kApply
+  };
   /// Calls one step function of an instruction set (0, 1, 2: v2, v3, v4) for the lanes of `mask`.
   void call(Call what, Group& g, std::uint32_t mask = 1, int set = 0,
             SkybodyNumber number = SKYBODY_NUMBER_REAL) const {
@@ -197,9 +207,11 @@ class Instance {
     const SkybodyLanes v = view(g, mask);
     std::uint64_t* state = g.state.data();
     double* buffer = g.buffer.data();
-    const bool requested = what == Call::kRequest;
+    const std::uint32_t occasion = what == Call::kRequest  ? SKYBODY_ON_REQUEST
+                                   : what == Call::kInTime ? SKYBODY_IN_TIME
+                                                           : SKYBODY_AT_RESET;
     const SkybodyStart start{g.q.data(), g.u.data(), g.rotor_speed.data(), g.params.data(),
-                             requested ? 1u : 0u};
+                             occasion};
     const SkybodyEvaluation out{g.observation.data(),  g.reward.data(), g.end.data(),
                                 g.robot_reward.data(), g.info.data(),   1};
     SkybodyHeld held{};

@@ -36,8 +36,10 @@ TEST_F(Randomization, GivesTheBitsOfDouble) {
                     {"yaw_min", -1.0},
                     {"yaw_max", 2.0},
                     {"rotor_speed", "hover"}});
-  expect_same_bits("uniform", world,
-                   {{"paths", Texts{"robot.rotors[*].constant0"}}, {"scale", Numbers{0.9, 1.1}}});
+  expect_same_bits("draw", world,
+                   {{"what", Texts{"robot.rotors[*].constant0"}},
+                    {"range", Numbers{0.9, 1.1}},
+                    {"form", "scale"}});
 }
 
 TEST_F(Randomization, InertiaStaysPhysicalAndNeverDrifts) {
@@ -71,10 +73,12 @@ TEST_F(Randomization, InertiaStaysPhysicalAndNeverDrifts) {
 TEST_F(Randomization, ARangeOfOneReturnsToTheNominalBits) {
   // After any history, a randomizer of the same parameters with scale 1 +- 0 gives the nominal
   // back.
-  const Instance wide("uniform", world,
-                      {{"paths", Texts{"robot.links.base.mass"}}, {"scale", Numbers{0.5, 2.0}}});
-  const Instance one("uniform", world,
-                     {{"paths", Texts{"robot.links.base.mass"}}, {"scale", Numbers{1.0, 1.0}}});
+  const Instance wide(
+      "draw", world,
+      {{"what", Texts{"robot.links.base.mass"}}, {"range", Numbers{0.5, 2.0}}, {"form", "scale"}});
+  const Instance one(
+      "draw", world,
+      {{"what", Texts{"robot.links.base.mass"}}, {"range", Numbers{1.0, 1.0}}, {"form", "scale"}});
   Group g = wide.group(1), h = one.group(1);
   for (int n = 0; n < 10000; ++n) reset(wide, g);
   h.params = g.params;
@@ -113,10 +117,84 @@ TEST_F(Randomization, OnlyNamedBodiesAndDeclaredParametersAreWritten) {
   }
 }
 
-TEST_F(Randomization, UniformSharesADrawOrNot) {
+TEST_F(Randomization, DrawsOfOneNameRiseAndFallTogether) {
+  const auto make = [&](const char* what, const char* name) {
+    return Parameters{{"what", Texts{what}},
+                      {"range", Numbers{0.5, 2.0}},
+                      {"form", "scale"},
+                      {"correlated", name}};
+  };
+  const Instance mass("draw", world, make("robot.links.base.mass", "size")),
+      thrust("draw", world, make("robot.rotors[0].constant0", "size")),
+      moment("draw", world, make("robot.rotors[0].constant1", "other"));
+  Group g = mass.group(1), h = thrust.group(1), k = moment.group(1);
+  const int m = world.bodies[0].first_param, kf = world.rotors[0].first_param;
+  double least = 1.0;
+  for (int n = 0; n < 100; ++n) {
+    reset(mass, g);
+    reset(thrust, h);
+    reset(moment, k);
+    const double scale = param(g, m) / world.params[static_cast<std::size_t>(m)].nominal;
+    const auto of = [&](Group& group, int at) {
+      return param(group, at) / world.params[static_cast<std::size_t>(at)].nominal;
+    };
+    EXPECT_NEAR(of(h, kf), scale, 1e-15);
+    least = std::min(least, std::abs(of(k, kf + 1) - scale));
+  }
+  EXPECT_GT(least, 1e-6) << "another name, another number";
+}
+
+TEST_F(Randomization, DrawsInTimeOnceBetweenItsEnds) {
+  const Instance r("draw", world,
+                   {{"what", Texts{"robot.links.base.mass"}},
+                    {"range", Numbers{0.5, 0.9}},
+                    {"form", "scale"},
+                    {"when", "time"},
+                    {"time", Numbers{0.01, 0.02}}});
+  Group g = r.group(1);
+  const int m = world.bodies[0].first_param;
+  const double nominal = world.params[static_cast<std::size_t>(m)].nominal;
+  std::set<std::uint64_t> steps;
+  for (int n = 0; n < 200; ++n) {
+    g.physics_step[0] = 0;
+    reset(r, g);
+    EXPECT_EQ(param(g, m), nominal);
+    std::uint64_t changed = 0;
+    for (std::uint64_t step = 0; step < 30; ++step) {
+      const double before = param(g, m);
+      g.physics_step[0] = step;
+      r.call(Call::kInTime, g);
+      if (param(g, m) == before) continue;
+      EXPECT_EQ(changed, 0u);
+      changed = step;
+      EXPECT_LE(param(g, m), 0.9 * nominal);
+    }
+    EXPECT_GE(changed, 10u);
+    EXPECT_LE(changed, 20u);
+    steps.insert(changed);
+  }
+  EXPECT_EQ(steps.size(), 11u) << "every step of the span comes";
+}
+
+TEST_F(Randomization, DrawsOnRequestAlone) {
+  const Instance r("draw", world,
+                   {{"what", Texts{"robot.links.base.mass"}},
+                    {"range", Numbers{0.5, 0.9}},
+                    {"form", "scale"},
+                    {"when", "request"}});
+  Group g = r.group(1);
+  const int m = world.bodies[0].first_param;
+  const double nominal = world.params[static_cast<std::size_t>(m)].nominal;
+  reset(r, g);
+  EXPECT_EQ(param(g, m), nominal);
+  r.call(Call::kRequest, g);
+  EXPECT_LE(param(g, m), 0.9 * nominal);
+}
+
+TEST_F(Randomization, ADrawIsSharedOrNot) {
   for (const bool shared : {false, true}) {
-    const Instance r("uniform", world,
-                     {{"paths", Texts{"robot.rotors[*].constant6"}},
+    const Instance r("draw", world,
+                     {{"what", Texts{"robot.rotors[*].constant6"}},
                       {"range", Numbers{0.01, 0.02}},
                       {"shared", shared}});
     Group g = r.group(1);
@@ -224,19 +302,32 @@ TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
                        {"position_min", Numbers{0, 0, 0}},
                        {"position_max", Numbers{1, 1, 1}}}),
               HasSubstr("would put all robots in one place: set `relative: true`"));
-  EXPECT_THAT(refusal("uniform", world, {{"paths", Texts{"robot.links.base.mass"}}}),
-              HasSubstr("none of `scale`, `range` and `shift`"));
-  EXPECT_THAT(refusal("uniform", world,
-                      {{"paths", Texts{"robot.links.base.mass"}},
-                       {"scale", Numbers{1, 2}},
-                       {"range", Numbers{1, 2}}}),
-              HasSubstr("leave one out"));
+  EXPECT_THAT(refusal("draw", world, {{"what", Texts{"robot.links.base.mass"}}}),
+              HasSubstr("`distribution: uniform` needs `range`"));
+  const auto draw_refusal = [&](Parameters more) {
+    more.insert({"what", Texts{"robot.links.base.mass"}});
+    return refusal("draw", world, more);
+  };
+  EXPECT_THAT(draw_refusal({{"range", Numbers{1, 2}}, {"values", Numbers{1, 2}}}),
+              HasSubstr("`distribution: uniform` does not know `values`"));
+  EXPECT_THAT(draw_refusal({{"range", Numbers{1, 2}}, {"weights", Numbers{1}}}),
+              HasSubstr("does not know `weights`"));
+  EXPECT_THAT(draw_refusal({{"range", Numbers{2, 1}}}), HasSubstr("runs backwards"));
+  EXPECT_THAT(draw_refusal({{"range", Numbers{1}}}), HasSubstr("`range` has 1 values"));
+  EXPECT_THAT(draw_refusal({{"distribution", "choice"}}), HasSubstr("needs `values`"));
+  EXPECT_THAT(draw_refusal({{"range", Numbers{1, 2}}, {"when", "time"}}),
+              HasSubstr("`when: time` needs `time`"));
+  EXPECT_THAT(draw_refusal({{"range", Numbers{1, 2}}, {"time", Numbers{1, 2}}}),
+              HasSubstr("for `when: time` alone"));
+  EXPECT_THAT(draw_refusal({{"range", Numbers{1, 2}}, {"when", "time"}, {"time", Numbers{2, 1}}}),
+              HasSubstr("do not run backwards"));
   EXPECT_THAT(
-      refusal("uniform", world, {{"paths", Texts{"robot.nothing"}}, {"scale", Numbers{1, 2}}}),
+      refusal("draw", world,
+              {{"what", Texts{"robot.nothing"}}, {"range", Numbers{1, 2}}, {"form", "scale"}}),
       HasSubstr("robot.nothing"));
-  EXPECT_THAT(refusal("uniform", world,
-                      {{"paths", Texts{"robot.links.base.mass"}}, {"range", Numbers{-1, 2}}}),
-              HasSubstr("narrow the range"));
+  EXPECT_THAT(
+      refusal("draw", world, {{"what", Texts{"robot.links.base.mass"}}, {"range", Numbers{-1, 2}}}),
+      HasSubstr("narrow the range"));
   world.robots[0].fixed_base = 1;
   EXPECT_THAT(refusal("start", world, {}), HasSubstr("no robot has a floating base"));
 }

@@ -110,7 +110,7 @@ TEST(StartOverlap, OfWhatStandsOnTheGroundIsNone) {
 TEST(StartOverlap, CountsForObstaclesThatAreDrawnAndThatAreNotThere) {
   const std::string pole = "obstacles=[{name: pole, sphere: 0.5, position: [0, 0, 20]}]";
   const std::string moved =
-      "{plugin: uniform, name: place, parameters: {paths: ['obstacles.pole.position[2]'], range: "
+      "{plugin: draw, name: place, parameters: {what: ['obstacles.pole.position[2]'], range: "
       "[4, 7]}}";
   Simulation simulation = hover(with(pole, moved));
   for (int k = 0; k < 100; ++k) {
@@ -120,7 +120,7 @@ TEST(StartOverlap, CountsForObstaclesThatAreDrawnAndThatAreNotThere) {
     EXPECT_TRUE(height < 4.49 || height > 5.52) << height;
   }
   const std::string absent =
-      "{plugin: uniform, name: there, parameters: {paths: [obstacles.pole.present], range: [0, "
+      "{plugin: draw, name: there, parameters: {what: [obstacles.pole.present], range: [0, "
       "0]}}";
   const std::string at_robot = "obstacles=[{name: pole, sphere: 0.5, position: [0, 0, 1]}]";
   Simulation without = hover(

@@ -1,0 +1,247 @@
+// Draws any randomizable values, named by path: from what, how often, and at which times.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "randomization/common/schedule.h"
+
+namespace skybody {
+namespace {
+
+class Draw : public Randomizer {
+ public:
+  template <class Real>
+  struct State {
+    randomization::Schedule<Real> schedule;
+    Word<Real> due;  ///< physics step before which it draws, where it draws in time; 0: never
+  };
+
+  void configure(const Setup& setup) override {
+    distribution_ = read_distribution();
+    dt_ = setup.dt();
+    read_time(setup);
+    find_values(setup);
+    stream_ = correlated_.value().empty() ? 0 : derive_stream(correlated_.value().c_str());
+  }
+
+  template <class Real>
+  void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const {
+    if (start.in_time) {
+      draw_in_time(env, state, start);
+      return;
+    }
+    const auto is_due = logical_and(randomization::is_due(state.schedule, start.requested),
+                                    MaskOf<Real>(start.requested || when_.value() != kRequest));
+    if (is_timed_ && !start.requested) {
+      begin_episode(env, is_due, state, start);
+    } else {
+      draw(env, is_due, start.requested ? 1 : 0, start);
+    }
+    randomization::count_reset(state.schedule, start.requested, every_.value());
+  }
+
+ private:
+  static constexpr const char *kReset = "reset", *kRequest = "request", *kTime = "time";
+
+  struct Target {
+    int param;
+    double nominal;
+    double factor;  ///< the nominal value for `scale`, else 1
+    double offset;  ///< the nominal value for `shift`, else 0
+    bool draws;     ///< else it takes the number of the one before
+  };
+
+  /// ---- in an episode
+
+  /// Numbers of this instance, or those that all draws of one name share.
+  template <class Real>
+  SKYBODY_INLINE Random<Real> numbers(const EnvView<Real>& env, std::uint64_t occasion) const {
+    if (stream_ == 0) return random(env, occasion);
+    return Random<Real>(env.seed(), env.stream_env(), env.episode(), env.physics_step(),
+                        stream_ + occasion);
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void draw(const EnvView<Real>& env, const MaskOf<Real>& is_due,
+                           std::uint64_t occasion, Start<Real>& start) const {
+    if (none(is_due)) return;
+    Random<Real> random = numbers(env, occasion);
+    Real value(0.0);
+    for (const Target& t : targets_) {
+      if (t.draws) value = distribution_.at(random.uniform());
+      start.params.set(t.param, select(is_due, value * t.factor + t.offset, start.params[t.param]));
+    }
+  }
+
+  /// Values are nominal until the time comes, which is drawn now.
+  template <class Real>
+  SKYBODY_INLINE void begin_episode(const EnvView<Real>& env, const MaskOf<Real>& is_due,
+                                    State<Real>& state, Start<Real>& start) const {
+    Random<Real> random = this->random(env, 2);
+    const Real span = static_cast<double>(latest_ - earliest_ + 1);
+    const Real step = static_cast<double>(earliest_) + floor(random.uniform() * span);
+    state.due = select(is_due, to_word(step), Word<Real>(0));
+    for (const Target& t : targets_) {
+      start.params.set(t.param, select(is_due, Real(t.nominal), start.params[t.param]));
+    }
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void draw_in_time(const EnvView<Real>& env, State<Real>& state,
+                                   Start<Real>& start) const {
+    const auto is_now = logical_and(state.due == env.physics_step(), state.due != Word<Real>(0));
+    if (none(is_now)) return;
+    draw(env, is_now, 3, start);
+    state.due = select(is_now, Word<Real>(0), state.due);
+  }
+
+  /// ---- of the scenario
+
+  Distribution read_distribution() const {
+    const std::string& kind = distribution_name_.value();
+    check_given("range", range_.count(), kind != "choice", kind);
+    check_given("values", values_.count(), kind == "choice", kind);
+    if (kind == "choice") return make_choice(list(values_), list(weights_));
+    check_absent("weights", weights_.count(), kind);
+    if (range_.count() != 2) {
+      throw std::runtime_error("`range` has " + std::to_string(range_.count()) +
+                               " values: write [low, high]");
+    }
+    const double low = range_.value(0), high = range_.value(1);
+    if (kind == "uniform") return make_uniform(low, high);
+    if (kind == "log_uniform") return make_log_uniform(low, high);
+    return make_normal(mean_.value(), deviation_.value(), low, high);
+  }
+
+  static std::vector<double> list(const RealsParameter& parameter) {
+    std::vector<double> values;
+    for (int k = 0; k < parameter.count(); ++k) values.push_back(parameter.value(k));
+    return values;
+  }
+
+  static void check_given(const std::string& name, int count, bool is_wanted,
+                          const std::string& kind) {
+    if (!is_wanted) return check_absent(name, count, kind);
+    if (count == 0) {
+      throw std::runtime_error("`distribution: " + kind + "` needs `" + name + "`: give it");
+    }
+  }
+  static void check_absent(const std::string& name, int count, const std::string& kind) {
+    if (count == 0) return;
+    throw std::runtime_error("`distribution: " + kind + "` does not know `" + name +
+                             "`: leave it out");
+  }
+
+  void read_time(const Setup& setup) {
+    is_timed_ = when_.value() == kTime;
+    if (is_timed_ != (time_.count() > 0)) {
+      throw std::runtime_error(is_timed_ ? "`when: time` needs `time`: give [earliest, latest] in s"
+                                         : "`time` is for `when: time` alone: leave it out");
+    }
+    if (!is_timed_) return;
+    if (time_.count() != 2 || !(time_.value(0) <= time_.value(1))) {
+      throw std::runtime_error("`time` has to be [earliest, latest], which do not run backwards");
+    }
+    const double last = time_.value(1);
+    const double end = setup.horizon() * setup.action_repeat() * dt_;
+    if (setup.horizon() > 0 && last >= end) {
+      throw std::runtime_error("`time` goes up to " + to_text(last) +
+                               " s, but an episode ends after " + to_text(end) +
+                               " s: let it end before");
+    }
+    earliest_ = std::max<std::int64_t>(1, std::llround(time_.value(0) / dt_));
+    latest_ = std::max<std::int64_t>(earliest_, std::llround(last / dt_));
+    setup.draws_in_time();
+  }
+
+  void find_values(const Setup& setup) {
+    if (what_.values().empty()) {
+      throw std::runtime_error(
+          "`what` names nothing to draw: give at least one path, such as "
+          "`controllers.rate_pd.kp`");
+    }
+    for (const std::string& path : what_.values()) {
+      for (const int param : setup.find_params(path)) add(setup, param, path);
+    }
+  }
+
+  void add(const Setup& setup, int param, const std::string& path) {
+    const EnvParamInfo& info = setup.params()[param];
+    for (const Target& t : targets_) {
+      if (t.param != param) continue;
+      throw std::runtime_error("`" + path + "` names " + std::string(info.path) +
+                               " a second time: name each value once");
+    }
+    const double factor = form_.value() == "scale" ? info.nominal : 1.0;
+    const double offset = form_.value() == "shift" ? info.nominal : 0.0;
+    const double a = distribution_.low * factor + offset, b = distribution_.high * factor + offset;
+    if (std::min(a, b) < info.min || std::max(a, b) > info.max) {
+      throw std::runtime_error("drawing " + std::string(info.path) + " from [" +
+                               to_text(std::min(a, b)) + ", " + to_text(std::max(a, b)) +
+                               "] leaves what it may be, [" + to_text(info.min) + ", " +
+                               to_text(info.max) + "]: narrow the range");
+    }
+    targets_.push_back({param, info.nominal, factor, offset, targets_.empty() || !shared_.value()});
+    setup.writes(param);
+  }
+
+  TextsParameter what_{
+      this,
+      {.name = "what",
+       .doc = "paths of what is drawn; `[*]` means all elements, `*` any part of a name or nothing",
+       .required = true}};
+  TextParameter distribution_name_{this,
+                                   {.name = "distribution",
+                                    .value = "uniform",
+                                    .choices = {"uniform", "log_uniform", "normal", "choice"},
+                                    .doc = "what it is drawn from"}};
+  RealsParameter range_{
+      this,
+      {.name = "range", .count = -1, .doc = "[low, high]; where a normal distribution is cut off"}};
+  RealParameter mean_{this, {.name = "mean", .doc = "of a normal distribution"}};
+  RealParameter deviation_{
+      this, {.name = "deviation", .value = 1.0, .doc = "of a normal one, before it is cut off"}};
+  RealsParameter values_{this, {.name = "values", .count = -1, .doc = "what a choice is among"}};
+  RealsParameter weights_{
+      this, {.name = "weights", .count = -1, .doc = "of these, adding up to 1; empty: all alike"}};
+  TextParameter form_{
+      this,
+      {.name = "form",
+       .value = "value",
+       .choices = {"value", "scale", "shift"},
+       .doc = "what is drawn is the value itself, a factor on the nominal value, or "
+              "is added to it"}};
+  BooleanParameter shared_{this,
+                           {.name = "shared", .doc = "one draw for all of them, not one for each"}};
+  TextParameter correlated_{
+      this,
+      {.name = "correlated",
+       .doc = "draws of one name take the same numbers, so that they rise and fall together"}};
+  TextParameter when_{this,
+                      {.name = "when",
+                       .value = "reset",
+                       .choices = {"reset", "request", "time"},
+                       .doc = "at every n-th reset; when a caller asks alone; or in the episode"}};
+  IntegerParameter every_{this, randomization::every_spec()};
+  RealsParameter time_{
+      this,
+      {.name = "time",
+       .unit = "s",
+       .count = -1,
+       .min = 0.0,
+       .doc = "[earliest, latest]: drawn in each episode; values are nominal until then"}};
+
+  Distribution distribution_;
+  std::vector<Target> targets_;
+  std::uint64_t stream_ = 0;  ///< of the name in `correlated`; 0: none
+  double dt_ = 0.0;
+  bool is_timed_ = false;
+  std::int64_t earliest_ = 0, latest_ = 0;  ///< physics steps
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Draw, "draw", "1.0.0",
+               "Draws any randomizable values, named by path: from what, when, how often.");
