@@ -194,7 +194,8 @@ class CompiledScenario {
   void keep_undrawn(const StateGroup&, GroupWork&) const;
   void put_back_undrawn(StateGroup&, const GroupWork&, int lane) const;
   std::optional<StartOverlap> find_overlap(StateGroup&, GroupWork&, int lane) const;
-  void look_for_overlaps();
+  void look_for_bad_starts();
+  bool draws_bodies() const;
   void clear_plugin_states(StateGroup&, std::uint32_t mask) const;
   void reset_plugin(const PluginInstance&, StateGroup&, GroupWork&, std::uint32_t mask) const;
   const std::uint64_t* number_requests(StateGroup&, GroupWork&, std::uint32_t mask) const;

@@ -351,7 +351,7 @@ CompiledScenario::CompiledScenario(Scenario scenario, PluginFactory& factory, Ch
   write_default_state(*world_, initial_);
   physics_ = std::make_unique<const GroupPhysics>(*world_);
   state_values_ = std::make_unique<const StateValues>(*this);
-  look_for_overlaps();
+  look_for_bad_starts();
 }
 
 CompiledScenario::~CompiledScenario() = default;
@@ -421,10 +421,8 @@ std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   work->joint_reactions.resize(joint_reactions_.empty() ? 0 : world_->bodies.size());
   work->end = AlignedArray<std::uint64_t>(n);
   work->start_status = AlignedArray<std::uint64_t>(n);
-  if (start_overlaps_ != nullptr) {
-    work->undrawn = AlignedArray<std::uint64_t>(drawn_words_.size() * n);
-    work->contacts.reserve(kFewContacts);
-  }
+  work->undrawn = AlignedArray<std::uint64_t>(drawn_words_.size() * n);
+  if (start_overlaps_ != nullptr) work->contacts.reserve(kFewContacts);
   work->request = AlignedArray<std::uint64_t>(n);
   return work;
 }

@@ -22,6 +22,10 @@ namespace {
 constexpr std::uint64_t kRequestedDraw = std::uint64_t{1} << 63;
 constexpr std::uint64_t kRepeatedDraw = std::uint64_t{1} << 62;
 
+/// Bodies that no rigid body can be are drawn again so often: drawn axis by axis, up to a quarter
+/// of all may be such.
+constexpr int kMostBodyDraws = 64;
+
 /// After so many draws that left the worst overlap as it was, to the bit, nothing that is drawn
 /// moves it. Draws from a few places may well be the same several times.
 constexpr int kMostUnchanged = 4;
@@ -35,22 +39,34 @@ const std::uint64_t* number_repetition(GroupWork& work, int repetition) {
 
 }  // namespace
 
-/// What overlaps in the scenario's own start, if there is anything that may overlap and anything
-/// that is drawn.
-void CompiledScenario::look_for_overlaps() {
+/// Whether what is drawn may have to be drawn again; and what overlaps in the scenario's own start.
+void CompiledScenario::look_for_bad_starts() {
   const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
-  if (scenario().contact.redraws == 0 || randomizers.empty()) return;
-  if (count_bristles(*world_) == 0) return;
+  const bool may_overlap = scenario().contact.redraws > 0 && count_bristles(*world_) > 0;
+  if (randomizers.empty() || !(may_overlap || draws_bodies())) return;
   for (const PluginInstance& r : randomizers) {
     for (int k = r.state; k < r.state + r.state_words + r.buffer_words; ++k) {
       drawn_words_.push_back(layout().plugin_state.offset + k);
     }
     for (const int param : r.writes) drawn_words_.push_back(layout().params.offset + param);
   }
+  if (!may_overlap) return;
   StateGroup group = make_state(1);
   const std::unique_ptr<GroupWork> work = make_work(1);
   initialize(group, 0, 0, 0);
   start_overlaps_ = std::make_unique<const StartOverlaps>(*world_, contacts(group, *work, 0));
+}
+
+/// Whether randomizers write what a rigid body is made of.
+bool CompiledScenario::draws_bodies() const {
+  for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
+    for (const int param : r.writes) {
+      for (const int first : layout().body_params) {
+        if (param >= first && param < first + kBodyParamCount) return true;
+      }
+    }
+  }
+  return false;
 }
 
 std::string CompiledScenario::fault_reason(std::uint64_t status) const {
@@ -165,28 +181,38 @@ void CompiledScenario::draw_start(StateGroup& group, GroupWork& work, std::uint3
     if (!work.requests[static_cast<std::size_t>(lane)].empty()) asked |= 1u << lane;
   });
   if (plugins_[SKYBODY_RANDOMIZER].empty() && asked == 0) return;
-  if (start_overlaps_ != nullptr) keep_undrawn(group, work);
+  if (!drawn_words_.empty()) keep_undrawn(group, work);
   draw_with_requests(group, work, view(group, work, mask));
   update(group, work, mask);
-  if (start_overlaps_ != nullptr) {
-    each_lane(group.may_touch(mask, work.physics),
-              [&](int lane) { draw_again(group, work, lane); });
-  }
+  std::uint32_t doubtful = drawn_words_.empty() ? 0u : mask & group.unphysical();
+  if (start_overlaps_ != nullptr) doubtful |= group.may_touch(mask, work.physics);
+  each_lane(doubtful, [&](int lane) { draw_again(group, work, lane); });
   each_lane(asked, [&](int lane) {
     const std::size_t count = work.requests[static_cast<std::size_t>(lane)].size();
     group.writable(kRequests)[lane] += count;
   });
 }
 
-/// As long as the lane's robots begin inside something, all randomizers draw again from where they
-/// were before the reset, with the numbers of this repetition. What still overlaps then is a fault.
+/// As long as the lane's bodies are none that can be, or its robots begin inside something, all
+/// randomizers draw again from where they were before the reset, with the numbers of this
+/// repetition. What is still so then is a fault: of the first step, or of the start.
 void CompiledScenario::draw_again(StateGroup& group, GroupWork& work, int lane) const {
   const std::uint32_t mask = 1u << lane;
-  const int most = scenario().contact.redraws;
-  std::optional<StartOverlap> overlap = find_overlap(group, work, lane);
-  int unchanged = 0;
-  for (int k = 1; overlap && k <= most && unchanged < kMostUnchanged; ++k) {
-    const StartOverlap before = *overlap;
+  const auto is_unphysical = [&] { return (group.unphysical() & mask) != 0; };
+  const auto look = [&] {
+    return is_unphysical() || start_overlaps_ == nullptr ? std::nullopt
+                                                         : find_overlap(group, work, lane);
+  };
+  std::optional<StartOverlap> overlap = look();
+  int unchanged = 0, of_bodies = 0, of_places = 0;
+  for (int k = 1;; ++k) {
+    if (is_unphysical()) {
+      if (++of_bodies > kMostBodyDraws) return;
+    } else if (!overlap || ++of_places > scenario().contact.redraws ||
+               unchanged >= kMostUnchanged) {
+      break;
+    }
+    const std::optional<StartOverlap> before = overlap;
     put_back_undrawn(group, work, lane);
     place_at_start(group, lane);
     update(group, work, mask);
@@ -194,8 +220,8 @@ void CompiledScenario::draw_again(StateGroup& group, GroupWork& work, int lane) 
     lanes.physics_step = number_repetition(work, k);
     draw_with_requests(group, work, lanes);
     update(group, work, mask);
-    overlap = find_overlap(group, work, lane);
-    unchanged = overlap && *overlap == before ? unchanged + 1 : 0;
+    overlap = look();
+    unchanged = overlap && before && *overlap == *before ? unchanged + 1 : 0;
   }
   if (!overlap) return;
   work.bad_start |= mask;

@@ -47,6 +47,9 @@ class StateGroup {
   /// All words of one lane, in order, then those of its images.
   std::vector<std::uint64_t> save(int lane) const;
 
+  /// The lanes whose parameters no rigid body has: known where they are current (refresh()).
+  std::uint32_t unphysical() const { return stepper_->unphysical(); }
+
   // --- writing; stride L ------------------------------------------------------------------------
 
   /// First value of a block of doubles, or of a part of one. @param lanes  that may be written

@@ -113,6 +113,8 @@ class GroupStepper {
 
   /// The lanes in whose last advance something was near enough to touch.
   std::uint32_t near() const { return near_; }
+  /// The lanes whose parameters no rigid body has, as of their last refresh(): their steps fail.
+  std::uint32_t unphysical() const { return broken_; }
   /// All steps since it was made. For looking at: nothing depends on them.
   const StepCounts& counts() const { return counts_; }
 
