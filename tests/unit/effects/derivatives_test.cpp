@@ -14,5 +14,13 @@ TEST(EffectDerivatives, OfWindDependOnItsParametersAndTheGustsBegin) {
   expect_derivatives({"wind", world, gusty, Instance::Call::kApply, {}}, {"params", "state"});
 }
 
+TEST(EffectDerivatives, OfDrydenDependOnItsParametersItsFiltersAndTheSpeedThatItFollows) {
+  PluginWorld world;
+  world.add_quad("quad");
+  const Parameters fast{{"follows", true}, {"airspeed", 0.5}, {"height", 10.0}, {"period", 100}};
+  expect_derivatives({"dryden", world, fast, Instance::Call::kApply, {}},
+                     {"bodies", "buffer", "params"});
+}
+
 }  // namespace
 }  // namespace skybody::testing
