@@ -12,6 +12,8 @@
 
 #include <vector>
 
+#include "effects/common/blown_robots.h"
+
 namespace skybody {
 namespace {
 
@@ -76,7 +78,10 @@ class Dryden : public Effect {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    choose_robots(setup);
+    for (const int robot : effect::robots_called(setup, names_.values())) {
+      const RobotInfo& r = setup.robots()[robot];
+      robots_.push_back({r.first_body, r.body_count});
+    }
     fixed_scale_ = scale_at(height_.value());
     elapsed_ = static_cast<double>(period_.value()) * setup.dt();
     const int count = static_cast<int>(robots_.size());
@@ -124,20 +129,6 @@ class Dryden : public Effect {
   struct Robot {
     int first_body, body_count;
   };
-
-  void choose_robots(const Setup& setup) {
-    std::vector<bool> chosen(static_cast<std::size_t>(setup.robots().size()),
-                             names_.values().empty());
-    for (const std::string& name : names_.values()) {
-      chosen[static_cast<std::size_t>(setup.robot(name))] = true;
-    }
-    for (int r = 0; r < setup.robots().size(); ++r) {
-      const RobotInfo& robot = setup.robots()[r];
-      if (chosen[static_cast<std::size_t>(r)]) {
-        robots_.push_back({robot.first_body, robot.body_count});
-      }
-    }
-  }
 
   int filter_of(std::size_t robot) const {
     return first_filter_ + kFilterWords * static_cast<int>(robot);

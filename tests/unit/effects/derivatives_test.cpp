@@ -12,6 +12,12 @@ TEST(EffectDerivatives, OfWindDependOnItsParametersAndTheGustsBegin) {
                          {"gust_duration", 1.5},
                          {"gust_interval", 0.2}};
   expect_derivatives({"wind", world, gusty, Instance::Call::kApply, {}}, {"params", "state"});
+  for (const char* const profile : {"power", "logarithmic"}) {
+    Parameters sheared = gusty;
+    sheared.insert({{"profile", profile}, {"roughness", 0.3}});
+    expect_derivatives({"wind", world, sheared, Instance::Call::kApply, {}},
+                       {"bodies", "params", "state"});
+  }
 }
 
 TEST(EffectDerivatives, OfDrydenDependOnItsParametersItsFiltersAndTheSpeedThatItFollows) {
