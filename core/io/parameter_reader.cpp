@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/io/file.h"
 #include "core/io/text.h"
 
 namespace skybody {
@@ -85,7 +86,7 @@ class ValueReader {
                                         "`; allowed: " + join(choices) + did_you_mean(node.scalar));
       return false;
     }
-    value_.texts.push_back(node.scalar);
+    value_.texts.push_back(spec_.is_file ? resolve_path(node.scalar, node.mark) : node.scalar);
     return true;
   }
 

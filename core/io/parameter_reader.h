@@ -4,7 +4,7 @@
 // text. NaN and infinities are errors. A plugin's parameter that is a list of fixed length N > 1 of
 // numbers accepts a single number and repeats it N times; lists of variable length, and the vectors
 // of the scenario itself (positions, forces), are always written as lists. Texts are limited to the
-// declared choices.
+// declared choices; names of files become paths.
 #pragma once
 
 #include <optional>

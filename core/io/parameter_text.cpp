@@ -59,6 +59,7 @@ std::string describe_allowed(const ParameterSpec& spec) {
     case ParameterType::kText:
       break;
   }
+  if (spec.is_file) return "the name of a file";
   return spec.choices.empty() ? "a text" : join(spec.choices);
 }
 

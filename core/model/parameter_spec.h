@@ -26,6 +26,7 @@ struct ParameterSpec {
   double max = std::numeric_limits<double>::infinity();   ///< of every entry, inclusive
   bool min_exclusive = false;                             ///< `min` itself is not allowed
   std::vector<std::string> choices;                       ///< of texts; empty: any
+  bool is_file = false;       ///< texts are names of files, and values are their paths
   bool randomizable = false;  ///< one value per environment, drawn by randomizers
 
   /// Whether the value is written as one scalar rather than as a list.

@@ -1,7 +1,10 @@
-// Wind: a constant velocity of the air, and 1-cosine gusts at drawn times.
+// Wind: a constant velocity of the air, and 1-cosine gusts at drawn times; both the same at every
+// height, or with a profile of the boundary layer above the ground.
 #include <skybody/plugin.h>
 
 #include <vector>
+
+#include "effects/common/blown_robots.h"
 
 namespace skybody {
 namespace {
@@ -18,8 +21,9 @@ class Wind : public Effect {
 
   void configure(const Setup& setup) override {
     dt_ = setup.dt();
-    choose_bodies(setup);
+    bodies_ = effect::bodies_of(setup, effect::robots_called(setup, robots_.values()));
     choose_direction();
+    choose_profile();
     const double longest = static_cast<double>(period_.value()) * dt_;
     if (gust_speed_.value() > 0.0 && gust_duration_.value() < 2.0 * longest) {
       throw std::runtime_error("`gust_duration` is " + to_text(gust_duration_.value()) +
@@ -42,22 +46,16 @@ class Wind : public Effect {
   void apply(const EnvView<Real>& env, State<Real>& state, Held<Real>& held) const {
     const Real time = to_real(env.physics_step()) * dt_;
     const Vec3<Real> wind = velocity_.vec3(env) + gust(env, time, state);
-    for (const int body : bodies_) held.add_wind(body, wind);
+    for (const int body : bodies_) {
+      held.add_wind(body, profile_ == Profile::kUniform ? wind : wind * share_at(env, body));
+    }
   }
 
  private:
   static constexpr std::uint64_t kApplyDraws = 0, kResetDraws = 1;
-
-  void choose_bodies(const Setup& setup) {
-    std::vector<bool> chosen(static_cast<std::size_t>(setup.robots().size()),
-                             robots_.values().empty());
-    for (const std::string& name : robots_.values()) {
-      chosen[static_cast<std::size_t>(setup.robot(name))] = true;
-    }
-    for (int b = 0; b < setup.bodies().size(); ++b) {
-      if (chosen[static_cast<std::size_t>(setup.bodies()[b].robot)]) bodies_.push_back(b);
-    }
-  }
+  /// [m]; below every `reference_height` of a logarithmic profile, whatever is drawn.
+  static constexpr double kRoughest = 1.0;
+  enum class Profile { kUniform, kPower, kLogarithmic };
 
   void choose_direction() {
     if (gust_direction_.count() == 0) return;
@@ -67,6 +65,28 @@ class Wind : public Effect {
           "has a heading of its own");
     }
     fixed_direction_ = gust_direction_.vec3() / norm(gust_direction_.vec3());
+  }
+
+  void choose_profile() {
+    const std::string& name = profile_name_.value();
+    if (name == "power") profile_ = Profile::kPower;
+    if (name == "logarithmic") profile_ = Profile::kLogarithmic;
+    if (profile_ == Profile::kLogarithmic && reference_height_.value() <= kRoughest) {
+      throw std::runtime_error(
+          "`reference_height` is " + to_text(reference_height_.value()) +
+          " m; with `profile: logarithmic` it must be more than 1 m, which is the greatest "
+          "`roughness`: give the speed at a greater height");
+    }
+  }
+
+  /// Wind at a body's height by the wind at `reference_height`.
+  template <class Real>
+  SKYBODY_INLINE Real share_at(const EnvView<Real>& env, int body) const {
+    const Real height = max(env.body(body).position.z, least_height_.value());
+    const double reference = reference_height_.value();
+    if (profile_ == Profile::kPower) return exp(exponent_(env) * log(height / reference));
+    const Real roughness = roughness_(env);
+    return log(max(height, roughness) / roughness) / log(reference / roughness);
   }
 
   /// From the end of a gust to the next one.
@@ -135,6 +155,42 @@ class Wind : public Effect {
   RealsParameter gust_direction_{
       this,
       {.name = "gust_direction", .count = -1, .doc = "of all gusts, W axes; empty: drawn, level"}};
+  TextParameter profile_name_{
+      this,
+      {.name = "profile",
+       .value = "uniform",
+       .choices = {"uniform", "power", "logarithmic"},
+       .doc = "how wind and gusts grow with a body's height z in W; power: by exponent, "
+              "logarithmic: by roughness"}};
+  RealParameter reference_height_{this,
+                                  {.name = "reference_height",
+                                   .unit = "m",
+                                   .value = 10.0,
+                                   .min = 0.01,
+                                   .max = 10000.0,
+                                   .doc = "at which `velocity` and `gust_speed` are meant"}};
+  RealParameter least_height_{this,
+                              {.name = "least_height",
+                               .unit = "m",
+                               .value = 0.1,
+                               .min = 0.001,
+                               .max = 1000.0,
+                               .doc = "below it the wind is as there"}};
+  RealParameter exponent_{this,
+                          {.name = "exponent",
+                           .value = 1.0 / 7.0,
+                           .min = 0.0,
+                           .max = 1.0,
+                           .doc = "of the power profile",
+                           .randomizable = true}};
+  RealParameter roughness_{this,
+                           {.name = "roughness",
+                            .unit = "m",
+                            .value = 0.04572,
+                            .min = 1e-6,
+                            .max = kRoughest,
+                            .doc = "of the logarithmic profile, at which height it has no wind",
+                            .randomizable = true}};
   IntegerParameter period_{this,
                            {.name = "period",
                             .unit = "physics steps",
@@ -144,6 +200,7 @@ class Wind : public Effect {
                             .doc = "between two values of the wind"}};
 
   double dt_ = 0.0;
+  Profile profile_ = Profile::kUniform;
   std::vector<int> bodies_;
   Vec3<double> fixed_direction_{};
 };

@@ -59,6 +59,7 @@ typedef struct SkybodyParameter {
   int32_t max_count;
   uint32_t required;     /* 1: no default */
   uint32_t randomizable; /* 1: one value per environment, in state words; reals only */
+  uint32_t is_file;      /* 1: texts name files; the host hands over paths that can be opened */
   double min;            /* inclusive */
   double max;            /* inclusive */
   const double* default_numbers;

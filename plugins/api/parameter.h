@@ -63,6 +63,10 @@ struct TextSpec {
   std::vector<const char*> choices = {};  ///< what is allowed
   const char* doc = "";                   ///< one line
   bool required = false;                  ///< the scenario has to give it
+  /// It names a file. A relative name starts at the folder of the YAML file that holds it, or at
+  /// the working directory where it comes from the command line; value() is a path from the working
+  /// directory. Whether the file is there is for configure() to see.
+  bool is_file = false;
 };
 
 /// A list of words, of any length.
@@ -93,7 +97,7 @@ class Parameter {
   const char *name_, *unit_, *doc_;
   std::uint32_t type_;
   int min_count_ = 1, max_count_ = 1;
-  bool required_ = false, randomizable_ = false;
+  bool required_ = false, randomizable_ = false, is_file_ = false;
   double min_ = -kInfinity, max_ = kInfinity;
   std::vector<double> default_numbers_;
   std::vector<const char*> default_texts_, choices_;
@@ -163,7 +167,7 @@ class TextParameter : public Parameter {
  public:
   /// Joins the parameters of the plugin `owner`, which is `this`.
   TextParameter(Plugin* owner, const TextSpec& spec);
-  /// The scenario's word; one of the choices where there are any.
+  /// The scenario's word; one of the choices where there are any. Of a file: its path.
   const std::string& value() const { return texts_[0]; }
 };
 

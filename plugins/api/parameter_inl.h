@@ -22,6 +22,7 @@ inline SkybodyParameter Parameter::declaration() const {
   c.max_count = max_count_;
   c.required = required_ ? 1 : 0;
   c.randomizable = randomizable_ ? 1 : 0;
+  c.is_file = is_file_ ? 1 : 0;
   c.min = min_;
   c.max = max_;
   c.default_numbers = default_numbers_.data();
@@ -80,6 +81,7 @@ inline BooleanParameter::BooleanParameter(Plugin* owner, const BooleanSpec& spec
 inline TextParameter::TextParameter(Plugin* owner, const TextSpec& spec)
     : Parameter(owner, spec.name, "", spec.doc, SKYBODY_TEXT) {
   required_ = spec.required;
+  is_file_ = spec.is_file;
   choices_ = spec.choices;
   default_texts_ = {spec.value};
 }

@@ -90,6 +90,7 @@ std::string parameter_problem(const SkybodyParameter& p) {
            std::to_string(p.min_count) + (most == p.min_count ? "" : ".." + std::to_string(most));
   }
   if (p.randomizable != 0 && p.type != SKYBODY_REAL) return "only reals can be randomizable";
+  if (p.is_file != 0 && p.type != SKYBODY_TEXT) return "only texts can name files";
   return p.type == SKYBODY_TEXT ? texts_problem(p) : numbers_problem(p);
 }
 
@@ -213,6 +214,7 @@ std::vector<ParameterSpec> parameter_specs(const SkybodyPlugin& plugin) {
     spec.max_count = p.max_count;
     spec.required = p.required != 0;
     spec.randomizable = p.randomizable != 0;
+    spec.is_file = p.is_file != 0;
     spec.choices.assign(p.choices, p.choices + p.choice_count);
     if (p.type != SKYBODY_TEXT) {
       spec.min = p.min;

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import skybody
 from skybody import CompiledScenario, InputError, Simulation
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -99,6 +100,42 @@ def test_wind_is_in_state_and_hash(tmp_path: Path) -> None:
         sim.evaluate()
         hashes.append(sim.hash())
     assert hashes[0] != hashes[1]
+
+
+def test_a_table_of_wind_lies_beside_the_scenario_that_names_it(tmp_path: Path) -> None:
+    (tmp_path / "gusts.csv").write_text("t,x,y,z\n0,5,0,0\n10,5,0,0\n")
+    ways = []
+    for effect in ("{velocity: [5, 0, 0]}", "{file: gusts.csv}"):
+        plugin = "wind_table" if "file" in effect else "wind"
+        file = tmp_path / f"{plugin}.yaml"
+        file.write_text(
+            f"include: {ROOT / 'scenarios/hover.yaml'}\n"
+            f"randomization: []\n"
+            f"effects: [{{plugin: {plugin}, parameters: {effect}}}]\n"
+        )
+        sim = Simulation(str(file), control="ctbr")
+        sim.reset()
+        sim.advance(100)
+        ways.append(list(sim.body("base_link").position))
+    assert ways[0] == ways[1]
+    assert ways[0][0] > 0.0
+    with pytest.raises(InputError, match="gusts2.csv: there is no such file"):
+        CompiledScenario(str(file), overrides=["effects[0].parameters.file=gusts2.csv"])
+
+
+def test_turbulence_is_reported_for_every_robot(tmp_path: Path) -> None:
+    file = tmp_path / "turbulent.yaml"
+    file.write_text(
+        f"include: {ROOT / 'scenarios/formation_2.yaml'}\neffects: [{{plugin: dryden}}]\n"
+    )
+    envs = skybody.make_vec(str(file), 3, seed=1)
+    envs.reset()
+    infos = envs.step(np.zeros(envs.action_space.shape, np.float32))[4]
+    velocity = infos["dryden.velocity"]
+    assert velocity.shape == (3, 6)
+    assert len(np.unique(velocity)) == 18
+    assert np.all(np.abs(velocity) < 10.0)
+    envs.close()
 
 
 def test_an_arm_is_driven_beside_live_rotors(tmp_path: Path) -> None:

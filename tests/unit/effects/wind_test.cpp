@@ -27,6 +27,10 @@ class WindTest : public ::testing::Test {
 TEST_F(WindTest, GivesTheBitsOfDouble) {
   expect_same_bits("wind", world, {{"velocity", std::vector<double>{1.0, 2.0, 3.0}}});
   expect_same_bits("wind", world, {{"gust_speed", 4.0}, {"gust_interval", 0.001}});
+  for (const char* const profile : {"power", "logarithmic"}) {
+    expect_same_bits("wind", world,
+                     {{"velocity", std::vector<double>{1.0, 2.0, 3.0}}, {"profile", profile}});
+  }
 }
 
 TEST_F(WindTest, IsSteadyWithoutGusts) {
@@ -89,6 +93,57 @@ TEST_F(WindTest, BlowsAtTheRobotsThatItNames) {
   EXPECT_EQ(at(wind, g, 0), (std::vector<double>{0, 0, 0, 1, 0, 0}));
 }
 
+TEST_F(WindTest, GrowsWithTheHeightOfEachBodyByItsProfile) {
+  world.add_payload("bob");
+  const std::vector<double> velocity{8.0, -6.0, 1.0};
+  const Instance power("wind", world,
+                       {{"velocity", velocity},
+                        {"profile", "power"},
+                        {"exponent", 0.2},
+                        {"reference_height", 6.0},
+                        {"least_height", 0.5}});
+  const Instance logarithmic("wind", world,
+                             {{"velocity", velocity},
+                              {"profile", "logarithmic"},
+                              {"roughness", 0.6},
+                              {"reference_height", 6.0},
+                              {"least_height", 0.5}});
+  for (const double height : {-1.0, 0.3, 0.55, 2.0, 6.0, 50.0}) {
+    Group g = power.group(1);
+    g.at(g.bodies, 2) = 6.0;
+    g.at(g.bodies, 13 + 2) = height;
+    const double floored = std::max(height, 0.5);
+    const double share[] = {std::pow(floored / 6.0, 0.2),
+                            std::max(0.0, std::log(floored / 0.6) / std::log(6.0 / 0.6))};
+    const Instance* const winds[] = {&power, &logarithmic};
+    for (std::size_t i = 0; i < 2; ++i) {
+      winds[i]->call(Call::kReset, g);
+      const std::vector<double> v = at(*winds[i], g, 0);
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(v[k], velocity[k]);  // at the reference
+        // A few ulp of logarithms and exponentials, ours and libm's.
+        EXPECT_NEAR(v[3 + k], share[i] * velocity[k], 1e-14 * 8.0) << height;
+      }
+    }
+  }
+}
+
+TEST_F(WindTest, GustsGrowWithTheHeightAsTheSteadyWindDoes) {
+  const auto gusty = [&](const char* profile) {
+    return Parameters{
+        {"gust_speed", 4.0}, {"gust_duration", 0.2}, {"gust_interval", 0.05}, {"profile", profile}};
+  };
+  const Instance uniform("wind", world, gusty("uniform")), power("wind", world, gusty("power"));
+  Group a = uniform.group(1), b = power.group(1);
+  a.at(a.bodies, 2) = b.at(b.bodies, 2) = 3.0;
+  uniform.call(Call::kReset, a);
+  power.call(Call::kReset, b);
+  const auto peak = static_cast<std::uint64_t>(1000.0 * (std::bit_cast<double>(a.state[0]) + 0.1));
+  const double here = at(uniform, a, peak)[0], there = at(power, b, peak)[0];
+  EXPECT_GT(std::abs(here), 0.01);
+  EXPECT_NEAR(there / here, std::pow(0.3, 1.0 / 7.0), 1e-14);  // a few ulp
+}
+
 TEST_F(WindTest, SaysWhatDoesNotFit) {
   const auto refusal = [&](const Parameters& given) {
     try {
@@ -102,6 +157,9 @@ TEST_F(WindTest, SaysWhatDoesNotFit) {
               HasSubstr("`gust_duration` is 0.01 s, but the effect is called every 0.01 s"));
   EXPECT_THAT(refusal({{"gust_direction", std::vector<double>{0.0, 0.0, 0.0}}}),
               HasSubstr("not all of them 0"));
+  EXPECT_THAT(refusal({{"profile", "logarithmic"}, {"reference_height", 1.0}}),
+              HasSubstr("`reference_height` is 1 m; with `profile: logarithmic` it must be more "
+                        "than 1 m, which is the greatest `roughness`"));
   EXPECT_THAT(refusal({{"robots", std::vector<std::string>{"quda"}}}),
               HasSubstr("no robot `quda`: there are quad"));
 }

@@ -46,6 +46,25 @@ TEST(Parameters, DefaultsAreFilledInInTheOrderOfTheSpecs) {
   EXPECT_EQ(r.values[1].mark.column, 5);
 }
 
+TEST(Parameters, NamesOfFilesStartAtTheFolderOfTheFileThatHoldsThem) {
+  ParameterSpec s = spec("table", ParameterType::kText);
+  s.default_numbers = {};
+  s.default_texts = {"none"};
+  s.is_file = true;
+  const auto value = [&](const std::string& yaml, const std::string& file) {
+    Diagnostics diagnostics;
+    const auto node = parse_yaml(yaml, file, diagnostics);
+    return read_parameters(*node, {s}, diagnostics).at(0).texts.at(0);
+  };
+  EXPECT_EQ(value("{table: a.csv}", "far/off/x.yaml"), "far/off/a.csv");
+  EXPECT_EQ(value("{table: ../a.csv}", "far/off/x.yaml"), "far/a.csv");
+  EXPECT_EQ(value("{table: /a.csv}", "far/off/x.yaml"), "/a.csv");
+  EXPECT_EQ(value("{table: a.csv}", "--set table"), "a.csv");
+  EXPECT_EQ(value("{}", "far/off/x.yaml"), "none");
+  EXPECT_EQ(read({s}, "{table: [a]}").messages,
+            "x.yaml:1:9: error: `table` is a list; allowed: the name of a file\n");
+}
+
 TEST(Parameters, NumberAtItsBoundIsAllowed) {
   EXPECT_EQ(read({spec("a", ParameterType::kReal)}, "{a: 10}").messages, "");
   EXPECT_EQ(read({spec("a", ParameterType::kReal)}, "{a: 10.5}").messages,

@@ -1,0 +1,31 @@
+// A table of velocities over time, from a CSV file.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace skybody {
+
+/// Rows of time and velocity, two or more, their times rising.
+struct VelocityTable {
+  static constexpr int kColumns = 4;                   ///< t [s], x, y, z [m/s]
+  static constexpr std::size_t kMostBytes = 16 << 20;  ///< of a file
+  static constexpr double kFastest = 100.0;            ///< of each component [m/s]
+
+  std::vector<double> values;  ///< row after row
+
+  std::size_t rows() const { return values.size() / kColumns; }
+  double time(std::size_t row) const { return values[row * kColumns]; }
+  double begin() const { return time(0); }
+  double end() const { return time(rows() - 1); }
+  /// Whether each time is within a millionth of a step of where equal steps have it.
+  bool has_equal_steps() const;
+};
+
+/// Reads a file: `t,x,y,z` in the first line that is neither empty nor a comment (#), then rows of
+/// four numbers.
+/// @throws std::runtime_error with FILE:LINE and the remedy; cells are not quoted
+VelocityTable read_velocity_table(const std::string& file);
+
+}  // namespace skybody

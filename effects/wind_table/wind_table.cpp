@@ -1,0 +1,125 @@
+// The air's velocity over time from a CSV file, linear between its rows.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+#include "effects/common/blown_robots.h"
+#include "effects/wind_table/velocity_table.h"
+
+namespace skybody {
+namespace {
+
+class WindTable : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    dt_ = setup.dt();
+    bodies_ = effect::bodies_of(setup, effect::robots_called(setup, robots_.values()));
+    table_ = read_velocity_table(file_.value());
+    begin_ = table_.begin();
+    length_ = table_.end() - begin_;
+    const auto intervals = static_cast<double>(table_.rows() - 1);
+    steps_per_second_ = table_.has_equal_steps() ? intervals / length_ : 0.0;
+    setup.holds(HeldInput::kWind);
+    setup.period(static_cast<int>(period_.value()));
+  }
+
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
+    const Real elapsed = to_real(env.physics_step()) * dt_;
+    const Real time = within((start_(env) + elapsed) - begin_);
+    const Vec3<Real> wind = at(time);
+    for (const int body : bodies_) held.add_wind(body, wind);
+  }
+
+ private:
+  /// A time since the first row, within the table.
+  template <class Real>
+  SKYBODY_INLINE Real within(const Real& time) const {
+    const Real wrapped = loop_.value() ? time - length_ * floor(time / length_) : time;
+    return clamp(wrapped, 0.0, length_);
+  }
+
+  /// The velocity at a time since the first row.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> at(const Real& time) const {
+    constexpr int kColumns = VelocityTable::kColumns;
+    ValueOf<Real> before[kColumns], after[kColumns];
+    const Word<Real> rows = row_before(time);
+    for (int i = 0; i < kLanesOf<Real>; ++i) {
+      const double* const row = table_.values.data() + kColumns * lane(rows, i);
+      for (int c = 0; c < kColumns; ++c) {
+        set_lane(before[c], i, row[c]);
+        set_lane(after[c], i, row[kColumns + c]);
+      }
+    }
+    const Real share = (time - (before[0] - begin_)) / (after[0] - before[0]);
+    const auto between = [&](int c) { return before[c] + share * (after[c] - before[c]); };
+    return {between(1), between(2), between(3)};
+  }
+
+  /// The row at whose interval a time lies: by its index where the steps are equal, which may miss
+  /// by rounding at a row, where both intervals say the same; else by bisection in each lane.
+  template <class Real>
+  SKYBODY_INLINE Word<Real> row_before(const Real& time) const {
+    const auto last = static_cast<double>(table_.rows() - 2);
+    if (steps_per_second_ > 0.0) {
+      return to_word(clamp(floor(time * steps_per_second_), 0.0, last));
+    }
+    const ValueOf<Real> plain = value_of(time);
+    Word<Real> rows(0);
+    for (int i = 0; i < kLanesOf<Real>; ++i) set_lane(rows, i, bisect(lane(plain, i)));
+    return rows;
+  }
+  template <class R>
+  static SKYBODY_INLINE R value_of(const R& x) {
+    return x;
+  }
+  template <class R>
+  static SKYBODY_INLINE R value_of(const Dual<R>& x) {
+    return x.value;
+  }
+
+  std::uint64_t bisect(double time) const {
+    std::size_t low = 0, high = table_.rows() - 1;
+    while (high - low > 1) {
+      const std::size_t middle = low + (high - low) / 2;
+      (table_.time(middle) - begin_ <= time ? low : high) = middle;
+    }
+    return low;
+  }
+
+  TextParameter file_{this,
+                      {.name = "file",
+                       .doc = "CSV with the columns t [s] and x, y, z [m/s], W axes",
+                       .required = true,
+                       .is_file = true}};
+  TextsParameter robots_{this, {.name = "robots", .doc = "whom it blows at; empty: all"}};
+  BooleanParameter loop_{
+      this, {.name = "loop", .doc = "the table begins anew at its end; else the last row holds"}};
+  RealParameter start_{this,
+                       {.name = "start",
+                        .unit = "s",
+                        .min = -1e6,
+                        .max = 1e6,
+                        .doc = "time of the table at which an episode begins",
+                        .randomizable = true}};
+  IntegerParameter period_{this,
+                           {.name = "period",
+                            .unit = "physics steps",
+                            .value = 1,
+                            .min = 1,
+                            .max = 1000000,
+                            .doc = "between two values of the wind"}};
+
+  double dt_ = 0.0, begin_ = 0.0, length_ = 0.0;
+  double steps_per_second_ = 0.0;  ///< 0: steps differ
+  VelocityTable table_;
+  std::vector<int> bodies_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::WindTable, "wind_table", "1.0.0", "Wind over time from a CSV file [m/s].");
