@@ -1,0 +1,66 @@
+// The air at the hubs of rotors: drag along the axis, the moment of flapping blades, translational
+// lift.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+#include "effects/common/rotors.h"
+
+namespace skybody {
+namespace {
+
+class BladeFlapping : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    for (const int r :
+         effect::robots_with_rotors(setup, robots_.values(), "the effect blade_flapping")) {
+      const RobotInfo& robot = setup.robots()[r];
+      for (int i = 0; i < robot.rotor_count; ++i) rotors_.push_back(robot.first_rotor + i);
+    }
+    setup.holds(HeldInput::kRotorFlow);
+  }
+
+  /// The coefficients; the engine makes forces of them wherever the integrator asks for them.
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
+    const Real axial = axial_drag_(env), flapping = flapping_(env), lift = lift_(env);
+    for (const int rotor : rotors_) held.add_rotor_flow(rotor, axial, flapping, lift);
+  }
+
+ private:
+  TextsParameter robots_{
+      this, {.name = "robots", .doc = "whose rotors; empty: those of all robots that have some"}};
+  RealParameter axial_drag_{this,
+                            {.name = "axial_drag",
+                             .unit = "N s^2/(m rad)",
+                             .min = 0.0,
+                             .max = 1.0,
+                             .doc = "of a rotor that moves through the air along its axis, over "
+                                    "speed of the rotor and of the hub",
+                             .randomizable = true}};
+  RealParameter flapping_{this,
+                          {.name = "flapping",
+                           .unit = "N s^2/rad",
+                           .min = 0.0,
+                           .max = 1.0,
+                           .doc = "moment of a rotor that moves through the air across its axis, "
+                                  "over speed of the rotor and of the hub",
+                           .randomizable = true}};
+  RealParameter lift_{this,
+                      {.name = "translational_lift",
+                       .unit = "N s^2/m^2",
+                       .min = 0.0,
+                       .max = 1000.0,
+                       .doc = "thrust that air across the axis adds, over its speed squared",
+                       .randomizable = true}};
+
+  std::vector<int> rotors_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::BladeFlapping, "blade_flapping", "1.0.0",
+               "Axial drag, flapping moment and translational lift of rotors in the air.");

@@ -1,0 +1,129 @@
+// Rotors below a level ceiling give more thrust: a gain by the distance of each hub from it.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+#include "effects/common/hubs.h"
+#include "effects/common/rotors.h"
+
+namespace skybody {
+namespace {
+
+class CeilingEffect : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    carriers_ = effect::carriers_of(
+        setup, effect::robots_with_rotors(setup, robots_.values(), "the ceiling effect"));
+    is_fitted_ = form_.value() == "fitted";
+    if (is_fitted_) check_fit();
+    setup.holds(HeldInput::kRotorGain);
+  }
+
+  /// Gains by where the hubs are now; they hold over the step.
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
+    const Real radius = radius_(env), ceiling = height_(env);
+    const Real least = least_distance_ratio_(env) * radius;
+    const Real factor = 1.0 / a1_(env), offset = a2_(env);
+    effect::each_hub(
+        carriers_, env,
+        [&](const effect::Hub& hub, const Real& height, const Real& upright) SKYBODY_INLINE_LAMBDA {
+          const Real distance = ceiling - height, bounded = max(distance, least);
+          const Real facing = radius * max(upright, Real(0.0));
+          const Real gain = is_fitted_ ? fitted(facing / (bounded + offset), factor)
+                                       : constant_power(facing / bounded);
+          held.scale_thrust(hub.rotor, select(distance > 0.0, gain, Real(1.0)));
+        });
+  }
+
+ private:
+  static constexpr double kLargestShare = 0.75;  ///< of 1 in the fit's denominator: gains up to 4
+
+  void check_fit() const {
+    if (a1_.value() == 0.0) {
+      throw std::runtime_error(
+          "`a1` is 0, but `form: fitted` needs it: allowed are values above 0; take those of a fit "
+          "to measurements with these rotors");
+    }
+    const double ratio =
+        radius_.value() / (least_distance_ratio_.value() * radius_.value() + a2_.value());
+    const double share = ratio * ratio / a1_.value();
+    if (share > kLargestShare) {
+      throw std::runtime_error(
+          "with `a1` " + to_text(a1_.value()) + " and `a2` " + to_text(a2_.value()) +
+          " m the thrust grows by " +
+          (share < 1.0 ? to_text(1.0 / (1.0 - share)) : "more than any factor") +
+          " at the least distance: allowed are factors up to 4; raise `a1`, "
+          "`a2` or `least_distance_ratio`");
+    }
+  }
+
+  /// At constant power of the rotor, by momentum theory; see README.md.
+  /// @param ratio  radius over distance
+  template <class Real>
+  static SKYBODY_INLINE Real constant_power(const Real& ratio) {
+    const Real slower = 0.5 + 0.5 * sqrt(1.0 + 0.125 * (ratio * ratio));
+    return exp((2.0 / 3.0) * log(slower));
+  }
+  /// @param ratio  radius over the distance and its offset
+  template <class Real>
+  static SKYBODY_INLINE Real fitted(const Real& ratio, const Real& factor) {
+    return 1.0 / (1.0 - min(factor * (ratio * ratio), Real(kLargestShare)));
+  }
+
+  TextsParameter robots_{
+      this, {.name = "robots", .doc = "whose rotors; empty: those of all robots that have some"}};
+  RealParameter height_{this,
+                        {.name = "height",
+                         .unit = "m",
+                         .min = -1000.0,
+                         .max = 1000.0,
+                         .doc = "z of the level ceiling in W",
+                         .randomizable = true,
+                         .required = true}};
+  TextParameter form_{this,
+                      {.name = "form",
+                       .value = "constant_power",
+                       .choices = {"constant_power", "fitted"},
+                       .doc = "which equation"}};
+  RealParameter radius_{this,
+                        {.name = "radius",
+                         .unit = "m",
+                         .min = 0.0001,
+                         .max = 100.0,
+                         .doc = "of each rotor",
+                         .randomizable = true,
+                         .required = true}};
+  RealParameter least_distance_ratio_{
+      this,
+      {.name = "least_distance_ratio",
+       .value = 0.2,
+       .min = 0.01,
+       .max = 10.0,
+       .doc = "distance over radius below which the gain grows no more",
+       .randomizable = true}};
+  RealParameter a1_{this,
+                    {.name = "a1",
+                     .min = 0.0,
+                     .max = 1e6,
+                     .doc = "of the fit; above 0 with form fitted",
+                     .randomizable = true}};
+  RealParameter a2_{this,
+                    {.name = "a2",
+                     .unit = "m",
+                     .min = 0.0,
+                     .max = 100.0,
+                     .doc = "of the fit, added to the distance",
+                     .randomizable = true}};
+
+  std::vector<effect::Carrier> carriers_;
+  bool is_fitted_ = false;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::CeilingEffect, "ceiling_effect", "1.0.0",
+               "More thrust of rotors below a level ceiling.");

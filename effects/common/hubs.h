@@ -1,0 +1,59 @@
+// Hubs of rotors, grouped by the body that carries them, so that a body's attitude is found once
+// for all of them.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <vector>
+
+namespace skybody::effect {
+
+/// A rotor on its body.
+struct Hub {
+  int rotor = 0;                ///< index in the world
+  Vec3<double> position, axis;  ///< [m] and unit vector in the direction of thrust, body axes
+  int thrust_constant = 0;      ///< index for EnvView::param()
+};
+
+/// A body that carries rotors.
+struct Carrier {
+  int robot = 0, body = 0;  ///< indices in the world
+  std::vector<Hub> hubs;
+};
+
+/// The carriers of these robots, robot after robot, in the order of the rotors files.
+inline std::vector<Carrier> carriers_of(const Setup& setup, const std::vector<int>& robots) {
+  std::vector<Carrier> carriers;
+  for (const int robot : robots) {
+    const std::size_t first = carriers.size();
+    for (const RotorInfo& rotor : setup.rotors_of(robot)) {
+      std::size_t c = first;
+      while (c < carriers.size() && carriers[c].body != rotor.body) ++c;
+      if (c == carriers.size()) carriers.push_back({robot, rotor.body, {}});
+      const double *p = rotor.position, *n = rotor.axis;
+      carriers[c].hubs.push_back({static_cast<int>(&rotor - setup.rotors().begin()),
+                                  {p[0], p[1], p[2]},
+                                  {n[0], n[1], n[2]},
+                                  rotor.first_param + SKYBODY_ROTOR_THRUST_CONSTANT});
+    }
+  }
+  return carriers;
+}
+
+/// Calls visit(hub, height, upright) for each hub: its z in W [m] and the cosine of the angle
+/// between its axis and W's z.
+template <class Real, class Visit>
+SKYBODY_INLINE void each_hub(const std::vector<Carrier>& carriers, const EnvView<Real>& env,
+                             Visit&& visit) {
+  const Vec3<Real> z{Real(0.0), Real(0.0), Real(1.0)};
+  for (const Carrier& carrier : carriers) {
+    const BodyMotion<Real> body = env.body(carrier.body);
+    const Vec3<Real> up = rotate_inverse(body.rotation, z);
+    for (const Hub& hub : carrier.hubs) {
+      const Real height = body.position.z + dot(up, to_real<Real>(hub.position));
+      visit(hub, height, dot(up, to_real<Real>(hub.axis)));
+    }
+  }
+}
+
+}  // namespace skybody::effect

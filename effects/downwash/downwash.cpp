@@ -1,0 +1,293 @@
+// Jets of air below rotors that push bodies of other robots down.
+//
+// Each body that carries rotors makes one jet, from the middle of its hubs along the rotors' axes.
+// All jets and bodies are pairs, N^2 of them for N robots, so a pair costs little: a vector, its
+// parts along and across the jet, and the exponential only where some lane is inside the jet.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+#include "effects/common/hubs.h"
+#include "effects/common/rotors.h"
+
+namespace skybody {
+namespace {
+
+class Downwash : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    is_gzdrl_ = form_.value() == "gzdrl";
+    check_form();
+    const std::vector<int> own = own_bodies(setup);
+    for (const effect::Carrier& carrier : effect::carriers_of(
+             setup, effect::robots_with_rotors(setup, robots_.values(), "downwash"))) {
+      jets_.push_back(jet_of(setup, carrier));
+      add_targets(setup, own, jets_.back());
+    }
+    for (const Jet& jet : jets_) {
+      if (!jet.targets.empty()) return setup.holds(HeldInput::kWrench);
+    }
+    throw std::runtime_error(
+        "there is nothing that downwash could push: add a robot, name links in `own_links`, or "
+        "leave the effect out");
+  }
+
+  /// Forces by where everything is now; they hold over the step.
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
+    const Shape<Real> shape = this->shape(env);
+    for (const Jet& jet : jets_) {
+      const BodyMotion<Real> body = env.body(jet.body);
+      const Vec3<Real> from = body.position + rotate(body.rotation, to_real<Real>(jet.origin));
+      const Vec3<Real> axis = rotate(body.rotation, to_real<Real>(jet.axis));
+      const Real strength = this->strength(env, jet);
+      for (const int target : jet.targets) {
+        const Vec3<Real> way = env.body(target).position - from;
+        push(shape, strength, way, axis, target, held);
+      }
+    }
+  }
+
+ private:
+  static constexpr double kTiny = 1e-12;     ///< [m^2], against division by 0
+  static constexpr double kFarthest = 40.0;  ///< in exp(-x): beyond, 4e-18 of the middle's force
+
+  /// Air that one body's rotors blow away.
+  struct Jet {
+    int robot = 0, body = 0;
+    Vec3<double> origin, axis;  ///< middle of the hubs [m], direction of thrust; body axes
+    std::vector<effect::Hub> rotors;
+    double weight = 0.0;       ///< of the whole robot, nominal [N]
+    double share = 1.0;        ///< of the robot's thrust constants
+    std::vector<int> targets;  ///< bodies that it may push
+  };
+  /// The parameters of one environment.
+  template <class Real>
+  struct Shape {
+    Real peak;           ///< [N]; times the squared distance, if the jet fades along its way
+    Real spread, start;  ///< width over distance, width at distance 0
+    Real least, reach;   ///< of distances [m]
+  };
+
+  void check_form() const {
+    const auto demand = [&](const RealParameter& parameter, const char* name, const char* unit) {
+      if (parameter.value() > 0.0) return;
+      throw std::runtime_error(std::string("`") + name + "` is 0, but `form: " + form_.value() +
+                               "` needs it: allowed are values above 0 " + unit);
+    };
+    if (is_gzdrl_) {
+      demand(force_, "force", "N");
+      if (spread_.value() == 0.0 && start_.value() == 0.0) {
+        throw std::runtime_error(
+            "`spread` and `start` are both 0, so the jet has no width: raise one of them");
+      }
+    } else {
+      demand(radius_, "radius", "m");
+    }
+  }
+
+  /// The bodies of `own_links`.
+  std::vector<int> own_bodies(const Setup& setup) const {
+    std::vector<int> bodies;
+    for (const std::string& name : own_links_.values()) {
+      const std::size_t dot = name.find('.');
+      if (dot == std::string::npos) {
+        throw std::runtime_error("`own_links` has `" + name +
+                                 "`: allowed are names as ROBOT.LINK, such as quad.payload");
+      }
+      bodies.push_back(setup.link(setup.robot(name.substr(0, dot)), name.substr(dot + 1)).body);
+    }
+    return bodies;
+  }
+
+  /// From the middle of the hubs along the mean axis, each counted by its nominal thrust constant.
+  Jet jet_of(const Setup& setup, const effect::Carrier& carrier) const {
+    const RobotInfo& robot = setup.robots()[carrier.robot];
+    Jet jet;
+    jet.robot = carrier.robot;
+    jet.body = carrier.body;
+    jet.rotors = carrier.hubs;
+    Vec3<double> place{}, axis{};
+    double all = 0.0, here = 0.0, mass = 0.0;
+    for (const RotorInfo& rotor : setup.rotors_of(carrier.robot)) {
+      all += rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
+    }
+    for (const effect::Hub& hub : carrier.hubs) {
+      const double k = setup.rotors()[hub.rotor].constants[SKYBODY_ROTOR_THRUST_CONSTANT];
+      here += k;
+      place += hub.position * k;
+      axis += hub.axis * k;
+    }
+    if (norm(axis) < 1e-6 * here) {
+      throw std::runtime_error("the rotors of robot `" + std::string(robot.name) +
+                               "` push against one another, so that their jet has no direction: "
+                               "leave the robot out of `robots`");
+    }
+    for (int b = 0; b < robot.body_count; ++b) mass += setup.bodies()[robot.first_body + b].mass;
+    const double* g = setup.gravity();
+    jet.origin = place / here;
+    jet.axis = axis / norm(axis);
+    jet.weight = mass * norm(Vec3<double>{g[0], g[1], g[2]});
+    jet.share = here / all;
+    if (by_thrust_.value() && jet.weight == 0.0) {
+      throw std::runtime_error(
+          "`by_thrust` compares with the thrust in hover, which is 0 without gravity: set it to "
+          "false");
+    }
+    return jet;
+  }
+
+  static void add_targets(const Setup& setup, const std::vector<int>& own, Jet& jet) {
+    for (int b = 0; b < setup.bodies().size(); ++b) {
+      bool is_target = setup.bodies()[b].robot != jet.robot;
+      for (const int body : own) is_target = is_target || body == b;
+      if (is_target && b != jet.body) jet.targets.push_back(b);
+    }
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Shape<Real> shape(const EnvView<Real>& env) const {
+    if (is_gzdrl_) {
+      return {force_(env), spread_(env), start_(env), Real(0.0), reach_(env)};
+    }
+    const Real quarter = 0.25 * radius_(env);
+    return {k1_(env) * (quarter * quarter), k2_(env), k3_(env), least_distance_(env), reach_(env)};
+  }
+
+  /// Of a jet, in units of the robot's thrust in hover.
+  template <class Real>
+  SKYBODY_INLINE Real strength(const EnvView<Real>& env, const Jet& jet) const {
+    if (!by_thrust_.value()) return Real(jet.share);
+    Real thrust(0.0);
+    for (const effect::Hub& hub : jet.rotors) {
+      const Real w = env.rotor_speed(hub.rotor);
+      thrust += env.param(hub.thrust_constant) * (w * w);
+    }
+    return thrust / jet.weight;
+  }
+
+  /// The force of one jet on one body.
+  /// @param way  from the jet's origin to the body, W [m]
+  template <class Real>
+  SKYBODY_INLINE void push(const Shape<Real>& shape, const Real& strength, const Vec3<Real>& way,
+                           const Vec3<Real>& axis, int target, Held<Real>& held) const {
+    const Real below = -dot(way, axis);
+    const Real off = squared_norm(way + axis * below);
+    const Real width = shape.spread * below + shape.start;
+    Real exponent;
+    if (is_gzdrl_) {
+      const Real ratio = off / max(width, Real(kTiny));
+      exponent = 0.5 * (ratio * ratio);
+    } else {
+      exponent = 0.5 * (off / max(width * width, Real(kTiny)));
+    }
+    const auto is_hit =
+        logical_and(logical_and(below > 0.0, below < shape.reach), exponent < kFarthest);
+    if (none(is_hit)) return;
+    Real force = (shape.peak * strength) * exp(-exponent);
+    if (!is_gzdrl_) {
+      const Real distance = max(below, shape.least);
+      force = force / (distance * distance);
+    }
+    const Vec3<Real> no_moment{Real(0.0), Real(0.0), Real(0.0)};
+    held.add_wrench(target, axis * select(is_hit, -force, Real(0.0)), no_moment);
+  }
+
+  TextsParameter robots_{
+      this, {.name = "robots", .doc = "whose rotors blow; empty: those of all robots with rotors"}};
+  TextsParameter own_links_{
+      this,
+      {.name = "own_links",
+       .doc = "links, as ROBOT.LINK, that jets of their own robot push as well: a payload"}};
+  TextParameter form_{this,
+                      {.name = "form",
+                       .value = "gym_pybullet_drones",
+                       .choices = {"gym_pybullet_drones", "gzdrl"},
+                       .doc = "which equation"}};
+  BooleanParameter by_thrust_{
+      this,
+      {.name = "by_thrust",
+       .value = true,
+       .doc =
+           "the force grows with the upper robot's thrust over its weight; false: it is constant"}};
+  RealParameter reach_{this,
+                       {.name = "reach",
+                        .unit = "m",
+                        .value = 10.0,
+                        .min = 0.01,
+                        .max = 1000.0,
+                        .doc = "distance down the jet behind which it is gone",
+                        .randomizable = true}};
+  RealParameter radius_{this,
+                        {.name = "radius",
+                         .unit = "m",
+                         .min = 0.0,
+                         .max = 100.0,
+                         .doc = "R, of a rotor; above 0 with form gym_pybullet_drones",
+                         .randomizable = true}};
+  RealParameter k1_{this,
+                    {.name = "k1",
+                     .unit = "N",
+                     .value = 2267.18,
+                     .min = 0.0,
+                     .max = 1e9,
+                     .doc = "of form gym_pybullet_drones: force at the distance R/4",
+                     .randomizable = true}};
+  RealParameter k2_{this,
+                    {.name = "k2",
+                     .value = 0.16,
+                     .min = -100.0,
+                     .max = 100.0,
+                     .doc = "of that form: growth of the width over the distance",
+                     .randomizable = true}};
+  RealParameter k3_{this,
+                    {.name = "k3",
+                     .unit = "m",
+                     .value = -0.11,
+                     .min = -100.0,
+                     .max = 100.0,
+                     .doc = "of that form: width at distance 0",
+                     .randomizable = true}};
+  RealParameter least_distance_{this,
+                                {.name = "least_distance",
+                                 .unit = "m",
+                                 .value = 0.5,
+                                 .min = 0.001,
+                                 .max = 1000.0,
+                                 .doc = "of that form: nearer, the force in the middle grows no "
+                                        "more",
+                                 .randomizable = true}};
+  RealParameter force_{this,
+                       {.name = "force",
+                        .unit = "N",
+                        .min = 0.0,
+                        .max = 1e6,
+                        .doc = "of form gzdrl: in the middle of the jet; above 0 with it",
+                        .randomizable = true}};
+  RealParameter spread_{
+      this,
+      {.name = "spread",
+       .unit = "m",
+       .min = 0.0,
+       .max = 1e6,
+       .doc = "of form gzdrl: growth of the jet's squared radius over the distance",
+       .randomizable = true}};
+  RealParameter start_{this,
+                       {.name = "start",
+                        .unit = "m^2",
+                        .min = 0.0,
+                        .max = 1e6,
+                        .doc = "of form gzdrl: the jet's squared radius at distance 0",
+                        .randomizable = true}};
+
+  std::vector<Jet> jets_;
+  bool is_gzdrl_ = false;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Downwash, "downwash", "1.0.0",
+               "Jets below rotors that push bodies of other robots down.");

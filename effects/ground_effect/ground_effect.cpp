@@ -1,0 +1,106 @@
+// Rotors near the ground give more thrust: a gain by the height of each hub above z = 0.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+#include "effects/common/hubs.h"
+#include "effects/common/rotors.h"
+
+namespace skybody {
+namespace {
+
+class GroundEffect : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    carriers_ = effect::carriers_of(
+        setup, effect::robots_with_rotors(setup, robots_.values(), "the ground effect"));
+    is_gzdrl_ = form_.value() == "gzdrl";
+    if (is_gzdrl_ && ground_constant_.value() == 0.0) {
+      throw std::runtime_error(
+          "`ground_constant` is 0, but `form: gzdrl` needs it: allowed are values above 0, such as "
+          "the thrust constant times the rotor's squared radius over 16");
+    }
+    if (!is_gzdrl_ && radius_.value() == 0.0) {
+      throw std::runtime_error(
+          "`radius` is 0, but `form: cheeseman_bennett` needs it: allowed are values above 0; give "
+          "the rotors' radius [m]");
+    }
+    setup.holds(HeldInput::kRotorGain);
+  }
+
+  /// Gains by where the hubs are now; they hold over the step.
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
+    const Real radius = radius_(env), least = max(least_height_ratio_(env) * radius, Real(kTiny));
+    const Real constant = ground_constant_(env);
+    effect::each_hub(
+        carriers_, env,
+        [&](const effect::Hub& hub, const Real& height, const Real& upright) SKYBODY_INLINE_LAMBDA {
+          if (is_gzdrl_) {
+            held.scale_thrust(hub.rotor, gzdrl(constant / env.param(hub.thrust_constant), height));
+          } else {
+            held.scale_thrust(hub.rotor, cheeseman_bennett(radius, max(height, least), upright));
+          }
+        });
+  }
+
+ private:
+  static constexpr double kTiny = 1e-9;  ///< [m], for radii that are drawn as 0
+
+  /// 1 / (1 - (R / 4 h)^2) with h = height / upright, the way down the rotor's axis to the ground;
+  /// 1 of a rotor that does not blow down.
+  template <class Real>
+  static SKYBODY_INLINE Real cheeseman_bennett(const Real& radius, const Real& height,
+                                               const Real& upright) {
+    const Real share = (0.25 * radius) * max(upright, Real(0.0)) / height;
+    return 1.0 / (1.0 - share * share);
+  }
+  /// The added thrust K w^2 / h^2 over the thrust k_f w^2, whatever the attitude.
+  /// @param ratio  K / k_f [m^2]
+  template <class Real>
+  static SKYBODY_INLINE Real gzdrl(const Real& ratio, const Real& height) {
+    const Real h = max(abs(height), Real(0.05));
+    return 1.0 + ratio / (h * h);
+  }
+
+  TextsParameter robots_{
+      this, {.name = "robots", .doc = "whose rotors; empty: those of all robots that have some"}};
+  TextParameter form_{this,
+                      {.name = "form",
+                       .value = "cheeseman_bennett",
+                       .choices = {"cheeseman_bennett", "gzdrl"},
+                       .doc = "which equation"}};
+  RealParameter radius_{this,
+                        {.name = "radius",
+                         .unit = "m",
+                         .min = 0.0,
+                         .max = 100.0,
+                         .doc = "of each rotor; above 0 with form cheeseman_bennett",
+                         .randomizable = true}};
+  RealParameter least_height_ratio_{this,
+                                    {.name = "least_height_ratio",
+                                     .value = 0.5,
+                                     .min = 0.3,
+                                     .max = 10.0,
+                                     .doc = "height over radius below which the gain grows no more",
+                                     .randomizable = true}};
+  RealParameter ground_constant_{
+      this,
+      {.name = "ground_constant",
+       .unit = "N s^2 m^2/rad^2",
+       .min = 0.0,
+       .max = 1.0,
+       .doc = "added thrust over speed squared, times height squared; above 0 with form gzdrl",
+       .randomizable = true}};
+
+  std::vector<effect::Carrier> carriers_;
+  bool is_gzdrl_ = false;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::GroundEffect, "ground_effect", "1.0.0",
+               "More thrust of rotors near the ground z = 0.");
