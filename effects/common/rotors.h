@@ -1,0 +1,57 @@
+// Robots and rotors as an effect's configure() sees them: whom it acts on, and what hovering takes.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace skybody::effect {
+
+/// Indices of the robots called `names`, in their order; without names all that have rotors.
+/// @param what  the effect, for messages
+/// @throws std::runtime_error if one of them has no rotors, is unknown or named twice, or if no
+///         robot has rotors
+inline std::vector<int> robots_with_rotors(const Setup& setup,
+                                           const std::vector<std::string>& names,
+                                           const std::string& what) {
+  std::vector<int> chosen;
+  for (const std::string& name : names) {
+    const int robot = setup.robot(name);
+    for (const int other : chosen) {
+      if (other != robot) continue;
+      throw std::runtime_error("`robots` names `" + name + "` twice: name each robot once");
+    }
+    if (setup.robots()[robot].rotor_count == 0) {
+      throw std::runtime_error("robot `" + name + "` has no rotors, which " + what +
+                               " acts on: leave it out of `robots`, or give it a rotors file");
+    }
+    chosen.push_back(robot);
+  }
+  for (int r = 0; names.empty() && r < setup.robots().size(); ++r) {
+    if (setup.robots()[r].rotor_count > 0) chosen.push_back(r);
+  }
+  if (chosen.empty()) {
+    throw std::runtime_error("no robot has rotors, which " + what +
+                             " acts on: give one a rotors file, or leave the effect out");
+  }
+  return chosen;
+}
+
+/// Speed at which the rotors of a robot carry its nominal weight, all with the same speed and along
+/// gravity [rad/s]; 0 of a robot with a fixed base, which need not be carried.
+inline double hover_speed(const Setup& setup, int robot) {
+  const RobotInfo& r = setup.robots()[robot];
+  if (r.fixed_base != 0) return 0.0;
+  double mass = 0.0, thrust_constants = 0.0;
+  for (int b = r.first_body; b < r.first_body + r.body_count; ++b) mass += setup.bodies()[b].mass;
+  for (const RotorInfo& rotor : setup.rotors_of(robot)) {
+    thrust_constants += rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
+  }
+  const double* g = setup.gravity();
+  const double weight = mass * norm(Vec3<double>{g[0], g[1], g[2]});
+  return thrust_constants > 0.0 ? sqrt(weight / thrust_constants) : 0.0;
+}
+
+}  // namespace skybody::effect
