@@ -76,6 +76,7 @@ SkybodyLanes CompiledScenario::view(const StateGroup& group, GroupWork& work,
   v.q = group.reals(l.q);
   v.u = group.reals(l.u);
   v.rotor_speed = group.reals(l.rotor_speed);
+  v.rotor_command = group.reals(l.rotor_command);
   v.params = group.reals(l.params);
   v.sensors = group.reals(l.sensors);
   v.action = group.reals(l.action);

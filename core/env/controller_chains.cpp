@@ -40,8 +40,8 @@ class ChainMaker {
   /// @param uses         of its controllers
   /// @param controllers  the first of them
   /// @param first        its place within all
-  ChainMaker(Chains& all, int team, const std::vector<PluginUse>& uses,
-             const PluginInstance* controllers, int first)
+  ChainMaker(Chains& all, int team, const std::vector<PluginUse>& uses, PluginInstance* controllers,
+             int first)
       : all_(all),
         plan_(all.plan),
         team_(team),
@@ -198,7 +198,23 @@ class ChainMaker {
     }
   }
 
+  /// What passes its command on to others has the range of the first that has one.
+  void take_range(int begin, int end) const {
+    int from = begin;
+    while (from < end && at(from).passes_on) ++from;
+    if (at(from).passes_on) {
+      refuse(begin,
+             "controller `" + at(begin).name +
+                 "` passes its command on, but nothing behind it says what actions -1 and +1 "
+                 "mean: add a controller behind it that takes " +
+                 signal_name(at(begin).input_signal));
+    }
+    controllers_[begin].low = at(from).low;
+    controllers_[begin].high = at(from).high;
+  }
+
   ControllerChain make_chain(int begin, int end) {
+    take_range(begin, end);
     const PluginInstance& first = at(begin);
     ControllerChain chain;
     chain.robot = first.team.front();
@@ -300,7 +316,7 @@ class ChainMaker {
   WorldPlan& plan_;
   int team_;  ///< -1: of a robot
   const std::vector<PluginUse>& uses_;
-  const PluginInstance* controllers_;
+  PluginInstance* controllers_;
   int first_;
 };
 
@@ -334,10 +350,10 @@ std::vector<ControllerChain> place_commands(Chains& all) {
 }  // namespace
 
 std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
-                                                 const std::vector<PluginInstance>& controllers,
+                                                 std::vector<PluginInstance>& controllers,
                                                  WorldPlan& plan) {
   Chains all{scenario, plan, std::vector<Claims>(scenario.robots.size())};
-  const PluginInstance* next = controllers.data();
+  PluginInstance* next = controllers.data();
   const auto connect = [&](const std::vector<PluginUse>& uses, int team,
                            std::vector<ControllerChain>& chains) {
     const auto first = static_cast<int>(next - controllers.data());

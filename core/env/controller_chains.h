@@ -35,12 +35,13 @@ struct ControllerChain {
 /// Chains the controllers of each robot and team: behind one that gives signals to actuators
 /// another chain begins. A team's chain ends in actuators, too, or in robots' own chains, which it
 /// feeds. Gives commands, sites and drives their places in the plan.
-/// @param controllers  of all robots, in robot order, then those of teams
+/// @param controllers  of all robots, in robot order, then those of teams; one that passes its
+///                     command on gets the range of the one that takes it
 /// @returns those that actions command, in robot order, then those that are fed: a chain comes
 ///          behind the one that feeds it
 /// @throws MarkedError at the scenario's line where they do not fit
 std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
-                                                 const std::vector<PluginInstance>& controllers,
+                                                 std::vector<PluginInstance>& controllers,
                                                  WorldPlan& plan);
 
 /// The word for a signal, such as "rotor_speed".

@@ -91,6 +91,7 @@ struct PluginInstance {
   int input_signal = -1;              ///< SkybodySignal, controllers only
   std::vector<PluginOutput> outputs;  ///< one; the last one of a chain may have several
   std::vector<double> low, high;      ///< of the input: what actions -1 and +1 mean
+  bool passes_on = false;             ///< they are those of the controller behind it
   std::vector<WrenchSite> sites;
   std::vector<JointDrive> joints;
   std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< effects: what apply() fills

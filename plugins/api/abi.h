@@ -294,7 +294,8 @@ typedef struct SkybodyJointDrive {
 /* What configure() tells the host. Texts are copied during the call. */
 typedef struct SkybodyDeclare {
   void* host;
-  /* Controllers: the command taken, and the physical values of action -1 and +1 per component. */
+  /* Controllers: the command taken, and the physical values of action -1 and +1 per component; NULL
+   * both: those of the controller behind it, to which it passes the command on. */
   void (*input)(void* host, int32_t signal, int32_t count, const double* low, const double* high);
   /* Of one robot that it serves: to the controller that follows, or to the robot's own chain that
    * takes the signal, or to the robot's actuators. */
@@ -377,12 +378,14 @@ typedef struct SkybodyLanes {
   const double* q;
   const double* u;
   const double* rotor_speed; /* 1 per rotor [rad/s] */
-  const double* params;      /* EnvParams */
-  const double* sensors;     /* outputs of all sensors */
-  const double* action;      /* clipped action row of this step */
-  const double* command;     /* commands of all chains */
-  const double* contacts;    /* 7 per body, or NULL: force and moment about the body's origin of all
-                                that touches it (W) [N, N m], and 1 or 0: whether anything does */
+  const double*
+      rotor_command;      /* 1 per rotor [rad/s]: what controllers gave last, not yet limited */
+  const double* params;   /* EnvParams */
+  const double* sensors;  /* outputs of all sensors */
+  const double* action;   /* clipped action row of this step */
+  const double* command;  /* commands of all chains */
+  const double* contacts; /* 7 per body, or NULL: force and moment about the body's origin of all
+                             that touches it (W) [N, N m], and 1 or 0: whether anything does */
   const double* contact_pairs;   /* 7 per pair that plugins ask for, the same of what touches it
                                     there, or NULL */
   const double* joint_reactions; /* 6 per joint that plugins ask for, or NULL: force and moment

@@ -86,6 +86,13 @@ class EnvView {
     return values_of(raw_.rotor_speed, "rotor",
                      [](const SkybodyChecks& c) { return c.rotors; })[index];
   }
+  /// The speed that a world rotor's controllers gave last [rad/s], before any limit. In apply() it
+  /// is that of the physics step that begins; without a chain that drives rotors the scenario's
+  /// own.
+  Real rotor_command(int index) const {
+    return values_of(raw_.rotor_command, "rotor",
+                     [](const SkybodyChecks& c) { return c.rotors; })[index];
+  }
   /// A coordinate of a joint [rad] or [m]; its place is BodyInfo::first_q.
   Real q(int index) const {
     return values_of(raw_.q, "q", [](const SkybodyChecks& c) { return c.q; })[index];

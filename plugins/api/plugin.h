@@ -193,7 +193,7 @@ class Held {
     add(SKYBODY_HELD_ROTOR_FLOW, rotor, 0, Vec3<Real>{axial_drag, flapping, lift});
   }
   /// Bounds of a rotor's command, and of its speed where an acceleration is set [rad/s], besides
-  /// its own limit; the narrowest of all holds. A rotor that is faster runs down by its lag.
+  /// its own limit; the narrowest of all holds. What is beyond them comes there by its lag.
   void limit_speed(int rotor, const Real& least, const Real& greatest) {
     const Values<Real> limit = values(SKYBODY_HELD_ROTOR_LIMIT);
     const int k = kSizes[SKYBODY_HELD_ROTOR_LIMIT] * rotor;

@@ -123,6 +123,10 @@ class Setup {
   /// Controllers: the command taken; `low` and `high`, one value for each of the command, are what
   /// actions -1 and +1 mean [the signal's units]. @throws std::logic_error if their sizes differ
   void input(Signal signal, const std::vector<double>& low, const std::vector<double>& high) const;
+  /// Controllers that pass their command on to the one behind them: actions -1 and +1 mean what
+  /// they mean there. One that nothing follows which has a range is refused when the scenario is
+  /// loaded.
+  void input(Signal signal, int count) const;
   /// Controllers: what control() writes, `count` values. The last one of a chain may give several
   /// signals to actuators: their values follow one another in the order of these calls.
   /// @param robot  which of team() it is for; -1: the first. What takes it: another controller of

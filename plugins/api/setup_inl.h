@@ -99,6 +99,10 @@ inline void Setup::input(Signal signal, const std::vector<double>& low,
                  high.data());
 }
 
+inline void Setup::input(Signal signal, int count) const {
+  declare_.input(declare_.host, static_cast<int>(signal), count, nullptr, nullptr);
+}
+
 inline void Setup::output(Signal signal, int count, int robot) const {
   if (robot < 0 && raw_.team_size > 0) robot = raw_.team[0];
   declare_.output(declare_.host, robot, static_cast<int>(signal), count);

@@ -151,11 +151,17 @@ class DerivativeCheck {
   // where the function subtracts large numbers, and of the order h^4 besides.
   static constexpr double kStep = 1e-4, kTolerance = 2e-7;
   static constexpr std::pair<const char*, std::vector<double> Group::*> kBlocks[] = {
-      {"bodies", &Group::bodies}, {"bodies_before", &Group::before},
-      {"q", &Group::q},           {"u", &Group::u},
-      {"params", &Group::params}, {"rotor_speed", &Group::rotor_speed},
-      {"action", &Group::action}, {"command", &Group::command},
-      {"buffer", &Group::buffer}, {"input", &Group::input}};
+      {"bodies", &Group::bodies},
+      {"bodies_before", &Group::before},
+      {"q", &Group::q},
+      {"u", &Group::u},
+      {"params", &Group::params},
+      {"rotor_speed", &Group::rotor_speed},
+      {"rotor_command", &Group::rotor_command},
+      {"action", &Group::action},
+      {"command", &Group::command},
+      {"buffer", &Group::buffer},
+      {"input", &Group::input}};
 
   /// Random inputs behind a reset and some calls, which bring the state to where it goes in flight.
   Group somewhere(std::mt19937_64& generator, int round) const {

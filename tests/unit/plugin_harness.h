@@ -53,7 +53,7 @@ inline std::vector<int> channel_robots(const std::vector<Channel>& channels) {
 struct Group {
   int lanes = 1;
   std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
-  std::vector<double> bodies, before, q, u, rotor_speed, params, action, command;
+  std::vector<double> bodies, before, q, u, rotor_speed, rotor_command, params, action, command;
   std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
 
   std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not announced
@@ -80,6 +80,7 @@ struct Group {
         f(a.end, b.end);
     f(a.physics_step, b.physics_step), f(a.bodies, b.bodies), f(a.before, b.before), f(a.q, b.q);
     f(a.u, b.u), f(a.rotor_speed, b.rotor_speed), f(a.params, b.params), f(a.action, b.action);
+    f(a.rotor_command, b.rotor_command);
     f(a.command, b.command), f(a.buffer, b.buffer), f(a.input, b.input), f(a.output, b.output);
     f(a.observation, b.observation), f(a.reward, b.reward);
     f(a.robot_reward, b.robot_reward), f(a.info, b.info);
@@ -152,6 +153,7 @@ class Instance {
     g.q.assign(n(world_.q), 0.0);
     g.u.assign(n(world_.u), 0.0);
     g.rotor_speed.assign(n(static_cast<int>(world_.rotors.size())), 0.0);
+    g.rotor_command = g.rotor_speed;
     g.action.assign(n(world_.actions), 0.0);
     g.command.assign(n(world_.actions), 0.0);
     g.buffer.assign(n(declared.buffer_words), 0.0);
@@ -271,6 +273,7 @@ class Instance {
     v.q = g.q.data();
     v.u = g.u.data();
     v.rotor_speed = g.rotor_speed.data();
+    v.rotor_command = g.rotor_command.data();
     v.params = g.params.data();
     v.action = g.action.data();
     v.command = g.command.data();
@@ -344,6 +347,7 @@ inline void scatter(Group& g, const PluginInstance& declared, std::mt19937_64& g
     }
   }
   for (double& x : g.rotor_speed) x = uniform(0.0, 2200.0);
+  for (double& x : g.rotor_command) x = uniform(0.0, 2200.0);
   for (double& x : g.action) x = uniform(-1.0, 1.0);
   for (int k = 0; k < static_cast<int>(declared.low.size()); ++k) {
     const double low = declared.low[static_cast<std::size_t>(k)],

@@ -14,7 +14,8 @@ struct HeldRotor {
 };
 
 /// A rotor that effects hold: its command stays within their limits, or it gains speed at their
-/// rate, linearly up to the same limits at the end of the step.
+/// rate, linearly up to the same limits at the end of the step. What is beyond the limits at the
+/// start comes to them no quicker than by its lag.
 template <class Real>
 struct HeldRotorStep {
   RotorStep<Real> lagged;
@@ -26,8 +27,7 @@ struct HeldRotorStep {
                                const Real& max_speed, const HeldRotor<Real>& held, double step)
       : lagged(lag, start, clamp(command, held.lower, held.upper), max_speed),
         is_linear(held.rate == held.rate),
-        change(limit_command(clamp(start + held.rate * step, held.lower, held.upper), max_speed) -
-               start),
+        change(limit_command(limited(start + held.rate * step, held), max_speed) - start),
         dt(step) {}
 
   SKYBODY_INLINE RotorMotion<Real> at(StageTime time) const {
@@ -49,6 +49,10 @@ struct HeldRotorStep {
   }
 
  private:
+  SKYBODY_INLINE Real limited(const Real& speed, const HeldRotor<Real>& held) const {
+    const Real by_lag = lagged.at(kStepEnd).speed;
+    return clamp(speed, min(held.lower, by_lag), max(held.upper, by_lag));
+  }
   /// @param share  of the step that is over
   SKYBODY_INLINE RotorMotion<Real> choose(const RotorMotion<Real>& lag, double share) const {
     return rotor_motion<Real>(select(is_linear, lagged.speed + change * share, lag.speed),

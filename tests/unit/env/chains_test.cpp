@@ -149,6 +149,19 @@ class Mute : public Task {
   void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>&) const {}
 };
 
+/// Passes rotor speeds on.
+class PassOn : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kRotorSpeed, 4);
+    setup.output(Signal::kRotorSpeed, 4);
+  }
+  template <class Real>
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+    for (int i = 0; i < 4; ++i) out.set(i, in[i]);
+  }
+};
+
 /// A goal, and no goal().
 class Aimless : public Task {
  public:
@@ -178,6 +191,7 @@ std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
                                        Checking checking = Checking::kNo) {
   factory.add<test::Direct>("direct");
   factory.add<test::Watch>("watch");
+  factory.add<PassOn>("pass_on");
   factory.add<ArmTorque>("arm_torque");
   factory.add<ArmTwice>("arm_twice");
   factory.add<Both>("both");
@@ -275,7 +289,26 @@ TEST(Chains, AHeldOutputFeedsTheNextController) {
   EXPECT_EQ(values(flight, env->layout().rotor_command)[0], 2.0);
 }
 
+TEST(Chains, WhatPassesCommandsOnHasTheRangeOfTheOneBehindIt) {
+  for (const std::vector<std::string>& before :
+       {std::vector<std::string>{"pass_on"}, std::vector<std::string>{"pass_on", "again"}}) {
+    InProcessFactory factory;
+    factory.add<PassOn>("again");
+    std::vector<std::string> controllers = before;
+    controllers.emplace_back("direct");
+    const auto env = make(factory, controllers);
+    ASSERT_EQ(env->chains().size(), 1u);
+    Flight flight(*env, 1);
+    flight.reset();
+    flight.step({1.0f, 0.0f, -1.0f, 0.5f});
+    EXPECT_EQ(values(flight, env->layout().rotor_command),
+              (std::vector<double>{4000, 2000, 0, 3000}));
+  }
+}
+
 TEST(Chains, SayWhatDoesNotFit) {
+  EXPECT_NE(refusal({"pass_on"}).find("passes its command on, but nothing behind it says"),
+            std::string::npos);
   EXPECT_NE(refusal({"twice"}).find("declares its output rotor_speed twice"), std::string::npos);
   EXPECT_NE(refusal({"wrong_size"}).find("takes trajectory with 4 values; it has 13"),
             std::string::npos);

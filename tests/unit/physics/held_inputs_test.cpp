@@ -251,6 +251,25 @@ TEST(HeldInputs, ARateMakesTheSpeedLinearUpToTheLimits) {
   EXPECT_EQ(bench.state.rotor_speed[3], qdrone2().max_speed);
 }
 
+TEST(HeldInputs, WhatIsBeyondTheLimitsComesToThemByItsLagWithARateToo) {
+  Bench rate = make_bench(aloft(make_dragging_vehicle()),
+                          only({SKYBODY_HELD_ROTOR_LIMIT, SKYBODY_HELD_ROTOR_RATE}));
+  Bench lag = make_bench(aloft(make_dragging_vehicle()), only({SKYBODY_HELD_ROTOR_LIMIT}));
+  for (Bench* bench : {&rate, &lag}) {
+    bench->state.rotor_speed = {1500, 1500, 200, 200};
+    bench->state.rotor_command = {1500, 1500, 200, 200};
+    bench->state.held[SKYBODY_HELD_ROTOR_LIMIT] = {0, 0, 0, 900, 700, kInfinity, 700, 900};
+  }
+  rate.state.held[SKYBODY_HELD_ROTOR_RATE] = {1e4, 0.0, -1e4, 0.0};
+  for (int k = 0; k < 30; ++k) {
+    ASSERT_TRUE(rate.run(1));
+    ASSERT_TRUE(lag.run(1));
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(rate.state.rotor_speed[i], lag.state.rotor_speed[i], 1e-9) << i;
+    }
+  }
+}
+
 TEST(HeldInputs, ARateGivesTheThrustOfEveryInstant) {
   const VehicleData d = qdrone2();
   Bench bench = make_bench(aloft(make_vehicle(d)), only({SKYBODY_HELD_ROTOR_RATE}));

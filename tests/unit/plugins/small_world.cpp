@@ -160,6 +160,7 @@ SkybodyLanes Group::view() {
   v.q = q_.data();
   v.u = u_.data();
   v.rotor_speed = rotor_speed_.data();
+  v.rotor_command = rotor_speed_.data();
   v.params = params_.data();
   v.sensors = sensors_.data();
   v.action = action_.data();

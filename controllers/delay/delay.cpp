@@ -1,0 +1,200 @@
+// Delay: gives the command that it took some physics steps ago, by a ring of the latest ones.
+#include <skybody/plugin.h>
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+/// Places of the ring at most: memory of each environment.
+constexpr int kMostSteps = 4096;
+
+/// A signal's word, and how many values it has; 0: one for each rotor; -1: `count` says.
+struct SignalSize {
+  const char* word;
+  Signal signal;
+  int count;
+};
+constexpr SignalSize kSignals[] = {
+    {"rotor_speed", Signal::kRotorSpeed, 0},
+    {"srt", Signal::kSrt, 0},
+    {"ctbt", Signal::kCtbt, 4},
+    {"ctbr", Signal::kCtbr, 4},
+    {"wrench", Signal::kWrench, 6},
+    {"velocity", Signal::kVelocity, 6},
+    {"pose", Signal::kPose, 7},
+    {"attitude", Signal::kAttitude, 5},
+    {"position", Signal::kPosition, 4},
+    {"trajectory", Signal::kTrajectory, 13},
+    {"force", Signal::kForce, 3},
+    {"acceleration", Signal::kAcceleration, 4},
+    {"velocity_tracking", Signal::kVelocityTracking, 4},
+    {"joint", Signal::kJoint, -1},
+};
+
+class Delay : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  template <class Real>
+  struct State {
+    Word<Real> begun;   ///< 1 after the first command of the episode
+    Word<Real> action;  ///< for which the latency was drawn
+    Word<Real> steps;   ///< the latency drawn [physics steps]
+    Word<Real> place;   ///< of the latest command in the ring
+    Word<Real> age;     ///< of the command that is given [physics steps]
+  };
+
+  void configure(const Setup& setup) override {
+    if (jitter_.value() > latency_.value()) {
+      throw std::runtime_error("`jitter` is " + to_text(jitter_.value()) + " s, above `latency` " +
+                               to_text(latency_.value()) +
+                               " s: the latency would be below 0; lower `jitter`");
+    }
+    per_second_ = 1.0 / setup.dt();
+    const double most = round_half_even((latency_.value() + jitter_.value()) * per_second_);
+    if (most >= kMostSteps) {
+      throw std::runtime_error("`latency` and `jitter` are " + to_text(most) +
+                               " physics steps together; allowed: up to " +
+                               std::to_string(kMostSteps - 1) + ": lower them");
+    }
+    ring_ = static_cast<int>(most) + 1;
+    draws_per_action_ = draw_.value() == "action";
+    const SignalSize& size = signal_size();
+    count_ = value_count(setup, setup.robot(), size);
+    setup.input(size.signal, count_);
+    setup.output(size.signal, count_);
+    setup.buffer(ring_ * count_);
+  }
+
+  template <class Real>
+  void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
+               Values<Real> output, Values<Real> buffer) const {
+    const auto is_first = state.begun == Word<Real>(0);
+    draw_latency(env, state, is_first);
+    state.begun = Word<Real>(1);
+    state.place = next(state.place, is_first);
+    // What has arrived does not become older: a command that is overtaken is left out. Before the
+    // first one has arrived, it is given all the same: there is none before it.
+    const Word<Real> aged = select(is_first, Word<Real>(0), state.age + Word<Real>(1));
+    state.age = select(aged < state.steps, aged, state.steps);
+    const auto wraps = state.age > state.place;
+    const Word<Real> from =
+        state.place + select(wraps, Word<Real>(ring_), Word<Real>(0)) - state.age;
+    each_place(env, state.place, [&](int place, const MaskOf<Real>& lanes) {
+      for (int k = 0; k < count_; ++k) {
+        const int word = place * count_ + k;
+        buffer.set(word, select(lanes, input[k], buffer[word]));
+      }
+    });
+    each_place(env, from, [&](int place, const MaskOf<Real>& lanes) {
+      for (int k = 0; k < count_; ++k) {
+        output.set(k, select(lanes, buffer[place * count_ + k], output[k]));
+      }
+    });
+  }
+
+ private:
+  /// A latency of the episode, or of each action.
+  template <class Real>
+  SKYBODY_INLINE void draw_latency(const EnvView<Real>& env, State<Real>& state,
+                                   const MaskOf<Real>& is_first) const {
+    auto is_due = is_first;
+    if (draws_per_action_) is_due = logical_or(is_due, env.step() != state.action);
+    if (!any(is_due)) return;
+    Random<Real> draw = random(env);
+    const Real offset = jitter_.value() * (2.0 * draw.uniform() - 1.0);
+    const Real steps = round_half_even((latency_.value() + offset) * per_second_);
+    state.steps = select(is_due, to_word(steps), state.steps);
+    state.action = env.step();
+  }
+
+  /// Where the ring goes on.
+  template <class Words, class Mask>
+  SKYBODY_INLINE Words next(const Words& place, const Mask& is_first) const {
+    const Words after = place + Words(1);
+    const auto is_zero = logical_or(is_first, after == Words(ring_));
+    return select(is_zero, Words(0), after);
+  }
+
+  /// Calls `use(place, lanes)` once for each place that lanes stand at. Lanes whose episodes began
+  /// together, with one latency, stand at one; so it is rarely more than a few.
+  template <class Real, class Use>
+  SKYBODY_INLINE void each_place(const EnvView<Real>& env, const Word<Real>& places,
+                                 const Use& use) const {
+    std::uint32_t left = bits_from_mask(env.served());
+    for (int i = 0; i < kLanesOf<Real>; ++i) {
+      if ((left >> i & 1u) == 0) continue;
+      const std::uint64_t place = lane(places, i);
+      const MaskOf<Real> lanes = places == Word<Real>(place);
+      left &= ~bits_from_mask(lanes);
+      use(static_cast<int>(place), lanes);
+    }
+  }
+
+  const SignalSize& signal_size() const {
+    for (const SignalSize& size : kSignals) {
+      if (signal_.value() == size.word) return size;
+    }
+    throw std::logic_error("a signal that `choices` does not list");
+  }
+
+  int value_count(const Setup& setup, int robot, const SignalSize& size) const {
+    if (values_.value() > 0) return static_cast<int>(values_.value());
+    if (size.count > 0) return size.count;
+    if (size.count < 0) {
+      throw std::runtime_error("`values` is 0, but the signal `" + signal_.value() +
+                               "` has as many as its controller takes: give their number");
+    }
+    const int rotors = setup.rotors_of(robot).size();
+    if (rotors > 0) return rotors;
+    throw std::runtime_error("robot `" + std::string(setup.robots()[robot].name) +
+                             "` has no rotors, which `" + signal_.value() +
+                             "` speaks to: choose another `signal`");
+  }
+
+  TextParameter signal_{
+      this,
+      {.name = "signal",
+       .choices = {"rotor_speed", "srt", "ctbt", "ctbr", "wrench", "velocity", "pose", "attitude",
+                   "position", "trajectory", "force", "acceleration", "velocity_tracking", "joint"},
+       .doc = "that it takes and gives",
+       .required = true}};
+  IntegerParameter values_{this,
+                           {.name = "values",
+                            .value = 0,
+                            .min = 0,
+                            .max = 1000,
+                            .doc = "of the signal; 0: as many as the signal has"}};
+  RealParameter latency_{this,
+                         {.name = "latency",
+                          .unit = "s",
+                          .min = 0.0,
+                          .max = 100.0,
+                          .doc = "mean time from a command to its effect",
+                          .required = true}};
+  RealParameter jitter_{
+      this,
+      {.name = "jitter",
+       .unit = "s",
+       .value = 0.0,
+       .min = 0.0,
+       .max = 100.0,
+       .doc = "the latency is drawn between latency - jitter and latency + jitter"}};
+  TextParameter draw_{this,
+                      {.name = "draw",
+                       .value = "episode",
+                       .choices = {"episode", "action"},
+                       .doc = "how long a drawn latency holds"}};
+
+  double per_second_ = 0.0;  ///< physics steps a second
+  bool draws_per_action_ = false;
+  int ring_ = 1;   ///< places: the longest latency and the present step
+  int count_ = 0;  ///< values of the signal
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Delay, "delay", "1.0.0",
+               "Passes a command on behind a latency [s], drawn or fixed.");

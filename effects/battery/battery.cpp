@@ -1,0 +1,228 @@
+// Battery: one pack a robot. What its rotors take sags the voltage, and the voltage limits their
+// speed; an empty pack stops them.
+#include <vector>
+
+#include "effects/common/rotors.h"
+
+namespace skybody {
+namespace {
+
+class Battery : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    dt_ = setup.dt();
+    read_curve();
+    for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`battery`")) {
+      Pack pack;
+      for (const RotorInfo& rotor : setup.rotors_of(robot)) {
+        pack.rotors.push_back(
+            {static_cast<int>(&rotor - setup.rotors().begin()), rotor.first_param});
+      }
+      packs_.push_back(pack);
+      check_power(setup, robot);
+    }
+    const auto count = static_cast<int>(packs_.size());
+    setup.holds(HeldInput::kRotorLimit);
+    setup.buffer(3 * count);
+    setup.report("charge", "", count, 0);
+    setup.report("voltage", "V", count, count);
+    setup.report("current", "A", count, 2 * count);
+  }
+
+  template <class Real>
+  void reset(const EnvView<Real>& env, State<Real>&, Values<Real> buffer) const {
+    const auto count = static_cast<int>(packs_.size());
+    for (int p = 0; p < count; ++p) {
+      const Real charge = initial_charge_(env);
+      buffer.set(p, charge);
+      buffer.set(count + p, open_circuit(charge));
+      buffer.set(2 * count + p, Real(0.0));
+    }
+  }
+
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held, Values<Real> buffer) const {
+    const auto count = static_cast<int>(packs_.size());
+    for (int p = 0; p < count; ++p) {
+      const Pack& pack = packs_[static_cast<std::size_t>(p)];
+      const Real charge = buffer[p];
+      const auto is_empty = charge <= 0.0;
+      const Load<Real> load = draw(env, pack, open_circuit(charge));
+      const Real current = select(is_empty, Real(0.0), load.current);
+      const Real voltage = load.open - internal_resistance_(env) * current;
+      limit(env, pack, select(is_empty, Real(0.0), voltage), held);
+      buffer.set(p, max(charge - current * (dt_ / 3600.0) / capacity_(env), 0.0));
+      buffer.set(count + p, voltage);
+      buffer.set(2 * count + p, current);
+    }
+  }
+
+ private:
+  struct Rotor {
+    int index;        ///< in the world
+    int first_param;  ///< of its constants
+  };
+  struct Pack {
+    std::vector<Rotor> rotors;
+  };
+  template <class Real>
+  struct Load {
+    Real open;     ///< open-circuit voltage of the pack [V]
+    Real current;  ///< [A]
+  };
+
+  /// Voltage of the pack without current: straight lines between the given voltages, as the sum of
+  /// what each section adds. No lane looks anything up.
+  template <class Real>
+  SKYBODY_INLINE Real open_circuit(const Real& charge) const {
+    const Real place = charge * static_cast<double>(rises_.size());
+    Real voltage(lowest_);
+    for (std::size_t i = 0; i < rises_.size(); ++i) {
+      voltage = voltage + rises_[i] * clamp(place - static_cast<double>(i), 0.0, 1.0);
+    }
+    return voltage;
+  }
+
+  /// The current at which the pack gives the power that is asked of it, P = I (V - R I); beyond the
+  /// greatest power V^2 / (4 R) the current of that.
+  template <class Real>
+  SKYBODY_INLINE Load<Real> draw(const EnvView<Real>& env, const Pack& pack,
+                                 const Real& open) const {
+    Real shafts(0.0);
+    for (const Rotor& rotor : pack.rotors) {
+      const Real w = env.rotor_speed(rotor.index);
+      shafts = shafts + env.param(rotor.first_param + SKYBODY_ROTOR_MOMENT_CONSTANT) * (w * w * w);
+    }
+    const Real four_r = 4.0 * internal_resistance_(env);
+    const Real asked = shafts / efficiency_(env) + hotel_power_(env);
+    // A resistance of 0 has no greatest power: infinity.
+    const Real power = min(asked, open * open / four_r);
+    const Real root = sqrt(max(open * open - four_r * power, 0.0));
+    return {open, 2.0 * power / (open + root)};  // without the cancellation of (V - root) / (2 R)
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void limit(const EnvView<Real>& env, const Pack& pack, const Real& voltage,
+                            Held<Real>& held) const {
+    const double given = speed_per_volt_.value();
+    for (const Rotor& rotor : pack.rotors) {
+      const Real per_volt =
+          given > 0.0 ? Real(given)
+                      : env.param(rotor.first_param + SKYBODY_ROTOR_MAX_SPEED) * (1.0 / full_);
+      held.limit_speed(rotor.index, Real(0.0), per_volt * voltage);
+    }
+  }
+
+  void read_curve() {
+    const int count = open_circuit_.count();
+    if (count < 2) {
+      throw std::runtime_error("`open_circuit` has " + std::to_string(count) +
+                               " values; allowed: at least two, the voltage of an empty and of a "
+                               "full cell");
+    }
+    const auto cells = static_cast<double>(cells_.value());
+    for (int i = 1; i < count; ++i) {
+      const double from = open_circuit_.value(i - 1), to = open_circuit_.value(i);
+      if (to < from) {
+        throw std::runtime_error("`open_circuit[" + std::to_string(i) + "]` is " + to_text(to) +
+                                 " V, below the " + to_text(from) +
+                                 " V before it: voltages rise with the charge, from an empty cell "
+                                 "to a full one");
+      }
+      rises_.push_back(cells * (to - from));
+    }
+    lowest_ = cells * open_circuit_.value(0);
+    full_ = cells * open_circuit_.value(count - 1);
+  }
+
+  /// A full pack that cannot feed hovering is a mistake: of cells, or of milliohms given in ohms.
+  void check_power(const Setup& setup, int robot) const {
+    const double speed = effect::hover_speed(setup, robot);
+    double needed = hotel_power_.value();
+    for (const RotorInfo& rotor : setup.rotors_of(robot)) {
+      needed += rotor.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] * speed * speed * speed /
+                efficiency_.value();
+    }
+    const double resistance = internal_resistance_.value();
+    if (needed * 4.0 * resistance <= full_ * full_) return;
+    throw std::runtime_error("a full pack gives " + to_text(full_ * full_ / (4.0 * resistance)) +
+                             " W at most (" + to_text(full_) + " V, `internal_resistance` " +
+                             to_text(resistance) + " ohm), and robot `" +
+                             setup.robots()[robot].name + "` takes " + to_text(needed) +
+                             " W to hover: lower `internal_resistance`, or raise `cells`");
+  }
+
+  TextsParameter robots_{
+      this, {.name = "robots", .doc = "who carries a pack, one each; empty: all with rotors"}};
+  IntegerParameter cells_{this,
+                          {.name = "cells", .value = 4, .min = 1, .max = 1000, .doc = "in series"}};
+  RealsParameter open_circuit_{
+      this,
+      {.name = "open_circuit",
+       .unit = "V",
+       .values = {3.27, 3.69, 3.73, 3.77, 3.8, 3.84, 3.87, 3.95, 4.02, 4.11, 4.2},
+       .count = -1,
+       .min = 0.1,
+       .max = 100.0,
+       .doc = "of a cell without current, at equally spaced charges from empty to full"}};
+  RealParameter capacity_{this,
+                          {.name = "capacity",
+                           .unit = "A h",
+                           .value = 3.0,
+                           .min = 1e-6,
+                           .max = 1e6,
+                           .doc = "of the pack, from full to empty",
+                           .randomizable = true}};
+  RealParameter internal_resistance_{this,
+                                     {.name = "internal_resistance",
+                                      .unit = "ohm",
+                                      .value = 0.02,
+                                      .min = 0.0,
+                                      .max = 1000.0,
+                                      .doc = "of the pack",
+                                      .randomizable = true}};
+  RealParameter initial_charge_{this,
+                                {.name = "initial_charge",
+                                 .value = 1.0,
+                                 .min = 0.0,
+                                 .max = 1.0,
+                                 .doc = "when an episode begins; 1: full",
+                                 .randomizable = true}};
+  RealParameter efficiency_{
+      this,
+      {.name = "efficiency",
+       .value = 0.7,
+       .min = 0.01,
+       .max = 1.0,
+       .doc = "power that the air takes from the rotors, by power that these take from the pack",
+       .randomizable = true}};
+  RealParameter hotel_power_{this,
+                             {.name = "hotel_power",
+                              .unit = "W",
+                              .value = 0.0,
+                              .min = 0.0,
+                              .max = 1e6,
+                              .doc = "of everything but the rotors",
+                              .randomizable = true}};
+  RealParameter speed_per_volt_{
+      this,
+      {.name = "speed_per_volt",
+       .unit = "rad/(s V)",
+       .value = 0.0,
+       .min = 0.0,
+       .max = 1e5,
+       .doc = "largest speed of a rotor by voltage; 0: `max_speed` by the voltage of a full pack"}};
+
+  double dt_ = 0.0;
+  double lowest_ = 0.0, full_ = 0.0;  ///< of the pack without current, empty and full [V]
+  std::vector<double> rises_;         ///< of the pack's voltage, section by section [V]
+  std::vector<Pack> packs_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Battery, "battery", "1.0.0",
+               "A pack a robot [V, A, A h]: sags, runs empty, limits the rotors' speed.");

@@ -1,0 +1,199 @@
+// Motor: direct-current motors behind a speed controller of limited current, in place of the
+// first-order lag of paper eq. 2.
+//
+// A motor has three torques: k i of the current, drag k_m w^2 of the air, friction. Its equation is
+// stiff where the resistance is low, and the engine wants one acceleration for the whole step. So
+// the equation is linearised about the speed at the start of the step, and the acceleration is the
+// one that leads to the exact end of the linear equation: an exponential, stable for every dt. The
+// limits of the current are equations of their own; the motor goes the way that the narrowest of
+// them allows.
+#include <vector>
+
+#include "effects/common/rotors.h"
+
+namespace skybody {
+namespace {
+
+class Motor : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    dt_ = setup.dt();
+    for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`motor`")) {
+      const double speed = effect::hover_speed(setup, robot);
+      for (const RotorInfo& rotor : setup.rotors_of(robot)) {
+        check_rotor(rotor, speed);
+        rotors_.push_back({static_cast<int>(&rotor - setup.rotors().begin()), rotor.first_param});
+      }
+    }
+    setup.holds(HeldInput::kRotorRate);
+  }
+
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
+    const Constants<Real> motor = constants(env);
+    for (const Rotor& rotor : rotors_) {
+      const Load<Real> load = load_of(env, rotor);
+      const Real speed = env.rotor_speed(rotor.index);
+      const Real command = max(env.rotor_command(rotor.index), 0.0);
+      const Real end = speed_after(motor, load, speed, voltage(motor, load, command));
+      held.set_acceleration(rotor.index, (end - speed) * (1.0 / dt_));
+    }
+  }
+
+ private:
+  struct Rotor {
+    int index;        ///< in the world
+    int first_param;  ///< of its constants
+  };
+  /// Of the motors, in each environment.
+  template <class Real>
+  struct Constants {
+    Real torque;            ///< k: torque by current [N m/A], and back voltage by speed [V s/rad]
+    Real per_ohm;           ///< 1 / R
+    Real friction;          ///< [N m]
+    Real driving, braking;  ///< torques at the limits of the current [N m]
+    Real voltage;           ///< the largest [V]
+  };
+  /// What a motor turns.
+  template <class Real>
+  struct Load {
+    Real per_inertia;  ///< 1 / J
+    Real drag;         ///< k_m
+  };
+
+  template <class Real>
+  SKYBODY_INLINE Constants<Real> constants(const EnvView<Real>& env) const {
+    const Real torque = torque_constant_(env), most = torque * max_current_(env);
+    return {torque,
+            1.0 / resistance_(env),
+            friction_(env),
+            most,
+            brake_.value() ? Real(-most) : Real(0.0),
+            voltage_(env)};
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Load<Real> load_of(const EnvView<Real>& env, const Rotor& rotor) const {
+    // A drawn inertia may be 0; so small a one already follows at once.
+    const Real inertia = max(env.param(rotor.first_param + SKYBODY_ROTOR_INERTIA), 1e-12);
+    return {1.0 / inertia, env.param(rotor.first_param + SKYBODY_ROTOR_MOMENT_CONSTANT)};
+  }
+
+  /// The voltage at which the commanded speed is steady: V = k w + (R / k) (k_m w^2 + friction), as
+  /// far as the supply goes.
+  template <class Real>
+  SKYBODY_INLINE Real voltage(const Constants<Real>& motor, const Load<Real>& load,
+                              const Real& command) const {
+    const Real torque = load.drag * (command * command) + motor.friction;
+    return min(motor.torque * command + torque / (motor.torque * motor.per_ohm), motor.voltage);
+  }
+
+  /// Speed at the end of the step at that voltage [rad/s].
+  template <class Real>
+  SKYBODY_INLINE Real speed_after(const Constants<Real>& motor, const Load<Real>& load,
+                                  const Real& speed, const Real& volts) const {
+    const Real by_speed = motor.torque * motor.torque * motor.per_ohm;
+    const Real free = motor.torque * motor.per_ohm * volts - by_speed * speed;
+    const Real resisting = load.drag * (speed * speed) + motor.friction;
+    const Real slope = -2.0 * load.drag * speed;
+    const auto after = [&](const Real& torque, const Real& torque_slope) {
+      return speed + change((torque - resisting) * load.per_inertia,
+                            (torque_slope + slope) * load.per_inertia);
+    };
+    // Of dw/dt = min(f, g) the solution is below those of f and of g, and the like with max.
+    const Real unlimited = after(free, Real(-by_speed));
+    const Real slowest = after(motor.braking, Real(0.0));
+    const Real fastest = after(motor.driving, Real(0.0));
+    return clamp(unlimited, slowest, fastest);
+  }
+
+  /// Change over the step of what begins with this rate and has this slope <= 0: the integral of
+  /// rate exp(slope t).
+  template <class Real>
+  SKYBODY_INLINE Real change(const Real& rate, const Real& slope) const {
+    const Real steep = slope * dt_;
+    const auto is_straight = steep > -1e-12;
+    const Real safe = select(is_straight, Real(-1.0), steep);
+    return rate * (dt_ * select(is_straight, Real(1.0), expm1(safe) / safe));
+  }
+
+  void check_rotor(const RotorInfo& rotor, double hover) const {
+    const std::string name = "rotor `" + std::string(rotor.name) + "`";
+    if (!(rotor.constants[SKYBODY_ROTOR_INERTIA] > 0.0)) {
+      throw std::runtime_error(name +
+                               " has an `inertia` of 0, which a motor would speed up in no time: "
+                               "give it one above 0 in the robot's rotors file");
+    }
+    const double needed =
+        rotor.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] * hover * hover + friction_.value();
+    const double most = torque_constant_.value() * max_current_.value();
+    if (most <= needed) {
+      throw std::runtime_error("a motor gives " + to_text(most) + " N m at `max_current`, and " +
+                               name + " takes " + to_text(needed) +
+                               " N m to hover: raise `max_current` or `torque_constant`");
+    }
+    const double volts =
+        torque_constant_.value() * hover + resistance_.value() / torque_constant_.value() * needed;
+    if (voltage_.value() <= volts) {
+      throw std::runtime_error("`voltage` is " + to_text(voltage_.value()) + " V, and " + name +
+                               " takes " + to_text(volts) +
+                               " V to hover: raise it, or lower `torque_constant` or `resistance`");
+    }
+  }
+
+  TextsParameter robots_{
+      this, {.name = "robots", .doc = "whose rotors have these motors; empty: everybody's"}};
+  RealParameter torque_constant_{this,
+                                 {.name = "torque_constant",
+                                  .unit = "N m/A",
+                                  .min = 1e-6,
+                                  .max = 1000.0,
+                                  .doc = "k; the back voltage by speed in V s/rad is the same",
+                                  .randomizable = true,
+                                  .required = true}};
+  RealParameter resistance_{this,
+                            {.name = "resistance",
+                             .unit = "ohm",
+                             .min = 1e-6,
+                             .max = 1e6,
+                             .doc = "R of the winding and its controller",
+                             .randomizable = true,
+                             .required = true}};
+  RealParameter max_current_{this,
+                             {.name = "max_current",
+                              .unit = "A",
+                              .min = 1e-6,
+                              .max = 1e6,
+                              .doc = "that the controller allows, forward and while it brakes",
+                              .randomizable = true,
+                              .required = true}};
+  RealParameter voltage_{this,
+                         {.name = "voltage",
+                          .unit = "V",
+                          .min = 1e-3,
+                          .max = 1e6,
+                          .doc = "of the supply, the largest at the motor",
+                          .randomizable = true,
+                          .required = true}};
+  RealParameter friction_{this,
+                          {.name = "friction",
+                           .unit = "N m",
+                           .value = 0.0,
+                           .min = 0.0,
+                           .max = 1000.0,
+                           .doc = "torque of bearings and iron, against the turning",
+                           .randomizable = true}};
+  BooleanParameter brake_{
+      this, {.name = "brake", .value = true, .doc = "current may flow backwards and slow it down"}};
+
+  double dt_ = 0.0;
+  std::vector<Rotor> rotors_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Motor, "motor", "1.0.0",
+               "Direct-current motors with limits of current and voltage [A, V].");

@@ -1,0 +1,183 @@
+// Thrust curve: thrust and reaction moment as polynomials of a rotor's speed, and their loss with
+// the speed at which it advances along its axis.
+#include <algorithm>
+#include <vector>
+
+#include "effects/common/rotors.h"
+
+namespace skybody {
+namespace {
+
+class ThrustCurve : public Effect {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    check_parameters();
+    for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`thrust_curve`")) {
+      for (const RotorInfo& rotor : setup.rotors_of(robot)) add_rotor(setup, rotor);
+    }
+    advances_ = thrust_by_advance_.count() > 0 || moment_by_advance_.count() > 0;
+    setup.holds(HeldInput::kRotorGain);
+  }
+
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held) const {
+    for (const Rotor& rotor : rotors_) {
+      // Below the least speed the gains are those there: bounded, where w^2 goes to 0.
+      const Real speed = max(env.rotor_speed(rotor.index), rotor.least_speed);
+      Real thrust = curve_gain(thrust_, rotor.per_thrust, speed);
+      Real moment = curve_gain(moment_, rotor.per_moment, speed);
+      if (advances_) {
+        const Real advance = advance_ratio(env, rotor, speed);
+        thrust = thrust * ratio(thrust_by_advance_, advance);
+        moment = moment * ratio(moment_by_advance_, advance);
+      }
+      held.scale_thrust(rotor.index, thrust);
+      held.scale_moment(rotor.index, moment);
+    }
+  }
+
+ private:
+  struct Rotor {
+    int index, body;                ///< in the world
+    Vec3<double> position, axis;    ///< in the body's frame
+    double per_thrust, per_moment;  ///< 1 / k_f and 1 / k_m, nominal
+    double least_speed;             ///< [rad/s]
+  };
+
+  /// The polynomial by the constant's parabola: sum of c_k w^k, over k w^2; 1 without a polynomial.
+  template <class Real>
+  static SKYBODY_INLINE Real curve_gain(const RealsParameter& coefficients, double per_constant,
+                                        const Real& speed) {
+    if (coefficients.count() == 0) return Real(1.0);
+    Real sum(0.0);
+    for (int k = coefficients.count() - 1; k >= 0; --k) sum = sum * speed + coefficients.value(k);
+    return sum * per_constant / (speed * speed);
+  }
+
+  /// 1 + a_1 J + a_2 J^2 + ...
+  template <class Real>
+  static SKYBODY_INLINE Real ratio(const RealsParameter& coefficients, const Real& advance) {
+    Real sum(0.0);
+    for (int k = coefficients.count() - 1; k >= 0; --k) {
+      sum = (sum + coefficients.value(k)) * advance;
+    }
+    return sum + 1.0;
+  }
+
+  /// J = v_axial / (n D), n in turns a second, held to its range.
+  template <class Real>
+  SKYBODY_INLINE Real advance_ratio(const EnvView<Real>& env, const Rotor& rotor,
+                                    const Real& speed) const {
+    const BodyMotion<Real> body = env.body(rotor.body);
+    const Vec3<Real> position = lift<Real>(rotor.position), axis = lift<Real>(rotor.axis);
+    const Vec3<Real> hub =
+        rotate_inverse(body.rotation, body.velocity) + cross(body.angular_velocity, position);
+    const Real advance = dot(hub, axis) * (kTwoPi / diameter_.value()) / speed;
+    return clamp(advance, least_advance_.value(), greatest_advance_.value());
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE Vec3<Real> lift(const Vec3<double>& v) {
+    return {Real(v.x), Real(v.y), Real(v.z)};
+  }
+
+  void add_rotor(const Setup& setup, const RotorInfo& rotor) {
+    const double* constants = rotor.constants;
+    const double moment = constants[SKYBODY_ROTOR_MOMENT_CONSTANT];
+    if (moment_.count() > 0 && !(moment > 0.0)) {
+      throw std::runtime_error("rotor `" + std::string(rotor.name) +
+                               "` has a `moment_constant` of 0, which no factor turns into "
+                               "`moment`: give it one above 0 in the robot's rotors file");
+    }
+    rotors_.push_back({static_cast<int>(&rotor - setup.rotors().begin()),
+                       rotor.body,
+                       {rotor.position[0], rotor.position[1], rotor.position[2]},
+                       {rotor.axis[0], rotor.axis[1], rotor.axis[2]},
+                       1.0 / constants[SKYBODY_ROTOR_THRUST_CONSTANT],
+                       moment > 0.0 ? 1.0 / moment : 0.0,
+                       least_share_.value() * constants[SKYBODY_ROTOR_MAX_SPEED]});
+  }
+
+  void check_parameters() const {
+    const bool has_advance = thrust_by_advance_.count() > 0 || moment_by_advance_.count() > 0;
+    if (!has_advance && thrust_.count() == 0 && moment_.count() == 0) {
+      throw std::runtime_error(
+          "`thrust`, `moment`, `thrust_by_advance` and `moment_by_advance` are all empty: give one "
+          "of them coefficients, or leave the effect out");
+    }
+    if (has_advance && !(diameter_.value() > 0.0)) {
+      throw std::runtime_error(
+          "`diameter` is 0, but the advance ratio is v / (n D): give the rotors' diameter in m");
+    }
+    if (least_advance_.value() > 0.0 || greatest_advance_.value() < 0.0) {
+      throw std::runtime_error("`least_advance` " + to_text(least_advance_.value()) +
+                               " and `greatest_advance` " + to_text(greatest_advance_.value()) +
+                               " leave out 0, where rotors hover: lower the first or raise the "
+                               "second");
+    }
+  }
+
+  TextsParameter robots_{
+      this, {.name = "robots", .doc = "whose rotors, all of them alike; empty: everybody's"}};
+  RealsParameter thrust_{
+      this,
+      {.name = "thrust",
+       .unit = "N (s/rad)^k",
+       .values = {},
+       .count = -1,
+       .doc = "coefficients k = 0, 1, ... of the thrust by the speed; empty: k_f w^2"}};
+  RealsParameter moment_{this,
+                         {.name = "moment",
+                          .unit = "N m (s/rad)^k",
+                          .values = {},
+                          .count = -1,
+                          .doc = "likewise of the reaction moment; empty: k_m w^2"}};
+  RealsParameter thrust_by_advance_{
+      this,
+      {.name = "thrust_by_advance",
+       .values = {},
+       .count = -1,
+       .doc = "a_1, a_2, ... of C_T(J) / C_T(0) = 1 + a_1 J + a_2 J^2 + ...; empty: 1"}};
+  RealsParameter moment_by_advance_{this,
+                                    {.name = "moment_by_advance",
+                                     .values = {},
+                                     .count = -1,
+                                     .doc = "likewise of C_Q(J) / C_Q(0)"}};
+  RealParameter diameter_{this,
+                          {.name = "diameter",
+                           .unit = "m",
+                           .value = 0.0,
+                           .min = 0.0,
+                           .max = 100.0,
+                           .doc = "D of the rotors; needed with the advance ratio"}};
+  RealParameter least_advance_{this,
+                               {.name = "least_advance",
+                                .value = 0.0,
+                                .min = -100.0,
+                                .max = 100.0,
+                                .doc = "where the ratio's polynomials begin; below, J is this"}};
+  RealParameter greatest_advance_{this,
+                                  {.name = "greatest_advance",
+                                   .value = 1.0,
+                                   .min = -100.0,
+                                   .max = 100.0,
+                                   .doc = "where they end; above, J is this"}};
+  RealParameter least_share_{
+      this,
+      {.name = "least_share",
+       .value = 0.05,
+       .min = 1e-3,
+       .max = 1.0,
+       .doc = "of `max_speed`: a rotor that is slower has the factors of this speed"}};
+
+  bool advances_ = false;
+  std::vector<Rotor> rotors_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::ThrustCurve, "thrust_curve", "1.0.0",
+               "Thrust [N] and moment [N m] by polynomials of speed and advance ratio.");
