@@ -115,7 +115,7 @@ bool VelocityTable::has_equal_steps() const {
   const double step = (end() - begin()) / static_cast<double>(rows() - 1);
   for (std::size_t row = 0; row < rows(); ++row) {
     const double place = begin() + static_cast<double>(row) * step;
-    if (!(std::abs(time(row) - place) <= 1e-6 * step)) return false;
+    if (!(std::abs(time(row) - place) <= 1e-9 * step)) return false;
   }
   return true;
 }

@@ -19,7 +19,7 @@ struct VelocityTable {
   double time(std::size_t row) const { return values[row * kColumns]; }
   double begin() const { return time(0); }
   double end() const { return time(rows() - 1); }
-  /// Whether each time is within a millionth of a step of where equal steps have it.
+  /// Whether each time is within a billionth of a step of where equal steps have it.
   bool has_equal_steps() const;
 };
 

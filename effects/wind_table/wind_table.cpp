@@ -45,7 +45,7 @@ class WindTable : public Effect {
   template <class Real>
   SKYBODY_INLINE Vec3<Real> at(const Real& time) const {
     constexpr int kColumns = VelocityTable::kColumns;
-    ValueOf<Real> before[kColumns], after[kColumns];
+    ValueOf<Real> before[kColumns] = {}, after[kColumns] = {};
     const Word<Real> rows = row_before(time);
     for (int i = 0; i < kLanesOf<Real>; ++i) {
       const double* const row = table_.values.data() + kColumns * lane(rows, i);

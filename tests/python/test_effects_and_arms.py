@@ -119,7 +119,7 @@ def test_a_table_of_wind_lies_beside_the_scenario_that_names_it(tmp_path: Path) 
         ways.append(list(sim.body("base_link").position))
     assert ways[0] == ways[1]
     assert ways[0][0] > 0.0
-    with pytest.raises(InputError, match="gusts2.csv: there is no such file"):
+    with pytest.raises(InputError, match=r"gusts2\.csv: there is no such file"):
         CompiledScenario(str(file), overrides=["effects[0].parameters.file=gusts2.csv"])
 
 
