@@ -44,7 +44,7 @@ TEST_F(CeilingEffectTest, GivesTheBitsOfDouble) {
   expect_same_bits("ceiling_effect", world, {{"height", 0.5}, {"radius", 0.3}});
   expect_same_bits(
       "ceiling_effect", world,
-      {{"height", 0.5}, {"radius", 0.3}, {"form", "fitted"}, {"a1", 6.9}, {"a2", 0.038}});
+      {{"height", 0.5}, {"radius", 0.1}, {"form", "fitted"}, {"a1", 6.9}, {"a2", 0.038}});
 }
 
 TEST_F(CeilingEffectTest, IsMomentumTheorysAtConstantPower) {
@@ -76,9 +76,9 @@ TEST_F(CeilingEffectTest, IsAFitWhereTheUserGivesOne) {
   const Instance effect(
       "ceiling_effect", world,
       below_three_metres(
-          {{"form", "fitted"}, {"a1", 6.9}, {"a2", 0.038}, {"least_distance_ratio", 0.01}}));
+          {{"form", "fitted"}, {"a1", 6.9}, {"a2", 0.05}, {"least_distance_ratio", 0.01}}));
   for (const double distance : {0.02, 0.1, 1.0}) {
-    const double ratio = 0.1 / (distance + 0.038);
+    const double ratio = 0.1 / (distance + 0.05);
     EXPECT_NEAR(gain(effect, distance), 1.0 / (1.0 - ratio * ratio / 6.9), 1e-13) << distance;
   }
 }

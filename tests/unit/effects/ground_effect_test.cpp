@@ -68,7 +68,7 @@ TEST_F(GroundEffectTest, CountsTheWayDownTheAxisOfATiltedRotor) {
   const Instance effect("ground_effect", world, {{"radius", 0.1}});
   const double roll = 0.6;
   const Numbers got = gains(effect, 0.4, from_rpy(roll, 0.0, 0.3));
-  const double sides[] = {0.127, 0.127, -0.127, -0.127};  // y of the hubs
+  const double sides[] = {0.127, -0.127, -0.127, 0.127};  // y of the hubs
   for (std::size_t i = 0; i < 4; ++i) {
     const double height = 0.4 + sides[i] * std::sin(roll) + kHub * std::cos(roll);
     const double share = 0.1 * std::cos(roll) / (4.0 * height);
