@@ -232,6 +232,7 @@ class Instance {
         break;
       case Call::kRandomize:
       case Call::kRequest:
+      case Call::kInTime:
         k.randomize(self_, &v, state, buffer, &start);
         break;
       case Call::kProcess:

@@ -1,5 +1,6 @@
 // Randomizers: physical values, no drift, schedules, starts, bad configuration.
 #include <cmath>
+#include <set>
 
 #include "core/base/inertia.h"
 #include "tests/unit/plugin_harness.h"
