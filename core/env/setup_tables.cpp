@@ -268,7 +268,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
     PluginInstance& p = instance_of(host);
     p.input_signal = signal;
     ++p.inputs;
-    p.passes_on = low == nullptr || high == nullptr;
+    p.passes_on = count > 0 && (low == nullptr || high == nullptr);
     p.low.assign(static_cast<std::size_t>(std::max(count, 0)), -1.0);
     p.high.assign(p.low.size(), 1.0);
     if (p.passes_on) return;  // until the chain is known
