@@ -160,8 +160,8 @@ def by_rotorpy(vehicle: Any, at: Flight) -> Reals:
     return np.concatenate([found["vdot"], found["wdot"]])
 
 
-# RotorPy's Crazyflie has a moment of inertia about z above the sum of the others, which no rigid body
-# has and Skybody refuses: both get a smaller one.
+# The moment of inertia of RotorPy's Crazyflie about z is above the sum of the others, which no body
+# has and Skybody refuses: both sides get a smaller one.
 CRAZYFLIE = {"Izz": 2.85e-5}
 # RotorPy's files leave flapping out, and of the Crazyflie translational lift and parasitic drag:
 # the last case has all terms and an inertia that is not diagonal.
