@@ -43,7 +43,10 @@ def simulation(folder: Path, effect: dict[str, Any], robots: list[Any], dt: floa
         "contact": {"ground": False},
         "robots": robots,
         "effects": [effect],
-        "task": {"plugin": "watch"},
+        "task": {
+            "plugin": "watch",
+            "parameters": {"robot": robots[-1]["name"], "link": "base_link"},
+        },
     }
     file.write_text(yaml.safe_dump(content))
     sim = Simulation(str(file))
