@@ -99,7 +99,7 @@ class Battery : public Effect {
     const Real asked = shafts / efficiency_(env) + hotel_power_(env);
     // A resistance of 0 has no greatest power: infinity.
     const Real power = min(asked, open * open / four_r);
-    const Real root = sqrt(max(open * open - four_r * power, 0.0));
+    const Real root = sqrt(max(open * open - four_r * asked, 0.0));
     return {open, 2.0 * power / (open + root)};  // without the cancellation of (V - root) / (2 R)
   }
 

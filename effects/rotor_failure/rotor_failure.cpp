@@ -60,9 +60,10 @@ class RotorFailure : public Effect {
     const auto is_over = logical_and(state.time >= 0.0, now >= state.time);
     for (std::size_t i = 0; i < rotors_.size(); ++i) {
       const Rotor& rotor = rotors_[i];
-      const auto is_meant = logical_or(state.rotor == -1.0, state.rotor == static_cast<double>(i));
+      const auto is_meant =
+          logical_or(state.rotor < -0.5, abs(state.rotor - static_cast<double>(i)) < 0.5);
       const auto has_failed = logical_and(is_over, is_meant);
-      const auto is_new = logical_and(has_failed, buffer[1 + rotor.place] == 0.0);
+      const auto is_new = logical_and(has_failed, buffer[1 + rotor.place] < 0.5);
       const int frozen = first_speed_ + rotor.place;
       buffer.set(frozen, select(is_new, env.rotor_speed(rotor.index), buffer[frozen]));
       buffer.set(1 + rotor.place, select(has_failed, Real(1.0), Real(0.0)));

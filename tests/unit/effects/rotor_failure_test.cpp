@@ -154,7 +154,8 @@ TEST_F(RotorFailureTest, ProbabilityMayBeDrawn) {
 }
 
 TEST_F(RotorFailureTest, DerivativesAreThoseOfItsDifferences) {
-  expect_derivatives({"rotor_failure", world, {{"kind", "partial"}}, Call::kApply, {}}, {"params"});
+  expect_derivatives({"rotor_failure", world, {{"kind", "partial"}}, Call::kApply, {}},
+                     {"buffer", "params", "rotor_speed", "state"});
 }
 
 TEST_F(RotorFailureTest, SaysWhatDoesNotFit) {
