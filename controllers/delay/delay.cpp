@@ -106,7 +106,7 @@ class Delay : public Controller {
     const Real offset = jitter_.value() * (2.0 * draw.uniform() - 1.0);
     const Real steps = round_half_even((latency_.value() + offset) * per_second_);
     state.steps = select(is_due, to_word(steps), state.steps);
-    state.action = env.step();
+    state.action = select(is_due, env.step(), state.action);
   }
 
   /// Where the ring goes on.

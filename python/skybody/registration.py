@@ -6,6 +6,7 @@ SCENARIOS = (
     "boom",
     "collision",
     "cooperative_payload",
+    "downwash_pair",
     "forest",
     "formation",
     "formation_10",
@@ -19,8 +20,11 @@ SCENARIOS = (
     "hover_firefly",
     "hover_hummingbird",
     "hover_learn",
+    "low_battery",
     "payload",
     "platform_landing",
+    "rotor_out",
+    "windy_hover",
 )
 
 

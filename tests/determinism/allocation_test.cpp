@@ -200,7 +200,9 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                          testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
                                          "collision.yaml", "hard_landing.yaml",
                                          "cooperative_payload.yaml", "gates.yaml",
-                                         "platform_landing.yaml", "four_bar.yaml"));
+                                         "platform_landing.yaml", "four_bar.yaml",
+                                         "windy_hover.yaml", "downwash_pair.yaml",
+                                         "low_battery.yaml", "rotor_out.yaml"));
 
 }  // namespace
 }  // namespace skybody

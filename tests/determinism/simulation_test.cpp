@@ -98,7 +98,8 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
                                          "formation_2.yaml", "formation_20.yaml", "boom.yaml",
                                          "hard_landing.yaml", "cooperative_payload.yaml",
                                          "forest.yaml", "gates.yaml", "platform_landing.yaml",
-                                         "four_bar.yaml"));
+                                         "four_bar.yaml", "windy_hover.yaml", "downwash_pair.yaml",
+                                         "low_battery.yaml", "rotor_out.yaml"));
 
 TEST(Simulation, RefusesASnapshotOfAnotherScenario) {
   Simulation hover({.scenario = scenario("hover.yaml")});

@@ -100,6 +100,10 @@ FLIGHTS = (
     Flight("gates", "gates"),
     Flight("platform_landing", "platform_landing", robots=2),
     Flight("four_bar", "four_bar"),
+    Flight("windy_hover", "windy_hover"),
+    Flight("downwash_pair", "downwash_pair", robots=2),
+    Flight("low_battery", "low_battery"),
+    Flight("rotor_out", "rotor_out"),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 

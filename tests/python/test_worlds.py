@@ -1,4 +1,4 @@
-"""Every world of contact and couplings is flown by its baseline, and ends as its head says."""
+"""Every world of contact, couplings and air is flown by its baseline, and ends as its head says."""
 
 from __future__ import annotations
 
@@ -41,6 +41,10 @@ WORLDS = {
     "forest": ([], near_the_goals(0.1)),
     "gates": ([], near_the_goals(0.1)),
     "platform_landing": ([], on_the_deck),
+    "windy_hover": ([], near_the_goals(0.5)),
+    "downwash_pair": ([], near_the_goals(0.35)),
+    "low_battery": ([], near_the_goals(0.2)),
+    "rotor_out": ([], near_the_goals(0.5)),
 }
 
 
