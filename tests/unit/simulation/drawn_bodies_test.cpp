@@ -1,0 +1,54 @@
+// Mass properties that no rigid body has are drawn again at a reset.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/simulation/simulation.h"
+
+namespace skybody {
+namespace {
+
+const std::string kInertia = "robots.quad.links.base_link.inertia";
+
+Simulation drawn_hover() {
+  return Simulation(
+      {.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
+       .overrides = {"randomization=[{plugin: draw, parameters: {what: ['" + kInertia + "[0]', '" +
+                     kInertia + "[1]', '" + kInertia + "[2]'], range: [0.9, 1.1], form: scale}}]"},
+       .seed = 5});
+}
+
+std::vector<double> axes_of(const Simulation& simulation) {
+  std::vector<double> axes;
+  for (int k = 0; k < 3; ++k) {
+    axes.push_back(simulation.param(kInertia + "[" + std::to_string(k) + "]"));
+  }
+  return axes;
+}
+
+/// QDrone2's axes, 0.0144, 0.0166 and 0.0288 kg m^2, drawn one by one by 10 %: 17 % are those of no
+/// rigid body.
+TEST(DrawnBodies, AreDrawnAgainUntilARigidBodyHasThem) {
+  Simulation simulation = drawn_hover();
+  const std::vector<double> nominal = axes_of(simulation);
+  const std::vector<float> action(4, 0.0f);
+  double largest = 0.0;
+  for (int k = 0; k < 1000; ++k) {
+    simulation.reset();
+    simulation.step(action);
+    ASSERT_FALSE(simulation.fault()) << k;
+    const std::vector<double> axes = axes_of(simulation);
+    EXPECT_GE(axes[0] + axes[1], axes[2]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_LE(std::abs(axes[i] / nominal[i] - 1.0), 0.1 + 1e-12) << "and nothing drifts";
+      largest = std::max(largest, std::abs(axes[i] / nominal[i] - 1.0));
+    }
+  }
+  EXPECT_GT(largest, 0.099) << "the whole range comes";
+}
+
+}  // namespace
+}  // namespace skybody
