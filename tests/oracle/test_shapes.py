@@ -84,7 +84,7 @@ def expect_agreement(found: list[Touch], exact: Touch, features: set[str], words
     deepest = max(found, key=lambda touch: touch.depth)
     depth = deepest.depth
     if features in ({"edge", "side"}, {"side"}):
-        # An edge or a side leaves its ends what they are in by themselves: together they are as deep.
+        # An edge or a side leaves its ends what they are in: together they are as deep.
         # Where a corner lies in a capsule besides, the edge has all of it.
         deepest = min(found, key=lambda touch: float(np.linalg.norm(touch.point - exact.point)))
         together = sum(touch.depth for touch in found)
