@@ -177,8 +177,8 @@ Thousands of physics steps a second on one core: all environments together, medi
 enough to touch. `zero` is the formation's constant action of the paper, 68 % of the thrust that
 hovers: all fall and lie. `of flight`: of the same robots in flight with as many steps an action,
 in the forest of `hover, K = 10`; `of hover`: of the scenario `hover` as it is shipped.
-`random, 1.25 s` and `10 s`: nothing ends an episode but that time, so that vehicles crash into trees
-and ground, and thrash there.
+`random, 1.25 s` and `10 s`: nothing ends an episode but that time, so that vehicles crash into
+trees and ground, and thrash there.
 
 {markdown_table(rows)}
 

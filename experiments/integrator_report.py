@@ -149,7 +149,7 @@ integrates the rest ([contact.md](../contact.md)), so that cvode and arkode do n
 
 `skybody check` warns where dt is larger than 1 ms with semi_implicit_euler, or 4 ms with another
 integrator: up to there the largest errors of shipped scenarios that are not made to be stiff (boom
-and hard_landing are) and in which nothing collides stay below 8 mm and 0.5°, or 1 mm and 0.1°.
+is) and in which nothing touches stay below 8 mm and 0.5°, or 1 mm and 0.1°.
 
 ## In short
 
@@ -163,8 +163,8 @@ outlive the step. What that costs, in times of semi-implicit Euler at 1 ms: medi
 scenarios where that comes through. All go alone here; in batches the fixed steps go 32 side by
 side in vector lanes, cvode and arkode one by one.
 
-The two stiff scenarios have cvode (BDF) because it asks for no step to be found first. It is not
-the cheapest that works. Where the stiffness is mild, as in boom, smaller fixed steps or explicit
+The stiff scenario, boom, has cvode (BDF) because it asks for no step to be found first. It is not
+the cheapest that works. Where the stiffness is mild, as there, smaller fixed steps or explicit
 methods (`rk4` at 0.5 ms, `arkode` erk) may do better, as the tables below say; BDF and dirk are for
 modes that are far quicker than the motion and die out.
 """

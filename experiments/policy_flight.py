@@ -73,6 +73,7 @@ def torch_actions(run: Run, observation: NDArray[np.float32]) -> NDArray[np.floa
     )
     x = normalized.clamp(-policy.clip, policy.clip).float()
     for layer in policy.layers:
-        x = nn.functional.linear(x, torch.from_numpy(layer.weight), torch.from_numpy(layer.bias))
+        weight, bias = (torch.from_numpy(values).float() for values in (layer.weight, layer.bias))
+        x = nn.functional.linear(x, weight, bias)
         x = torch.tanh(x) if layer.activation == "tanh" else x
     return x.clamp(-1.0, 1.0).numpy().astype(np.float64)

@@ -78,6 +78,8 @@ class Delay : public Controller {
     // first one has arrived, it is given all the same: there is none before it.
     const Word<Real> aged = select(is_first, Word<Real>(0), state.age + Word<Real>(1));
     state.age = select(aged < state.steps, aged, state.steps);
+    // A state that is given from outside may hold any words: none leads out of the ring.
+    state.age = select(state.age < Word<Real>(ring_), state.age, Word<Real>(0));
     const auto wraps = state.age > state.place;
     const Word<Real> from =
         state.place + select(wraps, Word<Real>(ring_), Word<Real>(0)) - state.age;
@@ -113,8 +115,8 @@ class Delay : public Controller {
   template <class Words, class Mask>
   SKYBODY_INLINE Words next(const Words& place, const Mask& is_first) const {
     const Words after = place + Words(1);
-    const auto is_zero = logical_or(is_first, after == Words(ring_));
-    return select(is_zero, Words(0), after);
+    const auto goes_on = logical_and(after < Words(ring_), place < Words(ring_));
+    return select(logical_and(goes_on, logical_not(is_first)), after, Words(0));
   }
 
   /// Calls `use(place, lanes)` once for each place that lanes stand at. Lanes whose episodes began

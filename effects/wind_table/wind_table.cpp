@@ -65,7 +65,8 @@ class WindTable : public Effect {
   SKYBODY_INLINE Word<Real> row_before(const Real& time) const {
     const auto last = static_cast<double>(table_.rows() - 2);
     if (steps_per_second_ > 0.0) {
-      return to_word(clamp(floor(time * steps_per_second_), 0.0, last));
+      // No number, as of a `start` that a state brings along, is row 0, as in bisect().
+      return to_word(min(max(floor(time * steps_per_second_), Real(0.0)), Real(last)));
     }
     const ValueOf<Real> plain = value_of(time);
     Word<Real> rows(0);

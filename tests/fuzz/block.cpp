@@ -28,6 +28,8 @@ constexpr bool kSanitized = false;
 constexpr std::uint64_t kThorough = 16;
 /// How often: what malloc keeps aside counts as used, and settles after a few times.
 constexpr int kRepetitions = 7, kSettling = 3;
+/// Of what seems to grow: malloc keeps up to seven freed blocks of a size, which look in use.
+constexpr int kConfirmations = 24;
 
 std::uint64_t processor_ns() {
   timespec time{};
@@ -88,10 +90,10 @@ void run_again(const Block& block, std::uint64_t k, Progress& progress) {
 std::size_t heap_in_use() { return mallinfo2().uordblks; }
 
 /// How far the heap grows while some inputs are run again: the least of several repetitions.
-std::size_t growth(const Block& block, std::uint64_t first, std::uint64_t count,
+std::size_t growth(const Block& block, std::uint64_t first, std::uint64_t count, int repetitions,
                    Progress& progress) {
   std::size_t least = ~std::size_t{0};
-  for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+  for (int repetition = 0; repetition < repetitions && least > 0; ++repetition) {
     const std::size_t before = heap_in_use();
     for (std::uint64_t k = first; k < first + count; ++k) run_again(block, k, progress);
     const std::size_t after = heap_in_use();
@@ -106,15 +108,16 @@ void look_for_leaks(const Block& block, std::uint64_t count, Progress& progress)
   if (kSanitized || smallest == 0 || count == 0) return;
   progress.repeating = true;
   const std::uint64_t again = std::min(count, kLeakInputs);
-  if (growth(block, block.first, again, progress) < smallest) return;
+  if (growth(block, block.first, again, kRepetitions, progress) < smallest) return;
   std::size_t most = 0;
   std::uint64_t worst = block.first;
   for (std::uint64_t k = block.first; k < block.first + again; ++k) {
-    const std::size_t bytes = growth(block, k, 1, progress);
+    const std::size_t bytes = growth(block, k, 1, kRepetitions, progress);
     if (bytes <= most) continue;
     most = bytes;
     worst = k;
   }
+  if (most > 0) most = growth(block, worst, 1, kConfirmations, progress);
   if (most == 0) return;  // a list that grew once in a while
   progress.input = worst;
   progress.note(FindingKind::kLeak, std::to_string(most) + " bytes each time it is run");

@@ -106,7 +106,7 @@ def test_an_unknown_scenario_is_refused(audit, monkeypatch, capsys):
 
 def test_skybody_check_warns_beyond_what_the_audit_found(audit):
     found = json.loads((ROOT / "docs/results/data/integrator_audit.json").read_text())
-    special = {"boom", "hard_landing"}  # stiff
+    special = {"boom"}  # stiff
     special |= {f["scenario"] for f in found["flights"] if f.get("first_touch") is not None}
     mild = [row for row in found["results"] if row["scenario"] not in special]
     # What core/io/scenario_reader.cpp says of the largest steps that it does not warn of.

@@ -178,13 +178,15 @@ class ContactSearch {
 
   /// Of a point from the box about an obstacle.
   SKYBODY_INLINE Real distance_of(const Meeting& meeting, const Vec3<Real>& point) const {
+    return norm(outside(meeting, point)) - obstacle_constants(meeting.other)[kSolidRounding];
+  }
+
+  /// From the box about an obstacle to a point, in the obstacle's axes.
+  SKYBODY_INLINE Vec3<Real> outside(const Meeting& meeting, const Vec3<Real>& point) const {
     const Values c = obstacle_constants(meeting.other);
-    const Vec3<Real> apart = point - load_vec3(c + kSolidPosition),
-                     half = load_vec3(c + kSolidHalf);
-    const Vec3<Real> local = transpose_times(load_axes(c), apart);
-    const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                             beyond_top(meeting, local.z, half.z)};
-    return norm(outside) - c[kSolidRounding];
+    const Vec3<Real> half = load_vec3(c + kSolidHalf);
+    const Vec3<Real> local = transpose_times(load_axes(c), point - load_vec3(c + kSolidPosition));
+    return {beyond(local.x, half.x), beyond(local.y, half.y), beyond_top(meeting, local.z, half.z)};
   }
 
   /// No less than the norm.
@@ -198,14 +200,9 @@ class ContactSearch {
     if (is_obstacle(meeting.other)) {
       const auto may = may_be_within(meeting, bound.center, bound.radius);
       if (none(may)) return may;
-      const Values c = obstacle_constants(meeting.other);
-      const Vec3<Real> apart = bound.center - load_vec3(c + kSolidPosition);
-      const Mat3<Real> axes = load_axes(c);
-      const Vec3<Real> local = transpose_times(axes, apart), half = load_vec3(c + kSolidHalf);
-      const Vec3<Real> outside{beyond(local.x, half.x), beyond(local.y, half.y),
-                               beyond_top(meeting, local.z, half.z)};
-      const Real reach = bound.radius + c[kSolidRounding];
-      return may & logical_and(reach > 0.0, dot(outside, outside) < reach * reach);
+      const Vec3<Real> apart = outside(meeting, bound.center);
+      const Real reach = bound.radius + obstacle_constants(meeting.other)[kSolidRounding];
+      return may & logical_and(reach > 0.0, dot(apart, apart) < reach * reach);
     }
     const BodyBound<Real>& other = w_.bounds[meeting.other];
     const Vec3<Real> apart = bound.center - other.center;

@@ -287,7 +287,7 @@ class FreeRobotStep {
     const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA { return run(i - group.first); };
     if constexpr (kIsHeld) {
       rotors = held_rotor_forces<Real>(group, world_.rotors.data(), in_.params, &in_.held,
-                                         run_of_world, unit, velocity, body.spin);
+                                       run_of_world, unit, velocity, body.spin);
     } else if (is_level()) {
       const double height = world_.rotors[static_cast<std::size_t>(first_rotor())].position.z;
       rotors = level.force(height, unit, velocity, body.spin);

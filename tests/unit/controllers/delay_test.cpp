@@ -1,4 +1,5 @@
 // A delay: the command of so many steps ago, whatever lanes do beside it.
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -112,6 +113,24 @@ TEST_F(DelayTest, GoesOnFromItsStateWords) {
   for (int k = 57; k < 90; ++k) once.push_back(step(delay, g, k)[0]);
   for (int k = 57; k < 90; ++k) again.push_back(step(delay, saved, k)[0]);
   EXPECT_EQ(once, again);
+}
+
+TEST_F(DelayTest, StaysInItsRingWhateverWordsItsStateHas) {
+  const Instance delay("delay", world, given(0.006));  // 7 places of 4 values
+  const std::vector<std::uint64_t> words{0, 1, 6, 7, 8, 1ull << 32, 1ull << 63, ~0ull};
+  for (const std::uint64_t steps : words) {
+    for (const std::uint64_t place : words) {
+      for (const std::uint64_t age : words) {
+        Group g = delay.group(1);
+        std::fill(g.buffer.begin(), g.buffer.end(), 1.0);
+        std::fill(g.input.begin(), g.input.end(), 2.0);
+        g.state = {1, 0, steps, place, age};
+        delay.call(Call::kControl, g);
+        EXPECT_EQ(std::count(g.buffer.begin(), g.buffer.end(), 2.0), 4);
+        EXPECT_TRUE(g.output == Numbers(4, 1.0) || g.output == Numbers(4, 2.0));
+      }
+    }
+  }
 }
 
 TEST_F(DelayTest, TakesTheSizeOfItsSignal) {

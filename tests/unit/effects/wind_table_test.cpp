@@ -1,4 +1,5 @@
 // Wind from a table: linear between rows, held or repeated at its ends; what a file must not be.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -91,6 +92,18 @@ TEST_F(WindTableTest, StartsWhereTheScenarioSays) {
   const Instance late("wind_table", world, table(kEqual, {{"start", 0.25}}));
   Group a = wind.group(1), b = late.group(1);
   EXPECT_NEAR(at(late, b, 10)[0], at(wind, a, 260)[0], 1e-14);
+}
+
+TEST_F(WindTableTest, AStartThatIsNoNumberReadsNoOtherMemory) {
+  for (const char* const text : {kEqual, kUnequal}) {
+    for (const double start : {std::nan(""), kInfinity, -kInfinity, 1e300, -1e300}) {
+      const Instance wind("wind_table", world, table(text, {{"loop", true}}));
+      Group g = wind.group(1);
+      g.params[static_cast<std::size_t>(wind.env_param("start"))] = start;
+      const std::vector<double> v = at(wind, g, 1);
+      for (const double x : v) EXPECT_TRUE(std::isnan(x) || std::abs(x) <= 4.0) << start;
+    }
+  }
 }
 
 TEST_F(WindTableTest, HasTheSlopeOfTheTableAsItsDerivative) {
