@@ -1,5 +1,5 @@
-// Stiff scenarios: in joints fixed steps of a millisecond fail and error-controlled integrators do not;
-// in contact any step is gone through in parts.
+// Stiff scenarios: in joints fixed steps of a millisecond fail and error-controlled integrators do
+// not; in contact any step is gone through in parts.
 #include <gtest/gtest.h>
 
 #include <cmath>
