@@ -91,13 +91,14 @@ std::map<std::string, Overlap> find_overlaps(const CompiledScenario& compiled,
 }
 
 /// Contact pushes apart what begins inside one another, hard.
+/// @param bodies  where they are with obstacles in their nominal places
 void warn_of_overlaps(const CompiledScenario& compiled, const std::vector<BodyState>& bodies,
                       Diagnostics& diagnostics) {
   const double deep = kDeepStart * compiled.scenario().contact.penetration;
   for (const auto& [what, overlap] : find_overlaps(compiled, shapes_of_robots(compiled, bodies))) {
     if (overlap.depth < deep) continue;
-    diagnostics.warning(overlap.mark, what + ", by " + rounded(overlap.depth) +
-                                          " m; move its `pose`, or what `start` draws");
+    diagnostics.warning(overlap.mark,
+                        what + ", by " + rounded(overlap.depth) + " m; move its `pose`");
   }
 }
 
@@ -130,9 +131,16 @@ std::vector<float> random_action(int size, std::uint64_t step) {
 
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
                       Diagnostics& diagnostics) {
+  LaneState own;  // the start that the scenario describes, before anything is drawn
+  write_default_state(compiled->world(), own);
+  warn_of_overlaps(*compiled, own.bodies, diagnostics);
   Simulation simulation(compiled, 0, 0);
   simulation.reset();
-  warn_of_overlaps(*compiled, simulation.bodies(), diagnostics);
+  if (simulation.fault()) {
+    diagnostics.warning(
+        {compiled->scenario().file, 0, 0},
+        "the first start that is drawn is a fault: " + compiled->fault_reason(simulation.status()));
+  }
   warn_of_weight(*compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;
