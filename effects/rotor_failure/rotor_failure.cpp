@@ -114,8 +114,8 @@ class RotorFailure : public Effect {
       if (name == all[i].name || name == std::to_string(i)) return i;
       known += (i > 0 ? ", " : "") + std::string(all[i].name);
     }
-    throw std::runtime_error("no rotor `" + name + "`: there are " + known + ", or 0 to " +
-                             std::to_string(all.size() - 1) + " by their places");
+    throw std::runtime_error("`rotors`: no rotor `" + name + "`: there are " + known +
+                             ", or 0 to " + std::to_string(all.size() - 1) + " by their places");
   }
 
   TextParameter robot_{this, {.name = "robot", .doc = "whose rotors; empty: the only one's"}};
