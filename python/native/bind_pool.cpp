@@ -1,6 +1,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <array>
 #include <cstddef>
@@ -279,7 +280,7 @@ void bind_state(Class& c) {
       nb::arg("env"), nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
   c.def("request", &request, nb::arg("lines"), nb::arg("redraws"), nb::arg("at_reset"),
-        nb::arg("env_ids") = nb::none(),
+        nb::arg("env_ids").none() = nb::none(),
         nb::sig("def request(self, lines: list[str], redraws: bool, at_reset: bool, env_ids: "
                 "numpy.typing.NDArray[numpy.int32] | None = None) -> None"),
         "Asks for values of parameters, also while environments are in flight.\n\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ def step(envs) -> None:
 
 @pytest.fixture
 def envs():
-    with skybody.make_vec("hover", num_envs=4, num_threads=2, seed=3) as made:
+    with closing(skybody.make_vec("hover", num_envs=4, num_threads=2, seed=3)) as made:
         made.reset()
         yield made
 
@@ -53,13 +54,13 @@ def test_requests_at_a_reset(envs):
 
 
 def test_a_pool_takes_requests_in_flight():
-    with skybody.make_pool("hover", num_envs=4, batch_size=2, seed=3) as pool:
+    with closing(skybody.make_pool("hover", num_envs=4, batch_size=2, seed=3)) as pool:
         pool.async_reset()
         pool.request([0], {GRAVITY: -5.0})
         for _ in range(8):
-            batch = pool.recv()
-            pool.send(np.zeros((len(batch.env_id), 4), np.float32), batch.env_id)
-        while pool.in_flight:
+            ids = pool.recv()[4]["env_id"].copy()
+            pool.send(np.zeros((len(ids), 4), np.float32), ids)
+        while pool.native.in_flight > 0:
             pool.recv()
         assert pool.param(0, GRAVITY) == -5.0
 
@@ -78,7 +79,7 @@ def test_a_simulation_takes_requests():
 
 def test_a_recording_of_requests_is_replayed(tmp_path: Path):
     file = tmp_path / "run.h5"
-    with skybody.make_vec("hover", num_envs=4, seed=3) as envs:
+    with closing(skybody.make_vec("hover", num_envs=4, seed=3)) as envs:
         envs.record(file)
         envs.reset()
         for k in range(20):
