@@ -130,12 +130,13 @@ def test_a_delay_behind_a_controller_delays_what_the_rotors_are_told():
     )
     late = Simulation("hover", chain.replace("L", "0.005"), overrides=PLAIN)
     now = Simulation("hover", chain.replace("L", "0"), overrides=PLAIN)
-    for simulation, wait in ((late, 5), (now, 0)):
+    # Rotors begin a little below HOVER: both are told it for 15 steps, and 1600 for 7.
+    for simulation, told in ((late, 10), (now, 15)):
         simulation.reset()
         simulation.command(np.full(4, HOVER))
-        simulation.advance(10)
+        simulation.advance(told)
         simulation.command(np.full(4, 1600.0))
-        simulation.advance(wait + 7)
+        simulation.advance(22 - told)
     np.testing.assert_allclose(speeds(late), speeds(now), rtol=1e-12)
 
 
