@@ -55,7 +55,7 @@ robots:
   - name: pad
     model: {models}/pad/pad.urdf
     pose: {{position: [0, 0, 1]}}
-    controllers: [{{plugin: rail, parameters: {{times: [0], positions: [0, 0, 0]}}}}]
+    controllers: [{{plugin: rail, parameters: {{times: [0, 1e9], positions: [0, 0, 0, 0, 0, 0]}}}}]
 effects:
   - plugin: dryden
     parameters: {{height: {height}, airspeed: {airspeed}, wind_at_20_feet: {wind}, period: 1}}
