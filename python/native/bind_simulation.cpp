@@ -225,7 +225,7 @@ void bind_params(Class& c) {
       nb::arg("path"), nb::arg("value"),
       "Sets it, in mid-episode.\n\nRaises ValueError if unknown or outside its bounds.");
   c.def(
-      "_request",
+      "request_lines",
       [](S& s, const std::vector<std::string>& lines, bool at_reset) {
         s.look([&](Simulation& sim) {
           blame_argument([&] {
