@@ -9,28 +9,35 @@ namespace {
 /// Places of the ring at most: memory of each environment.
 constexpr int kMostSteps = 4096;
 
-/// A signal's word, and how many values it has; 0: one for each rotor; -1: `count` says.
+/// A signal's word, and how many values it has; 0: one for each rotor; -1: `values` says.
 struct SignalSize {
   const char* word;
   Signal signal;
   int count;
 };
+
+/// @param least  number of values by the list of signals; 0: by the robot
+constexpr int count_of(Signal signal, int least) {
+  if (signal == Signal::kWrench) return 6;
+  if (signal == Signal::kJoint) return -1;
+  return least;
+}
+
 constexpr SignalSize kSignals[] = {
-    {"rotor_speed", Signal::kRotorSpeed, 0},
-    {"srt", Signal::kSrt, 0},
-    {"ctbt", Signal::kCtbt, 4},
-    {"ctbr", Signal::kCtbr, 4},
-    {"wrench", Signal::kWrench, 6},
-    {"velocity", Signal::kVelocity, 6},
-    {"pose", Signal::kPose, 7},
-    {"attitude", Signal::kAttitude, 5},
-    {"position", Signal::kPosition, 4},
-    {"trajectory", Signal::kTrajectory, 13},
-    {"force", Signal::kForce, 3},
-    {"acceleration", Signal::kAcceleration, 4},
-    {"velocity_tracking", Signal::kVelocityTracking, 4},
-    {"joint", Signal::kJoint, -1},
+#define SKYBODY_ROW(symbol, type, word, least, most, doc) \
+  {#word, Signal::k##type, count_of(Signal::k##type, least)},
+    SKYBODY_SIGNALS(SKYBODY_ROW)
+#undef SKYBODY_ROW
 };
+
+/// Of all signals that have values.
+std::vector<const char*> signal_words() {
+  std::vector<const char*> words;
+  for (const SignalSize& size : kSignals) {
+    if (size.signal != Signal::kNone) words.push_back(size.word);
+  }
+  return words;
+}
 
 class Delay : public Controller {
  public:
@@ -155,13 +162,11 @@ class Delay : public Controller {
                              "` speaks to: choose another `signal`");
   }
 
-  TextParameter signal_{
-      this,
-      {.name = "signal",
-       .choices = {"rotor_speed", "srt", "ctbt", "ctbr", "wrench", "velocity", "pose", "attitude",
-                   "position", "trajectory", "force", "acceleration", "velocity_tracking", "joint"},
-       .doc = "that it takes and gives",
-       .required = true}};
+  TextParameter signal_{this,
+                        {.name = "signal",
+                         .choices = signal_words(),
+                         .doc = "that it takes and gives",
+                         .required = true}};
   IntegerParameter values_{this,
                            {.name = "values",
                             .value = 0,

@@ -82,8 +82,9 @@ class Rail : public Controller {
   void check_times() const {
     if (times_.count() < 2 || times_.value(0) != 0.0) {
       throw std::runtime_error(
-          "`times` is a list of two times or more, of which the first is 0: when the base is "
-          "where");
+          "`times` has " + std::to_string(times_.count()) + " values" +
+          (times_.count() > 0 ? ", the first " + to_text(times_.value(0)) + " s" : std::string()) +
+          ": allowed are two or more, from 0 s on; give a time for each of `positions`");
     }
     for (int i = 1; i < times_.count(); ++i) {
       if (times_.value(i) - times_.value(i - 1) >= dt_) continue;

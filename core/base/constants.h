@@ -95,7 +95,7 @@
     SKYBODY_FAR, -INFINITY, "of its centre, W")                                                    \
   X(SKYBODY_OBSTACLE_ROTATION, kObstacleRotation, "rotation", "", 4, (), -1, 1, -INFINITY,         \
     "quaternion w x y z, W from the obstacle; brought to norm 1")                                  \
-  X(SKYBODY_OBSTACLE_SIZE, kObstacleSize, "size", "m", 3, (), 0, SKYBODY_FAR, 0,                   \
+  X(SKYBODY_OBSTACLE_SIZE, kObstacleSize, "size", "m", 3, (), 1e-9, SKYBODY_FAR, 0,                \
     "box: edge lengths; cylinder, capsule: radius, length; sphere: radius; gate: width, height, "   \
     "thickness; height_field: along x and y; plane: none")
 

@@ -9,6 +9,7 @@
 
 #include "core/base/math.h"
 #include "core/base/math_normal.h"
+#include "core/base/number_text.h"
 
 namespace skybody {
 
@@ -20,7 +21,7 @@ enum class DistributionKind {
   kChoice       ///< one of `values`, by `weights`
 };
 
-/// One distribution. Made by one of the functions below, which check it.
+/// One distribution of a number in any unit. Made by one of the functions below, which check it.
 struct Distribution {
   DistributionKind kind = DistributionKind::kConstant;
   double low = 0.0, high = 0.0;        ///< no value lies beyond
@@ -57,16 +58,9 @@ struct Distribution {
 
 namespace detail {
 
-inline std::string number_text(double value) {
-  std::string text = std::to_string(value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (!text.empty() && text.back() == '.') text.pop_back();
-  return text;
-}
-
 inline void check_distribution_range(double low, double high) {
   if (!(low <= high)) {
-    throw std::runtime_error("the range [" + number_text(low) + ", " + number_text(high) +
+    throw std::runtime_error("the range [" + to_text(low) + ", " + to_text(high) +
                              "] runs backwards: write [low, high]");
   }
 }
@@ -94,7 +88,7 @@ inline Distribution make_log_uniform(double low, double high) {
   detail::check_distribution_range(low, high);
   if (!(low > 0.0)) {
     throw std::runtime_error("log_uniform needs a range above 0, and this one begins at " +
-                             detail::number_text(low) + ": raise it, or take uniform");
+                             to_text(low) + ": raise it, or take uniform");
   }
   Distribution d = make_uniform(low, high);
   d.kind = DistributionKind::kLogUniform;
@@ -107,8 +101,8 @@ inline Distribution make_log_uniform(double low, double high) {
 inline Distribution make_normal(double mean, double deviation, double low, double high) {
   detail::check_distribution_range(low, high);
   if (!(deviation > 0.0)) {
-    throw std::runtime_error("the deviation is " + detail::number_text(deviation) +
-                             ": it has to be above 0");
+    throw std::runtime_error("the deviation is " + to_text(deviation) +
+                             ": allowed are values above 0; for one value take a choice");
   }
   Distribution d = make_uniform(low, high);
   d.kind = DistributionKind::kNormal;
@@ -117,11 +111,10 @@ inline Distribution make_normal(double mean, double deviation, double low, doubl
   d.from = normal_share_below((low - mean) / deviation);
   d.share = normal_share_below((high - mean) / deviation) - d.from;
   if (!(d.share >= 1e-6)) {
-    throw std::runtime_error("the range [" + detail::number_text(low) + ", " +
-                             detail::number_text(high) +
+    throw std::runtime_error("the range [" + to_text(low) + ", " + to_text(high) +
                              "] holds less than a millionth of the normal distribution: move it "
                              "nearer to the mean " +
-                             detail::number_text(mean));
+                             to_text(mean));
   }
   return d;
 }
@@ -141,8 +134,8 @@ inline Distribution make_choice(std::vector<double> values, std::vector<double> 
   d.low = d.high = values[0];
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (!(weights[k] > 0.0)) {
-      throw std::runtime_error("the weight " + detail::number_text(weights[k]) +
-                               " is not above 0: leave that value out");
+      throw std::runtime_error("the weight " + to_text(weights[k]) +
+                               " is not above 0: leave its value out");
     }
     sum += weights[k];
     d.sums.push_back(sum);
@@ -150,8 +143,8 @@ inline Distribution make_choice(std::vector<double> values, std::vector<double> 
     d.high = max(d.high, values[k]);
   }
   if (!(abs(sum - 1.0) < 1e-9)) {
-    throw std::runtime_error("the weights add up to " + detail::number_text(sum) +
-                             ": they have to add up to 1");
+    throw std::runtime_error("the weights add up to " + to_text(sum) +
+                             ": allowed is 1; scale them");
   }
   d.values = std::move(values);
   d.weights = std::move(weights);

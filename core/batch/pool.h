@@ -113,7 +113,7 @@ class Pool {
   /// Asks for values of randomizable parameters, in flight or not. The next transition that is sent
   /// to an environment brings them: before a step, or where it is a reset, after what randomizers
   /// draw there. What is in flight now does not see them, however long it takes. Several are done
-  /// in order. What no episode began with stays until a randomizer or another request writes it.
+  /// in order. What was asked for stays until a randomizer or another request writes it.
   /// @param when     kNextReset: the next reset that is sent from now on, or that an end of an
   ///                 episode brings in a transition sent from now on
   /// @param env_ids  as for send()

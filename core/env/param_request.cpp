@@ -148,8 +148,9 @@ void ParamRequest::add(const EnvParam& info, int param, std::size_t change, bool
   const double b = wish.distribution.high * factor + offset;
   if (!(std::min(a, b) >= info.min && std::max(a, b) <= info.max)) {
     throw Error(info.path + " would be in [" + exact_text(std::min(a, b)) + ", " +
-                exact_text(std::max(a, b)) + "] " + info.unit + ": allowed is [" +
-                exact_text(info.min) + ", " + exact_text(info.max) + "]");
+                exact_text(std::max(a, b)) + "]" + (info.unit.empty() ? "" : " " + info.unit) +
+                ": allowed is [" + exact_text(info.min) + ", " + exact_text(info.max) +
+                "]; ask for less");
   }
   targets_.push_back({param, change, factor, offset, is_first || !wish.is_shared});
 }

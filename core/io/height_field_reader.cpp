@@ -74,7 +74,7 @@ class HeightsReader {
   bool take_height(std::string_view text, int column, int line) {
     const std::optional<double> height = parse_number(std::string(text));
     const std::string which = "height " + std::to_string(column) + " of the row ";
-    if (!height) return refuse(line, which + "is no number");
+    if (!height) return refuse(line, which + "is no number; allowed: " + kPlaceRange.text());
     if (!kPlaceRange.has(*height)) {
       return refuse(line,
                     which + "is " + format_number(*height) + "; allowed: " + kPlaceRange.text());

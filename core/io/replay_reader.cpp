@@ -287,8 +287,7 @@ bool ReplayReader::next(ReplayEvent& event) {
   f.next_id += count;
   if (event.kind == ReplayEventKind::kSend) f.read_actions(count, event.actions);
   if (has_path_text(event.kind)) f.read_path(event.path);
-  const bool needs_one =
-      event.kind == ReplayEventKind::kFork || event.kind == ReplayEventKind::kSetParam;
+  const bool needs_one = event.kind == ReplayEventKind::kFork || has_path_text(event.kind);
   if (needs_one && count == 0) f.damaged_event(k);
   return true;
 }

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "effects/common/robots.h"
+
 namespace skybody {
 namespace {
 
@@ -11,7 +13,10 @@ class BodyDrag : public Effect {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    choose_bodies(setup);
+    for (const int r : effect::robots_called(setup, robots_.values())) {
+      bodies_.push_back(link_.value().empty() ? setup.robots()[r].first_body
+                                              : setup.link(r, link_.value()).body);
+    }
     setup.holds(HeldInput::kBodyDrag);
   }
 
@@ -23,20 +28,6 @@ class BodyDrag : public Effect {
   }
 
  private:
-  /// Of each robot once, however often it is named: drag must not count twice.
-  void choose_bodies(const Setup& setup) {
-    std::vector<bool> chosen(static_cast<std::size_t>(setup.robots().size()),
-                             robots_.values().empty());
-    for (const std::string& name : robots_.values()) {
-      chosen[static_cast<std::size_t>(setup.robot(name))] = true;
-    }
-    for (int r = 0; r < setup.robots().size(); ++r) {
-      if (!chosen[static_cast<std::size_t>(r)]) continue;
-      bodies_.push_back(link_.value().empty() ? setup.robots()[r].first_body
-                                              : setup.link(r, link_.value()).body);
-    }
-  }
-
   TextsParameter robots_{this, {.name = "robots", .doc = "whom it acts on; empty: all"}};
   TextParameter link_{
       this, {.name = "link", .doc = "whose body is held back, of each robot; empty: the base"}};

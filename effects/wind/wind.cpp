@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "effects/common/blown_robots.h"
+#include "effects/common/robots.h"
 
 namespace skybody {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "effects/common/blown_robots.h"
+#include "effects/common/robots.h"
 #include "effects/wind_table/velocity_table.h"
 
 namespace skybody {

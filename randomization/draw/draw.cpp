@@ -141,7 +141,10 @@ class Draw : public Randomizer {
     }
     if (!is_timed_) return;
     if (time_.count() != 2 || !(time_.value(0) <= time_.value(1))) {
-      throw std::runtime_error("`time` has to be [earliest, latest], which do not run backwards");
+      std::string given;
+      for (const double t : list(time_)) given += (given.empty() ? "" : ", ") + to_text(t);
+      throw std::runtime_error("`time` is [" + given +
+                               "] s: write [earliest, latest], the earlier one first");
     }
     const double last = time_.value(1);
     const double end = setup.horizon() * setup.action_repeat() * dt_;

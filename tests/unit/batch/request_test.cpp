@@ -232,7 +232,7 @@ TEST(Request, IsRefusedWholeWhereItCannotBe) {
   EXPECT_THAT(refusal({{"gravty", make_constant(1.0)}}),
               HasSubstr("nothing randomizable is called `gravty`"));
   EXPECT_THAT(refusal({{"task.mode", make_uniform(1.0, 5.0)}}),
-              HasSubstr("task.mode would be in [1, 5] : allowed is [0, 4]"));
+              HasSubstr("task.mode would be in [1, 5]: allowed is [0, 4]; ask for less"));
   EXPECT_THAT(refusal({{kPath, make_constant(-1.0)}, {"gravity", make_constant(0.0)}}),
               HasSubstr("`gravity` names gravity[2] a second time"));
   EXPECT_THAT(refusal(set_to(-1.0), {2, 6}), HasSubstr("6"));

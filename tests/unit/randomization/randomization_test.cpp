@@ -321,7 +321,7 @@ TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
   EXPECT_THAT(draw_refusal({{"range", Numbers{1, 2}}, {"time", Numbers{1, 2}}}),
               HasSubstr("for `when: time` alone"));
   EXPECT_THAT(draw_refusal({{"range", Numbers{1, 2}}, {"when", "time"}, {"time", Numbers{2, 1}}}),
-              HasSubstr("do not run backwards"));
+              HasSubstr("`time` is [2, 1] s: write [earliest, latest]"));
   EXPECT_THAT(
       refusal("draw", world,
               {{"what", Texts{"robot.nothing"}}, {"range", Numbers{1, 2}}, {"form", "scale"}}),

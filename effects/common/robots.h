@@ -1,4 +1,4 @@
-// Whom wind blows at, as an effect's configure() sees it.
+// Robots by name and their bodies, as an effect's configure() sees them.
 #pragma once
 
 #include <skybody/plugin.h>
