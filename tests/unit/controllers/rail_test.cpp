@@ -50,7 +50,7 @@ TEST_F(RailTest, GivesTheBitsOfDouble) { expect_same_bits("rail", world, lift); 
 
 TEST_F(RailTest, BadConfigurationNamesValueAndRemedy) {
   EXPECT_THAT(refusal("rail", world, {{"times", Numbers{1, 2}}, {"positions", Numbers(6, 0.0)}}),
-              HasSubstr("of which the first is 0"));
+              HasSubstr("`times` has 2 values, the first 1 s"));
   EXPECT_THAT(refusal("rail", world, {{"times", Numbers{0, 2, 2}}, {"positions", Numbers(9, 0.0)}}),
               HasSubstr("`times[2]` is 2 s"));
   EXPECT_THAT(refusal("rail", world, {{"times", Numbers{0, 2}}, {"positions", Numbers(5, 0.0)}}),
