@@ -11,9 +11,9 @@ import json
 import statistics
 import subprocess
 import sys
-from dataclasses import dataclass
 from typing import Any
 
+from program_bench import Case, run
 from skybody.program import run_program
 from throughput import (
     ROOT,
@@ -29,20 +29,8 @@ from throughput import (
 sys.path.insert(0, str(ROOT / "bench/peers"))
 import environments
 
-PROGRAM = ROOT / "build/release/bin/skybody"
 FORMATIONS = {2: "formation_2", 5: "formation", 10: "formation_10", 20: "formation_20"}
 HOVER_RANGE = 2782  # [rad/s]: the largest speed with which an action of zero is hover speed
-
-
-@dataclass(frozen=True)
-class Case:
-    """What `skybody bench` runs."""
-
-    name: str
-    scenario: str
-    actions: str = "hold"
-    envs: int = 256
-    overrides: tuple[str, ...] = ()
 
 
 def in_flight(robots: int) -> tuple[str, ...]:
@@ -89,18 +77,6 @@ CASES = [
         "plate on rods, Simbody", "cooperative_payload", "hold", 8, ("stepping.dynamics=simbody",)
     ),
 ]
-
-
-def run(case: Case, seconds: float) -> dict[str, float]:
-    command = [str(PROGRAM), "bench", case.scenario, "--json", "--threads", "1"]
-    command += ["--envs", str(case.envs), "--actions", case.actions, "--seconds", str(seconds)]
-    for override in case.overrides:
-        command += ["--set", override]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(command)}\n{done.stderr}")
-    found = json.loads(done.stdout)
-    return {"rate": float(found["physics_steps_per_second"]), "near": float(found["near_share"])}
 
 
 def from_peers(seconds: float) -> list[dict[str, Any]]:

@@ -113,6 +113,11 @@ struct Dual {
   }
 };
 
+template <class>
+inline constexpr bool kIsDual = false;
+template <class R>
+inline constexpr bool kIsDual<Dual<R>> = true;
+
 template <class R>
 struct RealTraits<Dual<R>> {
   using Mask = MaskOf<R>;

@@ -40,9 +40,16 @@ class Random {
  public:
   /// @param seed,stream_env  the lanes' keys   @param episode,step  the lanes' counters
   /// @param stream           who draws (derive_stream), the same in all lanes
+  /// @param served           bits of the lanes that want numbers: Philox goes lane by lane
   SKYBODY_INLINE Random(const Word<Real>& seed, const Word<Real>& stream_env,
-                        const Word<Real>& episode, const Word<Real>& step, std::uint64_t stream)
-      : seed_(seed), stream_env_(stream_env), episode_(episode), step_(step), stream_(stream) {}
+                        const Word<Real>& episode, const Word<Real>& step, std::uint64_t stream,
+                        std::uint32_t served = ~0u)
+      : seed_(seed),
+        stream_env_(stream_env),
+        episode_(episode),
+        step_(step),
+        stream_(stream),
+        served_(served) {}
 
   /// The same key, episode and step in every lane.
   SKYBODY_INLINE Random(const RandomKey& key, std::uint64_t episode, std::uint64_t step,
@@ -121,6 +128,7 @@ class Random {
  private:
   SKYBODY_INLINE void fill(std::uint64_t block) {
     for (int i = 0; i < kLanesOf<Real>; ++i) {
+      if ((served_ >> i & 1u) == 0) continue;
       const r123::Philox4x64::ctr_type counter = {
           {lane(episode_, i), stream_, lane(step_, i), block}};
       const r123::Philox4x64::key_type key = {{lane(seed_, i), lane(stream_env_, i)}};
@@ -131,8 +139,9 @@ class Random {
 
   Word<Real> seed_, stream_env_, episode_, step_;
   std::uint64_t stream_;
+  std::uint32_t served_;
   std::uint64_t draw_ = 0;
-  Word<Real> block_[4];
+  Word<Real> block_[4] = {};  ///< of lanes that are not served: 0
 };
 
 }  // namespace skybody

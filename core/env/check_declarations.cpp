@@ -242,6 +242,7 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   check_names(p, p.actions);
   check_reports(p);
   if (p.scratch < 0) refuse(p, "asks for " + std::to_string(p.scratch) + " values of scratch");
+  if (p.memo < 0) refuse(p, "asks for " + std::to_string(p.memo) + " values of memo");
   if (p.kind == SKYBODY_TASK && p.period > 0 &&
       topology.scenario.stepping.action_repeat % p.period != 0) {
     refuse(p, "wants process() every " + std::to_string(p.period) +

@@ -252,6 +252,8 @@ struct CompiledScenario::Builder {
       for (PluginInstance& p : list) {
         for (std::size_t i = 0; i < p.holds.size(); ++i) plan.holds[i] |= p.holds[i];
         place_state(p, l.plugin_state.size);
+        p.first_memo = l.memo;
+        l.memo += p.memo;
       }
     }
     find_readers();

@@ -5,6 +5,7 @@
 
 #include "core/base/octets.h"
 #include "core/env/compiled_scenario.h"
+#include "core/env/group_rows.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
 #include "core/model/held_inputs.h"
@@ -27,12 +28,11 @@ double both(int input, int k, double a, double b) {
 }
 
 void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block) {
-  double* values = group.writable(block, mask);
-  const int size = kHeldInputs[static_cast<std::size_t>(input)].size;
-  for (int k = 0; k < block.size; ++k, values += group.lanes()) {
-    const double neutral = neutral_value(input, k % size);
-    each_lane(mask, [&](int lane) { values[lane] = neutral; });
-  }
+  const HeldInputRow& row = kHeldInputs[static_cast<std::size_t>(input)];
+  double neutral[kMostHeldValues];
+  for (int k = 0; k < row.size; ++k) neutral[k] = neutral_value(input, k);
+  row_kernels().fill(mask, group.lanes(), neutral, row.size, block.size,
+                     group.writable(block, mask));
 }
 
 }  // namespace

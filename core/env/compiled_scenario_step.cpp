@@ -170,12 +170,8 @@ void CompiledScenario::process(StateGroup& group, GroupWork& work, const Skybody
 std::uint32_t CompiledScenario::due(const PluginInstance& plugin, const StateGroup& group,
                                     std::uint32_t mask) const {
   if (plugin.period <= 1) return mask;
-  const std::uint64_t* count = group.bits(kPhysicsStep);
-  std::uint32_t due = 0;
-  each_lane(mask, [&](int lane) {
-    if (count[lane] % static_cast<std::uint64_t>(plugin.period) == 0) due |= 1u << lane;
-  });
-  return due;
+  return row_kernels().multiples(mask, group.bits(kPhysicsStep),
+                                 static_cast<double>(plugin.period));
 }
 
 /// C_i: every chain's controllers in order, from the latest state.

@@ -245,6 +245,34 @@ struct Copy {
   }
 };
 
+struct Fill {
+  template <int W>
+  static SKYBODY_INLINE void run(std::uint32_t mask, int lanes, const double* values, int size,
+                                 int count, double* to) {
+    for (int k = 0; k < count; ++k, to += lanes) {
+      const double value = values[k % size];
+      serve<W>(mask, [&]<class Real>(int l, const Real&)
+                         SKYBODY_INLINE_LAMBDA { store_lanes(to + l, Real(value)); });
+    }
+  }
+};
+
+struct Multiples {
+  template <int W>
+  static SKYBODY_INLINE std::uint32_t run(std::uint32_t mask, const std::uint64_t* counts,
+                                          double period) {
+    const double inverse = 1.0 / period;
+    std::uint32_t multiples = 0;
+    serve<W>(mask, [&]<class Real>(int l, const Real&) SKYBODY_INLINE_LAMBDA {
+      const Real count = to_real(load_words<Real>(counts + l));
+      // Of a multiple the product is the quotient up to 2^-52 of it; the test itself is exact.
+      const Real quotient = round_half_even(count * inverse);
+      multiples |= bits_from_mask(quotient * period == count) << l;
+    });
+    return multiples;
+  }
+};
+
 struct Count {
   template <int W>
   static SKYBODY_INLINE void run(std::uint32_t mask, std::uint64_t* words) {
@@ -357,8 +385,9 @@ struct End {
 }  // namespace
 
 RowKernels row_kernels(Isa isa) {
-  return {kernel<ReadClipped>(isa), kernel<Scale>(isa), kernel<Copy>(isa), kernel<Count>(isa),
-          kernel<AreFinite>(isa),   kernel<Write>(isa), kernel<End>(isa)};
+  return {kernel<ReadClipped>(isa), kernel<Scale>(isa),     kernel<Copy>(isa),
+          kernel<Fill>(isa),        kernel<Multiples>(isa), kernel<Count>(isa),
+          kernel<AreFinite>(isa),   kernel<Write>(isa),     kernel<End>(isa)};
 }
 
 const RowKernels& row_kernels() {

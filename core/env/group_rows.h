@@ -30,6 +30,15 @@ struct RowKernels {
   /// their values.
   void (*copy)(std::uint32_t mask, const double* from, int count, double* to);
 
+  /// Writes the same to each lane: value k of `count` is values[k % size].
+  void (*fill)(std::uint32_t mask, int lanes, const double* values, int size, int count,
+               double* to);
+
+  /// @param counts  1 word per lane, below 2^52
+  /// @param period  1 to 2^52
+  /// @returns the lanes whose count is a multiple of the period
+  std::uint32_t (*multiples)(std::uint32_t mask, const std::uint64_t* counts, double period);
+
   /// Adds one to a word of each lane.
   void (*count)(std::uint32_t mask, std::uint64_t* words);
 

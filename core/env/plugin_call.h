@@ -45,6 +45,7 @@ class CheckedCall {
     checks.joint_reactions = reactions > 0 ? plugin.first_joint_reaction + reactions : 0;
     checks.buffer = plugin.buffer_words;
     checks.scratch = plugin.scratch;
+    checks.memo = plugin.memo;
     checks.input = sizes.input;
     checks.output = sizes.output;
     checks.info = sizes.info;
@@ -96,8 +97,13 @@ void call_plugin(Function* function, const PluginInstance& plugin, StateGroup& g
                  const SkybodyLanes& view, const Sizes& sizes, Arguments... arguments) {
   std::optional<CheckedCall> checked;
   if (view.checks != nullptr) checked.emplace(plugin, *view.checks, sizes());
+  SkybodyLanes own;
+  if (plugin.memo > 0) {
+    own = view;
+    own.memo = group.memo(plugin.first_memo);
+  }
   try {
-    function(plugin.self.get(), &view, group.plugin_bits(plugin.state),
+    function(plugin.self.get(), plugin.memo > 0 ? &own : &view, group.plugin_bits(plugin.state),
              group.plugin_reals(plugin.buffer), arguments...);
   } catch (const std::exception& error) {
     blame(plugin, "throws in a step: " + std::string(error.what()));

@@ -107,6 +107,7 @@ struct PluginInstance {
   bool interpolates = false;     ///< tasks: commands change over the physics steps of an action
   int period = 0;                ///< physics steps between calls, 0: its kind's own
   int scratch = 0;               ///< doubles of memory for a call
+  int memo = 0;                  ///< doubles of memory that lasts and is no state
   bool needs_bodies_before = false;
   bool needs_contacts = false;
   std::vector<ContactPair> contact_pairs;
@@ -118,7 +119,8 @@ struct PluginInstance {
   // Where things lie, within the blocks plugin_state and sensors:
   int state = 0, state_words = 0;
   int buffer = 0, buffer_words = 0;
-  int output = 0;  ///< sensors: first word of the output
+  int first_memo = 0;  ///< within StateGroup::memo()
+  int output = 0;      ///< sensors: first word of the output
   /// State words: what it gave last, of a controller that others follow and that is not
   /// called in every physics step; and, per held input, what this effect adds.
   Block last_output;

@@ -294,6 +294,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   };
   d.period = [](void* host, int32_t steps) { instance_of(host).period = std::max(1, steps); };
   d.scratch = [](void* host, int32_t values) { instance_of(host).scratch = values; };
+  d.memo = [](void* host, int32_t values) { instance_of(host).memo = values; };
   d.holds = [](void* host, int32_t input) {
     if (input < 0 || input >= SKYBODY_HELD_COUNT) return;
     instance_of(host).holds[static_cast<std::size_t>(input)] = true;

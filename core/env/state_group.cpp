@@ -13,6 +13,7 @@ StateGroup::StateGroup(const Layout& layout, int bodies, int lanes, int image_wo
       lanes_(lanes),
       words_(static_cast<std::size_t>(layout.words) * static_cast<std::size_t>(lanes)),
       bodies_(13 * static_cast<std::size_t>(bodies) * static_cast<std::size_t>(lanes)),
+      memo_(static_cast<std::size_t>(layout.memo) * static_cast<std::size_t>(lanes)),
       images_(image_words, lanes),
       stepper_(std::move(stepper)) {
   blocks_.lanes = lanes;

@@ -63,6 +63,8 @@ class StateGroup {
   /// A plugin's words. @param k  place within the block plugin_state
   std::uint64_t* plugin_bits(int k) { return at(layout_->plugin_state.offset + k); }
   double* plugin_reals(int k) { return reinterpret_cast<double*>(plugin_bits(k)); }
+  /// What plugins keep beside the state (SkybodyDeclare::memo): never saved, restored or hashed.
+  double* memo(int k) { return memo_.data() + static_cast<std::ptrdiff_t>(k) * lanes_; }
 
   /// Copies one lane's block of doubles into the group.
   void scatter(int lane, Block block, const double* in);
@@ -134,7 +136,7 @@ class StateGroup {
   const Layout* layout_;
   int lanes_;
   AlignedArray<std::uint64_t> words_;
-  AlignedArray<double> bodies_;
+  AlignedArray<double> bodies_, memo_;
   ImageMemory images_;
   GroupBlocks blocks_;
   std::unique_ptr<GroupStepper> stepper_;

@@ -24,6 +24,13 @@ inline constexpr std::array<HeldInputRow, SKYBODY_HELD_COUNT> kHeldInputs = {{
 #undef SKYBODY_ROW
 }};
 
+/// The most values that an input has for one body or rotor.
+inline constexpr int kMostHeldValues = [] {
+  int most = 0;
+  for (const HeldInputRow& row : kHeldInputs) most = row.size > most ? row.size : most;
+  return most;
+}();
+
 /// What place k of an input is where nothing is held.
 constexpr double neutral_value(int input, int k) {
   using Limits = std::numeric_limits<double>;

@@ -91,6 +91,7 @@ struct Layout {
   Block plugin_state;      ///< words of all plugin instances
   Block last_observation;  ///< float values of the last finite observation, as doubles
   int words = 0;           ///< total
+  int memo = 0;            ///< values of plugins that are kept beside the state
 
   std::vector<RobotLayout> robots;
   std::vector<EnvParam> param_info;  ///< one per word of `params`

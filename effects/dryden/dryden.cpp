@@ -8,6 +8,10 @@
 // A call advances them by their exact transition over the time since the last call and adds noise
 // of the exact covariance. So samples have the autocovariance of the continuous process at any
 // period, and a change of height or speed changes scale and pace, but leaves them stationary.
+//
+// Height and speed are those of the last call. So the next values are known from then on, and one
+// call makes those of all lanes of a pack, which come to be due at other steps: they wait in the
+// memo, beside all that they follow from.
 #include <skybody/plugin.h>
 
 #include <vector>
@@ -86,7 +90,9 @@ class Dryden : public Effect {
     elapsed_ = static_cast<double>(period_.value()) * setup.dt();
     const int count = static_cast<int>(robots_.size());
     first_filter_ = 3 * count;
-    setup.buffer((3 + kFilterWords) * count);
+    inputs_ = kRobotWords * count;
+    setup.buffer(first_filter_ + inputs_);
+    setup.memo(kKeyWords + 2 * inputs_);
     setup.report("velocity", "m/s", 3 * count, 0);
     setup.holds(HeldInput::kWind);
     setup.period(static_cast<int>(period_.value()));
@@ -100,7 +106,10 @@ class Dryden : public Effect {
     const Transition<Real> forget{zero, zero, a, b, b};
     Random<Real> draw = random(env, kResetDraws);
     for (std::size_t r = 0; r < robots_.size(); ++r) {
-      advance(forget, forget, draw, filter_of(r), buffer);
+      Real filter[kFilterWords] = {};
+      advance(forget, forget, draw, filter);
+      for (int k = 0; k < kFilterWords; ++k) buffer.set(words_of(r) + k, filter[k]);
+      look(env, r, buffer);
     }
   }
 
@@ -108,14 +117,18 @@ class Dryden : public Effect {
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held, Values<Real> buffer) const {
     const SinCos<Real> heading = sincos(heading_(env));
     Random<Real> draw = random(env, kApplyDraws);
+    if constexpr (!kIsDual<Real>) fill_memo(env, buffer);
     for (std::size_t r = 0; r < robots_.size(); ++r) {
+      Next<Real> next;
+      if constexpr (kIsDual<Real>) {
+        next = next_of(r, draw, buffer);
+      } else {
+        next = next_in_memo(env, r);
+      }
+      for (int k = 0; k < kFilterWords; ++k) buffer.set(words_of(r) + k, next.filter[k]);
+      look(env, r, buffer);
       const Robot& robot = robots_[r];
-      const BodyMotion<Real> base = env.body(robot.first_body);
-      const Scale<Real> scale = scale_of(base);
-      const Real way = airspeed(env, base) * elapsed_;
-      advance(transition(way / scale.length), transition(way / scale.length_vertical), draw,
-              filter_of(r), buffer);
-      const Vec3<Real> wind = velocity(env, scale, heading, filter_of(r), buffer);
+      const Vec3<Real> wind = velocity(env, next, heading);
       buffer.set(3 * static_cast<int>(r), wind);
       for (int b = 0; b < robot.body_count; ++b) held.add_wind(robot.first_body + b, wind);
     }
@@ -125,20 +138,109 @@ class Dryden : public Effect {
   static constexpr std::uint64_t kApplyDraws = 0, kResetDraws = 1;
   /// A robot's filter: along the wind, two states across, two above.
   static constexpr int kFilterWords = 5;
+  /// Of a robot in the buffer, behind its filter: height [m] and way through the air [m] over the
+  /// period that begins.
+  static constexpr int kHeight = kFilterWords, kWay = kHeight + 1, kRobotWords = kWay + 1;
+  /// Of the memo: seed, environment, episode and physics step; behind them all robots' words of the
+  /// buffer, and behind these all robots' Next.
+  static constexpr int kKeyWords = 4;
 
   struct Robot {
     int first_body, body_count;
   };
 
-  int filter_of(std::size_t robot) const {
-    return first_filter_ + kFilterWords * static_cast<int>(robot);
+  /// What a robot has at the end of a period. As many numbers as kRobotWords.
+  template <class Real>
+  struct Next {
+    Real filter[kFilterWords];
+    Real ratio, above;  ///< of the scale
+  };
+
+  int words_of(std::size_t robot) const {
+    return first_filter_ + kRobotWords * static_cast<int>(robot);
+  }
+
+  /// Notes of what the next values will be made.
+  template <class Real>
+  SKYBODY_INLINE void look(const EnvView<Real>& env, std::size_t robot,
+                           const Values<Real>& buffer) const {
+    const BodyMotion<Real> base = env.body(robots_[robot].first_body);
+    buffer.set(words_of(robot) + kHeight, base.position.z);
+    buffer.set(words_of(robot) + kWay, airspeed(env, base) * elapsed_);
   }
 
   template <class Real>
-  SKYBODY_INLINE Scale<Real> scale_of(const BodyMotion<Real>& base) const {
-    if (height_.value() == 0.0) return scale_at(base.position.z);
+  SKYBODY_INLINE Scale<Real> scale_of(const Real& height) const {
+    if (height_.value() == 0.0) return scale_at(height);
     const Scale<double>& s = fixed_scale_;
     return {Real(s.length), Real(s.length_vertical), Real(s.ratio), Real(s.above)};
+  }
+
+  /// The period's end, from what the buffer has since its beginning.
+  template <class Real>
+  SKYBODY_INLINE Next<Real> next_of(std::size_t robot, Random<Real>& draw,
+                                    const Values<Real>& buffer) const {
+    const int first = words_of(robot);
+    const Scale<Real> scale = scale_of(Real(buffer[first + kHeight]));
+    const Real way = buffer[first + kWay];
+    Next<Real> next;
+    for (int k = 0; k < kFilterWords; ++k) next.filter[k] = buffer[first + k];
+    advance(transition(way / scale.length), transition(way / scale.length_vertical), draw,
+            next.filter);
+    next.ratio = scale.ratio;
+    next.above = scale.above;
+    return next;
+  }
+
+  /// Makes sure that the memo has what the served lanes want.
+  template <class Real>
+  SKYBODY_INLINE void fill_memo(const EnvView<Real>& env, const Values<Real>& buffer) const {
+    const Values<Real> memo = env.memo();
+    const Word<Real> step = due_step(env);
+    const Word<Real> key[kKeyWords] = {env.seed(), env.stream_env(), env.episode(), step};
+    Word<Real> other = bit_cast_word(Real(memo[0])) ^ key[0];
+    for (int k = 1; k < kKeyWords; ++k) other |= bit_cast_word(Real(memo[k])) ^ key[k];
+    for (int k = 0; k < inputs_; ++k) {
+      other |=
+          bit_cast_word(Real(memo[kKeyWords + k])) ^ bit_cast_word(Real(buffer[first_filter_ + k]));
+    }
+    const auto is_other = to_real((other | (other >> 32)) & 0xffffffffu) != 0.0;
+    if (none(logical_and(env.served(), is_other))) return;
+    Random<Real> draw = random_of_all(env, step, kApplyDraws);
+    for (int k = 0; k < kKeyWords; ++k) memo.set(k, bit_cast_real(key[k]));
+    for (int k = 0; k < inputs_; ++k) memo.set(kKeyWords + k, buffer[first_filter_ + k]);
+    for (std::size_t r = 0; r < robots_.size(); ++r) {
+      const Next<Real> next = next_of(r, draw, buffer);
+      const int first = memo_of(r);
+      for (int k = 0; k < kFilterWords; ++k) memo.set(first + k, next.filter[k]);
+      memo.set(first + kFilterWords, next.ratio);
+      memo.set(first + kFilterWords + 1, next.above);
+    }
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Next<Real> next_in_memo(const EnvView<Real>& env, std::size_t robot) const {
+    const Values<Real> memo = env.memo();
+    const int first = memo_of(robot);
+    Next<Real> next;
+    for (int k = 0; k < kFilterWords; ++k) next.filter[k] = memo[first + k];
+    next.ratio = memo[first + kFilterWords];
+    next.above = memo[first + kFilterWords + 1];
+    return next;
+  }
+
+  int memo_of(std::size_t robot) const {
+    return kKeyWords + inputs_ + kRobotWords * static_cast<int>(robot);
+  }
+
+  /// The physics step, of this one on, at which each lane is due: of those that are served, this
+  /// one.
+  template <class Real>
+  SKYBODY_INLINE Word<Real> due_step(const EnvView<Real>& env) const {
+    const auto period = static_cast<double>(period_.value());
+    const Real now = to_real(env.physics_step());
+    const Real near = round_half_even(now * (1.0 / period)) * period;
+    return to_word(select(near < now, near + period, near));
   }
 
   /// With what speed the turbulence passes.
@@ -150,42 +252,41 @@ class Dryden : public Effect {
 
   /// One step of a robot's filters.
   template <class Real>
-  SKYBODY_INLINE void advance(const Transition<Real>& level, const Transition<Real>& vertical,
-                              Random<Real>& draw, int filter, const Values<Real>& buffer) const {
+  SKYBODY_INLINE static void advance(const Transition<Real>& level,
+                                     const Transition<Real>& vertical, Random<Real>& draw,
+                                     Real* filter) {
     Real along, spare;
     draw.normal_pair(along, spare);
-    buffer.set(filter, level.decay * buffer[filter] + kRoot2 * level.a * along);
-    advance_pair(level, draw, filter + 1, buffer);
-    advance_pair(vertical, draw, filter + 3, buffer);
+    filter[0] = level.decay * filter[0] + kRoot2 * level.a * along;
+    advance_pair(level, draw, filter + 1);
+    advance_pair(vertical, draw, filter + 3);
   }
   template <class Real>
-  SKYBODY_INLINE void advance_pair(const Transition<Real>& t, Random<Real>& draw, int place,
-                                   const Values<Real>& buffer) const {
+  SKYBODY_INLINE static void advance_pair(const Transition<Real>& t, Random<Real>& draw, Real* x) {
     Real first, second;
     draw.normal_pair(first, second);
-    const Real x1 = buffer[place], x2 = buffer[place + 1];
-    buffer.set(place, t.decay * x1 + t.a * first);
-    buffer.set(place + 1, t.decay * (x2 + t.tau * x1) + (t.b * first + t.c * second));
+    const Real x1 = x[0], x2 = x[1];
+    x[0] = t.decay * x1 + t.a * first;
+    x[1] = t.decay * (x2 + t.tau * x1) + (t.b * first + t.c * second);
   }
 
-  /// What the filters say at this height.
+  /// What the filters say.
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> velocity(const EnvView<Real>& env, const Scale<Real>& scale,
-                                     const SinCos<Real>& heading, int filter,
-                                     const Values<Real>& buffer) const {
+  SKYBODY_INLINE Vec3<Real> velocity(const EnvView<Real>& env, const Next<Real>& next,
+                                     const SinCos<Real>& heading) const {
     const Real near_ground = 0.1 * wind_at_20_feet_(env), high = sigma_(env);
-    const Real level = near_ground * scale.ratio;
-    const Real sigma = level + scale.above * (high - level);
-    const Real sigma_vertical = near_ground + scale.above * (high - near_ground);
-    const Real along = sigma * buffer[filter];
-    const Real across = sigma * second_order(filter + 1, buffer);
+    const Real level = near_ground * next.ratio;
+    const Real sigma = level + next.above * (high - level);
+    const Real sigma_vertical = near_ground + next.above * (high - near_ground);
+    const Real along = sigma * next.filter[0];
+    const Real across = sigma * second_order(next.filter + 1);
     return {heading.cos * along - heading.sin * across, heading.sin * along + heading.cos * across,
-            sigma_vertical * second_order(filter + 3, buffer)};
+            sigma_vertical * second_order(next.filter + 3)};
   }
   /// Of variance 1.
   template <class Real>
-  SKYBODY_INLINE Real second_order(int place, const Values<Real>& buffer) const {
-    return kRoot3 * buffer[place] + (1.0 - kRoot3) * buffer[place + 1];
+  SKYBODY_INLINE static Real second_order(const Real* x) {
+    return kRoot3 * x[0] + (1.0 - kRoot3) * x[1];
   }
 
   TextsParameter names_{this, {.name = "robots", .doc = "whom it blows at; empty: all"}};
@@ -245,6 +346,7 @@ class Dryden : public Effect {
   Scale<double> fixed_scale_{};
   double elapsed_ = 0.0;  ///< between two calls [s]
   int first_filter_ = 0;  ///< word of the buffer
+  int inputs_ = 0;        ///< words of the buffer from there on
 };
 
 }  // namespace

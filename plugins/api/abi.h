@@ -312,6 +312,8 @@ typedef struct SkybodyDeclare {
   void (*buffer)(void* host, int32_t words);
   /* Any kind: doubles that a call may use, SkybodyLanes::scratch. What is in it is not kept. */
   void (*scratch)(void* host, int32_t values);
+  /* Any kind: doubles that are kept from call to call but are no state, SkybodyLanes::memo. */
+  void (*memo)(void* host, int32_t values);
   /* Effects: what apply() fills, SkybodyHeldInput. */
   void (*holds)(void* host, int32_t input);
   /* Any kind but tasks: the next `info` values are these words of the buffer. */
@@ -357,7 +359,7 @@ typedef struct SkybodyChecks {
   int32_t bodies, q, u, rotors, params, sensors, action, command, robots;
   int32_t bodies_before, contacts;        /* bodies, or 0 where the plugin did not ask */
   int32_t contact_pairs, joint_reactions; /* likewise, those of all plugins */
-  int32_t buffer, scratch;                /* of the plugin that is called */
+  int32_t buffer, scratch, memo;          /* of the plugin that is called */
   int32_t input, output, info;            /* of this call; output: the observation, too */
   const char* what;                       /* such as "output"; NULL: all was well */
   int32_t index, size;
@@ -391,6 +393,7 @@ typedef struct SkybodyLanes {
   const double* joint_reactions; /* 6 per joint that plugins ask for, or NULL: force and moment
                                     about the body's origin (W) [N, N m] */
   double* scratch;               /* of this call, see SkybodyDeclare::scratch */
+  double* memo;                  /* of this plugin, see SkybodyDeclare::memo */
   unsigned char* images; /* in sense: the images of this sensor in lane 0, in the order of their
                             declaration, each at a multiple of 8 bytes; elsewhere NULL */
   uint64_t image_stride; /* bytes from lane to lane */

@@ -126,6 +126,13 @@ class EnvView {
     return values(raw_.scratch, first_, mask_, "scratch",
                   [](const SkybodyChecks& c) { return c.scratch; });
   }
+  /// Setup::memo() values that keep what was written last, in lanes that are not served, too: a
+  /// store for results that other values lead to, beside those values. Other calls, threads and
+  /// environments may have written what is there, so compare before you believe it.
+  Values<Real> memo() const {
+    return values(raw_.memo, first_, MaskOf<Real>(true), "memo",
+                  [](const SkybodyChecks& c) { return c.memo; });
+  }
 
   /// Sensors in sense(), written for plain double: the values of an image of this environment, in
   /// C order. They keep what they had at the sense() before; at a reset they begin as 0.

@@ -74,6 +74,13 @@ class Plugin {
   Random<Real> random_at(const EnvView<Real>& env, const Word<Real>& physics_step,
                          std::uint64_t substream = 0) const {
     return Random<Real>(env.seed(), env.stream_env(), env.episode(), physics_step,
+                        stream_ + substream, bits_from_mask(env.served()));
+  }
+  /// The same for all lanes of the view, served or not: for what goes into EnvView::memo().
+  template <class Real>
+  Random<Real> random_of_all(const EnvView<Real>& env, const Word<Real>& physics_step,
+                             std::uint64_t substream = 0) const {
+    return Random<Real>(env.seed(), env.stream_env(), env.episode(), physics_step,
                         stream_ + substream);
   }
 

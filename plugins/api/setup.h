@@ -179,6 +179,8 @@ class Setup {
   void buffer(int words) const { declare_.buffer(declare_.host, words); }
   /// `count` values of memory for a call (EnvView::scratch); no state.
   void scratch(int count) const { declare_.scratch(declare_.host, count); }
+  /// `count` values of memory that lasts (EnvView::memo); no state.
+  void memo(int count) const { declare_.memo(declare_.host, count); }
   /// Asks for EnvView::contact(), which costs time in large batches.
   void need_contacts() const { declare_.contacts(declare_.host); }
   /// Asks for what a world body feels of one that it may touch, at the same cost.

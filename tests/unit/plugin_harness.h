@@ -55,6 +55,7 @@ struct Group {
   std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
   std::vector<double> bodies, before, q, u, rotor_speed, rotor_command, params, action, command;
   std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
+  std::vector<double> memo;  ///< no state: neither compared nor handed on
 
   std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not announced
 
@@ -65,6 +66,7 @@ struct Group {
   Group alone(int lane) const {
     Group one;
     one.lanes = 1;
+    one.memo.resize(memo.size() / static_cast<std::size_t>(lanes));
     each(*this, one, [&](const auto& from, auto& to) {
       to.clear();
       for (std::size_t k = static_cast<std::size_t>(lane); k < from.size();
@@ -157,6 +159,7 @@ class Instance {
     g.action.assign(n(world_.actions), 0.0);
     g.command.assign(n(world_.actions), 0.0);
     g.buffer.assign(n(declared.buffer_words), 0.0);
+    g.memo.assign(n(declared.memo), 0.0);
     g.input.assign(n(static_cast<int>(declared.low.size())), 0.0);
     g.output.assign(n(std::max(declared.output_count(), declared.channel_count())), 0.0);
     g.observation.assign(n(declared.channel_count()), 0.0);
@@ -278,6 +281,7 @@ class Instance {
     v.params = g.params.data();
     v.action = g.action.data();
     v.command = g.command.data();
+    v.memo = g.memo.data();
     return v;
   }
 

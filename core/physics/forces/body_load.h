@@ -52,6 +52,8 @@ class OriginLoad {
   SKYBODY_INLINE void add_at_point(const Vec3<Real>& point, const Vec3<Real>& force, Axes axes) {
     sum_.add_force_at(body_.axes * point, in_world(force, axes));
   }
+  /// At the centre of mass, body axes.
+  SKYBODY_INLINE void add_drag(const Vec3<Real>& force) { add_at_com(force, Axes::kBody); }
   SKYBODY_INLINE void add_moment(const Vec3<Real>& moment, Axes axes) {
     sum_.moment += in_world(moment, axes);
   }
@@ -148,14 +150,17 @@ class FreeLoad {
     add_at_com(force, axes);
     moment_ += cross(point - com_, in_body(force, axes));
   }
+  /// At the centre of mass, body axes: there the rotors' force is added up, too.
+  SKYBODY_INLINE void add_drag(const Vec3<Real>& force) { force_ += force; }
   SKYBODY_INLINE void add_moment(const Vec3<Real>& moment, Axes axes) {
     moment_ += in_body(moment, axes);
   }
   /// As OriginLoad has it.
   template <class Add>
   SKYBODY_INLINE void add_where(const MaskOf<Real>& mask, const Add& add) {
-    const Vec3<Real> linear = linear_, moment = moment_;
+    const Vec3<Real> linear = linear_, moment = moment_, force = force_;
     add(*this);
+    force_ = select(mask, force_, force);
     linear_ = select(mask, linear_, linear);
     moment_ = select(mask, moment_, moment);
   }
@@ -205,9 +210,9 @@ class FreeLoad {
   KnownShape known_;
   Real inverse_mass_;
   Vec3<Real> com_;
-  Vec3<Real> linear_;  ///< acceleration of the centre of mass by all but the rotors, W
+  Vec3<Real> linear_;  ///< acceleration of the centre of mass by all else, W
   Vec3<Real> moment_;  ///< about the centre of mass, body axes
-  Vec3<Real> force_;   ///< of the rotors, body axes
+  Vec3<Real> force_;   ///< of the rotors and of drag, body axes
 };
 
 }  // namespace skybody

@@ -62,27 +62,30 @@ template <class Real, class Values, class Load>
 SKYBODY_INLINE void add_body_drag(const Values& drag, const Vec3<Real>& air_velocity,
                                   const BodyKinematics<Real>& body, Load& load) {
   const Vec3<Real> linear = load_vec3(drag), quadratic = load_vec3(drag + 3);
-  const auto any = logical_or(is_not_zero(linear), is_not_zero(quadratic));
-  if (none(any)) return;
+  const auto is_quadratic = is_not_zero(quadratic);
+  const auto any = logical_or(is_not_zero(linear), is_quadratic);
   const Vec3<Real> v = air_velocity + cross(body.spin, load.com());
-  const Real speed = norm(v);
-  const Vec3<Real> force{-((linear.x + quadratic.x * speed) * v.x),
-                         -((linear.y + quadratic.y * speed) * v.y),
-                         -((linear.z + quadratic.z * speed) * v.z)};
-  load.add_where(any, [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_at_com(force, Axes::kBody); });
+  Vec3<Real> factor = linear;
+  if (!none(is_quadratic)) factor += quadratic * norm(v);
+  const Vec3<Real> force{-(factor.x * v.x), -(factor.y * v.y), -(factor.z * v.z)};
+  load.add_where(any, [&](Load& sum) SKYBODY_INLINE_LAMBDA { sum.add_drag(force); });
+}
+
+/// The wrench that effects hold of a body.
+template <class Real, class Load>
+SKYBODY_INLINE void add_held_wrench(const HeldLanes<Real>& held, int index, Load& load) {
+  const LaneValues<Real> wrench = held[SKYBODY_HELD_WRENCH] + 6 * index;
+  add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, load);
 }
 
 /// What effects hold of one body: a wrench, and its drag.
 template <class Real, class Load>
 SKYBODY_INLINE void add_held_forces(const HeldLanes<Real>& held, int index,
                                     const BodyKinematics<Real>& body, Load& load) {
-  if (held.has(SKYBODY_HELD_WRENCH)) {
-    const LaneValues<Real> wrench = held[SKYBODY_HELD_WRENCH] + 6 * index;
-    add_at_com_where_any(load_vec3(wrench), load_vec3(wrench + 3), Axes::kWorld, load);
-  }
+  if (held.has(SKYBODY_HELD_WRENCH)) add_held_wrench(held, index, load);
   if (held.has(SKYBODY_HELD_BODY_DRAG)) {
-    add_body_drag(held[SKYBODY_HELD_BODY_DRAG] + 6 * index, air_velocity(&held, index, body), body,
-                  load);
+    add_body_drag<Real>(held[SKYBODY_HELD_BODY_DRAG] + 6 * index, air_velocity(&held, index, body),
+                        body, load);
   }
 }
 

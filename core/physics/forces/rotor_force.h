@@ -111,6 +111,29 @@ SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPl
   out[kSpeedLimit] = constants[kMaxSpeed];
 }
 
+/// A rotor's factors, scaled by what effects hold of its constants.
+/// @tparam Factors, Gains  pointers, or views
+template <class Factors, class Gains>
+class GainedFactors {
+ public:
+  SKYBODY_INLINE GainedFactors(const Factors& factors, const Gains& gains)
+      : factors_(factors), gains_(gains) {}
+  SKYBODY_INLINE auto operator[](int k) const {
+    return k < kInertiaFactor ? factors_[k] * gains_[gain_of(k)] : factors_[k];
+  }
+
+ private:
+  static constexpr int gain_of(int k) {
+    return k < kMomentFactor    ? SKYBODY_GAIN_THRUST
+           : k < kDragFactor    ? SKYBODY_GAIN_MOMENT
+           : k < kRollingFactor ? SKYBODY_GAIN_DRAG
+                                : SKYBODY_GAIN_ROLLING;
+  }
+
+  Factors factors_;
+  Gains gains_;
+};
+
 /// One quantity of four rotors in rows (are_in_rows), added up with the signs that coordinates of
 /// their hubs have beside the first one's.
 template <class Real>

@@ -3,7 +3,8 @@
 namespace skybody {
 
 StepKernel* free_euler_kernel(int lanes, Isa isa) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, false>>(lanes, isa);
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kSemiImplicitEuler, HeldKind::kNothing>>(
+      lanes, isa);
 }
 
 }  // namespace skybody

@@ -7,8 +7,7 @@
 namespace skybody {
 
 /// A physics step of all robots of the lanes that one Real holds.
-/// @tparam kIsHeld  effects hold something of the world
-template <class Real, class Values, IntegratorChoice kIntegrator, bool kIsHeld>
+template <class Real, class Values, IntegratorChoice kIntegrator, HeldKind kHeld>
 class FreeLanes {
  public:
   SKYBODY_INLINE FreeLanes(const StepCall& call, int first, const Values& params,
@@ -33,11 +32,13 @@ class FreeLanes {
   /// @returns those of `lanes` that came through; the others are as they were
   SKYBODY_INLINE std::uint32_t advance(std::uint32_t lanes) const {
     const std::vector<FreeRobot>& robots = robots_.robots;
-    if constexpr (kIsHeld) {
+    Real end_speeds[4];
+    if constexpr (kHeld == HeldKind::kAnything) {
       return advance_all(lanes);  // one form: each takes the compiler long
+    } else if constexpr (kHeld == HeldKind::kAir) {
+      return advance_one<kMeasured>(robots[0], end_speeds, lanes);
     } else {
       if (robots.size() > 1) return advance_all(lanes);
-      Real end_speeds[4];
       if (is_measured(robots[0])) return advance_one<kMeasured>(robots[0], end_speeds, lanes);
       return advance_one<FreeKind::kAny>(robots[0], end_speeds_, lanes);
     }
@@ -76,8 +77,7 @@ class FreeLanes {
     for (const FreeRobot& robot : robots_.robots) {
       FreeMotion<Real> motion;
       Real* end_speeds = end_speeds_ + robot.rotors.first;
-      if constexpr (kIsHeld) {
-        // Held inputs go rotor by rotor.
+      if constexpr (kHeld == HeldKind::kAnything) {
         through &= advance<FreeKind::kAny>(robot, motion, end_speeds);
       } else {
         through &= robot.has_four_level_rotors()
@@ -102,7 +102,7 @@ class FreeLanes {
     const auto load = [&]() SKYBODY_INLINE_LAMBDA {
       return FreeMotion<Real>{load_vec3(q), load_quat(q + 3), load_vec3(u), load_vec3(u + 3)};
     };
-    using Step = FreeRobotStep<Real, Values, kKind, kIsHeld>;
+    using Step = FreeRobotStep<Real, Values, kKind, kHeld>;
     return Step(robots_, robot, in_).template advance<kIntegrator>(load, motion, end_speeds);
   }
 
@@ -147,18 +147,18 @@ class FreeLanes {
   Real* end_speeds_;           ///< of all rotors
 };
 
-template <IntegratorChoice kIntegrator, bool kIsHeld>
+template <IntegratorChoice kIntegrator, HeldKind kHeld>
 struct AdvanceFreeRobots {
   template <int W>
   static SKYBODY_INLINE std::uint32_t run(const StepCall& call, std::uint32_t lanes) {
-    return for_packs<W, kIsHeld>(call, lanes,
-                                 [&](int first, std::uint32_t bits, const auto& params,
-                                     const auto& derived) SKYBODY_INLINE_LAMBDA {
-                                   using Values = std::decay_t<decltype(params)>;
-                                   return FreeLanes<RealOf<W>, Values, kIntegrator, kIsHeld>(
-                                              call, first, params, derived)
-                                       .advance(bits);
-                                 });
+    return for_packs<W, kHeld == HeldKind::kAnything>(
+        call, lanes,
+        [&](int first, std::uint32_t bits, const auto& params, const auto& derived)
+            SKYBODY_INLINE_LAMBDA {
+              using Values = std::decay_t<decltype(params)>;
+              return FreeLanes<RealOf<W>, Values, kIntegrator, kHeld>(call, first, params, derived)
+                  .advance(bits);
+            });
   }
 };
 

@@ -3,7 +3,7 @@
 namespace skybody {
 
 StepKernel* free_midpoint_kernel(int lanes, Isa isa) {
-  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, false>>(lanes, isa);
+  return kernel_for<AdvanceFreeRobots<IntegratorChoice::kMidpoint, HeldKind::kNothing>>(lanes, isa);
 }
 
 }  // namespace skybody

@@ -5,6 +5,7 @@
 
 #include "core/physics/forces/force_terms.h"
 #include "core/physics/step/free_robots.h"
+#include "core/physics/step/held_kind.h"
 #include "core/physics/step/held_rotor.h"
 #include "core/physics/step/step_rules.h"
 #include "core/physics/world/lane_values.h"
@@ -84,9 +85,7 @@ constexpr int first_place(int place) {
   return kKind == FreeKind::kPlainQuadrotor ? 0 : place;
 }
 
-/// @tparam kIsHeld  effects hold something of the world; the sums over level rotors, which know
-///                  nothing of it, are not made beforehand then
-template <class Real, class Values, FreeKind kKind, bool kIsHeld>
+template <class Real, class Values, FreeKind kKind, HeldKind kHeld>
 class FreeRobotStep {
  public:
   using Inputs = FreeStepInputs<Real, Values>;
@@ -144,12 +143,7 @@ class FreeRobotStep {
     Vec3<Real> air = velocity_in_air(body);
     const FreeRates<Real> first = rates(body, air, level, run, world_.rate);
     const Real half(kMidpointRule.reach[1] * dt());
-    if constexpr (kIsHeld) {  // its forces ask for the origin's velocity, W axes
-      air += first.velocity_in_body(body.axes, false) * half;
-      body.velocity += first.acceleration(body.axes).velocity * half;
-    } else {
-      air += first.velocity_in_body(body.axes, kIsPlain) * half;
-    }
+    air += first.velocity_in_body(body.axes, is_upright()) * half;
     body.spin += first.spin * half;
     forget();  // measured: 3 % of the step
     const FreeRates<Real> second = rates(body, air, level, run, world_.rate);
@@ -206,22 +200,27 @@ class FreeRobotStep {
 
   double dt() const { return world_.world.scenario.stepping.dt; }
   Values world_constants() const { return in_.params + world_.world.layout.world_params; }
-  bool is_level() const { return !kIsHeld && (kHasFour || robot_.rotors.is_level); }
+  bool is_level() const { return kHasFour || robot_.rotors.is_level; }
+  SKYBODY_INLINE bool is_held(int input) const {
+    return may_hold(kHeld, input) && in_.held.has(input);
+  }
+  /// What accelerates the robot but rotors and drag lies along z of W.
+  bool is_upright() const { return kIsPlain && !is_held(SKYBODY_HELD_WRENCH); }
   int first_rotor() const { return first_place<kKind>(robot_.rotors.first); }
   int rotor_count() const { return kHasFour ? 4 : robot_.rotors.count; }
 
   /// @param i  of the robot's rotors
   SKYBODY_INLINE auto rotor_step(int i) const {
     const int rotor = first_rotor() + i;
-    const RotorStep<Real> step(load_lag<Real>(lags_ + kLagSize * i), in_.rotor_speed[rotor],
-                               in_.rotor_command[rotor],
-                               factors_[kRotorFactorCount * i + kSpeedLimit]);
-    if constexpr (kIsHeld) {
-      return HeldRotorStep<Real>(step.lag, step.speed, in_.rotor_command[rotor],
-                                 factors_[kRotorFactorCount * i + kSpeedLimit],
-                                 held_rotor(in_.held, rotor), dt());
+    const RotorLag<Real> lag = load_lag<Real>(lags_ + kLagSize * i);
+    const Real speed = in_.rotor_speed[rotor], command = in_.rotor_command[rotor];
+    const Real most = factors_[kRotorFactorCount * i + kSpeedLimit];
+    if constexpr (may_hold(kHeld, SKYBODY_HELD_ROTOR_RATE)) {
+      return HeldRotorStep<Real>(lag, speed, command, most, held_rotor(in_.held, rotor), dt());
     } else {
-      return step;
+      if (!is_held(SKYBODY_HELD_ROTOR_LIMIT)) return RotorStep<Real>(lag, speed, command, most);
+      const LaneValues<Real> limits = in_.held[SKYBODY_HELD_ROTOR_LIMIT] + 2 * rotor;
+      return RotorStep<Real>(lag, speed, clamp(command, limits[0], limits[1]), most);
     }
   }
 
@@ -229,7 +228,10 @@ class FreeRobotStep {
   template <class Run>
   SKYBODY_INLINE LevelRotors<Real> level_rotors(const Run& run) const {
     const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
-      return LevelRotors<Real>(factors_ + kRotorFactorCount * i, run(i));
+      const Values factors = factors_ + kRotorFactorCount * i;
+      if (!is_held(SKYBODY_HELD_ROTOR_GAIN)) return LevelRotors<Real>(factors, run(i));
+      const auto gains = in_.held[SKYBODY_HELD_ROTOR_GAIN] + kGainedConstants * (first_rotor() + i);
+      return LevelRotors<Real>(GainedFactors(factors, gains), run(i));
     };
     LevelRotors<Real> rotors = alone(0);
     const int count = rotor_count();
@@ -245,6 +247,7 @@ class FreeRobotStep {
       const RotorMotion<Real> rotors[4] = {run(0), run(1), run(2), run(3)};
       return LevelRotors<Real>(factors_, rotors);
     };
+    if (is_held(SKYBODY_HELD_ROTOR_GAIN)) return level_rotors(run);
     if (kIsPlain) return by_rows();
     if (!robot_.are_rotors_in_rows) return level_rotors(run);
     if (kIsNominal) return robot_.are_rotors_alike ? by_rows() : level_rotors(run);
@@ -265,7 +268,7 @@ class FreeRobotStep {
   }
 
   SKYBODY_INLINE Vec3<Real> velocity_in_air(const BodyKinematics<Real>& body) const {
-    return air_velocity(kIsHeld ? &in_.held : nullptr, robot_.body, body);
+    return air_velocity(is_held(SKYBODY_HELD_WIND) ? &in_.held : nullptr, robot_.body, body);
   }
 
   template <class Run>
@@ -285,22 +288,21 @@ class FreeRobotStep {
     const RotorGroup& group = robot_.rotors;
     SpatialForce<Real> rotors = SpatialForce<Real>::zero();
     const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA { return run(i - group.first); };
-    if constexpr (kIsHeld) {
-      rotors = held_rotor_forces<Real>(group, world_.rotors.data(), in_.params, &in_.held,
-                                       run_of_world, unit, velocity, body.spin);
-    } else if (is_level()) {
+    if (is_level()) {
       const double height = world_.rotors[static_cast<std::size_t>(first_rotor())].position.z;
       rotors = level.force(height, unit, velocity, body.spin);
+      if (is_held(SKYBODY_HELD_ROTOR_FLOW)) {
+        add_flow_forces(group, world_.rotors.data(), in_.held[SKYBODY_HELD_ROTOR_FLOW],
+                        run_of_world, velocity, body.spin, rotors);
+      }
     } else {
-      const auto constants = [&](int i) SKYBODY_INLINE_LAMBDA {
-        return in_.params + world_.rotors[static_cast<std::size_t>(i)].params;
-      };
-      rotors = sum_rotors<Real>(group, world_.rotors.data(), constants, run_of_world, unit,
-                                velocity, body.spin);
+      rotors = held_rotor_forces<Real>(group, world_.rotors.data(), in_.params,
+                                       kHeld == HeldKind::kNothing ? nullptr : &in_.held,
+                                       run_of_world, unit, velocity, body.spin);
     }
     FreeLoad<Real, Values> load(body, constants_, known_shape(),
                                 load_vec3(world_constants() + kGravity), rotors);
-    add_outer_forces(body, load);
+    add_outer_forces(body, velocity, load);
     return load.rates();
   }
 
@@ -310,12 +312,18 @@ class FreeRobotStep {
   }
 
   /// Forces that only some robots have.
+  /// @param velocity  as for rates()
   template <class Load>
-  SKYBODY_INLINE void add_outer_forces(const BodyKinematics<Real>& body, Load& load) const {
+  SKYBODY_INLINE void add_outer_forces(const BodyKinematics<Real>& body, const Vec3<Real>& velocity,
+                                       Load& load) const {
     if (!kIsNominal || robot_.is_disturbed) {
       add_disturbance<Real>(in_.params + robot_.constants, load);
     }
-    if constexpr (kIsHeld) add_held_forces(in_.held, robot_.body, body, load);
+    if (is_held(SKYBODY_HELD_WRENCH)) add_held_wrench(in_.held, robot_.body, load);
+    if (is_held(SKYBODY_HELD_BODY_DRAG)) {
+      const int drag = 6 * first_place<kKind>(robot_.body);
+      add_body_drag<Real>(in_.held[SKYBODY_HELD_BODY_DRAG] + drag, velocity, body, load);
+    }
     for (const int site : robot_.sites) {
       add_wrench<Real>(world_.world.sites[static_cast<std::size_t>(site)], in_.wrench + 6 * site,
                        load);

@@ -22,12 +22,11 @@ SKYBODY_INLINE std::uint32_t each_pack(std::uint32_t lanes, const F& f) {
 
 /// The same with f(first, bits, params, derived): views of the parameters and of what derives from
 /// them, shared where all lanes are nominal.
-/// @tparam kIsHeld  effects hold something of the world: each lane reads its own then, nominal or
-///                  not (GroupStepper sees to it), since each form takes the compiler long
-template <int W, bool kIsHeld, class F>
+/// @tparam kNeverShared  each lane reads its own, nominal or not (StepPlan::never_shares)
+template <int W, bool kNeverShared, class F>
 SKYBODY_INLINE std::uint32_t for_packs(const StepCall& call, std::uint32_t lanes, const F& f) {
   using Real = RealOf<W>;
-  if constexpr (!kIsHeld) {
+  if constexpr (!kNeverShared) {
     if (call.derived == nullptr) {
       const SharedValues<Real> params(call.plan->shared_params.data());
       const SharedValues<Real> derived(call.plan->shared_derived.data());

@@ -118,7 +118,7 @@ GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
       near_meetings_(plan.contact.meetings.size()) {
   SKYBODY_DEMAND(lanes == 1 || (lanes == kGroupLanes && plan.has_kernels()),
                  "a group has 1 or 32 lanes");
-  if (plan.has_held) make_derived();  // its kernels read each lane's own
+  if (plan.never_shares()) make_derived();
   constexpr std::size_t kFewObstacles = 4;
   if (plan.contact.obstacles.size() <= kFewObstacles) return;
   clearances_ =
@@ -129,7 +129,7 @@ GroupStepper::GroupStepper(const StepPlan& plan, int lanes)
 GroupStepper::~GroupStepper() = default;
 
 StepCall GroupStepper::call(const GroupBlocks& group, PhysicsScratch& scratch) {
-  const bool is_shared = drawn_ == 0 && !plan_.has_held;
+  const bool is_shared = drawn_ == 0 && !plan_.never_shares();
   StepCall all{&plan_, &group, spins_.data(), is_shared ? nullptr : derived_.data(),
                scratch.data()};
   if (clearances_.size() > 0) all.clearances = clearances_.data();

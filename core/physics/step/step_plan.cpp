@@ -28,6 +28,21 @@ StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
   }
 }
 
+}  // namespace
+
+HeldKind held_kind(const World& world, bool is_plain) {
+  bool is_any = false;
+  bool is_air = is_plain && world.scenario.stepping.integrator == IntegratorChoice::kMidpoint;
+  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
+    if (world.layout.held[static_cast<std::size_t>(i)].size == 0) continue;
+    is_any = true;
+    is_air &= may_hold(HeldKind::kAir, i);
+  }
+  return !is_any ? HeldKind::kNothing : is_air ? HeldKind::kAir : HeldKind::kAnything;
+}
+
+namespace {
+
 StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   StepKernels kernels{refresh_kernel(lanes, isa), nullptr,
                       near_kernel(lanes, isa),    gap_kernel(lanes, isa),
@@ -35,8 +50,10 @@ StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   if (!plan.has_kernels()) return kernels;
   const IntegratorChoice integrator = plan.world.scenario.stepping.integrator;
   if (!plan.free_robots) {
-    kernels.advance = plan.has_held ? tree_held_kernel(lanes, isa) : tree_kernel(lanes, isa);
-  } else if (plan.has_held) {
+    kernels.advance = plan.has_held() ? tree_held_kernel(lanes, isa) : tree_kernel(lanes, isa);
+  } else if (plan.held == HeldKind::kAir) {
+    kernels.advance = free_air_kernel(lanes, isa);
+  } else if (plan.has_held()) {
     kernels.advance = free_held_kernel(integrator, lanes, isa);
   } else {
     kernels.advance = free_kernel(integrator, lanes, isa);
@@ -63,7 +80,6 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
   make_obstacle_constants(w, nominal, nominal_derived.data() + derived.obstacles);
   for (const double value : nominal_params) shared_params.emplace_back(value);
   for (const double value : nominal_derived) shared_derived.emplace_back(value);
-  for (const Block& held : w.layout.held) has_held |= held.size > 0;
   int value = 0;
   for (std::size_t r = 0; r < w.drives.size(); ++r) {
     if (w.drives[r] == DriveKind::kNone) continue;
@@ -71,6 +87,7 @@ StepPlan::StepPlan(const World& w, DynamicsUse u)
     value += kDriveSize;
   }
   if (FreeRobots::is_possible(w)) free_robots.emplace(w);
+  held = held_kind(w, free_robots && free_robots->robots[0].is_plain_quadrotor);
   const auto one_lane =
       static_cast<std::size_t>(w.layout.physics_params + derived.size) * sizeof(double);
   using Widest = Pack<kWidestPack>;

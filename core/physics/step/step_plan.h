@@ -12,6 +12,7 @@
 #include "core/physics/forces/force_model.h"
 #include "core/physics/step/dynamics_choice.h"
 #include "core/physics/step/free_robots.h"
+#include "core/physics/step/held_kind.h"
 #include "core/physics/step/step_rules.h"
 #include "core/physics/tree/forest.h"
 #include "core/physics/world/lane_values.h"
@@ -115,6 +116,7 @@ StepKernel* tree_held_kernel(int lanes, Isa isa);
 StepKernel* free_midpoint_kernel(int lanes, Isa isa);
 StepKernel* free_euler_kernel(int lanes, Isa isa);
 StepKernel* free_rk4_kernel(int lanes, Isa isa);
+StepKernel* free_air_kernel(int lanes, Isa isa);
 StepKernel* free_held_kernel(IntegratorChoice integrator, int lanes, Isa isa);
 
 /// Immutable; refers to the world, which must outlive it.
@@ -127,6 +129,10 @@ struct StepPlan {
   bool has_kernels() const {
     return !is_error_controlled(world.scenario.stepping.integrator) && use != DynamicsUse::kSimbody;
   }
+  bool has_held() const { return held != HeldKind::kNothing; }
+  /// Whether lanes read their own parameters even where these are nominal: each way of reading
+  /// takes the compiler long.
+  bool never_shares() const { return held == HeldKind::kAnything; }
   /// Those for groups of kGroupLanes lanes, or of one.
   const StepKernels& kernels(int lanes) const {
     return lanes == 1 ? kernels_of_one : kernels_of_all;
@@ -140,7 +146,7 @@ struct StepPlan {
   CouplingScene couplings;
   std::optional<FreeRobots> free_robots;  ///< where the world has no others: they go quicker
   std::vector<DrivenBase> drives;
-  bool has_held = false;  ///< effects hold something of the world
+  HeldKind held = HeldKind::kNothing;
   DerivedLayout derived;
   std::vector<double> nominal_params;  ///< the whole block
   std::vector<double> nominal_derived;

@@ -103,8 +103,9 @@ TEST_F(DrydenTest, HasTheStandardsScalesAndIntensitiesAtEveryHeight) {
       const Instance dryden("dryden", world, with(given));
       Group zero = environments(dryden);
       for (int l = 0; l < kLanes; ++l) zero.at(zero.bodies, 2, l) = is_own_height ? height : 70.0;
+      dryden.call(Call::kReset, zero, kAll);  // looks at the height
       Group one = zero;
-      for (int k = 3; k < 8; ++k) one.at(one.buffer, k) = 1.0;
+      for (int k = 3; k < 8; ++k) one.at(one.buffer, k) += 1.0;
       apply(dryden, zero);  // the same noise in both
       apply(dryden, one);
       const Expected want = expected_at(height);

@@ -1,0 +1,191 @@
+"""What air and actuator effects cost on hover, and what a request costs beside a respawn.
+
+    .venv/bin/python experiments/air_speed.py [--quick] [--out DIR]
+
+Rates are physics steps a second of all environments on one core, in one run.
+"""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import skybody
+from program_bench import Case, run
+from skybody.program import run_program
+from skybody.requests import Draw
+from throughput import (
+    ACTIONS,
+    arguments,
+    facts,
+    machine_line,
+    markdown_table,
+    output_folder,
+    thousands,
+    write_json,
+)
+
+ENVS = 512
+DRAG = "{plugin: body_drag, parameters: {linear: [0.1, 0.1, 0.2], quadratic: [0.02, 0.02, 0.03]}}"
+DRYDEN = "{plugin: dryden, parameters: {period: 10}}"
+BATTERY = "{plugin: battery}"
+TOGETHER = "body_drag, dryden and battery"
+
+
+def effects(table: Path) -> dict[str, str]:
+    """Each effect alone with something to do, as a value of `effects`; and those of the bar.
+
+    @param table  CSV of wind
+    """
+    alone = {
+        "battery": BATTERY,
+        "blade_flapping": "{plugin: blade_flapping, parameters: "
+        "{flapping: 1e-5, axial_drag: 1e-5, translational_lift: 1e-3}}",
+        "body_drag": DRAG,
+        "ceiling_effect": "{plugin: ceiling_effect, parameters: {height: 4, radius: 0.1}}",
+        "downwash": "{plugin: downwash, parameters: {radius: 0.1}}",
+        "dryden": DRYDEN,
+        "ground_effect": "{plugin: ground_effect, parameters: {radius: 0.1}}",
+        "motor": "{plugin: motor, parameters: "
+        "{torque_constant: 0.0055, resistance: 0.1, max_current: 30, voltage: 16.8}}",
+        "rotor_failure": "{plugin: rotor_failure, parameters: {earliest: 0.1, latest: 0.4}}",
+        "thrust_curve": "{plugin: thrust_curve, parameters: {thrust: [0, 0, 1.9533e-6], "
+        "thrust_by_advance: [-0.4, -0.5], diameter: 0.2}}",
+        "wind": "{plugin: wind, parameters: {velocity: [2, 1, 0], gust_speed: 3}}",
+        "wind_table": f"{{plugin: wind_table, parameters: {{file: {table}, loop: true}}}}",
+    }
+    cases = {name: f"[{effect}]" for name, effect in alone.items()}
+    return cases | {TOGETHER: f"[{DRAG}, {DRYDEN}, {BATTERY}]"}
+
+
+def rates(trials: int, seconds: float) -> dict[str, list[float]]:
+    """Hover alone, and with each of effects()."""
+    with tempfile.TemporaryDirectory() as folder:
+        table = Path(folder) / "wind.csv"
+        table.write_text("t,x,y,z\n0,0,0,0\n1,3,1,0.2\n2,0,0,0\n")
+        cases = {"hover": "[]"} | effects(table)
+        found: dict[str, list[float]] = {name: [] for name in cases}
+        for trial in range(trials):
+            for name, value in cases.items():
+                case = Case(name, "hover", envs=ENVS, overrides=(f"effects={value}",))
+                found[name].append(run(case, seconds)["rate"])
+                print(f"{trial + 1}/{trials} {name}: {found[name][-1]:,.0f}", flush=True)
+    return found
+
+
+# --- requests ---------------------------------------------------------------------------------
+
+WORLD = "payload"  # vehicle and bob are drawn
+MASS = "robots.quad.links.base_link.mass"
+ROUND = 100  # steps of all environments between two looks at the clock
+
+
+def seconds_a_step(pool: skybody.Pool, before: Callable[[], None]) -> float:
+    """The least of five rounds: others' work only adds [s, for all environments]."""
+    rows = np.full((ENVS, pool.compiled.action_size), ACTIONS["hold"], np.float32)
+    least = np.inf
+    for _ in range(5):
+        start = time.perf_counter()
+        for _ in range(ROUND):
+            before()
+            pool.step(rows)
+        least = min(least, (time.perf_counter() - start) / ROUND)
+    return float(least)
+
+
+def respawn_seconds() -> float:
+    """The paper's respawn in our terms: the model built anew, on Simbody, and three steps [s]."""
+    least = np.inf
+    for seed in range(5):
+        start = time.perf_counter()
+        compiled = skybody.CompiledScenario(
+            WORLD, overrides=["stepping.dynamics=simbody", "stepping.action_repeat=1"]
+        )
+        simulation = skybody.Simulation(compiled, seed=seed)
+        simulation.reset()
+        for _ in range(3):
+            simulation.step(np.zeros(compiled.action_size, np.float32))
+        least = min(least, time.perf_counter() - start)
+    return float(least)
+
+
+def request_costs() -> dict[str, float]:
+    """For one environment [s]."""
+    compiled = skybody.CompiledScenario(WORLD)
+    draw = {MASS: Draw(range=(0.9, 1.1), form="scale")}
+    with skybody.make_pool(compiled, ENVS, num_threads=1, seed=1, infos=False) as pool:
+        pool.reset()
+        step = seconds_a_step(pool, lambda: None)
+        value = seconds_a_step(pool, lambda: pool.request(None, {MASS: 1.1}))
+        drawn = seconds_a_step(pool, lambda: pool.request(None, draw))
+        redrawn = seconds_a_step(pool, lambda: pool.randomize(None))
+    return {
+        "step": step / ENVS,
+        "value": (value - step) / ENVS,
+        "draw": (drawn - step) / ENVS,
+        "redraw": (redrawn - step) / ENVS,
+        "respawn": respawn_seconds(),
+    }
+
+
+def page(found: dict[str, Any]) -> str:
+    median = {name: statistics.median(rates) for name, rates in found["rates"].items()}
+    rows = [["effects", "steps/s", "of hover", "ns a step"]]
+    for name, rate in median.items():
+        cost = "" if name == "hover" else f"{1e9 / rate - 1e9 / median['hover']:.0f}"
+        rows.append([name, thousands(rate), f"{rate / median['hover']:.2f}", cost])
+    costs = found["requests"]
+    what = {
+        "step": "an action: 10 physics steps, reward, observation",
+        "value": "request of a value (mass), besides",
+        "draw": "request of a draw of it, besides",
+        "redraw": "`randomize`: all that its randomizers draw, besides",
+        "respawn": "respawn: the model read and built anew on Simbody, 3 physics steps",
+    }
+    table = [["for one environment", "us"]]
+    table += [[text, f"{1e6 * costs[key]:,.2f}"] for key, text in what.items()]
+    return f"""# Speed in the air: effects and requests
+
+{machine_line(found["facts"])}
+
+    .venv/bin/python experiments/air_speed.py
+
+Thousands of physics steps a second of `hover` as it is shipped (K = 1), {ENVS} environments on one
+core, median of {found["trials"]} trials of {found["seconds"]:g} s, in one run. Each effect has
+something to do: what it is given stands in the script. `dryden` makes a new value each 10 ms.
+
+{markdown_table(rows)}
+
+## Requests
+
+World `{WORLD}`, {ENVS} environments, one thread, from Python, the least of five rounds of {ROUND}
+steps. A new mass or inertia makes the vehicle's constants anew. The GzDRL paper respawns the model for that, which takes
+it three physics steps; here is what the same takes with Simbody in Gazebo's place.
+
+{markdown_table(table)}
+"""
+
+
+def main() -> int:
+    parser = arguments(__doc__ or "")
+    options = parser.parse_args()
+    folder = output_folder(parser, options)
+    trials, seconds = (1, 0.5) if options.quick else (5, 2.0)
+    found: dict[str, Any] = {"facts": facts(), "trials": trials, "seconds": seconds}
+    found |= {"rates": rates(trials, seconds), "requests": request_costs()}
+    text = page(found)
+    print(text)
+    if folder is None:
+        return 0
+    (folder / "air_speed.md").write_text(text)
+    write_json(folder / "data/air_speed.json", found)
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
