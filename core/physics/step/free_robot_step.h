@@ -288,21 +288,33 @@ class FreeRobotStep {
     if constexpr (kIsHeld) {
       rotors = held_rotor_forces<Real>(group, world_.rotors.data(), in_.params, &in_.held,
                                        run_of_world, unit, velocity, body.spin);
-    } else if (is_level()) {
-      const double height = world_.rotors[static_cast<std::size_t>(first_rotor())].position.z;
-      rotors = level.force(height, unit, velocity, body.spin);
     } else {
-      const auto constants = [&](int i) SKYBODY_INLINE_LAMBDA {
-        return in_.params + world_.rotors[static_cast<std::size_t>(i)].params;
-      };
-      rotors = sum_rotors<Real>(group, world_.rotors.data(), constants, run_of_world, unit,
-                                velocity, body.spin);
+      if (is_level()) rotors = level.force(factors_[kHubFactor + 2], unit, velocity, body.spin);
+      if (!is_level() || has_uneven_hubs()) {
+        const auto constants = [&](int i) SKYBODY_INLINE_LAMBDA {
+          return in_.params + world_.rotors[static_cast<std::size_t>(i)].params;
+        };
+        rotors = select(has_even_hubs(), rotors,
+                        sum_rotors<Real>(group, world_.rotors.data(), constants, run_of_world, unit,
+                                         velocity, body.spin));
+      }
     }
     FreeLoad<Real, Values> load(body, constants_, known_shape(),
                                 load_vec3(world_constants() + kGravity), rotors);
     add_outer_forces(body, load);
     return load.rates();
   }
+
+  /// Where the hubs of level rotors, which may be drawn, are at one height.
+  SKYBODY_INLINE MaskOf<Real> has_even_hubs() const {
+    MaskOf<Real> is_even(is_level());
+    for (int i = 1; i < rotor_count(); ++i) {
+      const Real height = factors_[kRotorFactorCount * i + kHubFactor + 2];
+      is_even = logical_and(is_even, height == factors_[kHubFactor + 2]);
+    }
+    return is_even;
+  }
+  SKYBODY_INLINE bool has_uneven_hubs() const { return !kIsNominal && !all(has_even_hubs()); }
 
   SKYBODY_INLINE KnownShape known_shape() const {
     if (kIsPlain) return {true, true};
