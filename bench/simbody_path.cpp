@@ -36,7 +36,7 @@ Scenario make_hover() {
   robot.model.bodies.push_back(base);
   for (int i = 0; i < 4; ++i) {
     Rotor rotor;
-    rotor.position = {kHover.hub[i][0], kHover.hub[i][1], 0};
+    rotor.set_position({kHover.hub[i][0], kHover.hub[i][1], 0});
     rotor.direction = kHover.direction[i];
     rotor.constants[kThrustConstant] = kHover.kf;
     rotor.constants[kMomentConstant] = kHover.km;

@@ -85,7 +85,9 @@
   X(SKYBODY_ROTOR_TAU_UP, kTauUp, "tau_up", "s", 1, (0), 0, 100, 0,                                \
     "time constant while speeding up; 0: immediate")                                               \
   X(SKYBODY_ROTOR_TAU_DOWN, kTauDown, "tau_down", "s", 1, (0), 0, 100, 0,                          \
-    "time constant while slowing down; 0: immediate")
+    "time constant while slowing down; 0: immediate")                                              \
+  X(SKYBODY_ROTOR_POSITION, kRotorPosition, "position", "m", 3, (), -1000, 1000, -INFINITY,        \
+    "hub; in files in the frame of the link that carries it, else in the body's")
 
 /* Paths: obstacles.pole.position[0]. Files: shape and pose of `obstacles`. */
 #define SKYBODY_OBSTACLE_CONSTANTS(X)                                                              \

@@ -71,7 +71,7 @@ SkybodyRotorInfo rotor_info(const Topology& topology, const Layout& layout, int 
   info.name = r.name.c_str();
   info.robot = w.robot;
   info.body = w.body;
-  copy(r.position, info.position);
+  copy(r.position(), info.position);
   copy(r.axis, info.axis);
   info.direction = r.direction;
   std::copy(r.constants.begin(), r.constants.end(), info.constants);

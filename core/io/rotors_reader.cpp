@@ -66,7 +66,6 @@ class RotorsReader {
     const MapReader reader(&node, rotor_fields(), node.mark, diagnostics_);
     Rotor rotor;
     rotor.name = reader.text("name");
-    rotor.position = reader.vec3("position");
     rotor.axis = reader.vec3("axis");
     rotor.direction = reader.text("direction") == "ccw" ? 1 : -1;
     read_constants(reader, kRotorConstants, rotor.constants.data());
@@ -117,7 +116,7 @@ class RotorsReader {
     const Link base{"", 0, Pose{}, {0.0, 0.0, 0.0}};
     const Link& link = name.empty() ? base : model_.links[static_cast<std::size_t>(index)];
     rotor.body = link.body;
-    rotor.position = transform(link.pose, rotor.position);
+    rotor.set_position(transform(link.pose, rotor.position()));
     rotor.axis = rotate(link.pose.rotation, rotor.axis / length);
   }
 

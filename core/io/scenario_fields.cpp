@@ -333,8 +333,6 @@ const MapSpec& rotor_fields() {
           {
               required(name_field("its name in paths")),
               text_field("link", "", "the link that carries it; default: the base"),
-              required(
-                  vector_field("position", "m", {0, 0, 0}, -1000, 1000, "hub in the link's frame")),
               vector_field("axis", "", {0, 0, 1}, -kFar, kFar,
                            "thrust direction in the link's frame, any length but 0"),
               required(

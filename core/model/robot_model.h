@@ -135,11 +135,22 @@ struct Body {
 /// One rotor with its nominal constants.
 struct Rotor {
   std::string name;
-  int body = 0;                          ///< index into RobotModel::bodies
-  Vec3<double> position{0.0, 0.0, 0.0};  ///< hub in the body's frame [m]
-  Vec3<double> axis{0.0, 0.0, 1.0};      ///< thrust direction in the body's frame, unit
-  int direction = 1;  ///< +1: turns counter-clockwise about `axis`; -1: clockwise
+  int body = 0;                      ///< index into RobotModel::bodies
+  Vec3<double> axis{0.0, 0.0, 1.0};  ///< thrust direction in the body's frame, unit
+  int direction = 1;                 ///< +1: turns counter-clockwise about `axis`; -1: clockwise
   std::array<double, kRotorParamCount> constants{};  ///< values of kRotorConstants
+
+  /// Hub in the body's frame [m].
+  Vec3<double> position() const {
+    const double* p = &constants[kRotorPosition];
+    return {p[0], p[1], p[2]};
+  }
+  void set_position(const Vec3<double>& hub) {
+    double* p = &constants[kRotorPosition];
+    p[0] = hub.x;
+    p[1] = hub.y;
+    p[2] = hub.z;
+  }
 };
 
 /// A robot: bodies in an order in which parents come before children.

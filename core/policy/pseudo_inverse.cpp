@@ -19,7 +19,7 @@ std::vector<double> allocation_of(const World& world, int robot) {
   for (Eigen::Index k = 0; k < rotors; ++k) {
     const Rotor& r = model.rotors[static_cast<std::size_t>(k)];
     if (r.body != 0) return {};
-    const Vec3<double> arm = r.position - model.bodies[0].mass.com;
+    const Vec3<double> arm = r.position() - model.bodies[0].mass.com;
     const Vec3<double> torque =
         cross(arm, r.axis) -
         (r.direction * r.constants[kMomentConstant] / r.constants[kThrustConstant]) * r.axis;

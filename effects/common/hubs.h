@@ -11,8 +11,9 @@ namespace skybody::effect {
 /// A rotor on its body.
 struct Hub {
   int rotor = 0;                ///< index in the world
-  Vec3<double> position, axis;  ///< [m] and unit vector in the direction of thrust, body axes
+  Vec3<double> position, axis;  ///< nominal [m]; unit vector in the direction of thrust; body axes
   int thrust_constant = 0;      ///< index for EnvView::param()
+  int place = 0;                ///< likewise, of the position's x: y and z follow
 };
 
 /// A body that carries rotors.
@@ -34,7 +35,8 @@ inline std::vector<Carrier> carriers_of(const Setup& setup, const std::vector<in
       carriers[c].hubs.push_back({static_cast<int>(&rotor - setup.rotors().begin()),
                                   {p[0], p[1], p[2]},
                                   {n[0], n[1], n[2]},
-                                  rotor.first_param + SKYBODY_ROTOR_THRUST_CONSTANT});
+                                  rotor.first_param + SKYBODY_ROTOR_THRUST_CONSTANT,
+                                  rotor.first_param + SKYBODY_ROTOR_POSITION});
     }
   }
   return carriers;
@@ -50,7 +52,7 @@ SKYBODY_INLINE void each_hub(const std::vector<Carrier>& carriers, const EnvView
     const BodyMotion<Real> body = env.body(carrier.body);
     const Vec3<Real> up = rotate_inverse(body.rotation, z);
     for (const Hub& hub : carrier.hubs) {
-      const Real height = body.position.z + dot(up, to_real<Real>(hub.position));
+      const Real height = body.position.z + dot(up, env.param_vec3(hub.place));
       visit(hub, height, dot(up, to_real<Real>(hub.axis)));
     }
   }

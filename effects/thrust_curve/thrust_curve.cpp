@@ -41,7 +41,8 @@ class ThrustCurve : public Effect {
  private:
   struct Rotor {
     int index, body;                ///< in the world
-    Vec3<double> position, axis;    ///< in the body's frame
+    int place;                      ///< EnvParam of the hub's x; y and z follow
+    Vec3<double> axis;              ///< in the body's frame
     double per_thrust, per_moment;  ///< 1 / k_f and 1 / k_m, nominal
     double least_speed;             ///< [rad/s]
   };
@@ -71,7 +72,7 @@ class ThrustCurve : public Effect {
   SKYBODY_INLINE Real advance_ratio(const EnvView<Real>& env, const Rotor& rotor,
                                     const Real& speed) const {
     const BodyMotion<Real> body = env.body(rotor.body);
-    const Vec3<Real> position = lift<Real>(rotor.position), axis = lift<Real>(rotor.axis);
+    const Vec3<Real> position = env.param_vec3(rotor.place), axis = lift<Real>(rotor.axis);
     const Vec3<Real> hub =
         rotate_inverse(body.rotation, body.velocity) + cross(body.angular_velocity, position);
     const Real advance = dot(hub, axis) * (kTwoPi / diameter_.value()) / speed;
@@ -93,7 +94,7 @@ class ThrustCurve : public Effect {
     }
     rotors_.push_back({static_cast<int>(&rotor - setup.rotors().begin()),
                        rotor.body,
-                       {rotor.position[0], rotor.position[1], rotor.position[2]},
+                       rotor.first_param + SKYBODY_ROTOR_POSITION,
                        {rotor.axis[0], rotor.axis[1], rotor.axis[2]},
                        1.0 / constants[SKYBODY_ROTOR_THRUST_CONSTANT],
                        moment > 0.0 ? 1.0 / moment : 0.0,

@@ -105,6 +105,10 @@ class EnvView {
   Real param(int index) const {
     return values_of(raw_.params, "param", [](const SkybodyChecks& c) { return c.params; })[index];
   }
+  /// Three of them, `first` and those behind it: a vector such as a rotor's position.
+  Vec3<Real> param_vec3(int first) const {
+    return {param(first), param(first + 1), param(first + 2)};
+  }
   /// A sensor's output value; see Setup::sensor().
   Real sensor(int index) const {
     return values_of(raw_.sensors, "sensor",

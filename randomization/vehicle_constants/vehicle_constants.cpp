@@ -46,7 +46,7 @@ class VehicleConstants : public Randomizer {
   }
 
  private:
-  static constexpr int kRotorConstants = SKYBODY_ROTOR_CONSTANT_COUNT;
+  static constexpr int kRotorConstants = SKYBODY_ROTOR_TAU_DOWN + 1;  // not the hub's position
   static constexpr int kBodyConstants = SKYBODY_BODY_CONSTANT_COUNT;
   /// In the order of SkybodyRotorConstant.
   static constexpr const char* kRotorNames[kRotorConstants] = {

@@ -102,8 +102,9 @@ class PluginWorld {
   void add_rotor(int owner, const double (&position)[3], double direction) {
     SkybodyRotorInfo r{};
     const std::string name = "rotor" + std::to_string(robots[at(owner)].rotor_count);
-    const double constants[SKYBODY_ROTOR_CONSTANT_COUNT] = {1.9533e-6, 2.8401e-8, 2.0673e-5, 1e-9,
-                                                            4.92e-6,   2246.0,    0.0125,    0.025};
+    const double constants[SKYBODY_ROTOR_CONSTANT_COUNT] = {
+        1.9533e-6, 2.8401e-8, 2.0673e-5,   1e-9,        4.92e-6,    2246.0,
+        0.0125,    0.025,     position[0], position[1], position[2]};
     r.name = keep(name);
     r.robot = owner;
     r.body = robots[at(owner)].first_body;

@@ -22,4 +22,11 @@ struct SpatialForce {
   }
 };
 
+/// a where the mask is set, else b.
+template <class Real>
+SKYBODY_INLINE SpatialForce<Real> select(const MaskOf<Real>& mask, const SpatialForce<Real>& a,
+                                         const SpatialForce<Real>& b) {
+  return {select(mask, a.moment, b.moment), select(mask, a.force, b.force)};
+}
+
 }  // namespace skybody

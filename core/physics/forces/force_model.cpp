@@ -2,10 +2,11 @@
 
 namespace skybody {
 
-bool are_in_rows(const RotorPlace* rotors) {
+bool are_in_rows(const RotorPlace* rotors, const double* params) {
+  const Vec3<double> first = hub_of<double>(params + rotors[0].params);
   const auto is_at = [&](const RotorPlace& rotor, double x_sign, double y_sign) {
-    return rotor.position.x == x_sign * rotors[0].position.x &&
-           rotor.position.y == y_sign * rotors[0].position.y &&
+    const Vec3<double> hub = hub_of<double>(params + rotor.params);
+    return hub.x == x_sign * first.x && hub.y == y_sign * first.y &&
            rotor.direction == x_sign * y_sign * rotors[0].direction;
   };
   return is_at(rotors[1], 1, -1) && is_at(rotors[2], -1, 1) && is_at(rotors[3], -1, -1);
@@ -13,9 +14,7 @@ bool are_in_rows(const RotorPlace* rotors) {
 
 RotorPlace make_rotor_place(const World& world, std::size_t index) {
   const Rotor& rotor = *world.rotors[index].model;
-  const Vec3<double>& p = rotor.position;
-  return {p, rotor.axis, static_cast<double>(rotor.direction), p.x * p.x + p.y * p.y,
-          world.layout.rotor_params[index]};
+  return {rotor.axis, static_cast<double>(rotor.direction), world.layout.rotor_params[index]};
 }
 
 std::vector<RotorPlace> make_rotor_places(const World& world) {
@@ -36,8 +35,8 @@ std::vector<RotorGroup> make_rotor_groups(const World& world) {
     RotorGroup& group = groups.back();
     ++group.count;
     const Vec3<double>& n = rotor.model->axis;
-    const double height = world.rotors[static_cast<std::size_t>(group.first)].model->position.z;
-    group.is_level &= n.x == 0.0 && n.y == 0.0 && n.z == 1.0 && rotor.model->position.z == height;
+    const double height = world.rotors[static_cast<std::size_t>(group.first)].model->position().z;
+    group.is_level &= n.x == 0.0 && n.y == 0.0 && n.z == 1.0 && rotor.model->position().z == height;
   }
   return groups;
 }

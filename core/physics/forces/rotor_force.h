@@ -24,13 +24,20 @@
 
 namespace skybody {
 
-/// A rotor on its body.
+/// A rotor on its body. Where its hub is, its constants say (hub_of).
 struct RotorPlace {
-  Vec3<double> position, axis;  ///< hub [m] and thrust direction, body axes
-  double direction = 1.0;       ///< +1 or -1
-  double squared_radius = 0.0;  ///< of the hub from the body's z axis [m^2]
-  int params = 0;               ///< first of its kRotorParamCount values
+  Vec3<double> axis;       ///< thrust direction, body axes
+  double direction = 1.0;  ///< +1 or -1
+  int params = 0;          ///< first of its kRotorParamCount values
 };
+
+/// A rotor's hub [m], body axes.
+/// @param constants  the rotor's kRotorParamCount values
+template <class Real, class Constants>
+SKYBODY_INLINE Vec3<Real> hub_of(const Constants& constants) {
+  return {Real(constants[kRotorPosition]), Real(constants[kRotorPosition + 1]),
+          Real(constants[kRotorPosition + 2])};
+}
 
 /// Gains act on the first of a rotor's constants, in this order.
 inline constexpr int kGainedConstants = kHeldInputs[SKYBODY_HELD_ROTOR_GAIN].size;
@@ -63,7 +70,7 @@ template <class Real, class Constants>
 SKYBODY_INLINE void add_rotor_force(const Constants& constants, const RotorPlace& place,
                                     const RotorMotion<Real>& rotor, const Vec3<Real>& velocity,
                                     const Vec3<Real>& spin, SpatialForce<Real>& sum) {
-  const Vec3<Real> position = to_real<Real>(place.position), axis = to_real<Real>(place.axis);
+  const Vec3<Real> position = hub_of<Real>(constants), axis = to_real<Real>(place.axis);
   const Real w = rotor.speed, squared = rotor.squared, signed_w = place.direction * w;
   const Vec3<Real> hub = velocity + cross(spin, position);
   const Vec3<Real> across = hub - axis * dot(hub, axis);
@@ -85,7 +92,8 @@ enum RotorFactor : int {
   kRollingFactor = 8,   ///< 3: s c_r, s c_r x, s c_r y
   kInertiaFactor = 11,  ///< s J
   kSpeedLimit = 12,     ///< the rotor's own, as it is
-  kRotorFactorCount = 13
+  kHubFactor = 13,      ///< 3: x, y, z of the hub, as they are
+  kRotorFactorCount = 16
 };
 
 /// @param constants  the rotor's kRotorParamCount values
@@ -93,7 +101,8 @@ enum RotorFactor : int {
 template <class Constants, class Real>
 SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPlace& place,
                                        Real* out) {
-  const double x = place.position.x, y = place.position.y;
+  const Vec3<Real> hub = hub_of<Real>(constants);
+  const Real &x = hub.x, &y = hub.y;
   const Real thrust = constants[kThrustConstant], drag = constants[kDragConstant];
   const Real rolling = constants[kRollingMomentConstant] * place.direction;
   out[kThrustFactor] = thrust;
@@ -103,12 +112,13 @@ SKYBODY_INLINE void make_rotor_factors(const Constants& constants, const RotorPl
   out[kDragFactor] = drag;
   out[kDragFactor + 1] = drag * x;
   out[kDragFactor + 2] = drag * y;
-  out[kDragFactor + 3] = drag * place.squared_radius;
+  out[kDragFactor + 3] = drag * (x * x + y * y);
   out[kRollingFactor] = rolling;
   out[kRollingFactor + 1] = rolling * x;
   out[kRollingFactor + 2] = rolling * y;
   out[kInertiaFactor] = constants[kRotorInertia] * place.direction;
   out[kSpeedLimit] = constants[kMaxSpeed];
+  for (int k = 0; k < 3; ++k) out[kHubFactor + k] = constants[kRotorPosition + k];
 }
 
 /// A rotor's factors, scaled by what effects hold of its constants.
@@ -151,7 +161,8 @@ struct RowSums {
 
 /// Whether the first four places are the corners of a rectangle about the body's z axis, at (x, y),
 /// (x, -y), (-x, y) and (-x, -y), and neighbours turn against each other.
-bool are_in_rows(const RotorPlace* rotors);
+/// @param params  of the environment
+bool are_in_rows(const RotorPlace* rotors, const double* params);
 
 /// Rotors of one body with the body's z as their axis and their hubs at one height: what they do
 /// together, from sums over the rotors that know nothing of the body's motion.
@@ -211,7 +222,8 @@ class LevelRotors {
   /// @param unit    of the accelerations [rad/s^2]
   /// @param velocity, spin  as for add_rotor_force
   /// @returns about the body's origin, body axes
-  SKYBODY_INLINE SpatialForce<Real> force(double height, double unit, const Vec3<Real>& velocity,
+  SKYBODY_INLINE SpatialForce<Real> force(const Real& height, double unit,
+                                          const Vec3<Real>& velocity,
                                           const Vec3<Real>& spin) const {
     // Velocity across the axis of a hub at x, y: (hub_x - spin_z y, hub_y + spin_z x).
     const Real hub_x = velocity.x + spin.y * height, hub_y = velocity.y - spin.x * height;
@@ -254,7 +266,7 @@ class LevelRotors {
   Real spin_up_;     ///< s J dw/dt [N m], over the unit of dw/dt
 };
 
-/// Whether four rotors in rows have equal constants.
+/// Whether four rotors that are nominally in rows have equal constants, and are in rows.
 /// @param factors  of all, one after another
 template <class Factors>
 SKYBODY_INLINE auto are_alike(const Factors& factors) {
@@ -265,6 +277,9 @@ SKYBODY_INLINE auto are_alike(const Factors& factors) {
          {kThrustFactor, kMomentFactor, kDragFactor, kRollingFactor, kInertiaFactor}) {
       alike = logical_and(alike, abs(other[k]) == abs(factors[k]));
     }
+    const double x_sign = rotor == 1 ? 1.0 : -1.0, y_sign = rotor == 2 ? 1.0 : -1.0;
+    alike = logical_and(alike, other[kHubFactor] == x_sign * factors[kHubFactor]);
+    alike = logical_and(alike, other[kHubFactor + 1] == y_sign * factors[kHubFactor + 1]);
   }
   return alike;
 }
@@ -272,7 +287,7 @@ SKYBODY_INLINE auto are_alike(const Factors& factors) {
 /// Consecutive rotors on one body.
 struct RotorGroup {
   int body = 0, first = 0, count = 0;
-  bool is_level = false;  ///< they go as LevelRotors
+  bool is_level = false;  ///< by the nominal places they go as LevelRotors
 };
 
 /// What the rotors of any group do to their body, one by one.
@@ -296,14 +311,13 @@ SKYBODY_INLINE SpatialForce<Real> sum_rotors(const RotorGroup& group, const Roto
   return sum;
 }
 
-/// The same by the quicker way where there is one.
+/// Rotors whose axes are the body's z, where their hubs are at one height.
 template <class Real, class Constants, class Motion>
-SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
-                                               Constants&& constants, Motion&& motion, double unit,
-                                               const Vec3<Real>& velocity, const Vec3<Real>& spin) {
-  if (!group.is_level) {
-    return sum_rotors<Real>(group, places, constants, motion, unit, velocity, spin);
-  }
+SKYBODY_INLINE SpatialForce<Real> level_rotor_forces(const RotorGroup& group,
+                                                     const RotorPlace* places,
+                                                     Constants&& constants, Motion&& motion,
+                                                     double unit, const Vec3<Real>& velocity,
+                                                     const Vec3<Real>& spin) {
   const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
     Real factors[kRotorFactorCount];
     make_rotor_factors(constants(i), places[i], factors);
@@ -311,17 +325,42 @@ SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const Ro
   };
   LevelRotors<Real> rotors = alone(group.first);
   for (int i = group.first + 1; i < group.first + group.count; ++i) rotors += alone(i);
-  return rotors.force(places[group.first].position.z, unit, velocity, spin);
+  return rotors.force(Real(constants(group.first)[kRotorPosition + 2]), unit, velocity, spin);
+}
+
+/// The same by the quicker way in lanes that have one: of a level group those whose hubs, which may
+/// be drawn, are at one height.
+template <class Real, class Constants, class Motion>
+SKYBODY_INLINE SpatialForce<Real> rotor_forces(const RotorGroup& group, const RotorPlace* places,
+                                               Constants&& constants, Motion&& motion, double unit,
+                                               const Vec3<Real>& velocity, const Vec3<Real>& spin) {
+  SpatialForce<Real> level = SpatialForce<Real>::zero();
+  MaskOf<Real> is_level(false);
+  if (group.is_level) {
+    const auto height = [&](int i) SKYBODY_INLINE_LAMBDA {
+      return Real(constants(i)[kRotorPosition + 2]);
+    };
+    level = level_rotor_forces<Real>(group, places, constants, motion, unit, velocity, spin);
+    is_level = MaskOf<Real>(true);
+    for (int i = 1; i < group.count; ++i) {
+      is_level = logical_and(is_level, height(group.first + i) == height(group.first));
+    }
+    if (all(is_level)) return level;
+  }
+  return select(is_level, level,
+                sum_rotors<Real>(group, places, constants, motion, unit, velocity, spin));
 }
 
 /// What the air at the hubs does besides, where effects hold it (core/base/held_inputs.h,
 /// SkybodyRotorFlow): S. Folk, J. Paulos, V. Kumar, "RotorPy: A Python-based multirotor simulator
 /// with aerodynamics for education and research", 2023, section "Rotor aerodynamics".
-/// @param flow  of all rotors of the world
-template <class Real, class Flow, class Motion>
+/// @param params  of the environment: a pointer, or a view
+/// @param flow    of all rotors of the world
+template <class Real, class Params, class Flow, class Motion>
 SKYBODY_INLINE void add_flow_forces(const RotorGroup& group, const RotorPlace* places,
-                                    const Flow& flow, Motion&& motion, const Vec3<Real>& velocity,
-                                    const Vec3<Real>& spin, SpatialForce<Real>& sum) {
+                                    const Params& params, const Flow& flow, Motion&& motion,
+                                    const Vec3<Real>& velocity, const Vec3<Real>& spin,
+                                    SpatialForce<Real>& sum) {
   constexpr int kSize = kHeldInputs[SKYBODY_HELD_ROTOR_FLOW].size;
   for (int i = group.first; i < group.first + group.count; ++i) {
     const Vec3<Real> c{flow[kSize * i + SKYBODY_FLOW_AXIAL_DRAG],
@@ -329,7 +368,7 @@ SKYBODY_INLINE void add_flow_forces(const RotorGroup& group, const RotorPlace* p
                        flow[kSize * i + SKYBODY_FLOW_LIFT]};
     const auto any = is_not_zero(c);
     if (none(any)) continue;
-    const Vec3<Real> position = to_real<Real>(places[i].position);
+    const Vec3<Real> position = hub_of<Real>(params + places[i].params);
     const Vec3<Real> axis = to_real<Real>(places[i].axis);
     const Vec3<Real> hub = velocity + cross(spin, position);
     const Real along = dot(hub, axis), w = motion(i).speed;
@@ -360,7 +399,8 @@ SKYBODY_INLINE SpatialForce<Real> held_rotor_forces(const RotorGroup& group,
           ? rotor_forces<Real>(group, places, gained, motion, unit, velocity, spin)
           : rotor_forces<Real>(group, places, own, motion, unit, velocity, spin);
   if (held != nullptr && held->has(SKYBODY_HELD_ROTOR_FLOW)) {
-    add_flow_forces(group, places, (*held)[SKYBODY_HELD_ROTOR_FLOW], motion, velocity, spin, sum);
+    add_flow_forces<Real>(group, places, params, (*held)[SKYBODY_HELD_ROTOR_FLOW], motion, velocity,
+                          spin, sum);
   }
   return sum;
 }

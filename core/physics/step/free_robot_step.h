@@ -289,22 +289,50 @@ class FreeRobotStep {
     SpatialForce<Real> rotors = SpatialForce<Real>::zero();
     const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA { return run(i - group.first); };
     if (is_level()) {
-      const double height = world_.rotors[static_cast<std::size_t>(first_rotor())].position.z;
-      rotors = level.force(height, unit, velocity, body.spin);
+      rotors = level.force(factors_[kHubFactor + 2], unit, velocity, body.spin);
       if (is_held(SKYBODY_HELD_ROTOR_FLOW)) {
-        add_flow_forces(group, world_.rotors.data(), in_.held[SKYBODY_HELD_ROTOR_FLOW],
-                        run_of_world, velocity, body.spin, rotors);
+        add_flow_forces<Real>(group, world_.rotors.data(), in_.params,
+                              in_.held[SKYBODY_HELD_ROTOR_FLOW], run_of_world, velocity, body.spin,
+                              rotors);
       }
-    } else {
-      rotors = held_rotor_forces<Real>(group, world_.rotors.data(), in_.params,
-                                       kHeld == HeldKind::kNothing ? nullptr : &in_.held,
-                                       run_of_world, unit, velocity, body.spin);
+    }
+    if (!is_level() || has_uneven_hubs()) {
+      rotors = select(has_even_hubs(), rotors,
+                      uneven_rotor_forces(run_of_world, unit, velocity, body.spin));
     }
     FreeLoad<Real, Values> load(body, constants_, known_shape(),
                                 load_vec3(world_constants() + kGravity), rotors);
     add_outer_forces(body, velocity, load);
     return load.rates();
   }
+
+  /// Of rotors that are not level, or whose hubs are drawn to other heights.
+  /// @param run  run(i) says how rotor i of the world moves
+  template <class Run>
+  SKYBODY_INLINE SpatialForce<Real> uneven_rotor_forces(const Run& run, double unit,
+                                                        const Vec3<Real>& velocity,
+                                                        const Vec3<Real>& spin) const {
+    const RotorPlace* places = world_.rotors.data();
+    if constexpr (kHeld == HeldKind::kAnything) {
+      return held_rotor_forces<Real>(robot_.rotors, places, in_.params, &in_.held, run, unit,
+                                     velocity, spin);
+    } else {
+      const auto constants = [&](int i)
+                                 SKYBODY_INLINE_LAMBDA { return in_.params + places[i].params; };
+      return sum_rotors<Real>(robot_.rotors, places, constants, run, unit, velocity, spin);
+    }
+  }
+
+  /// Where the hubs of level rotors, which may be drawn, are at one height.
+  SKYBODY_INLINE MaskOf<Real> has_even_hubs() const {
+    MaskOf<Real> is_even(is_level());
+    for (int i = 1; i < rotor_count(); ++i) {
+      const Real height = factors_[kRotorFactorCount * i + kHubFactor + 2];
+      is_even = logical_and(is_even, height == factors_[kHubFactor + 2]);
+    }
+    return is_even;
+  }
+  SKYBODY_INLINE bool has_uneven_hubs() const { return !kIsNominal && !all(has_even_hubs()); }
 
   SKYBODY_INLINE KnownShape known_shape() const {
     if (kIsPlain) return {true, true};

@@ -27,13 +27,13 @@ double square_after(double half) { return 1.0 + half * half; }
 
 /// FreeRobot::are_rotors_alike.
 /// @param places  of all rotors of the world
-bool are_nominally_alike(const World& world, const RotorGroup& group,
-                         const std::vector<RotorPlace>& places) {
-  const std::vector<double> params = world.layout.nominal_params();
+/// @param params  the nominal ones
+bool are_nominally_alike(const RotorGroup& group, const std::vector<RotorPlace>& places,
+                         const double* params) {
   double factors[4 * kRotorFactorCount];
   for (int i = 0; i < 4; ++i) {
     const RotorPlace& place = places[static_cast<std::size_t>(group.first + i)];
-    make_rotor_factors(params.data() + place.params, place, factors + kRotorFactorCount * i);
+    make_rotor_factors(params + place.params, place, factors + kRotorFactorCount * i);
   }
   return are_alike(static_cast<const double*>(factors));
 }
@@ -71,13 +71,15 @@ FreeRobots::FreeRobots(const World& w)
     }
     robots.push_back(robot);
   }
+  const std::vector<double> params = w.layout.nominal_params();
   for (const RotorGroup& group : make_rotor_groups(w)) {
     FreeRobot& robot =
         robots[static_cast<std::size_t>(w.bodies[static_cast<std::size_t>(group.body)].robot)];
     robot.rotors = group;
     robot.are_rotors_in_rows =
-        robot.has_four_level_rotors() && are_in_rows(rotors.data() + group.first);
-    robot.are_rotors_alike = robot.are_rotors_in_rows && are_nominally_alike(w, group, rotors);
+        robot.has_four_level_rotors() && are_in_rows(rotors.data() + group.first, params.data());
+    robot.are_rotors_alike =
+        robot.are_rotors_in_rows && are_nominally_alike(group, rotors, params.data());
     robot.is_plain_quadrotor = is_plain(w, robot);
   }
 }

@@ -18,7 +18,7 @@ struct FreeRobot {
   std::vector<int> sites;           ///< within World::sites
   bool is_disturbed = false;        ///< likewise
   KnownShape shape;                 ///< by the nominal parameters
-  bool are_rotors_in_rows = false;  ///< four level ones, and no others
+  bool are_rotors_in_rows = false;  ///< four level ones, and no others, by the nominal parameters
   bool are_rotors_alike = false;    ///< and these by the nominal parameters
 
   bool has_four_level_rotors() const { return rotors.is_level && rotors.count == 4; }

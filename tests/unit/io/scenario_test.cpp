@@ -139,8 +139,8 @@ TEST_F(ScenarioTest, RotorsBesideTheUrdfAreFoundAndPlacedInBodyFrames) {
   EXPECT_EQ(rotors[1].body, 1);
   EXPECT_EQ(rotors[1].direction, -1);
   // mount: 1 m above the arm's frame, turned about x by 90 degrees: its z is the arm's -y.
-  EXPECT_NEAR(rotors[1].position.y, -0.5, 1e-15);
-  EXPECT_NEAR(rotors[1].position.z, 1.0, 1e-15);
+  EXPECT_NEAR(rotors[1].position().y, -0.5, 1e-15);
+  EXPECT_NEAR(rotors[1].position().z, 1.0, 1e-15);
   EXPECT_NEAR(rotors[1].axis.y, -1.0, 1e-15);
   EXPECT_EQ(rotors[1].constants[kTauUp], 0.01);
 }

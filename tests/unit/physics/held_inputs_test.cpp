@@ -213,7 +213,7 @@ TEST(HeldInputs, TheFlowAtAHubDragsLiftsAndFlaps) {
   }
   Vec3<double> force{0, 0, 0}, moment{0, 0, 0};
   for (std::size_t i = 0; i < 2; ++i) {
-    const Vec3<double> hub_place = with.world.rotors[i].model->position;
+    const Vec3<double> hub_place = with.world.rotors[i].model->position();
     const Vec3<double> hub = rotate_inverse(turn, velocity - wind) + cross(spin, hub_place);
     const Vec3<double> up{0, 0, lift * (hub.x * hub.x + hub.y * hub.y) - axial * w * hub.z};
     force += up;

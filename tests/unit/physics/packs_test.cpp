@@ -131,9 +131,13 @@ void expect_same_bits_shared_or_not(const World& world, Random<double>& random) 
   ways.set(12, aside);
   ways.refresh(1u << 12);
   for (int step = 0; step < 5; ++step) ways.advance(kAllLanes, "one off the axis");
-  ways.set(7, state);
-  ways.set(12, state);
-  ways.refresh(1u << 7 | 1u << 12);
+  LaneState uneven = random_lane(random, world, true);  // its hubs are at different heights
+  uneven.params[static_cast<std::size_t>(world.layout.rotor_params[1]) + kRotorPosition + 2] += 0.1;
+  ways.set(20, uneven);
+  ways.refresh(1u << 20);
+  for (int step = 0; step < 5; ++step) ways.advance(kAllLanes, "one with uneven hubs");
+  for (const int lane : {7, 12, 20}) ways.set(lane, state);
+  ways.refresh(1u << 7 | 1u << 12 | 1u << 20);
   for (int step = 0; step < 5; ++step) ways.advance(kAllLanes, "shared again");
 }
 

@@ -25,7 +25,7 @@ inline RobotModel busy(RobotModel model, Random<double>& random) {
     Rotor rotor;
     rotor.name = "rotor_" + std::to_string(i);
     rotor.body = random.uniform() < 0.7 ? 0 : static_cast<int>(model.bodies.size()) - 1;
-    rotor.position = in_cube(random, 0.2);
+    rotor.set_position(in_cube(random, 0.2));
     rotor.axis = random.uniform() < 0.5 ? Vec3<double>{0, 0, 1}
                                         : rotate(random.quaternion(), Vec3<double>{0, 0, 1});
     rotor.direction = i % 2 == 0 ? 1 : -1;

@@ -31,10 +31,11 @@ struct Case {
     one[kRotorInertia] = random.uniform(1e-6, 1e-5);
     for (const Vec3<double> side : {Vec3<double>{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}) {
       RotorPlace place;
-      place.position = {side.x * hub.x, side.y * hub.y, hub.z};
+      one[kRotorPosition] = side.x * hub.x;
+      one[kRotorPosition + 1] = side.y * hub.y;
+      one[kRotorPosition + 2] = hub.z;
       place.axis = {0, 0, 1};
       place.direction = side.z;
-      place.squared_radius = hub.x * hub.x + hub.y * hub.y;
       place.params = kRotorParamCount * static_cast<int>(places.size());
       places.push_back(place);
       constants.insert(constants.end(), one.begin(), one.end());
@@ -63,7 +64,7 @@ struct Case {
         [&](int i) { return motion[static_cast<std::size_t>(i)]; }, 1.0, velocity, spin);
   }
   SpatialForce<double> force_of(const LevelRotors<double>& level) const {
-    return level.force(places[0].position.z, 1.0, velocity, spin);
+    return level.force(constants[kRotorPosition + 2], 1.0, velocity, spin);
   }
 };
 
@@ -86,10 +87,21 @@ TEST(RotorForce, LevelRotorsDoWhatTheLawSaysRotorByRotor) {
   }
 }
 
+TEST(RotorForce, HubsOfALevelGroupThatAreDrawnToDifferentHeightsGoByTheLaw) {
+  for (std::uint64_t k = 0; k < 1000; ++k) {
+    Case c(k);
+    c.constants[kRotorParamCount + kRotorPosition + 2] += 0.1;
+    const SpatialForce<double> force = rotor_forces<double>(
+        c.group, c.places.data(), [&](int i) { return c.of(i); },
+        [&](int i) { return c.motion[static_cast<std::size_t>(i)]; }, 1.0, c.velocity, c.spin);
+    expect_equal(force, c.by_law());
+  }
+}
+
 TEST(RotorForce, RotorsInRowsDoWhatTheLawSaysRotorByRotor) {
   for (std::uint64_t k = 0; k < 1000; ++k) {
     const Case c(k);
-    ASSERT_TRUE(are_in_rows(c.places.data()));
+    ASSERT_TRUE(are_in_rows(c.places.data(), c.constants.data()));
     const std::vector<double> factors = c.factors();
     ASSERT_TRUE(are_alike(static_cast<const double*>(factors.data())));
     const RotorMotion<double> rotors[4] = {c.motion[0], c.motion[1], c.motion[2], c.motion[3]};
@@ -100,10 +112,18 @@ TEST(RotorForce, RotorsInRowsDoWhatTheLawSaysRotorByRotor) {
 TEST(RotorForce, OtherOrdersTurnsAndConstantsAreNoRowsOfRotorsAlike) {
   Case c(0);
   std::swap(c.places[1], c.places[3]);
-  EXPECT_FALSE(are_in_rows(c.places.data()));
+  EXPECT_FALSE(are_in_rows(c.places.data(), c.constants.data()));
+  for (const int axis : {0, 1}) {
+    c = Case(0);
+    c.constants[2 * kRotorParamCount + kRotorPosition + axis] *= 1.01;
+    EXPECT_FALSE(are_in_rows(c.places.data(), c.constants.data()));
+    EXPECT_FALSE(are_alike(static_cast<const double*>(c.factors().data())));
+    c.constants[2 * kRotorParamCount + kRotorPosition + axis] /= -1.01;
+    EXPECT_FALSE(are_alike(static_cast<const double*>(c.factors().data()))) << "on another side";
+  }
   c = Case(0);
   c.places[3].direction = -c.places[3].direction;
-  EXPECT_FALSE(are_in_rows(c.places.data()));
+  EXPECT_FALSE(are_in_rows(c.places.data(), c.constants.data()));
   c = Case(0);
   c.constants[2 * kRotorParamCount + kDragConstant] *= 1.01;
   EXPECT_FALSE(are_alike(static_cast<const double*>(c.factors().data())));

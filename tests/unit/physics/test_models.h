@@ -171,7 +171,7 @@ inline RobotModel make_vehicle(const VehicleData& d) {
     const SinCos<double> at = sincos((i + 0.5) * kTwoPi / d.rotors);
     Rotor rotor;
     rotor.name = "rotor_" + std::to_string(i);
-    rotor.position = {d.arm * at.cos, d.arm * at.sin, 0.0};
+    rotor.set_position({d.arm * at.cos, d.arm * at.sin, 0.0});
     rotor.direction = i % 2 == 0 ? 1 : -1;
     rotor.constants[kThrustConstant] = d.kf;
     rotor.constants[kMomentConstant] = d.km;
