@@ -51,7 +51,8 @@ inline int image_bytes(const std::vector<Channel>& channels) {
 /// What a task's goal() is about.
 struct Goal {
   int robot = 0;
-  int body = 0;  ///< world body index
+  int body = 0;                       ///< world body index
+  Vec3<double> point{0.0, 0.0, 0.0};  ///< of the body, in its frame: what is brought there [m]
 };
 
 /// One body, and what it may touch.

@@ -323,8 +323,8 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
   d.only_when_read = [](void* host) { instance_of(host).is_only_when_read = true; };
   d.writes = [](void* host, int32_t param) { instance_of(host).writes.push_back(param); };
   d.draws_in_time = [](void* host) { instance_of(host).draws_in_time = true; };
-  d.goal = [](void* host, int32_t robot, int32_t body) {
-    instance_of(host).goals.push_back({robot, body});
+  d.goal = [](void* host, int32_t robot, int32_t body, const double* point) {
+    instance_of(host).goals.push_back({robot, body, {point[0], point[1], point[2]}});
   };
   d.robot_rewards = [](void* host) { instance_of(host).robot_rewards = true; };
   d.info = [](void* host, const SkybodyChannel* c) {

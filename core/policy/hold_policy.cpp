@@ -52,15 +52,30 @@ V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia) {
   return inertia * (kRateGain * (wanted - rates)) + cross(rates, inertia * rates);
 }
 
+const PluginInstance& last_of(const CompiledScenario& compiled, const ControllerChain& chain) {
+  const auto& controllers = compiled.plugins(SKYBODY_CONTROLLER);
+  return controllers[static_cast<std::size_t>(chain.first + chain.count - 1)];
+}
+
+/// All drives of one robot's joints that its actions command.
+std::vector<JointDrive> drives_of(const CompiledScenario& compiled, int robot) {
+  std::vector<JointDrive> drives;
+  for (const ControllerChain& chain : compiled.chains()) {
+    if (chain.robot != robot || chain.signal != SKYBODY_JOINT || chain.is_fed) continue;
+    const std::vector<JointDrive>& own = last_of(compiled, chain).joints;
+    drives.insert(drives.end(), own.begin(), own.end());
+  }
+  return drives;
+}
+
 /// What keeps joints as the scenario has them at a reset: position drives at their positions,
 /// others at rest.
 std::vector<double> joints_at_reset(const World& world, const CompiledScenario& compiled,
                                     const ControllerChain& chain) {
-  const auto& controllers = compiled.plugins(SKYBODY_CONTROLLER);
-  const PluginInstance& last = controllers[static_cast<std::size_t>(chain.first + chain.count - 1)];
+  const std::vector<JointDrive>& drives = last_of(compiled, chain).joints;
   std::vector<double> commands(static_cast<std::size_t>(chain.inputs), 0.0);
-  for (std::size_t k = 0; k < std::min(commands.size(), last.joints.size()); ++k) {
-    const JointDrive& drive = last.joints[k];
+  for (std::size_t k = 0; k < std::min(commands.size(), drives.size()); ++k) {
+    const JointDrive& drive = drives[k];
     const WorldBody& body = world.bodies[static_cast<std::size_t>(drive.body)];
     if (drive.mode == JointMode::kPosition) commands[k] = body.model->joint.position;
   }
@@ -76,14 +91,13 @@ struct HoldPolicy::Wish {
   V force;              // on the whole robot, W [N]
   double thrust = 0.0;  // collective, along the body's z [N]
   Quat<double> attitude{1.0, 0.0, 0.0, 0.0};
-  V rates;   // B [rad/s]
-  V torque;  // B [N m]
+  V rates;                    // B [rad/s]
+  V torque;                   // B [N m]
+  std::vector<double> reach;  // positions of the arm's joints [rad] or [m]
 };
 
 /// One robot's present state and true constants.
-struct HoldPolicy::View {
-  const std::vector<BodyState>& bodies;
-  const std::vector<double>& params;
+struct HoldPolicy::View : KnownState {
   const std::vector<double>& goals;
   const BodyState& base;
   double mass;              // of the whole robot [kg]
@@ -115,7 +129,10 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
     robot.signal = first.input_signal;
     robot.action = chain.command;
     robot.low = first.low;
-    if (robot.signal == SKYBODY_JOINT) robot.joints = joints_at_reset(world, compiled, chain);
+    if (robot.signal == SKYBODY_JOINT) {
+      robot.joints = joints_at_reset(world, compiled, chain);
+      robot.drives = last_of(compiled, chain).joints;
+    }
     robot.high = first.high;
     const auto& goals = compiled.task().goals;
     for (std::size_t g = 0; g < goals.size(); ++g) {
@@ -123,7 +140,11 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
       robot.goal = static_cast<int>(g);
       robot.goal_body = goals[g].body;
     }
-    robot.hangs = robot.goal_body != robot.base;
+    if (robot.goal >= 0) {
+      robot.tool = goals[static_cast<std::size_t>(robot.goal)].point;
+      robot.arm = Arm(world, robot.base, robot.goal_body, robot.tool, drives_of(compiled, r));
+    }
+    robot.hangs = robot.goal_body != robot.base && !robot.arm.can_reach();
     robot.cable = hanging_length(world, robot.base, robot.goal_body);
     robot.allocation = allocation_of(world, r);
     const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT;
@@ -177,8 +198,7 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
   const std::vector<int>& first = compiled_.layout().body_params;
   for (const Robot& robot : robots_) {
     const double* base = params.data() + first[static_cast<std::size_t>(robot.base)];
-    View view{bodies,
-              params,
+    View view{{compiled_.world(), bodies, params, gravity_of(params)},
               goals,
               bodies[static_cast<std::size_t>(robot.base)],
               0.0,
@@ -202,8 +222,8 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
 }
 
 /// As it is drawn [m/s^2], W.
-Vec3<double> HoldPolicy::gravity_of(const View& view) const {
-  const double* g = view.params.data() + compiled_.layout().world_params + kGravity;
+Vec3<double> HoldPolicy::gravity_of(const std::vector<double>& params) const {
+  const double* g = params.data() + compiled_.layout().world_params + kGravity;
   return {g[0], g[1], g[2]};
 }
 
@@ -218,19 +238,39 @@ HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
     const double* g = view.goals.data() + 4 * robot.goal;
     wish.position = {g[0], g[1], g[2]};
     wish.yaw = g[3];
+    if (robot.arm.can_reach()) share_reach(robot, view, wish);
   }
   // Thrust carries weight, the wanted acceleration, and what disturbs.
-  const V gravity = gravity_of(view);
   const double* disturbance =
       view.params.data() + compiled_.layout().robot_params[static_cast<std::size_t>(robot.index)];
-  wish.force = view.mass * (acceleration(robot, view, wish) - gravity) -
+  wish.force = view.mass * (acceleration(robot, view, wish) - view.gravity) -
                V{disturbance[0], disturbance[1], disturbance[2]};
   wish.attitude = attitude_along(wish.force, wish.yaw);
   wish.thrust = std::max(0.0, dot(wish.force, body_z(view.base.rotation)));
   wish.rates = rates_towards(wish.attitude, view.base.rotation);
   wish.torque = torque_for(wish.rates, view.base.angular_velocity, view.inertia) -
                 V{disturbance[3], disturbance[4], disturbance[5]};
+  if (robot.arm.can_reach()) wish.torque += torque_of_arm(robot, view, wish.thrust);
   return wish;
+}
+
+/// The vehicle keeps the scenario's place, the arm reaches from there, and what it lacks is flown.
+void HoldPolicy::share_reach(const Robot& robot, const View& view, Wish& wish) const {
+  const BodyState& carrier = view.bodies[static_cast<std::size_t>(robot.goal_body)];
+  const V tool = wish.position + rotate(carrier.rotation, robot.tool);
+  const V home =
+      compiled_.world().scenario.robots[static_cast<std::size_t>(robot.index)].pose.position;
+  const Quat<double> heading = attitude_along({0.0, 0.0, 1.0}, wish.yaw);
+  wish.reach = robot.arm.reach(rotate_inverse(heading, tool - home));
+  wish.position = tool - rotate(heading, robot.arm.place(wish.reach));
+}
+
+/// What the rotors have to add, as they push through the base and all that it carries hangs on the
+/// common centre of mass; B [N m].
+Vec3<double> HoldPolicy::torque_of_arm(const Robot& robot, const View& view, double thrust) const {
+  const V lever =
+      center_of_mass(view, robot.base, robot.body_count) - center_of_mass(view, robot.base, 1);
+  return cross(rotate_inverse(view.base.rotation, lever), V{0.0, 0.0, thrust});
 }
 
 /// Wanted acceleration of the base, W, without gravity [m/s^2], within what every vehicle can do.
@@ -242,7 +282,7 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
   if (robot.hangs) {
     // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
     const BodyState& bob = view.bodies[static_cast<std::size_t>(robot.goal_body)];
-    const double w2 = norm(gravity_of(view)) / robot.cable, p = kSwingPole;
+    const double w2 = norm(view.gravity) / robot.cable, p = kSwingPole;
     const V offset = base.position - bob.position, slip = base.velocity - bob.velocity;
     const V error = bob.position - wish.position;
     a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
@@ -302,7 +342,7 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return values;
     }
     case SKYBODY_ACCELERATION: {
-      const V a = wish.force / view.mass + gravity_of(view);
+      const V a = wish.force / view.mass + view.gravity;
       return {a.x, a.y, a.z, wish.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {
@@ -311,7 +351,7 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {v.x, v.y, v.z, r.z};
     }
     case SKYBODY_JOINT:
-      return robot.joints;
+      return joint_commands(robot, view, wish);
     case SKYBODY_NONE:
       return {};
     case SKYBODY_POSITION:
@@ -320,6 +360,19 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {p.x, p.y, p.z, 0, 0, 0, 0, 0, 0, 0, 0, 0, wish.yaw};
     }
   }
+}
+
+/// Of the arm's joints what reaches, of others what the scenario has.
+std::vector<double> HoldPolicy::joint_commands(const Robot& robot, const View& view,
+                                               const Wish& wish) const {
+  std::vector<double> commands = robot.joints;
+  for (std::size_t k = 0; k < std::min(commands.size(), robot.drives.size()); ++k) {
+    const int joint = robot.arm.joint_of(robot.drives[k]);
+    if (joint < 0) continue;
+    const auto place = static_cast<std::size_t>(joint);
+    commands[k] = robot.arm.command(view, place, wish.reach[place]);
+  }
+  return commands;
 }
 
 /// Single thrusts [N] that give the wished collective thrust and torque, none pulling.

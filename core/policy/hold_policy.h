@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/policy/arm.h"
 #include "core/policy/policy.h"
 
 namespace skybody {
@@ -19,7 +20,9 @@ namespace skybody {
 /// thrusts and rotor speeds by the pseudo-inverse of the rotors' geometry, a wrench by rotation to
 /// W, velocity and pose directly. A goal about a body that hangs from the base is reached by
 /// placing the four poles of a pendulum on an accelerated pivot. What has no rotors and hangs on
-/// robots by rods, ropes or points is carried by them in equal shares.
+/// robots by rods, ropes or points is carried by them in equal shares. A goal about a body that
+/// joints with position drives move is reached by them from the scenario's place of the base; the
+/// base is flown by what they lack, and the rotors bear the arm's weight.
 class HoldPolicy : public Policy {
  public:
   /// @throws Error naming the robot if its command is none of the above
@@ -32,22 +35,28 @@ class HoldPolicy : public Policy {
     int index = 0;
     int base = 0;  ///< world body index
     int body_count = 0;
-    int goal = -1;       ///< index of its goal, -1: its pose at reset
-    int goal_body = 0;   ///< world body index
-    bool hangs = false;  ///< the goal's body is not the base
+    int goal = -1;                     ///< index of its goal, -1: its pose at reset
+    int goal_body = 0;                 ///< world body index
+    bool hangs = false;                ///< the goal's body is not the base, and no arm moves it
+    Arm arm;                           ///< from the base to what the goal is about
+    Vec3<double> tool{0.0, 0.0, 0.0};  ///< what is brought there, frame of the goal's body [m]
     double cable = 0.0;  ///< from the base's origin down to the goal body's origin, joints at 0 [m]
     int signal = 0;      ///< SkybodySignal
     int action = 0;
     double load_share = 0.0;  ///< of the bodies in `loads`
     std::vector<int> loads;   ///< world body indices: what hangs on it by couplings
     std::vector<double> low, high;
-    std::vector<double> joints;      ///< commands of a chain that drives joints
+    std::vector<double> joints;      ///< commands of a chain that drives joints, arms apart
+    std::vector<JointDrive> drives;  ///< of that chain
     std::vector<double> allocation;  ///< rotors x 4: thrusts from (T, tau), row by row
   };
   struct Wish;
   struct View;
   void share_loads();
-  Vec3<double> gravity_of(const View& view) const;
+  Vec3<double> gravity_of(const std::vector<double>& params) const;
+  void share_reach(const Robot& robot, const View& view, Wish& wish) const;
+  Vec3<double> torque_of_arm(const Robot& robot, const View& view, double thrust) const;
+  std::vector<double> joint_commands(const Robot& robot, const View& view, const Wish& wish) const;
   Wish wish(const Robot& robot, const View& view) const;
   Vec3<double> acceleration(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> command(const Robot& robot, const View& view, const Wish& wish) const;

@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
-#define SKYBODY_ABI_VERSION 3u
+#define SKYBODY_ABI_VERSION 4u
 #define SKYBODY_GROUP_LANES 32u   /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_CONTACT_VALUES 7  /* per body in SkybodyLanes::contacts */
 #define SKYBODY_REACTION_VALUES 6 /* per joint in SkybodyLanes::joint_reactions */
@@ -345,8 +345,9 @@ typedef struct SkybodyDeclare {
   void (*writes)(void* host, int32_t env_param);
   /* Randomizers: asks to be called before every physics step, too. */
   void (*draws_in_time)(void* host);
-  /* Tasks: the body of `robot` that the goal is about. */
-  void (*goal)(void* host, int32_t robot, int32_t body);
+  /* Tasks: the body of `robot` that the goal is about, and the point of it (body frame, 3 values,
+   * [m]) that is to be brought to its place; goal() gives the body's frame. */
+  void (*goal)(void* host, int32_t robot, int32_t body, const double* point);
   /* Tasks: evaluate() will write SkybodyEvaluation::robot_reward. */
   void (*robot_rewards)(void* host);
   /* Tasks: values beside the observation, for people and evaluations, in order. */

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/vec3.h"
 #include "plugins/api/abi.h"
 #include "plugins/api/image.h"  // IWYU pragma: export
 #include "plugins/api/text.h"   // IWYU pragma: export
@@ -205,9 +206,16 @@ class Setup {
   /// Randomizers: asks to be called before every physics step as well (Start::in_time), to draw
   /// parameters at times within the episode.
   void draws_in_time() const { declare_.draws_in_time(declare_.host); }
-  /// Tasks: goal() gives where world body `body` of `robot` should be. In order; once a robot at
-  /// most.
-  void goal(int robot, int body) const { declare_.goal(declare_.host, robot, body); }
+  /// Tasks: goal() gives where the frame of world body `body` of `robot` should be. In order; once
+  /// a robot at most.
+  /// @param point  of the body, in its frame [m]: what is to be brought to its place, such as a
+  /// tool
+  ///               at the body's end. goal() gives the frame's place all the same, with the body
+  ///               turned as it is now
+  void goal(int robot, int body, const Vec3<double>& point = {0.0, 0.0, 0.0}) const {
+    const double values[3] = {point.x, point.y, point.z};
+    declare_.goal(declare_.host, robot, body, values);
+  }
 
   /// For the library: the C structure.
   const SkybodySetup& raw() const { return raw_; }

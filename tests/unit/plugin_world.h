@@ -48,6 +48,15 @@ class PluginWorld {
                     {9.8e-4, 9.8e-4, 9.8e-4});
   }
 
+  /// A link that turns on the last body.
+  int add_arm_link(const std::string& name) {
+    const int parent = static_cast<int>(bodies.size()) - 1;
+    const int body =
+        add_body(bodies.back().robot, name, parent, SKYBODY_PIN, 0.1, {1e-4, 1e-4, 1e-5});
+    bodies.back().joint_name = keep(name + "_joint");
+    return body;
+  }
+
   int add_robot(const std::string& name, double x, double y, double z) {
     const int index = static_cast<int>(robots.size());
     SkybodyRobotInfo r{};
@@ -86,8 +95,9 @@ class PluginWorld {
     b.first_q = q;
     b.first_u = u;
     b.joint = joint;
-    q += joint == 1 ? 7 : 4;
-    u += joint == 1 ? 6 : 3;
+    const bool is_single = joint == SKYBODY_PIN || joint == SKYBODY_SLIDER;
+    q += joint == SKYBODY_FREE ? 7 : is_single ? 1 : 4;
+    u += joint == SKYBODY_FREE ? 6 : is_single ? 1 : 3;
     ++robots[at(owner)].body_count;
     bodies.push_back(b);
     SkybodyLinkInfo link{};

@@ -35,6 +35,15 @@ TEST(TaskDerivatives, OfPayloadDependOnBothBodies) {
   expect("payload", world, {}, {"action", "bodies", "state"});
 }
 
+TEST(TaskDerivatives, OfReachDependOnTheVehicleTheArmAndThePlace) {
+  PluginWorld world;
+  world.add_quad("quad");
+  world.add_arm_link("upper");
+  world.add_arm_link("lower");
+  world.links.back().position[2] = -0.2;
+  expect("reach", world, {{"tool", "lower"}}, {"action", "bodies", "params", "q", "u"});
+}
+
 TEST(TaskDerivatives, OfFormationDependOnEachRobot) {
   PluginWorld world;
   world.add_quad("one");
