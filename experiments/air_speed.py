@@ -7,7 +7,9 @@ Rates are physics steps a second of all environments on one core, in one run.
 
 from __future__ import annotations
 
+import re
 import statistics
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -21,6 +23,7 @@ from skybody.program import run_program
 from skybody.requests import Draw
 from throughput import (
     ACTIONS,
+    ROOT,
     arguments,
     facts,
     machine_line,
@@ -35,6 +38,7 @@ DRAG = "{plugin: body_drag, parameters: {linear: [0.1, 0.1, 0.2], quadratic: [0.
 DRYDEN = "{plugin: dryden, parameters: {period: 10}}"
 BATTERY = "{plugin: battery}"
 TOGETHER = "body_drag, dryden and battery"
+PAGE = "../../docs/results/air_speed.md"
 
 
 def effects(table: Path) -> dict[str, str]:
@@ -164,11 +168,31 @@ something to do: what it is given stands in the script. `dryden` makes a new val
 ## Requests
 
 World `{WORLD}`, {ENVS} environments, one thread, from Python, the least of five rounds of {ROUND}
-steps. A new mass or inertia makes the vehicle's constants anew. The GzDRL paper respawns the model for that, which takes
-it three physics steps; here is what the same takes with Simbody in Gazebo's place.
+steps. A new mass or inertia makes the vehicle's constants anew. The GzDRL paper respawns the model
+for that, which takes it three physics steps; here is what the same takes with Simbody in Gazebo's
+place.
 
 {markdown_table(table)}
 """
+
+
+COST = re.compile(r"^Cost on hover in lanes: .*\n", re.MULTILINE)
+
+
+def write_costs(found: dict[str, Any]) -> None:
+    """Each effect's README says what it costs."""
+    median = {name: statistics.median(rates) for name, rates in found["rates"].items()}
+    for readme in sorted((ROOT / "effects").glob("*/README.md")):
+        rate = median[readme.parent.name]
+        nanoseconds = 1e9 / rate - 1e9 / median["hover"]
+        line = (
+            f"Cost on hover in lanes: {nanoseconds:.0f} ns a physics step and environment, "
+            f"{rate / median['hover']:.2f} of the rate without ([measured]({PAGE})).\n"
+        )
+        text = readme.read_text()
+        if COST.search(text) is None:
+            sys.exit(f"{readme} has no line `Cost on hover in lanes: `")
+        readme.write_text(COST.sub(lambda _, line=line: line, text))
 
 
 def main() -> int:
@@ -184,6 +208,8 @@ def main() -> int:
         return 0
     (folder / "air_speed.md").write_text(text)
     write_json(folder / "data/air_speed.json", found)
+    if options.out is None:
+        write_costs(found)
     return 0
 
 

@@ -233,14 +233,13 @@ class Dryden : public Effect {
     return kKeyWords + inputs_ + kRobotWords * static_cast<int>(robot);
   }
 
-  /// The physics step, of this one on, at which each lane is due: of those that are served, this
-  /// one.
+  /// The physics step at which each lane is due: of those that are served, this one.
   template <class Real>
   SKYBODY_INLINE Word<Real> due_step(const EnvView<Real>& env) const {
     const auto period = static_cast<double>(period_.value());
     const Real now = to_real(env.physics_step());
     const Real near = round_half_even(now * (1.0 / period)) * period;
-    return to_word(select(near < now, near + period, near));
+    return to_word(select(env.served(), now, select(near < now, near + period, near)));
   }
 
   /// With what speed the turbulence passes.

@@ -95,6 +95,54 @@ TEST_F(DrydenTest, GivesTheBitsOfDouble) {
   expect_same_bits("dryden", world, {{"height", 450.0}, {"follows", true}, {"heading", 1.0}});
 }
 
+// What waits in the memo may be of another environment, time or past.
+TEST_F(DrydenTest, BelievesNoMemoOfOthers) {
+  const Instance dryden("dryden", world, with({{"airspeed", 20.0}}));
+  Group a = environments(dryden), b = environments(dryden);
+  for (std::uint64_t& seed : b.key) seed += 100;
+  std::vector<std::vector<double>> fresh, stale;
+  for (std::vector<std::vector<double>>* winds : {&fresh, &stale}) {
+    std::vector<double> memo = a.memo;
+    for (Group* g : {&a, &b}) {
+      g->episode.assign(g->episode.size(), 1);
+      begin_episode(dryden, *g);
+      for (int k = 0; k < 5; ++k) {
+        if (winds == &stale) g->memo = memo;
+        apply(dryden, *g);
+        if (winds == &fresh) std::fill(g->memo.begin(), g->memo.end(), 0.0);
+        memo = g->memo;
+        g->at(g->buffer, 4, k) += 1.0;  // as a restored state may have it
+        winds->push_back(g->held[SKYBODY_HELD_WIND]);
+      }
+    }
+  }
+  EXPECT_EQ(fresh, stale);
+}
+
+TEST_F(DrydenTest, GivesLanesThatAreDueAtOtherStepsWhatTheyHaveAlone) {
+  const Instance dryden("dryden", world, with({{"airspeed", 20.0}}));
+  Group together = environments(dryden);
+  begin_episode(dryden, together);
+  std::vector<Group> alone;
+  for (int l = 0; l < kLanes; ++l) alone.push_back(together.alone(l));
+  for (int step = 0; step < 40; ++step) {
+    std::uint32_t due = 0;
+    for (int l = 0; l < kLanes; ++l) {
+      const auto lane = static_cast<std::size_t>(l);
+      // Lanes began one after another.
+      together.physics_step[lane] = static_cast<std::uint64_t>(std::max(0, step - l));
+      alone[lane].physics_step[0] = together.physics_step[lane];
+      if (step < l || (step - l) % 10 != 0) continue;
+      due |= 1u << l;
+      dryden.call(Call::kApply, alone[lane], 1);
+    }
+    dryden.call(Call::kApply, together, due);
+  }
+  for (int l = 0; l < kLanes; ++l) {
+    EXPECT_TRUE(together.alone(l).same_bits(alone[static_cast<std::size_t>(l)])) << l;
+  }
+}
+
 TEST_F(DrydenTest, HasTheStandardsScalesAndIntensitiesAtEveryHeight) {
   for (const bool is_own_height : {true, false}) {
     for (const double height : {0.5, 5.0, 6.096, 60.0, 304.8, 457.2, 609.6, 900.0}) {
@@ -196,7 +244,10 @@ TEST_F(DrydenTest, AddsNoiseOfTheExactCovarianceHoweverShortTheStep) {
     Group g = environments(dryden);
     const int rounds = 1000;
     for (int round = 0; round < rounds; ++round) {
-      std::fill(g.buffer.begin(), g.buffer.end(), 0.0);
+      begin_episode(dryden, g);
+      for (int l = 0; l < kLanes; ++l) {
+        for (int k = 3; k < 8; ++k) g.at(g.buffer, k, l) = 0.0;
+      }
       apply(dryden, g);
       for (int l = 0; l < kLanes; ++l) {
         const double u = g.at(g.buffer, 3, l), x1 = g.at(g.buffer, 4, l), x2 = g.at(g.buffer, 5, l);
@@ -237,8 +288,9 @@ TEST_F(DrydenTest, FollowsTheSpeedOfTheBaseWhereThatIsTheLarger) {
     Group zero = environments(dryden);
     zero.at(zero.bodies, 7) = 5.0 / 13.0 * speed;
     zero.at(zero.bodies, 9) = -12.0 / 13.0 * speed;
+    dryden.call(Call::kReset, zero, kAll);
     Group one = zero;
-    one.at(one.buffer, 3) = 1.0;
+    one.at(one.buffer, 3) += 1.0;
     apply(dryden, zero);
     apply(dryden, one);
     EXPECT_NEAR(one.at(one.buffer, 3) - zero.at(zero.buffer, 3),

@@ -131,6 +131,38 @@ TEST(RowKernels, ScaleCopyAndCountServeTheMaskAlone) {
   });
 }
 
+TEST(RowKernels, FillTheMaskAlone) {
+  for_all([](const RowKernels& kernels, int lanes, std::uint32_t mask, int count) {
+    const double values[] = {0.0, std::numeric_limits<double>::infinity(), -3.5};
+    std::vector<double> to(static_cast<std::size_t>(count * lanes), kGuard);
+    kernels.fill(mask, lanes, values, 3, count, to.data());
+    for (int k = 0; k < count; ++k) {
+      for (int l = 0; l < lanes; ++l) {
+        EXPECT_EQ(to[static_cast<std::size_t>(k * lanes + l)],
+                  holds(mask, l) ? values[k % 3] : kGuard);
+      }
+    }
+  });
+}
+
+TEST(RowKernels, FindMultiplesOfAPeriodExactly) {
+  constexpr std::uint64_t kLarge = std::uint64_t{1} << 51;
+  for_all([](const RowKernels& kernels, int lanes, std::uint32_t mask, int) {
+    for (const std::uint64_t period : {1ull, 2ull, 3ull, 7ull, 10ull, 49ull, 1000ull, 999983ull}) {
+      for (const std::uint64_t start : {std::uint64_t{0}, 5 * period, kLarge - kLarge % period}) {
+        std::vector<std::uint64_t> counts;
+        std::uint32_t expected = 0;
+        for (int l = 0; l < lanes; ++l) {
+          counts.push_back(start + static_cast<std::uint64_t>(l));
+          if (holds(mask, l) && counts.back() % period == 0) expected |= 1u << l;
+        }
+        EXPECT_EQ(kernels.multiples(mask, counts.data(), static_cast<double>(period)), expected)
+            << period << " from " << start;
+      }
+    }
+  });
+}
+
 TEST(RowKernels, EndByTaskOrHorizon) {
   for_all([](const RowKernels& kernels, int lanes, std::uint32_t mask, int count) {
     const auto horizon = static_cast<std::uint64_t>(count);  // 0: none

@@ -325,11 +325,40 @@ void draw_inputs(Random<double>& random, LaneState& state) {
   for (double& c : state.held[SKYBODY_HELD_BODY_DRAG]) c = random.uniform(0.0, 0.05);
   for (double& g : state.held[SKYBODY_HELD_ROTOR_GAIN]) g = random.uniform(0.0, 2.0);
   for (double& c : state.held[SKYBODY_HELD_ROTOR_FLOW]) c = random.uniform(0.0, 1e-4);
-  for (std::size_t i = 0; i < state.held[SKYBODY_HELD_ROTOR_RATE].size(); ++i) {
-    state.held[SKYBODY_HELD_ROTOR_LIMIT][2 * i] = random.uniform(0.0, 300.0);
-    state.held[SKYBODY_HELD_ROTOR_LIMIT][2 * i + 1] = random.uniform(700.0, 1200.0);
-    state.held[SKYBODY_HELD_ROTOR_RATE][i] =
-        random.uniform() < 0.5 ? kNan : random.uniform(-4000.0, 4000.0);
+  std::vector<double>& limits = state.held[SKYBODY_HELD_ROTOR_LIMIT];
+  for (std::size_t i = 0; i + 1 < limits.size(); i += 2) {
+    limits[i] = random.uniform(0.0, 300.0);
+    limits[i + 1] = random.uniform(700.0, 1200.0);
+  }
+  for (double& rate : state.held[SKYBODY_HELD_ROTOR_RATE]) {
+    rate = random.uniform() < 0.5 ? kNan : random.uniform(-4000.0, 4000.0);
+  }
+}
+
+// A plain quadrotor in the air has a kernel of its own (HeldKind::kAir).
+TEST(HeldInputs, TheStepInTheAirHasTheBitsOfAnyHeldStep) {
+  const Scenario scenario = aloft(make_dragging_vehicle(), IntegratorChoice::kMidpoint);
+  const Held air = only({SKYBODY_HELD_WIND, SKYBODY_HELD_BODY_DRAG, SKYBODY_HELD_ROTOR_LIMIT});
+  Held more = air;
+  more[SKYBODY_HELD_WRENCH] = true;
+  for (std::size_t i = 0; i < air.size(); ++i) {  // and with some of them
+    Held some = air;
+    some[i] = false;
+    Bench quick = make_bench(scenario, some), any = make_bench(scenario, more);
+    Random<double> random({3, i}, 0, 0, 0);
+    draw_inputs(random, quick.state);
+    for (Bench* bench : {&quick, &any}) {
+      bench->state.rotor_speed = {600, 700, 800, 900};
+      bench->state.rotor_command = {900, 600, 1000, 0};
+      store(Vec3<double>{0.5, -1.0, 2.0}, bench->state.u.data() + 3);
+    }
+    for (std::size_t k = 0; k < air.size(); ++k) {
+      if (some[k]) any.state.held[k] = quick.state.held[k];
+    }
+    for (Bench* bench : {&quick, &any}) ASSERT_TRUE(bench->run(200));
+    expect_same_bits(quick.state.q, any.state.q);
+    expect_same_bits(quick.state.u, any.state.u);
+    expect_same_bits(quick.state.rotor_speed, any.state.rotor_speed);
   }
 }
 

@@ -299,7 +299,7 @@ TEST(Layout, NamesEveryParameterAndOrdersTheBlocks) {
   const Layout& layout = bench.world.layout;
   EXPECT_EQ(layout.q.size, 8);
   EXPECT_EQ(layout.u.size, 7);
-  EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 8 + 6 + 3 + 5);
+  EXPECT_EQ(layout.params.size, 2 * 10 + 4 * 11 + 6 + 3 + 5);
   EXPECT_EQ(layout.find_param("robots.r.links.bob.mass"), layout.body_params[1]);
   EXPECT_EQ(layout.find_param("robots.r.links.base.inertia[5]"), layout.body_params[0] + 9);
   EXPECT_EQ(layout.find_param("robots.r.rotors[2].tau_down"), layout.rotor_params[2] + kTauDown);

@@ -54,7 +54,7 @@ SkybodyDeclare Declared::table() {
   d.reads = [](void* h, int32_t first) { note(h, "reads " + std::to_string(first)); };
   d.only_when_read = [](void* h) { note(h, "only_when_read"); };
   d.writes = [](void* h, int32_t param) { note(h, "writes " + std::to_string(param)); };
-  d.goal = [](void* h, int32_t robot, int32_t body) {
+  d.goal = [](void* h, int32_t robot, int32_t body, const double*) {
     note(h, "goal " + std::to_string(robot) + " " + std::to_string(body));
   };
   d.robot_rewards = [](void* h) { note(h, "robot_rewards"); };
