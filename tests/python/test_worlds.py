@@ -35,7 +35,7 @@ def on_the_deck(episode: h5py.Group) -> bool:
 
 
 def tool_in_place(episode: h5py.Group) -> bool:
-    """The gripper within 0.01 m of its point, the vehicle from 3 s on within 0.05 m of its place."""
+    """Gripper within 0.01 m of its point; vehicle from 3 s on within 0.05 m of its place."""
     later = episode["time"][:] >= 3.0
     vehicle = episode["bodies"][:][later, 0, :3] - np.array([0.0, 0.0, 2.0])
     # The goal is the forearm's frame, turned as it is now: as far off as the gripper is.
