@@ -175,6 +175,8 @@ class CompiledScenario {
   void sense(StateGroup&, const SkybodyLanes&, const PluginInstance&) const;
   void conclude(StateGroup&, GroupWork&, std::uint32_t mask, bool is_reset, const Rows&) const;
   std::uint32_t finite_robot_rewards(const GroupWork&, std::uint32_t mask) const;
+  std::uint64_t bad_state_bits(const StateGroup& group, int lane) const;
+  std::string reason_of_body(std::uint64_t status) const;
   void conclude_faults(StateGroup&, GroupWork&, std::uint32_t faults, std::uint32_t finite,
                        const Rows&) const;
   std::uint32_t write_observation(GroupWork&, std::uint32_t mask, const Rows&) const;

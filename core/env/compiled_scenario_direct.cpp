@@ -16,8 +16,9 @@ std::uint32_t CompiledScenario::advance(StateGroup& group, GroupWork& work, std:
   for (std::int64_t k = 0; k < physics_steps && lanes.active != 0; ++k) {
     fly(group, work, lanes, physics_steps - 1 - k);
   }
-  each_lane(mask & ~lanes.active,
-            [&](int lane) { group.writable(kStatus)[lane] = kTruncated | kFault | kBadState; });
+  each_lane(mask & ~lanes.active, [&](int lane) {
+    group.writable(kStatus)[lane] = kTruncated | kFault | bad_state_bits(group, lane);
+  });
   return lanes.active;
 }
 

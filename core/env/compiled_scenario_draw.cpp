@@ -1,6 +1,7 @@
 // What randomizers draw: at a reset, again where robots would begin inside something, and on
 // request.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "core/env/plugin_call.h"
 #include "core/env/start_overlaps.h"
 #include "core/model/fault_reason.h"
+#include "core/physics/bodies/checked_mass.h"
 
 namespace skybody {
 namespace {
@@ -69,7 +71,37 @@ bool CompiledScenario::draws_bodies() const {
   return false;
 }
 
+/// kBadState, and behind it which of the lane's bodies is none that can be.
+std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane) const {
+  std::array<double, kBodyParamCount> values;
+  for (std::size_t b = 0; b < world_->bodies.size(); ++b) {
+    const int first = layout().params.offset + layout().body_params[b];
+    for (int k = 0; k < kBodyParamCount; ++k) {
+      values[static_cast<std::size_t>(k)] = group.reals(first + k)[lane];
+    }
+    if (is_possible(mass_properties(values.data()))) continue;
+    return kBadState | (static_cast<std::uint64_t>(b) + 1) << kBadStartPlace;
+  }
+  return kBadState;
+}
+
+/// What is drawn of a body that no rigid body can be; empty: the status tells of none.
+std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
+  const std::uint64_t number = status >> kBadStartPlace;
+  if ((status & kBadState) == 0 || (status & kBadStart) != 0 || number == 0) return "";
+  const WorldBody& body = world_->bodies[static_cast<std::size_t>(number - 1)];
+  return "no rigid body has the mass, centre and inertia of link `" + body.model->name +
+         "` of robot `" + scenario().robots[static_cast<std::size_t>(body.robot)].name +
+         "`: no principal moment may be above the sum of the other two; narrow what randomizers "
+         "draw or callers set";
+}
+
 std::string CompiledScenario::fault_reason(std::uint64_t status) const {
+  const std::string of_body = reason_of_body(status);
+  if (!of_body.empty()) {
+    const std::string others = skybody::fault_reason(status & ~std::uint64_t{kBadState});
+    return (others.empty() ? "" : others + "; ") + of_body;
+  }
   if ((status & kBadStart) == 0 || start_overlaps_ == nullptr) {
     return skybody::fault_reason(status);
   }

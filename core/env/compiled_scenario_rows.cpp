@@ -14,13 +14,12 @@
 namespace skybody {
 namespace {
 
-/// Reason bits of a lane's fault.
+/// Reason bits of a lane's fault, but for those of its state.
 std::uint64_t reason_bits(const GroupWork& work, int lane, std::uint32_t finite) {
   const auto bit = [lane](std::uint32_t lanes, std::uint64_t reason) {
     return ((lanes >> lane) & 1u) != 0 ? reason : std::uint64_t{0};
   };
   return bit(~finite, kBadOutcome) | bit(work.bad_action, kBadAction) |
-         bit(work.bad_state, kBadState) |
          bit(work.bad_start, work.start_status[static_cast<std::size_t>(lane)]);
 }
 
@@ -107,6 +106,7 @@ void CompiledScenario::conclude_faults(StateGroup& group, GroupWork& work, std::
   each_lane(faults, [&](int lane) {
     const auto l = static_cast<std::size_t>(lane);
     rows.status[l] = kTruncated | kFault | reason_bits(work, lane, finite);
+    if (((work.bad_state >> lane) & 1u) != 0) rows.status[l] |= bad_state_bits(group, lane);
     group.writable(kStatus)[l] = rows.status[l];
     work.reward[l] = 0.0;
     for (const int robot : agents_) {

@@ -40,7 +40,8 @@ enum EpisodeStatus : std::uint64_t {
   kTruncated = 2,    ///< horizon, task, or a fault
   kFault = 4,        ///< with one of the reasons below; always truncated as well
   kBadAction = 8,    ///< the action was not finite; the last one was kept
-  kBadState = 16,    ///< physics gave up or left the finite numbers (unphysical drawn values, too)
+  kBadState = 16,    ///< physics gave up or left the finite numbers, or a body is none that can be:
+                     ///< then the bits from kBadStartPlace on are its world body index + 1
   kBadOutcome = 32,  ///< observation or reward is not finite as a float
   kBadStart = 64,    ///< a robot begins inside something, however often its start was drawn; the
                      ///< bits from kBadStartPlace on tell more (core/env/start_overlaps.h)

@@ -24,6 +24,12 @@ class RotorFailure : public Effect {
                                " s, before `earliest` " + to_text(earliest_.value()) +
                                " s: raise it; both the same is a fixed time");
     }
+    const double end = setup.horizon() * setup.action_repeat() * dt_;
+    if (setup.horizon() > 0 && latest_.value() >= end) {
+      throw std::runtime_error("`latest` is " + to_text(latest_.value()) +
+                               " s, but an episode ends after " + to_text(end) +
+                               " s: let rotors fail before");
+    }
     const int robot = setup.robot(robot_.value());
     if (setup.rotors_of(robot).size() == 0) {
       throw std::runtime_error("robot `" + std::string(setup.robots()[robot].name) +

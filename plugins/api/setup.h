@@ -207,11 +207,9 @@ class Setup {
   /// parameters at times within the episode.
   void draws_in_time() const { declare_.draws_in_time(declare_.host); }
   /// Tasks: goal() gives where the frame of world body `body` of `robot` should be. In order; once
-  /// a robot at most.
-  /// @param point  of the body, in its frame [m]: what is to be brought to its place, such as a
-  /// tool
-  ///               at the body's end. goal() gives the frame's place all the same, with the body
-  ///               turned as it is now
+  /// a robot at most. Where a tool at the body's end is to be brought to a place, goal() gives that
+  /// of the frame with the body turned as it is now, and `point` says which point the tool is.
+  /// @param point  in the body's frame [m]
   void goal(int robot, int body, const Vec3<double>& point = {0.0, 0.0, 0.0}) const {
     const double values[3] = {point.x, point.y, point.z};
     declare_.goal(declare_.host, robot, body, values);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 SCENARIOS = (
+    "arm",
     "boom",
     "collision",
     "cooperative_payload",

@@ -17,7 +17,8 @@ const char* const kShipped[] = {"hover.yaml",       "payload.yaml",
                                 "formation_2.yaml", "collision.yaml",
                                 "boom.yaml",        "hard_landing.yaml",
                                 "hover_learn.yaml", "hover_firefly.yaml",
-                                "four_bar.yaml",    "cooperative_payload.yaml"};
+                                "four_bar.yaml",    "cooperative_payload.yaml",
+                                "arm.yaml"};
 
 /// What shipped scenarios do not have: obstacles, anchors, several includes.
 // Boxes are small: Simbody takes a third of a second to prepare one of a metre.

@@ -9,7 +9,8 @@ using namespace std::string_literals;
 const char* const kShipped[] = {
     "models/qdrone2/qdrone2.urdf",           "models/qdrone2_payload/qdrone2_payload.urdf",
     "models/qdrone2_boom/qdrone2_boom.urdf", "models/crazyflie/crazyflie.urdf",
-    "models/firefly/firefly.urdf",           "models/hummingbird/hummingbird.urdf"};
+    "models/firefly/firefly.urdf",           "models/hummingbird/hummingbird.urdf",
+    "models/firefly_arm/firefly_arm.urdf"};
 
 /// Joints and shapes that shipped models do not have.
 const char* const kOwn = R"(<?xml version="1.0"?>

@@ -81,6 +81,9 @@ NEAR_THE_GROUND = (
     "randomization[0].parameters.position_min=[-5,-5,0.02]",
     "randomization[0].parameters.position_max=[5,5,0.06]",
 )
+# Within the short episodes of these flights.
+FAILS_EARLY = ("effects[0].parameters.earliest=0.1", "effects[0].parameters.latest=0.4")
+REACHES_EARLY = tuple(f"randomization[{k}].parameters.time=[0.1,0.4]" for k in range(2))
 FLIGHTS = (
     Flight("hover", "hover"),
     Flight("hover_crazyflie", "hover_crazyflie"),
@@ -103,7 +106,8 @@ FLIGHTS = (
     Flight("windy_hover", "windy_hover"),
     Flight("downwash_pair", "downwash_pair", robots=2),
     Flight("low_battery", "low_battery"),
-    Flight("rotor_out", "rotor_out"),
+    Flight("rotor_out", "rotor_out", overrides=FAILS_EARLY),
+    Flight("arm", "arm", overrides=REACHES_EARLY),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 

@@ -34,6 +34,15 @@ def on_the_deck(episode: h5py.Group) -> bool:
     return aside < 0.2 and abs(quad[2] - deck[2] - 0.03 - 0.06) < 0.005
 
 
+def tool_in_place(episode: h5py.Group) -> bool:
+    """Gripper within 0.01 m of its point; vehicle from 3 s on within 0.05 m of its place."""
+    later = episode["time"][:] >= 3.0
+    vehicle = episode["bodies"][:][later, 0, :3] - np.array([0.0, 0.0, 2.0])
+    # The goal is the forearm's frame, turned as it is now: as far off as the gripper is.
+    tool = episode["bodies"][-1, 2, :3] - episode["goal"][-1, 0, :3]
+    return bool(np.linalg.norm(vehicle, axis=1).max() < 0.05 and np.linalg.norm(tool) < 0.01)
+
+
 ROPES = [f"couplings.{name}_rod.kind=rope" for name in ("alpha", "bravo", "charlie")]
 WORLDS = {
     "cooperative_payload": ([], near_the_goals(0.2)),
@@ -45,6 +54,7 @@ WORLDS = {
     "downwash_pair": ([], near_the_goals(0.35)),
     "low_battery": ([], near_the_goals(0.2)),
     "rotor_out": ([], near_the_goals(0.5)),
+    "arm": ([], tool_in_place),
 }
 
 

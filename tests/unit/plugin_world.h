@@ -14,6 +14,7 @@ class PluginWorld {
  public:
   double dt = 0.001;
   double gravity = 9.81;
+  int horizon = 0;  ///< steps of an episode; 0: no end
   std::vector<std::int32_t> team = {0};  ///< robots that a controller serves
   std::vector<SkybodyRobotInfo> robots;
   std::vector<SkybodyBodyInfo> bodies;
@@ -145,6 +146,7 @@ class PluginWorld {
     s.instance = instance;
     s.dt = dt;
     s.action_repeat = 1;
+    s.horizon = horizon;
     s.gravity[2] = -gravity;
     s.team = team.data();
     s.team_size = static_cast<int>(team.size());

@@ -7,10 +7,22 @@
 
 namespace skybody {
 
+namespace {
+
+bool has_mass(const MassProperties& mass) {
+  return mass.mass > 0.0 && is_finite(mass.mass) && is_finite(mass.com);
+}
+
+}  // namespace
+
+bool is_possible(const MassProperties& mass) {
+  return has_mass(mass) && is_physical_inertia(mass.inertia);
+}
+
 MassProperties checked_mass(const std::string& name, const double* params) {
   MassProperties out = mass_properties(params);
   SymMat3<double>& inertia = out.inertia;
-  if (!(out.mass > 0.0) || !is_finite(out.mass) || !is_finite(out.com)) {
+  if (!has_mass(out)) {
     char value[32];
     std::snprintf(value, sizeof(value), "%g", out.mass);
     throw Error("body '" + name + "' has mass " + value +

@@ -7,6 +7,9 @@
 
 namespace skybody {
 
+/// Whether a rigid body can have them: the rule of checked_mass().
+bool is_possible(const MassProperties& mass);
+
 /// One body's mass properties, checked. The inertia of a flat body that rounding has put just
 /// beyond the bound of is_physical_inertia is moved onto it (below 1e-6 of its moments), so that
 /// all dynamics move the same body.

@@ -172,6 +172,10 @@ TEST_F(RotorFailureTest, SaysWhatDoesNotFit) {
                 "3 by their places"));
   EXPECT_THAT(refused({{"rotors", Words{"rotor1", "1"}}}),
               HasSubstr("`rotors` names `1` twice: name each rotor once"));
+  world.horizon = 1000;  // steps of 1 ms
+  EXPECT_EQ(refused({{"latest", 2.0}}),
+            "`latest` is 2 s, but an episode ends after 1 s: let rotors fail before");
+  world.horizon = 0;
   world.add_quad("other");
   EXPECT_THAT(refused({}), HasSubstr("several robots: name one of quad, other"));
   world.robots[0].rotor_count = 0;

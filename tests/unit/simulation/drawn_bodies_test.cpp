@@ -50,5 +50,20 @@ TEST(DrawnBodies, AreDrawnAgainUntilARigidBodyHasThem) {
   EXPECT_GT(largest, 0.099) << "the whole range comes";
 }
 
+/// An axis of ten times its size is above the sum of the others, however often it is drawn.
+TEST(DrawnBodies, ThatCanNeverBeAreAFaultWhoseReasonNamesThem) {
+  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
+                         .overrides = {"randomization=[{plugin: draw, parameters: {what: ['" +
+                                       kInertia + "[2]'], range: [9, 10], form: scale}}]"}});
+  simulation.reset();
+  const std::vector<float> action(4, 0.0f);
+  simulation.step(action);
+  ASSERT_TRUE(simulation.fault());
+  EXPECT_EQ(simulation.compiled().fault_reason(simulation.status()),
+            "no rigid body has the mass, centre and inertia of link `base_link` of robot `quad`: "
+            "no principal moment may be above the sum of the other two; narrow what randomizers "
+            "draw or callers set");
+}
+
 }  // namespace
 }  // namespace skybody
