@@ -200,9 +200,12 @@ class Dryden : public Effect {
     const Word<Real> key[kKeyWords] = {env.seed(), env.stream_env(), env.episode(), step};
     Word<Real> other = bit_cast_word(Real(memo[0])) ^ key[0];
     for (int k = 1; k < kKeyWords; ++k) other |= bit_cast_word(Real(memo[k])) ^ key[k];
-    for (int k = 0; k < inputs_; ++k) {
-      other |=
-          bit_cast_word(Real(memo[kKeyWords + k])) ^ bit_cast_word(Real(buffer[first_filter_ + k]));
+    for (int first = 0; first < inputs_; first += kRobotWords) {
+#pragma GCC unroll 7
+      for (int k = first; k < first + kRobotWords; ++k) {  // else g++ gathers lane by lane
+        other |= bit_cast_word(Real(memo[kKeyWords + k])) ^
+                 bit_cast_word(Real(buffer[first_filter_ + k]));
+      }
     }
     const auto is_other = to_real((other | (other >> 32)) & 0xffffffffu) != 0.0;
     if (none(logical_and(env.served(), is_other))) return;

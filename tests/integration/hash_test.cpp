@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "core/base/isa.h"
@@ -19,11 +20,21 @@ namespace fs = std::filesystem;
 
 // Short episodes, so that resets are among what is compared.
 const std::string kHorizon = "stepping.horizon=7";
+/// What happens at a time has to happen within them.
+const std::map<std::string, std::vector<std::string>> kInTime = {
+    {"arm",
+     {"randomization[0].parameters.time=[0,0.05]", "randomization[1].parameters.time=[0,0.05]"}},
+    {"rotor_out", {"effects[0].parameters.earliest=0.01", "effects[0].parameters.latest=0.05"}}};
 
 std::string hash_of(const std::string& scenario, const std::vector<std::string>& more) {
   std::vector<std::string> arguments = {"hash",   scenario, "--steps", "20",
                                         "--seed", "3",      "--set",   kHorizon};
   arguments.insert(arguments.end(), more.begin(), more.end());
+  if (const auto found = kInTime.find(scenario); found != kInTime.end()) {
+    for (const std::string& setting : found->second) {
+      arguments.insert(arguments.end(), {"--set", setting});
+    }
+  }
   const Outcome outcome = run_skybody(arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return outcome.out;
