@@ -14,7 +14,7 @@ class PluginWorld {
  public:
   double dt = 0.001;
   double gravity = 9.81;
-  int horizon = 0;  ///< steps of an episode; 0: no end
+  int horizon = 0;                       ///< steps of an episode; 0: no end
   std::vector<std::int32_t> team = {0};  ///< robots that a controller serves
   std::vector<SkybodyRobotInfo> robots;
   std::vector<SkybodyBodyInfo> bodies;
