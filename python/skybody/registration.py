@@ -22,6 +22,7 @@ SCENARIOS = (
     "hover_learn",
     "low_battery",
     "payload",
+    "payload_paper",
     "platform_landing",
     "rotor_out",
     "windy_hover",
