@@ -108,7 +108,7 @@ void warn_of_weight(const CompiledScenario& compiled, Diagnostics& diagnostics) 
   for (std::size_t r = 0; r < scenario.robots.size(); ++r) {
     const RobotUse& use = scenario.robots[r];
     if (use.rotor_speed >= 0.0) continue;
-    const double speed = hover_rotor_speed(compiled.world(), static_cast<int>(r));
+    const double speed = hover_rotor_speed(compiled.scenario(), static_cast<int>(r));
     double slowest = kInfinity;
     for (const Rotor& rotor : use.model.rotors) {
       slowest = min(slowest, rotor.constants[kMaxSpeed]);

@@ -24,6 +24,7 @@ struct EpisodeSummary {
   std::string end;               ///< terminated, truncated, fault, stopped or interrupted
   std::vector<GoalError> goals;  ///< as the task declares them
   std::vector<double> params;    ///< drawn values
+  std::uint64_t redraws = 0;     ///< how often the start was drawn again
 };
 
 /// Keeps the goal errors of the last second of simulated time.

@@ -1,9 +1,12 @@
 #include "app/flight.h"
 
+#include <cstring>
+
 #include "app/flight_record.h"
 #include "app/interrupt.h"
 #include "app/progress_line.h"
 #include "app/text_table.h"
+#include "core/base/number_text.h"
 
 namespace skybody {
 namespace {
@@ -27,6 +30,17 @@ std::string progress(std::uint64_t episode, const FlightPlan& plan, const Simula
          fixed(simulation.time(), 1) + " s  return " + fixed(summary.total_reward, 3);
 }
 
+/// Parameters that have changed in the episode since `params` was taken become events.
+void note_changes(const Simulation& simulation, std::vector<double>& params, FlightLog& log) {
+  std::vector<double> now = simulation.params();
+  if (std::memcmp(now.data(), params.data(), now.size() * sizeof(double)) == 0) return;
+  const std::vector<EnvParam>& infos = simulation.compiled().layout().param_info;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    if (now[k] != params[k]) log.event("drawn: " + infos[k].path + " = " + exact_text(now[k]));
+  }
+  params = std::move(now);
+}
+
 EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulation& simulation,
                            Policy& policy, FlightLog& log, ProgressLine& line) {
   EpisodeSummary summary;
@@ -36,13 +50,18 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   summary.params = simulation.params();
   log.begin_episode(summary.params);
   record(simulation, false, log);
-  log.event("reset");
+  summary.redraws = simulation.save().words[kRedraws];
+  log.event(summary.redraws == 0
+                ? "reset"
+                : "reset, the start drawn again: " + std::to_string(summary.redraws));
+  std::vector<double> params = summary.params;
   for (summary.end = end_of(plan, simulation); summary.end.empty();
        summary.end = end_of(plan, simulation)) {
     policy.act(simulation, action);
     const std::uint64_t before = simulation.step_counts().near;
     simulation.step(action);
     record(simulation, simulation.step_counts().near > before, log);
+    note_changes(simulation, params, log);
     window.add(simulation);
     summary.total_reward += static_cast<double>(simulation.reward());
     if (line.is_due()) line.show(progress(number, plan, simulation, summary));

@@ -91,6 +91,9 @@ void print_summary(const CompiledScenario& compiled, const FlightResult& result)
   print(summary_table(compiled, result.episodes));
   const std::string drawn = drawn_values(compiled, result.episodes);
   if (!drawn.empty()) std::printf("\n%s", drawn.c_str());
+  std::uint64_t redraws = 0;
+  for (const EpisodeSummary& episode : result.episodes) redraws += episode.redraws;
+  if (redraws > 0) std::printf("starts drawn again: %s\n", std::to_string(redraws).c_str());
 }
 
 void draw_and_print(const std::filesystem::path& log) {

@@ -1,6 +1,7 @@
 // Numbers in messages.
 #pragma once
 
+#include <charconv>
 #include <cstdio>
 #include <string>
 
@@ -11,6 +12,12 @@ inline std::string to_text(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof(buffer), "%g", value);
   return buffer;
+}
+
+/// The shortest text that reads back as the same double.
+inline std::string exact_text(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
 }
 
 }  // namespace skybody

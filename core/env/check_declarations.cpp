@@ -174,7 +174,7 @@ void check_kind(const PluginInstance& p) {
   demand(!p.sites.empty() || !p.joints.empty(), is_controller, "a site or joint");
   demand(!p.channels.empty(), is_task || p.kind == SKYBODY_SENSOR, "a channel");
   demand(holds, p.kind == SKYBODY_EFFECT, "a held input");
-  demand(!p.writes.empty(), p.kind == SKYBODY_RANDOMIZER, "what it writes");
+  demand(!p.writes.empty(), is_task || p.kind == SKYBODY_RANDOMIZER, "what it writes");
   demand(p.period > 0, p.kind != SKYBODY_RANDOMIZER, "a period");
   demand(!p.reports.empty(), !is_task, "a report (a task has info)");
   demand(!p.infos.empty() || !p.goals.empty() || p.robot_rewards, is_task,

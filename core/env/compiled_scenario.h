@@ -13,6 +13,7 @@
 #include "core/env/controller_chains.h"
 #include "core/env/observation_plan.h"
 #include "core/env/plugin_instance.h"
+#include "core/env/start_places.h"
 #include "core/env/state_group.h"
 #include "core/physics/contact/contact.h"
 #include "core/physics/world/lane_state.h"
@@ -71,7 +72,8 @@ class CompiledScenario {
   const std::vector<ControllerChain>& chains() const { return chains_; }
   /// The command words of a robot: of its chains, one after the other. Size 0: it takes none.
   Block commands_of(int robot) const;
-  /// Values beside the observation: the task's, then those that other plugins report, by instance.
+  /// Values beside the observation: the task's, those that other plugins report, by instance, and
+  /// randomizable ones that the scenario names.
   const std::vector<Channel>& info_channels() const { return info_channels_; }
   /// In the order of the row.
   const std::vector<ActionChannel>& action_channels() const { return action_channels_; }
@@ -85,6 +87,8 @@ class CompiledScenario {
   /// The images of the observation, in the order of their columns.
   const std::vector<ObservedImage>& images() const { return plan_.images; }
   int info_size() const { return value_count(info_channels_); }
+  /// Where robots begin, as EnvParams.
+  const StartPlaces& starts() const { return starts_; }
   /// Words of what a StateGroup saves of an environment: state words, then images.
   std::size_t saved_words() const {
     return static_cast<std::size_t>(layout().words) + image_words_;
@@ -190,8 +194,9 @@ class CompiledScenario {
   void start(StateGroup&, std::uint32_t mask) const;
   void draw(StateGroup&, const SkybodyLanes&, SkybodyOccasion) const;
   void draw_in_time(StateGroup&, GroupWork&, const SkybodyLanes&) const;
-  void draw_with_requests(StateGroup&, const GroupWork&, const SkybodyLanes&) const;
+  void draw_with_requests(StateGroup&, const GroupWork&, const SkybodyLanes&, int repetition) const;
   void draw_start(StateGroup&, GroupWork&, std::uint32_t mask) const;
+  void draw_task(StateGroup&, GroupWork&, std::uint32_t mask) const;
   void draw_again(StateGroup&, GroupWork&, int lane) const;
   void keep_undrawn(const StateGroup&, GroupWork&) const;
   void put_back_undrawn(StateGroup&, const GroupWork&, int lane) const;
@@ -219,10 +224,14 @@ class CompiledScenario {
   std::vector<ControllerChain> chains_;
   std::vector<ActionChannel> action_channels_;
   std::vector<Channel> info_channels_;
+  std::vector<int> info_params_;  ///< EnvParams that are the last of them
   bool is_checked_ = false;
   bool needs_bodies_before_ = false;
   bool needs_contacts_ = false;
-  bool draws_in_time_ = false;              ///< a randomizer does
+  bool draws_in_time_ = false;  ///< a randomizer does
+  bool draws_bodies_ = false;   ///< randomizers write what a rigid body is made of
+  StartPlaces starts_;
+  Block task_params_;                       ///< the task's own, within the parameter block
   std::vector<ContactPair> contact_pairs_;  ///< that plugins ask for
   std::vector<int> joint_reactions_;        ///< bodies whose joints plugins ask about
   int commanded_ = 0;                       ///< values of the command that action or task give

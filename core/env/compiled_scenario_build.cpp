@@ -9,6 +9,7 @@
 #include "core/env/check_declarations.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
+#include "core/env/param_access.h"
 #include "core/env/setup_tables.h"
 #include "core/env/start_overlaps.h"
 #include "core/env/state_values.h"
@@ -62,6 +63,7 @@ struct CompiledScenario::Builder {
 
   void build() {
     collect_uses();
+    env.starts_ = StartPlaces(topology, plan.layout);
     for (BoundUse& use : uses) add_params(use);
     SetupTables tables(topology, plan.layout);
     configure_kind(SKYBODY_SENSOR, tables);
@@ -69,8 +71,10 @@ struct CompiledScenario::Builder {
     connect(tables);
     configure_kind(SKYBODY_EFFECT, tables);
     configure_kind(SKYBODY_RANDOMIZER, tables);
-    check_writers();
     configure_kind(SKYBODY_TASK, tables);
+    check_task_writes();
+    check_writers();
+    check_starts_in_time();
     check_interpolation();
     list_actions();
     lay_out();
@@ -105,6 +109,7 @@ struct CompiledScenario::Builder {
 
   /// Randomizable parameters become EnvParams.
   void add_params(BoundUse& bound) {
+    const int first = static_cast<int>(plan.layout.param_info.size());
     const std::vector<ParameterSpec>& specs = factory.parameters(bound.kind, bound.use->plugin);
     const std::vector<ParameterValue>& values = bound.use->parameters;
     SKYBODY_DEMAND(specs.size() == values.size(), "parameters of another plugin");
@@ -113,6 +118,8 @@ struct CompiledScenario::Builder {
       bound.values.set_env_param(i, static_cast<int>(plan.layout.param_info.size()));
       add_env_params(bound.path + "." + specs[i].name, values[i].numbers, specs[i]);
     }
+    if (bound.kind != SKYBODY_TASK) return;
+    env.task_params_ = {first, static_cast<int>(plan.layout.param_info.size()) - first};
   }
 
   void add_env_params(const std::string& path, const std::vector<double>& numbers,
@@ -220,19 +227,58 @@ struct CompiledScenario::Builder {
     }
   }
 
+  /// One value, one plugin that draws it.
   void check_writers() const {
     std::map<int, const PluginInstance*> writers;
+    const auto add = [&](const PluginInstance& p, const SourceMark& mark) {
+      for (const int param : p.writes) {
+        const auto [it, fresh] = writers.emplace(param, &p);
+        if (fresh || it->second == &p) continue;
+        const bool is_task = it->second->kind == SKYBODY_TASK;
+        throw MarkedError(
+            mark, described(*it->second, p) + " both draw " + path_of(param) +
+                      ": leave it to one of them" +
+                      (is_task ? "; a task draws no parameter that the scenario gives" : ""));
+      }
+    };
     const std::vector<PluginInstance>& randomizers = env.plugins_[SKYBODY_RANDOMIZER];
+    add(env.task(), env.task().mark);
     for (std::size_t i = 0; i < randomizers.size(); ++i) {
-      for (const int param : randomizers[i].writes) {
-        const auto [it, fresh] = writers.emplace(param, &randomizers[i]);
-        if (!fresh && it->second != &randomizers[i]) {
-          throw MarkedError(scenario.randomization[i].mark,
-                            "randomizers `" + it->second->name + "` and `" + randomizers[i].name +
-                                "` both draw " +
-                                plan.layout.param_info[static_cast<std::size_t>(param)].path +
-                                ": leave it to one of them");
-        }
+      add(randomizers[i], scenario.randomization[i].mark);
+    }
+  }
+
+  static std::string described(const PluginInstance& first, const PluginInstance& second) {
+    if (first.kind == SKYBODY_RANDOMIZER) {
+      return "randomizers `" + first.name + "` and `" + second.name + "`";
+    }
+    return "task `" + first.plugin + "` and randomizer `" + second.name + "`";
+  }
+
+  const std::string& path_of(int param) const {
+    return plan.layout.param_info[static_cast<std::size_t>(param)].path;
+  }
+
+  /// A task has its turn when all else is drawn: what is not its own has been read by then.
+  void check_task_writes() const {
+    const Block own = env.task_params_;
+    for (const int param : env.task().writes) {
+      if (param >= own.offset && param < own.offset + own.size) continue;
+      throw MarkedError(env.task().mark, "task `" + env.task().plugin + "` draws " +
+                                             path_of(param) +
+                                             ", but a task may draw its own parameters alone");
+    }
+  }
+
+  /// Nobody reads a start in mid-episode.
+  void check_starts_in_time() const {
+    for (const PluginInstance& r : env.plugins_[SKYBODY_RANDOMIZER]) {
+      if (!r.draws_in_time) continue;
+      for (const int param : r.writes) {
+        if (!env.starts_.has(param)) continue;
+        throw MarkedError(r.mark, "randomizer `" + r.name + "` draws " + path_of(param) +
+                                      " at a time within the episode, but a start is read at "
+                                      "resets alone: draw it with `when: reset`");
       }
     }
   }
@@ -293,6 +339,25 @@ struct CompiledScenario::Builder {
         }
       }
     }
+    for (const std::string& path : scenario.infos.paths) add_param_infos(path);
+  }
+
+  /// Randomizable values that the scenario wants to see.
+  void add_param_infos(const std::string& path) {
+    try {
+      for (const int param : find_params(scenario, plan.layout, path)) {
+        const auto& all = env.info_params_;
+        if (std::find(all.begin(), all.end(), param) != all.end()) {
+          throw Error("`" + path + "` names " + path_of(param) +
+                      " a second time: name each value once");
+        }
+        const EnvParam& info = plan.layout.param_info[static_cast<std::size_t>(param)];
+        env.info_params_.push_back(param);
+        env.info_channels_.push_back({info.path, info.unit, 1, info.min, info.max});
+      }
+    } catch (const Error& error) {
+      throw MarkedError(scenario.infos.mark, "`infos`: " + std::string(error.what()));
+    }
   }
 
   static void place_state(PluginInstance& p, int& next) {
@@ -351,6 +416,8 @@ CompiledScenario::CompiledScenario(Scenario scenario, PluginFactory& factory, Ch
   Builder(*this, std::move(scenario), factory).build();
   check_driven_ends(*world_);
   write_default_state(*world_, initial_);
+  for (PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) r.starts = starts_.places_of(r.writes);
+  draws_bodies_ = draws_bodies();
   physics_ = std::make_unique<const GroupPhysics>(*world_);
   state_values_ = std::make_unique<const StateValues>(*this);
   look_for_bad_starts();

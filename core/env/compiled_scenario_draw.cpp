@@ -45,7 +45,7 @@ const std::uint64_t* number_repetition(GroupWork& work, int repetition) {
 void CompiledScenario::look_for_bad_starts() {
   const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
   const bool may_overlap = scenario().contact.redraws > 0 && count_bristles(*world_) > 0;
-  if (randomizers.empty() || !(may_overlap || draws_bodies())) return;
+  if (!(may_overlap || draws_bodies_)) return;
   for (const PluginInstance& r : randomizers) {
     for (int k = r.state; k < r.state + r.state_words + r.buffer_words; ++k) {
       drawn_words_.push_back(layout().plugin_state.offset + k);
@@ -111,13 +111,24 @@ std::string CompiledScenario::fault_reason(std::uint64_t status) const {
 
 namespace {
 
-/// Writes what a request gives. @param number  of all that were asked for in this environment
-void put_request(const Layout& layout, StateGroup& group, int lane, std::uint64_t number,
-                 const ParamRequest& request) {
+/// Which of the draws of a request.
+struct RequestNumber {
+  std::uint64_t request;  ///< of all that were asked for in this environment
+  int repetition = 0;     ///< of a start that is drawn again
+
+  std::uint64_t counter() const {
+    return kRequestedDraw | (static_cast<std::uint64_t>(repetition) << 40) | request;
+  }
+};
+
+/// Writes what a request gives. @param only  the parameters that may be written
+void put_request(const Layout& layout, StateGroup& group, int lane, RequestNumber number,
+                 const ParamRequest& request, Block only) {
   const RandomKey key{group.bits(kSeed)[lane], group.bits(kStreamEnv)[lane]};
-  const Random<double> random(key, group.bits(kEpisode)[lane], kRequestedDraw | number,
+  const Random<double> random(key, group.bits(kEpisode)[lane], number.counter(),
                               derive_stream("requests"));
   request.each_value(random, [&](int param, double value) {
+    if (param < only.offset || param >= only.offset + only.size) return;
     const EnvParam& info = layout.param_info[static_cast<std::size_t>(param)];
     group.writable({layout.params.offset + param, 1}, 1u << lane)[lane] =
         std::clamp(value, info.min, info.max);
@@ -131,12 +142,12 @@ void CompiledScenario::apply(StateGroup& group, GroupWork& work, int lane,
   if (request.redraws()) randomize(group, work, 1u << lane);
   if (request.changes().empty()) return;
   const std::uint64_t number = ++group.writable(kRequests)[lane];
-  put_request(layout(), group, lane, number, request);
+  put_request(layout(), group, lane, {number}, request, {0, layout().params.size});
 }
 
 /// What randomizers draw at a reset, then what callers asked for.
 void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWork& work,
-                                          const SkybodyLanes& lanes) const {
+                                          const SkybodyLanes& lanes, int repetition) const {
   draw(group, lanes, SKYBODY_AT_RESET);
   each_lane(lanes.active, [&](int lane) {
     std::uint64_t number = group.bits(kRequests)[lane];
@@ -146,12 +157,15 @@ void CompiledScenario::draw_with_requests(StateGroup& group, const GroupWork& wo
         one.active = 1u << lane;
         draw(group, one, SKYBODY_ON_REQUEST);
       }
-      put_request(layout(), group, lane, ++number, *request);
+      put_request(layout(), group, lane, {++number, repetition}, *request,
+                  {0, layout().params.size});
+      starts_.place(group, 1u << lane, request->starts());
     }
   });
 }
 
-/// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds.
+/// Runs the randomizers in order; what they wrote is held to each parameter's declared bounds, and
+/// robots go to the starts that they drew.
 void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
                             SkybodyOccasion occasion) const {
   const Layout& l = layout();
@@ -162,6 +176,7 @@ void CompiledScenario::draw(StateGroup& group, const SkybodyLanes& lanes,
   for (const PluginInstance& r : plugins_[SKYBODY_RANDOMIZER]) {
     call_plugin(r.kernels.randomize, r, group, lanes, no_sizes, &where);
     for (const int param : r.writes) hold_to_bounds(group, mask, param);
+    starts_.place(group, mask, r.starts);
   }
 }
 
@@ -212,16 +227,36 @@ void CompiledScenario::draw_start(StateGroup& group, GroupWork& work, std::uint3
   each_lane(mask, [&](int lane) {
     if (!work.requests[static_cast<std::size_t>(lane)].empty()) asked |= 1u << lane;
   });
-  if (plugins_[SKYBODY_RANDOMIZER].empty() && asked == 0) return;
-  if (!drawn_words_.empty()) keep_undrawn(group, work);
-  draw_with_requests(group, work, view(group, work, mask));
-  update(group, work, mask);
-  std::uint32_t doubtful = drawn_words_.empty() ? 0u : mask & group.unphysical();
-  if (start_overlaps_ != nullptr) doubtful |= group.may_touch(mask, work.physics);
-  each_lane(doubtful, [&](int lane) { draw_again(group, work, lane); });
+  if (!plugins_[SKYBODY_RANDOMIZER].empty() || asked != 0) {
+    if (!drawn_words_.empty()) keep_undrawn(group, work);
+    draw_with_requests(group, work, view(group, work, mask), 0);
+    update(group, work, mask);
+    std::uint32_t doubtful = draws_bodies_ ? mask & group.unphysical() : 0u;
+    if (start_overlaps_ != nullptr) doubtful |= group.may_touch(mask, work.physics);
+    each_lane(doubtful, [&](int lane) { draw_again(group, work, lane); });
+  }
+  draw_task(group, work, mask);
   each_lane(asked, [&](int lane) {
     const std::size_t count = work.requests[static_cast<std::size_t>(lane)].size();
     group.writable(kRequests)[lane] += count;
+  });
+}
+
+/// Lets the task draw parameters of its own, once the robots are placed. Callers have the last
+/// word.
+void CompiledScenario::draw_task(StateGroup& group, GroupWork& work, std::uint32_t mask) const {
+  if (task().kernels.randomize == nullptr) return;
+  const Layout& l = layout();
+  const SkybodyStart where{group.unmarked(l.q), group.unmarked(l.u), group.unmarked(l.rotor_speed),
+                           group.unmarked(l.params), SKYBODY_AT_RESET};
+  const SkybodyLanes lanes = view(group, work, mask);
+  call_plugin(task().kernels.randomize, task(), group, lanes, no_sizes, &where);
+  for (const int param : task().writes) hold_to_bounds(group, mask, param);
+  each_lane(mask, [&](int lane) {
+    std::uint64_t number = group.bits(kRequests)[lane];
+    for (const auto& request : work.requests[static_cast<std::size_t>(lane)]) {
+      put_request(l, group, lane, {++number}, *request, task_params_);
+    }
   });
 }
 
@@ -244,13 +279,15 @@ void CompiledScenario::draw_again(StateGroup& group, GroupWork& work, int lane) 
                unchanged >= kMostUnchanged) {
       break;
     }
+    group.writable(kRedraws)[lane] = static_cast<std::uint64_t>(k);
     const std::optional<StartOverlap> before = overlap;
     put_back_undrawn(group, work, lane);
     place_at_start(group, lane);
+    starts_.place(group, mask);
     update(group, work, mask);
     SkybodyLanes lanes = view(group, work, mask);
     lanes.physics_step = number_repetition(work, k);
-    draw_with_requests(group, work, lanes);
+    draw_with_requests(group, work, lanes, k);
     update(group, work, mask);
     overlap = look();
     unchanged = overlap && before && *overlap == *before ? unchanged + 1 : 0;

@@ -54,8 +54,8 @@ void CompiledScenario::reset(StateGroup& group, GroupWork& work, std::uint32_t m
   conclude(group, work, mask, true, rows);
 }
 
-/// Counters, the scenario's poses, and no commands. Drawn parameters stay until a randomizer is
-/// due.
+/// Counters, robots where their EnvParams put them, and no commands. Drawn parameters stay until a
+/// randomizer is due.
 void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
   const Layout& l = layout();
   each_lane(mask, [&](int lane) {
@@ -63,6 +63,7 @@ void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
     group.writable(kStep)[lane] = 0;
     group.writable(kPhysicsStep)[lane] = 0;
     group.writable(kStatus)[lane] = kRunning;
+    group.writable(kRedraws)[lane] = 0;
     place_at_start(group, lane);
     group.images().clear(lane);
     for (const Block& block :
@@ -72,6 +73,7 @@ void CompiledScenario::start(StateGroup& group, std::uint32_t mask) const {
       for (int k = 0; k < block.size; ++k) values[k * group.lanes() + lane] = 0.0;
     }
   });
+  starts_.place(group, mask);
 }
 
 /// All words of plugins to 0, but those of randomizers, which keep theirs; and nothing is held.

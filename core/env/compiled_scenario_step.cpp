@@ -288,7 +288,8 @@ void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, const Skybod
   gather_observation(group, work);
 }
 
-/// Values beside the observation that other plugins keep in their buffers, behind the task's.
+/// Values beside the observation that other plugins keep in their buffers, and randomizable ones,
+/// behind the task's.
 void CompiledScenario::write_reports(const StateGroup& group, GroupWork& work) const {
   const int lanes = group.lanes();
   double* to = work.info.data() + value_count(task().infos) * lanes;
@@ -299,6 +300,9 @@ void CompiledScenario::write_reports(const StateGroup& group, GroupWork& work) c
         to = std::copy_n(from, report.info.count * lanes, to);
       }
     }
+  }
+  for (const int param : info_params_) {
+    to = std::copy_n(group.reals(layout().params.offset + param), lanes, to);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "plugins/api/path_pattern.h"
 
 namespace skybody {
 namespace {
@@ -17,6 +18,24 @@ int index_of(const CompiledScenario& compiled, const std::string& path) {
 }
 
 }  // namespace
+
+std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
+                             const std::string& path) {
+  std::vector<std::string> robots;
+  for (const RobotUse& robot : scenario.robots) robots.push_back(robot.name);
+  const auto patterns = plugin_detail::patterns_of(path, robots);
+  std::vector<int> found;
+  for (std::size_t k = 0; k < layout.param_info.size(); ++k) {
+    const EnvParam& param = layout.param_info[k];
+    if (plugin_detail::any_matches(patterns, param.path, param.alias)) {
+      found.push_back(static_cast<int>(k));
+    }
+  }
+  if (found.empty()) {
+    throw Error("nothing randomizable is called `" + path + "`" + plugin_detail::kNoSuchParam);
+  }
+  return found;
+}
 
 double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,
                  const std::string& path) {

@@ -2,10 +2,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/env/compiled_scenario.h"
 
 namespace skybody {
+
+/// The parameters that a path names, as randomizers name them (docs/scenarios.md), in order.
+/// @throws Error if there are none
+std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
+                             const std::string& path);
 
 /// Value of a randomizable parameter in one lane. @throws Error if there is none at `path`
 double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,

@@ -7,8 +7,9 @@
 #include <stdexcept>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/env/compiled_scenario.h"
-#include "plugins/api/path_pattern.h"
+#include "core/env/param_access.h"
 
 namespace skybody {
 namespace {
@@ -16,12 +17,6 @@ namespace {
 constexpr std::array<const char*, 3> kForms = {"value", "scale", "shift"};
 constexpr std::array<const char*, 5> kKinds = {"constant", "uniform", "log_uniform", "normal",
                                                "choice"};
-
-/// The shortest text that reads back as the same double.
-std::string exact_text(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
 
 double exact_number(const std::string& text) {
   double value = 0.0;
@@ -117,22 +112,17 @@ std::vector<ParamChange> read_param_changes(const std::vector<std::string>& line
 ParamRequest::ParamRequest(const CompiledScenario& compiled, std::span<const ParamChange> changes,
                            bool redraws)
     : changes_(changes.begin(), changes.end()), redraws_(redraws) {
-  std::vector<std::string> robots;
-  for (const RobotUse& robot : compiled.scenario().robots) robots.push_back(robot.name);
   const std::vector<EnvParam>& params = compiled.layout().param_info;
   for (std::size_t c = 0; c < changes_.size(); ++c) {
-    const auto patterns = plugin_detail::patterns_of(changes_[c].path, robots);
     bool is_first = true;
-    for (std::size_t k = 0; k < params.size(); ++k) {
-      if (!plugin_detail::any_matches(patterns, params[k].path, params[k].alias)) continue;
-      add(params[k], static_cast<int>(k), c, is_first);
+    for (const int k : find_params(compiled.scenario(), compiled.layout(), changes_[c].path)) {
+      add(params[static_cast<std::size_t>(k)], k, c, is_first);
       is_first = false;
     }
-    if (is_first) {
-      throw Error("nothing randomizable is called `" + changes_[c].path + "`" +
-                  plugin_detail::kNoSuchParam);
-    }
   }
+  std::vector<int> written;
+  for (const Target& t : targets_) written.push_back(t.param);
+  starts_ = compiled.starts().places_of(written);
 }
 
 void ParamRequest::add(const EnvParam& info, int param, std::size_t change, bool is_first) {

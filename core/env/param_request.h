@@ -52,6 +52,8 @@ class ParamRequest {
                bool redraws);
 
   bool redraws() const { return redraws_; }
+  /// Places of starts (core/env/start_places.h) that it changes.
+  const std::vector<int>& starts() const { return starts_; }
   /// What it was made of.
   const std::vector<ParamChange>& changes() const { return changes_; }
 
@@ -77,6 +79,7 @@ class ParamRequest {
 
   std::vector<ParamChange> changes_;
   std::vector<Target> targets_;
+  std::vector<int> starts_;
   bool redraws_;
 };
 

@@ -100,7 +100,8 @@ struct PluginInstance {
   std::vector<Channel> infos;  ///< tasks: values beside the observation
   std::vector<Goal> goals;
   bool robot_rewards = false;  ///< tasks: evaluate() gives each robot a reward of its own
-  std::vector<int> writes;     ///< EnvParams that a randomizer writes
+  std::vector<int> writes;     ///< EnvParams that a randomizer or the task writes
+  std::vector<int> starts;     ///< places of StartPlaces that these belong to
   bool draws_in_time = false;  ///< randomizers: is called before every physics step, too
   std::vector<int> reads;      ///< sensors' values that it looks at, the first of each channel
   std::vector<Report> reports;

@@ -157,8 +157,8 @@ BoundValues::BoundValues(const std::vector<ParameterValue>& values) {
     for (const std::string& text : value.texts) texts.push_back(text.c_str());
     const bool is_text = value.type == ParameterType::kText;
     table_.push_back({value.numbers.data(), texts.data(),
-                      static_cast<std::uint32_t>(is_text ? texts.size() : value.numbers.size()),
-                      -1});
+                      static_cast<std::uint32_t>(is_text ? texts.size() : value.numbers.size()), -1,
+                      value.is_given ? 1u : 0u});
   }
 }
 

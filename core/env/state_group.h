@@ -29,6 +29,7 @@ class StateGroup {
   StateGroup(const Layout& layout, int bodies, int lanes, int image_words,
              std::unique_ptr<GroupStepper> stepper);
 
+  const Layout& layout() const { return *layout_; }
   int lanes() const { return lanes_; }
   int words() const { return layout_->words; }
   /// Lanes that hold an environment: those that were cleared.
@@ -126,7 +127,8 @@ class StateGroup {
   void note_write(Block block, std::uint32_t lanes) {
     const int begin = block.offset, end = block.offset + block.size;
     if (begin < layout_->rotor_command.offset) current_ &= ~lanes;  // q, u, rotor speeds
-    if (begin < layout_->action.offset && end > layout_->params.offset) forget(lanes);
+    const int constants = layout_->params.offset + layout_->physics_params;
+    if (begin < constants && end > layout_->params.offset) forget(lanes);
   }
   void forget(std::uint32_t lanes) {
     current_ &= ~lanes;

@@ -132,6 +132,9 @@ class List {
         "status", "", StateSource::kHeader, kStatus,
         "bits of the last transition: 1 terminated, 2 truncated, 4 fault, with a fault also 8 bad "
         "action, 16 bad state, 32 bad outcome");
+    add_header("redraws", "", StateSource::kHeader, kRedraws,
+               "how often the start of this episode was drawn again: bodies that cannot be, or "
+               "robots inside something");
     add_motion("bodies", 0, static_cast<int>(world_.bodies.size()), {});
     add_block("q", "", layout_.q, "coordinates of all joints, bases included");
     add_block("u", "", layout_.u, "their velocities");

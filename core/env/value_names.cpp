@@ -30,8 +30,8 @@ class StateNames {
       : compiled_(compiled), layout_(compiled.layout()) {}
 
   std::vector<std::string> all() {
-    names_ = {"seed",         "stream_env", "episode", "step",
-              "physics_step", "forks",      "status",  "requests"};
+    names_ = {"seed",  "stream_env", "episode",  "step",   "physics_step",
+              "forks", "status",     "requests", "redraws"};
     expect(layout_.q);
     name_coordinates(layout_.q, "q", [](const WorldBody& body) { return body.q; });
     name_coordinates(layout_.u, "u", [](const WorldBody& body) { return body.u; });

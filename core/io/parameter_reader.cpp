@@ -131,6 +131,7 @@ ParameterValue default_value(const ParameterSpec& spec, const SourceMark& mark) 
   value.type = spec.type;
   value.numbers = spec.default_numbers;
   value.texts = spec.default_texts;
+  value.is_given = false;
   value.mark = mark;
   return value;
 }

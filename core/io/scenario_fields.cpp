@@ -318,6 +318,7 @@ const MapSpec& scenario_fields() {
           short_form("channel", map_field("observe", Field::Kind::kMapList, observed_fields(),
                                           "channels of sensors that join the task's observation, "
                                           "in order")),
+          list_field("infos", "paths of randomizable values that join the infos, as they are"),
           plugin_field("randomization", Field::Kind::kPluginList, SKYBODY_RANDOMIZER,
                        "what draws values at a reset, in order"),
           required(plugin_field("task", Field::Kind::kPlugin, SKYBODY_TASK,

@@ -60,6 +60,9 @@ class ScenarioReader {
     scenario_.sensors = uses(reader, "sensors", SKYBODY_SENSOR);
     scenario_.effects = uses(reader, "effects", SKYBODY_EFFECT);
     scenario_.observe = read_observed(reader.node("observe"), diagnostics_);
+    if (reader.node("infos") != nullptr) {
+      scenario_.infos = {reader.texts("infos"), reader.mark("infos")};
+    }
     scenario_.randomization = uses(reader, "randomization", SKYBODY_RANDOMIZER);
     if (const ConfigNode* task = reader.node("task")) {
       scenario_.task = read_plugin_use(*task, SKYBODY_TASK, catalog_, diagnostics_);

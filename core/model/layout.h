@@ -30,7 +30,8 @@ enum HeaderWord : int {
   kForks = 5,        ///< how many rekeyed copies were made of this environment
   kStatus = 6,       ///< EpisodeStatus bits of the last transition
   kRequests = 7,     ///< draws that were asked for in mid-episode, in all
-  kHeaderSize = 8,
+  kRedraws = 8,      ///< how often the start of this episode was drawn again
+  kHeaderSize = 9,
 };
 
 /// Bits of kStatus, and of a transition's flags.

@@ -27,6 +27,7 @@ struct ParameterValue {
   ParameterType type = ParameterType::kReal;
   std::vector<double> numbers;     ///< reals, integers and booleans (0, 1); one or more
   std::vector<std::string> texts;  ///< texts; one or more
+  bool is_given = true;            ///< the scenario says so, else it is the default
   SourceMark mark;
 };
 
@@ -133,6 +134,12 @@ struct ObservedChannel {
   SourceMark mark;
 };
 
+/// Randomizable values that join the infos.
+struct InfoUse {
+  std::vector<std::string> paths;
+  SourceMark mark;
+};
+
 /// One robot of a scenario.
 struct RobotUse {
   std::string name;
@@ -168,6 +175,7 @@ struct Scenario {
   std::vector<PluginUse> effects;
   std::vector<PluginUse> randomization;
   std::vector<ObservedChannel> observe;  ///< in the order of the observation
+  InfoUse infos;
   PluginUse task;
 
   /// Nominal [m/s^2], W axes.

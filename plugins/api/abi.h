@@ -75,6 +75,7 @@ typedef struct SkybodyValue {
   const char* const* texts;
   uint32_t count;
   int32_t env_param; /* first index into SkybodyLanes::params if randomizable, else -1 */
+  uint32_t is_given; /* 1: the scenario says so; 0: it is the default */
 } SkybodyValue;
 
 /* How a body moves relative to its parent. */
@@ -445,6 +446,8 @@ typedef struct SkybodyKernels {
                   const double* input, double* output);
   void (*sense)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                 double* output);
+  /* randomizers; tasks: optional, called at a reset when robots are placed and before reset(), to
+   * draw parameters of their own that they announced by writes */
   void (*randomize)(const void* self, const SkybodyLanes* lanes, uint64_t* state, double* buffer,
                     const SkybodyStart* start);
   /* tasks: optional; else the host scales the action to the first controllers' ranges */

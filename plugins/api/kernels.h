@@ -230,6 +230,9 @@ constexpr SkybodyKernels kernels_of(Isa isa) {
     if constexpr (T::kKind == SKYBODY_TASK) {
       k.evaluate = kernel<Evaluate<T, N>>(isa);
       if constexpr (kHas<ProcessMethod, T, double>) k.process = kernel<Process<T, N>>(isa);
+      if constexpr (N == SKYBODY_NUMBER_REAL && kHas<RandomizeMethod, T, double>) {
+        k.randomize = kernel<Randomize<T, N>>(isa);
+      }
       if constexpr (N == SKYBODY_NUMBER_REAL && kHas<GoalMethod, T, double>) k.goal = &goal<T>;
     }
   }

@@ -196,6 +196,10 @@ constexpr void check_class() {
                   "process() must be `void process(const EnvView<Real>&, State<Real>&, "
                   "ConstValues<Real> action, Values<Real> command) const`, public and const; a "
                   "template on Real if evaluate() is one");
+    static_assert(is_sound<RandomizeMethod, T>(),
+                  "randomize() of a task must be `void randomize(const EnvView<Real>&, "
+                  "State<Real>&, Start<Real>&) const`, public and const; a template on Real if "
+                  "evaluate() is one");
     static_assert(is_sound<GoalMethod, T, false>(),
                   "goal() must be `void goal(const EnvView<double>&, const State<double>&, "
                   "Values<double> goal) const`, public and const");

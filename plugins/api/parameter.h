@@ -91,6 +91,11 @@ class Parameter {
   /// range.
   void bind(const SkybodyValue& value);
 
+  /// Whether the scenario gives the value; else it is the default.
+  bool is_given() const { return is_given_; }
+  /// Of a randomizable one the index of its first value among EnvView::param(); else -1.
+  int env_param() const { return env_param_; }
+
  protected:
   Parameter(Plugin* owner, const char* name, const char* unit, const char* doc, std::uint32_t type);
 
@@ -105,6 +110,7 @@ class Parameter {
   std::vector<double> numbers_;
   std::vector<std::string> texts_;
   int env_param_ = -1;
+  bool is_given_ = false;
 };
 
 /// One number, declared as a member: RealParameter gain{this, {.name = "gain", .value = 2.0}};

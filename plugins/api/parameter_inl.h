@@ -36,6 +36,7 @@ inline SkybodyParameter Parameter::declaration() const {
 
 inline void Parameter::bind(const SkybodyValue& value) {
   env_param_ = value.env_param;
+  is_given_ = value.is_given != 0;
   if (type_ == SKYBODY_TEXT) {
     texts_.assign(value.texts, value.texts + value.count);
   } else {

@@ -152,8 +152,9 @@ class Start {
 /// Draws values when an episode begins. `configure()` announces the parameters that it may write by
 /// Setup::writes(). A randomizer's State survives resets, so that it may count them.
 ///
-/// Required; called at every reset, after the scenario's own start was set, in the order of the
-/// scenario. Parameters have what was drawn before:
+/// Required; called at every reset, after the robots were placed where the present parameters
+/// `robots.NAME.start...` say, in the order of the scenario. Parameters have what was drawn before.
+/// Robots go to the starts that it writes as soon as it returns:
 ///   template <class Real>
 ///   void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const;
 class Randomizer : public Plugin {
@@ -316,7 +317,13 @@ class Evaluation {
 ///   template <class Real>
 ///   void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const;
 ///
-/// Optional; called at a reset, when the robots have been placed: draws targets:
+/// Optional; called at a reset, when the robots have been placed: draws randomizable parameters of
+/// its own, such as a target, that it has announced by Setup::writes(). Callers may change them in
+/// the same reset and in flight, so evaluate() reads them anew (EnvView::param()):
+///   template <class Real>
+///   void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const;
+///
+/// Optional; called at a reset after that:
 ///   template <class Real> void reset(const EnvView<Real>& env, State<Real>& state) const;
 ///
 /// Optional; makes the chains' commands, in physical units, once a step or every Setup::period()

@@ -200,8 +200,9 @@ class Setup {
   void only_when_read() const { declare_.only_when_read(declare_.host); }
   /// Asks for EnvView::body_before().
   void need_bodies_before() const { declare_.bodies_before(declare_.host); }
-  /// Randomizers: announces that parameter `param` of params() will be written; it is then held to
-  /// its bounds after every draw. Two randomizers that announce one are an error of the scenario.
+  /// Randomizers, and tasks for parameters of their own: announces that parameter `param` of
+  /// params() will be written; it is then held to its bounds after every draw. Two plugins that
+  /// announce one are an error of the scenario.
   void writes(int param) const { declare_.writes(declare_.host, param); }
   /// Randomizers: asks to be called before every physics step as well (Start::in_time), to draw
   /// parameters at times within the episode.

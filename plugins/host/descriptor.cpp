@@ -118,6 +118,7 @@ std::string kernels_problem(const SkybodyPlugin& plugin) {
     if (!has_step_function(k, plugin.kind)) return no_step_function(plugin) + " for " + isa;
     if ((k.reset == nullptr) != (first.reset == nullptr) ||
         (k.process == nullptr) != (first.process == nullptr) ||
+        (k.randomize == nullptr) != (first.randomize == nullptr) ||
         (k.goal == nullptr) != (first.goal == nullptr)) {
       return "has other functions for " + isa + " than for " + name(kIsas[0]);
     }

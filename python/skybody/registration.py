@@ -23,6 +23,7 @@ SCENARIOS = (
     "hover_learn",
     "low_battery",
     "payload",
+    "payload_paper",
     "platform_landing",
     "rotor_out",
     "windy_hover",

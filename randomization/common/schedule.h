@@ -1,4 +1,5 @@
-// When a randomizer draws: at the first reset, then at every n-th, and whenever the caller asks.
+// When a randomizer draws: at the first reset, then at every n-th, and whenever the caller asks;
+// and writing what was drawn then.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -23,6 +24,12 @@ inline IntegerSpec every_spec() {
 template <class Real>
 SKYBODY_INLINE MaskOf<Real> is_due(const Schedule<Real>& schedule, bool requested) {
   return logical_or(MaskOf<Real>(requested), schedule.waited == Word<Real>(0));
+}
+
+/// Writes a parameter where it is due; elsewhere it keeps what it has.
+template <class Real>
+SKYBODY_INLINE void put(Start<Real>& start, int param, const MaskOf<Real>& due, const Real& value) {
+  start.params.set(param, select(due, value, start.params[param]));
 }
 
 /// Counts a reset. A draw that was asked for in mid-episode is none.

@@ -70,7 +70,7 @@ class Draw : public Randomizer {
     Real value(0.0);
     for (const Target& t : targets_) {
       if (t.draws) value = distribution_.at(random.uniform());
-      start.params.set(t.param, select(is_due, value * t.factor + t.offset, start.params[t.param]));
+      randomization::put(start, t.param, is_due, value * t.factor + t.offset);
     }
   }
 
@@ -83,7 +83,7 @@ class Draw : public Randomizer {
     const Real step = static_cast<double>(earliest_) + floor(random.uniform() * span);
     state.due = select(is_due, to_word(step), Word<Real>(0));
     for (const Target& t : targets_) {
-      start.params.set(t.param, select(is_due, Real(t.nominal), start.params[t.param]));
+      randomization::put(start, t.param, is_due, Real(t.nominal));
     }
   }
 

@@ -42,14 +42,15 @@ class RandomStart : public Randomizer {
   }
 
  private:
+  /// First EnvParams.
   struct Rotor {
-    int index;      ///< in the world
-    int constants;  ///< first EnvParam
-    double lift;    ///< axis . z of the base
+    int start;  ///< its speed at the start
+    int constants;
+    double lift;  ///< axis . z of the base
   };
   struct Target {
-    int q, u;
-    Vec3<double> position;
+    int position_param, rotation_param, velocity, angular_velocity;  ///< first EnvParams
+    Vec3<double> position;                                           ///< the scenario's
     Quat<double> rotation;
     std::vector<int> masses;  ///< EnvParams
     std::vector<Rotor> rotors;
@@ -83,8 +84,16 @@ class RandomStart : public Randomizer {
   }
 
   Target target(const Setup& setup, const RobotInfo& info) const {
-    Target t{info.first_q,
-             info.first_u,
+    const std::string path = "robots." + std::string(info.name) + ".start.";
+    const auto announce = [&](const std::string& name) {
+      const std::vector<int> params = setup.find_params(path + name);
+      for (const int param : params) setup.writes(param);
+      return params[0];
+    };
+    Target t{announce("position"),
+             announce("rotation"),
+             announce("velocity"),
+             announce("angular_velocity"),
              {info.position[0], info.position[1], info.position[2]},
              {info.rotation[0], info.rotation[1], info.rotation[2], info.rotation[3]},
              {},
@@ -92,13 +101,15 @@ class RandomStart : public Randomizer {
     for (int b = 0; b < info.body_count; ++b) {
       t.masses.push_back(setup.bodies()[info.first_body + b].first_param + SKYBODY_BODY_MASS);
     }
+    if (hover_.value() == "keep") return t;
     double lift = 0.0;
-    for (int i = info.first_rotor; i < info.first_rotor + info.rotor_count; ++i) {
-      const RotorInfo& rotor = setup.rotors()[i];
-      t.rotors.push_back({i, rotor.first_param, max(0.0, rotor.axis[2])});
+    for (int k = 0; k < info.rotor_count; ++k) {
+      const RotorInfo& rotor = setup.rotors()[info.first_rotor + k];
+      const int start = announce("rotors[" + std::to_string(k) + "].speed");
+      t.rotors.push_back({start, rotor.first_param, max(0.0, rotor.axis[2])});
       lift += t.rotors.back().lift;
     }
-    if (hover_.value() == "hover" && !(lift > 1e-6)) {
+    if (!(lift > 1e-6)) {
       throw std::runtime_error("robot `" + std::string(info.name) +
                                "` has no rotor that lifts, so that there is no hover speed: set "
                                "`rotor_speed: keep`");
@@ -126,11 +137,12 @@ class RandomStart : public Randomizer {
     const Vec3<double> span = high_ - low_;
     const Vec3<double> from =
         low_ + (relative_.value() || !moves_ ? t.position : Vec3<double>{0.0, 0.0, 0.0});
-    start.q.set(t.q, Vec3<Real>{from.x + span.x * draws[kX], from.y + span.y * draws[kY],
+    start.params.set(t.position_param,
+                     Vec3<Real>{from.x + span.x * draws[kX], from.y + span.y * draws[kY],
                                 max(from.z + span.z * draws[kZ], min_height_.value())});
-    start.q.set(t.q + 3, rotation(draws, t));
-    start.u.set(t.u, random_vector(draws + kVelocity, velocity_max_.value()));
-    start.u.set(t.u + 3, random_vector(draws + kRate, rate_max_.value()));
+    start.params.set(t.rotation_param, rotation(draws, t));
+    start.params.set(t.velocity, random_vector(draws + kVelocity, velocity_max_.value()));
+    start.params.set(t.angular_velocity, random_vector(draws + kRate, rate_max_.value()));
   }
 
   /// Tilt about a random horizontal axis, then heading; on top of the scenario's own if relative.
@@ -167,7 +179,7 @@ class RandomStart : public Randomizer {
     const Real speed = sqrt(mass * norm(gravity) / lift);
     for (const Rotor& r : t.rotors) {
       const Real own = select(Real(r.lift) > 0.0, speed, Real(0.0));
-      start.rotor_speed.set(r.index, min(own, env.param(r.constants + SKYBODY_ROTOR_MAX_SPEED)));
+      start.params.set(r.start, min(own, env.param(r.constants + SKYBODY_ROTOR_MAX_SPEED)));
     }
   }
 

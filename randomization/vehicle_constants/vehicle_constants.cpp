@@ -39,7 +39,8 @@ class VehicleConstants : public Randomizer {
       for (int k = 0; k < kRotorConstants; ++k) {
         if (rotor_range_[k].idle()) continue;
         const Real scale = draw.uniform(Real(rotor_range_[k].low), Real(rotor_range_[k].high));
-        put(start, rotor.first + k, due, scale * rotor.nominal[static_cast<std::size_t>(k)]);
+        randomization::put(start, rotor.first + k, due,
+                           scale * rotor.nominal[static_cast<std::size_t>(k)]);
       }
     }
     randomization::count_reset(state, start.requested, every_.value());
@@ -130,18 +131,14 @@ class VehicleConstants : public Randomizer {
     const Real own = draw.uniform(Real(inertia_range_.low), Real(inertia_range_.high));
     const bool coupled = couple_.value();
     if (!mass_range_.idle())
-      put(start, body.first + SKYBODY_BODY_MASS, due, mass * body.nominal[SKYBODY_BODY_MASS]);
+      randomization::put(start, body.first + SKYBODY_BODY_MASS, due,
+                         mass * body.nominal[SKYBODY_BODY_MASS]);
     if (!coupled && inertia_range_.idle()) return;
     const Real inertia = coupled ? mass * own : own;
     for (int k = SKYBODY_BODY_INERTIA; k < kBodyConstants; ++k) {
-      put(start, body.first + k, due, inertia * body.nominal[static_cast<std::size_t>(k)]);
+      randomization::put(start, body.first + k, due,
+                         inertia * body.nominal[static_cast<std::size_t>(k)]);
     }
-  }
-
-  template <class Real>
-  static SKYBODY_INLINE void put(Start<Real>& start, int param, MaskOf<Real> due,
-                                 const Real& value) {
-    start.params.set(param, select(due, value, start.params[param]));
   }
 
   static RealsSpec scale(const char* name, const char* doc) {

@@ -53,6 +53,14 @@ inline void require_box(const RealsParameter& target_min, const RealsParameter& 
   }
 }
 
+/// Announces that a task draws a randomizable parameter of its own, unless the scenario gives it.
+/// @returns its first EnvParam; -1: the scenario gives it
+inline int announce_drawn(const Setup& setup, const RealsParameter& parameter) {
+  if (parameter.is_given()) return -1;
+  for (int k = 0; k < parameter.count(); ++k) setup.writes(parameter.env_param() + k);
+  return parameter.env_param();
+}
+
 /// The robot's actions; a task that observes them needs a controller.
 inline int action_count(const RobotInfo& robot, const std::string& task) {
   if (robot.action_count > 0) return robot.action_count;

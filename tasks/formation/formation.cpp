@@ -10,13 +10,9 @@ class Formation : public Task {
  public:
   static constexpr bool kSmooth = true;
 
-  template <class Real>
-  struct State {
-    Vec3<Real> target;  ///< of the team's centroid, W [m]
-  };
-
   void configure(const Setup& setup) override {
-    check_target();
+    flight::require_box(target_min_, target_max_);
+    drawn_target_ = flight::announce_drawn(setup, target_);
     add_robots(setup);
     set_places();
     tilt_cosine_ = tilt_max_.value() < kPi ? cos(tilt_max_.value()) : -2.0;  // -2: never below
@@ -29,24 +25,26 @@ class Formation : public Task {
     setup.info("nearest_distance", "m", 1);
   }
 
+  /// A target in the box, unless the scenario gives one.
   template <class Real>
-  void reset(const EnvView<Real>& env, State<Real>& state) const {
+  void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
+    if (drawn_target_ < 0) return;
     Random<Real> draw = random(env);
     Real drawn[3];
     for (int k = 0; k < 3; ++k)
       drawn[k] = draw.uniform(Real(target_min_.value(k)), Real(target_max_.value(k)));
-    state.target = {drawn[0], drawn[1], drawn[2]};
-    if (relative_.value()) state.target += env.body(robots_[0].body).position;
-    state.target.z = max(state.target.z, Real(min_height_.value()));
-    if (target_.count() > 0)
-      state.target = {Real(target_.value(0)), Real(target_.value(1)), Real(target_.value(2))};
+    Vec3<Real> target{drawn[0], drawn[1], drawn[2]};
+    if (relative_.value()) target += env.body(robots_[0].body).position;
+    target.z = max(target.z, Real(min_height_.value()));
+    start.params.set(drawn_target_, target);
   }
 
   template <class Real>
-  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
-    observe(env, state, out.observation);
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+    const Vec3<Real> target = target_.vec3(env);
+    observe(env, target, out.observation);
     const Vec3<Real> centroid = centroid_of(env);
-    const Real centroid_error = norm(centroid - state.target);
+    const Real centroid_error = norm(centroid - target);
     const Real arrival = exp(-centroid_error);
     Real nearest(kInfinity), forward(0.0);
     MaskOf<Real> failed(false);
@@ -58,7 +56,7 @@ class Formation : public Task {
       out.set_reward(at(i).index, reward(own_nearest, own_error, arrival, own_forward));
       nearest = min(nearest, own_nearest);
       forward += own_forward;
-      failed = logical_or(failed, left(body, state));
+      failed = logical_or(failed, left(body, target));
     }
     const Real error = hausdorff_distance(env, centroid);
     out.set_reward(reward(nearest, error, arrival, forward / static_cast<double>(count())));
@@ -69,9 +67,9 @@ class Formation : public Task {
   }
 
   template <class Real>
-  void goal(const EnvView<Real>&, const State<Real>& state, Values<Real> goal) const {
+  void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     for (int i = 0; i < count(); ++i) {
-      goal.set(4 * i, state.target + place<Real>(i));
+      goal.set(4 * i, target_.vec3(env) + place<Real>(i));
       goal.set(4 * i + 3, Real(0.0));
     }
   }
@@ -96,14 +94,6 @@ class Formation : public Task {
     return (kSelf + kOther * (count() - 1)) * i + kSelf + kOther * n;
   }
   const Robot& at(int i) const { return robots_[static_cast<std::size_t>(i)]; }
-
-  void check_target() const {
-    if (target_.count() != 0 && target_.count() != 3) {
-      throw std::runtime_error("`target` has " + std::to_string(target_.count()) +
-                               " values: write [x, y, z], or leave it out to draw one an episode");
-    }
-    flight::require_box(target_min_, target_max_);
-  }
 
   void add_robots(const Setup& setup) {
     if (setup.robots().size() < 2) {
@@ -163,12 +153,12 @@ class Formation : public Task {
   }
 
   template <class Real>
-  void observe(const EnvView<Real>& env, const State<Real>& state, Values<Real> observation) const {
+  void observe(const EnvView<Real>& env, const Vec3<Real>& target, Values<Real> observation) const {
     for (int j = 0; j < count(); ++j) {  // what all others see of it is the same
       const BodyMotion<Real> seen = motion(env, j);
       const Mat3<Real> rotation = to_mat3(seen.rotation);
       const int self = seen_by(j, 0) - kSelf;
-      observation.set(self, state.target - seen.position);
+      observation.set(self, target - seen.position);
       observation.set(self + 3, seen.velocity);
       set_rotation(observation, self + 6, rotation);
       observation.set(self + 15, seen.angular_velocity);
@@ -242,9 +232,9 @@ class Formation : public Task {
   }
 
   template <class Real>
-  SKYBODY_INLINE MaskOf<Real> left(const BodyMotion<Real>& body, const State<Real>& state) const {
+  SKYBODY_INLINE MaskOf<Real> left(const BodyMotion<Real>& body, const Vec3<Real>& target) const {
     return logical_or(tilt_cosine(body.rotation) < tilt_cosine_,
-                      norm(body.position - state.target) > farthest_);
+                      norm(body.position - target) > farthest_);
   }
 
   RealParameter radius_{this,
@@ -253,11 +243,14 @@ class Formation : public Task {
                          .value = 1.0,
                          .min = 0.01,
                          .doc = "of the polygon on whose corners the robots belong"}};
-  RealsParameter target_{this,
-                         {.name = "target",
-                          .unit = "m",
-                          .count = -1,
-                          .doc = "fixed target x, y, z (W); none: one is drawn an episode"}};
+  RealsParameter target_{
+      this,
+      {.name = "target",
+       .unit = "m",
+       .values = {0.0, 0.0, 1.5},
+       .doc = "x, y, z (W); where the scenario gives none, one is drawn for each "
+              "episode",
+       .randomizable = true}};
   BooleanParameter relative_{this,
                              {.name = "relative",
                               .value = true,
@@ -299,6 +292,7 @@ class Formation : public Task {
                                .doc = "or is farther than this from the target; 0: never"}};
 
   std::vector<Robot> robots_;
+  int drawn_target_ = -1;  ///< first EnvParam of a target that is drawn; -1: the scenario's
   double tilt_cosine_ = -2.0, farthest_ = kInfinity;
 };
 

@@ -10,14 +10,9 @@ class Hover : public Task {
  public:
   static constexpr bool kSmooth = true;
 
-  template <class Real>
-  struct State {
-    Vec3<Real> target;  ///< of the team's centre, W [m]
-    Real yaw;           ///< [rad]
-  };
-
   void configure(const Setup& setup) override {
-    check_target();
+    flight::require_box(target_min_, target_max_);
+    drawn_target_ = flight::announce_drawn(setup, target_);
     limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
     is_shaped_ = approach_reward_.value() != 0.0 || precision_reward_.value() != 0.0 ||
                  heading_reward_.value() != 0.0 || tilt_cost_.value() != 0.0 ||
@@ -39,32 +34,35 @@ class Hover : public Task {
     setup.buffer(history_);
   }
 
+  /// A target in the box, unless the scenario gives one.
   template <class Real>
-  void reset(const EnvView<Real>& env, State<Real>& state, Values<Real> buffer) const {
+  void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
+    if (drawn_target_ < 0) return;
     Random<Real> draw = random(env);
-    Real drawn[4];
     for (int k = 0; k < 4; ++k) {
       const double low = k < 3 ? target_min_.value(k) : -target_yaw_.value();
       const double high = k < 3 ? target_max_.value(k) : target_yaw_.value();
-      drawn[k] = draw.uniform(Real(low), Real(high));
-      if (target_.count() > 0) drawn[k] = Real(target_.value(k));
+      start.params.set(drawn_target_ + k, draw.uniform(Real(low), Real(high)));
     }
-    state.target = {drawn[0], drawn[1], drawn[2]};
-    state.yaw = drawn[3];
+  }
+
+  template <class Real>
+  void reset(const EnvView<Real>&, State<Real>&, Values<Real> buffer) const {
     for (int k = 0; k < history_; ++k) buffer.set(k, Real(-1.0));
   }
 
   template <class Real>
-  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out,
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out,
                 Values<Real> buffer) const {
     remember(env, buffer);
+    const Real target_yaw = target_(env, 3);
     Real reward(0.0);
     MaskOf<Real> failed(false);
     int at = 0, info = 0;
     for (const Robot& robot : robots_) {
       const BodyMotion<Real> body = env.body(robot.body);
-      const Vec3<Real> error = target_of(robot, state) - body.position;
-      const Real yaw_error = wrap_angle(state.yaw - yaw(body.rotation));
+      const Vec3<Real> error = target_of(robot, env) - body.position;
+      const Real yaw_error = wrap_angle(target_yaw - yaw(body.rotation));
       out.observation.set(at, error);
       out.observation.set(at + 3, yaw_error);
       out.observation.set(at + 4, body.velocity);
@@ -96,10 +94,10 @@ class Hover : public Task {
   }
 
   template <class Real>
-  void goal(const EnvView<Real>&, const State<Real>& state, Values<Real> goal) const {
+  void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     for (int i = 0; i < static_cast<int>(robots_.size()); ++i) {
-      goal.set(4 * i, target_of(robots_[static_cast<std::size_t>(i)], state));
-      goal.set(4 * i + 3, state.yaw);
+      goal.set(4 * i, target_of(robots_[static_cast<std::size_t>(i)], env));
+      goal.set(4 * i + 3, target_(env, 3));
     }
   }
 
@@ -133,15 +131,6 @@ class Hover : public Task {
     int history;          ///< within the buffer: this action, then the one before
     Vec3<double> offset;  ///< from the team's centre [m]
   };
-
-  void check_target() const {
-    if (target_.count() != 0 && target_.count() != 4) {
-      throw std::runtime_error(
-          "`target` has " + std::to_string(target_.count()) +
-          " values: write [x, y, z, yaw], or leave it out to draw one an episode");
-    }
-    flight::require_box(target_min_, target_max_);
-  }
 
   void add_robot(const Setup& setup, int index, bool team) {
     const RobotInfo& info = setup.robots()[index];
@@ -189,8 +178,8 @@ class Hover : public Task {
   }
 
   template <class Real>
-  static SKYBODY_INLINE Vec3<Real> target_of(const Robot& robot, const State<Real>& state) {
-    return state.target +
+  SKYBODY_INLINE Vec3<Real> target_of(const Robot& robot, const EnvView<Real>& env) const {
+    return target_.vec3(env) +
            Vec3<Real>{Real(robot.offset.x), Real(robot.offset.y), Real(robot.offset.z)};
   }
 
@@ -211,11 +200,15 @@ class Hover : public Task {
       this,
       {.name = "robot",
        .doc = "who hovers; empty: all robots but loads (neither rotors nor actions), as a team"}};
-  RealsParameter target_{this,
-                         {.name = "target",
-                          .unit = "m, rad",
-                          .count = -1,
-                          .doc = "fixed target x, y, z (W), yaw; none: one is drawn an episode"}};
+  RealsParameter target_{
+      this,
+      {.name = "target",
+       .unit = "m, rad",
+       .values = {0.0, 0.0, 1.75, 0.0},
+       .count = 4,
+       .doc = "x, y, z (W), yaw; where the scenario gives none, one is drawn for "
+              "each episode",
+       .randomizable = true}};
   RealsParameter target_min_{this,
                              {.name = "target_min",
                               .unit = "m",
@@ -292,6 +285,7 @@ class Hover : public Task {
                                  .doc = "added where an episode terminates"}};
 
   flight::Limits limits_{};
+  int drawn_target_ = -1;   ///< first EnvParam of a target that is drawn; -1: the scenario's
   bool is_shaped_ = false;  ///< by anything that the paper's reward has not
   std::vector<Robot> robots_;
   int history_ = 0;

@@ -10,11 +10,6 @@ class Payload : public Task {
  public:
   static constexpr bool kSmooth = true;
 
-  template <class Real>
-  struct State {
-    Vec3<Real> target;  ///< of the payload's centre of mass, W [m]
-  };
-
   void configure(const Setup& setup) override {
     const int robot = setup.robot(robot_.value());
     const RobotInfo& info = setup.robots()[robot];
@@ -44,18 +39,13 @@ class Payload : public Task {
   }
 
   template <class Real>
-  void reset(const EnvView<Real>&, State<Real>& state) const {
-    state.target = {Real(target_.value(0)), Real(target_.value(1)), Real(target_.value(2))};
-  }
-
-  template <class Real>
-  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
     const BodyMotion<Real> robot = env.body(base_), load = env.body(payload_);
     const Vec3<Real> arm = rotate(load.rotation, center<Real>());
     const Vec3<Real> position = load.position + arm;
     const Vec3<Real> velocity =
         load.velocity + rotate(load.rotation, cross(load.angular_velocity, center<Real>()));
-    const Vec3<Real> error = position - state.target;
+    const Vec3<Real> error = position - target_.vec3(env);
     out.observation.set(0, error);
     out.observation.set(3, position - robot.position);
     out.observation.set(6, flight::canonical(robot.rotation));
@@ -80,9 +70,9 @@ class Payload : public Task {
 
   /// Where the payload's frame belongs, turned as it is now.
   template <class Real>
-  void goal(const EnvView<Real>& env, const State<Real>& state, Values<Real> goal) const {
+  void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     const Quat<Real> rotation = env.body(payload_).rotation;
-    goal.set(0, state.target - rotate(rotation, center<Real>()));
+    goal.set(0, target_.vec3(env) - rotate(rotation, center<Real>()));
     goal.set(3, yaw(rotation));
   }
 
@@ -103,7 +93,8 @@ class Payload : public Task {
                          {.name = "target",
                           .unit = "m",
                           .values = {0.0, 0.0, 0.5},
-                          .doc = "where the payload's centre of mass should be (W)"}};
+                          .doc = "where the payload's centre of mass should be (W)",
+                          .randomizable = true}};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = -50.0,

@@ -202,7 +202,8 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                                          "cooperative_payload.yaml", "gates.yaml",
                                          "platform_landing.yaml", "four_bar.yaml",
                                          "windy_hover.yaml", "downwash_pair.yaml",
-                                         "low_battery.yaml", "rotor_out.yaml", "arm.yaml"));
+                                         "low_battery.yaml", "rotor_out.yaml", "arm.yaml",
+                                         "payload_paper.yaml"));
 
 }  // namespace
 }  // namespace skybody

@@ -92,6 +92,7 @@ FLIGHTS = (
     Flight("hover_learn", "hover_learn"),
     Flight("hover_on_ground", "hover", overrides=NEAR_THE_GROUND),
     Flight("payload", "payload"),
+    Flight("payload_paper", "payload_paper"),
     Flight("formation", "formation", robots=5),
     Flight("formation_2", "formation_2", robots=2),
     Flight("formation_10", "formation_10", robots=10),

@@ -225,6 +225,9 @@ class Instance {
     }
     switch (what) {
       case Call::kReset:
+        if (plugin_->kind == SKYBODY_TASK && k.randomize != nullptr) {
+          k.randomize(self_, &v, state, buffer, &start);
+        }
         if (k.reset != nullptr) k.reset(self_, &v, state, buffer);
         break;
       case Call::kControl:
@@ -293,6 +296,7 @@ class Instance {
       const auto found = given.find(spec.name);
       if (found == given.end()) continue;
       ++used;
+      value.is_given = true;
       value.numbers = found->second.numbers;
       value.texts = found->second.texts;
     }

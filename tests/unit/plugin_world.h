@@ -73,6 +73,12 @@ class PluginWorld {
     r.first_param = static_cast<int>(params.size());
     for (int k = 0; k < 6; ++k)
       add_param("robots." + name + ".disturbance[" + std::to_string(k) + "]", 0.0);
+    for (const char* key : {"position", "rotation", "turn", "velocity", "angular_velocity"}) {
+      const int count = key == std::string("rotation") ? 4 : 3;
+      for (int k = 0; k < count; ++k) {
+        add_param("robots." + name + ".start." + key + "[" + std::to_string(k) + "]", 0.0);
+      }
+    }
     r.first_action = actions;
     r.action_count = 4;
     actions += 4;
@@ -130,6 +136,9 @@ class PluginWorld {
                     std::to_string(k),
                 constants[k]);
     }
+    add_param(std::string("robots.") + robots[at(owner)].name + ".start.rotors[" +
+                  std::to_string(robots[at(owner)].rotor_count) + "].speed",
+              0.0);
     ++robots[at(owner)].rotor_count;
     rotors.push_back(r);
   }

@@ -23,10 +23,7 @@ void write_positions(const World& world, LaneState& state) {
 
 void write_rotors(const World& world, LaneState& state) {
   for (std::size_t i = 0; i < world.rotors.size(); ++i) {
-    const WorldRotor& rotor = world.rotors[i];
-    const double wanted = world.scenario.robots[rotor.robot].rotor_speed;
-    const double speed = wanted < 0.0 ? hover_rotor_speed(world, rotor.robot) : wanted;
-    state.rotor_speed[i] = state.rotor_command[i] = min(speed, rotor.model->constants[kMaxSpeed]);
+    state.rotor_speed[i] = state.rotor_command[i] = start_rotor_speed(world, static_cast<int>(i));
   }
 }
 
@@ -54,12 +51,19 @@ void write_joint_drives(const World& world, LaneState& state) {
 
 }  // namespace
 
-double hover_rotor_speed(const World& world, int robot) {
-  const RobotModel& model = world.scenario.robots[robot].model;
+double hover_rotor_speed(const Scenario& scenario, int robot) {
+  const RobotModel& model = scenario.robots[static_cast<std::size_t>(robot)].model;
   double lift = 0.0;
   for (const Rotor& rotor : model.rotors) lift += rotor.constants[kThrustConstant] * rotor.axis.z;
   if (!(lift > 0.0)) return 0.0;
-  return sqrt(model.total_mass() * norm(world.scenario.gravity()) / lift);
+  return sqrt(model.total_mass() * norm(scenario.gravity()) / lift);
+}
+
+double start_rotor_speed(const Topology& world, int rotor) {
+  const WorldRotor& r = world.rotors[static_cast<std::size_t>(rotor)];
+  const double wanted = world.scenario.robots[static_cast<std::size_t>(r.robot)].rotor_speed;
+  const double speed = wanted < 0.0 ? hover_rotor_speed(world.scenario, r.robot) : wanted;
+  return min(speed, r.model->constants[kMaxSpeed]);
 }
 
 LaneState make_lane_state(const World& world) {

@@ -18,6 +18,9 @@ void write_default_state(const World& world, LaneState& state);
 /// The speed [rad/s] at which a robot's rotors, all at the same one, carry its nominal weight:
 /// sqrt(m |g| / sum of k_f a_z), a_z being the z of the rotor's axis in its body's frame. It may be
 /// more than rotors can do. 0 where that sum is not positive.
-double hover_rotor_speed(const World& world, int robot);
+double hover_rotor_speed(const Scenario& scenario, int robot);
+
+/// The speed [rad/s] at which a rotor of the world begins: the scenario's, held to its greatest.
+double start_rotor_speed(const Topology& world, int rotor);
 
 }  // namespace skybody

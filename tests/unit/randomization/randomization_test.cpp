@@ -21,6 +21,26 @@ class Randomization : public ::testing::Test {
     r.call(Call::kRandomize, g);
   }
   double& param(Group& g, int k) { return g.params[static_cast<std::size_t>(k)]; }
+  /// Values of a start from `path` on, behind robots.NAME.start.
+  Numbers start(const Group& g, const std::string& path, int count,
+                const std::string& robot = "quad") {
+    const std::string first = "robots." + robot + ".start." + path;
+    for (std::size_t k = 0; k < world.params.size(); ++k) {
+      if (first != world.params[k].path) continue;
+      const auto begin = g.params.begin() + static_cast<std::ptrdiff_t>(k);
+      return {begin, begin + count};
+    }
+    throw std::logic_error("no " + first);
+  }
+  Numbers pose(const Group& g, const std::string& robot = "quad") {
+    Numbers q = start(g, "position[0]", 3, robot);
+    const Numbers rotation = start(g, "rotation[0]", 4, robot);
+    q.insert(q.end(), rotation.begin(), rotation.end());
+    return q;
+  }
+  double rotor_start(const Group& g, int k) {
+    return start(g, "rotors[" + std::to_string(k) + "].speed", 1)[0];
+  }
   PluginWorld world;
 };
 
@@ -222,17 +242,17 @@ TEST_F(Randomization, StartsLieInTheirRanges) {
   Group g = r.group(1);
   for (int n = 0; n < 1000; ++n) {
     reset(r, g);
-    const double* q = g.q.data();
-    const double* u = g.u.data();
+    const Numbers q = pose(g), v = start(g, "velocity[0]", 3),
+                  w = start(g, "angular_velocity[0]", 3);
     ASSERT_LE(std::abs(q[0]), 5.0);
     ASSERT_LE(std::abs(q[1]), 4.0);
     ASSERT_GE(q[2], 0.3);
     ASSERT_LE(q[2], 3.0);
     ASSERT_NEAR(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6], 1.0, 1e-14);
     ASSERT_GE(1.0 - 2.0 * (q[4] * q[4] + q[5] * q[5]), std::cos(0.4) - 1e-12);
-    ASSERT_LE(std::hypot(u[0], u[1], u[2]), 2.0 + 1e-12);
-    ASSERT_LE(std::hypot(u[3], u[4], u[5]), 3.0 + 1e-12);
-    ASSERT_NEAR(4.0 * 1.9533e-6 * g.rotor_speed[0] * g.rotor_speed[3], 1.54 * 9.81, 1e-11);
+    ASSERT_LE(std::hypot(v[0], v[1], v[2]), 2.0 + 1e-12);
+    ASSERT_LE(std::hypot(w[0], w[1], w[2]), 3.0 + 1e-12);
+    ASSERT_NEAR(4.0 * 1.9533e-6 * rotor_start(g, 0) * rotor_start(g, 3), 1.54 * 9.81, 1e-11);
   }
 }
 
@@ -242,22 +262,23 @@ TEST_F(Randomization, HoverSpeedCarriesTheWeightUnderTheGravityOfTheEnvironment)
   param(moon, 2) = -9.81 / 4.0;
   reset(r, earth);
   reset(r, moon);
-  EXPECT_DOUBLE_EQ(moon.rotor_speed[0], earth.rotor_speed[0] / 2.0);
+  EXPECT_DOUBLE_EQ(rotor_start(moon, 0), rotor_start(earth, 0) / 2.0);
 }
 
 TEST_F(Randomization, StartKeepsWhatIsNotAskedFor) {
   const Instance keep("start", world, {});
   Group g = keep.group(1);
-  g.rotor_speed.assign(4, 77.0);
   reset(keep, g);
-  EXPECT_EQ(Numbers(g.q.begin(), g.q.begin() + 7), (Numbers{1, 2, 3, 1, 0, 0, 0}));
-  EXPECT_EQ(g.rotor_speed, Numbers(4, 77.0));
+  EXPECT_EQ(pose(g), (Numbers{1, 2, 3, 1, 0, 0, 0}));
+  EXPECT_EQ(rotor_start(g, 0), 0.0);
+  EXPECT_EQ(keep.declared.writes.size(), 13u) << "rotors may be drawn by another";
+  EXPECT_EQ(g.q, keep.group(1).q) << "the engine places robots";
   const Instance near("start", world,
                       {{"relative", true},
                        {"position_min", Numbers{0, 0, 0.5}},
                        {"position_max", Numbers{0, 0, 0.5}}});
   reset(near, g);
-  EXPECT_EQ(Numbers(g.q.begin(), g.q.begin() + 3), (Numbers{1, 2, 3.5}));
+  EXPECT_EQ(start(g, "position[0]", 3), (Numbers{1, 2, 3.5}));
 }
 
 TEST_F(Randomization, StartMovesATeamAsAWholeOrEveryRobotForItself) {
@@ -274,11 +295,13 @@ TEST_F(Randomization, StartMovesATeamAsAWholeOrEveryRobotForItself) {
   for (int n = 0; n < 20; ++n) {
     reset(each, a);
     reset(together, b);
-    EXPECT_NE(a.q[7] - 4.0, a.q[0] - 1.0);
+    EXPECT_NE(pose(a, "other")[0] - 4.0, pose(a)[0] - 1.0);
     const Numbers apart{3, 2, 1, 0, 0, 0, 0};
     // Adding a draw of up to 1 to poses of up to 4 rounds by up to 4e-16.
-    for (std::size_t k = 0; k < 7; ++k) EXPECT_NEAR(b.q[7 + k] - b.q[k], apart[k], 2e-15) << k;
-    EXPECT_NE(b.q[0], 1.0);
+    for (std::size_t k = 0; k < 7; ++k) {
+      EXPECT_NEAR(pose(b, "other")[k] - pose(b)[k], apart[k], 2e-15) << k;
+    }
+    EXPECT_NE(pose(b)[0], 1.0);
   }
 }
 

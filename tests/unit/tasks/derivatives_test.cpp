@@ -4,35 +4,33 @@
 namespace skybody::testing {
 namespace {
 
-using Call = Instance::Call;
 using Inputs = std::set<std::string>;
 
 void expect(const std::string& plugin, PluginWorld world, const Parameters& given,
-            const Inputs& inputs, Call call = Call::kEvaluate) {
-  expect_derivatives({plugin, world, given, call, {}}, inputs);
+            const Inputs& inputs) {
+  expect_derivatives({plugin, world, given, Instance::Call::kEvaluate, {}}, inputs);
 }
 
 TEST(TaskDerivatives, OfHoverDependOnMotionTargetAndActions) {
   PluginWorld world;
   world.add_quad("quad");
-  expect("hover", world, {}, {"action", "bodies", "buffer", "state"});
+  expect("hover", world, {}, {"action", "bodies", "buffer", "params"});
   expect("hover", world,
          {{"approach_reward", 1.0},
           {"precision_reward", 0.5},
           {"heading_reward", 0.25},
           {"tilt_cost", 0.1},
           {"failure_reward", -5.0}},
-         {"action", "bodies", "buffer", "state"});
+         {"action", "bodies", "buffer", "params"});
   world.add_quad("left", 0, 2, 1);
-  expect("hover", world, {}, {"action", "bodies", "buffer", "state"});
-  expect("hover", world, {}, {}, Call::kReset);
+  expect("hover", world, {}, {"action", "bodies", "buffer", "params"});
 }
 
 TEST(TaskDerivatives, OfPayloadDependOnBothBodies) {
   PluginWorld world;
   world.add_quad("quad");
   world.add_payload("bob");
-  expect("payload", world, {}, {"action", "bodies", "state"});
+  expect("payload", world, {}, {"action", "bodies", "params"});
 }
 
 TEST(TaskDerivatives, OfReachDependOnTheVehicleTheArmAndThePlace) {
@@ -49,8 +47,7 @@ TEST(TaskDerivatives, OfFormationDependOnEachRobot) {
   world.add_quad("one");
   world.add_quad("two", 0, 2, 1);
   world.add_quad("three", 2, 0, 1);
-  expect("formation", world, {}, {"bodies", "state"});
-  expect("formation", world, {{"relative", true}}, {"bodies"}, Call::kReset);
+  expect("formation", world, {}, {"bodies", "params"});
 }
 
 }  // namespace

@@ -296,8 +296,6 @@ TEST_F(FormationTask, BadConfigurationNamesValueAndRemedy) {
   add_team(1);
   EXPECT_THAT(refusal("formation", world, {}), HasSubstr("needs two robots or more"));
   world.add_quad("second");
-  EXPECT_THAT(refusal("formation", world, {{"target", Numbers{1, 2, 3, 4}}}),
-              HasSubstr("`target` has 4 values: write [x, y, z]"));
   EXPECT_THAT(refusal("formation", world, {{"target_min", Numbers{0, 3, 0}}}),
               HasSubstr("`target_min[1]` 3 is above `target_max` 2"));
   world.robots[1].action_count = 0;
