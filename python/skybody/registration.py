@@ -24,6 +24,7 @@ SCENARIOS = (
     "payload",
     "platform_landing",
     "rotor_out",
+    "vehicles",
     "windy_hover",
 )
 

@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                                          "cooperative_payload.yaml", "gates.yaml",
                                          "platform_landing.yaml", "four_bar.yaml",
                                          "windy_hover.yaml", "downwash_pair.yaml",
-                                         "low_battery.yaml", "rotor_out.yaml"));
+                                         "low_battery.yaml", "rotor_out.yaml", "vehicles.yaml"));
 
 }  // namespace
 }  // namespace skybody

@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
                                          "hard_landing.yaml", "cooperative_payload.yaml",
                                          "forest.yaml", "gates.yaml", "platform_landing.yaml",
                                          "four_bar.yaml", "windy_hover.yaml", "downwash_pair.yaml",
-                                         "low_battery.yaml", "rotor_out.yaml"));
+                                         "low_battery.yaml", "rotor_out.yaml", "vehicles.yaml"));
 
 TEST(Simulation, RefusesASnapshotOfAnotherScenario) {
   Simulation hover({.scenario = scenario("hover.yaml")});

@@ -104,6 +104,7 @@ FLIGHTS = (
     Flight("downwash_pair", "downwash_pair", robots=2),
     Flight("low_battery", "low_battery"),
     Flight("rotor_out", "rotor_out"),
+    Flight("vehicles", "vehicles"),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 

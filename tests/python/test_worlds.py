@@ -45,6 +45,7 @@ WORLDS = {
     "downwash_pair": ([], near_the_goals(0.35)),
     "low_battery": ([], near_the_goals(0.2)),
     "rotor_out": ([], near_the_goals(0.5)),
+    "vehicles": ([], near_the_goals(0.3)),
 }
 
 
