@@ -42,10 +42,12 @@ std::vector<LogColumn> fixed_columns(int signal) {
 
 /// One component for each rotor of the robot.
 std::vector<LogColumn> rotor_columns(const RobotModel& model, int signal) {
-  const bool is_speed = signal == SKYBODY_ROTOR_SPEED;
+  const LogColumn column = signal == SKYBODY_ROTOR_SPEED ? LogColumn{".speed", "rad/s"}
+                           : signal == SKYBODY_SRT       ? LogColumn{".thrust", "N"}
+                                                         : LogColumn{".throttle", ""};
   std::vector<LogColumn> columns;
   for (const Rotor& rotor : model.rotors) {
-    columns.push_back({rotor.name + (is_speed ? ".speed" : ".thrust"), is_speed ? "rad/s" : "N"});
+    columns.push_back({rotor.name + column.name, column.unit});
   }
   return columns;
 }
@@ -57,7 +59,8 @@ std::vector<LogColumn> command_columns(const CompiledScenario& compiled,
   const int signal = chain.signal;
   const RobotUse& robot = compiled.scenario().robots.at(static_cast<std::size_t>(chain.robot));
   std::vector<LogColumn> one = fixed_columns(signal);
-  const bool is_of_rotors = signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_SRT;
+  const bool is_of_rotors =
+      signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_SRT || signal == SKYBODY_THROTTLE;
   if (is_of_rotors && chain.team < 0) {
     one = rotor_columns(robot.model, signal);
   }

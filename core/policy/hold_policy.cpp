@@ -1,6 +1,7 @@
 #include "core/policy/hold_policy.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "core/base/error.h"
@@ -19,9 +20,11 @@ constexpr double kSwingPole = 1.8;
 constexpr double kAttitudeGain = 8.0;
 constexpr double kYawGain = 2.0;
 constexpr double kRateGain = 25.0;
-constexpr double kMaxError = 1.5;     // [m] limits the speed of long flights to 1.5 m/s
-constexpr double kMaxLateral = 5.0;   // [m/s^2], 27 degrees
-constexpr double kMaxVertical = 2.0;  // [m/s^2], below what a thrust-to-weight of 1.27 allows
+constexpr double kMaxError = 1.5;       // [m] limits the speed of long flights to 1.5 m/s
+constexpr double kMaxLateral = 5.0;     // [m/s^2], 27 degrees
+constexpr double kMaxVertical = 2.0;    // [m/s^2], below what a thrust-to-weight of 1.27 allows
+constexpr double kQuickLag = 0.02;      // [s]: mean lag of rotors that are quick enough for these
+constexpr double kYawCrossover = 85.0;  // [rad/s]: of the rate about z at most, for 100 Hz actions
 
 using V = Vec3<double>;
 
@@ -40,16 +43,52 @@ Quat<double> attitude_along(const V& up, double yaw) {
   return from_rotation(Mat3<double>{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}});
 }
 
+/// Shares of the bandwidths that the rotors allow: of all, and of the rate about z.
+struct Haste {
+  double all = 1.0, yaw = 1.0;
+};
+
 /// Body rates that turn `now` towards `wanted`: proportional to the vector part of the error.
-V rates_towards(const Quat<double>& wanted, const Quat<double>& now) {
+V rates_towards(const Quat<double>& wanted, const Quat<double>& now, const Haste& haste) {
   const Quat<double> e = conjugate(now) * wanted;
   const double sign = e.w < 0.0 ? -2.0 : 2.0;
-  return {kAttitudeGain * sign * e.x, kAttitudeGain * sign * e.y, kYawGain * sign * e.z};
+  const double tilt = sign * haste.all, yaw = sign * std::min(haste.all, 4.0 * haste.yaw);
+  return {kAttitudeGain * tilt * e.x, kAttitudeGain * tilt * e.y, kYawGain * yaw * e.z};
 }
 
 /// Torque that turns the rates: through the inertia, gyroscopic part included.
-V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia) {
-  return inertia * (kRateGain * (wanted - rates)) + cross(rates, inertia * rates);
+V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia, const Haste& haste) {
+  const double tilt = kRateGain * haste.all, yaw = kRateGain * haste.yaw;
+  const V change = wanted - rates;
+  return inertia * V{tilt * change.x, tilt * change.y, yaw * change.z} +
+         cross(rates, inertia * rates);
+}
+
+/// Slow rotors let every loop be slower in proportion, so that all keep their damping. About z,
+/// what rotors do to the body as they change their speed comes at once, and is more than their drag
+/// the longer they coast, J / (2 k_m w): a quick loop would answer its own doing.
+/// @param params  of the environment
+/// @param weight  that the robot's rotors carry [N]
+Haste haste_of(const Layout& layout, const RobotLayout& robot, const std::vector<double>& params,
+               double weight) {
+  if (robot.rotor_count == 0) return {};
+  double lag = 0.0, inertia = 0.0, drag = 0.0, lift = 0.0;
+  for (int i = robot.first_rotor; i < robot.first_rotor + robot.rotor_count; ++i) {
+    const double* rotor = params.data() + layout.rotor_params[static_cast<std::size_t>(i)];
+    lag += 0.5 * (rotor[kTauUp] + rotor[kTauDown]) / robot.rotor_count;
+    inertia += rotor[kRotorInertia];
+    drag += rotor[kMomentConstant];
+    lift += rotor[kThrustConstant];
+  }
+  Haste haste;
+  if (lag > kQuickLag) haste.all = kQuickLag / lag;
+  haste.yaw = haste.all;
+  // By the coasting time T: T K / lag is where the loop of gain K crosses 1.
+  const double twice_momentum = 2.0 * drag * sqrt(weight / lift), least = kYawCrossover * lag;
+  if (kRateGain * haste.yaw * inertia > least * twice_momentum) {
+    haste.yaw = least * twice_momentum / (kRateGain * inertia);
+  }
+  return haste;
 }
 
 const PluginInstance& last_of(const CompiledScenario& compiled, const ControllerChain& chain) {
@@ -103,6 +142,7 @@ struct HoldPolicy::View : KnownState {
   double mass;              // of the whole robot [kg]
   double base_mass;         // [kg]
   SymMat3<double> inertia;  // of the base [kg m^2]
+  Haste haste;
 };
 
 HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
@@ -146,14 +186,14 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
     }
     robot.hangs = robot.goal_body != robot.base && !robot.arm.can_reach();
     robot.cable = hanging_length(world, robot.base, robot.goal_body);
-    robot.allocation = allocation_of(world, r);
-    const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT;
+    const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT ||
+                              robot.signal == SKYBODY_THROTTLE;
     if (robot.hangs && robot.cable <= 0.0) {
       throw Error("the hold baseline cannot carry `" +
                   world.bodies[static_cast<std::size_t>(robot.goal_body)].model->name +
                   "`: it does not hang below the base; use --policy zero or random");
     }
-    if (needs_rotors && robot.allocation.empty()) {
+    if (needs_rotors && allocation_of(world, r, world.layout.nominal_params()).empty()) {
       throw Error(
           "the hold baseline cannot fly robot `" +
           world.scenario.robots[static_cast<std::size_t>(r)].name +
@@ -203,7 +243,8 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
               bodies[static_cast<std::size_t>(robot.base)],
               0.0,
               base[kMass],
-              mass_properties(base).inertia};
+              mass_properties(base).inertia,
+              {}};
     for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
       view.mass += params[static_cast<std::size_t>(first[static_cast<std::size_t>(b)] + kMass)];
     }
@@ -211,6 +252,9 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
       view.mass += robot.load_share *
                    params[static_cast<std::size_t>(first[static_cast<std::size_t>(b)] + kMass)];
     }
+    view.haste = haste_of(compiled_.layout(),
+                          compiled_.layout().robots[static_cast<std::size_t>(robot.index)], params,
+                          view.mass * norm(view.gravity));
     const std::vector<double> wanted = command(robot, view, wish(robot, view));
     for (std::size_t k = 0; k < robot.low.size(); ++k) {
       const double range = robot.high[k] - robot.low[k];
@@ -247,8 +291,8 @@ HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
                V{disturbance[0], disturbance[1], disturbance[2]};
   wish.attitude = attitude_along(wish.force, wish.yaw);
   wish.thrust = std::max(0.0, dot(wish.force, body_z(view.base.rotation)));
-  wish.rates = rates_towards(wish.attitude, view.base.rotation);
-  wish.torque = torque_for(wish.rates, view.base.angular_velocity, view.inertia) -
+  wish.rates = rates_towards(wish.attitude, view.base.rotation, view.haste);
+  wish.torque = torque_for(wish.rates, view.base.angular_velocity, view.inertia, view.haste) -
                 V{disturbance[3], disturbance[4], disturbance[5]};
   if (robot.arm.can_reach()) wish.torque += torque_of_arm(robot, view, wish.thrust);
   return wish;
@@ -276,13 +320,13 @@ Vec3<double> HoldPolicy::torque_of_arm(const Robot& robot, const View& view, dou
 /// Wanted acceleration of the base, W, without gravity [m/s^2], within what every vehicle can do.
 Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
                                       const Wish& wish) const {
-  constexpr double kOmega = kPositionBandwidth;
+  const double omega = view.haste.all * kPositionBandwidth;
   const BodyState& base = view.base;
   V a;
   if (robot.hangs) {
     // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
     const BodyState& bob = view.bodies[static_cast<std::size_t>(robot.goal_body)];
-    const double w2 = norm(view.gravity) / robot.cable, p = kSwingPole;
+    const double w2 = norm(view.gravity) / robot.cable, p = view.haste.all * kSwingPole;
     const V offset = base.position - bob.position, slip = base.velocity - bob.velocity;
     const V error = bob.position - wish.position;
     a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
@@ -290,10 +334,10 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
     // The bob pulls the base sideways: part of the thrust's lateral share carries it.
     const double carried = (view.mass - view.base_mass) / view.mass;
     a = (1.0 - carried) * a + (carried * w2) * offset;
-    a.z = -kOmega * kOmega * error.z - 2.0 * kOmega * base.velocity.z;
+    a.z = -omega * omega * error.z - 2.0 * omega * base.velocity.z;
   } else {
     const V error = limited(wish.position - base.position, kMaxError);
-    a = (kOmega * kOmega) * error - (2.0 * kOmega) * base.velocity;
+    a = (omega * omega) * error - (2.0 * omega) * base.velocity;
   }
   const V lateral = limited({a.x, a.y, 0.0}, kMaxLateral);
   return {lateral.x, lateral.y, std::clamp(a.z, -kMaxVertical, kMaxVertical)};
@@ -309,23 +353,17 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
     case SKYBODY_CTBT:
       return {wish.thrust, wish.torque.x, wish.torque.y, wish.torque.z};
     case SKYBODY_SRT:
-      return rotor_thrusts(robot, wish);
-    case SKYBODY_ROTOR_SPEED: {
-      std::vector<double> speeds = rotor_thrusts(robot, wish);
-      const Layout& layout = compiled_.layout();
-      const int first = layout.robots[static_cast<std::size_t>(robot.index)].first_rotor;
-      for (std::size_t i = 0; i < speeds.size(); ++i) {
-        const int k = layout.rotor_params[static_cast<std::size_t>(first) + i] + kThrustConstant;
-        speeds[i] = sqrt(speeds[i] / view.params[static_cast<std::size_t>(k)]);
-      }
-      return speeds;
-    }
+      return rotor_thrusts(robot, view, wish);
+    case SKYBODY_ROTOR_SPEED:
+    case SKYBODY_THROTTLE:
+      return rotor_speeds(robot, view, wish);
     case SKYBODY_WRENCH:
       return wrench(robot, view, wish);
     case SKYBODY_VELOCITY: {
       const V v = rotate_inverse(view.base.rotation,
                                  kPositionBandwidth * limited(p - view.base.position, kMaxError));
-      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation);
+      const V r =
+          rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, Haste());
       return {v.x, v.y, v.z, r.x, r.y, r.z};
     }
     case SKYBODY_POSE: {
@@ -346,8 +384,9 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {a.x, a.y, a.z, wish.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {
-      const V v = kPositionBandwidth * limited(p - view.base.position, kMaxError);
-      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation);
+      const V v = view.haste.all * kPositionBandwidth * limited(p - view.base.position, kMaxError);
+      const V r =
+          rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, view.haste);
       return {v.x, v.y, v.z, r.z};
     }
     case SKYBODY_JOINT:
@@ -375,23 +414,56 @@ std::vector<double> HoldPolicy::joint_commands(const Robot& robot, const View& v
   return commands;
 }
 
-/// Single thrusts [N] that give the wished collective thrust and torque, none pulling.
-std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const Wish& wish) const {
-  std::vector<double> thrusts(robot.allocation.size() / 4);
+/// Single thrusts [N] that give the wished collective thrust and torque, none pulling. Of the
+/// torque about z, for which rotors have little to give, what leaves them within their limits:
+/// beyond them it would cost lift.
+std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& view,
+                                              const Wish& wish) const {
+  const std::vector<double> allocation = allocation_of(compiled_.world(), robot.index, view.params);
+  std::vector<double> thrusts(robot.low.size());  // 0 where a draw leaves no allocation
+  std::vector<double> turning(thrusts.size());
+  double share = 1.0;
+  for (std::size_t i = 0; i < allocation.size() / 4; ++i) {
+    const double* row = allocation.data() + 4 * i;
+    const double* rotor = rotor_params(robot, view, i);
+    const double full = rotor[kThrustConstant] * rotor[kMaxSpeed] * rotor[kMaxSpeed];
+    thrusts[i] = row[0] * wish.thrust + row[1] * wish.torque.x + row[2] * wish.torque.y;
+    turning[i] = row[3] * wish.torque.z;
+    const double room = turning[i] > 0.0 ? full - thrusts[i] : thrusts[i];
+    if (std::abs(turning[i]) > room)
+      share = std::min(share, std::max(0.0, room) / std::abs(turning[i]));
+  }
   for (std::size_t i = 0; i < thrusts.size(); ++i) {
-    const double* row = robot.allocation.data() + 4 * i;
-    thrusts[i] = std::max(0.0, row[0] * wish.thrust + row[1] * wish.torque.x +
-                                   row[2] * wish.torque.y + row[3] * wish.torque.z);
+    thrusts[i] = std::max(0.0, thrusts[i] + share * turning[i]);
   }
   return thrusts;
+}
+
+/// The same as speeds [rad/s], or as shares of the rotors' largest ones.
+std::vector<double> HoldPolicy::rotor_speeds(const Robot& robot, const View& view,
+                                             const Wish& wish) const {
+  std::vector<double> speeds = rotor_thrusts(robot, view, wish);
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const double* rotor = rotor_params(robot, view, i);
+    speeds[i] = sqrt(speeds[i] / rotor[kThrustConstant]);
+    if (robot.signal == SKYBODY_THROTTLE) speeds[i] /= rotor[kMaxSpeed];
+  }
+  return speeds;
+}
+
+/// The drawn constants of one of its rotors.
+const double* HoldPolicy::rotor_params(const Robot& robot, const View& view, std::size_t i) const {
+  const Layout& layout = compiled_.layout();
+  const int first = layout.robots[static_cast<std::size_t>(robot.index)].first_rotor;
+  return view.params.data() + layout.rotor_params[static_cast<std::size_t>(first) + i];
 }
 
 /// The whole robot hangs, level, on the first site; the others stay idle.
 std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view,
                                        const Wish& wish) const {
   const Quat<double>& q = view.base.rotation;
-  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q);
-  const V moment = rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia));
+  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q, Haste());
+  const V moment = rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia, Haste()));
   std::vector<double> values(robot.low.size(), 0.0);
   const double first[6] = {wish.force.x, wish.force.y, wish.force.z, moment.x, moment.y, moment.z};
   std::copy(first, first + 6, values.begin());

@@ -17,12 +17,13 @@ namespace skybody {
 /// Position error -> desired acceleration (PD, critically damped) -> thrust direction -> body rates
 /// (proportional on the attitude error) -> collective thrust and body rates (ctbr), which are
 /// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
-/// thrusts and rotor speeds by the pseudo-inverse of the rotors' geometry, a wrench by rotation to
-/// W, velocity and pose directly. A goal about a body that hangs from the base is reached by
-/// placing the four poles of a pendulum on an accelerated pivot. What has no rotors and hangs on
-/// robots by rods, ropes or points is carried by them in equal shares. A goal about a body that
-/// joints with position drives move is reached by them from the scenario's place of the base; the
-/// base is flown by what they lack, and the rotors bear the arm's weight.
+/// thrusts, rotor speeds and throttles by the pseudo-inverse of the rotors' geometry, a wrench by
+/// rotation to W, velocity and pose directly. All loops are slower where the rotors are. A goal
+/// about a body that hangs from the base is reached by placing the four poles of a pendulum on an
+/// accelerated pivot. What has no rotors and hangs on robots by rods, ropes or points is carried by
+/// them in equal shares. A goal about a body that joints with position drives move is reached by
+/// them from the scenario's place of the base; the base is flown by what they lack, and the rotors
+/// bear the arm's weight.
 class HoldPolicy : public Policy {
  public:
   /// @throws Error naming the robot if its command is none of the above
@@ -48,7 +49,6 @@ class HoldPolicy : public Policy {
     std::vector<double> low, high;
     std::vector<double> joints;      ///< commands of a chain that drives joints, arms apart
     std::vector<JointDrive> drives;  ///< of that chain
-    std::vector<double> allocation;  ///< rotors x 4: thrusts from (T, tau), row by row
   };
   struct Wish;
   struct View;
@@ -60,7 +60,9 @@ class HoldPolicy : public Policy {
   Wish wish(const Robot& robot, const View& view) const;
   Vec3<double> acceleration(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> command(const Robot& robot, const View& view, const Wish& wish) const;
-  std::vector<double> rotor_thrusts(const Robot& robot, const Wish& wish) const;
+  std::vector<double> rotor_thrusts(const Robot& robot, const View& view, const Wish& wish) const;
+  std::vector<double> rotor_speeds(const Robot& robot, const View& view, const Wish& wish) const;
+  const double* rotor_params(const Robot& robot, const View& view, std::size_t i) const;
   std::vector<double> wrench(const Robot& robot, const View& view, const Wish& wish) const;
 
   const CompiledScenario& compiled_;

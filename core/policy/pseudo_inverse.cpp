@@ -4,6 +4,8 @@
 
 #include <Eigen/LU>
 
+#include "core/physics/forces/rotor_force.h"
+
 namespace skybody {
 namespace {
 
@@ -11,18 +13,27 @@ using RowMatrixX4 = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
 
 }  // namespace
 
-std::vector<double> allocation_of(const World& world, int robot) {
+std::vector<double> allocation_of(const World& world, int robot,
+                                  const std::vector<double>& params) {
   const RobotModel& model = world.scenario.robots[static_cast<std::size_t>(robot)].model;
+  const RobotLayout& layout = world.layout.robots[static_cast<std::size_t>(robot)];
+  const auto values_of = [&](const std::vector<int>& firsts, int index) {
+    return params.data() + firsts[static_cast<std::size_t>(index)];
+  };
+  const double* base = values_of(world.layout.body_params, layout.first_body);
+  const Vec3<double> com{base[kCom], base[kCom + 1], base[kCom + 2]};
   if (model.rotors.size() < 4) return {};
   const auto rotors = static_cast<Eigen::Index>(model.rotors.size());
   Eigen::Matrix4Xd effect(4, rotors);  // what one newton of each rotor gives
   for (Eigen::Index k = 0; k < rotors; ++k) {
     const Rotor& r = model.rotors[static_cast<std::size_t>(k)];
     if (r.body != 0) return {};
-    const Vec3<double> arm = r.position() - model.bodies[0].mass.com;
+    const double* constants =
+        values_of(world.layout.rotor_params, layout.first_rotor + static_cast<int>(k));
+    const Vec3<double> arm = hub_of<double>(constants) - com;
     const Vec3<double> torque =
         cross(arm, r.axis) -
-        (r.direction * r.constants[kMomentConstant] / r.constants[kThrustConstant]) * r.axis;
+        (r.direction * constants[kMomentConstant] / constants[kThrustConstant]) * r.axis;
     effect.col(k) << r.axis.z, torque.x, torque.y, torque.z;
   }
   // Torques are a tenth of thrusts: scaled rows keep the singularity test meaningful.

@@ -8,9 +8,10 @@
 namespace skybody {
 
 /// Thrusts [N] from (collective thrust along z [N], torque about the base's centre of mass [N m],
-/// base axes): rotors x 4, row by row, the pseudo-inverse B^T (B B^T)^-1 of the nominal geometry.
-/// Empty if the rotors do not sit on the base or cannot give all four.
-std::vector<double> allocation_of(const World& world, int robot);
+/// base axes): rotors x 4, row by row, the pseudo-inverse B^T (B B^T)^-1 of an environment's
+/// geometry. Empty if the rotors do not sit on the base or cannot give all four.
+/// @param params  of the environment
+std::vector<double> allocation_of(const World& world, int robot, const std::vector<double>& params);
 
 /// How far the origin of `body` lies below that of `base` with all joints at 0 [m]; 0 if it does
 /// not.

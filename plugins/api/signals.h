@@ -22,6 +22,7 @@
   X(ACCELERATION,      Acceleration,     acceleration,      4,  4, "acceleration (W) [m/s^2], yaw [rad]") \
   X(VELOCITY_TRACKING, VelocityTracking, velocity_tracking, 4,  4, "velocity (W) [m/s], yaw rate [rad/s]") \
   X(JOINT,             Joint,            joint,             0,  0, "one per joint drive: rad or m, rad/s or m/s, N m or N; as an output: drives the joints") \
+  X(THROTTLE,          Throttle,         throttle,          0,  0, "one per rotor: share of its own largest speed, 0 to 1") \
   X(NONE,              None,             none,              0,  0, "nothing: what begins a chain that takes no command")
 // clang-format on
 

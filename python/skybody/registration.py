@@ -26,6 +26,7 @@ SCENARIOS = (
     "payload_paper",
     "platform_landing",
     "rotor_out",
+    "vehicles",
     "windy_hover",
 )
 

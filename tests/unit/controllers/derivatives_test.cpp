@@ -20,6 +20,7 @@ class ControllerDerivatives : public ::testing::Test {
 
 TEST_F(ControllerDerivatives, OfRotorCommandsGoStraightThrough) {
   expect("rotor_speed", {}, {"input"});
+  expect("throttle", {}, {"input", "params"});
   expect("srt", {}, {"input"});
 }
 

@@ -25,8 +25,8 @@ class Modes : public ::testing::Test {
 };
 
 TEST_F(Modes, AllGiveTheBitsOfDouble) {
-  for (const char* name :
-       {"rotor_speed", "srt", "ctbt", "ctbr", "wrench", "velocity", "attitude", "position"}) {
+  for (const char* name : {"rotor_speed", "throttle", "srt", "ctbt", "ctbr", "wrench", "velocity",
+                           "attitude", "position"}) {
     expect_same_bits(name, world);
   }
   expect_same_bits("ctbt", world, {{"apply", "body"}});
@@ -42,6 +42,16 @@ TEST_F(Modes, RotorSpeedIsClampedToTheRotor) {
   Group g = instance.group(1);
   EXPECT_EQ(control(instance, g, {-5.0, 1150.0, 2246.0, 2300.0}),
             (std::vector<double>{0.0, 1150.0, 2246.0, 2246.0}));
+}
+
+TEST_F(Modes, AThrottleIsAShareOfTheEnvironmentsOwnLargestSpeed) {
+  const Instance instance("throttle", world, {{"min_throttle", 0.25}});
+  EXPECT_EQ(instance.declared.low, std::vector<double>(4, 0.25));
+  EXPECT_EQ(instance.declared.high, std::vector<double>(4, 1.0));
+  Group g = instance.group(1);
+  g.params[static_cast<std::size_t>(world.rotors[2].first_param + SKYBODY_ROTOR_MAX_SPEED)] = 400.0;
+  EXPECT_EQ(control(instance, g, {-0.5, 0.5, 0.25, 1.5}),
+            (std::vector<double>{0.0, 1123.0, 100.0, 2246.0}));
 }
 
 TEST_F(Modes, SrtGivesTheThrustBack) {
@@ -122,6 +132,8 @@ TEST_F(Modes, PositionTiltsTowardsTheGoal) {
 TEST_F(Modes, BadConfigurationNamesValueAndRemedy) {
   EXPECT_THAT(refusal("rotor_speed", world, {{"min_speed", 2400}}),
               HasSubstr("`min_speed` 2400 is not below"));
+  EXPECT_THAT(refusal("throttle", world, {{"min_throttle", 0.5}, {"max_throttle", 0.5}}),
+              HasSubstr("`min_throttle` 0.5 is not below `max_throttle` 0.5"));
   EXPECT_THAT(refusal("srt", world, {{"min_thrust", 3}, {"max_thrust", 2}}),
               HasSubstr("`min_thrust` 3 is not below `max_thrust` 2: lower the first"));
   EXPECT_THAT(refusal("ctbt", world, {{"max_thrust", 50}}),
@@ -142,7 +154,7 @@ TEST(ModesOfOtherRobots, NeedRotors) {
   PluginWorld bare;
   bare.add_robot("car", 0, 0, 0);
   bare.add_body(0, "chassis", -1, 1, 1.0, {1, 1, 1});
-  for (const char* name : {"rotor_speed", "srt", "ctbt", "ctbr", "attitude"}) {
+  for (const char* name : {"rotor_speed", "throttle", "srt", "ctbt", "ctbr", "attitude"}) {
     EXPECT_THAT(refusal(name, bare, {}), HasSubstr("robot `car` has no rotors")) << name;
   }
   EXPECT_THAT(refusal("ctbt", bare, {{"apply", "body"}}), HasSubstr("give ctbt `max_thrust`"));

@@ -1,0 +1,363 @@
+// Draws whole quadrotors: a mass, and by scaling laws all that goes with it. Equations: README.md.
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "randomization/common/schedule.h"
+#include "randomization/vehicle/ranges.h"
+
+namespace skybody {
+namespace {
+
+using namespace randomization;
+
+constexpr double kAirDensity = 1.225;  // [kg/m^3], of the standard atmosphere at sea level
+
+class Vehicle : public Randomizer {
+ public:
+  template <class Real>
+  using State = Schedule<Real>;
+
+  Vehicle() {
+    for (int k = 0; k < kVehicleQuantityCount; ++k) {
+      const VehicleRow& row = kVehicleRows[k];
+      given_[static_cast<std::size_t>(k)] =
+          std::make_unique<RealsParameter>(this, RealsSpec{.name = row.name,
+                                                           .unit = row.unit,
+                                                           .count = -1,
+                                                           .min = row.least,
+                                                           .max = row.greatest,
+                                                           .doc = row.doc});
+    }
+  }
+
+  void configure(const Setup& setup) override {
+    read_ranges();
+    gravity_ = norm(Vec3<double>{setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]});
+    if (!(gravity_ > 0.0)) {
+      throw std::runtime_error(
+          "`gravity` is 0, so that `thrust_to_weight` has no weight: give the scenario a gravity");
+    }
+    const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
+    for (int r = 0; r < setup.robots().size(); ++r) {
+      if (only < 0 || r == only) robots_.push_back(target(setup, r));
+    }
+  }
+
+  template <class Real>
+  void randomize(const EnvView<Real>& env, State<Real>& state, Start<Real>& start) const {
+    const auto due = is_due(state, start.requested);
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      Real u[kVehicleQuantityCount];
+      Random<Real> draw = numbers(env, 2 * i + (start.requested ? 1 : 0));
+      for (Real& share : u) share = draw.uniform();
+      build(u, robots_[i], due, start);
+    }
+    count_reset(state, start.requested, every_.value());
+  }
+
+ private:
+  struct Hub {
+    int first;       ///< EnvParam of the rotor
+    double x, y;     ///< from the middle, of length 1; body axes
+    double height;   ///< above the middle, by the nominal arm
+    double towards;  ///< +1 where a turn towards the y axis is one about z, -1 where it is not
+  };
+  struct Target {
+    int body;             ///< first EnvParam of the base
+    Vec3<double> middle;  ///< the centre of mass [m]
+    std::vector<Hub> hubs;
+  };
+  /// What a vehicle's rotors share.
+  template <class Real>
+  struct Rotors {
+    Real arm, sweep;
+    Real constants[SKYBODY_ROTOR_POSITION];  ///< at the places of SkybodyRotorConstant
+  };
+
+  /// ---- in an episode
+
+  /// Those of one draw, or of one vehicle of the fleet, whoever draws it.
+  template <class Real>
+  SKYBODY_INLINE Random<Real> numbers(const EnvView<Real>& env, std::uint64_t substream) const {
+    Random<Real> draw = random(env, substream);
+    if (fleet_.value() == 0) return draw;
+    const Real count = static_cast<double>(fleet_.value());
+    const Word<Real> which = to_word(floor(draw.uniform() * count));
+    return Random<Real>(env.seed(), which, Word<Real>(0), Word<Real>(0),
+                        derive_stream("vehicle.fleet"));
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void build(const Real* u, const Target& target, const MaskOf<Real>& due,
+                            Start<Real>& start) const {
+    const auto at = [&](int k) SKYBODY_INLINE_LAMBDA {
+      return laws_[static_cast<std::size_t>(k)].at(u[k]);
+    };
+    const auto put = [&](int param, const Real& value) SKYBODY_INLINE_LAMBDA {
+      start.params.set(param, select(due, value, start.params[param]));
+    };
+    const Real mass = is_by_size_ ? cube(at(kMass)) : at(kMass);
+    const Real log_mass = log(mass);
+    Rotors<Real> rotors;
+    rotors.arm = exp(at(kArm) + log_mass * (1.0 / 3.0));
+    rotors.sweep = at(kSweep);
+    const Real ratio = at(kThrustToWeight);
+    const Real full = ratio * mass * (0.25 * gravity_);  // of one rotor
+    const Real about_x = roll_inertia(at, mass, ratio, full, rotors.arm);
+    put(target.body + SKYBODY_BODY_MASS, mass);
+    put_inertia(about_x, at(kPitchInertia), at(kYawInertia), target, put);
+    make_rotors(at, log_mass, full, ratio, rotors);
+    for (const Hub& hub : target.hubs) put_rotor(rotors, hub, target.middle, put);
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE Real cube(const Real& x) {
+    return x * x * x;
+  }
+
+  /// @param full  thrust of one rotor at its largest speed [N]
+  template <class At, class Real>
+  SKYBODY_INLINE Real roll_inertia(const At& at, const Real& mass, const Real& ratio,
+                                   const Real& full, const Real& arm) const {
+    if (is_used_[kGyration]) {
+      const Real radius = at(kGyration) * arm;
+      return mass * (radius * radius);
+    }
+    // Two rotors of an X push with a lever of arm / sqrt(2) each.
+    const Real torque = arm * full * sqrt(2.0);
+    if (is_used_[kTorqueToInertia]) return torque / at(kTorqueToInertia);
+    return torque * at(kWeightByTurn) / ratio;
+  }
+
+  template <class Real, class Put>
+  static SKYBODY_INLINE void put_inertia(const Real& about_x, const Real& pitch, const Real& yaw,
+                                         const Target& target, const Put& put) {
+    const Real about_y = pitch * about_x;
+    const Real values[6] = {about_x,   about_y,   yaw * (about_x + about_y),
+                            Real(0.0), Real(0.0), Real(0.0)};
+    for (int k = 0; k < 6; ++k) put(target.body + SKYBODY_BODY_INERTIA + k, values[k]);
+  }
+
+  template <class At, class Real>
+  SKYBODY_INLINE void make_rotors(const At& at, const Real& log_mass, const Real& full,
+                                  const Real& ratio, Rotors<Real>& out) const {
+    const Real radius = at(kRotorRadius) * out.arm;
+    const Real squared = radius * radius;
+    // rho C_T n^2 D^4 with n = w / (2 pi), D = 2 R.
+    const Real thrust =
+        at(kThrustCoefficient) * (squared * squared) * (16.0 * kAirDensity / (kTwoPi * kTwoPi));
+    const Real moment_arm = is_used_[kMomentArm] ? at(kMomentArm) : at(kMomentByRadius) * radius;
+    const Real growth = exp(log_mass * tau_exponent_);
+    const Real up = at(kTauUp);
+    const Real down = is_used_[kTauDown] ? at(kTauDown) : at(kTauDownByUp) * up;
+    out.constants[SKYBODY_ROTOR_THRUST_CONSTANT] = thrust;
+    out.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] = thrust * moment_arm;
+    out.constants[SKYBODY_ROTOR_DRAG_CONSTANT] = at(kRotorDrag) * thrust / radius;
+    out.constants[SKYBODY_ROTOR_ROLLING_MOMENT_CONSTANT] = at(kRolling) * thrust;
+    const Real hover_speed = sqrt(full / (ratio * thrust));
+    out.constants[SKYBODY_ROTOR_INERTIA] =
+        2.0 * at(kSpinDown) * growth * (thrust * moment_arm) * hover_speed;
+    out.constants[SKYBODY_ROTOR_MAX_SPEED] = sqrt(full / thrust);
+    out.constants[SKYBODY_ROTOR_TAU_UP] = up * growth;
+    out.constants[SKYBODY_ROTOR_TAU_DOWN] = down * growth;
+  }
+
+  template <class Real, class Put>
+  static SKYBODY_INLINE void put_rotor(const Rotors<Real>& rotors, const Hub& hub,
+                                       const Vec3<double>& middle, const Put& put) {
+    for (int k = 0; k < SKYBODY_ROTOR_POSITION; ++k) put(hub.first + k, rotors.constants[k]);
+    const SinCos<Real> turn = sincos(rotors.sweep);
+    const Real sine = turn.sin * hub.towards;
+    const int place = hub.first + SKYBODY_ROTOR_POSITION;
+    put(place, middle.x + rotors.arm * (turn.cos * hub.x - sine * hub.y));
+    put(place + 1, middle.y + rotors.arm * (turn.cos * hub.y + sine * hub.x));
+    put(place + 2, middle.z + rotors.arm * hub.height);
+  }
+
+  /// ---- of the scenario
+
+  static std::string text_of(const Range& range) {
+    return "[" + to_text(range.low) + ", " + to_text(range.high) + "]";
+  }
+  static Range preset_range(const VehicleRow& row, const std::string& preset) {
+    return preset == "scaling" ? row.scaling : preset == "l2f" ? row.l2f : row.raptor;
+  }
+
+  void read_ranges() {
+    std::array<Range, kVehicleQuantityCount> ranges;
+    for (int k = 0; k < kVehicleQuantityCount; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      ranges[i] = preset_range(kVehicleRows[k], preset_.value());
+      if (given_[i]->count() > 0) ranges[i] = given_range(k);
+    }
+    choose({kGyration, kTorqueToInertia, kWeightByTurn}, ranges);
+    choose({kMomentByRadius, kMomentArm}, ranges);
+    choose({kTauDownByUp, kTauDown}, ranges);
+    check_inertia(ranges);
+    const bool is_scaling = preset_.value() == "scaling";
+    const std::string &mass_by = mass_by_.value(), &tau_by = tau_by_.value();
+    is_by_size_ = ranges[kMass].low < ranges[kMass].high &&
+                  (mass_by == "preset" ? !is_scaling : mass_by == "size");
+    tau_exponent_ = (tau_by == "preset" ? is_scaling : tau_by == "mass") ? 1.0 / 6.0 : 0.0;
+    for (int k = 0; k < kVehicleQuantityCount; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      is_used_[i] = ranges[i].is_used();
+      if (is_used_[i]) laws_[i] = law_of(k, ranges[i]);
+    }
+  }
+
+  Range given_range(int k) const {
+    const RealsParameter& given = *given_[static_cast<std::size_t>(k)];
+    const std::string name = kVehicleRows[k].name;
+    if (given.count() != 2) {
+      throw std::runtime_error("`" + name + "` has " + std::to_string(given.count()) +
+                               " values: write [low, high]");
+    }
+    const Range range{given.value(0), given.value(1)};
+    if (range.low > range.high) {
+      throw std::runtime_error("`" + name + "` " + text_of(range) +
+                               " runs backwards: write [low, high]");
+    }
+    return range;
+  }
+
+  /// Of quantities that stand for one another: the one that is given, else the preset's.
+  void choose(std::initializer_list<int> alternatives,
+              std::array<Range, kVehicleQuantityCount>& ranges) const {
+    int chosen = -1;
+    for (const int k : alternatives) {
+      if (given_[static_cast<std::size_t>(k)]->count() == 0) continue;
+      if (chosen >= 0) {
+        throw std::runtime_error(std::string("`") + kVehicleRows[chosen].name + "` and `" +
+                                 kVehicleRows[k].name +
+                                 "` stand for one another: leave one of them out");
+      }
+      chosen = k;
+    }
+    if (chosen < 0) return;
+    for (const int k : alternatives) {
+      if (k != chosen) ranges[static_cast<std::size_t>(k)] = Range{};
+    }
+  }
+
+  /// About z it is at most the sum of the others, by its range; these are to be near enough too.
+  static void check_inertia(const std::array<Range, kVehicleQuantityCount>& ranges) {
+    const Range &pitch = ranges[kPitchInertia], &yaw = ranges[kYawInertia];
+    for (const double a : {pitch.low, pitch.high}) {
+      if (std::abs(1.0 - a) <= yaw.low * (1.0 + a)) continue;
+      throw std::runtime_error("`pitch_inertia` " + text_of(pitch) + " and `yaw_inertia` " +
+                               text_of(yaw) +
+                               " include moments of inertia that no rigid body has: bring "
+                               "`pitch_inertia` nearer to 1, or raise `yaw_inertia`");
+    }
+  }
+
+  Distribution law_of(int k, const Range& range) const {
+    if (k == kArm) {
+      const double low = log(range.low), high = log(range.high);
+      if (low == high) return make_constant(low);
+      return make_normal(0.5 * (low + high), 0.25 * (high - low), low, high);
+    }
+    if (range.low == range.high) return make_constant(range.low);
+    if (k == kMass) {
+      if (is_by_size_) return make_uniform(std::cbrt(range.low), std::cbrt(range.high));
+      return make_log_uniform(range.low, range.high);
+    }
+    return make_uniform(range.low, range.high);
+  }
+
+  static Target target(const Setup& setup, int r) {
+    const RobotInfo& robot = setup.robots()[r];
+    const std::string name = "robot `" + std::string(robot.name) + "` ";
+    const View<RotorInfo> rotors = setup.rotors_of(r);
+    if (robot.body_count != 1 || robot.fixed_base != 0) {
+      throw std::runtime_error(name + (robot.fixed_base != 0 ? "has a fixed base" : "has joints") +
+                               ": a vehicle is one free body; name another robot in `robot`");
+    }
+    if (rotors.size() != 4) {
+      throw std::runtime_error(name + "has " + std::to_string(rotors.size()) +
+                               " rotors: a vehicle has 4; name another robot in `robot`");
+    }
+    const BodyInfo& base = setup.bodies()[robot.first_body];
+    Target t{base.first_param, {base.com[0], base.com[1], base.com[2]}, {}};
+    double turns = 0.0;
+    for (const RotorInfo& rotor : rotors) {
+      t.hubs.push_back(hub(rotor, t.middle, name));
+      turns += rotor.direction;
+      for (int k = 0; k < SKYBODY_ROTOR_CONSTANT_COUNT; ++k) setup.writes(rotor.first_param + k);
+    }
+    if (turns != 0.0) {
+      throw std::runtime_error(name +
+                               "has more rotors of one sense than of the other, and would turn: "
+                               "let two be ccw and two cw");
+    }
+    setup.writes(t.body + SKYBODY_BODY_MASS);
+    for (int k = 0; k < 6; ++k) setup.writes(t.body + SKYBODY_BODY_INERTIA + k);
+    return t;
+  }
+
+  static Hub hub(const RotorInfo& rotor, const Vec3<double>& middle, const std::string& robot) {
+    const double *p = rotor.position, *n = rotor.axis;
+    const Vec3<double> from{p[0] - middle.x, p[1] - middle.y, p[2] - middle.z};
+    const double arm = sqrt(from.x * from.x + from.y * from.y);
+    const std::string name = "rotor `" + std::string(rotor.name) + "` of " + robot;
+    if (n[0] != 0.0 || n[1] != 0.0 || n[2] != 1.0) {
+      throw std::runtime_error(name +
+                               "does not push along the body's z, as a vehicle's rotors do: give "
+                               "it `axis: [0, 0, 1]`");
+    }
+    if (!(arm > 1e-6)) {
+      throw std::runtime_error(name +
+                               "sits on the body's z axis, so that its arm has no direction: move "
+                               "it aside");
+    }
+    return {rotor.first_param, from.x / arm, from.y / arm, from.z / arm,
+            from.x * from.y >= 0.0 ? 1.0 : -1.0};
+  }
+
+  TextParameter robot_{
+      this, {.name = "robot", .doc = "which one; empty: every robot, each its own vehicle"}};
+  TextParameter preset_{this,
+                        {.name = "preset",
+                         .value = "scaling",
+                         .choices = {"scaling", "l2f", "raptor"},
+                         .doc = "the ranges of what is not given"}};
+  TextParameter mass_by_{this,
+                         {.name = "mass_by",
+                          .value = "preset",
+                          .choices = {"preset", "logarithm", "size"},
+                          .doc = "in what the mass is uniform: its logarithm (preset scaling), or "
+                                 "its cube root (the others)"}};
+  TextParameter tau_by_{this,
+                        {.name = "tau_by",
+                         .value = "preset",
+                         .choices = {"preset", "mass", "itself"},
+                         .doc = "mass: time constants grow with its sixth root (preset scaling); "
+                                "itself: they do not (the others)"}};
+  IntegerParameter every_{this, every_spec()};
+  IntegerParameter fleet_{
+      this,
+      {.name = "fleet",
+       .value = 0,
+       .min = 0,
+       .max = 1000000000,
+       .doc = "how many vehicles there are, the same for all environments of a seed, one of which "
+              "is drawn; 0: each draw is another vehicle"}};
+  std::array<std::unique_ptr<RealsParameter>, kVehicleQuantityCount> given_;
+
+  std::array<Distribution, kVehicleQuantityCount> laws_;
+  std::array<bool, kVehicleQuantityCount> is_used_{};
+  bool is_by_size_ = false;  ///< the mass is the cube of what is drawn
+  double tau_exponent_ = 0.0;
+  double gravity_ = 0.0;  ///< nominal [m/s^2]
+  std::vector<Target> robots_;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Vehicle, "vehicle", "1.0.0",
+               "Draws whole quadrotors of any size by scaling laws.");
