@@ -162,7 +162,7 @@ TEST_F(ThrustCurveTest, DerivativesAreThoseOfItsDifferences) {
                        {"diameter", 0.25}},
                       Call::kApply,
                       {}},
-                     {"bodies", "rotor_speed"});
+                     {"bodies", "params", "rotor_speed"});
 }
 
 TEST_F(ThrustCurveTest, SaysWhatDoesNotFit) {

@@ -75,7 +75,7 @@ inline RobotModel quadrotor() {
   for (int i = 0; i < 4; ++i) {
     Rotor r;
     r.name = "rotor" + std::to_string(i);
-    r.position = {i < 2 ? 0.1 : -0.1, (i % 2) == 0 ? 0.1 : -0.1, 0.0};
+    r.set_position({i < 2 ? 0.1 : -0.1, (i % 2) == 0 ? 0.1 : -0.1, 0.0});
     r.direction = (i == 0 || i == 3) ? 1 : -1;
     r.constants[kThrustConstant] = 1e-6;
     r.constants[kMomentConstant] = 1e-8;
