@@ -23,8 +23,8 @@ constexpr double kRateGain = 25.0;
 constexpr double kMaxError = 1.5;       // [m] limits the speed of long flights to 1.5 m/s
 constexpr double kMaxLateral = 5.0;     // [m/s^2], 27 degrees
 constexpr double kMaxVertical = 2.0;    // [m/s^2], below what a thrust-to-weight of 1.27 allows
-constexpr double kQuickLag = 0.02;      // [s]: mean lag of rotors that are quick enough for these
-constexpr double kYawCrossover = 85.0;  // [rad/s]: of the rate about z at most, for 100 Hz actions
+constexpr double kQuickLag = 0.025;     // [s]: lag of rotors that are quick enough for these
+constexpr double kYawCrossover = 65.0;  // [rad/s]: of the rate about z at most, for 100 Hz actions
 
 using V = Vec3<double>;
 
@@ -75,7 +75,7 @@ Haste haste_of(const Layout& layout, const RobotLayout& robot, const std::vector
   double lag = 0.0, inertia = 0.0, drag = 0.0, lift = 0.0;
   for (int i = robot.first_rotor; i < robot.first_rotor + robot.rotor_count; ++i) {
     const double* rotor = params.data() + layout.rotor_params[static_cast<std::size_t>(i)];
-    lag += 0.5 * (rotor[kTauUp] + rotor[kTauDown]) / robot.rotor_count;
+    lag += std::max(rotor[kTauUp], rotor[kTauDown]) / robot.rotor_count;
     inertia += rotor[kRotorInertia];
     drag += rotor[kMomentConstant];
     lift += rotor[kThrustConstant];
