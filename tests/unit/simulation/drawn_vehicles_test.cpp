@@ -19,6 +19,8 @@ std::shared_ptr<const CompiledScenario> load_vehicles(const std::string& preset)
                                          "randomization[1].parameters.position_min=[-0.1,-0.1,2.9]",
                                          "randomization[1].parameters.position_max=[0.1,0.1,3.1]",
                                          "randomization[1].parameters.tilt_max=0.01",
+                                         "randomization[1].parameters.yaw_min=-0.05",
+                                         "randomization[1].parameters.yaw_max=0.05",
                                          "stepping.dt=0.002", "stepping.action_repeat=5"},
                            .plugin_path = {}});
 }
@@ -27,6 +29,8 @@ std::shared_ptr<const CompiledScenario> load_vehicles(const std::string& preset)
 /// and at the end moves at less than 0.2 m/s and turns at less than 0.1 rad/s. The slowest have
 /// attitude loops of 0.8 and position loops of 0.2 rad/s: a start that is tilted by 0.01 rad takes
 /// them 0.3 m aside before they come back, from up to 0.17 m, which then takes half a minute.
+/// (Turning by more lifts those whose rotors speed up much quicker than they slow down, for as
+/// long.)
 bool hovers(Simulation& simulation, HoldPolicy& hold) {
   constexpr int kSteps = 600;  // 6 s
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
