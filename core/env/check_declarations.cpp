@@ -236,6 +236,9 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   if (!p.goals.empty() && p.kernels.goal == nullptr) {
     refuse(p, "declares a goal, but has no goal() that says where it is");
   }
+  if (p.kind == SKYBODY_TASK && !p.writes.empty() && p.kernels.randomize == nullptr) {
+    refuse(p, "announces that it draws parameters, but has no randomize() that does");
+  }
   for (const JointDrive& joint : p.joints) check_joint(p, joint, topology);
   check_asked(p, topology);
   check_actions(p, robots);

@@ -45,7 +45,6 @@ const std::uint64_t* number_repetition(GroupWork& work, int repetition) {
 void CompiledScenario::look_for_bad_starts() {
   const std::vector<PluginInstance>& randomizers = plugins_[SKYBODY_RANDOMIZER];
   const bool may_overlap = scenario().contact.redraws > 0 && count_bristles(*world_) > 0;
-  if (!(may_overlap || draws_bodies_)) return;
   for (const PluginInstance& r : randomizers) {
     for (int k = r.state; k < r.state + r.state_words + r.buffer_words; ++k) {
       drawn_words_.push_back(layout().plugin_state.offset + k);
@@ -92,8 +91,8 @@ std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
   const WorldBody& body = world_->bodies[static_cast<std::size_t>(number - 1)];
   return "no rigid body has the mass, centre and inertia of link `" + body.model->name +
          "` of robot `" + scenario().robots[static_cast<std::size_t>(body.robot)].name +
-         "`: no principal moment may be above the sum of the other two; narrow what randomizers "
-         "draw or callers set";
+         "`: a mass is above 0, and no principal moment above the sum of the other two; narrow "
+         "what randomizers draw or callers set, which state(\"params\") and logs have";
 }
 
 std::string CompiledScenario::fault_reason(std::uint64_t status) const {
@@ -231,7 +230,7 @@ void CompiledScenario::draw_start(StateGroup& group, GroupWork& work, std::uint3
     if (!drawn_words_.empty()) keep_undrawn(group, work);
     draw_with_requests(group, work, view(group, work, mask), 0);
     update(group, work, mask);
-    std::uint32_t doubtful = draws_bodies_ ? mask & group.unphysical() : 0u;
+    std::uint32_t doubtful = group.unphysical() & (draws_bodies_ ? mask : asked);
     if (start_overlaps_ != nullptr) doubtful |= group.may_touch(mask, work.physics);
     each_lane(doubtful, [&](int lane) { draw_again(group, work, lane); });
   }

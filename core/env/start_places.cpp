@@ -120,7 +120,9 @@ std::vector<int> StartPlaces::places_of(const std::vector<int>& params) const {
   };
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place& p = places_[i];
-    if (is_written(p.param, p.count) || is_written(p.turn, 3)) found.push_back(static_cast<int>(i));
+    if (is_written(p.param, p.count) || is_written(p.turn, 3) || is_written(p.limit, 1)) {
+      found.push_back(static_cast<int>(i));
+    }
   }
   return found;
 }

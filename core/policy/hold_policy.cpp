@@ -24,6 +24,7 @@ constexpr double kMaxError = 1.5;       // [m] limits the speed of long flights 
 constexpr double kMaxLateral = 5.0;     // [m/s^2], 27 degrees
 constexpr double kMaxVertical = 2.0;    // [m/s^2], below what a thrust-to-weight of 1.27 allows
 constexpr double kQuickLag = 0.025;     // [s]: lag of rotors that are quick enough for these
+constexpr double kLeastLag = 0.005;     // [s]: the mean age of a command at 100 Hz
 constexpr double kYawCrossover = 65.0;  // [rad/s]: of the rate about z at most, for 100 Hz actions
 
 using V = Vec3<double>;
@@ -65,8 +66,8 @@ V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia, co
 }
 
 /// Slow rotors let every loop be slower in proportion, so that all keep their damping. About z,
-/// what rotors do to the body as they change their speed comes at once, and is more than their drag
-/// the longer they coast, J / (2 k_m w): a quick loop would answer its own doing.
+/// the reaction to a rotor's change of speed comes at once, and is larger than its drag by
+/// J / (2 k_m w lag): it closes a loop of its own, in which a high gain is unstable.
 /// @param params  of the environment
 /// @param weight  that the robot's rotors carry [N]
 Haste haste_of(const Layout& layout, const RobotLayout& robot, const std::vector<double>& params,
@@ -83,8 +84,9 @@ Haste haste_of(const Layout& layout, const RobotLayout& robot, const std::vector
   Haste haste;
   if (lag > kQuickLag) haste.all = kQuickLag / lag;
   haste.yaw = haste.all;
-  // By the coasting time T: T K / lag is where the loop of gain K crosses 1.
-  const double twice_momentum = 2.0 * drag * sqrt(weight / lift), least = kYawCrossover * lag;
+  // With T = J / (2 k_m w), the loop of gain K crosses 1 at T K / lag. Commands are held, too.
+  const double twice_momentum = 2.0 * drag * sqrt(weight / lift);
+  const double least = kYawCrossover * std::max(lag, kLeastLag);
   if (kRateGain * haste.yaw * inertia > least * twice_momentum) {
     haste.yaw = least * twice_momentum / (kRateGain * inertia);
   }

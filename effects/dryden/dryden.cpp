@@ -116,7 +116,7 @@ class Dryden : public Effect {
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held, Values<Real> buffer) const {
     const SinCos<Real> heading = sincos(heading_(env));
-    Random<Real> draw = random(env, kApplyDraws);
+    [[maybe_unused]] Random<Real> draw = random(env, kApplyDraws);  // of dual numbers alone
     if constexpr (!kIsDual<Real>) fill_memo(env, buffer);
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       Next<Real> next;

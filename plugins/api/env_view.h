@@ -133,7 +133,9 @@ class EnvView {
   /// Setup::memo() values that keep what was written last, in lanes that are not served, too: a
   /// store for results that other values lead to, beside those values. Other calls, threads and
   /// environments may have written what is there, so compare before you believe it.
+  /// Not for dual numbers, whose tangents have no room in it.
   Values<Real> memo() const {
+    static_assert(!kIsDual<Real>);
     return values(raw_.memo, first_, MaskOf<Real>(true), "memo",
                   [](const SkybodyChecks& c) { return c.memo; });
   }

@@ -263,7 +263,7 @@ class Vehicle : public Randomizer {
     }
     if (range.low == range.high) return make_constant(range.low);
     if (k == kMass) {
-      if (is_by_size_) return make_uniform(std::cbrt(range.low), std::cbrt(range.high));
+      if (is_by_size_) return make_uniform(exp(log(range.low) / 3.0), exp(log(range.high) / 3.0));
       return make_log_uniform(range.low, range.high);
     }
     return make_uniform(range.low, range.high);

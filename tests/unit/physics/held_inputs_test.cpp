@@ -7,6 +7,8 @@
 #include <initializer_list>
 
 #include "core/physics/forces/rotor_force.h"
+#include "core/physics/step/free_robots.h"
+#include "core/physics/step/held_kind.h"
 #include "tests/unit/physics/random_trees.h"
 
 namespace skybody::test {
@@ -337,7 +339,13 @@ void draw_inputs(Random<double>& random, LaneState& state) {
 
 // A plain quadrotor in the air has a kernel of its own (HeldKind::kAir).
 TEST(HeldInputs, TheStepInTheAirHasTheBitsOfAnyHeldStep) {
-  const Scenario scenario = aloft(make_dragging_vehicle(), IntegratorChoice::kMidpoint);
+  RobotModel model = make_dragging_vehicle();
+  for (std::size_t i = 0; i < 4; ++i) {  // in rows
+    const double x = i < 2 ? 0.15 : -0.15, y = i % 2 == 0 ? 0.2 : -0.2;
+    model.rotors[i].set_position({x, y, model.rotors[0].position().z});
+    model.rotors[i].direction = x * y > 0.0 ? 1 : -1;
+  }
+  const Scenario scenario = aloft(model, IntegratorChoice::kMidpoint);
   const Held air = only({SKYBODY_HELD_WIND, SKYBODY_HELD_BODY_DRAG, SKYBODY_HELD_ROTOR_LIMIT});
   Held more = air;
   more[SKYBODY_HELD_WRENCH] = true;
@@ -345,6 +353,11 @@ TEST(HeldInputs, TheStepInTheAirHasTheBitsOfAnyHeldStep) {
     Held some = air;
     some[i] = false;
     Bench quick = make_bench(scenario, some), any = make_bench(scenario, more);
+    const auto kind_of = [](const Bench& bench) {
+      return held_kind(bench.world, FreeRobots(bench.world).robots[0].is_plain_quadrotor);
+    };
+    ASSERT_EQ(kind_of(quick), HeldKind::kAir);
+    ASSERT_EQ(kind_of(any), HeldKind::kAnything);
     Random<double> random({3, i}, 0, 0, 0);
     draw_inputs(random, quick.state);
     for (Bench* bench : {&quick, &any}) {
