@@ -68,7 +68,7 @@ def measure(resets: int) -> list[dict[str, Any]]:
     for vehicle in VEHICLES:
         compiled = skybody.load(vehicle)
         path = base_path(compiled)
-        nominal = np.array([compiled.param_info(f"{path}[{k}]").nominal for k in range(3)])
+        nominal = np.array([compiled.param_info(f"{path}[{k}]")[0] for k in range(3)])
         for spread in RANGES:
             redraws = drawn(vehicle, path, spread, resets)
             share, other = float(np.mean(redraws > 0)), expected(nominal, spread, len(redraws))
