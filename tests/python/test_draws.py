@@ -76,7 +76,7 @@ def over_resets(envs: Any, paths: list[str], resets: int = RESETS) -> NDArray[np
 
 
 def nominal(envs: Any, path: str, parameters: dict[str, Any]) -> float:
-    return envs.compiled.param_info(path).nominal if parameters.get("form") == "scale" else 1.0
+    return envs.compiled.param_info(path)[0] if parameters.get("form") == "scale" else 1.0
 
 
 def check_distributions(envs: Any, found: NDArray[np.float64]) -> None:
@@ -196,7 +196,7 @@ def test_nothing_drifts_over_ten_thousand_resets() -> None:
     ]
     with closing(made(randomizers, envs=2)) as envs:
         found = over_resets(envs, [path, tau], resets=10_000)
-        info = [envs.compiled.param_info(p).nominal for p in (path, tau)]
+        info = [envs.compiled.param_info(p)[0] for p in (path, tau)]
     first, last = found[0, :4000] / info[0], found[0, -4000:] / info[0]
     assert found[0].min() >= 0.9 * info[0] * (1 - 1e-15) and found[0].max() <= 1.1 * info[0] * (
         1 + 1e-15
