@@ -64,8 +64,15 @@ TEST_F(StateGroupTest, APartOfABlockCountsAsTheBlock) {
   const double height = 5.0;
   group().scatter(4, {layout().q.offset + 2, 1}, &height);
   EXPECT_THROW(group().body_states(4), std::logic_error);
-  group().writable({layout().params.offset + layout().params.size - 1, 1}, 1u << 5);
+  group().writable({layout().params.offset + layout().physics_params - 1, 1}, 1u << 5);
   EXPECT_THROW(group().body_states(5), std::logic_error);
+}
+
+TEST_F(StateGroupTest, NothingFollowsFromParametersBehindThePhysicalConstants) {
+  const int first = layout().params.offset + layout().physics_params;
+  ASSERT_GT(layout().params.size, layout().physics_params) << "starts";
+  group().writable({first, layout().params.size - layout().physics_params}, ~0u);
+  for (int lane = 0; lane < kGroupLanes; ++lane) EXPECT_NO_THROW(group().body_states(lane));
 }
 
 TEST_F(StateGroupTest, NothingFollowsFromCommandsActionsAndPluginStates) {
