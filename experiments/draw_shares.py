@@ -66,7 +66,7 @@ def measure(resets: int) -> list[dict[str, Any]]:
     """One row per vehicle and range."""
     rows = []
     for vehicle in VEHICLES:
-        compiled = skybody.load(vehicle)
+        compiled = skybody.CompiledScenario(vehicle)
         path = base_path(compiled)
         nominal = np.array([compiled.param_info(f"{path}[{k}]")[0] for k in range(3)])
         for spread in RANGES:

@@ -17,7 +17,7 @@ namespace skybody {
 /// Owns the words of L environments: word k of lane l is at k * L + l. Who may touch it when is the
 /// caller's business (one worker at a time).
 ///
-/// Bodies and stepper follow from q, u, rotor speeds and params. Whoever writes gets the memory
+/// Bodies and stepper follow from q, u, rotor speeds and constants. Whoever writes gets the memory
 /// from writable(), which notes for which lanes they are stale; refresh() makes those right again.
 /// The stepper moves coordinates and bodies together.
 class StateGroup {

@@ -68,6 +68,13 @@ TEST_F(StateGroupTest, APartOfABlockCountsAsTheBlock) {
   EXPECT_THROW(group().body_states(5), std::logic_error);
 }
 
+TEST_F(StateGroupTest, NothingFollowsFromParametersBehindThePhysicalConstants) {
+  const int first = layout().params.offset + layout().physics_params;
+  ASSERT_GT(layout().params.size, layout().physics_params) << "starts";
+  group().writable({first, layout().params.size - layout().physics_params}, ~0u);
+  for (int lane = 0; lane < kGroupLanes; ++lane) EXPECT_NO_THROW(group().body_states(lane));
+}
+
 TEST_F(StateGroupTest, NothingFollowsFromCommandsActionsAndPluginStates) {
   for (const Block& block : {layout().rotor_command, layout().wrench, layout().drive,
                              layout().action, layout().command, layout().sensors}) {
