@@ -28,8 +28,8 @@ from .requests import Change, When, at_reset, request_lines
 
 CONTROL_MODES: dict[str, str] = {
     "rotor_speed": "[{plugin: rotor_speed}]",
-    "throttle": "[{plugin: throttle}]",
     "srt": "[{plugin: srt}]",
+    "throttle": "[{plugin: throttle}]",
     "ctbt": "[{plugin: ctbt}]",
     "ctbr": "[{plugin: ctbr}]",
     "wrench": "[{plugin: wrench}]",
