@@ -61,8 +61,8 @@ TEST(DrawnBodies, ThatCanNeverBeAreAFaultWhoseReasonNamesThem) {
   ASSERT_TRUE(simulation.fault());
   EXPECT_EQ(simulation.compiled().fault_reason(simulation.status()),
             "no rigid body has the mass, centre and inertia of link `base_link` of robot `quad`: "
-            "no principal moment may be above the sum of the other two; narrow what randomizers "
-            "draw or callers set");
+            "a mass is above 0, and no principal moment above the sum of the other two; narrow "
+            "what randomizers draw or callers set, which state(\"params\") and logs have");
 }
 
 }  // namespace
