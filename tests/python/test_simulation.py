@@ -38,7 +38,7 @@ def test_a_chain_in_yaml_is_a_mode_too_and_overrides_reach_it():
     simulation.command([100, 0, 0, 0])
     simulation.advance(500)
     assert simulation.base().velocity[2] < -3  # held to 1 N: it falls
-    with pytest.raises(ValueError, match="rotor_speed, throttle, srt"):
+    with pytest.raises(ValueError, match="rotor_speed, srt, throttle"):
         Simulation("hover", "thrust")
     with pytest.raises(TypeError, match="control is 3; it must be a text: one of rotor_speed"):
         Simulation("hover", 3)  # type: ignore[arg-type]
