@@ -50,7 +50,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   summary.params = simulation.params();
   log.begin_episode(summary.params);
   record(simulation, false, log);
-  summary.redraws = simulation.save().words[kRedraws];
+  summary.redraws = static_cast<std::uint64_t>(simulation.state("redraws")[0]);
   log.event(summary.redraws == 0
                 ? "reset"
                 : "reset, the start drawn again: " + std::to_string(summary.redraws));

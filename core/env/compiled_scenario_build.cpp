@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/env/check_declarations.h"
+#include "core/env/check_writers.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_work.h"
 #include "core/env/param_access.h"
@@ -72,9 +73,8 @@ struct CompiledScenario::Builder {
     configure_kind(SKYBODY_EFFECT, tables);
     configure_kind(SKYBODY_RANDOMIZER, tables);
     configure_kind(SKYBODY_TASK, tables);
-    check_task_writes();
-    check_writers();
-    check_starts_in_time();
+    check_writers(
+        {env.plugins_[SKYBODY_RANDOMIZER], env.task(), env.task_params_, env.starts_, plan.layout});
     check_interpolation();
     list_actions();
     lay_out();
@@ -227,62 +227,6 @@ struct CompiledScenario::Builder {
     }
   }
 
-  /// One value, one plugin that draws it.
-  void check_writers() const {
-    std::map<int, const PluginInstance*> writers;
-    const auto add = [&](const PluginInstance& p, const SourceMark& mark) {
-      for (const int param : p.writes) {
-        const auto [it, fresh] = writers.emplace(param, &p);
-        if (fresh || it->second == &p) continue;
-        const bool is_task = it->second->kind == SKYBODY_TASK;
-        throw MarkedError(
-            mark, described(*it->second, p) + " both draw " + path_of(param) +
-                      ": leave it to one of them" +
-                      (is_task ? "; a task draws no parameter that the scenario gives" : ""));
-      }
-    };
-    const std::vector<PluginInstance>& randomizers = env.plugins_[SKYBODY_RANDOMIZER];
-    add(env.task(), env.task().mark);
-    for (std::size_t i = 0; i < randomizers.size(); ++i) {
-      add(randomizers[i], scenario.randomization[i].mark);
-    }
-  }
-
-  static std::string described(const PluginInstance& first, const PluginInstance& second) {
-    if (first.kind == SKYBODY_RANDOMIZER) {
-      return "randomizers `" + first.name + "` and `" + second.name + "`";
-    }
-    return "task `" + first.plugin + "` and randomizer `" + second.name + "`";
-  }
-
-  const std::string& path_of(int param) const {
-    return plan.layout.param_info[static_cast<std::size_t>(param)].path;
-  }
-
-  /// A task has its turn when all else is drawn: what is not its own has been read by then.
-  void check_task_writes() const {
-    const Block own = env.task_params_;
-    for (const int param : env.task().writes) {
-      if (param >= own.offset && param < own.offset + own.size) continue;
-      throw MarkedError(env.task().mark, "task `" + env.task().plugin + "` draws " +
-                                             path_of(param) +
-                                             ", but a task may draw its own parameters alone");
-    }
-  }
-
-  /// Nobody reads a start in mid-episode.
-  void check_starts_in_time() const {
-    for (const PluginInstance& r : env.plugins_[SKYBODY_RANDOMIZER]) {
-      if (!r.draws_in_time) continue;
-      for (const int param : r.writes) {
-        if (!env.starts_.has(param)) continue;
-        throw MarkedError(r.mark, "randomizer `" + r.name + "` draws " + path_of(param) +
-                                      " at a time within the episode, but a start is read at "
-                                      "resets alone: draw it with `when: reset`");
-      }
-    }
-  }
-
   void lay_out() {
     Layout& l = plan.layout;
     l.bodies_before.size =
@@ -348,7 +292,8 @@ struct CompiledScenario::Builder {
       for (const int param : find_params(scenario, plan.layout, path)) {
         const auto& all = env.info_params_;
         if (std::find(all.begin(), all.end(), param) != all.end()) {
-          throw Error("`" + path + "` names " + path_of(param) +
+          throw Error("`" + path + "` names " +
+                      plan.layout.param_info[static_cast<std::size_t>(param)].path +
                       " a second time: name each value once");
         }
         const EnvParam& info = plan.layout.param_info[static_cast<std::size_t>(param)];

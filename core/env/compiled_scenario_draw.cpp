@@ -254,7 +254,8 @@ void CompiledScenario::draw_task(StateGroup& group, GroupWork& work, std::uint32
   each_lane(mask, [&](int lane) {
     std::uint64_t number = group.bits(kRequests)[lane];
     for (const auto& request : work.requests[static_cast<std::size_t>(lane)]) {
-      put_request(l, group, lane, {++number}, *request, task_params_);
+      const auto repetition = static_cast<int>(group.bits(kRedraws)[lane]);
+      put_request(l, group, lane, {++number, repetition}, *request, task_params_);
     }
   });
 }

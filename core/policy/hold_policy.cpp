@@ -8,89 +8,25 @@
 #include "core/base/math.h"
 #include "core/env/setup_tables.h"
 #include "core/physics/coupling/coupling_scene.h"
+#include "core/policy/attitude_loops.h"
 #include "core/policy/pseudo_inverse.h"
 
 namespace skybody {
 namespace {
 
-// Bandwidths [rad/s]: each loop about four times slower than the one inside it, down from the
-// rotors' own 40 to 80 rad/s.
+// Bandwidths [rad/s]: each loop about four times slower than the one inside it
+// (attitude_loops.cpp).
 constexpr double kPositionBandwidth = 2.0;
 constexpr double kSwingPole = 1.8;
-constexpr double kAttitudeGain = 8.0;
-constexpr double kYawGain = 2.0;
-constexpr double kRateGain = 25.0;
-constexpr double kMaxError = 1.5;       // [m] limits the speed of long flights to 1.5 m/s
-constexpr double kMaxLateral = 5.0;     // [m/s^2], 27 degrees
-constexpr double kMaxVertical = 2.0;    // [m/s^2], below what a thrust-to-weight of 1.27 allows
-constexpr double kQuickLag = 0.025;     // [s]: lag of rotors that are quick enough for these
-constexpr double kLeastLag = 0.005;     // [s]: the mean age of a command at 100 Hz
-constexpr double kYawCrossover = 65.0;  // [rad/s]: of the rate about z at most, for 100 Hz actions
+constexpr double kMaxError = 1.5;     // [m] limits the speed of long flights to 1.5 m/s
+constexpr double kMaxLateral = 5.0;   // [m/s^2], 27 degrees
+constexpr double kMaxVertical = 2.0;  // [m/s^2], below what a thrust-to-weight of 1.27 allows
 
 using V = Vec3<double>;
 
 V limited(const V& v, double most) {
   const double n = norm(v);
   return n > most ? v * (most / n) : v;
-}
-
-/// Attitude whose z axis lies along `up` and whose heading is `yaw`.
-Quat<double> attitude_along(const V& up, double yaw) {
-  const V z = up / norm(up);
-  const SinCos<double> heading = sincos(yaw);
-  V y = cross(z, V{heading.cos, heading.sin, 0.0});
-  y = y / norm(y);
-  const V x = cross(y, z);
-  return from_rotation(Mat3<double>{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}});
-}
-
-/// Shares of the bandwidths that the rotors allow: of all, and of the rate about z.
-struct Haste {
-  double all = 1.0, yaw = 1.0;
-};
-
-/// Body rates that turn `now` towards `wanted`: proportional to the vector part of the error.
-V rates_towards(const Quat<double>& wanted, const Quat<double>& now, const Haste& haste) {
-  const Quat<double> e = conjugate(now) * wanted;
-  const double sign = e.w < 0.0 ? -2.0 : 2.0;
-  const double tilt = sign * haste.all, yaw = sign * std::min(haste.all, 4.0 * haste.yaw);
-  return {kAttitudeGain * tilt * e.x, kAttitudeGain * tilt * e.y, kYawGain * yaw * e.z};
-}
-
-/// Torque that turns the rates: through the inertia, gyroscopic part included.
-V torque_for(const V& wanted, const V& rates, const SymMat3<double>& inertia, const Haste& haste) {
-  const double tilt = kRateGain * haste.all, yaw = kRateGain * haste.yaw;
-  const V change = wanted - rates;
-  return inertia * V{tilt * change.x, tilt * change.y, yaw * change.z} +
-         cross(rates, inertia * rates);
-}
-
-/// Slow rotors let every loop be slower in proportion, so that all keep their damping. About z,
-/// the reaction to a rotor's change of speed comes at once, and is larger than its drag by
-/// J / (2 k_m w lag): it closes a loop of its own, in which a high gain is unstable.
-/// @param params  of the environment
-/// @param weight  that the robot's rotors carry [N]
-Haste haste_of(const Layout& layout, const RobotLayout& robot, const std::vector<double>& params,
-               double weight) {
-  if (robot.rotor_count == 0) return {};
-  double lag = 0.0, inertia = 0.0, drag = 0.0, lift = 0.0;
-  for (int i = robot.first_rotor; i < robot.first_rotor + robot.rotor_count; ++i) {
-    const double* rotor = params.data() + layout.rotor_params[static_cast<std::size_t>(i)];
-    lag += std::max(rotor[kTauUp], rotor[kTauDown]) / robot.rotor_count;
-    inertia += rotor[kRotorInertia];
-    drag += rotor[kMomentConstant];
-    lift += rotor[kThrustConstant];
-  }
-  Haste haste;
-  if (lag > kQuickLag) haste.all = kQuickLag / lag;
-  haste.yaw = haste.all;
-  // With T = J / (2 k_m w), the loop of gain K crosses 1 at T K / lag. Commands are held, too.
-  const double twice_momentum = 2.0 * drag * sqrt(weight / lift);
-  const double least = kYawCrossover * std::max(lag, kLeastLag);
-  if (kRateGain * haste.yaw * inertia > least * twice_momentum) {
-    haste.yaw = least * twice_momentum / (kRateGain * inertia);
-  }
-  return haste;
 }
 
 const PluginInstance& last_of(const CompiledScenario& compiled, const ControllerChain& chain) {
@@ -144,7 +80,7 @@ struct HoldPolicy::View : KnownState {
   double mass;              // of the whole robot [kg]
   double base_mass;         // [kg]
   SymMat3<double> inertia;  // of the base [kg m^2]
-  Haste haste;
+  BandwidthScale scale;
 };
 
 HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
@@ -254,9 +190,9 @@ void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
       view.mass += robot.load_share *
                    params[static_cast<std::size_t>(first[static_cast<std::size_t>(b)] + kMass)];
     }
-    view.haste = haste_of(compiled_.layout(),
-                          compiled_.layout().robots[static_cast<std::size_t>(robot.index)], params,
-                          view.mass * norm(view.gravity));
+    view.scale = bandwidth_scale(compiled_.layout(),
+                                 compiled_.layout().robots[static_cast<std::size_t>(robot.index)],
+                                 params, view.mass * norm(view.gravity));
     const std::vector<double> wanted = command(robot, view, wish(robot, view));
     for (std::size_t k = 0; k < robot.low.size(); ++k) {
       const double range = robot.high[k] - robot.low[k];
@@ -293,8 +229,8 @@ HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
                V{disturbance[0], disturbance[1], disturbance[2]};
   wish.attitude = attitude_along(wish.force, wish.yaw);
   wish.thrust = std::max(0.0, dot(wish.force, body_z(view.base.rotation)));
-  wish.rates = rates_towards(wish.attitude, view.base.rotation, view.haste);
-  wish.torque = torque_for(wish.rates, view.base.angular_velocity, view.inertia, view.haste) -
+  wish.rates = rates_towards(wish.attitude, view.base.rotation, view.scale);
+  wish.torque = torque_for(wish.rates, view.base.angular_velocity, view.inertia, view.scale) -
                 V{disturbance[3], disturbance[4], disturbance[5]};
   if (robot.arm.can_reach()) wish.torque += torque_of_arm(robot, view, wish.thrust);
   return wish;
@@ -322,13 +258,13 @@ Vec3<double> HoldPolicy::torque_of_arm(const Robot& robot, const View& view, dou
 /// Wanted acceleration of the base, W, without gravity [m/s^2], within what every vehicle can do.
 Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
                                       const Wish& wish) const {
-  const double omega = view.haste.all * kPositionBandwidth;
+  const double omega = view.scale.all * kPositionBandwidth;
   const BodyState& base = view.base;
   V a;
   if (robot.hangs) {
     // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
     const BodyState& bob = view.bodies[static_cast<std::size_t>(robot.goal_body)];
-    const double w2 = norm(view.gravity) / robot.cable, p = view.haste.all * kSwingPole;
+    const double w2 = norm(view.gravity) / robot.cable, p = view.scale.all * kSwingPole;
     const V offset = base.position - bob.position, slip = base.velocity - bob.velocity;
     const V error = bob.position - wish.position;
     a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
@@ -364,8 +300,8 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
     case SKYBODY_VELOCITY: {
       const V v = rotate_inverse(view.base.rotation,
                                  kPositionBandwidth * limited(p - view.base.position, kMaxError));
-      const V r =
-          rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, Haste());
+      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation,
+                                BandwidthScale());
       return {v.x, v.y, v.z, r.x, r.y, r.z};
     }
     case SKYBODY_POSE: {
@@ -386,9 +322,9 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {a.x, a.y, a.z, wish.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {
-      const V v = view.haste.all * kPositionBandwidth * limited(p - view.base.position, kMaxError);
+      const V v = view.scale.all * kPositionBandwidth * limited(p - view.base.position, kMaxError);
       const V r =
-          rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, view.haste);
+          rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, view.scale);
       return {v.x, v.y, v.z, r.z};
     }
     case SKYBODY_JOINT:
@@ -464,8 +400,9 @@ const double* HoldPolicy::rotor_params(const Robot& robot, const View& view, std
 std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view,
                                        const Wish& wish) const {
   const Quat<double>& q = view.base.rotation;
-  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q, Haste());
-  const V moment = rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia, Haste()));
+  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q, BandwidthScale());
+  const V moment =
+      rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia, BandwidthScale()));
   std::vector<double> values(robot.low.size(), 0.0);
   const double first[6] = {wish.force.x, wish.force.y, wish.force.z, moment.x, moment.y, moment.z};
   std::copy(first, first + 6, values.begin());

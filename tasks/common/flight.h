@@ -14,14 +14,54 @@ struct Limits {
   double bound;
 };
 
-/// True where the body has tilted or turned too far or left the box |p_i| <= bound.
+/// Cosine of the largest tilt [rad]; -2, which nothing is below, where every tilt is allowed.
+inline double tilt_cosine_limit(double tilt_max) { return tilt_max < kPi ? cos(tilt_max) : -2.0; }
+
+/// The parameters of these limits: members of a task, in this order.
+struct LimitParameters {
+  explicit LimitParameters(Plugin* task) : owner(task) {}
+  Limits limits() const {
+    return {tilt_cosine_limit(tilt_max.value()), yaw_max.value(), bound.value()};
+  }
+
+  Plugin* owner;
+  RealParameter tilt_max{owner,
+                         {.name = "tilt_max",
+                          .unit = "rad",
+                          .value = 1.57,
+                          .min = 0.0,
+                          .max = kPi,
+                          .doc = "a robot fails beyond this tilt"}};
+  RealParameter yaw_max{owner,
+                        {.name = "yaw_max",
+                         .unit = "rad",
+                         .value = 1.57,
+                         .min = 0.0,
+                         .max = 4.0,
+                         .doc = "or beyond this heading, either way"}};
+  RealParameter bound{owner,
+                      {.name = "bound",
+                       .unit = "m",
+                       .value = 7.0,
+                       .min = 1e-3,
+                       .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+};
+
+/// True where the body has tilted too far, has left the box |p_i| <= bound, or `heading` [rad] is
+/// too large either way.
 template <class Real>
-SKYBODY_INLINE MaskOf<Real> failed(const BodyMotion<Real>& body, const Limits& limits) {
+SKYBODY_INLINE MaskOf<Real> failed(const BodyMotion<Real>& body, const Real& heading,
+                                   const Limits& limits) {
   const Vec3<Real>& p = body.position;
   const Real farthest = max(max(abs(p.x), abs(p.y)), abs(p.z));
-  const auto attitude = logical_or(tilt_cosine(body.rotation) < limits.tilt_cosine,
-                                   abs(yaw(body.rotation)) > limits.yaw);
+  const auto attitude =
+      logical_or(tilt_cosine(body.rotation) < limits.tilt_cosine, abs(heading) > limits.yaw);
   return logical_or(attitude, farthest > limits.bound);
+}
+/// The same with the body's yaw in W.
+template <class Real>
+SKYBODY_INLINE MaskOf<Real> failed(const BodyMotion<Real>& body, const Limits& limits) {
+  return failed(body, yaw(body.rotation), limits);
 }
 
 /// Angle between the body's and the world's z axis, 0 .. pi [rad].

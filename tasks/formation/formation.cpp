@@ -15,7 +15,7 @@ class Formation : public Task {
     drawn_target_ = flight::announce_drawn(setup, target_);
     add_robots(setup);
     set_places();
-    tilt_cosine_ = tilt_max_.value() < kPi ? cos(tilt_max_.value()) : -2.0;  // -2: never below
+    tilt_cosine_ = flight::tilt_cosine_limit(tilt_max_.value());
     farthest_ = distance_max_.value() > 0.0 ? distance_max_.value() : kInfinity;
     for (int i = 0; i < count(); ++i) declare_observation(setup, i);
     for (const Robot& robot : robots_) setup.goal(robot.index, robot.body);

@@ -13,7 +13,7 @@ class Hover : public Task {
   void configure(const Setup& setup) override {
     flight::require_box(target_min_, target_max_);
     drawn_target_ = flight::announce_drawn(setup, target_);
-    limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
+    limits_ = limit_parameters_.limits();
     is_shaped_ = approach_reward_.value() != 0.0 || precision_reward_.value() != 0.0 ||
                  heading_reward_.value() != 0.0 || tilt_cost_.value() != 0.0 ||
                  failure_reward_.value() != 0.0;
@@ -232,26 +232,7 @@ class Hover : public Task {
                              .count = -1,
                              .doc = "x, y, z of each robot from the target; none: as the scenario "
                                     "places them about their mean"}};
-  RealParameter tilt_max_{this,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .value = 1.57,
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "an episode terminates beyond this tilt"}};
-  RealParameter yaw_max_{this,
-                         {.name = "yaw_max",
-                          .unit = "rad",
-                          .value = 1.57,
-                          .min = 0.0,
-                          .max = 4.0,
-                          .doc = "or beyond this heading, either way"}};
-  RealParameter bound_{this,
-                       {.name = "bound",
-                        .unit = "m",
-                        .value = 7.0,
-                        .min = 1e-3,
-                        .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+  flight::LimitParameters limit_parameters_{this};
 
   RealParameter approach_reward_{
       this,

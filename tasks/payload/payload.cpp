@@ -23,7 +23,7 @@ class Payload : public Task {
     }
     first_action_ = info.first_action;
     actions_ = flight::action_count(info, "payload");
-    limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
+    limits_ = limit_parameters_.limits();
     setup.channel("payload_error", "m", 3, -kInfinity, kInfinity, robot);
     setup.channel("payload_offset", "m", 3, -kInfinity, kInfinity, robot);
     setup.channel("attitude", "", 4, -1.0, 1.0, robot);
@@ -99,26 +99,7 @@ class Payload : public Task {
                                 {.name = "failure_reward",
                                  .value = -50.0,
                                  .doc = "reward of the step in which the robot fails"}};
-  RealParameter tilt_max_{this,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .value = 1.57,
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "the robot fails beyond this tilt"}};
-  RealParameter yaw_max_{this,
-                         {.name = "yaw_max",
-                          .unit = "rad",
-                          .value = 1.57,
-                          .min = 0.0,
-                          .max = 4.0,
-                          .doc = "or beyond this heading, either way"}};
-  RealParameter bound_{this,
-                       {.name = "bound",
-                        .unit = "m",
-                        .value = 7.0,
-                        .min = 1e-3,
-                        .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+  flight::LimitParameters limit_parameters_{this};
 
   flight::Limits limits_{};
   int base_ = 0, payload_ = 0;

@@ -21,7 +21,7 @@ class Reach : public Task {
     home_ = {info.position[0], info.position[1], info.position[2]};
     heading_ =
         yaw(Quat<double>{info.rotation[0], info.rotation[1], info.rotation[2], info.rotation[3]});
-    limits_ = {cos(tilt_max_.value()), yaw_max_.value(), bound_.value()};
+    limits_ = limit_parameters_.limits();
     first_action_ = info.first_action;
     actions_ = flight::action_count(info, "reach");
     find_joints(setup, info);
@@ -65,7 +65,7 @@ class Reach : public Task {
     for (int k = 0; k < actions_; ++k) {
       out.observation.set(at++, select(stepped, env.action(first_action_ + k), Real(-1.0)));
     }
-    const auto failed = flight::failed(base, limits_);
+    const auto failed = flight::failed(base, yaw_error, limits_);
     const Real vehicle = squared_norm(error) + yaw_error * yaw_error;
     const Real reward = flight::closeness(squared_norm(tool_error), kToolWeight) *
                             flight::closeness(vehicle, kVehicleWeight) +
@@ -144,26 +144,7 @@ class Reach : public Task {
                                 {.name = "failure_reward",
                                  .value = -50.0,
                                  .doc = "reward of the step in which the robot fails"}};
-  RealParameter tilt_max_{this,
-                          {.name = "tilt_max",
-                           .unit = "rad",
-                           .value = 1.57,
-                           .min = 0.0,
-                           .max = kPi,
-                           .doc = "the robot fails beyond this tilt"}};
-  RealParameter yaw_max_{this,
-                         {.name = "yaw_max",
-                          .unit = "rad",
-                          .value = 1.57,
-                          .min = 0.0,
-                          .max = 4.0,
-                          .doc = "or beyond this heading, either way"}};
-  RealParameter bound_{this,
-                       {.name = "bound",
-                        .unit = "m",
-                        .value = 7.0,
-                        .min = 1e-3,
-                        .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+  flight::LimitParameters limit_parameters_{this};
 
   flight::Limits limits_{};
   int base_ = 0, carrier_ = 0;

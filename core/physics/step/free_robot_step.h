@@ -225,18 +225,22 @@ class FreeRobotStep {
   /// Of a rotor of the world, within the limits that may be held.
   SKYBODY_INLINE Real command(int rotor) const {
     if (!is_held(SKYBODY_HELD_ROTOR_LIMIT)) return in_.rotor_command[rotor];
-    const LaneValues<Real> limits = in_.held[SKYBODY_HELD_ROTOR_LIMIT] + 2 * rotor;
-    return clamp(in_.rotor_command[rotor], limits[0], limits[1]);
+    const HeldLimits<Real> limits = held_limits(in_.held, rotor);
+    return clamp(in_.rotor_command[rotor], limits.lower, limits.upper);
   }
 
   /// @param run  run(i) says how rotor i of the robot moves
   template <class Run>
   SKYBODY_INLINE LevelRotors<Real> level_rotors(const Run& run) const {
     const auto alone = [&](int i) SKYBODY_INLINE_LAMBDA {
-      const Values factors = factors_ + kRotorFactorCount * i;
-      if (!is_held(SKYBODY_HELD_ROTOR_GAIN)) return LevelRotors<Real>(factors, run(i));
+      if (!is_held(SKYBODY_HELD_ROTOR_GAIN)) {
+        return LevelRotors<Real>(factors_ + kRotorFactorCount * i, run(i));
+      }
+      const RotorPlace& place = world_.rotors[static_cast<std::size_t>(first_rotor() + i)];
       const auto gains = in_.held[SKYBODY_HELD_ROTOR_GAIN] + kGainedConstants * (first_rotor() + i);
-      return LevelRotors<Real>(GainedFactors(factors, gains), run(i));
+      Real factors[kRotorFactorCount];
+      make_rotor_factors(GainedConstants(in_.params + place.params, gains), place, factors);
+      return LevelRotors<Real>(factors, run(i));
     };
     LevelRotors<Real> rotors = alone(0);
     const int count = rotor_count();
@@ -294,7 +298,7 @@ class FreeRobotStep {
     SpatialForce<Real> rotors = SpatialForce<Real>::zero();
     const auto run_of_world = [&](int i) SKYBODY_INLINE_LAMBDA { return run(i - group.first); };
     if (is_level()) {
-      rotors = level.force(factors_[kHubFactor + 2], unit, velocity, body.spin);
+      rotors = level.force(factors_[kHeightFactor], unit, velocity, body.spin);
       if (is_held(SKYBODY_HELD_ROTOR_FLOW)) {
         add_flow_forces<Real>(group, world_.rotors.data(), in_.params,
                               in_.held[SKYBODY_HELD_ROTOR_FLOW], run_of_world, velocity, body.spin,
@@ -330,12 +334,10 @@ class FreeRobotStep {
 
   /// Where the hubs of level rotors, which may be drawn, are at one height.
   SKYBODY_INLINE MaskOf<Real> has_even_hubs() const {
-    MaskOf<Real> is_even(is_level());
-    for (int i = 1; i < rotor_count(); ++i) {
-      const Real height = factors_[kRotorFactorCount * i + kHubFactor + 2];
-      is_even = logical_and(is_even, height == factors_[kHubFactor + 2]);
-    }
-    return is_even;
+    if (!is_level()) return MaskOf<Real>(false);
+    return are_level<Real>(rotor_count(), [&](int i) SKYBODY_INLINE_LAMBDA {
+      return Real(factors_[kRotorFactorCount * i + kHeightFactor]);
+    });
   }
   SKYBODY_INLINE bool has_uneven_hubs() const { return !kIsNominal && !all(has_even_hubs()); }
 

@@ -1,4 +1,4 @@
-// What effects hold of a world, where steps are compiled.
+// Which held inputs a step kernel is compiled for.
 #pragma once
 
 #include "core/model/held_inputs.h"

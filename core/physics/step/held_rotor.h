@@ -6,11 +6,23 @@
 
 namespace skybody {
 
+/// Limits of a rotor's speed [rad/s].
+template <class Real>
+struct HeldLimits {
+  Real lower, upper;
+};
+
+/// Of rotor i of the world, where effects hold limits.
+template <class Real>
+SKYBODY_INLINE HeldLimits<Real> held_limits(const HeldLanes<Real>& held, int i) {
+  const LaneValues<Real> limits = held[SKYBODY_HELD_ROTOR_LIMIT] + 2 * i;
+  return {limits[0], limits[1]};
+}
+
 /// What effects hold of a rotor.
 template <class Real>
-struct HeldRotor {
-  Real lower, upper;  ///< limits of its speed [rad/s]
-  Real rate;          ///< its acceleration [rad/s^2]; NaN: its lag holds
+struct HeldRotor : HeldLimits<Real> {
+  Real rate;  ///< its acceleration [rad/s^2]; NaN: its lag holds
 };
 
 /// A rotor that effects hold: its command stays within their limits, or it gains speed at their
@@ -63,11 +75,9 @@ struct HeldRotorStep {
 /// Of rotor i of the world; what is not held has its neutral value.
 template <class Real>
 SKYBODY_INLINE HeldRotor<Real> held_rotor(const HeldLanes<Real>& held, int i) {
-  HeldRotor<Real> rotor{Real(0.0), Real(kInfinity), Real(kNan)};
+  HeldRotor<Real> rotor{{Real(0.0), Real(kInfinity)}, Real(kNan)};
   if (held.has(SKYBODY_HELD_ROTOR_LIMIT)) {
-    const LaneValues<Real> limits = held[SKYBODY_HELD_ROTOR_LIMIT] + 2 * i;
-    rotor.lower = limits[0];
-    rotor.upper = limits[1];
+    static_cast<HeldLimits<Real>&>(rotor) = held_limits(held, i);
   }
   if (held.has(SKYBODY_HELD_ROTOR_RATE)) rotor.rate = held[SKYBODY_HELD_ROTOR_RATE][i];
   return rotor;

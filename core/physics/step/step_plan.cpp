@@ -28,21 +28,6 @@ StepKernel* free_kernel(IntegratorChoice integrator, int lanes, Isa isa) {
   }
 }
 
-}  // namespace
-
-HeldKind held_kind(const World& world, bool is_plain) {
-  bool is_any = false;
-  bool is_air = is_plain && world.scenario.stepping.integrator == IntegratorChoice::kMidpoint;
-  for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
-    if (world.layout.held[static_cast<std::size_t>(i)].size == 0) continue;
-    is_any = true;
-    is_air &= may_hold(HeldKind::kAir, i);
-  }
-  return !is_any ? HeldKind::kNothing : is_air ? HeldKind::kAir : HeldKind::kAnything;
-}
-
-namespace {
-
 StepKernels make_kernels(const StepPlan& plan, int lanes, Isa isa) {
   StepKernels kernels{refresh_kernel(lanes, isa), nullptr,
                       near_kernel(lanes, isa),    gap_kernel(lanes, isa),

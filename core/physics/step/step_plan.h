@@ -130,8 +130,8 @@ struct StepPlan {
     return !is_error_controlled(world.scenario.stepping.integrator) && use != DynamicsUse::kSimbody;
   }
   bool has_held() const { return held != HeldKind::kNothing; }
-  /// Whether lanes read their own parameters even where these are nominal: each way of reading
-  /// takes the compiler long.
+  /// Whether lanes read their own parameters even where these are nominal: a second kernel would
+  /// double the compile time.
   bool never_shares() const { return held == HeldKind::kAnything; }
   /// Those for groups of kGroupLanes lanes, or of one.
   const StepKernels& kernels(int lanes) const {

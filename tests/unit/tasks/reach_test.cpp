@@ -97,8 +97,11 @@ TEST_F(ReachTask, RewardsTheToolOnlyWhereTheVehicleHoldsItsPlace) {
 
 TEST_F(ReachTask, EndsAndPunishesAFailure) {
   const Instance task("reach", world, {{"tool", "lower"}});
-  const Group g = at_rest(task, 2.6);
-  EXPECT_EQ(g.end[0], 1u) << "a heading of pi / 2 is beyond the default yaw_max of 1.57";
+  Group g = at_rest(task, 2.6);
+  EXPECT_EQ(g.end[0], 0u) << "the scenario's heading, pi / 2, is home";
+  g.bodies[6] = -g.bodies[6];
+  task.call(Call::kEvaluate, g);
+  EXPECT_EQ(g.end[0], 1u) << "turned by pi, beyond the default yaw_max of 1.57";
   EXPECT_EQ(g.reward[0], -50.0);
 }
 

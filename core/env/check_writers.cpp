@@ -1,0 +1,70 @@
+#include "core/env/check_writers.h"
+
+#include <map>
+
+#include "core/model/marked_error.h"
+
+namespace skybody {
+namespace {
+
+const std::string& path_of(const Writers& w, int param) {
+  return w.layout.param_info[static_cast<std::size_t>(param)].path;
+}
+
+std::string described(const PluginInstance& first, const PluginInstance& second) {
+  if (first.kind == SKYBODY_RANDOMIZER) {
+    return "randomizers `" + first.name + "` and `" + second.name + "`";
+  }
+  return "task `" + first.plugin + "` and randomizer `" + second.name + "`";
+}
+
+/// A task has its turn when all else is drawn: what is not its own has been read by then.
+void check_task(const Writers& w) {
+  const Block& own = w.task_params;
+  for (const int param : w.task.writes) {
+    if (param >= own.offset && param < own.offset + own.size) continue;
+    throw MarkedError(w.task.mark, "task `" + w.task.plugin + "` draws " + path_of(w, param) +
+                                       ", but a task may draw its own parameters alone");
+  }
+}
+
+/// One value, one plugin that draws it.
+void check_single(const Writers& w) {
+  std::map<int, const PluginInstance*> writers;
+  const auto add = [&](const PluginInstance& p) {
+    for (const int param : p.writes) {
+      const auto [it, fresh] = writers.emplace(param, &p);
+      if (fresh || it->second == &p) continue;
+      const bool is_task = it->second->kind == SKYBODY_TASK;
+      throw MarkedError(p.mark,
+                        described(*it->second, p) + " both draw " + path_of(w, param) +
+                            ": leave it to one of them" +
+                            (is_task ? "; a task draws no parameter that the scenario gives" : ""));
+    }
+  };
+  add(w.task);
+  for (const PluginInstance& randomizer : w.randomizers) add(randomizer);
+}
+
+/// Nobody reads a start in mid-episode.
+void check_starts_in_time(const Writers& w) {
+  for (const PluginInstance& r : w.randomizers) {
+    if (!r.draws_in_time) continue;
+    for (const int param : r.writes) {
+      if (!w.starts.has(param)) continue;
+      throw MarkedError(r.mark, "randomizer `" + r.name + "` draws " + path_of(w, param) +
+                                    " at a time within the episode, but a start is read at "
+                                    "resets alone: draw it with `when: reset`");
+    }
+  }
+}
+
+}  // namespace
+
+void check_writers(const Writers& writers) {
+  check_task(writers);
+  check_single(writers);
+  check_starts_in_time(writers);
+}
+
+}  // namespace skybody

@@ -1,0 +1,38 @@
+// The attitude and rate loops of the hold baseline, and how quick a vehicle's rotors let them be.
+#pragma once
+
+#include <vector>
+
+#include "core/base/quat.h"
+#include "core/base/vec3.h"
+#include "core/model/layout.h"
+
+namespace skybody {
+
+/// Shares of the loops' bandwidths that the rotors allow, 0 to 1: of all, and of the rate about z.
+struct BandwidthScale {
+  double all = 1.0, yaw = 1.0;
+};
+
+/// Slow rotors let every loop be slower in proportion, so that all keep their damping. About z, the
+/// reaction to a rotor's change of speed comes at once, and is larger than its drag by
+/// J / (2 k_m w lag): it closes a loop of its own, in which a high gain is unstable.
+/// @param params  of the environment
+/// @param weight  that the robot's rotors carry [N]
+BandwidthScale bandwidth_scale(const Layout& layout, const RobotLayout& robot,
+                               const std::vector<double>& params, double weight);
+
+/// Attitude (W from B) whose z axis lies along `up` (W, not zero) and whose heading is `yaw` [rad].
+Quat<double> attitude_along(const Vec3<double>& up, double yaw);
+
+/// Body rates [rad/s] that turn `now` towards `wanted`: proportional to the vector part of the
+/// error.
+Vec3<double> rates_towards(const Quat<double>& wanted, const Quat<double>& now,
+                           const BandwidthScale& scale);
+
+/// Torque [N m], B, that turns the rates [rad/s]: through the inertia [kg m^2], gyroscopic part
+/// included.
+Vec3<double> torque_for(const Vec3<double>& wanted, const Vec3<double>& rates,
+                        const SymMat3<double>& inertia, const BandwidthScale& scale);
+
+}  // namespace skybody
