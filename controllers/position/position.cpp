@@ -1,5 +1,5 @@
 // Position and heading: a PD with gravity feed-forward. Chain `attitude`, then `ctbr`.
-#include "controllers/common/robot.h"
+#include "controllers/common/flatness.h"
 
 namespace skybody {
 namespace {
@@ -40,7 +40,7 @@ class Position : public Controller {
     const Vec3<Real> force = limited(wish);
     const Vec3<Real> up = force / norm(force);
     output.set(0, max(Real(0.0), mass_ * dot(force, body_z(base.rotation))));
-    output.set(1, tilted(up, input[3]));
+    output.set(1, control::tilted(up, sincos(0.5 * wrap_angle(input[3]))));
   }
 
  private:
@@ -52,14 +52,6 @@ class Position : public Controller {
     const auto beyond = side > most;
     const Real scale = select(beyond, most / select(beyond, side, Real(1.0)), Real(1.0));
     return {a.x * scale, a.y * scale, clamp(a.z, -max_down_.value(), max_up_.value()) + gravity_};
-  }
-
-  /// Heading first, then the shortest turn of e_z to `up` (up.z > 0).
-  template <class Real>
-  static SKYBODY_INLINE Quat<Real> tilted(const Vec3<Real>& up, const Real& yaw) {
-    const Quat<Real> tilt = normalized(Quat<Real>{1.0 + up.z, -up.y, up.x, Real(0.0)});
-    const SinCos<Real> half = sincos(0.5 * wrap_angle(yaw));
-    return tilt * Quat<Real>{half.cos, Real(0.0), Real(0.0), half.sin};
   }
 
   RealsParameter kp_{this,

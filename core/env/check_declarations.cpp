@@ -18,7 +18,7 @@ namespace {
 
 bool is_signal(int signal) { return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT; }
 
-/// Signals of a fixed size have it.
+/// Signals have one of the sizes that their row allows.
 void check_size(const PluginInstance& p, int signal, int count, const char* verb) {
   struct Size {
     int least, most;
@@ -29,10 +29,13 @@ void check_size(const PluginInstance& p, int signal, int count, const char* verb
 #undef SKYBODY_ROW
   };
   const Size& size = kSizes[signal];
-  if (size.most == 0 || (count >= size.least && count <= size.most)) return;
+  if (size.least == 0 || count == size.least || count == size.most) return;
+  if (size.most == 0 && count > 0 && count % size.least == 0) return;
+  const std::string others = size.most == 0            ? " a point"
+                             : size.least == size.most ? ""
+                                                       : " or " + std::to_string(size.most);
   refuse(p, std::string(verb) + " " + signal_name(signal) + " with " + std::to_string(count) +
-                " values; it has " + std::to_string(size.least) +
-                (size.least == size.most ? "" : " or " + std::to_string(size.most)));
+                " values; it has " + std::to_string(size.least) + others);
 }
 
 void check_controller(const PluginInstance& p) {

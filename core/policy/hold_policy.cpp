@@ -310,7 +310,9 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
     }
     case SKYBODY_ATTITUDE: {
       const Quat<double>& q = wish.attitude;
-      return {wish.thrust, q.w, q.x, q.y, q.z};
+      std::vector<double> values{wish.thrust, q.w, q.x, q.y, q.z};
+      values.resize(robot.low.size());  // rates of 0, where it takes them
+      return values;
     }
     case SKYBODY_FORCE: {
       std::vector<double> values{wish.force.x, wish.force.y, wish.force.z, wish.yaw};
@@ -333,8 +335,14 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {};
     case SKYBODY_POSITION:
       return {p.x, p.y, p.z, wish.yaw};
-    default: {  // SKYBODY_TRAJECTORY: a point that rests
-      return {p.x, p.y, p.z, 0, 0, 0, 0, 0, 0, 0, 0, 0, wish.yaw};
+    default: {  // SKYBODY_TRAJECTORY: points that rest
+      std::vector<double> values(robot.low.size());
+      for (std::size_t k = 0; k + SKYBODY_REFERENCE_VALUES <= values.size();
+           k += SKYBODY_REFERENCE_VALUES) {
+        std::copy(&p.x, &p.x + 3, values.begin() + static_cast<std::ptrdiff_t>(k));
+        values[k + 15] = wish.yaw;
+      }
+      return values;
     }
   }
 }

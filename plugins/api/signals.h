@@ -1,10 +1,13 @@
 /* Words in which controllers speak to one another and to the actuators: the one list. Plain C, part
  * of abi.h. Normative units and frames: docs/control-modes.md.
  *
- * A row: symbol, C++ name, word, least and greatest number of values (0: by the robot), meaning.
+ * A row: symbol, C++ name, word, least and greatest number of values, meaning. Greatest 0: any
+ * multiple of the least one; least 0, too: by the robot.
  */
 #ifndef SKYBODY_PLUGINS_API_SIGNALS_H
 #define SKYBODY_PLUGINS_API_SIGNALS_H
+
+#define SKYBODY_REFERENCE_VALUES 17 /* of one point of a trajectory */
 
 // clang-format off
 #define SKYBODY_SIGNALS(X) \
@@ -15,9 +18,9 @@
   X(WRENCH,            Wrench,           wrench,            0,  0, "6 per site: force [N], moment [N m]; as an output: drives the sites") \
   X(VELOCITY,          Velocity,         velocity,          6,  6, "v [m/s], w [rad/s], B axes; as an output: drives the base") \
   X(POSE,              Pose,             pose,              7,  7, "position (W) [m], quaternion w x y z; as an output: drives the base") \
-  X(ATTITUDE,          Attitude,         attitude,          5,  5, "collective thrust [N], quaternion w x y z") \
+  X(ATTITUDE,          Attitude,         attitude,          5,  8, "collective thrust [N], quaternion w x y z, perhaps body rates (B axes) [rad/s]") \
   X(POSITION,          Position,         position,          4,  4, "position (W) [m], yaw [rad]") \
-  X(TRAJECTORY,        Trajectory,       trajectory,       13, 13, "position, velocity, acceleration, jerk (W), yaw [rad]") \
+  X(TRAJECTORY,        Trajectory,       trajectory,       17,  0, "17 a point: position, velocity, acceleration, jerk, snap (W), yaw [rad], yaw rate [rad/s]") \
   X(FORCE,             Force,            force,             3,  4, "force of the rotors together (W) [N], perhaps yaw [rad]") \
   X(ACCELERATION,      Acceleration,     acceleration,      4,  4, "acceleration (W) [m/s^2], yaw [rad]") \
   X(VELOCITY_TRACKING, VelocityTracking, velocity_tracking, 4,  4, "velocity (W) [m/s], yaw rate [rad/s]") \

@@ -136,7 +136,7 @@ TEST_F(DelayTest, StaysInItsRingWhateverWordsItsStateHas) {
 TEST_F(DelayTest, TakesTheSizeOfItsSignal) {
   const std::map<std::string, int> sizes{{"rotor_speed", 4}, {"throttle", 4}, {"srt", 4},
                                          {"attitude", 5},    {"position", 4}, {"pose", 7},
-                                         {"trajectory", 13}};
+                                         {"trajectory", 17}};
   for (const auto& [signal, size] : sizes) {
     const Instance delay("delay", world, {{"signal", signal.c_str()}, {"latency", 0.01}});
     EXPECT_EQ(delay.declared.input_count(), size) << signal;

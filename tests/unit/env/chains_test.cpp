@@ -310,7 +310,7 @@ TEST(Chains, SayWhatDoesNotFit) {
   EXPECT_NE(refusal({"pass_on"}).find("passes its command on, but nothing behind it says"),
             std::string::npos);
   EXPECT_NE(refusal({"twice"}).find("declares its output rotor_speed twice"), std::string::npos);
-  EXPECT_NE(refusal({"wrong_size"}).find("takes trajectory with 4 values; it has 13"),
+  EXPECT_NE(refusal({"wrong_size"}).find("takes trajectory with 4 values; it has 17 a point"),
             std::string::npos);
   EXPECT_NE(refusal({"direct", "arm_torque", "slow"})
                 .find("gives rotor_speed to robot `quad`, whose actuators a chain before it"),

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""The worlds of contact, couplings and air: a picture of each, and how often its baseline succeeds.
+
+    .venv/bin/python experiments/worlds.py [--quick] [--out DIR]
+
+Each world is flown by `hold` in 100 drawn episodes with `skybody run`, whose picture of the first
+one is taken. An episode succeeds if nothing failed and it ends as the head of the world's file
+says. tests/python/test_worlds.py asks the same of every commit.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import matplotlib.image
+import numpy as np
+from skybody.program import run_program
+from throughput import arguments, facts, machine_line, output_folder
+
+ROOT = Path(__file__).resolve().parents[1]
+PROGRAM = ROOT / "build/release/bin/skybody"
+EPISODES = 100
+COARSER = 2  # pixels of a flight's picture for one of the page
+
+
+def near_the_goals(most: float) -> Callable[[h5py.Group], bool]:
+    """Every vehicle is within `most` [m] of its goal at the end."""
+
+    def is_success(episode: h5py.Group) -> bool:
+        goals = episode["goal"][-1, :, :3]
+        return bool(
+            (np.linalg.norm(episode["bodies"][-1, : len(goals), :3] - goals, axis=1) < most).all()
+        )
+
+    return is_success
+
+
+def on_the_deck(episode: h5py.Group) -> bool:
+    """0.06 m above the deck's face, and within 0.2 m of its place aside."""
+    quad, deck = episode["bodies"][-1, 0, :3], episode["bodies"][-1, 1, :3]
+    aside = float(np.linalg.norm(quad[:2] - episode["goal"][-1, 0, :2]))
+    return aside < 0.2 and abs(quad[2] - deck[2] - 0.03 - 0.06) < 0.005
+
+
+def tool_in_place(episode: h5py.Group) -> bool:
+    """Gripper within 0.01 m of its point; vehicle from 3 s on within 0.05 m of its place."""
+    later = episode["time"][:] >= 3.0
+    vehicle = episode["bodies"][:][later, 0, :3] - np.array([0.0, 0.0, 2.0])
+    # The goal is the forearm's frame, turned as it is now: as far off as the gripper is.
+    tool = episode["bodies"][-1, 2, :3] - episode["goal"][-1, 0, :3]
+    return bool(np.linalg.norm(vehicle, axis=1).max() < 0.05 and np.linalg.norm(tool) < 0.01)
+
+
+ROPES = [f"couplings.{name}_rod.kind=rope" for name in ("alpha", "bravo", "charlie")]
+WORLDS = {
+    "cooperative_payload": ([], near_the_goals(0.2)),
+    "cooperative_payload on ropes": (ROPES, near_the_goals(0.2)),
+    "forest": ([], near_the_goals(0.1)),
+    "gates": ([], near_the_goals(0.1)),
+    "platform_landing": ([], on_the_deck),
+    "windy_hover": ([], near_the_goals(0.5)),
+    "downwash_pair": ([], near_the_goals(0.35)),
+    "low_battery": ([], near_the_goals(0.2)),
+    "rotor_out": ([], near_the_goals(0.5)),
+    "arm": ([], tool_in_place),
+    "vehicles": ([], near_the_goals(0.3)),
+}
+
+
+def fly(world: str, episodes: int, folder: Path, picture: bool = False) -> list[bool]:
+    """Flies a world by its baseline. @returns of each episode whether it succeeded"""
+    overrides, is_success = WORLDS[world]
+    command = [str(PROGRAM), "run", world.split()[0], "--episodes", str(episodes)]
+    for override in overrides:
+        command += ["--set", override]
+    command += [] if picture else ["--no-picture"]
+    subprocess.run([*command, "--out", str(folder)], check=True, capture_output=True)
+    with h5py.File(folder / "flight.h5") as log:
+        return [bool(e["status"][-1] == 2 and is_success(e)) for e in log["episodes"].values()]
+
+
+def head_of(world: str) -> str:
+    """The comment at the beginning of the world's file, as one paragraph."""
+    text = (ROOT / f"scenarios/{world.split()[0]}.yaml").read_text()
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.removeprefix("#").strip())
+    return " ".join(lines)
+
+
+def save_smaller(picture: Path, to: Path) -> None:
+    """Averages blocks of pixels."""
+    pixels = matplotlib.image.imread(picture)[..., :3]
+    height, width = (size - size % COARSER for size in pixels.shape[:2])
+    blocks = pixels[:height, :width].reshape(
+        height // COARSER, COARSER, width // COARSER, COARSER, 3
+    )
+    to.parent.mkdir(parents=True, exist_ok=True)
+    matplotlib.image.imsave(to, np.round(blocks.mean(axis=(1, 3)) * 31.0) / 31.0)  # fewer colours
+
+
+def section(world: str, episodes: int, out: Path | None) -> str:
+    """Flies one world and describes it."""
+    with tempfile.TemporaryDirectory() as folder:
+        successes = fly(world, episodes, Path(folder) / "log", picture=out is not None)
+        line = f"`hold` succeeds in {sum(successes)} of {len(successes)} episodes."
+        print(f"{world}: {line}", flush=True)
+        lines = [f"## {world}", "", head_of(world), "", line]
+        if out is not None:
+            image = f"images/worlds/{world.replace(' ', '_')}.png"
+            save_smaller(Path(folder) / "log/flight-0001.png", out / image)
+            lines += ["", f"![A flight of {world} by hold]({image})"]
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = arguments(__doc__ or "")
+    options = parser.parse_args()
+    out = output_folder(parser, options)
+    episodes = 3 if options.quick else EPISODES
+    found = facts()
+    sections = [section(world, episodes, out) for world in WORLDS]
+    if out is None:
+        return 0
+    page = [
+        "# Worlds",
+        "",
+        machine_line(found),
+        "",
+        "    .venv/bin/python experiments/worlds.py",
+        "",
+        f"Each world is flown by `hold` in {episodes} drawn episodes, as by `skybody run WORLD "
+        f"--episodes {episodes}`; the picture shows the first one. What success is stands in the "
+        "head of the world's file, which is repeated here.",
+        "",
+        "\n\n".join(sections),
+        "",
+    ]
+    (out / "worlds.md").write_text("\n".join(page))
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
