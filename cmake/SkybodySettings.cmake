@@ -33,8 +33,10 @@ set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
 if(SKYBODY_CCACHE)
   find_program(SKYBODY_CCACHE_PROGRAM ccache)
   if(SKYBODY_CCACHE_PROGRAM)
-    set(CMAKE_C_COMPILER_LAUNCHER "${SKYBODY_CCACHE_PROGRAM}")
-    set(CMAKE_CXX_COMPILER_LAUNCHER "${SKYBODY_CCACHE_PROGRAM}")
+    # With headers that are read once (SkybodyTest), ccache looks at their content in place of their time.
+    set(skybody_ccache "${CMAKE_COMMAND}" -E env CCACHE_SLOPPINESS=pch_defines,time_macros "${SKYBODY_CCACHE_PROGRAM}")
+    set(CMAKE_C_COMPILER_LAUNCHER "${skybody_ccache}")
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${skybody_ccache}")
   endif()
 endif()
 

@@ -6,6 +6,27 @@
 
 include_guard(GLOBAL)
 
+# The headers of GoogleTest, of gmock and of the standard library take g++ longer to read than a test takes to compile:
+# tests of the released kind share them read once. Lint and debuggers' presets leave it off (SKYBODY_UNITY), so that
+# each file is also compiled by itself.
+function(skybody_share_test_headers name)
+  if(NOT SKYBODY_UNITY OR NOT PROJECT_IS_TOP_LEVEL)
+    return()
+  endif()
+  if(NOT TARGET skybody_test_headers)
+    # A program like the tests, for position-independent programs have other flags than libraries.
+    set(program "${PROJECT_BINARY_DIR}/test_headers.cpp")
+    file(CONFIGURE OUTPUT "${program}" CONTENT "int main() {}\n")
+    add_executable(skybody_test_headers EXCLUDE_FROM_ALL "${program}")
+    target_link_libraries(skybody_test_headers PRIVATE skybody_build_flags GTest::gmock)
+    target_compile_options(skybody_test_headers PRIVATE ${SKYBODY_TEST_OPTIONS})
+    target_precompile_headers(skybody_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <algorithm> <array> <cmath>
+      <filesystem> <fstream> <functional> <map> <memory> <numeric> <optional> <random> <set> <sstream> <string> <thread>
+      <vector>)
+  endif()
+  target_precompile_headers(${name} REUSE_FROM skybody_test_headers)
+endfunction()
+
 function(skybody_add_test name)
   cmake_parse_arguments(PARSE_ARGV 1 test "" "TIMEOUT" "FILES;LIBRARIES;DEFINITIONS")
   set(files ${test_FILES} ${test_UNPARSED_ARGUMENTS})
@@ -26,6 +47,7 @@ function(skybody_add_test name)
   if(TARGET skybody_build_flags)
     target_link_libraries(${name} PRIVATE skybody_build_flags)
     target_compile_options(${name} PRIVATE ${SKYBODY_TEST_OPTIONS})
+    skybody_share_test_headers(${name})
   endif()
   if(TARGET Skybody::core)
     target_link_libraries(${name} PRIVATE Skybody::core)
