@@ -39,7 +39,17 @@ TEST_F(ControllerDerivatives, OfRatesGoThroughGainsAndFilteredDifferences) {
 
 TEST_F(ControllerDerivatives, OfAttitudeAndPositionGoThroughTheBodysMotion) {
   expect("attitude", {}, {"bodies", "input", "params"});
+  expect("attitude", {{"feed_forward", true}, {"error", "tilt_priority"}},
+         {"bodies", "input", "params"});
   expect("position", {}, {"bodies", "input", "params"});
+  expect("position", {{"signal", "trajectory"}, {"ki", std::vector<double>{1, 1, 1}}},
+         {"bodies", "input", "params", "buffer"});
+}
+
+TEST_F(ControllerDerivatives, OfLawsGoThroughMotionGainsAndReference) {
+  expect("geometric", {}, {"bodies", "input", "params"});
+  expect("geometric", {{"output", "ctbr"}, {"error", "tilt_priority"}},
+         {"bodies", "input", "params"});
 }
 
 TEST_F(ControllerDerivatives, OfBodyCommandsGoStraightThrough) {
