@@ -50,6 +50,11 @@ TEST_F(ControllerDerivatives, OfLawsGoThroughMotionGainsAndReference) {
   expect("geometric", {}, {"bodies", "input", "params"});
   expect("geometric", {{"output", "ctbr"}, {"error", "tilt_priority"}},
          {"bodies", "input", "params"});
+  const std::vector<double> gains = {2, 2, 3};
+  expect("flatness", {{"kp", gains}}, {"bodies", "input", "params"});
+  expect("force", {}, {"bodies", "input"});
+  expect("acceleration", {}, {"input"});
+  expect("velocity_tracking", {{"ki", gains}}, {"bodies", "buffer", "input", "params", "state"});
 }
 
 TEST_F(ControllerDerivatives, OfBodyCommandsGoStraightThrough) {
