@@ -58,6 +58,9 @@ std::vector<Law> laws() {
         {"ctbr", {}}},
        0.06,
        2},
+      {"sliding_mode", {{"sliding_mode", {}}, {"ctbt", {}}}, 0.005},
+      {"lqr", {{"lqr", {}}, {"ctbt", {}}}, 0.005},
+      {"lqr_rates", {{"lqr", {{"output", "ctbr"}}}, {"ctbr", {}}}, 0.005},
   };
 }
 
@@ -198,6 +201,9 @@ TEST(LawsOfBadConfiguration, NameValueAndRemedy) {
               HasSubstr("`max_acceleration_down` 9.5 would leave no thrust"));
   EXPECT_THAT(refusal("flatness", world, {{"position_max", std::vector<double>{5, 5, 0.5}}}),
               HasSubstr("`position_min[2]` 0.5 is not below `position_max[2]` 0.5"));
+  EXPECT_THAT(refusal("sliding_mode", world, {{"max_acceleration_down", 9.5}}),
+              HasSubstr("`max_acceleration_down` 9.5 would leave no thrust"));
+  EXPECT_THAT(refusal("lqr", world, {{"thrust_weight", 1e300}}), HasSubstr("Riccati equation"));
   EXPECT_THAT(refusal("force", world, {{"yaw", 0.3}}), HasSubstr("set `takes_yaw: false`"));
   EXPECT_THAT(refusal("position", world, {{"points", 3}}), HasSubstr("set `signal: trajectory`"));
 }
@@ -207,6 +213,7 @@ TEST(LawsOfBadConfiguration, WithoutGravityAForceNeedsItsRange) {
   world.add_quad("quad");
   world.gravity = 0.0;
   EXPECT_THAT(refusal("force", world, {}), HasSubstr("`max_force` has no default"));
+  EXPECT_THAT(refusal("lqr", world, {}), HasSubstr("would leave no thrust"));
 }
 
 }  // namespace
