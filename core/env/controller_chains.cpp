@@ -236,7 +236,7 @@ class ChainMaker {
     if (is_taken && !may_share) {
       refuse(i, "controller `" + at(i).name + "` gives " + signal_name(output.signal) +
                     " to robot `" + robot(output).name +
-                    "`, whose actuators a chain before it commands already");
+                    "`, whose actuators a chain before it commands already: leave one of them out");
     }
     is_taken = true;
   }
