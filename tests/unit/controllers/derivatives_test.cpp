@@ -52,6 +52,14 @@ TEST_F(ControllerDerivatives, OfLawsGoThroughMotionGainsAndReference) {
          {"bodies", "input", "params"});
 }
 
+TEST_F(ControllerDerivatives, OfIncrementsGoThroughFiltersAndRotors) {
+  const Inputs all = {"bodies", "buffer", "input", "params", "rotor_speed", "state"};
+  expect("indi", {}, all);
+  expect("indi", {{"signal", "attitude"}}, all);
+  expect("indi", {{"signal", "ctbr"}}, all);
+  expect("indi", {}, {"bodies", "buffer", "rotor_speed", "state"}, Call::kReset);
+}
+
 TEST_F(ControllerDerivatives, OfBodyCommandsGoStraightThrough) {
   expect("wrench", {}, {"input"});
   expect("velocity", {}, {"input"});
