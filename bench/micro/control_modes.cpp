@@ -29,6 +29,10 @@ BENCHMARK_CAPTURE(control, position, "{plugin: position}, {plugin: attitude}, {p
 BENCHMARK_CAPTURE(control, indi_ctbr, "{plugin: indi, parameters: {signal: ctbr}}");
 BENCHMARK_CAPTURE(control, indi_attitude, "{plugin: indi, parameters: {signal: attitude}}");
 BENCHMARK_CAPTURE(control, indi, "{plugin: indi}");
+BENCHMARK_CAPTURE(control, geometric_ctbt, "{plugin: geometric}, {plugin: ctbt}");
+BENCHMARK_CAPTURE(control, geometric_ctbr,
+                  "{plugin: geometric, parameters: {output: ctbr}}, {plugin: ctbr}");
+BENCHMARK_CAPTURE(control, force, "{plugin: force}, {plugin: attitude}, {plugin: ctbr}");
 
 }  // namespace
 }  // namespace skybody::bench

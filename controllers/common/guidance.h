@@ -61,10 +61,10 @@ class AccelerationLimits {
   double down() const { return down_.value(); }
   double gravity() const { return gravity_; }
 
-  /// Specific thrust [m/s^2]: acceleration within its limits, less gravity. Its z stays positive.
+  /// Acceleration within its limits [m/s^2].
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& a) const {
-    Vec3<Real> out{a.x, a.y, clamp(a.z, -down_.value(), up_.value()) + gravity_};
+  SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& a) const {
+    Vec3<Real> out{a.x, a.y, clamp(a.z, -down_.value(), up_.value())};
     if (any(a.x * a.x + a.y * a.y > surely_within_)) {
       const Real size = norm(a.x, a.y), most(side_.value());
       const auto beyond = size > most;
@@ -72,6 +72,14 @@ class AccelerationLimits {
       out.x = a.x * scale;
       out.y = a.y * scale;
     }
+    return out;
+  }
+
+  /// Specific thrust [m/s^2]: that acceleration less gravity. Its z stays positive.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& a) const {
+    Vec3<Real> out = held(a);
+    out.z = out.z + gravity_;
     return out;
   }
 

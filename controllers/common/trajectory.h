@@ -28,6 +28,22 @@ inline void declare_trajectory(const Setup& setup, int points, const TrajectoryR
   setup.input(Signal::kTrajectory, low, high);
 }
 
+/// Of the switch of with_drag().
+inline constexpr BooleanSpec kDragSpec{
+    .name = "drag",
+    .value = true,
+    .doc = "feed the rotors' nominal drag at the reference's velocity forward"};
+
+/// The reference's acceleration and what holds the rotors' drag at its velocity [m/s^2].
+/// @param z     of B in W axes: rotors drag across it
+/// @param drag  per velocity and mass [1/s] (hover_drag)
+template <class Real>
+SKYBODY_INLINE Vec3<Real> with_drag(const ReferencePoint<Real>& reference, const Vec3<Real>& z,
+                                    double drag) {
+  const Vec3<Real>& v = reference.velocity;
+  return reference.acceleration + (v - z * dot(z, v)) * Real(drag);
+}
+
 /// Parameters of a controller that takes nothing but trajectories.
 class TrajectoryInput {
  public:

@@ -1,8 +1,7 @@
 // Follows a trajectory on SE(3): thrust along the body's z axis, torque or rates by the attitude
 // error, with acceleration, jerk and snap of the trajectory fed forward. Chain `ctbt` or `ctbr`.
-#include "controllers/common/attitude_error.h"
-#include "controllers/common/flatness.h"
 #include "controllers/common/guidance.h"
+#include "controllers/common/tracking.h"
 #include "controllers/common/trajectory.h"
 
 namespace skybody {
@@ -40,26 +39,18 @@ class Geometric : public Controller {
     const Vec3<Real> thrust = specific_thrust(env, base, reference, z, buffer);
     output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
 
-    const auto flat = control::flat_attitude(thrust, reference.yaw);
-    const auto rates = control::flat_rates(flat, reference.jerk, reference.yaw_rate);
-    const Quat<Real> left = conjugate(base.rotation) * flat.rotation;  // B from wished B
-    const Vec3<Real> error = control::attitude_error(error_, left);
-    const Vec3<Real> wished = rotate(left, rates.value);
+    const auto track = control::tracking(error_, base, thrust, reference, gives_torque_);
     const Vec3<Real> rate =
-        wished + multiply_elements(attitude_gain_.vec3(env) * Real(attitude_share_), error);
+        track.rates +
+        multiply_elements(attitude_gain_.vec3(env) * Real(attitude_share_), track.error);
     if (!gives_torque_) {
       output.set(1, rate);
       return;
     }
-    const Vec3<Real> forward =
-        rotate(left, control::flat_acceleration(flat, rates, reference.jerk, reference.snap,
-                                                reference.yaw_rate));
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> acceleration =
-        (forward - cross(w, wished)) +
-        multiply_elements(rate_gain_.vec3(env) * Real(rate_share_), rate - w);
-    const SymMat3<Real> j = control::lift<Real>(inertia_);
-    output.set(1, j * acceleration + cross(w, j * w));
+        track.acceleration + multiply_elements(rate_gain_.vec3(env) * Real(rate_share_), rate - w);
+    output.set(1, control::torque_for(inertia_, w, acceleration));
   }
 
  private:
@@ -69,11 +60,9 @@ class Geometric : public Controller {
   SKYBODY_INLINE Vec3<Real> specific_thrust(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                             const ReferencePoint<Real>& reference,
                                             const Vec3<Real>& z, Values<Real> buffer) const {
-    const Vec3<Real>& v = reference.velocity;
-    const Vec3<Real> across = v - z * dot(z, v);  // rotors' drag acts across their axes
     return guidance_.limits().limited(
-        guidance_.wish(env, reference.position - base.position, base.velocity - v,
-                       reference.acceleration + across * Real(drag_), buffer));
+        guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
+                       control::with_drag(reference, z, drag_), buffer));
   }
 
   TextParameter output_{this,
@@ -101,11 +90,7 @@ class Geometric : public Controller {
                              .value = "se3",
                              .choices = {"se3", "quaternion", "tilt_priority"},
                              .doc = "form of the attitude error"}};
-  BooleanParameter drag_on_{this,
-                            {.name = "drag",
-                             .value = true,
-                             .doc = "feed the rotors' nominal drag at the reference's velocity "
-                                    "forward"}};
+  BooleanParameter drag_on_{this, control::kDragSpec};
   control::TrajectoryInput trajectory_{this};
 
   control::AttitudeError error_ = control::AttitudeError::kSe3;

@@ -50,6 +50,13 @@ TEST_F(ControllerDerivatives, OfLawsGoThroughMotionGainsAndReference) {
   expect("geometric", {}, {"bodies", "input", "params"});
   expect("geometric", {{"output", "ctbr"}, {"error", "tilt_priority"}},
          {"bodies", "input", "params"});
+  const std::vector<double> gains = {2, 2, 3};
+  expect("flatness", {{"kp", gains}}, {"bodies", "input", "params"});
+  expect("force", {}, {"bodies", "input"});
+  expect("sliding_mode", {}, {"bodies", "input", "params"});
+  expect("lqr", {}, {"bodies", "input"});
+  expect("acceleration", {}, {"input"});
+  expect("velocity_tracking", {{"ki", gains}}, {"bodies", "buffer", "input", "params", "state"});
 }
 
 TEST_F(ControllerDerivatives, OfIncrementsGoThroughFiltersAndRotors) {
