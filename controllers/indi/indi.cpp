@@ -37,7 +37,7 @@ class Indi : public Controller {
     mass_ = control::total_mass(setup, robot);
     inertia_ = control::inertia_of(setup.bodies()[base_]);
     set_interval(setup);
-    allocation_.configure(setup, robot, "indi");
+    allocation_.configure(setup, robot, "indi", allocation_choice_);
     set_rotors(setup, robot);
     filter_.configure("cutoff", cutoff_.value(), interval_);
     set_gains(setup, robot);
@@ -96,8 +96,6 @@ class Indi : public Controller {
     double inertia = 0.0, slope = 0.0;
     for (const RotorInfo& rotor : rotors) {
       const double* c = rotor.constants;
-      yaw_.push_back(control::effect_of(rotor, base).torque.z);
-      per_constant_.push_back(1.0 / c[SKYBODY_ROTOR_THRUST_CONSTANT]);
       inertia += c[SKYBODY_ROTOR_INERTIA];
       slope +=
           2.0 * c[SKYBODY_ROTOR_MOMENT_CONSTANT] * sqrt(push / c[SKYBODY_ROTOR_THRUST_CONSTANT]);
@@ -259,13 +257,7 @@ class Indi : public Controller {
     const Real reaction = state.reaction + (torque.z - state.reaction) * reaction_share_;
     allocation_.thrusts(clamp(thrust, Real(0.0), Real(limits_.thrust)),
                         Vec3<Real>{torque.x, torque.y, reaction}, output);
-    Real given(0.0);
-    for (int i = 0; i < rotors_.count(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const Real push = output[i];
-      given += push * yaw_[k];
-      output.set(i, sqrt(push * per_constant_[k]));
-    }
+    const Real given = allocation_.speeds_and_yaw(output);
     state.reaction = select(is_nan(given), state.reaction, given);  // no trace of a NaN command
   }
 
@@ -348,6 +340,7 @@ class Indi : public Controller {
                              .doc = "form of the attitude error"}};
   control::AccelerationLimits acceleration_{this, {.side = 20.0, .up = 10.0, .down = 8.0}};
   control::TrajectoryInput trajectory_{this};
+  control::AllocationChoice allocation_choice_{this};
 
   Level level_ = Level::kTrajectory;
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;
@@ -355,8 +348,6 @@ class Indi : public Controller {
   control::ThrustTorqueLimits limits_;
   control::LowPass filter_;
   RotorEfforts rotors_;
-  std::vector<double> yaw_;           ///< torque about z per thrust of a rotor [m]
-  std::vector<double> per_constant_;  ///< 1 / k_f
   SymMat3<double> inertia_{};
   int base_ = 0;
   int force_sensor_ = -1, rate_sensor_ = -1;

@@ -25,7 +25,9 @@ TEST_F(ControllerDerivatives, OfRotorCommandsGoStraightThrough) {
 }
 
 TEST_F(ControllerDerivatives, OfThrustAndTorqueGoThroughAllocationAndLag) {
-  expect("ctbt", {}, {"input", "state"});
+  for (const char* form : {"priority", "pseudo_inverse", "qp"}) {
+    expect("ctbt", {{"allocation", form}}, {"input", "state"});
+  }
   expect("ctbt", {{"apply", "body"}}, {"input", "params", "state"});
   expect("ctbt", {{"apply", "body"}}, {"params", "rotor_speed"}, Call::kReset);
 }
