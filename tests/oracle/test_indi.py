@@ -211,3 +211,71 @@ def test_a_flight_goes_on_as_it_was_saved() -> None:
             assert sim.advance(1)
         places.append((*sim.base().position, *sim.rotor_speeds))
     assert places[0] == places[1]
+
+
+def eight(time: float) -> list[Reals]:
+    """A figure of eight of 16 m by 8 m at up to 10 m/s, begun from rest within 4 s; derivatives."""
+    peak, size, ramp = 10.0 / np.sqrt(2.0), np.array([8.0, 4.0, 0.0]), 4.0
+    rate = peak / 8.0 * np.array([1.0, 2.0, 1.0])
+    x = min(time / ramp, 1.0)
+    # Phase s(t), whose rate grows from 0 to 1 by 10 x^3 - 15 x^4 + 6 x^5.
+    s = ramp * (2.5 * x**4 - 3 * x**5 + x**6) + max(time - ramp, 0.0)
+    s1 = 10 * x**3 - 15 * x**4 + 6 * x**5
+    s2 = (30 * x**2 - 60 * x**3 + 30 * x**4) / ramp
+    s3 = (60 * x - 180 * x**2 + 120 * x**3) / ramp**2
+    s4 = (60 - 360 * x + 360 * x**2) / ramp**3 if x < 1.0 else 0.0
+    angle = rate * s
+    p, p1 = size * np.sin(angle), size * rate * np.cos(angle)
+    p2, p3, p4 = -(rate**2) * p, -(rate**2) * p1, rate**4 * p
+    return [
+        p + np.array([0.0, 0.0, 3.0]),
+        p1 * s1,
+        p2 * s1**2 + p1 * s2,
+        p3 * s1**3 + 3 * p2 * s1 * s2 + p1 * s3,
+        p4 * s1**4 + 6 * p3 * s1**2 * s2 + p2 * (3 * s2**2 + 4 * s1 * s3) + p1 * s4,
+    ]
+
+
+def stand(_: float) -> list[Reals]:
+    return [np.array([0.0, 0.0, 3.0]), *(np.zeros(3) for _ in range(4))]
+
+
+def error_of(path, parameters: str, overrides: list[str]) -> float:
+    """RMS distance from the path from 4 s to 12 s [m]."""
+    control = f"[{{plugin: indi, parameters: {{{parameters}}}}}]"
+    sim = Simulation("hover", control=control, overrides=["randomization=[]", *overrides], seed=3)
+    sim.reset()
+    sim.teleport(position=list(path(0.0)[0]), rotation=[1, 0, 0, 0], velocity=[0] * 3)
+    squares = []
+    for n in range(round(12.0 / INTERVAL)):
+        sim.command(np.concatenate([*path(n * INTERVAL), [0.0, 0.0]]))
+        assert sim.advance(PERIOD)
+        time = (n + 1) * INTERVAL
+        if time > 4.0:
+            squares.append(np.sum((np.array(sim.base().position) - path(time)[0]) ** 2))
+    return float(np.sqrt(np.mean(squares)))
+
+
+# Densities and biases of a consumer grade sensor, such as the ICM-20948 or the BMI088.
+IMU = (
+    "sensors=[{plugin: imu, parameters: {robot: quad, accelerometer_noise: 0.0025, "
+    "gyroscope_noise: 2.6e-4, accelerometer_walk: 1e-4, gyroscope_walk: 1e-5, "
+    "accelerometer_bias: 0.05, gyroscope_bias: 0.005}}]"
+)
+GUSTS = (
+    "effects=[{plugin: wind, parameters: {velocity: [5, 0, 0], gust_speed: 3, gust_duration: 1, "
+    "gust_interval: 3, period: 10}}, {plugin: body_drag, parameters: "
+    "{linear: [0.05, 0.05, 0.08], quadratic: [0.02, 0.02, 0.04]}}]"
+)
+
+
+@pytest.mark.parametrize("overrides", [[GUSTS], [GUSTS, IMU]])
+def test_gusts_move_it_by_centimetres_with_a_noisy_imu_too(overrides: list[str]) -> None:
+    measured = "measured: imu" if IMU in overrides else "measured: state"
+    assert error_of(stand, measured, overrides) < 0.02
+
+
+@pytest.mark.parametrize("overrides", [[], [IMU]])
+def test_ten_metres_a_second_are_followed_to_centimetres(overrides: list[str]) -> None:
+    measured = "measured: imu" if overrides else "measured: state"
+    assert error_of(eight, measured, overrides) < 0.03
