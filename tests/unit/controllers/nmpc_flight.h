@@ -38,8 +38,8 @@ inline Reference sines(const Vec3<double>& centre, const std::array<Sine, 3>& ax
 /// A vehicle of a PluginWorld, and the controller in front of its rotors.
 class NmpcFlight {
  public:
-  /// @param preview  the parameter's value: several points, or one
-  NmpcFlight(PluginWorld& plugin_world, const Parameters& given)
+  /// @param from  where and how fast it begins; none: at rest at 1 m
+  NmpcFlight(PluginWorld& plugin_world, const Parameters& given, const Reference& from = {})
       : world(plugin_world),
         nmpc("nmpc", world, given),
         group(nmpc.group(1)),
@@ -48,6 +48,9 @@ class NmpcFlight {
     for (std::size_t i = 0; i < speed.size(); ++i) {
       speed[i] = std::sqrt(hover / world.rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT]);
     }
+    if (!from) return;
+    p = from(0.0).position;
+    v = from(0.0).velocity;
   }
 
   /// One iteration of the controller at the present time.
