@@ -10,8 +10,8 @@ struct Within {
   Quat<double> half_turn;   ///< Exp(h/4 (w + w_m))
   Quat<double> full_turn;   ///< Exp(h w_m)
   Quat<double> middle;      ///< R_m
-  Vec3<double> air;         ///< R_m^T v: velocity in the axes of R_m [m/s]
-  Vec3<double> push;        ///< sum a_i mean(f_i) - D air [m/s^2]
+  Vec3<double> fall;        ///< R_m^T (v + h/2 (g + d)) [m/s]
+  Vec3<double> push;        ///< sum a_i mean(f_i) - D R_m^T v_m [m/s^2]
   Vec3<double> spin;        ///< sum b_i mean(f_i) - J^-1 (w_m x J w_m) + e [rad/s^2]
 };
 
@@ -37,8 +37,9 @@ Within within(const Model& model, const StepLength& step, const double* command,
   s.half_turn = from_rotation_vector((w + s.mean_rates) * (0.25 * step.h));
   s.full_turn = from_rotation_vector(s.mean_rates * step.h);
   s.middle = from.rotation * s.half_turn;
-  s.air = rotate_inverse(s.middle, from.velocity);
-  s.push = push - multiply_elements(model.drag, s.air);
+  const Vec3<double> weight = model.gravity + disturbance.acceleration;
+  s.fall = rotate_inverse(s.middle, from.velocity + weight * (0.5 * step.h));
+  s.push = push - multiply_elements(step.drag, s.fall + push * (0.5 * step.h));
   s.spin = spin - gyro(model, s.mean_rates) + e;
   return s;
 }
@@ -66,9 +67,9 @@ void differentiate(const Model& model, const StepLength& step, const Motion& fro
   const Mat3<double> middle_by_rates =
       right_jacobian((from.rates + s.mean_rates) * (0.25 * h)) * (0.25 * h);
   const Mat3<double> middle_by_turn = transpose(to_mat3(s.half_turn));
-  const Mat3<double> drag = diagonal(model.drag);
-  // R_m Exp(t) (a f - D (R_m Exp(t))^T v) by t, and by v.
-  const Mat3<double> v_by_middle = (r * (skew(s.push) + drag * skew(s.air))) * -h;
+  const Mat3<double> drag = diagonal(step.drag);
+  // R_m push, whose drag turns with R_m, by a turn of R_m.
+  const Mat3<double> v_by_middle = (r * (skew(s.push) + drag * skew(s.fall))) * -h;
   j.v_v = one - (r * drag * transpose(r)) * h;
   j.v_t = v_by_middle * middle_by_turn;
   j.v_w = v_by_middle * (middle_by_rates * (one + mean_by_w));
@@ -79,7 +80,8 @@ void differentiate(const Model& model, const StepLength& step, const Motion& fro
   for (int i = 0; i < model.rotors; ++i) {
     const Rotor& rotor = model.rotor[i];
     const Vec3<double> mean_by_second = rotor.angular_acceleration * (0.5 * h);
-    const Vec3<double> v_by_mean_share = (r * rotor.acceleration) * h;
+    const Vec3<double> dragged = multiply_elements(step.drag, rotor.acceleration) * (0.5 * h);
+    const Vec3<double> v_by_mean_share = (r * (rotor.acceleration - dragged)) * h;
     const Vec3<double> v_by_second = v_by_mean * mean_by_second;
     const Vec3<double> t_by_second = turn_by_mean * mean_by_second;
     const Vec3<double> w_by_mean_share = rotor.angular_acceleration * h;

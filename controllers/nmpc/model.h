@@ -18,7 +18,8 @@
 //   w_m = w + h/2 (sum b_i secondmean(f_i) - J^-1 (w x J w) + e)
 //   R_m = R Exp(h/4 (w + w_m)),   R(h) = R Exp(h w_m)
 //   w(h) = w + h (sum b_i mean(f_i) - J^-1 (w_m x J w_m) + e)
-//   v(h) = v + h (g + R_m (sum a_i mean(f_i) - D R_m^T v) + d),   p(h) = p + h/2 (v + v(h))
+//   v_m = v + h/2 (g + R_m (sum a_i mean(f_i) - D R_m^T v_m) + d)           implicit, in closed
+//   form v(h) = v + h (g + R_m (sum a_i mean(f_i) - D R_m^T v_m) + d),   p(h) = p + h/2 (v + v(h))
 //
 // Attitudes change by R Exp(t), t a turn in B axes [rad], so that a state has 12 + N tangents.
 #pragma once
@@ -67,9 +68,10 @@ struct Lag {
   double second;  ///< n above
 };
 
-/// A step's length, and the lags of all rotors over it.
+/// A step's length, and what follows from it alone.
 struct StepLength {
-  double h = 0.0;  ///< [s]
+  double h = 0.0;                    ///< [s]
+  Vec3<double> drag{0.0, 0.0, 0.0};  ///< D / (1 + h/2 D), which acts on v_m's part without drag
   Lag up[kMostRotors], down[kMostRotors];
 };
 
@@ -82,6 +84,9 @@ inline Lag lag_over(double h, double tau) {
 inline StepLength step_length(const Model& model, double h) {
   StepLength step;
   step.h = h;
+  const Vec3<double>& d = model.drag;
+  step.drag = {d.x / (1.0 + 0.5 * h * d.x), d.y / (1.0 + 0.5 * h * d.y),
+               d.z / (1.0 + 0.5 * h * d.z)};
   for (int i = 0; i < model.rotors; ++i) {
     step.up[i] = lag_over(h, model.rotor[i].tau_up);
     step.down[i] = lag_over(h, model.rotor[i].tau_down);
