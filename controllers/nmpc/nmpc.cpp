@@ -1,10 +1,9 @@
 // Nonlinear model-predictive control of single rotor thrusts along a trajectory.
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "controllers/common/robot.h"
+#include "controllers/common/trajectory.h"
 #include "controllers/nmpc/solver.h"
 #include "controllers/nmpc/vehicle.h"
 
@@ -111,17 +110,7 @@ class Nmpc : public Controller {
     control::require_order("position_min[1]", low.y, "position_max[1]", high.y);
     control::require_order("position_min[2]", low.z, "position_max[2]", high.z);
     points_ = preview_.value() ? nodes + 1 : 1;
-    const auto count = static_cast<std::size_t>(kReferencePointSize * points_);
-    std::vector<double> least(count, 0.0), greatest(count, 0.0);
-    for (int i = 0; i < points_; ++i) {
-      const auto first = static_cast<std::size_t>(kReferencePointSize * i);
-      const double ends[2][3] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
-      std::copy(ends[0], ends[0] + 3, least.begin() + static_cast<std::ptrdiff_t>(first));
-      std::copy(ends[1], ends[1] + 3, greatest.begin() + static_cast<std::ptrdiff_t>(first));
-      least[first + 15] = -kPi;
-      greatest[first + 15] = kPi;
-    }
-    setup.input(Signal::kTrajectory, least, greatest);
+    control::declare_trajectory(setup, points_, {low, high});
     setup.output(Signal::kSrt, rotors);
     setup.buffer(kShares + rotors + nodes * rotors);
     setup.report("solves", "", 1, kSolves);
