@@ -18,7 +18,7 @@ WEIGHTS = {
     "settled": 3.0,
     "path": 4.0,
     "overshoot": 1.0,
-    "shaking": 0.3,
+    "shaking": 0.6,
     "effort": 4.0,
     "saturation": 1.0,
 }

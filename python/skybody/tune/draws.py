@@ -12,6 +12,8 @@ from skybody._native import CompiledScenario
 
 from .vehicle import ROBOT
 
+Rows = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class DrawRanges:
@@ -34,14 +36,14 @@ class Draws:
     """A row of values for each flight."""
 
     paths: list[str]
-    values: NDArray[np.float64]
+    values: Rows
     """(draws, paths)"""
 
     def __len__(self) -> int:
         return len(self.values)
 
 
-def nominal(compiled: CompiledScenario, paths: list[str]) -> NDArray[np.float64]:
+def nominal(compiled: CompiledScenario, paths: list[str]) -> Rows:
     return np.array([compiled.param_info(path)[0] for path in paths])
 
 
@@ -75,28 +77,39 @@ def make_draws(
 
 MARGIN = 2.0  # 6 dB: the usual demand on a loop
 
+# What is multiplied so that a loop's gain is: torques turn the body more, or thrusts move it more
+# while hover needs the same commands (gravity) and turning stays as it is (inertia).
+TURNING = {"inertia": -1}
+MOVING = {"thrust": 1, "inertia": 1, "gravity": 1}
+
+
+def scaled(paths: list[str], values: Rows, loop: dict[str, int], factor: float) -> Rows:
+    """Values (paths,) of a vehicle whose loop TURNING or MOVING has `factor` times the gain."""
+    powers = np.array([loop.get(_kind(path), 0) for path in paths])
+    return np.asarray(values * factor**powers)
+
 
 def with_margin_flights(draws: Draws) -> Draws:
-    """The same and two more: the first of them with half and with twice its inertia.
+    """The same and four more: the first with half and twice the gain of each loop.
 
-    Torques then do twice and half of what the controllers expect of them. Gains that bear both have
-    a gain margin of 6 dB up and down.
+    Gains that bear all of them have gain margins of 6 dB up and down.
     """
-    rows = np.tile(draws.values[0], (2, 1))
-    turning = [column for column, path in enumerate(draws.paths) if _kind(path) == "inertia"]
-    rows[0, turning] /= MARGIN
-    rows[1, turning] *= MARGIN
-    return Draws(draws.paths, np.vstack([draws.values, rows]))
+    rows = [
+        scaled(draws.paths, draws.values[0], loop, factor)
+        for loop in (TURNING, MOVING)
+        for factor in (MARGIN, 1.0 / MARGIN)
+    ]
+    return Draws(draws.paths, np.vstack([draws.values, *rows]))
 
 
-def _latin(generator: np.random.Generator, count: int) -> NDArray[np.float64]:
+def _latin(generator: np.random.Generator, count: int) -> Rows:
     """One value in each of `count` equal parts of [0, 1), in random order."""
     return (generator.permutation(count) + generator.random(count)) / count
 
 
-def _factor(
-    kind: str, spread: dict[str, NDArray[np.float64]], ranges: DrawRanges
-) -> NDArray[np.float64]:
+def _factor(kind: str, spread: dict[str, Rows], ranges: DrawRanges) -> Rows:
+    if kind == "gravity":
+        return np.ones_like(spread["mass"])
     mass = 1.0 + ranges.mass * spread["mass"]
     if kind == "mass":
         return mass
@@ -107,8 +120,15 @@ def _factor(
     return 1.0 + ranges.thrust * spread["thrust"]
 
 
+def margin_paths(compiled: CompiledScenario) -> list[str]:
+    """Those that `scaled` multiplies."""
+    return [path for path in compiled.param_paths if _kind(path) in {*TURNING, *MOVING}]
+
+
 def _kind(path: str) -> str:
-    """What a path is drawn as; "" for what is not drawn."""
+    """What a path is drawn as; "" for what is not drawn. `gravity` stays, but for margins."""
+    if path == "gravity[2]":
+        return "gravity"
     if path == "effects.wind.velocity[0]":
         return "wind_x"
     if path == "effects.wind.velocity[1]":

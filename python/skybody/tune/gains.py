@@ -104,10 +104,8 @@ def find_gains(compiled: CompiledScenario, fixed: Iterable[str] = ()) -> Gains:
     ]
     if not groups:
         raise TuneError(
-            "the chain has no gains to fit: no controller of it has randizable parameters above 0 "
-            "that are not fixed; `skybody plugins --verbose` lists them".replace(
-                "randizable", "randomizable"
-            )
+            "the chain has no gains to fit: no controller of it has randomizable parameters above "
+            "0 that are not fixed; `skybody plugins --verbose` lists them"
         )
     return Gains(tuple(groups))
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody._native import CompiledScenario
 from skybody.pool import Pool
 
 from .commands import STEP_TIME, WAIT, Program, make_program, normalized
+from .draws import MOVING, TURNING, margin_paths, nominal, scaled
 from .gains import Gains
 from .vehicle import COMMAND_PERIOD, ROBOT, Vehicle
 
@@ -27,16 +28,26 @@ LAST = 1.0  # [s]
 
 
 @dataclass(frozen=True)
+class GainMargin:
+    """Factors on a loop's gain at which a small step no longer dies out."""
+
+    up: float
+    """Above 1; inf: more than 32."""
+    down: float
+    """Below 1; 0: less than 1/32."""
+
+
+@dataclass(frozen=True)
 class Margins:
-    """What the chain bears until a small step no longer dies out.
+    """What the chain bears.
 
     At a level whose step does not end at rest (`attitude`, `ctbr`) they are about its rates alone.
     """
 
-    gain_up: float
-    """Factor on the torque that the rotors' commands give; inf: more than 32."""
-    gain_down: float
-    """The same, below 1; 0: less than 1/32."""
+    turning: GainMargin
+    """Of the torques that the rotors' commands give."""
+    moving: GainMargin
+    """Of the accelerations that thrusts give, hover and turning as they are."""
     delay: float
     """More of it between controller and rotors [s]; inf: more than 0.32 s."""
 
@@ -44,22 +55,30 @@ class Margins:
 def margins_of(vehicle: Vehicle, gains: Gains, point: Rows) -> Margins:
     """Of the nominal vehicle in still air, beyond the latency that it has."""
     values = gains.values(point)
-    factors = np.exp(np.linspace(0.0, np.log(MOST_GAIN), GAIN_STEPS))
-    up = _come_to_rest(vehicle, gains.paths, values, factors)
-    down = _come_to_rest(vehicle, gains.paths, values, 1.0 / factors)
     delay = _first_failure(
-        lambda more: bool(
-            _come_to_rest(
-                vehicle, gains.paths, values, np.ones(1), vehicle.latency + more * DELAY_STEP
-            )[0]
-        ),
+        lambda more: _bears_delay(vehicle, gains, values, more * DELAY_STEP),
         round(MOST_DELAY / DELAY_STEP),
     )
     return Margins(
-        gain_up=float(_first(factors, up, np.inf)),
-        gain_down=float(_first(1.0 / factors, down, 0.0)),
+        turning=_gain_margin(vehicle, gains, values, TURNING),
+        moving=_gain_margin(vehicle, gains, values, MOVING),
         delay=np.inf if delay is None else delay * DELAY_STEP,
     )
+
+
+def _gain_margin(vehicle: Vehicle, gains: Gains, values: Rows, loop: dict[str, int]) -> GainMargin:
+    factors = np.exp(np.linspace(0.0, np.log(MOST_GAIN), GAIN_STEPS))
+    both = np.concatenate([factors, 1.0 / factors])
+    rests = _come_to_rest(vehicle.compile(), gains.paths, values, loop, both)
+    return GainMargin(
+        up=_first(factors, rests[:GAIN_STEPS], np.inf),
+        down=_first(1.0 / factors, rests[GAIN_STEPS:], 0.0),
+    )
+
+
+def _bears_delay(vehicle: Vehicle, gains: Gains, values: Rows, more: float) -> bool:
+    compiled = vehicle.compile(vehicle.latency + more)
+    return bool(_come_to_rest(compiled, gains.paths, values, TURNING, np.ones(1))[0])
 
 
 def _first(factors: Rows, rests: NDArray[np.bool_], otherwise: float) -> float:
@@ -83,24 +102,24 @@ def _first_failure(rests: Callable[[int], bool], most: int) -> int | None:
 
 
 def _come_to_rest(
-    vehicle: Vehicle, paths: list[str], values: Rows, factors: Rows, latency: float | None = None
+    compiled: CompiledScenario,
+    paths: list[str],
+    values: Rows,
+    loop: dict[str, int],
+    factors: Rows,
 ) -> NDArray[np.bool_]:
-    """Whether vehicles whose torques are so many times the nominal ones rest after a small step."""
-    compiled = vehicle.compile(latency)
+    """Whether vehicles with so many times the gain of a loop rest after a small step."""
     program = make_program(compiled)
-    inertias = [
-        path
-        for path in compiled.param_paths
-        if re.fullmatch(rf"robots\.{ROBOT}\.links\..+\.inertia\[\d\]", path)
-    ]
-    nominal = np.array([compiled.param_info(path)[0] for path in inertias])
+    changed = margin_paths(compiled)
+    nominal_values = nominal(compiled, changed)
     with Pool(compiled, len(factors), infos=False) as pool:
         pool.reset()
         for env, factor in enumerate(factors):
-            for path, value in zip(paths, values, strict=True):
+            of_vehicle = scaled(changed, nominal_values, loop, float(factor))
+            for path, value in zip(
+                [*paths, *changed], np.concatenate([values, of_vehicle]), strict=True
+            ):
                 pool.set_param(env, path, float(value))
-            for path, value in zip(inertias, nominal, strict=True):
-                pool.set_param(env, path, float(value / factor))
         return _rests(pool, normalized(compiled, _small_step(program)))
 
 

@@ -54,10 +54,13 @@ def margin_lines(margins: Margins | None, latency: float) -> list[str]:
     """In words."""
     if margins is None:
         return []
+    turning, moving = margins.turning, margins.moving
     return [
-        f"Margins of turning, by simulation: gain {_factor(margins.gain_up)} up, "
-        f"{_factor(margins.gain_down)} down; delay {_milliseconds(margins.delay)} beyond the "
-        f"{1000.0 * latency:g} ms that were flown.",
+        "Margins, by simulation:",
+        f"  gain of turning: {_factor(turning.up)} up, {_factor(turning.down)} down",
+        f"  gain of moving: {_factor(moving.up)} up, {_factor(moving.down)} down",
+        f"  delay: {_milliseconds(margins.delay)} more than the {1000.0 * latency:g} ms that were "
+        "flown",
     ]
 
 
@@ -83,8 +86,10 @@ def table(tuned: Tuned) -> str:
     rows.append(("lost flights", str(tuned.before.lost), str(tuned.after.lost)))
     a, b = tuned.before.margins, tuned.after.margins
     if a is not None and b is not None:
-        rows.append(("gain margin up", _factor(a.gain_up), _factor(b.gain_up)))
-        rows.append(("gain margin down", _factor(a.gain_down), _factor(b.gain_down)))
+        rows.append(("turning gain, up", _factor(a.turning.up), _factor(b.turning.up)))
+        rows.append(("turning gain, down", _factor(a.turning.down), _factor(b.turning.down)))
+        rows.append(("moving gain, up", _factor(a.moving.up), _factor(b.moving.up)))
+        rows.append(("moving gain, down", _factor(a.moving.down), _factor(b.moving.down)))
         rows.append(("delay margin", _milliseconds(a.delay), _milliseconds(b.delay)))
     first, second, third = (max(len(row[k]) for row in rows) for k in range(3))
     return "".join(f"{name:<{first}}  {old:>{second}}  {new:>{third}}\n" for name, old, new in rows)
@@ -118,8 +123,8 @@ def _outcome(outcome: Outcome) -> dict[str, Any]:
         "margins": None
         if margins is None
         else {
-            "gain_up": _finite(margins.gain_up),
-            "gain_down": margins.gain_down,
+            "turning": {"up": _finite(margins.turning.up), "down": margins.turning.down},
+            "moving": {"up": _finite(margins.moving.up), "down": margins.moving.down},
             "delay_s": _finite(margins.delay),
         },
         "gains": outcome.parameters,

@@ -154,8 +154,8 @@ def tune(
 class Search:
     """Flies the candidates of a generation: over the draws, and with what they have to bear.
 
-    The nominal vehicle flies with half and twice its inertia (`with_margin_flights`), and in a pool
-    of its own with DELAY_MARGIN more latency: candidates without margins cost more.
+    The nominal vehicle flies with half and twice the gains of its loops (`with_margin_flights`),
+    and in a pool of its own with DELAY_MARGIN more latency: candidates without margins cost more.
     """
 
     def __init__(
