@@ -32,7 +32,7 @@ class TuneOptions:
     """How it is searched. The same options give the same gains, whatever the clock says."""
 
     seed: int = 0
-    evaluations: int = 1200
+    evaluations: int = 800
     """Candidates that are flown."""
     population: int = 16
     """Candidates of a generation."""
