@@ -15,7 +15,16 @@ from skybody import CompiledScenario
 from skybody.tune import TuneError, TuneOptions, Vehicle, tune
 from skybody.tune.commands import COMMAND_PERIOD, PROGRAMS, make_program, normalized
 from skybody.tune.cost import LOST, costs_of
-from skybody.tune.draws import MOVING, TURNING, DrawRanges, make_draws, nominal, scaled
+from skybody.tune.draws import (
+    LEAST_LIFT,
+    MOVING,
+    TURNING,
+    DrawRanges,
+    lift_of,
+    make_draws,
+    nominal,
+    scaled,
+)
 from skybody.tune.flight import Flights, Flyer
 from skybody.tune.gains import find_gains
 from skybody.tune.margins import margins_of
@@ -146,6 +155,17 @@ def test_draws_cover_their_ranges_and_begin_with_the_nominal_vehicle(
     assert speed.max() <= 4.0 and speed.max() > 3.8
     again = make_draws(compiled, 40, generator(), ranges)
     assert np.array_equal(draws.values, again.values)
+
+
+def test_no_draw_is_too_heavy_for_its_rotors() -> None:
+    compiled = Vehicle("crazyflie").compile()  # lifts 1.27 times its weight
+    assert lift_of(compiled) == pytest.approx(1.27, abs=0.005)
+    draws = make_draws(compiled, 40, generator(), DrawRanges(mass=0.3))
+    mass = next(k for k, path in enumerate(draws.paths) if path.endswith(".mass"))
+    thrust = next(k for k, path in enumerate(draws.paths) if path.endswith(".thrust_constant"))
+    share = draws.values / draws.values[0]
+    lifts = lift_of(compiled) * share[:, thrust] / share[:, mass]
+    assert lifts.min() == pytest.approx(LEAST_LIFT)
 
 
 @pytest.mark.parametrize("chain", ["position,attitude,ctbr", "attitude,ctbr", "ctbr"])

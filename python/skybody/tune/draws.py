@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from skybody._native import CompiledScenario
 
-from .vehicle import ROBOT
+from .vehicle import ROBOT, TuneError
 
 Rows = NDArray[np.float64]
+
+LEAST_LIFT = 1.15  # thrust of all rotors over weight: a vehicle with less cannot steer
 
 
 @dataclass(frozen=True)
@@ -55,12 +57,20 @@ def make_draws(
     Each quantity is spread over its range by Latin hypercube sampling (McKay, Beckman, Conover
     1979): few draws then cover it all.
     """
+    lift = lift_of(compiled)
+    if lift < LEAST_LIFT:
+        raise TuneError(
+            f"the rotors lift {lift:.3g} times the vehicle's weight at their largest speeds; at "
+            f"least {LEAST_LIFT:g} are needed to fly and steer: look at masses in the URDF, and at "
+            "thrust_constant and max_speed in the rotors file"
+        )
     paths = [path for path in compiled.param_paths if _kind(path)]
     values = np.tile(nominal(compiled, paths), (count, 1))
     spread = {
         kind: 2.0 * _latin(generator, count) - 1.0
         for kind in ("mass", "inertia", "thrust", "lag", "speed", "side")
     }
+    factors = _factors(spread, ranges, lift)
     for column, path in enumerate(paths):
         kind = _kind(path)
         low, high = compiled.param_info(path)[1:3]
@@ -69,7 +79,7 @@ def make_draws(
             side = np.pi * spread["side"]
             drawn = speed * (np.cos(side) if kind == "wind_x" else np.sin(side))
         else:
-            drawn = values[:, column] * _factor(kind, spread, ranges)
+            drawn = values[:, column] * factors[kind]
         drawn[0] = values[0, column]
         values[:, column] = np.clip(drawn, low, high)
     return Draws(paths, values)
@@ -107,17 +117,31 @@ def _latin(generator: np.random.Generator, count: int) -> Rows:
     return (generator.permutation(count) + generator.random(count)) / count
 
 
-def _factor(kind: str, spread: dict[str, Rows], ranges: DrawRanges) -> Rows:
-    if kind == "gravity":
-        return np.ones_like(spread["mass"])
-    mass = 1.0 + ranges.mass * spread["mass"]
-    if kind == "mass":
-        return mass
-    if kind == "inertia":
-        return mass * (1.0 + ranges.inertia * spread["inertia"])
-    if kind == "lag":
-        return 1.0 + ranges.lag * spread["lag"]
-    return 1.0 + ranges.thrust * spread["thrust"]
+def _factors(spread: dict[str, Rows], ranges: DrawRanges, lift: float) -> dict[str, Rows]:
+    """On nominal values, by kind. No vehicle is heavier than what its rotors can steer with."""
+    thrust = 1.0 + ranges.thrust * spread["thrust"]
+    heaviest = np.maximum(lift * thrust / LEAST_LIFT, 1.0 - ranges.mass)
+    mass = np.minimum(1.0 + ranges.mass * spread["mass"], heaviest)
+    return {
+        "mass": mass,
+        "inertia": mass * (1.0 + ranges.inertia * spread["inertia"]),
+        "thrust": thrust,
+        "lag": 1.0 + ranges.lag * spread["lag"],
+        "gravity": np.ones_like(mass),
+    }
+
+
+def lift_of(compiled: CompiledScenario) -> float:
+    """Thrust of all rotors at their largest speeds, in weights of the vehicle."""
+
+    def values(end: str) -> Rows:
+        prefix = f"robots.{ROBOT}."
+        paths = [p for p in compiled.param_paths if p.startswith(prefix) and p.endswith(end)]
+        return nominal(compiled, paths)
+
+    thrust = np.sum(values(".thrust_constant") * values(".max_speed") ** 2)
+    weight = np.sum(values(".mass")) * np.linalg.norm(compiled.gravity)
+    return float(thrust / weight)
 
 
 def margin_paths(compiled: CompiledScenario) -> list[str]:
