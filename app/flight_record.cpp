@@ -101,6 +101,8 @@ void describe_signals(const CompiledScenario& compiled, FlightLogHeader& header)
     }
   }
   describe_observation(compiled, header);
+  for (const Channel& channel : compiled.info_channels())
+    append(header.info, channel.name, channel.unit, channel.count);
   for (const Goal& goal : compiled.task().goals) {
     header.goals.push_back(body_name(compiled, goal.body));
   }
@@ -184,6 +186,7 @@ void record(const Simulation& simulation, bool is_near, FlightLog& log) {
   row.status = simulation.status();
   row.near = is_near ? 1 : 0;
   row.sensors = sensors;
+  row.info = simulation.info();
   row.goal = goal;
   log.add(row);
 }

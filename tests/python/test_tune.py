@@ -163,8 +163,8 @@ def test_no_draw_is_too_heavy_for_its_rotors() -> None:
     draws = make_draws(compiled, 40, generator(), DrawRanges(mass=0.3))
     mass = next(k for k, path in enumerate(draws.paths) if path.endswith(".mass"))
     thrust = next(k for k, path in enumerate(draws.paths) if path.endswith(".thrust_constant"))
-    share = draws.values / draws.values[0]
-    lifts = lift_of(compiled) * share[:, thrust] / share[:, mass]
+    share = draws.values[:, [thrust, mass]] / draws.values[0, [thrust, mass]]
+    lifts = lift_of(compiled) * share[:, 0] / share[:, 1]
     assert lifts.min() == pytest.approx(LEAST_LIFT)
 
 
