@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/reference_errors.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {
@@ -23,8 +24,9 @@ struct EpisodeSummary {
   double total_reward = 0.0;
   std::string end;               ///< terminated, truncated, fault, stopped or interrupted
   std::vector<GoalError> goals;  ///< as the task declares them
-  std::vector<double> params;    ///< drawn values
-  std::uint64_t redraws = 0;     ///< how often the start was drawn again
+  std::vector<ReferenceError> references;
+  std::vector<double> params;  ///< drawn values
+  std::uint64_t redraws = 0;   ///< how often the start was drawn again
 };
 
 /// Keeps the goal errors of the last second of simulated time.

@@ -45,6 +45,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
                            Policy& policy, FlightLog& log, ProgressLine& line) {
   EpisodeSummary summary;
   ErrorWindow window(simulation.compiled());
+  ReferenceErrors references(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
   summary.params = simulation.params();
@@ -63,6 +64,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
     record(simulation, simulation.step_counts().near > before, log);
     note_changes(simulation, params, log);
     window.add(simulation);
+    references.add(simulation);
     summary.total_reward += static_cast<double>(simulation.reward());
     if (line.is_due()) line.show(progress(number, plan, simulation, summary));
   }
@@ -70,6 +72,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   summary.steps = simulation.steps();
   summary.time = simulation.time();
   summary.goals = window.errors();
+  summary.references = references.errors();
   return summary;
 }
 
