@@ -102,6 +102,8 @@ void describe_signals(const CompiledScenario& compiled, FlightLogHeader& header)
     }
   }
   describe_observation(compiled, header);
+  for (const Channel& channel : compiled.info_channels())
+    append(header.info, channel.name, channel.unit, channel.count);
   // Readers take a body's first goal: where it follows a reference, that is the goal.
   for (const FlownReference& reference : flown_references(compiled)) {
     header.goals.push_back(body_name(compiled, reference.body));
@@ -191,6 +193,7 @@ void record(const Simulation& simulation, bool is_near, FlightLog& log) {
   row.status = simulation.status();
   row.near = is_near ? 1 : 0;
   row.sensors = sensors;
+  row.info = simulation.info();
   row.goal = goal;
   log.add(row);
 }

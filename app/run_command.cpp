@@ -13,6 +13,7 @@
 #include "app/output.h"
 #include "app/output_folder.h"
 #include "app/picture.h"
+#include "app/reported_values.h"
 #include "app/scenario_options.h"
 #include "app/summary.h"
 #include "core/io/text.h"
@@ -101,6 +102,8 @@ void print_summary(const CompiledScenario& compiled, const FlightResult& result)
   if (!followed.empty()) std::printf("\n%s", followed.c_str());
   const std::string drawn = drawn_values(compiled, result.episodes);
   if (!drawn.empty()) std::printf("\n%s", drawn.c_str());
+  const std::string reported = reported_values(compiled, result.episodes);
+  if (!reported.empty()) std::printf("\n%s", reported.c_str());
   std::uint64_t redraws = 0;
   for (const EpisodeSummary& episode : result.episodes) redraws += episode.redraws;
   if (redraws > 0) std::printf("starts drawn again: %s\n", std::to_string(redraws).c_str());

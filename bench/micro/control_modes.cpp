@@ -26,6 +26,10 @@ BENCHMARK_CAPTURE(control, velocity, "{plugin: velocity}");
 BENCHMARK_CAPTURE(control, pose, "{plugin: velocity, parameters: {form: position}}");
 BENCHMARK_CAPTURE(control, attitude, "{plugin: attitude}, {plugin: ctbr}");
 BENCHMARK_CAPTURE(control, position, "{plugin: position}, {plugin: attitude}, {plugin: ctbr}");
+BENCHMARK_CAPTURE(control, geometric_ctbt, "{plugin: geometric}, {plugin: ctbt}");
+BENCHMARK_CAPTURE(control, geometric_ctbr,
+                  "{plugin: geometric, parameters: {output: ctbr}}, {plugin: ctbr}");
+BENCHMARK_CAPTURE(control, force, "{plugin: force}, {plugin: attitude}, {plugin: ctbr}");
 
 }  // namespace
 }  // namespace skybody::bench

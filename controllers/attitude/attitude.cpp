@@ -1,6 +1,9 @@
-// Collective thrust and attitude: body rates in proportion to the attitude error. Chain `ctbr`
-// next.
+// Collective thrust and attitude: body rates in proportion to the attitude error, and those of the
+// wished attitude fed forward. Chain `ctbr` next.
+#include <vector>
+
 #include "controllers/common/allocation.h"
+#include "controllers/common/attitude_error.h"
 
 namespace skybody {
 namespace {
@@ -18,7 +21,15 @@ class Attitude : public Controller {
                                    setup.bodies()[base_])
                     .thrust;
     }
-    setup.input(Signal::kAttitude, {0.0, -1.0, -1.0, -1.0, -1.0}, {thrust_, 1.0, 1.0, 1.0, 1.0});
+    error_ = control::attitude_error_of(error_word_.value());
+    takes_rates_ = feed_forward_.value();
+    std::vector<double> low = {0.0, -1.0, -1.0, -1.0, -1.0}, high = {thrust_, 1.0, 1.0, 1.0, 1.0};
+    if (takes_rates_) {
+      const Vec3<double> rate = max_rate_.vec3();
+      low.insert(low.end(), {-rate.x, -rate.y, -rate.z});
+      high.insert(high.end(), {rate.x, rate.y, rate.z});
+    }
+    setup.input(Signal::kAttitude, low, high);
     setup.output(Signal::kCtbr, 4);
   }
 
@@ -32,11 +43,10 @@ class Attitude : public Controller {
     const Quat<Real> unit{wish.w * scale, wish.x * scale, wish.y * scale, wish.z * scale};
     const Quat<Real> reference = select(usable, unit, Quat<Real>::identity());
     const Quat<Real> error = conjugate(env.body(base_).rotation) * reference;
-    const Real twice = copysign(Real(2.0), error.w);
-    const Vec3<Real> gain = gain_.vec3(env);
+    const Vec3<Real> turn = control::attitude_error(error_, error), gain = gain_.vec3(env);
     output.set(0, clamp(input[0], Real(0.0), Real(thrust_)));
-    const Vec3<Real> rate{gain.x * (twice * error.x), gain.y * (twice * error.y),
-                          gain.z * (twice * error.z)};
+    Vec3<Real> rate{gain.x * turn.x, gain.y * turn.y, gain.z * turn.z};
+    if (takes_rates_) rate += rotate(error, input.vec3(5));
     output.set(1, control::clamp_symmetric(rate, max_rate_.vec3()));
   }
 
@@ -60,7 +70,18 @@ class Attitude : public Controller {
                              .value = 0.0,
                              .min = 0.0,
                              .doc = "thrust that action +1 means; 0: all rotors' full thrust"}};
+  TextParameter error_word_{this,
+                            {.name = "error",
+                             .value = "quaternion",
+                             .choices = {"quaternion", "tilt_priority", "se3"},
+                             .doc = "form of the attitude error"}};
+  BooleanParameter feed_forward_{this,
+                                 {.name = "feed_forward",
+                                  .value = false,
+                                  .doc = "take the wished attitude's rates, too, and add them"}};
 
+  control::AttitudeError error_ = control::AttitudeError::kQuaternion;
+  bool takes_rates_ = false;
   int base_ = 0;
   double thrust_ = 0.0;
 };

@@ -1,5 +1,8 @@
-// Position and heading: a PD with gravity feed-forward. Chain `attitude`, then `ctbr`.
+// Position and heading, or a trajectory: a PD, or PID, with gravity and the trajectory's
+// acceleration fed forward. Chain `attitude`, then `ctbr`.
 #include "controllers/common/flatness.h"
+#include "controllers/common/guidance.h"
+#include "controllers/common/trajectory.h"
 
 namespace skybody {
 namespace {
@@ -12,80 +15,68 @@ class Position : public Controller {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
-    gravity_ = control::gravity_of(setup);
-    if (max_down_.value() > 0.9 * gravity_) {
-      throw std::runtime_error(
-          "`max_acceleration_down` " + to_text(max_down_.value()) +
-          " would leave no thrust to steer with: at most 0.9 g = " + to_text(0.9 * gravity_));
-    }
+    guidance_.configure(setup);
     low_ = position_min_.vec3();
     high_ = position_max_.vec3();
     control::require_order("position_min[0]", low_.x, "position_max[0]", high_.x);
     control::require_order("position_min[1]", low_.y, "position_max[1]", high_.y);
     control::require_order("position_min[2]", low_.z, "position_max[2]", high_.z);
+    follows_ = signal_.value() == "trajectory";
+    if (points_.is_given() && !follows_) {
+      throw std::runtime_error(
+          "`points` is given, but `signal` is `position`, which has none: leave it out, or set "
+          "`signal: trajectory`");
+    }
+    if (follows_) {
+      control::declare_trajectory(setup, static_cast<int>(points_.value()), {low_, high_});
+      setup.output(Signal::kAttitude, 8);
+      return;
+    }
     setup.input(Signal::kPosition, {low_.x, low_.y, low_.z, -kPi},
                 {high_.x, high_.y, high_.z, kPi});
     setup.output(Signal::kAttitude, 5);
   }
 
   template <class Real>
-  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
-               Values<Real> output) const {
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input, Values<Real> output,
+               Values<Real> buffer) const {
     const BodyMotion<Real> base = env.body(base_);
+    if (follows_) {
+      follow(env, base, reference_point(input), output, buffer);
+      return;
+    }
     const Vec3<Real> target{clamp(input[0], Real(low_.x), Real(high_.x)),
                             clamp(input[1], Real(low_.y), Real(high_.y)),
                             clamp(input[2], Real(low_.z), Real(high_.z))};
-    const Vec3<Real> wish = multiply_elements(kp_.vec3(env), target - base.position) -
-                            multiply_elements(kd_.vec3(env), base.velocity);
-    const Vec3<Real> force = limited(wish);
+    const Vec3<Real> force = guidance_.limits().limited(
+        guidance_.wish(env, target - base.position, base.velocity, buffer));
     const Vec3<Real> up = force / norm(force);
     output.set(0, max(Real(0.0), mass_ * dot(force, body_z(base.rotation))));
     output.set(1, control::tilted(up, sincos(0.5 * wrap_angle(input[3]))));
   }
 
  private:
-  /// Thrust per mass [m/s^2]: acceleration within its limits, plus weight. Its z stays positive.
+  /// A trajectory is not held to the box, which is for actions.
   template <class Real>
-  SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& a) const {
-    const Real side = norm(a.x, a.y);
-    const Real most(max_side_.value());
-    const auto beyond = side > most;
-    const Real scale = select(beyond, most / select(beyond, side, Real(1.0)), Real(1.0));
-    return {a.x * scale, a.y * scale, clamp(a.z, -max_down_.value(), max_up_.value()) + gravity_};
+  SKYBODY_INLINE void follow(const EnvView<Real>& env, const BodyMotion<Real>& base,
+                             const ReferencePoint<Real>& reference, Values<Real> output,
+                             Values<Real> buffer) const {
+    const Vec3<Real> force = guidance_.limits().limited(
+        guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
+                       reference.acceleration, buffer));
+    const auto flat = control::flat_attitude(force, reference.yaw);
+    output.set(0, max(Real(0.0), mass_ * dot(force, body_z(base.rotation))));
+    output.set(1, flat.rotation);
+    output.set(5, control::flat_rates(flat, reference.jerk, reference.yaw_rate).value);
   }
 
-  RealsParameter kp_{this,
-                     {.name = "kp",
-                      .unit = "1/s^2",
-                      .values = {4.0, 4.0, 9.0},
-                      .min = 0.0,
-                      .doc = "acceleration per position error, W axes",
-                      .randomizable = true}};
-  RealsParameter kd_{this,
-                     {.name = "kd",
-                      .unit = "1/s",
-                      .values = {3.2, 3.2, 5.4},
-                      .min = 0.0,
-                      .doc = "acceleration per velocity, W axes",
-                      .randomizable = true}};
-  RealParameter max_side_{this,
-                          {.name = "max_acceleration_side",
-                           .unit = "m/s^2",
-                           .value = 4.0,
-                           .min = 1e-3,
-                           .doc = "limit of the horizontal acceleration asked for"}};
-  RealParameter max_up_{this,
-                        {.name = "max_acceleration_up",
-                         .unit = "m/s^2",
-                         .value = 5.0,
-                         .min = 1e-3,
-                         .doc = "limit of the upward acceleration asked for"}};
-  RealParameter max_down_{this,
-                          {.name = "max_acceleration_down",
-                           .unit = "m/s^2",
-                           .value = 4.0,
-                           .min = 1e-3,
-                           .doc = "limit of the downward acceleration asked for; at most 0.9 g"}};
+  TextParameter signal_{this,
+                        {.name = "signal",
+                         .value = "position",
+                         .choices = {"position", "trajectory"},
+                         .doc = "what it takes; a trajectory's acceleration and jerk are fed "
+                                "forward"}};
+  control::Guidance guidance_{this, {4.0, 4.0, 9.0}, {3.2, 3.2, 5.4}, {}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
@@ -97,14 +88,21 @@ class Position : public Controller {
                                 .values = {5.0, 5.0, 3.0},
                                 .doc = "position that action +1 means (W)"}};
 
+  IntegerParameter points_{this,
+                           {.name = "points",
+                            .value = 1,
+                            .min = 1,
+                            .max = 1000,
+                            .doc = "trajectory: points that it has; the first one counts"}};
+
   Vec3<double> low_{}, high_{};
+  bool follows_ = false;
   int base_ = 0;
   double mass_ = 0.0;
-  double gravity_ = 0.0;
 };
 
 }  // namespace
 }  // namespace skybody
 
 SKYBODY_PLUGIN(skybody::Position, "position", "1.0.0",
-               "Position [m] and yaw [rad]; gives attitude.");
+               "Position [m] and yaw [rad], or a trajectory; gives attitude.");

@@ -39,7 +39,24 @@ TEST_F(ControllerDerivatives, OfRatesGoThroughGainsAndFilteredDifferences) {
 
 TEST_F(ControllerDerivatives, OfAttitudeAndPositionGoThroughTheBodysMotion) {
   expect("attitude", {}, {"bodies", "input", "params"});
+  expect("attitude", {{"feed_forward", true}, {"error", "tilt_priority"}},
+         {"bodies", "input", "params"});
   expect("position", {}, {"bodies", "input", "params"});
+  expect("position", {{"signal", "trajectory"}, {"ki", std::vector<double>{1, 1, 1}}},
+         {"bodies", "input", "params", "buffer"});
+}
+
+TEST_F(ControllerDerivatives, OfLawsGoThroughMotionGainsAndReference) {
+  expect("geometric", {}, {"bodies", "input", "params"});
+  expect("geometric", {{"output", "ctbr"}, {"error", "tilt_priority"}},
+         {"bodies", "input", "params"});
+  const std::vector<double> gains = {2, 2, 3};
+  expect("flatness", {{"kp", gains}}, {"bodies", "input", "params"});
+  expect("force", {}, {"bodies", "input"});
+  expect("sliding_mode", {}, {"bodies", "input", "params"});
+  expect("lqr", {}, {"bodies", "input"});
+  expect("acceleration", {}, {"input"});
+  expect("velocity_tracking", {{"ki", gains}}, {"bodies", "buffer", "input", "params", "state"});
 }
 
 TEST_F(ControllerDerivatives, OfBodyCommandsGoStraightThrough) {

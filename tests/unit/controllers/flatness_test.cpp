@@ -1,10 +1,12 @@
 // Differential flatness: attitude, rates and angular acceleration of a specific thrust, against
-// finite differences.
+// finite differences and jets.
 #include "controllers/common/flatness.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "core/base/jet.h"
 
 namespace skybody::control {
 namespace {
@@ -52,6 +54,44 @@ TEST(Flatness, RatesAndAngularAccelerationAreDerivatives) {
     // Central differences of step 1e-5: 1e-10 of the third derivative, and rounding over the step.
     expect_near(flat.rates, V{turn.x, turn.y, turn.z} / kStep, 1e-8);
     expect_near(flat.angular_acceleration, (later.rates - before.rates) / (2.0 * kStep), 1e-8);
+  }
+}
+
+/// The motion by jets: w = 2 vec(q* dq/dt), dw/dt = 2 vec(q* d2q/dt2).
+FlatMotion<double> by_jets(const SpecificThrust<double>& u, double yaw, double yaw_rate) {
+  using Number = Jet<double, 3>;
+  const auto jet = [](double value, double rate, double second) {
+    Number out = Number::variable(value, rate);
+    out.c[2] = 0.5 * second;
+    return out;
+  };
+  const Vec3<Number> thrust{jet(u.value.x, u.rate.x, u.second.x),
+                            jet(u.value.y, u.rate.y, u.second.y),
+                            jet(u.value.z, u.rate.z, u.second.z)};
+  const Number size = sqrt(squared_norm(thrust));
+  const Number half = Number::variable(0.5 * yaw, 0.5 * yaw_rate);
+  const Quat<Number> q = tilted(thrust * (1.0 / size), sincos(half));
+  const auto part = [&](int k) { return Quat<double>{q.w.c[k], q.x.c[k], q.y.c[k], q.z.c[k]}; };
+  const Quat<double> back = conjugate(part(0)), first = back * part(1), second = back * part(2);
+  return {size.c[0],
+          part(0),
+          {2.0 * first.x, 2.0 * first.y, 2.0 * first.z},
+          {4.0 * second.x, 4.0 * second.y, 4.0 * second.z}};
+}
+
+TEST(Flatness, TheClosedFormIsWhatJetsGive) {
+  for (int i = 0; i < 200; ++i) {
+    const SpecificThrust<double> u = Example{0.37 * i}.thrust(0.05 * i);
+    const FlatMotion<double> flat = flat_motion(u, 0.03 * i - 3.0, 1.7);
+    const FlatMotion<double> jets = by_jets(u, 0.03 * i - 3.0, 1.7);
+    // Some tens of operations on values up to 10.
+    EXPECT_NEAR(flat.thrust, jets.thrust, 1e-13);
+    expect_near(flat.rates, jets.rates, 1e-13);
+    expect_near(flat.angular_acceleration, jets.angular_acceleration, 1e-12);
+    EXPECT_NEAR(flat.rotation.w, jets.rotation.w, 1e-14);
+    EXPECT_NEAR(flat.rotation.x, jets.rotation.x, 1e-14);
+    EXPECT_NEAR(flat.rotation.y, jets.rotation.y, 1e-14);
+    EXPECT_NEAR(flat.rotation.z, jets.rotation.z, 1e-14);
   }
 }
 

@@ -1,0 +1,37 @@
+// An acceleration in world axes and a heading: the force that it takes. Chain `force` next.
+#include "controllers/common/guidance.h"
+
+namespace skybody {
+namespace {
+
+class Acceleration : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    mass_ = control::total_mass(setup, setup.robot());
+    limits_.configure(setup);
+    const double side = limits_.side();
+    setup.input(Signal::kAcceleration, {-side, -side, -limits_.down(), -kPi},
+                {side, side, limits_.up(), kPi});
+    setup.output(Signal::kForce, 4);
+  }
+
+  template <class Real>
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    output.set(0, limits_.limited(input.vec3(0)) * Real(mass_));
+    output.set(3, input[3]);
+  }
+
+ private:
+  control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
+
+  double mass_ = 0.0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Acceleration, "acceleration", "1.0.0",
+               "Acceleration in world axes [m/s^2] and yaw [rad]; gives force.");

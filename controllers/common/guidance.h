@@ -1,0 +1,212 @@
+// From errors of position and velocity to a wished acceleration, with limits: what the controllers
+// that follow positions, velocities and trajectories have in common. Parameters stand here once.
+//
+//   a = kp o (p_ref - p) - kd o (v - v_ref) + i,   di/dt = ki o e
+// The horizontal part is limited in length and the vertical one up and down. The specific thrust is
+// the limited acceleration less gravity; max_acceleration_down keeps its z above 0.
+// The integral i has limits of its own and stands still in directions in which the acceleration
+// that was asked for is beyond its limits, so that it does not wind up.
+#pragma once
+
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "controllers/common/vehicle.h"
+
+namespace skybody::control {
+
+/// Default limits [m/s^2].
+struct AccelerationDefaults {
+  double side = 4.0, up = 5.0, down = 4.0;
+};
+
+/// Of laws that follow trajectories, whose own accelerations count, too.
+inline constexpr AccelerationDefaults kTrajectoryLimits{10.0, 8.0, 6.0};
+
+/// The largest accelerations that are asked for.
+class AccelerationLimits {
+ public:
+  AccelerationLimits(Plugin* owner, const AccelerationDefaults& defaults)
+      : side_(owner, {.name = "max_acceleration_side",
+                      .unit = "m/s^2",
+                      .value = defaults.side,
+                      .min = 1e-3,
+                      .doc = "limit of the horizontal acceleration asked for"}),
+        up_(owner, {.name = "max_acceleration_up",
+                    .unit = "m/s^2",
+                    .value = defaults.up,
+                    .min = 1e-3,
+                    .doc = "limit of the upward acceleration asked for"}),
+        down_(owner, {.name = "max_acceleration_down",
+                      .unit = "m/s^2",
+                      .value = defaults.down,
+                      .min = 1e-3,
+                      .doc = "limit of the downward acceleration asked for; at most 0.9 g"}) {}
+
+  /// @throws std::runtime_error where no thrust would be left to steer with
+  void configure(const Setup& setup) {
+    gravity_ = gravity_of(setup);
+    if (down_.value() > 0.9 * gravity_) {
+      throw std::runtime_error(
+          "`max_acceleration_down` " + to_text(down_.value()) +
+          " would leave no thrust to steer with: at most 0.9 g = " + to_text(0.9 * gravity_));
+    }
+    // Below this square no horizontal acceleration reaches the limit, whatever its rounding.
+    surely_within_ = side_.value() * side_.value() * (1.0 - 1e-12);
+  }
+
+  double side() const { return side_.value(); }
+  double up() const { return up_.value(); }
+  double down() const { return down_.value(); }
+  double gravity() const { return gravity_; }
+
+  /// Acceleration within its limits [m/s^2].
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& a) const {
+    Vec3<Real> out{a.x, a.y, clamp(a.z, -down_.value(), up_.value())};
+    if (any(a.x * a.x + a.y * a.y > surely_within_)) {
+      const Real size = norm(a.x, a.y), most(side_.value());
+      const auto beyond = size > most;
+      const Real scale = select(beyond, most / select(beyond, size, Real(1.0)), Real(1.0));
+      out.x = a.x * scale;
+      out.y = a.y * scale;
+    }
+    return out;
+  }
+
+  /// Specific thrust [m/s^2]: that acceleration less gravity. Its z stays positive.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> limited(const Vec3<Real>& a) const {
+    Vec3<Real> out = held(a);
+    out.z = out.z + gravity_;
+    return out;
+  }
+
+  /// The integral's next value: what it would be, but held where the acceleration that was asked
+  /// for is beyond its limits in the integral's own direction.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> unwound(const Vec3<Real>& now, const Vec3<Real>& next,
+                                    const Vec3<Real>& asked) const {
+    const auto wide = norm(asked.x, asked.y) > side_.value();
+    const Vec3<Real> change = next - now;
+    const auto outwards = asked.x * change.x + asked.y * change.y > 0.0;
+    const auto is_held = logical_and(wide, outwards);
+    const auto above = logical_and(asked.z > up_.value(), change.z > 0.0);
+    const auto below = logical_and(asked.z < -down_.value(), change.z < 0.0);
+    return {select(is_held, now.x, next.x), select(is_held, now.y, next.y),
+            select(logical_or(above, below), now.z, next.z)};
+  }
+
+ private:
+  RealParameter side_, up_, down_;
+  double gravity_ = 0.0, surely_within_ = 0.0;
+};
+
+/// The integral part of a law. It takes state words only where one of its gains is above 0.
+class Integral {
+ public:
+  /// @param unit, doc  of `ki`
+  Integral(Plugin* owner, const char* unit, const char* doc)
+      : ki_(owner, {.name = "ki", .unit = unit, .values = {0.0, 0.0, 0.0}, .min = 0.0, .doc = doc}),
+        most_(owner, {.name = "max_integral",
+                      .unit = "m/s^2",
+                      .value = 2.0,
+                      .min = 1e-3,
+                      .doc = "limit of the integral's part, each axis"}) {}
+
+  void configure(const Setup& setup) {
+    const Vec3<double> k = ki_.vec3();
+    is_on_ = k.x > 0.0 || k.y > 0.0 || k.z > 0.0;
+    per_step_ = k * setup.dt();
+    if (is_on_) setup.buffer(3);
+  }
+
+  bool is_on() const { return is_on_; }
+
+  /// Adds the integral to an acceleration and takes this step's error into it.
+  /// @param wish    acceleration without the integral, W axes [m/s^2]
+  /// @param error   what is integrated, W axes
+  /// @param buffer  of 3 words where is_on()
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> added(const Vec3<Real>& wish, const Vec3<Real>& error,
+                                  const AccelerationLimits& limits, Values<Real> buffer) const {
+    if (!is_on_) return wish;
+    const Vec3<Real> now = buffer.vec3(0), asked = wish + now;
+    const Vec3<Real> next = clamp_symmetric(now + multiply_elements(lift<Real>(per_step_), error),
+                                            {most_.value(), most_.value(), most_.value()});
+    buffer.set(0, limits.unwound(now, next, asked));
+    return asked;
+  }
+
+ private:
+  RealsParameter ki_;
+  RealParameter most_;
+  bool is_on_ = false;
+  Vec3<double> per_step_{};
+};
+
+/// Gains on position and velocity.
+class Guidance {
+ public:
+  Guidance(Plugin* owner, std::vector<double> kp, std::vector<double> kd,
+           const AccelerationDefaults& limits)
+      : kp_(owner, {.name = "kp",
+                    .unit = "1/s^2",
+                    .values = std::move(kp),
+                    .min = 0.0,
+                    .doc = "acceleration per position error, W axes",
+                    .randomizable = true}),
+        kd_(owner, {.name = "kd",
+                    .unit = "1/s",
+                    .values = std::move(kd),
+                    .min = 0.0,
+                    .doc = "acceleration per velocity error, W axes",
+                    .randomizable = true}),
+        integral_(owner, "1/s^3", "acceleration per integral of position error, W axes; 0: none"),
+        limits_(owner, limits) {}
+
+  /// @param share  what default gains are multiplied by, once for each order (lag_share)
+  void configure(const Setup& setup, double share = 1.0) {
+    kp_share_ = kp_.is_given() ? 1.0 : share * share;
+    kd_share_ = kd_.is_given() ? 1.0 : share;
+    integral_.configure(setup);
+    limits_.configure(setup);
+  }
+
+  const AccelerationLimits& limits() const { return limits_; }
+
+  /// Wished acceleration of feedback and `forward`, before limits [m/s^2].
+  /// @param offset   p_ref - p [m]
+  /// @param excess   v - v_ref [m/s]
+  /// @param forward  fed forward, W axes [m/s^2]
+  /// @param buffer   of the integral
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> wish(const EnvView<Real>& env, const Vec3<Real>& offset,
+                                 const Vec3<Real>& excess, const Vec3<Real>& forward,
+                                 Values<Real> buffer) const {
+    return integral_.added(feedback(env, offset, excess) + forward, offset, limits_, buffer);
+  }
+
+  /// The same with nothing fed forward.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> wish(const EnvView<Real>& env, const Vec3<Real>& offset,
+                                 const Vec3<Real>& excess, Values<Real> buffer) const {
+    return integral_.added(feedback(env, offset, excess), offset, limits_, buffer);
+  }
+
+ private:
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> feedback(const EnvView<Real>& env, const Vec3<Real>& offset,
+                                     const Vec3<Real>& excess) const {
+    return multiply_elements(kp_.vec3(env) * Real(kp_share_), offset) -
+           multiply_elements(kd_.vec3(env) * Real(kd_share_), excess);
+  }
+
+  RealsParameter kp_, kd_;
+  Integral integral_;
+  AccelerationLimits limits_;
+  double kp_share_ = 1.0, kd_share_ = 1.0;
+};
+
+}  // namespace skybody::control

@@ -1,0 +1,58 @@
+// What the attitude loop of a law that follows a trajectory works on: how far the body is turned
+// from where its thrust must point, and which rates and angular accelerations it should have now.
+//
+// The wished attitude R_d follows from the specific thrust that the law asks for, its rates w_d and
+// their derivative from the reference's jerk and snap (flatness.h). In axes of B, with R_e = R^T
+// R_d:
+//   rates         R_e w_d
+//   acceleration  R_e dw_d/dt - w x (R_e w_d)        the derivative of the above
+// The part of w_d that is due to the law's own feedback is left out: it would take the body's
+// acceleration, which is not measured.
+//
+// Source: T. Lee, M. Leok and N. H. McClamroch, Geometric tracking control of a quadrotor UAV on
+// SE(3), CDC 2010, eq. 10, 11 and 16.
+#pragma once
+
+#include "controllers/common/attitude_error.h"
+#include "controllers/common/flatness.h"
+
+namespace skybody::control {
+
+template <class Real>
+struct Tracking {
+  Vec3<Real> error;         ///< the turn that is left, axes of B [rad]
+  Vec3<Real> rates;         ///< that the body should have, B axes [rad/s]
+  Vec3<Real> acceleration;  ///< that it should have, B axes [rad/s^2]; only where asked for
+};
+
+/// @param thrust             specific thrust asked for, W axes [m/s^2]
+/// @param with_acceleration  else that is 0
+template <class Real>
+SKYBODY_INLINE Tracking<Real> tracking(AttitudeError form, const BodyMotion<Real>& base,
+                                       const Vec3<Real>& thrust,
+                                       const ReferencePoint<Real>& reference,
+                                       bool with_acceleration) {
+  const auto flat = flat_attitude(thrust, reference.yaw);
+  const auto flown = flat_rates(flat, reference.jerk, reference.yaw_rate);
+  const Quat<Real> left = conjugate(base.rotation) * flat.rotation;
+  Tracking<Real> out;
+  out.error = attitude_error(form, left);
+  out.rates = rotate(left, flown.value);
+  out.acceleration = {Real(0.0), Real(0.0), Real(0.0)};
+  if (with_acceleration) {
+    const Vec3<Real> change =
+        flat_acceleration(flat, flown, reference.jerk, reference.snap, reference.yaw_rate);
+    out.acceleration = rotate(left, change) - cross(base.angular_velocity, out.rates);
+  }
+  return out;
+}
+
+/// The torque that gives a body an angular acceleration, B axes [N m].
+template <class Real>
+SKYBODY_INLINE Vec3<Real> torque_for(const SymMat3<double>& inertia, const Vec3<Real>& w,
+                                     const Vec3<Real>& acceleration) {
+  const SymMat3<Real> j = lift<Real>(inertia);
+  return j * acceleration + cross(w, j * w);
+}
+
+}  // namespace skybody::control

@@ -1,0 +1,79 @@
+// The input of controllers that follow a trajectory.
+#pragma once
+
+#include <vector>
+
+#include "controllers/common/vehicle.h"
+
+namespace skybody::control {
+
+/// Where actions lie if a policy gives the trajectory.
+struct TrajectoryRange {
+  Vec3<double> low, high;     ///< position, W [m]
+  double velocity = 2.0;      ///< each axis [m/s]
+  double acceleration = 2.0;  ///< each axis [m/s^2]
+  double yaw_rate = 1.0;      ///< [rad/s]
+};
+
+/// Declares a trajectory of `points` points. Jerk and snap of actions are 0.
+inline void declare_trajectory(const Setup& setup, int points, const TrajectoryRange& range) {
+  std::vector<double> low, high;
+  const double v = range.velocity, a = range.acceleration;
+  for (int i = 0; i < points; ++i) {
+    low.insert(low.end(), {range.low.x, range.low.y, range.low.z, -v, -v, -v, -a, -a, -a, 0.0, 0.0,
+                           0.0, 0.0, 0.0, 0.0, -kPi, -range.yaw_rate});
+    high.insert(high.end(), {range.high.x, range.high.y, range.high.z, v, v, v, a, a, a, 0.0, 0.0,
+                             0.0, 0.0, 0.0, 0.0, kPi, range.yaw_rate});
+  }
+  setup.input(Signal::kTrajectory, low, high);
+}
+
+/// Of the switch of with_drag().
+inline constexpr BooleanSpec kDragSpec{
+    .name = "drag",
+    .value = true,
+    .doc = "feed the rotors' nominal drag at the reference's velocity forward"};
+
+/// The reference's acceleration and what holds the rotors' drag at its velocity [m/s^2].
+/// @param z     of B in W axes: rotors drag across it
+/// @param drag  per velocity and mass [1/s] (hover_drag)
+template <class Real>
+SKYBODY_INLINE Vec3<Real> with_drag(const ReferencePoint<Real>& reference, const Vec3<Real>& z,
+                                    double drag) {
+  const Vec3<Real>& v = reference.velocity;
+  return reference.acceleration + (v - z * dot(z, v)) * Real(drag);
+}
+
+/// Parameters of a controller that takes nothing but trajectories.
+class TrajectoryInput {
+ public:
+  explicit TrajectoryInput(Plugin* owner)
+      : points_(owner, {.name = "points",
+                        .value = 1,
+                        .min = 1,
+                        .max = 1000,
+                        .doc = "points of the trajectory that is taken; the first one counts"}),
+        low_(owner, {.name = "position_min",
+                     .unit = "m",
+                     .values = {-5.0, -5.0, 0.5},
+                     .doc = "position that action -1 means (W)"}),
+        high_(owner, {.name = "position_max",
+                      .unit = "m",
+                      .values = {5.0, 5.0, 3.0},
+                      .doc = "position that action +1 means (W)"}) {}
+
+  /// @throws std::runtime_error where the box is upside down
+  void configure(const Setup& setup) const {
+    const Vec3<double> low = low_.vec3(), high = high_.vec3();
+    require_order("position_min[0]", low.x, "position_max[0]", high.x);
+    require_order("position_min[1]", low.y, "position_max[1]", high.y);
+    require_order("position_min[2]", low.z, "position_max[2]", high.z);
+    declare_trajectory(setup, static_cast<int>(points_.value()), {low, high});
+  }
+
+ private:
+  IntegerParameter points_;
+  RealsParameter low_, high_;
+};
+
+}  // namespace skybody::control

@@ -1,0 +1,44 @@
+// How quickly a vehicle's rotors answer and how the air holds it back: what default gains and
+// feed-forward take from it. Nominal values.
+#pragma once
+
+#include "controllers/common/robot.h"
+
+namespace skybody::control {
+
+/// Mean time constant of a robot's rotors, rising and falling alike [s]; 0 without rotors.
+inline double mean_lag(const Setup& setup, int robot) {
+  const View<RotorInfo> rotors = setup.rotors_of(robot);
+  double sum = 0.0;
+  for (const RotorInfo& rotor : rotors) {
+    sum += 0.5 * (rotor.constants[SKYBODY_ROTOR_TAU_UP] + rotor.constants[SKYBODY_ROTOR_TAU_DOWN]);
+  }
+  return rotors.size() > 0 ? sum / rotors.size() : 0.0;
+}
+
+/// Drag of all rotors across their axes per velocity and mass, while they carry the robot in equal
+/// parts [1/s]. A rotor's drag is its constant times its speed times the velocity across its axis.
+inline double hover_drag(const Setup& setup, int robot) {
+  const View<RotorInfo> rotors = setup.rotors_of(robot);
+  const double mass = total_mass(setup, robot);
+  double sum = 0.0;
+  for (const RotorInfo& rotor : rotors) {
+    const double push = mass * gravity_of(setup) / rotors.size();
+    const double thrust_constant = rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
+    if (!(thrust_constant > 0.0)) continue;
+    sum += rotor.constants[SKYBODY_ROTOR_DRAG_CONSTANT] * sqrt(push / thrust_constant);
+  }
+  return sum / mass;
+}
+
+/// What default gains are multiplied by, so that a loop that turns at `bandwidth` keeps clear of
+/// the rotors' lag: 1 where they are quick enough, else less.
+/// @param bandwidth  of the quickest loop with its default gains [rad/s]
+inline double lag_share(const Setup& setup, int robot, double bandwidth) {
+  // A rate loop of gain k behind a lag tau has the poles of tau s^2 + s + k: k = 0.5 / tau damps
+  // them by 0.71.
+  const double lag = mean_lag(setup, robot);
+  return lag > 0.0 ? min(1.0, 0.5 / (lag * bandwidth)) : 1.0;
+}
+
+}  // namespace skybody::control

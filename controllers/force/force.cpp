@@ -1,0 +1,90 @@
+// A force of the rotors in world axes and a heading: the attitude whose z axis lies along the
+// force, and the thrust. Chain `attitude`, then `ctbr`.
+#include <vector>
+
+#include "controllers/common/flatness.h"
+
+namespace skybody {
+namespace {
+
+class Force : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    const int robot = setup.robot();
+    base_ = control::base_of(setup, robot);
+    weight_ = control::total_mass(setup, robot) * control::gravity_of(setup);
+    added_ = adds_weight_.value() ? weight_ : 0.0;
+    takes_yaw_ = takes_yaw_parameter_.value();
+    if (takes_yaw_ && yaw_.is_given()) {
+      throw std::runtime_error(
+          "`yaw` is given, but the command has a heading of its own: leave `yaw` out, or set "
+          "`takes_yaw: false`");
+    }
+    const Vec3<double> most = range();
+    std::vector<double> low = {-most.x, -most.y, adds_weight_.value() ? -most.z : 0.0};
+    std::vector<double> high = {most.x, most.y, most.z};
+    if (takes_yaw_) {
+      low.push_back(-kPi);
+      high.push_back(kPi);
+    }
+    setup.input(Signal::kForce, low, high);
+    setup.output(Signal::kAttitude, 5);
+  }
+
+  template <class Real>
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    // Rotors push one way only: a force that points down would turn the body over.
+    const Vec3<Real> force{input[0], input[1], clamp(input[2] + added_, 0.0, kLargest)};
+    const Real yaw = takes_yaw_ ? input[3] : Real(yaw_.value());
+    output.set(0, max(Real(0.0), dot(force, body_z(env.body(base_).rotation))));
+    output.set(1, control::flat_attitude(force, yaw).rotation);
+  }
+
+ private:
+  Vec3<double> range() const {
+    const Vec3<double> given = max_force_.vec3();
+    const auto or_else = [](double value, double instead) { return value > 0.0 ? value : instead; };
+    const Vec3<double> most{or_else(given.x, weight_), or_else(given.y, weight_),
+                            or_else(given.z, adds_weight_.value() ? weight_ : 2.0 * weight_)};
+    if (!(most.x > 0.0 && most.y > 0.0 && most.z > 0.0)) {
+      throw std::runtime_error(
+          "without gravity `max_force` has no default: give three values above 0");
+    }
+    return most;
+  }
+
+  BooleanParameter adds_weight_{
+      this,
+      {.name = "adds_weight",
+       .value = false,
+       .doc = "true: the command is what comes on top of the robot's nominal weight"}};
+  BooleanParameter takes_yaw_parameter_{
+      this, {.name = "takes_yaw", .value = true, .doc = "take a heading as the fourth value"}};
+  RealParameter yaw_{this,
+                     {.name = "yaw",
+                      .unit = "rad",
+                      .value = 0.0,
+                      .min = -kPi,
+                      .max = kPi,
+                      .doc = "heading where none is taken"}};
+  RealsParameter max_force_{
+      this,
+      {.name = "max_force",
+       .unit = "N",
+       .values = {0.0, 0.0, 0.0},
+       .min = 0.0,
+       .doc = "forces that action +1 means; 0: the weight, upwards twice the weight in all"}};
+
+  bool takes_yaw_ = true;
+  int base_ = 0;
+  double weight_ = 0.0, added_ = 0.0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Force, "force", "1.0.0",
+               "Force of the rotors in world axes [N], and yaw; gives attitude.");

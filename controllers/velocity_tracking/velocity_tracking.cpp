@@ -1,0 +1,98 @@
+// A velocity in world axes and a yaw rate: the acceleration that brings the body there. Chain
+// `acceleration`, then `force`.
+#include "controllers/common/guidance.h"
+
+namespace skybody {
+namespace {
+
+class VelocityTracking : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  template <class Real>
+  struct State {
+    Real yaw;  ///< heading asked for [rad], in [-pi, pi]
+  };
+
+  void configure(const Setup& setup) override {
+    base_ = control::base_of(setup, setup.robot());
+    dt_ = setup.dt();
+    share_ = gain_.is_given() ? 1.0 : control::lag_share(setup, setup.robot(), kRateLoop);
+    limits_.configure(setup);
+    integral_.configure(setup);
+    const Vec3<double> v = max_velocity_.vec3();
+    const double rate = max_yaw_rate_.value();
+    setup.input(Signal::kVelocityTracking, {-v.x, -v.y, -v.z, -rate}, {v.x, v.y, v.z, rate});
+    setup.output(Signal::kAcceleration, 4);
+  }
+
+  template <class Real>
+  void reset(const EnvView<Real>& env, State<Real>& state) const {
+    state.yaw = yaw(env.body(base_).rotation);
+  }
+
+  template <class Real>
+  void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real> input,
+               Values<Real> output, Values<Real> buffer) const {
+    const BodyMotion<Real> base = env.body(base_);
+    const Vec3<Real> error =
+        control::clamp_symmetric(input.vec3(0), max_velocity_.vec3()) - base.velocity;
+    const Vec3<Real> wish = multiply_elements(gain_.vec3(env) * Real(share_), error);
+    output.set(0, limits_.held(integral_.added(wish, error, limits_, buffer)));
+    state.yaw = led(state.yaw, input[3], yaw(base.rotation));
+    output.set(3, state.yaw);
+  }
+
+ private:
+  /// Of the rate loop that the default gain expects behind it [rad/s].
+  static constexpr double kRateLoop = 20.0;
+
+  /// The heading asked for, a step later. It runs ahead of the body's by `max_yaw_lead` at most, so
+  /// that a body that cannot follow does not turn on for long after the command has ended.
+  template <class Real>
+  SKYBODY_INLINE Real led(const Real& now, const Real& rate, const Real& heading) const {
+    const Real held = clamp(rate, -max_yaw_rate_.value(), max_yaw_rate_.value());
+    const Real ahead = wrap_angle((now + held * dt_) - heading);
+    return wrap_angle(heading + clamp(ahead, -max_lead_.value(), max_lead_.value()));
+  }
+
+  RealsParameter gain_{this,
+                       {.name = "gain",
+                        .unit = "1/s",
+                        .values = {3.0, 3.0, 4.0},
+                        .min = 0.0,
+                        .doc = "acceleration per velocity error, W axes",
+                        .randomizable = true}};
+  control::Integral integral_{this, "1/s^2",
+                              "acceleration per integral of velocity error, W axes; 0: none"};
+  control::AccelerationLimits limits_{this, control::kTrajectoryLimits};
+  RealsParameter max_velocity_{
+      this,
+      {.name = "max_velocity",
+       .unit = "m/s",
+       .values = {5.0, 5.0, 3.0},
+       .min = 1e-6,
+       .doc = "velocities that action +1 means; commands are held to them"}};
+  RealParameter max_yaw_rate_{this,
+                              {.name = "max_yaw_rate",
+                               .unit = "rad/s",
+                               .value = 2.0,
+                               .min = 1e-6,
+                               .doc = "yaw rate that action +1 means; commands are held to it"}};
+  RealParameter max_lead_{this,
+                          {.name = "max_yaw_lead",
+                           .unit = "rad",
+                           .value = 0.5,
+                           .min = 1e-3,
+                           .max = 3.0,
+                           .doc = "how far the heading asked for runs ahead of the body's"}};
+
+  int base_ = 0;
+  double dt_ = 0.0, share_ = 1.0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::VelocityTracking, "velocity_tracking", "1.0.0",
+               "Velocity in world axes [m/s] and yaw rate [rad/s]; gives acceleration.");
