@@ -41,7 +41,7 @@ struct PlanOptions {
   LoadOptions load;
   std::string gates;
   fs::path out = "race_line.csv";
-  int samples = 3000;
+  int samples = 20000;
   std::uint64_t seed = 0;
   double reserve = 0.15;
   double max_tilt = 3.0;
@@ -205,7 +205,7 @@ void add_plan_command(CLI::App& app, Action& chosen) {
       ->required()
       ->type_name("");
   command->add_option("--out", options->out, "The table (race_line.csv)")->type_name("FILE");
-  command->add_option("--samples", options->samples, "Lines that are tried (3000)")
+  command->add_option("--samples", options->samples, "Lines that are tried (20000)")
       ->type_name("N")
       ->check(whole_number(1, 1000000));
   command->add_option("--seed", options->seed, "Of the samples (0)")

@@ -28,6 +28,12 @@ struct Lead {
   std::vector<Use> controllers;
 };
 
+// Laws hold commands to the box that actions mean, and accelerations to what suits a learner. A
+// reference is no action, and has been held against what the vehicle can do: it may go farther.
+#define SKYBODY_FREE                                                  \
+  "position_min: [-1e5, -1e5, -1e5], position_max: [1e5, 1e5, 1e5], " \
+  "max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
+
 /// A row for each signal that a reference can fly: the laws that close the loop of position and
 /// know the reference's derivatives, where the chain takes what they give.
 const std::vector<Lead> kLeads = {
@@ -35,15 +41,26 @@ const std::vector<Lead> kLeads = {
     {SKYBODY_POSITION, 0, "position", {}},
     {SKYBODY_VELOCITY_TRACKING, 0, "velocity_tracking", {}},
     {SKYBODY_ACCELERATION, 0, "acceleration", {}},
-    {SKYBODY_ATTITUDE, 8, "trajectory", {"{plugin: position, parameters: {signal: trajectory}}"}},
-    {SKYBODY_ATTITUDE, 5, "position", {"{plugin: position}"}},
-    {SKYBODY_CTBR, 0, "trajectory", {"{plugin: geometric, parameters: {output: ctbr}}"}},
-    {SKYBODY_CTBT, 0, "trajectory", {"{plugin: geometric, parameters: {output: ctbt}}"}},
+    {SKYBODY_ATTITUDE,
+     8,
+     "trajectory",
+     {"{plugin: position, parameters: {signal: trajectory, " SKYBODY_FREE "}}"}},
+    {SKYBODY_ATTITUDE, 5, "position", {"{plugin: position, parameters: {" SKYBODY_FREE "}}"}},
+    {SKYBODY_CTBR,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbr, " SKYBODY_FREE "}}"}},
+    {SKYBODY_CTBT,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}"}},
     {SKYBODY_ROTOR_SPEED,
      0,
      "trajectory",
-     {"{plugin: geometric, parameters: {output: ctbt}}", "{plugin: ctbt}"}},
+     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}", "{plugin: ctbt}"}},
 };
+
+#undef SKYBODY_FREE
 
 /// What the command line asks for.
 struct Asked {
