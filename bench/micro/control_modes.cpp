@@ -26,6 +26,9 @@ BENCHMARK_CAPTURE(control, velocity, "{plugin: velocity}");
 BENCHMARK_CAPTURE(control, pose, "{plugin: velocity, parameters: {form: position}}");
 BENCHMARK_CAPTURE(control, attitude, "{plugin: attitude}, {plugin: ctbr}");
 BENCHMARK_CAPTURE(control, position, "{plugin: position}, {plugin: attitude}, {plugin: ctbr}");
+BENCHMARK_CAPTURE(control, indi_ctbr, "{plugin: indi, parameters: {signal: ctbr}}");
+BENCHMARK_CAPTURE(control, indi_attitude, "{plugin: indi, parameters: {signal: attitude}}");
+BENCHMARK_CAPTURE(control, indi, "{plugin: indi}");
 BENCHMARK_CAPTURE(control, geometric_ctbt, "{plugin: geometric}, {plugin: ctbt}");
 BENCHMARK_CAPTURE(control, geometric_ctbr,
                   "{plugin: geometric, parameters: {output: ctbr}}, {plugin: ctbr}");
