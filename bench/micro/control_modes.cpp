@@ -26,6 +26,9 @@ BENCHMARK_CAPTURE(control, velocity, "{plugin: velocity}");
 BENCHMARK_CAPTURE(control, pose, "{plugin: velocity, parameters: {form: position}}");
 BENCHMARK_CAPTURE(control, attitude, "{plugin: attitude}, {plugin: ctbr}");
 BENCHMARK_CAPTURE(control, position, "{plugin: position}, {plugin: attitude}, {plugin: ctbr}");
+BENCHMARK_CAPTURE(control, indi_ctbr, "{plugin: indi, parameters: {signal: ctbr}}");
+BENCHMARK_CAPTURE(control, indi_attitude, "{plugin: indi, parameters: {signal: attitude}}");
+BENCHMARK_CAPTURE(control, indi, "{plugin: indi}");
 
 /// Chains that begin with a law. Their command is the middle of every range: a place, at rest. What
 /// a law's own evaluation costs is the difference to the row of the same command and the same
@@ -48,6 +51,7 @@ std::string with(const std::string& plugin, const std::string& parameters) {
 }
 
 const std::string kCtbr = "{plugin: ctbr}", kCtbt = "{plugin: ctbt}";
+const std::string kRotors = "{plugin: rotor_speed}";
 const std::string kAttitude = "{plugin: attitude}, " + kCtbr;
 const std::string kRates = with("attitude", "feed_forward: true") + kCtbr;
 
@@ -64,6 +68,8 @@ BENCHMARK_CAPTURE(law, flatness_to_rates, "{plugin: flatness}, " + kRates);
 BENCHMARK_CAPTURE(law, nothing_to_attitude,
                   with("balance", "takes: force, gives: attitude") + kAttitude);
 BENCHMARK_CAPTURE(law, force_to_attitude, "{plugin: force}, " + kAttitude);
+BENCHMARK_CAPTURE(law, nothing_to_rotors, with("balance", "gives: rotor_speed") + kRotors);
+BENCHMARK_CAPTURE(law, indi_to_rotors, "{plugin: indi}, " + kRotors);
 
 }  // namespace
 }  // namespace skybody::bench

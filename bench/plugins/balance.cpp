@@ -15,6 +15,12 @@ class Balance : public Controller {
     const std::string& word = gives_.value();
     if (word == "ctbt" || word == "ctbr") {
       given_ = {weight, 0.0, 0.0, 0.0};
+    } else if (word == "rotor_speed") {
+      const View<RotorInfo> rotors = control::working_rotors(setup, robot, "balance");
+      for (const RotorInfo& rotor : rotors) {
+        given_.push_back(
+            sqrt(weight / rotors.size() / rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]));
+      }
     } else {
       given_ = {weight, 1.0, 0.0, 0.0, 0.0};
       if (word == "attitude_with_rates") given_.insert(given_.end(), {0.0, 0.0, 0.0});
@@ -24,9 +30,10 @@ class Balance : public Controller {
     } else {
       setup.input(Signal::kForce, {-1.0, -1.0, 0.0, -1.0}, {1.0, 1.0, 1.0, 1.0});
     }
-    setup.output(word == "ctbt"   ? Signal::kCtbt
-                 : word == "ctbr" ? Signal::kCtbr
-                                  : Signal::kAttitude,
+    setup.output(word == "ctbt"          ? Signal::kCtbt
+                 : word == "ctbr"        ? Signal::kCtbr
+                 : word == "rotor_speed" ? Signal::kRotorSpeed
+                                         : Signal::kAttitude,
                  static_cast<int>(given_.size()));
   }
 
@@ -43,11 +50,12 @@ class Balance : public Controller {
                         .value = "trajectory",
                         .choices = {"trajectory", "force"},
                         .doc = "what it takes"}};
-  TextParameter gives_{this,
-                       {.name = "gives",
-                        .value = "ctbt",
-                        .choices = {"ctbt", "ctbr", "attitude", "attitude_with_rates"},
-                        .doc = "what it gives"}};
+  TextParameter gives_{
+      this,
+      {.name = "gives",
+       .value = "ctbt",
+       .choices = {"ctbt", "ctbr", "attitude", "attitude_with_rates", "rotor_speed"},
+       .doc = "what it gives"}};
 
   std::vector<double> given_;
 };
