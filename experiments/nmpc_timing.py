@@ -167,6 +167,7 @@ default weights for every vehicle. QDrone2 unless another is named. {machine}
 
 """
 FOOT = """
+
 `times real time` is the period of 10 ms over the median. Errors are of position, the first
 {settle} s after each start left out (steps of 3 m: 2.5 s, upside-down starts: 3.5 s); `failed`
 are calls whose program was not solved, out of all.
