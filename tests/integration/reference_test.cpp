@@ -86,9 +86,9 @@ TEST(Reference, SaysWhatItCannotFly) {
   EXPECT_EQ(fast.exit_code, 2);
   EXPECT_THAT(fast.err, ContainsRegex("the fastest `time_scale` that breaks no limit is 0\\.2"));
   const Outcome low =
-      fly(folder.path(), "circle", {"--set", "robots.quad.controllers=[{plugin: srt}]"});
+      fly(folder.path(), "circle", {"--set", "robots.quad.controllers=[{plugin: throttle}]"});
   EXPECT_EQ(low.exit_code, 2);
-  EXPECT_THAT(low.err, HasSubstr("takes srt, to which no controller leads from a reference"));
+  EXPECT_THAT(low.err, HasSubstr("takes throttle, to which no controller leads from a reference"));
 }
 
 TEST(Plan, FindsAQuickerLineThatIsFlownWithinTenCentimetres) {
