@@ -110,6 +110,8 @@ FLIGHTS = (
     Flight("rotor_out", "rotor_out", overrides=FAILS_EARLY),
     Flight("arm", "arm", overrides=REACHES_EARLY),
     Flight("vehicles", "vehicles"),
+    Flight("trajectory_training", "trajectory_training"),
+    Flight("trajectory_flights", "trajectory_flights"),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 
