@@ -47,6 +47,10 @@ class Nmpc : public Controller {
       rotors_.push_back(
           {control::full_thrust(rotor), rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]});
     }
+    if (measured_.value() == "imu") {
+      force_sensor_ = setup.sensor(imu_.value(), "specific_force");
+      rate_sensor_ = setup.sensor(imu_.value(), "angular_rate");
+    }
     set_times(setup);
     set_weights();
     declare(setup, nodes, rotors);
@@ -60,7 +64,12 @@ class Nmpc : public Controller {
     load_inputs(buffer, inputs);
     const bool is_first = buffer[kSolves] == 0.0;
     if (!is_first) {
-      nmpc::observe(guide_, remembered(buffer), inputs, now, disturbance);
+      nmpc::Observed observed = nmpc::observe(guide_, remembered(buffer), inputs, now);
+      if (force_sensor_ >= 0) {
+        const Vec3<double> force = sensed(env, force_sensor_);
+        observed.acceleration = nmpc::observe_force(guide_.model, now, force);
+      }
+      nmpc::follow(guide_, observed, disturbance);
       nmpc::shift(guide_, inputs);
     }
     nmpc::Target targets[kMostNodes + 1];
@@ -121,9 +130,14 @@ class Nmpc : public Controller {
     setup.report("angular_disturbance", "rad/s^2", 3, kAngular);
   }
 
+  static Vec3<double> sensed(const EnvView<double>& env, int first) {
+    return {env.sensor(first), env.sensor(first + 1), env.sensor(first + 2)};
+  }
+
   nmpc::Motion measured(const EnvView<double>& env) const {
     const BodyMotion<double> base = env.body(base_);
     nmpc::Motion motion{base.position, base.velocity, base.rotation, base.angular_velocity, {}};
+    if (rate_sensor_ >= 0) motion.rates = sensed(env, rate_sensor_);
     for (int r = 0; r < guide_.model.rotors; ++r) {
       const RotorScale& scale = rotors_[static_cast<std::size_t>(r)];
       const double speed = env.rotor_speed(first_rotor_ + r);
@@ -300,6 +314,15 @@ class Nmpc : public Controller {
                               .min = 0.0,
                               .max = 1e4,
                               .doc = "likewise, of angular accelerations"}};
+  TextParameter measured_{this,
+                          {.name = "measured",
+                           .value = "state",
+                           .choices = {"state", "imu"},
+                           .doc = "where rates and accelerations come from"}};
+  TextParameter imu_{this,
+                     {.name = "imu",
+                      .value = "imu",
+                      .doc = "measured: imu: the sensor's name; it sits at the base's frame"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
@@ -315,7 +338,8 @@ class Nmpc : public Controller {
   std::vector<RotorScale> rotors_;
   int base_ = 0;
   int first_rotor_ = 0;
-  int points_ = 1;  ///< of the reference
+  int force_sensor_ = -1, rate_sensor_ = -1;  ///< -1: by the state
+  int points_ = 1;                            ///< of the reference
 };
 
 }  // namespace
