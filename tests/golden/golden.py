@@ -109,6 +109,7 @@ FLIGHTS = (
     Flight("low_battery", "low_battery"),
     Flight("rotor_out", "rotor_out", overrides=FAILS_EARLY),
     Flight("arm", "arm", overrides=REACHES_EARLY),
+    Flight("omav", "omav"),
     Flight("vehicles", "vehicles"),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
