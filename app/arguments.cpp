@@ -68,7 +68,9 @@ std::string describe_other(const CLI::ParseError& error) {
     if (end != std::string::npos) return text.substr(0, end) + " is missing";
   }
   if (error.get_name() == "ArgumentMismatch") {
-    return text.substr(0, text.find(':')) + " is given without its value";
+    const bool too_many = text.find("At Most") != std::string::npos;
+    return text.substr(0, text.find(':')) +
+           (too_many ? " is given more than once" : " is given without its value");
   }
   return text;
 }

@@ -1,8 +1,6 @@
 #include "app/drawn_values.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
 
 #include "app/text_table.h"
@@ -12,18 +10,14 @@ namespace {
 
 constexpr int kMostRows = 24;
 
-std::string short_number(double value) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value);
-  return text.data();
-}
-
-/// Least and greatest value of a parameter in the episodes.
+/// Least and greatest value of a parameter in the episodes, at resets and later.
 std::pair<double, double> range_of(const std::vector<EpisodeSummary>& episodes, std::size_t param) {
-  double least = episodes.front().params[param], greatest = least;
+  double least = episodes.front().params.front()[param], greatest = least;
   for (const EpisodeSummary& episode : episodes) {
-    least = std::min(least, episode.params[param]);
-    greatest = std::max(greatest, episode.params[param]);
+    for (const std::vector<double>& drawn : episode.params) {
+      least = std::min(least, drawn[param]);
+      greatest = std::max(greatest, drawn[param]);
+    }
   }
   return {least, greatest};
 }

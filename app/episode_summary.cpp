@@ -19,6 +19,19 @@ double angle_between(double a, double b) {
 
 }  // namespace
 
+void add_infos(const Simulation& simulation, std::vector<InfoRange>& ranges) {
+  const std::span<const float> values = simulation.info();
+  const bool is_first = ranges.empty();
+  ranges.resize(values.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double value = values[k];
+    InfoRange& range = ranges[k];
+    range = is_first
+                ? InfoRange{value, value, value}
+                : InfoRange{std::fmin(range.least, value), std::fmax(range.greatest, value), value};
+  }
+}
+
 ErrorWindow::ErrorWindow(const CompiledScenario& compiled) : goals_(compiled.task().goals.size()) {
   const Stepping& stepping = compiled.scenario().stepping;
   const double steps = std::round(1.0 / (stepping.dt * stepping.action_repeat));

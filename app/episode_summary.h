@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/reference_errors.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {
@@ -17,15 +18,27 @@ struct GoalError {
   double yaw = 0.0;  ///< mean absolute error [rad]
 };
 
+/// Values of an info over an episode's steps.
+struct InfoRange {
+  double least = 0.0;
+  double greatest = 0.0;
+  double last = 0.0;
+};
+
 struct EpisodeSummary {
   std::uint64_t steps = 0;
   double time = 0.0;  ///< [s]
   double total_reward = 0.0;
   std::string end;               ///< terminated, truncated, fault, stopped or interrupted
   std::vector<GoalError> goals;  ///< as the task declares them
-  std::vector<double> params;    ///< drawn values
-  std::uint64_t redraws = 0;     ///< how often the start was drawn again
+  std::vector<ReferenceError> references;
+  std::vector<std::vector<double>> params;  ///< drawn values: at the reset, then after each change
+  std::vector<InfoRange> infos;             ///< in the order of the row; empty: no step
+  std::uint64_t redraws = 0;                ///< how often the start was drawn again
 };
+
+/// Takes in the infos after a step.
+void add_infos(const Simulation& simulation, std::vector<InfoRange>& ranges);
 
 /// Keeps the goal errors of the last second of simulated time.
 class ErrorWindow {

@@ -30,39 +30,44 @@ std::string progress(std::uint64_t episode, const FlightPlan& plan, const Simula
          fixed(simulation.time(), 1) + " s  return " + fixed(summary.total_reward, 3);
 }
 
-/// Parameters that have changed in the episode since `params` was taken become events.
-void note_changes(const Simulation& simulation, std::vector<double>& params, FlightLog& log) {
+/// Parameters that have changed in the episode since the last of `params` become events, and are
+/// added.
+void note_changes(const Simulation& simulation, std::vector<std::vector<double>>& params,
+                  FlightLog& log) {
   std::vector<double> now = simulation.params();
-  if (std::memcmp(now.data(), params.data(), now.size() * sizeof(double)) == 0) return;
+  const std::vector<double>& before = params.back();
+  if (std::memcmp(now.data(), before.data(), now.size() * sizeof(double)) == 0) return;
   const std::vector<EnvParam>& infos = simulation.compiled().layout().param_info;
   for (std::size_t k = 0; k < now.size(); ++k) {
-    if (now[k] != params[k]) log.event("drawn: " + infos[k].path + " = " + exact_text(now[k]));
+    if (now[k] != before[k]) log.event("drawn: " + infos[k].path + " = " + exact_text(now[k]));
   }
-  params = std::move(now);
+  params.push_back(std::move(now));
 }
 
 EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulation& simulation,
                            Policy& policy, FlightLog& log, ProgressLine& line) {
   EpisodeSummary summary;
   ErrorWindow window(simulation.compiled());
+  ReferenceErrors references(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
-  summary.params = simulation.params();
-  log.begin_episode(summary.params);
+  summary.params = {simulation.params()};
+  log.begin_episode(summary.params.front());
   record(simulation, false, log);
   summary.redraws = static_cast<std::uint64_t>(simulation.state("redraws")[0]);
   log.event(summary.redraws == 0
                 ? "reset"
                 : "reset, the start drawn again: " + std::to_string(summary.redraws));
-  std::vector<double> params = summary.params;
   for (summary.end = end_of(plan, simulation); summary.end.empty();
        summary.end = end_of(plan, simulation)) {
     policy.act(simulation, action);
     const std::uint64_t before = simulation.step_counts().near;
     simulation.step(action);
     record(simulation, simulation.step_counts().near > before, log);
-    note_changes(simulation, params, log);
+    note_changes(simulation, summary.params, log);
+    add_infos(simulation, summary.infos);
     window.add(simulation);
+    references.add(simulation);
     summary.total_reward += static_cast<double>(simulation.reward());
     if (line.is_due()) line.show(progress(number, plan, simulation, summary));
   }
@@ -70,6 +75,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   summary.steps = simulation.steps();
   summary.time = simulation.time();
   summary.goals = window.errors();
+  summary.references = references.errors();
   return summary;
 }
 

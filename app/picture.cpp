@@ -7,11 +7,11 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <sstream>
 #include <utility>
 
+#include "app/python.h"
 #include "core/base/installation.h"
 
 extern char** environ;
@@ -30,17 +30,10 @@ struct Outcome {
   std::string output;   ///< stdout and stderr
 };
 
-std::string interpreter() {
-  const char* chosen = std::getenv("SKYBODY_PYTHON");
-  if (chosen != nullptr && *chosen != '\0') return chosen;
-  const std::string configured = SKYBODY_DEFAULT_PYTHON;
-  return access(configured.c_str(), X_OK) == 0 ? configured : "python3";
-}
-
 fs::path script() { return shipped_data("scripts", "scripts") / "plot_flight.py"; }
 
 std::vector<std::string> command_line(const fs::path& log) {
-  return {interpreter(), script().string(), log.string()};
+  return {python_interpreter(), script().string(), log.string()};
 }
 
 std::string read_all(int descriptor) {

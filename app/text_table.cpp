@@ -80,4 +80,10 @@ std::string fixed(double value, int decimals) {
   return text.data();
 }
 
+std::string short_number(double value) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return text.data();
+}
+
 }  // namespace skybody

@@ -26,5 +26,7 @@ class TextTable {
 
 /// `value` with `decimals` digits behind the point.
 std::string fixed(double value, int decimals);
+/// `value` with six digits that count.
+std::string short_number(double value);
 
 }  // namespace skybody

@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "core/assemble/controller_survey.h"
+#include "core/assemble/reference_use.h"
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
 #include "core/io/scenario_reader.h"
@@ -149,6 +151,23 @@ std::vector<PromisingFile> bystanders(const LoadOptions& options, const PluginRe
   return files;
 }
 
+/// Which controllers lead over a gap in a chain.
+std::string bridge(const ChainGap& gap, const PluginRegistry& registry) {
+  if (gap.given() == gap.taken()) return "";
+  const std::string given = signal_name(gap.given());
+  const ControllerSurvey survey =
+      survey_controllers(registry.known(SKYBODY_CONTROLLER), survey_vehicle(), 0);
+  const std::vector<int> chain = shortest_chain(survey, {gap.given()}, gap.taken());
+  if (gap.taken() < 0) {
+    return chain.empty() ? "" : ", such as " + chain_text(survey, chain);
+  }
+  if (!chain.empty()) return "; between them belongs " + chain_text(survey, chain);
+  const std::string taken = signal_name(gap.taken());
+  const bool is_reversed = !shortest_chain(survey, {gap.taken()}, gap.given()).empty();
+  return "; no controllers lead from " + given + " to " + taken +
+         (is_reversed ? ", but some from " + taken + " to " + given + ": is the order right?" : "");
+}
+
 }  // namespace
 
 bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
@@ -182,9 +201,20 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
     const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
     Diagnostics& diagnostics) {
   const FpEnvironment guard;
+  ScenarioEdit edit;
+  if (!options.reference.empty()) {
+    // The scenario is compiled as it is first, since controllers say only then what they take.
+    LoadOptions plain = options;
+    plain.reference.clear();
+    Diagnostics found;
+    const auto compiled = compile_scenario(plain, registry, found);
+    if (compiled) edit = reference_edit(options.reference, *compiled, diagnostics);
+    if (!compiled) diagnostics.add(found);
+    if (!edit) return nullptr;
+  }
   const RegistryCatalog catalog(registry, bystanders(options, *registry));
   std::optional<Scenario> scenario =
-      read_scenario(scenario_file(options.scenario), options.overrides, catalog, diagnostics);
+      read_scenario(scenario_file(options.scenario), options.overrides, catalog, diagnostics, edit);
   if (!scenario || diagnostics.has_errors()) return nullptr;
   const SourceMark whole{scenario->file, 0, 0};
   try {
@@ -194,6 +224,8 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
     check_world(compiled->world());  // a world that cannot be built is said here
     return compiled;
+  } catch (const ChainGap& gap) {
+    diagnostics.error(gap.mark(), gap.what() + bridge(gap, *registry));
   } catch (const MarkedError& e) {
     diagnostics.error(e.mark(), e.what());
   } catch (const Error& e) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/model/marked_error.h"
 #include "core/physics/world/world_layout.h"
 #include "plugins/api/text.h"
 
@@ -11,12 +10,6 @@ namespace skybody {
 namespace {
 
 bool drives_base(int signal) { return signal == SKYBODY_VELOCITY || signal == SKYBODY_POSE; }
-
-/// Signals that actuators take.
-bool actuates(int signal) {
-  return signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_WRENCH || signal == SKYBODY_JOINT ||
-         drives_base(signal);
-}
 
 std::string with_size(int signal, int count) {
   return std::string(signal_name(signal)) + "[" + std::to_string(count) + "]";
@@ -114,9 +107,14 @@ class ChainMaker {
     }
     const PluginOutput& given = c.outputs[0];
     if (after.input_signal != given.signal || after.input_count() != given.count) {
-      refuse(i + 1, "controller `" + after.name + "` takes " +
-                        with_size(after.input_signal, after.input_count()) + ", but `" + c.name +
-                        "` before it gives " + with_size(given.signal, given.count));
+      const char* remedy = after.input_signal == given.signal
+                               ? ": parameters say how many values each takes and gives"
+                               : "";
+      throw ChainGap(uses_[static_cast<std::size_t>(i) + 1].mark,
+                     "controller `" + after.name + "` takes " +
+                         with_size(after.input_signal, after.input_count()) + ", but `" + c.name +
+                         "` before it gives " + with_size(given.signal, given.count) + remedy,
+                     given.signal, after.input_signal);
     }
   }
 
@@ -130,12 +128,15 @@ class ChainMaker {
                       "`, whose chain that takes it is fed by another output already");
       }
       if (!actuates(output.signal)) {
-        refuse(i, "the last controller, `" + c.name + "`, gives " +
-                      with_size(output.signal, output.count) +
-                      "; it must give rotor_speed, wrench, joint, velocity or pose: add a "
-                      "controller behind it that takes " +
-                      signal_name(output.signal) +
-                      (team_ >= 0 ? ", to the team or to robot `" + robot(output).name + "`" : ""));
+        throw ChainGap(
+            uses_[static_cast<std::size_t>(i)].mark,
+            "the last controller, `" + c.name + "`, gives " +
+                with_size(output.signal, output.count) +
+                "; it must give rotor_speed, wrench, joint, velocity or pose: add a "
+                "controller behind it that takes " +
+                signal_name(output.signal) +
+                (team_ >= 0 ? ", to the team or to robot `" + robot(output).name + "`" : ""),
+            output.signal, -1);
       }
       check_actuator(i, output);
     }
@@ -238,7 +239,7 @@ class ChainMaker {
     if (is_taken && !may_share) {
       refuse(i, "controller `" + at(i).name + "` gives " + signal_name(output.signal) +
                     " to robot `" + robot(output).name +
-                    "`, whose actuators a chain before it commands already");
+                    "`, whose actuators a chain before it commands already: leave one of them out");
     }
     is_taken = true;
   }
@@ -366,6 +367,11 @@ std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
   return place_commands(all);
 }
 
+bool actuates(int signal) {
+  return signal == SKYBODY_ROTOR_SPEED || signal == SKYBODY_WRENCH || signal == SKYBODY_JOINT ||
+         drives_base(signal);
+}
+
 const char* signal_name(int signal) {
   static constexpr std::array<const char*, SKYBODY_SIGNAL_COUNT> kNames = {
 #define SKYBODY_ROW(symbol, type, word, least, most, doc) #word,
@@ -374,6 +380,16 @@ const char* signal_name(int signal) {
   };
   return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT ? kNames[static_cast<std::size_t>(signal)]
                                                       : "none";
+}
+
+const char* signal_meaning(int signal) {
+  static constexpr std::array<const char*, SKYBODY_SIGNAL_COUNT> kMeanings = {
+#define SKYBODY_ROW(symbol, type, word, least, most, doc) doc,
+      SKYBODY_SIGNALS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+  };
+  return signal >= 0 && signal < SKYBODY_SIGNAL_COUNT ? kMeanings[static_cast<std::size_t>(signal)]
+                                                      : "";
 }
 
 }  // namespace skybody

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/env/plugin_instance.h"
+#include "core/model/marked_error.h"
 #include "core/physics/world/world.h"
 
 namespace skybody {
@@ -32,6 +34,22 @@ struct ControllerChain {
   std::vector<ChainEnd> ends;
 };
 
+/// Levels of a chain that do not meet: nothing takes what a controller gives. Whoever knows all
+/// plugins can say which of them lead from one level to the other.
+class ChainGap : public MarkedError {
+ public:
+  /// @param given  signal of the controller before the gap
+  /// @param taken  signal of the one behind it; -1: there is none, and actuators do not take
+  /// `given`
+  ChainGap(SourceMark where, const std::string& message, int given, int taken)
+      : MarkedError(std::move(where), message), given_(given), taken_(taken) {}
+  int given() const { return given_; }
+  int taken() const { return taken_; }
+
+ private:
+  int given_, taken_;
+};
+
 /// Chains the controllers of each robot and team: behind one that gives signals to actuators
 /// another chain begins. A team's chain ends in actuators, too, or in robots' own chains, which it
 /// feeds. Gives commands, sites and drives their places in the plan.
@@ -39,12 +57,19 @@ struct ControllerChain {
 ///                     command on gets the range of the one that takes it
 /// @returns those that actions command, in robot order, then those that are fed: a chain comes
 ///          behind the one that feeds it
-/// @throws MarkedError at the scenario's line where they do not fit
+/// @throws MarkedError at the scenario's line where they do not fit; ChainGap where levels do not
+///         meet
 std::vector<ControllerChain> connect_controllers(const Scenario& scenario,
                                                  std::vector<PluginInstance>& controllers,
                                                  WorldPlan& plan);
 
+/// Whether actuators take a signal: rotors, wrench sites, joints' drives or the base's drive.
+bool actuates(int signal);
+
 /// The word for a signal, such as "rotor_speed".
 const char* signal_name(int signal);
+
+/// Its values in words, with units and frames.
+const char* signal_meaning(int signal);
 
 }  // namespace skybody

@@ -4,6 +4,7 @@
 
 #include "core/io/config_tree.h"
 #include "core/io/file.h"
+#include "core/io/shipped_files.h"
 #include "core/io/text.h"
 
 namespace skybody {
@@ -122,6 +123,19 @@ class Loader {
     return merged;
   }
 
+  /// Relative to the file that includes it, else a shipped scenario: `hover` or `hover.yaml`.
+  static std::string path_of(const ConfigNode& name) {
+    std::string path = resolve_path(name.scalar, name.mark);
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored)) return path;
+    const std::filesystem::path wanted = name.scalar;
+    if (wanted.has_parent_path() || (wanted.has_extension() && wanted.extension() != ".yaml")) {
+      return path;
+    }
+    const auto shipped = find_shipped_scenario(wanted.stem().string());
+    return shipped ? shipped->string() : path;
+  }
+
   /// Merges the file that `name` says into `merged`.
   bool take(const ConfigNode& name, ConfigNode& merged) {
     if (!budget_.take_include()) {
@@ -129,7 +143,7 @@ class Loader {
                                         " files are included; put some into one file");
       return false;
     }
-    const ConfigNode* node = load(resolve_path(name.scalar, name.mark), name.mark, Quoting::kNo);
+    const ConfigNode* node = load(path_of(name), name.mark, Quoting::kNo);
     if (node == nullptr) return false;
     const ConfigCost cost = cost_of(*node);
     if (!budget_.take_values(cost.values, cost.bytes)) {

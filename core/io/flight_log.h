@@ -32,7 +32,7 @@ struct FlightLogHeader {
 
   std::vector<std::string> bodies;  ///< `robot.body`
   std::vector<std::string> goals;   ///< the body of each goal, as in `bodies`
-  std::vector<LogColumn> q, u, rotors, action, command, observation, sensors;
+  std::vector<LogColumn> q, u, rotors, action, command, observation, sensors, info;
   std::vector<LogColumn> params;       ///< randomizable values, by path
   std::vector<double> nominal_params;  ///< in the order of `params`
 };
@@ -50,6 +50,7 @@ struct FlightLogRow {
   std::uint64_t status = 0;  ///< EpisodeStatus bits
   std::uint8_t near = 0;     ///< 1: something was near enough to touch since the row before, 0: no
   std::span<const double> sensors;
+  std::span<const float> info;   ///< as the task and other plugins report
   std::span<const double> goal;  ///< 4 per goal: position (W) [m], yaw [rad]
 };
 

@@ -60,7 +60,8 @@ FlightLogEpisode::FlightLogEpisode(const Hdf5Writer& writer, Hdf5Id group,
       action_(make_columns("action", header.action, H5T_NATIVE_DOUBLE)),
       command_(make_columns("command", header.command, H5T_NATIVE_DOUBLE)),
       sensors_(make_columns("sensors", header.sensors, H5T_NATIVE_DOUBLE)),
-      observation_(make_columns("observation", header.observation, H5T_NATIVE_FLOAT)) {
+      observation_(make_columns("observation", header.observation, H5T_NATIVE_FLOAT)),
+      info_(make_columns("info", header.info, H5T_NATIVE_FLOAT)) {
   writer_.write_attribute(time_.dataset(), "unit", std::string("s"));
   writer_.write_attribute(status_.dataset(), "bits",
                           std::string("1 terminated, 2 truncated, 4 fault"));
@@ -83,6 +84,7 @@ void FlightLogEpisode::add(const FlightLogRow& row) {
   command_.add(row.command);
   sensors_.add(row.sensors);
   observation_.add(row.observation);
+  info_.add(row.info);
   last_time_ = row.time;
   ++rows_;
 }
@@ -125,9 +127,9 @@ void FlightLogEpisode::describe(const FlightLogSeries& series,
   writer_.write_attribute(series.dataset(), "units", units_of(columns));
 }
 
-std::array<FlightLogSeries*, 14> FlightLogEpisode::all() {
-  return {&time_, &reward_,      &status_,        &near_,   &bodies_,  &goal_,    &q_,
-          &u_,    &rotor_speed_, &rotor_command_, &action_, &command_, &sensors_, &observation_};
+std::array<FlightLogSeries*, 15> FlightLogEpisode::all() {
+  return {&time_,        &reward_,        &status_, &near_,    &bodies_,  &goal_,        &q_,   &u_,
+          &rotor_speed_, &rotor_command_, &action_, &command_, &sensors_, &observation_, &info_};
 }
 
 void FlightLogEpisode::write_events() const {

@@ -32,7 +32,7 @@ class FlightLogEpisode {
   FlightLogSeries make_items(const char* name, const std::vector<std::string>& items,
                              const std::vector<LogColumn>& columns) const;
   void describe(const FlightLogSeries& series, const std::vector<LogColumn>& columns) const;
-  std::array<FlightLogSeries*, 14> all();
+  std::array<FlightLogSeries*, 15> all();
   void write_events() const;
 
   /// One line of the table of events.
@@ -45,7 +45,7 @@ class FlightLogEpisode {
   const Hdf5Writer& writer_;
   Hdf5Id group_;
   FlightLogSeries time_, reward_, status_, near_, bodies_, goal_, q_, u_, rotor_speed_,
-      rotor_command_, action_, command_, sensors_, observation_;
+      rotor_command_, action_, command_, sensors_, observation_, info_;
   std::vector<Event> events_;
   std::uint64_t rows_ = 0;
   double last_time_ = 0.0;

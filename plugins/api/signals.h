@@ -20,7 +20,7 @@
   X(POSE,              Pose,             pose,              7,  7, "position (W) [m], quaternion w x y z; as an output: drives the base") \
   X(ATTITUDE,          Attitude,         attitude,          5,  8, "collective thrust [N], quaternion w x y z, perhaps body rates (B axes) [rad/s]") \
   X(POSITION,          Position,         position,          4,  4, "position (W) [m], yaw [rad]") \
-  X(TRAJECTORY,        Trajectory,       trajectory,       17,  0, "17 a point: position, velocity, acceleration, jerk, snap (W), yaw [rad], yaw rate [rad/s]") \
+  X(TRAJECTORY,       Trajectory,       trajectory,       17,  0, "a point: position, velocity, acceleration, jerk, snap (W), yaw [rad], yaw rate [rad/s]; one or several") \
   X(FORCE,             Force,            force,             3,  4, "force of the rotors together (W) [N], perhaps yaw [rad]") \
   X(ACCELERATION,      Acceleration,     acceleration,      4,  4, "acceleration (W) [m/s^2], yaw [rad]") \
   X(VELOCITY_TRACKING, VelocityTracking, velocity_tracking, 4,  4, "velocity (W) [m/s], yaw rate [rad/s]") \

@@ -258,6 +258,20 @@ std::vector<std::string> PluginRegistry::names(SkybodyKind kind) const {
   return {names.begin(), names.end()};
 }
 
+std::vector<const PluginEntry*> PluginRegistry::known(SkybodyKind kind) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<const PluginEntry*> entries;
+  for (File& file : files_) {
+    if (file.shipped) open(file);
+    for (const PluginEntry& entry : file.entries) {
+      if (entry.kind == kind && entry.failure.empty()) entries.push_back(&entry);
+    }
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const PluginEntry* a, const PluginEntry* b) { return a->name < b->name; });
+  return entries;
+}
+
 std::vector<const PluginEntry*> PluginRegistry::open_all() const {
   const std::lock_guard lock(mutex_);
   std::vector<PluginEntry*> entries;

@@ -52,6 +52,9 @@ class PluginRegistry {
   /// Names of plugins of a kind, sorted, for suggestions: usable ones of the libraries that are
   /// open and of all shipped ones, and what other libraries promise, of whatever kind.
   std::vector<std::string> names(SkybodyKind kind) const;
+  /// Usable plugins of a kind, sorted by name, of the libraries that are open and of all shipped
+  /// ones: no other code is run.
+  std::vector<const PluginEntry*> known(SkybodyKind kind) const;
   /// Opens every library: all that was found, in the order of the search.
   std::vector<const PluginEntry*> open_all() const;
   const std::vector<std::filesystem::path>& search_path() const { return search_path_; }

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <span>
@@ -171,6 +172,25 @@ TEST(Allocation, DoesNotHappenWherePluginsAskWhatBodiesFeel) {
   counting = true;
   for (int i = 0; i < 20; ++i) simulation.step(idle);
   counting = false;
+  EXPECT_EQ(all_counted.load(), 0);
+}
+
+TEST(Allocation, DoesNotHappenInModelPredictiveControl) {
+  if (!std::filesystem::exists(SKYBODY_BINARY_DIR "/lib/skybody/plugins/nmpc.so")) {
+    GTEST_SKIP() << "built without DAQP";
+  }
+  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
+                         .overrides = {"robots[0].controllers=[{plugin: nmpc}, {plugin: srt}]"}});
+  std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+  simulation.reset();
+  simulation.step(action);
+  all_counted = 0;
+  for (int i = 0; i < 100; ++i) {
+    action[static_cast<std::size_t>(i % 3)] = i % 2 == 0 ? 1.0f : -1.0f;  // rotors saturate
+    counting = true;
+    simulation.step(action);
+    counting = false;
+  }
   EXPECT_EQ(all_counted.load(), 0);
 }
 

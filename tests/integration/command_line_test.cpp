@@ -59,6 +59,9 @@ const Wrong kWrong[] = {
     {"no_value",
      {"run", "hover", "--seed"},
      "error: --seed is given without its value; see `skybody run --help`"},
+    {"value_twice",
+     {"run", "hover", "--seed", "1", "--seed", "2"},
+     "error: --seed is given more than once; see `skybody run --help`"},
     {"unknown_policy",
      {"run", "hover", "--policy", "hodl"},
      "error: --policy: there is no policy or file `hodl`; did you mean `hold`?; allowed: zero, "

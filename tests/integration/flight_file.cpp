@@ -93,6 +93,18 @@ std::string FlightFile::text_attribute(const std::string& object, const char* na
   return take(raw).front();
 }
 
+std::vector<std::string> FlightFile::texts_attribute(const std::string& object,
+                                                     const char* name) const {
+  const Id attribute{
+      check(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), name),
+      H5Aclose};
+  const Id space{check(H5Aget_space(attribute), name), H5Sclose};
+  const Id type{text_type(), H5Tclose};
+  std::vector<char*> raw(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  check(H5Aread(attribute, type, static_cast<void*>(raw.data())), name);
+  return take(raw);
+}
+
 double FlightFile::number_attribute(const std::string& object, const char* name) const {
   const Id attribute{
       check(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), name),

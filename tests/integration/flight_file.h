@@ -24,6 +24,8 @@ class FlightFile {
   std::vector<double> values(const std::string& dataset) const;
   std::vector<std::string> texts(const std::string& dataset) const;
   std::string text_attribute(const std::string& object, const char* name) const;
+  /// An attribute that is a list of texts, such as `columns`.
+  std::vector<std::string> texts_attribute(const std::string& object, const char* name) const;
   double number_attribute(const std::string& object, const char* name) const;
   /// The texts of an episode's events.
   std::vector<std::string> events(const std::string& episode) const;

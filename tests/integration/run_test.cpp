@@ -82,6 +82,29 @@ TEST(Run, LogsEveryStepAndWhereItCameFrom) {
   EXPECT_EQ(log.texts("/params/paths").size(), log.values("/episodes/0001/params").size());
 }
 
+TEST(Run, TellsWhatEffectsReportAndWhatIsDrawnInFlight) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> more = {
+      "--set", "effects=[{plugin: battery, name: pack, parameters: {cells: 4, capacity: 1.5}}]",
+      "--set",
+      "randomization=[{plugin: draw, name: late, parameters: {what: "
+      "[robots.quad.links.base_link.mass], range: [0.9, 1.1], form: scale, when: time, "
+      "time: [0.01, 0.02]}}]"};
+  const Outcome outcome = run_skybody(short_flight(folder.path(), more));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("reported value +unit +least +greatest +at the end"));
+  EXPECT_THAT(outcome.out, ContainsRegex("pack\\.charge +0\\.9[0-9]* +0\\.9[0-9]* +0\\.9"));
+  EXPECT_THAT(outcome.out, HasSubstr("robots.quad.links.base_link.mass"));
+  const FlightFile log(folder.path() / "flight.h5");
+  const std::vector<std::string> names = log.texts_attribute("/episodes/0001/info", "columns");
+  const auto charge = std::find(names.begin(), names.end(), "pack.charge") - names.begin();
+  ASSERT_LT(charge, std::ssize(names));
+  const std::vector<double> values = log.values("/episodes/0001/info");
+  const std::size_t last = values.size() - names.size() + static_cast<std::size_t>(charge);
+  EXPECT_LT(values[last], 1.0);
+  EXPECT_GT(values[last], 0.9);
+}
+
 TEST(Run, HoldHoversWithinAMillimetre) {
   const TemporaryFolder folder;
   const Outcome outcome = run_skybody(

@@ -164,6 +164,23 @@ TEST(Include, CycleShowsItsChain) {
               HasSubstr("cyclic include: " + a + " -> " + folder.path("b.yaml") + " -> " + a));
 }
 
+TEST(Include, TakesAShippedScenarioWhereNoFileHasTheName) {
+  for (const char* name : {"hover", "hover.yaml"}) {
+    TempFolder folder;
+    const std::string top = folder.write("top.yaml", std::string("include: ") + name + "\n");
+    Diagnostics diagnostics;
+    const auto root = load_config(top, diagnostics);
+    ASSERT_TRUE(root) << diagnostics.to_string();
+    EXPECT_NE(root->find("robots"), nullptr);
+  }
+  TempFolder folder;
+  folder.write("hover.yaml", "a: 1\n");
+  Diagnostics diagnostics;
+  const auto root = load_config(folder.write("top.yaml", "include: hover.yaml\n"), diagnostics);
+  ASSERT_TRUE(root) << diagnostics.to_string();
+  EXPECT_EQ(root->find("robots"), nullptr) << "the file beside it comes first";
+}
+
 TEST(Include, TheSameFileTwiceIsNoCycle) {
   TempFolder folder;
   folder.write("base.yaml", "a: 1\n");

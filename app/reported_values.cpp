@@ -1,0 +1,57 @@
+#include "app/reported_values.h"
+
+#include <cmath>
+
+#include "app/text_table.h"
+
+namespace skybody {
+namespace {
+
+constexpr std::size_t kMostRows = 24;
+
+/// Over the episodes: least, greatest, and the mean of the last values.
+InfoRange range_over(const std::vector<EpisodeSummary>& episodes, std::size_t value) {
+  InfoRange all{INFINITY, -INFINITY, 0.0};
+  double count = 0.0;
+  for (const EpisodeSummary& episode : episodes) {
+    if (episode.infos.empty()) continue;
+    const InfoRange& range = episode.infos[value];
+    all.least = std::fmin(all.least, range.least);
+    all.greatest = std::fmax(all.greatest, range.greatest);
+    all.last += range.last;
+    count += 1.0;
+  }
+  all.last /= count;
+  return all;
+}
+
+bool has_steps(const std::vector<EpisodeSummary>& episodes) {
+  for (const EpisodeSummary& episode : episodes) {
+    if (!episode.infos.empty()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string reported_values(const CompiledScenario& compiled,
+                            const std::vector<EpisodeSummary>& episodes) {
+  if (!has_steps(episodes)) return "";
+  TextTable table({"reported value", "unit", "least", "greatest", "at the end"});
+  std::size_t value = 0;
+  for (const Channel& channel : compiled.info_channels()) {
+    for (int k = 0; k < channel.count; ++k, ++value) {
+      if (value >= kMostRows) continue;
+      const std::string index = channel.count == 1 ? "" : "[" + std::to_string(k) + "]";
+      const InfoRange range = range_over(episodes, value);
+      table.add({channel.name + index, channel.unit, short_number(range.least),
+                 short_number(range.greatest), short_number(range.last)});
+    }
+  }
+  std::string text = table.to_string();
+  if (value > kMostRows)
+    text += "and " + std::to_string(value - kMostRows) + " more, see the log\n";
+  return text + (episodes.size() > 1 ? "at the end: mean of the episodes\n" : "");
+}
+
+}  // namespace skybody

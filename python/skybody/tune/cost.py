@@ -1,0 +1,82 @@
+"""What a flight costs: error, overshoot, effort, saturation, failure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .commands import Program
+from .flight import Flights
+
+Rows = NDArray[np.float64]
+
+# Weights of the terms, chosen so that a good flight has about 1 and each term a part of it.
+WEIGHTS = {
+    "step": 1.5,
+    "settled": 3.0,
+    "path": 4.0,
+    "overshoot": 1.0,
+    "shaking": 0.6,
+    "effort": 4.0,
+    "saturation": 1.0,
+}
+LOST = 20.0  # more than any flight that is not lost
+SETTLED_SHARE = 1.0 / 3.0  # of the time after the step
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Terms of n flights, each (n,), unweighted."""
+
+    terms: dict[str, Rows]
+    lost: Rows
+    """share of the flight that was left when it was lost; 0: it was not"""
+
+    @property
+    def total(self) -> Rows:
+        """(n,)"""
+        weighted = sum(WEIGHTS[name] * values for name, values in self.terms.items())
+        return np.where(self.lost > 0.0, LOST * (1.0 + self.lost), np.minimum(weighted, LOST))
+
+
+def costs_of(program: Program, flights: Flights) -> Costs:
+    """The terms, in scales of the program:
+
+    * step: RMS error from the step to the path;
+    * settled: RMS error in the last third of that;
+    * path: RMS error on the path, without its first tenth;
+    * overshoot: largest way beyond the step, over all values;
+    * shaking: RMS of the body's rates in the last third after the step [rad/s];
+    * effort: RMS change of a rotor's command from one command to the next [share of its speed];
+    * saturation: share of rotors' commands at 0 or at the rotor's largest speed.
+    """
+    begin, end = program.step_begin, program.step_end
+    settled = end - round((end - begin) * SETTLED_SHARE)
+    on_path = end + (flights.steps - end) // 10
+    error = flights.errors
+    jump = (program.targets[begin] - program.targets[begin - 1]) / program.scale
+    beyond = error[begin:end] * np.sign(jump)
+    with np.errstate(over="ignore", invalid="ignore"):
+        terms = {
+            "step": _rms(error[begin:end]),
+            "settled": _rms(error[settled:end]),
+            "path": _rms(error[on_path:]),
+            "overshoot": np.max(np.maximum(beyond, 0.0) * (jump != 0.0), axis=(0, 2)),
+            "shaking": _rms(flights.rates[settled:end]),
+            "effort": _rms(np.diff(flights.rotor_commands, axis=0)),
+            "saturation": _saturation(flights.rotor_commands),
+        }
+    lost = 1.0 - flights.lost_at / flights.steps
+    return Costs({name: np.nan_to_num(term, nan=LOST) for name, term in terms.items()}, lost)
+
+
+def _rms(values: Rows) -> Rows:
+    """(n,) over times and components of (steps, n, components)."""
+    return np.asarray(np.sqrt(np.mean(np.square(values), axis=(0, 2))))
+
+
+def _saturation(commands: Rows) -> Rows:
+    at_limit = (commands <= 1e-6) | (commands >= 1.0 - 1e-6)
+    return np.asarray(np.mean(at_limit, axis=(0, 2)))

@@ -1,0 +1,147 @@
+"""What is written and said: gains as YAML, all figures as JSON, a table."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .cost import WEIGHTS
+from .margins import Margins
+from .tuner import HELD_OUT, Outcome, Tuned
+
+
+def gains_yaml(tuned: Tuned, robot: str) -> str:
+    """The chain with its gains, to be included in a scenario, with the margins as comments."""
+    vehicle, after = tuned.vehicle, tuned.after
+    lines = [
+        f"# Gains of {vehicle.name} for {vehicle.chain}, fitted by `skybody tune`: seed "
+        f"{tuned.options.seed}, {tuned.history[-1][0]} candidates.",
+        f"# Cost on {HELD_OUT} vehicles and winds that the search has not seen: "
+        f"{tuned.before.cost:.3f} with default gains, {after.cost:.3f} with these.",
+        *(f"# {line}" for line in margin_lines(after.margins, vehicle.latency)),
+        f"# In a scenario: `include: [YOURS.yaml, gains.yaml]`; its robot is called `{robot}`.",
+        "robots:",
+        f"  {robot}:",
+        f"    controllers:{_controllers(tuned)}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _controllers(tuned: Tuned) -> str:
+    """As a list over several lines: controllers of the chain, each with its gains."""
+    gained = dict(tuned.after.parameters)
+    entries = []
+    for use in tuned.uses:
+        parts = [f"plugin: {use.plugin}"]
+        if use.name != use.plugin:
+            parts.append(f"name: {use.name}")
+        parameters = dict(use.parameters)
+        for name, values in gained.get(use.name, {}).items():
+            numbers = [f"{value:g}" for value in values]
+            parameters[name] = numbers[0] if len(numbers) == 1 else f"[{', '.join(numbers)}]"
+        if parameters:
+            inner = ", ".join(f"{name}: {value}" for name, value in parameters.items())
+            parts.append(f"parameters: {{{inner}}}")
+        entries.append("\n      - {" + ", ".join(parts) + "}")
+    return "".join(entries)
+
+
+def margin_lines(margins: Margins | None, latency: float) -> list[str]:
+    """In words."""
+    if margins is None:
+        return []
+    turning, moving = margins.turning, margins.moving
+    return [
+        "Margins, by simulation:",
+        f"  gain of turning: {_factor(turning.up)} up, {_factor(turning.down)} down",
+        f"  gain of moving: {_factor(moving.up)} up, {_factor(moving.down)} down",
+        f"  delay: {_milliseconds(margins.delay)} more than the {1000.0 * latency:g} ms that were "
+        "flown",
+    ]
+
+
+def _factor(value: float) -> str:
+    if math.isinf(value):
+        return "more than 32"
+    if value == 0.0:
+        return "less than 1/32"
+    return f"{value:.2f} ({20.0 * math.log10(value):+.1f} dB)"
+
+
+def _milliseconds(value: float) -> str:
+    return "more than 320 ms" if math.isinf(value) else f"{1000.0 * value:.0f} ms"
+
+
+def table(tuned: Tuned) -> str:
+    """Before and after, term by term, over the held-out draws."""
+    rows = [("", "default", "tuned")]
+    rows.append(("cost", f"{tuned.before.cost:.3f}", f"{tuned.after.cost:.3f}"))
+    for name in WEIGHTS:
+        values = [float(np.mean(o.costs.terms[name])) for o in (tuned.before, tuned.after)]
+        rows.append((name, f"{values[0]:.4f}", f"{values[1]:.4f}"))
+    rows.append(("lost flights", str(tuned.before.lost), str(tuned.after.lost)))
+    a, b = tuned.before.margins, tuned.after.margins
+    if a is not None and b is not None:
+        rows.append(("turning gain, up", _factor(a.turning.up), _factor(b.turning.up)))
+        rows.append(("turning gain, down", _factor(a.turning.down), _factor(b.turning.down)))
+        rows.append(("moving gain, up", _factor(a.moving.up), _factor(b.moving.up)))
+        rows.append(("moving gain, down", _factor(a.moving.down), _factor(b.moving.down)))
+        rows.append(("delay margin", _milliseconds(a.delay), _milliseconds(b.delay)))
+    first, second, third = (max(len(row[k]) for row in rows) for k in range(3))
+    return "".join(f"{name:<{first}}  {old:>{second}}  {new:>{third}}\n" for name, old, new in rows)
+
+
+def report(tuned: Tuned) -> dict[str, Any]:
+    """All figures, for programs."""
+    return {
+        "vehicle": tuned.vehicle.model,
+        "chain": tuned.vehicle.chain,
+        "level": tuned.program.level,
+        "latency_s": tuned.vehicle.latency,
+        "seed": tuned.options.seed,
+        "candidates": tuned.history[-1][0],
+        "draws": tuned.options.draws,
+        "held_out_draws": HELD_OUT,
+        "better_on": tuned.better_draws,
+        "seconds": round(tuned.seconds, 2),
+        "before": _outcome(tuned.before),
+        "after": _outcome(tuned.after),
+        "search": [[tried, cost] for tried, cost in tuned.history],
+    }
+
+
+def _outcome(outcome: Outcome) -> dict[str, Any]:
+    margins = outcome.margins
+    return {
+        "cost": outcome.cost,
+        "terms": {name: float(np.mean(v)) for name, v in outcome.costs.terms.items()},
+        "lost": outcome.lost,
+        "margins": None
+        if margins is None
+        else {
+            "turning": {"up": _finite(margins.turning.up), "down": margins.turning.down},
+            "moving": {"up": _finite(margins.moving.up), "down": margins.moving.down},
+            "delay_s": _finite(margins.delay),
+        },
+        "gains": outcome.parameters,
+    }
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return value if math.isfinite(value) else None
+
+
+def write(tuned: Tuned, folder: Path, robot: str) -> list[Path]:
+    """Writes gains.yaml, report.json and, where matplotlib is there, step_response.png."""
+    from .picture import draw
+
+    folder.mkdir(parents=True, exist_ok=True)
+    gains, figures = folder / "gains.yaml", folder / "report.json"
+    gains.write_text(gains_yaml(tuned, robot), encoding="utf-8")
+    figures.write_text(json.dumps(report(tuned), indent=2) + "\n", encoding="utf-8")
+    return [gains, figures, *draw(tuned, folder / "step_response.png")]

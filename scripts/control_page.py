@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""Writes the tables of docs/control-modes.md and its figure from what the built plugins declare.
+
+    scripts/control_page.py [--check]
+
+Asks `skybody modes --json` of build/release. --check writes nothing and exits with 1 where page or
+figure is behind.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from control_figure import figure
+
+ROOT = Path(__file__).resolve().parents[1]
+PROGRAM = ROOT / "build/release/bin/skybody"
+PAGE = ROOT / "docs/control-modes.md"
+FIGURE = ROOT / "docs/control-modes.svg"
+SIGNALS_H = ROOT / "plugins/api/signals.h"
+BEGIN = "<!-- {name}: written by scripts/control_page.py -->\n"
+END = "<!-- end of {name} -->\n"
+
+
+def declared() -> dict[str, Any]:
+    """What the shipped plugins say of themselves."""
+    environment = {k: v for k, v in os.environ.items() if k != "SKYBODY_PLUGIN_PATH"}
+    done = subprocess.run(
+        [PROGRAM, "modes", "--json"], capture_output=True, text=True, check=True, env=environment
+    )
+    return json.loads(done.stdout)
+
+
+def sizes() -> dict[str, str]:
+    """Number of values of each signal, from the list in plugins/api/signals.h."""
+    text = SIGNALS_H.read_text(encoding="utf-8").replace("SKYBODY_REFERENCE_VALUES", "17")
+    found = {}
+    for word, least, most, doc in re.findall(
+        r"X\(\w+, +\w+, +(\w+), +(\d+), +(\d+), \"([^\"]*)\"\)", text
+    ):
+        if least == "0":
+            found[word] = "6 a site" if doc.startswith("6 per site") else "by the robot"
+        elif most == "0":
+            found[word] = f"{least} a point"
+        else:
+            found[word] = least if least == most else f"{least} or {most}"
+    return found
+
+
+def table(heading: list[str], rows: list[list[str]]) -> str:
+    lines = [heading, ["---"] * len(heading), *rows]
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def signal_table(modes: dict[str, Any]) -> str:
+    count = sizes()
+    rows = [
+        [
+            f"`{signal['signal']}`",
+            count[signal["signal"]],
+            signal["meaning"],
+            "yes" if signal["acts"] else "",
+        ]
+        for signal in modes["signals"]
+        if signal["signal"] != "none"
+    ]
+    return table(["Signal", "Size", "Values", "Acts"], rows)
+
+
+def level(use: dict[str, Any], count: dict[str, str]) -> str:
+    """A signal, with its size where the signal leaves that open."""
+    has_choice = " or " in count.get(use["signal"], "")
+    return f"`{use['signal']}`" + (f" ({use['size']})" if has_choice else "")
+
+
+def controller_table(modes: dict[str, Any]) -> str:
+    count = sizes()
+    rows = []
+    for mode in modes["controllers"]:
+        name = mode["plugin"]
+        takes = "any" if mode["passes_on"] else level(mode["takes"], count)
+        gives = "the same" if mode["passes_on"] else level(mode["gives"], count)
+        chosen = ", ".join(f"`{option}`" for option in mode["options"])
+        rows.append(
+            [f"[{name}](../controllers/{name}/README.md)", takes, gives, chosen, mode["doc"]]
+        )
+    for refused in modes["refused"]:
+        name = refused["plugin"]
+        rows.append([f"[{name}](../controllers/{name}/README.md)", "", "", "see there", ""])
+    return table(["Controller", "takes", "gives", "chosen by", "in a line"], rows)
+
+
+def page(modes: dict[str, Any]) -> str:
+    """docs/control-modes.md as it should be."""
+    text = PAGE.read_text(encoding="utf-8")
+    for name, content in (
+        ("signals", signal_table(modes)),
+        ("controllers", controller_table(modes)),
+    ):
+        begin, end = BEGIN.format(name=name), END.format(name=name)
+        before, rest = text.split(begin)
+        text = before + begin + content + end + rest.split(end)[1]
+    return text
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="write the control page from declared signals")
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; 1 if page or figure is behind"
+    )
+    options = parser.parse_args()
+    modes = declared()
+    made = {PAGE: page(modes), FIGURE: figure(modes)}
+    if options.check:
+        return int(any(not file.is_file() or file.read_text() != made[file] for file in made))
+    for file, text in made.items():
+        file.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
