@@ -1,5 +1,6 @@
 #include "app/mode_tables.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -69,36 +70,37 @@ std::string signal_table() {
   return table.to_string();
 }
 
-/// Levels that lead to actuators, each with the shortest chain to every kind of them.
-struct Entry {
-  int first = 0;           ///< of the chain, within the survey
-  std::vector<int> chain;  ///< with the first
-};
-
-std::vector<Entry> entries_of(const ControllerSurvey& survey) {
-  std::vector<Entry> entries;
-  std::vector<bool> is_done(SKYBODY_SIGNAL_COUNT, false);
+/// Chains that begin with each mode and lead on to rotors, or where none does to other actuators,
+/// by the level at which they begin; places within the survey.
+std::vector<std::vector<int>> entries_of(const ControllerSurvey& survey) {
+  std::vector<std::vector<int>> entries;
   for (int i = 0; i < static_cast<int>(survey.modes.size()); ++i) {
     const ControllerMode& mode = survey.modes[static_cast<std::size_t>(i)];
     if (mode.passes_on || mode.takes.signal == SKYBODY_NONE) continue;
-    if (is_done[static_cast<std::size_t>(mode.takes.signal)]) continue;
-    is_done[static_cast<std::size_t>(mode.takes.signal)] = true;
-    for (int end = 0; end < SKYBODY_SIGNAL_COUNT; ++end) {
-      if (!actuates(end)) continue;
-      std::vector<int> chain = shortest_chain(survey, mode.takes.signal, end);
-      if (!chain.empty()) entries.push_back({chain.front(), std::move(chain)});
+    std::vector<int> chain{i};
+    if (!actuates(mode.gives.signal)) {
+      std::vector<int> rest = shortest_chain(survey, mode.gives, SKYBODY_ROTOR_SPEED);
+      if (rest.empty()) rest = shortest_chain(survey, mode.gives, -1);
+      if (rest.empty()) continue;
+      chain.insert(chain.end(), rest.begin(), rest.end());
     }
+    entries.push_back(std::move(chain));
   }
+  const auto level = [&](const std::vector<int>& chain) {
+    return survey.modes[static_cast<std::size_t>(chain.front())].takes.signal;
+  };
+  std::stable_sort(entries.begin(), entries.end(),
+                   [&](const auto& a, const auto& b) { return level(a) < level(b); });
   return entries;
 }
 
 std::string modes_table(const ControllerSurvey& survey) {
   TextTable table({"enters at", "drives", "actions -1..+1", "controllers"});
-  for (const Entry& entry : entries_of(survey)) {
-    const ControllerMode& first = survey.modes[static_cast<std::size_t>(entry.first)];
-    const ControllerMode& last = survey.modes[static_cast<std::size_t>(entry.chain.back())];
+  for (const std::vector<int>& chain : entries_of(survey)) {
+    const ControllerMode& first = survey.modes[static_cast<std::size_t>(chain.front())];
+    const ControllerMode& last = survey.modes[static_cast<std::size_t>(chain.back())];
     table.add({with_size(first.takes.signal, first.takes.count), signal_name(last.gives.signal),
-               ranges_text(first.low, first.high), chain_yaml(survey, entry.chain)});
+               ranges_text(first.low, first.high), chain_yaml(survey, chain)});
   }
   return table.to_string();
 }
@@ -210,12 +212,12 @@ std::string chain_json(const CompiledScenario& compiled, const ControllerChain& 
 
 std::string robot_json(const RobotModes& robot) {
   std::vector<std::string> modes;
-  for (const Entry& entry : entries_of(robot.survey)) {
-    const ControllerMode& first = robot.survey.modes[static_cast<std::size_t>(entry.first)];
-    const ControllerMode& last = robot.survey.modes[static_cast<std::size_t>(entry.chain.back())];
+  for (const std::vector<int>& chain : entries_of(robot.survey)) {
+    const ControllerMode& first = robot.survey.modes[static_cast<std::size_t>(chain.front())];
+    const ControllerMode& last = robot.survey.modes[static_cast<std::size_t>(chain.back())];
     JsonObject mode = level_json(first.takes.signal, first.takes.count);
     mode.set_text("drives", signal_name(last.gives.signal))
-        .set_text("controllers", chain_yaml(robot.survey, entry.chain))
+        .set_text("controllers", chain_yaml(robot.survey, chain))
         .set("low", numbers_json(first.low))
         .set("high", numbers_json(first.high));
     modes.push_back(mode.text());

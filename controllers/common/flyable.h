@@ -34,6 +34,7 @@ struct Breach {
   double allowed = 0.0;     ///< that the vehicle has
   double excess = 0.0;      ///< by which share it breaks
   std::string remedy = {};  ///< empty: a slower pace
+  bool is_least = false;    ///< `allowed` is the least value and not the greatest
 };
 
 /// What a vehicle can do. Immutable after configure().
@@ -69,8 +70,9 @@ class FlightEnvelope {
                                    point.jerk, point.snap};
     const double size = norm(u.value);
     if (!(size >= kLeastShare * gravity_)) {
-      worst.take("least thrust", "N", mass_ * size, mass_ * kLeastShare * gravity_,
+      worst.take("thrust", "N", mass_ * size, mass_ * kLeastShare * gravity_,
                  kLeastShare * gravity_ / max(size, 1e-9) - 1.0);
+      if (worst.breach) worst.breach->is_least = true;
       return worst.breach;
     }
     const FlatMotion<double> flat = flat_motion(u, point.yaw, point.yaw_rate);
@@ -94,7 +96,8 @@ class FlightEnvelope {
                   speed,
                   0.0,
                   speed / kLeastJump - 1.0,
-                  where == "end" ? "let the path end at rest" : "add a `ramp`"};
+                  where == "end" ? "let the path end at rest" : "add a `ramp`",
+                  false};
   }
 
  private:
@@ -104,7 +107,7 @@ class FlightEnvelope {
 
     void take(const char* limit, const char* unit, double value, double allowed, double excess) {
       if (!(excess > kTolerance) || (breach && breach->excess >= excess)) return;
-      breach = Breach{limit, unit, time, value, allowed, excess, ""};
+      breach = Breach{limit, unit, time, value, allowed, excess, "", false};
     }
     void at_most(const char* limit, const char* unit, double value, double allowed) {
       take(limit, unit, value, allowed, value / allowed - 1.0);
@@ -214,10 +217,12 @@ void require_flyable(const FlightEnvelope& envelope, const Reference& reference,
                            : "no `time_scale` is slow enough: change the path, add a `ramp`, or "
                              "take `check: false`";
   }
+  const std::string has =
+      worst->is_least ? "the least with which it keeps an attitude is " : "the vehicle has ";
   throw std::runtime_error("the reference cannot be flown: " + worst->limit + " at " +
                            text(worst->time) + " s takes " + text(worst->value) + " " +
-                           worst->unit + ", the vehicle has " + text(worst->allowed) + " " +
-                           worst->unit + "; " + remedy);
+                           worst->unit + ", " + has + text(worst->allowed) + " " + worst->unit +
+                           "; " + remedy);
 }
 
 }  // namespace skybody::control
