@@ -12,7 +12,6 @@ namespace {
 
 using nmpc::kMostInputs;
 using nmpc::kMostNodes;
-using nmpc::kMostRotors;
 
 /// What is kept of a flight: the words of the buffer, in this order, then the inputs.
 enum Word : int {
