@@ -139,11 +139,14 @@ std::string reference_table(const CompiledScenario& compiled,
   for (std::size_t e = 0; e < episodes.size(); ++e) {
     for (std::size_t k = 0; k < references.size(); ++k) {
       const ReferenceError& error = episodes[e][k];
-      const auto cm = [](double metres) { return fixed(100.0 * metres, 2); };
+      const auto cell = [](double value, int decimals) {
+        return std::isnan(value) ? std::string("-") : fixed(value, decimals);
+      };
+      const auto cm = [&](double metres) { return cell(100.0 * metres, 2); };
       table.add({std::to_string(e + 1), body_name(compiled, references[k].body), cm(error.total),
                  cm(error.rms[0]), cm(error.rms[1]), cm(error.rms[2]), cm(error.max),
-                 fixed(error.yaw * 180.0 / std::numbers::pi, 2), fixed(error.effort, 3),
-                 fixed(100.0 * error.saturated, 1)});
+                 cell(error.yaw * 180.0 / std::numbers::pi, 2), cell(error.effort, 3),
+                 cell(100.0 * error.saturated, 1)});
     }
   }
   return table.to_string() +
