@@ -15,12 +15,23 @@ namespace {
 constexpr const char* kPlugin = "reference";
 constexpr int kValues = 4;  // position and yaw
 
-/// A parameter of a plugin as the scenario gives it.
-double number_of(const PluginUse& use, const std::string& name, double otherwise) {
+const ParameterValue* given(const PluginUse& use, const std::string& name) {
   for (const ParameterValue& value : use.parameters) {
-    if (value.name == name && value.is_given) return value.numbers.at(0);
+    if (value.name == name && value.is_given) return &value;
   }
-  return otherwise;
+  return nullptr;
+}
+
+/// When approach and ramp of a controller `reference` are over [s]. Figures have a ramp by default.
+double begin_of(const PluginUse& use) {
+  constexpr double kRampOfFigures = 2.0;
+  const ParameterValue *approach = given(use, "approach"), *ramp = given(use, "ramp");
+  const std::string kind = given(use, "kind")->texts.at(0);
+  const bool has_ramp = kind != "waypoints" && kind != "csv" && kind != "step" && kind != "hold";
+  return (approach == nullptr ? 0.0 : approach->numbers.at(0)) + (ramp != nullptr
+                                                                      ? ramp->numbers.at(0)
+                                                                  : has_ramp ? kRampOfFigures
+                                                                             : 0.0);
 }
 
 double yaw_of(const Quat<double>& q) {
@@ -51,8 +62,8 @@ std::vector<FlownReference> flown_references(const CompiledScenario& compiled) {
       const std::size_t controller = index++;
       if (use.plugin != kPlugin) continue;
       const int body = compiled.layout().robots[r].first_body;
-      const double begin = number_of(use, "approach", 0.0) + number_of(use, "ramp", 2.0);
-      found.push_back({static_cast<int>(r), body, info_of_controller(compiled, controller), begin});
+      found.push_back(
+          {static_cast<int>(r), body, info_of_controller(compiled, controller), begin_of(use)});
     }
   }
   return found;
