@@ -1,98 +1,41 @@
 """Accelerations in moving air against RotorPy's own, with its Crazyflie and its Hummingbird.
 
-S. Folk, J. Paulos, V. Kumar, "RotorPy: A Python-based Multirotor Simulator with Aerodynamics for
-Education and Research", 2023. A model is written from its numbers: one link, rotors without
-inertia (RotorPy has no gyroscopic term) that reach their command within a step. Its induced drag
-k_z, flapping k_flap and translational lift k_h are the effect blade_flapping, its parasitic drag
-c_D is the effect body_drag, its rotor drag k_d is `drag_constant` of the rotors file. Its rotor
-directions are those of the reaction on the vehicle, so the opposite of ours.
+How its vehicles are written as models of ours: experiments/rotorpy_vehicle.py. Rotors reach their
+command within a step.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import importlib
+import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from numpy.typing import NDArray
 from skybody import Simulation
 
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def vehicles_of_rotorpy() -> ModuleType:
+    """What experiments share."""
+    sys.path.insert(0, str(ROOT / "experiments"))
+    try:
+        return importlib.import_module("rotorpy_vehicle")
+    finally:
+        sys.path.remove(str(ROOT / "experiments"))
+
+
+vehicles = vehicles_of_rotorpy()
 multirotor: Any = importlib.import_module("rotorpy.vehicles.multirotor")
 
 Reals = NDArray[np.float64]
 Constants = dict[str, Any]
-
 STATES = 10_000
-URDF = """<?xml version="1.0"?>
-<robot name="vehicle">
-  <link name="base">
-    <inertial>
-      <mass value="{mass!r}"/>
-      <inertia ixx="{Ixx!r}" iyy="{Iyy!r}" izz="{Izz!r}" ixy="{Ixy!r}" ixz="{Ixz!r}" iyz="{Iyz!r}"/>
-    </inertial>
-  </link>
-</robot>
-"""
-
-
-def constants_of(vehicle: str) -> Constants:
-    """RotorPy's parameter file of a vehicle."""
-    module: Any = importlib.import_module(f"rotorpy.vehicles.{vehicle}_params")
-    return dict(module.quad_params)
-
-
-def rotors_file(k: Constants) -> dict[str, Any]:
-    """Numbers become text and numbers again with the same bits."""
-    defaults = {
-        "thrust_constant": float(k["k_eta"]),
-        "moment_constant": float(k["k_m"]),
-        "drag_constant": float(k["k_d"]),
-        "inertia": 0.0,
-        "max_speed": float(k["rotor_speed_max"]),
-        "tau_up": 0.0,
-        "tau_down": 0.0,
-    }
-    rotors = [
-        {
-            "name": name,
-            "link": "base",
-            "position": [float(x) for x in place],
-            "direction": "cw" if turn > 0 else "ccw",
-        }
-        for (name, place), turn in zip(k["rotor_pos"].items(), k["rotor_directions"], strict=True)
-    ]
-    return {"defaults": defaults, "rotors": rotors}
-
-
-def scenario(k: Constants) -> dict[str, Any]:
-    drag = [float(k[f"c_D{axis}"]) for axis in "xyz"]
-    air = {
-        "axial_drag": float(k["k_z"]),
-        "flapping": float(k["k_flap"]),
-        "translational_lift": float(k["k_h"]),
-    }
-    return {
-        "stepping": {"dt": 0.001, "action_repeat": 1},
-        "contact": {"ground": False},
-        "robots": [
-            {
-                "name": "vehicle",
-                "model": "vehicle.urdf",
-                "rotors": "rotors.yaml",
-                "controllers": [{"plugin": "rotor_speed"}],
-            }
-        ],
-        "effects": [
-            {"plugin": "wind"},
-            {"plugin": "body_drag", "parameters": {"quadratic": drag}},
-            {"plugin": "blade_flapping", "parameters": air},
-        ],
-        "task": {"plugin": "watch", "parameters": {"link": "base"}},
-    }
 
 
 @dataclasses.dataclass(frozen=True)
@@ -126,10 +69,7 @@ class Ours:
     """The vehicle here."""
 
     def __init__(self, folder: Path, k: Constants) -> None:
-        (folder / "vehicle.urdf").write_text(URDF.format(**k))
-        (folder / "rotors.yaml").write_text(yaml.safe_dump(rotors_file(k)))
-        (folder / "flight.yaml").write_text(yaml.safe_dump(scenario(k)))
-        self.sim = Simulation(str(folder / "flight.yaml"))
+        self.sim = Simulation(str(vehicles.write_scenario(folder, k, lag=0.0)))
         self.sim.reset()
         paths = [p for p in self.sim.compiled.param_paths if p.startswith("effects.wind.velocity")]
         assert len(paths) == 3
@@ -160,9 +100,6 @@ def by_rotorpy(vehicle: Any, at: Flight) -> Reals:
     return np.concatenate([found["vdot"], found["wdot"]])
 
 
-# The moment of inertia of RotorPy's Crazyflie about z is above the sum of the others, which no body
-# has and Skybody refuses: both sides get a smaller one.
-CRAZYFLIE = {"Izz": 2.85e-5}
 # RotorPy's files leave flapping out, and of the Crazyflie translational lift and parasitic drag:
 # the last case has all terms and an inertia that is not diagonal.
 EVERYTHING = {
@@ -179,11 +116,11 @@ EVERYTHING = {
 
 @pytest.mark.parametrize(
     ("name", "changes"),
-    [("crazyflie", CRAZYFLIE), ("hummingbird", {}), ("hummingbird", EVERYTHING)],
+    [("crazyflie", {}), ("hummingbird", {}), ("hummingbird", EVERYTHING)],
     ids=["crazyflie", "hummingbird", "hummingbird_with_every_term"],
 )
 def test_accelerations_are_rotorpys(tmp_path: Path, name: str, changes: Constants) -> None:
-    k = constants_of(name) | changes
+    k = vehicles.constants_of(name) | changes
     ours, vehicle = Ours(tmp_path, k), multirotor.Multirotor(k)
     random = np.random.default_rng(1)
     worst = 0.0
