@@ -19,8 +19,10 @@
 #include <utility>
 #include <vector>
 
-#include "controllers/common/allocation.h"
 #include "controllers/common/flatness.h"
+#include "controllers/common/priority.h"
+#include "controllers/common/pseudo_inverse.h"
+#include "controllers/common/rotor_effects.h"
 #include "plugins/api/reference_point.h"
 
 namespace skybody::control {
@@ -55,12 +57,7 @@ class FlightEnvelope {
     limits_ = limits_of(rotors, base);
     max_tilt_ = max_tilt;
     max_rate_ = max_rate;
-    for (const RotorInfo& rotor : rotors) effects_.push_back(effect_of(rotor, base));
-    try {
-      allocation_.configure(setup, robot, "a reference that is checked");
-    } catch (const std::runtime_error&) {
-      effects_.clear();  // torques are not held against rotors that cannot be allocated
-    }
+    allocate(setup, robot, rotors, base);
   }
 
   /// The worst limit that one moment breaks. Of an upside-down or falling moment the fall.
@@ -81,7 +78,7 @@ class FlightEnvelope {
     worst.at_most("roll rate", "rad/s", abs(flat.rates.x), max_rate_);
     worst.at_most("pitch rate", "rad/s", abs(flat.rates.y), max_rate_);
     worst.at_most("yaw rate", "rad/s", abs(flat.rates.z), max_rate_);
-    if (!worst.breach && !effects_.empty()) check_rotors(flat, worst);
+    if (!worst.breach && !rotors_.empty()) check_rotors(flat, worst);
     return worst.breach;
   }
 
@@ -114,36 +111,50 @@ class FlightEnvelope {
     }
   };
 
-  /// What of thrust and torque the rotors do not reach together.
+  /// Rotors on joints, fewer than four, and rotors that do not reach all of thrust and torques are
+  /// not allocated: their torques are not looked at.
+  void allocate(const Setup& setup, int robot, const View<RotorInfo>& rotors,
+                const BodyInfo& base) {
+    std::vector<double> rows;
+    for (const RotorInfo& rotor : rotors) {
+      if (rotor.body != base_of(setup, robot)) return;
+      const RotorEffect e = effect_of(rotor, base);
+      rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
+    }
+    std::vector<double> inverse;
+    try {
+      inverse = PseudoInverse::of(rows, robot_name(setup, robot), "a reference that is checked");
+    } catch (const std::runtime_error&) {
+      return;
+    }
+    for (int i = 0; i < rotors.size(); ++i) {
+      const double* p = &inverse[static_cast<std::size_t>(4 * i)];
+      const bool lifts = p[0] * rotors.size() > 1e-6;
+      rotors_.push_back({p[0], p[1], p[2], p[3], lifts ? 1.0 / p[0] : 0.0, full_thrust(rotors[i]),
+                         1.0 / rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT], lifts});
+    }
+  }
+
+  /// What of thrust and torques has to give way to the others, with each rotor within its limits.
   void check_rotors(const FlatMotion<double>& flat, Worst& worst) const {
     const Vec3<double> torque =
         inertia_ * flat.angular_acceleration + cross(flat.rates, inertia_ * flat.rates);
     const double thrust = mass_ * flat.thrust;
-    std::vector<double> thrusts(effects_.size());
-    allocation_.thrusts(thrust, torque, Values<double>(thrusts.data(), 1, true));
-    double lift = 0.0;
-    Vec3<double> reached{0.0, 0.0, 0.0};
-    for (std::size_t i = 0; i < effects_.size(); ++i) {
-      lift += effects_[i].thrust * thrusts[i];
-      reached += effects_[i].torque * thrusts[i];
-    }
-    const auto lacks = [&](const char* what, const char* unit, double asked, double given,
-                           double scale) {
-      // Beside the other demands: a share of the vehicle's own scale, so that rounding is none.
-      if (abs(asked - given) <= kTolerance * scale) return;
-      worst.take(what, unit, abs(asked), abs(given), abs(asked - given) / scale);
-    };
-    lacks("roll torque beside the thrust", "N m", torque.x, reached.x, limits_.torque.x);
-    lacks("pitch torque beside the thrust", "N m", torque.y, reached.y, limits_.torque.y);
-    lacks("yaw torque beside the thrust", "N m", torque.z, reached.z, limits_.torque.z);
-    lacks("thrust beside the torques", "N", thrust, lift, limits_.thrust);
+    const Priority::Shares<double> use = Priority(rotors_).fitting(thrust, torque);
+    const double tilting = norm(torque.x, torque.y), turning = abs(torque.z);
+    // Shares of what the vehicle has, so that what is lost to rounding is nothing.
+    worst.take("torque about x and y beside the thrust", "N m", tilting, use.tilt * tilting,
+               (1.0 - use.tilt) * tilting / min(limits_.torque.x, limits_.torque.y));
+    worst.take("torque about z beside the thrust", "N m", turning, use.yaw * turning,
+               (1.0 - use.yaw) * turning / limits_.torque.z);
+    worst.take("thrust beside the torques", "N", thrust, use.thrust,
+               abs(thrust - use.thrust) / limits_.thrust);
   }
 
   double mass_ = 0.0, gravity_ = 0.0, max_tilt_ = kPi, max_rate_ = kLargest;
   SymMat3<double> inertia_{};
   ThrustTorqueLimits limits_;
-  std::vector<RotorEffect> effects_;
-  Allocation allocation_;
+  std::vector<AllocatedRotor> rotors_;
 };
 
 /// A reference at a pace: the point at a time, and when it is over, both at a time scale.

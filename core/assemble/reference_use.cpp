@@ -26,13 +26,15 @@ struct Lead {
   int count;          ///< of its values; 0: any
   const char* gives;  ///< level of the reference
   std::vector<Use> controllers;
+  int points = 1;  ///< of the trajectory
 };
 
 // Laws hold commands to the box that actions mean, and accelerations to what suits a learner. A
 // reference is no action, and has been held against what the vehicle can do: it may go farther.
-#define SKYBODY_FREE                                                  \
-  "position_min: [-1e5, -1e5, -1e5], position_max: [1e5, 1e5, 1e5], " \
-  "max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
+#define SKYBODY_FREE_PLACE "position_min: [-1e5, -1e5, -1e5], position_max: [1e5, 1e5, 1e5]"
+#define SKYBODY_FREE \
+  SKYBODY_FREE_PLACE \
+  ", max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
 
 /// A row for each signal that a reference can fly: the laws that close the loop of position and
 /// know the reference's derivatives, where the chain takes what they give.
@@ -58,9 +60,15 @@ const std::vector<Lead> kLeads = {
      0,
      "trajectory",
      {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}", "{plugin: ctbt}"}},
+    {SKYBODY_SRT,
+     0,
+     "trajectory",
+     {"{plugin: nmpc, parameters: {preview: true, " SKYBODY_FREE_PLACE "}}"},
+     21},  // its horizon, and now
 };
 
 #undef SKYBODY_FREE
+#undef SKYBODY_FREE_PLACE
 
 /// What the command line asks for.
 struct Asked {
@@ -111,10 +119,8 @@ class Request {
     if (is_identifier(name)) {
       const auto shipped = find_shipped_reference(name);
       if (!shipped) {
-        diagnostics_.error(mark_, "`" + name + "` is not a shipped reference" +
-                                      suggestion(name, shipped_references(), "shipped") +
-                                      "; a YAML file with parameters of `reference` may be given, "
-                                      "too");
+        diagnostics_.error(mark_, "`" + name + "` is neither a shipped reference nor a YAML file" +
+                                      suggestion(name, shipped_references(), "shipped"));
         return std::nullopt;
       }
       file = shipped->string();
@@ -224,6 +230,8 @@ void put_in(ConfigNode& root, const Place& place, const Lead& lead, const Config
   set(watched, "link", text_node(place.base, mark));
   set(task, "parameters", std::move(watched));
   set(root, "task", std::move(task));
+  ConfigNode* stepping = root.find("stepping");
+  if (stepping != nullptr && stepping->is_map()) set(*stepping, "horizon", text_node("0", mark));
 }
 
 std::string signals_with_leads() {
@@ -264,8 +272,9 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
     return {};
   }
   set(asked->parameters, "gives", text_node(lead->gives, mark));
-  if (chain->signal == SKYBODY_TRAJECTORY && asked->parameters.find("points") == nullptr) {
-    const int points = chain->inputs / SKYBODY_REFERENCE_VALUES;
+  const bool is_direct = chain->signal == SKYBODY_TRAJECTORY;
+  const int points = is_direct ? chain->inputs / SKYBODY_REFERENCE_VALUES : lead->points;
+  if (asked->parameters.find("points") == nullptr) {
     set(asked->parameters, "points", text_node(std::to_string(points), mark));
   }
   return [place, lead = *lead, parameters = asked->parameters, mark](

@@ -111,6 +111,8 @@ FLIGHTS = (
     Flight("arm", "arm", overrides=REACHES_EARLY),
     Flight("omav", "omav"),
     Flight("vehicles", "vehicles"),
+    Flight("trajectory_training", "trajectory_training"),
+    Flight("trajectory_flights", "trajectory_flights"),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 

@@ -265,7 +265,7 @@ TEST_F(FlyableTest, TiltsRatesAndTorquesAreNamed) {
   EXPECT_THAT(refused(turns), HasSubstr("yaw rate at "));
   const Parameters shakes{
       {"kind", "lissajous"}, {"amplitude", Numbers{0.02, 0, 0}}, {"period", 0.14}, {"ramp", 4.0}};
-  EXPECT_THAT(refused(shakes), HasSubstr("torque beside the thrust at "));
+  EXPECT_THAT(refused(shakes), HasSubstr("torque about x and y beside the thrust at "));
 }
 
 TEST_F(FlyableTest, JumpsAreRefusedAndTheCheckCanBeLeftOut) {
