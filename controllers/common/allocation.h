@@ -38,7 +38,8 @@ class AllocationChoice {
                          .doc = "qp: of errors of thrust, roll, pitch, yaw as shares of their "
                                 "largest values"}) {}
 
-  bool is_given() const { return form_.is_given() || weights_.is_given(); }
+  /// Whether it is not the default.
+  bool is_chosen() const { return form() != "priority" || weights_.is_given(); }
   const std::string& form() const { return form_.value(); }
 
   /// @throws std::runtime_error where weights are given to a form that has none, or are too far

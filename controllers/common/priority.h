@@ -119,15 +119,21 @@ class Priority {
       share = min(share,
                   select(growth > 0.0, room / select(growth > 0.0, growth, Real(1.0)), Real(1.0)));
     };
-    for (const Row& r : rotors_) {
+    for (std::size_t i = 0; i < rotors_.size(); ++i) {
+      const Row& r = rotors_[i];
       if (!r.lifts) continue;
       const Real o = offset(r, use, torque), yaw = (r.yaw * torque.z) * r.per_thrust;
       limit(-(use.thrust + moved) - o, -yaw);
       limit(use.thrust - moved + o - r.full * r.per_thrust, yaw);
-      for (const Row& other : rotors_) {  // between 0 of that one and the full thrust of this one
+      for (std::size_t k = i + 1; k < rotors_.size(); ++k) {
+        const Row& other = rotors_[k];
         if (!other.lifts) continue;
-        limit(o - offset(other, use, torque) - r.full * r.per_thrust,
-              yaw - (other.yaw * torque.z) * other.per_thrust);
+        // Between 0 of one and the full thrust of that which the yaw torque asks more of.
+        const Real apart = o - offset(other, use, torque);
+        const Real growth = yaw - (other.yaw * torque.z) * other.per_thrust;
+        limit(select(growth > 0.0, apart - r.full * r.per_thrust,
+                     -apart - other.full * other.per_thrust),
+              abs(growth));
       }
     }
     return share;

@@ -46,7 +46,7 @@ class ThrustTorque {
       allocation_.configure(setup, robot, mode, allocation);
       setup.output(Signal::kRotorSpeed, allocation_.rotor_count());
     } else {
-      if (allocation.is_given()) {
+      if (allocation.is_chosen()) {
         throw std::runtime_error(
             "`allocation` is given, but `apply` is `body`, past the rotors: set `apply: rotors`, "
             "or "

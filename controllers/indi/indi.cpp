@@ -152,7 +152,7 @@ class Indi : public Controller {
     state.rate = base.angular_velocity;
     const Vec3<Real> moment =
         (control::lift<Real>(inertia_) * acceleration + gyroscopic) - effort.torque;
-    return filter_.filtered(where_begun(env, moment), state.moment);
+    return filter_.filtered(moment * begun(env), state.moment);
   }
 
   /// What pushed the body since the last call, besides its rotors and gravity; filtered. Per mass,
@@ -175,17 +175,17 @@ class Indi : public Controller {
     const int place = velocity_place() + 3;
     control::LowPassState<Vec3<Real>> past{buffer.vec3(place), buffer.vec3(place + 3)};
     const Vec3<Real> filtered =
-        filter_.filtered(where_begun(env, force - rotors * Real(1.0 / mass_)), past);
+        filter_.filtered((force - rotors * Real(1.0 / mass_)) * begun(env), past);
     buffer.set(place, past.first);
     buffer.set(place + 3, past.second);
     return filtered;
   }
 
-  /// Nothing has been measured before an episode's first physics step.
+  /// 0 before an episode's first physics step, when nothing has been measured, then 1. A factor,
+  /// since g++ 12 takes selections by words apart (docs/architecture.md).
   template <class Real>
-  static SKYBODY_INLINE Vec3<Real> where_begun(const EnvView<Real>& env, const Vec3<Real>& v) {
-    return select(env.physics_step() == Word<Real>(0), Vec3<Real>{Real(0.0), Real(0.0), Real(0.0)},
-                  v);
+  static SKYBODY_INLINE Real begun(const EnvView<Real>& env) {
+    return min(Real(to_real(env.physics_step())), Real(1.0));
   }
 
   /// Angular acceleration that the command asks for, B axes [rad/s^2].
@@ -214,8 +214,11 @@ class Indi : public Controller {
                                      Values<Real> buffer, Real& thrust) const {
     const ReferencePoint<Real> reference = reference_point(input);
     const Vec3<Real> z = body_z(base.rotation);
+    const double most = max_error_.value();
+    const Vec3<Real> error =
+        control::clamp_symmetric(reference.position - base.position, {most, most, most});
     const Vec3<Real> feedback =
-        multiply_elements(kp_.vec3(env) * Real(kp_share_), reference.position - base.position) +
+        multiply_elements(kp_.vec3(env) * Real(kp_share_), error) +
         multiply_elements(kd_.vec3(env) * Real(kd_share_), reference.velocity - base.velocity);
     const Vec3<Real> push = acceleration_.limited((feedback + reference.acceleration) -
                                                   other_force(env, base, z, effort, buffer));
@@ -326,6 +329,13 @@ class Indi : public Controller {
                       .min = 0.0,
                       .doc = "trajectory: acceleration per velocity error, W axes",
                       .randomizable = true}};
+  RealParameter max_error_{this,
+                           {.name = "max_error",
+                            .unit = "m",
+                            .value = 1.0,
+                            .min = 1e-3,
+                            .doc = "trajectory: position error that is made good at once, at most, "
+                                   "each axis"}};
   RealsParameter max_rate_{this,
                            {.name = "max_rate",
                             .unit = "rad/s",

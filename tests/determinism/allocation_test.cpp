@@ -194,6 +194,26 @@ TEST(Allocation, DoesNotHappenInModelPredictiveControl) {
   EXPECT_EQ(all_counted.load(), 0);
 }
 
+TEST(Allocation, DoesNotHappenWhereRotorsSaturateByLeastSquares) {
+  for (const char* plugin : {"ctbt", "indi"}) {
+    const std::string chain = std::string("robots[0].controllers=[{plugin: ") + plugin +
+                              ", parameters: {allocation: qp}}]";
+    Simulation simulation(
+        {.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", .overrides = {chain}});
+    std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+    simulation.reset();
+    simulation.step(action);
+    all_counted = 0;
+    for (int i = 0; i < 100; ++i) {
+      action[static_cast<std::size_t>(i % 4)] = i % 2 == 0 ? 1.0f : -1.0f;
+      counting = true;
+      simulation.step(action);
+      counting = false;
+    }
+    EXPECT_EQ(all_counted.load(), 0) << plugin;
+  }
+}
+
 TEST(Allocation, DoesNotHappenWhileTheStateIsRead) {
   const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
   Pool envs(compiled, {.envs = kEnvs, .threads = 2});

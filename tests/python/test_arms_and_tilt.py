@@ -55,6 +55,18 @@ def test_an_omav_holds_a_tilted_pose() -> None:
     assert float(np.linalg.norm(sim.base().velocity)) < 1e-3
 
 
+def test_an_omav_hovers_on_its_back_and_turns_back_over() -> None:
+    sim = omav()
+    place, on_its_back = [0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 0.0]
+    sim.teleport(position=place, rotation=on_its_back, velocity=[0.0, 0.0, 0.0])
+    for rotation in (on_its_back, LEVEL):
+        sim.command([*place, *rotation])
+        assert sim.advance(8000)
+        assert off(sim, place) < 1e-3
+        turn = abs(float(np.dot(sim.base().rotation, rotation)))
+        assert turn > math.cos(0.5 * math.radians(0.1))
+
+
 def test_an_omav_goes_on_as_it_was_saved() -> None:
     sim = omav()
     sim.command([0.5, 0.5, 2.5, 0.9, 0.3, 0.1, 0.0])
