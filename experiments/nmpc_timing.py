@@ -20,7 +20,7 @@ from skybody.program import run_program
 from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_json
 
 PERIOD = 10  # physics steps of 1 ms between two calls: 100 Hz
-NODE_STEP, NODES = 0.05, 20
+NODE_STEP = 0.05  # [s]
 Path = Callable[[float], np.ndarray]  # time [s] -> the 17 values of a point
 
 
@@ -67,6 +67,7 @@ class Flight:
     robot: str = "quad"
     overrides: list[str] = field(default_factory=list)
     teleport: dict[str, Any] = field(default_factory=dict)
+    nodes: int = 20
     measured: str = "state"
     heavier: float = 1.0
     weak: float = 1.0  # thrust constant of the first rotor, of the nominal one
@@ -93,6 +94,9 @@ FLIGHTS = [
         settle=2.5,
     ),
     Flight("upside-down starts", hover([0, 0, 5]), teleport=UPSIDE_DOWN, every=4.0, settle=3.5),
+    Flight("Lissajous, horizon of 10 nodes", LISSAJOUS, nodes=10),
+    Flight("figure of eight, 10 m/s, horizon of 10 nodes", EIGHT, nodes=10),
+    Flight("Lissajous, horizon of 40 nodes", LISSAJOUS, nodes=40),
     Flight("Lissajous, hummingbird", LISSAJOUS, "hover_hummingbird"),
     Flight("Lissajous, crazyflie (27 g)", LISSAJOUS, "hover_crazyflie"),
     Flight("Lissajous, firefly (six rotors)", LISSAJOUS, "hover_firefly"),
@@ -100,7 +104,9 @@ FLIGHTS = [
 
 
 def simulation(flight: Flight) -> skybody.Simulation:
-    parameters = f"preview: true, period: {PERIOD}, measured: {flight.measured}"
+    parameters = (
+        f"preview: true, horizon: {flight.nodes}, period: {PERIOD}, measured: {flight.measured}"
+    )
     guide = f"{{plugin: nmpc, parameters: {{{parameters}}}}}"
     sim = skybody.Simulation(
         flight.scenario,
@@ -132,7 +138,7 @@ def fly(flight: Flight, seconds: float) -> dict[str, Any]:
         now = sim.time
         if is_call:
             sim.command(
-                np.concatenate([flight.path(now + NODE_STEP * k) for k in range(NODES + 1)])
+                np.concatenate([flight.path(now + NODE_STEP * k) for k in range(flight.nodes + 1)])
             )
         before = time.thread_time_ns()
         alive = sim.advance(1)
@@ -173,8 +179,8 @@ def count(sim: skybody.Simulation, name: str) -> int:
 HEAD = """# nmpc: time of a call, and how well it flies
 
 By `experiments/nmpc_timing.py`, which says what a call is. 100 calls a second of a thousand
-physics steps; a horizon of 20 nodes, 50 ms apart; references given for each node (`preview`);
-default weights for every vehicle. QDrone2 unless another is named. {machine}
+physics steps; a horizon of 20 nodes, 50 ms apart, and QDrone2 unless another is named; references
+given for each node (`preview`); default weights for every vehicle. {machine}
 
 """
 FOOT = """

@@ -17,14 +17,15 @@ using nmpc::kMostNodes;
 enum Word : int {
   kSolves = 0,        ///< iterations since the reset
   kFailures = 1,      ///< of them, those that kept the last inputs
-  kIterations = 2,    ///< changes of the active set in the latest one
-  kSaturated = 3,     ///< rotors at a limit in the latest one
-  kAcceleration = 4,  ///< that disturbs, W [m/s^2]
-  kAngular = 7,       ///< likewise, B [rad/s^2]
-  kVelocity = 10,     ///< when it was called last, W [m/s]
-  kRotation = 13,     ///< likewise
-  kRates = 17,        ///< likewise, B [rad/s]
-  kShares = 20,       ///< likewise, one for each rotor
+  kFailed = 2,        ///< 1: the latest one did
+  kIterations = 3,    ///< changes of the active set in the latest one
+  kSaturated = 4,     ///< rotors at a limit in the latest one
+  kAcceleration = 5,  ///< that disturbs, W [m/s^2]
+  kAngular = 8,       ///< likewise, B [rad/s^2]
+  kVelocity = 11,     ///< when it was called last, W [m/s]
+  kRotation = 14,     ///< likewise
+  kRates = 18,        ///< likewise, B [rad/s]
+  kShares = 21,       ///< likewise, one for each rotor
 };
 
 class Nmpc : public Controller {
@@ -85,7 +86,7 @@ class Nmpc : public Controller {
     }
     nmpc::Target targets[kMostNodes + 1];
     set_targets(input, disturbance, targets);
-    if (is_first) begin(targets, inputs);
+    if (is_first || buffer[kFailed] != 0.0) begin(targets, inputs);
     const nmpc::QpResult result = nmpc::improve(guide_, now, disturbance, targets, inputs);
     store(buffer, now, disturbance, inputs, result);
     for (int r = 0; r < guide_.model.rotors; ++r) {
@@ -170,13 +171,14 @@ class Nmpc : public Controller {
     }
   }
 
-  /// The first guess: what the reference takes.
+  /// A guess without a past: what the reference takes. Where that is no number inputs stay.
   void begin(const nmpc::Target* targets, double* inputs) const {
     const int rotors = guide_.model.rotors;
     for (int k = 0; k < guide_.nodes; ++k) {
       for (int r = 0; r < rotors; ++r) {
         const double share = targets[k].share[r];
-        inputs[k * rotors + r] = is_finite(share) ? share : guide_.least_share;
+        double& value = inputs[k * rotors + r];
+        value = is_finite(share) ? share : max(value, guide_.least_share);
       }
     }
   }
@@ -198,7 +200,8 @@ class Nmpc : public Controller {
       buffer.set(kShares + r, now.share[r]);
     }
     buffer.set(kSolves, buffer[kSolves] + 1.0);
-    buffer.set(kFailures, buffer[kFailures] + (result.is_solved ? 0.0 : 1.0));
+    buffer.set(kFailed, result.is_solved ? 0.0 : 1.0);
+    buffer.set(kFailures, buffer[kFailures] + buffer[kFailed]);
     buffer.set(kIterations, static_cast<double>(result.iterations));
     buffer.set(kSaturated, static_cast<double>(saturated));
     buffer.set(kAcceleration, disturbance.acceleration);

@@ -74,8 +74,8 @@ TEST_F(NmpcTest, EstimateOfAConstantForceIsThatForceAndLeavesNoError) {
   flight.mass_factor = 1.05;
   flight.fly(hover_at({0, 0, 1}), 6.0);
   // At rest thrust is the heavier weight: 5 % of g that the nominal model does not explain.
-  EXPECT_NEAR(flight.info(6), -0.05 * 9.81, 1e-3);
-  EXPECT_NEAR(flight.info(4), 0.0, 1e-3);
+  EXPECT_NEAR(flight.info(7), -0.05 * 9.81, 1e-3);
+  EXPECT_NEAR(flight.info(5), 0.0, 1e-3);
   EXPECT_LT(norm(flight.p - Vec3<double>{0, 0, 1}), 1e-3);
 }
 
@@ -176,6 +176,40 @@ TEST_F(NmpcTest, APlanThatIsNotSolvedKeepsTheLimitsAndIsCounted) {
   flight.control(hover_at({0, 0, 1}));
   EXPECT_EQ(flight.failures(), 1.0);
   for (const double f : flight.group.output) EXPECT_NEAR(f, 1.54 * 9.81 / 4.0, 1e-9);
+}
+
+TEST_F(NmpcTest, AfterAFailureItBeginsAnewFromWhatTheReferenceTakes) {
+  constexpr std::size_t kFirstInput = 25;  // behind 21 words and a share for each of four rotors
+  NmpcFlight flight(world, {{"max_iterations", 1}});
+  flight.control(hover_at({0, 0, 1}));
+  ASSERT_EQ(flight.failures(), 0.0) << "no rotor is at a limit";
+  for (std::size_t i = kFirstInput; i < flight.group.buffer.size(); ++i) {
+    flight.group.buffer[i] = 1.0;  // a plan that has run away
+  }
+  flight.p = {4, 3, 0};
+  flight.control(hover_at({0, 0, 1}));
+  EXPECT_EQ(flight.failures(), 1.0);
+  for (const double f : flight.group.output) EXPECT_NEAR(f, 9.85, 0.01) << "the last inputs";
+  flight.control(hover_at({0, 0, 1}));
+  EXPECT_EQ(flight.failures(), 2.0);
+  for (const double f : flight.group.output) EXPECT_LT(f, 9.0) << "those of the reference";
+}
+
+TEST_F(NmpcTest, RecoversFromTumblingStarts) {
+  std::mt19937_64 generator(5);
+  const auto draw = [&](double most) {
+    return most * (2.0 * static_cast<double>(generator() >> 11) * 0x1p-53 - 1.0);
+  };
+  const Vec3<double> place{0, 0, 30};
+  for (int i = 0; i < 15; ++i) {
+    NmpcFlight flight(world, {});
+    flight.p = place + Vec3<double>{draw(3), draw(3), draw(3)};
+    flight.v = {draw(6), draw(6), draw(6)};
+    flight.w = {draw(8), draw(8), draw(4)};
+    flight.q = normalized(Quat<double>{draw(1), draw(1), draw(1), draw(1)});
+    flight.fly(hover_at(place, draw(3)), 7.0);
+    EXPECT_LT(norm(flight.p - place), 0.05) << "start " << i;
+  }
 }
 
 TEST_F(NmpcTest, GoesOnFromItsWordsAlone) {

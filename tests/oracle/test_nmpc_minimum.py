@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 
 ROOT = Path(__file__).resolve().parents[2]
 GRAVITY = np.array([0.0, 0.0, -9.81])
-NODES, STEP = 5, 0.06
+NODES, STEP = 4, 0.06
 TARGET = np.array([0.3, -0.2, 1.1])  # at rest, yaw 0
 WEIGHTS = np.repeat([200.0, 10.0, 10.0, 0.5], 3)  # the defaults: position, velocity, turn, rates
 INPUT_WEIGHT, TERMINAL = 5.0, 5.0
@@ -99,7 +99,6 @@ def by_scipy(model: Model, start: State) -> Reals:
         np.full(4 * NODES, model.hover),
         method="L-BFGS-B",
         bounds=[(0.0, 1.0)] * (4 * NODES),
-        jac="3-point",
         options={"maxiter": 2000, "maxfun": 100000, "ftol": 1e-15, "gtol": 1e-9},
     )
     return found.x[:4]
