@@ -5,7 +5,8 @@
 namespace skybody {
 namespace {
 
-/// Components of a signal that always has the same ones; those of a wrench are of one site.
+/// Components of a signal in their order: of a wrench those of one site, of a trajectory those of
+/// one point. An attitude may lack the last three, a force the last one.
 std::vector<LogColumn> fixed_columns(int signal) {
   switch (signal) {
     case SKYBODY_CTBT:
@@ -21,14 +22,16 @@ std::vector<LogColumn> fixed_columns(int signal) {
     case SKYBODY_POSE:
       return {{"x", "m"}, {"y", "m"}, {"z", "m"}, {"qw", ""}, {"qx", ""}, {"qy", ""}, {"qz", ""}};
     case SKYBODY_ATTITUDE:
-      return {{"thrust", "N"}, {"qw", ""}, {"qx", ""}, {"qy", ""}, {"qz", ""}};
+      return {{"thrust", "N"}, {"qw", ""},          {"qx", ""},          {"qy", ""},
+              {"qz", ""},      {"rate_x", "rad/s"}, {"rate_y", "rad/s"}, {"rate_z", "rad/s"}};
     case SKYBODY_POSITION:
       return {{"x", "m"}, {"y", "m"}, {"z", "m"}, {"yaw", "rad"}};
     case SKYBODY_TRAJECTORY:
-      return {{"x", "m"},       {"y", "m"},       {"z", "m"},       {"v_x", "m/s"},
-              {"v_y", "m/s"},   {"v_z", "m/s"},   {"a_x", "m/s^2"}, {"a_y", "m/s^2"},
-              {"a_z", "m/s^2"}, {"j_x", "m/s^3"}, {"j_y", "m/s^3"}, {"j_z", "m/s^3"},
-              {"yaw", "rad"}};
+      return {{"x", "m"},           {"y", "m"},       {"z", "m"},       {"v_x", "m/s"},
+              {"v_y", "m/s"},       {"v_z", "m/s"},   {"a_x", "m/s^2"}, {"a_y", "m/s^2"},
+              {"a_z", "m/s^2"},     {"j_x", "m/s^3"}, {"j_y", "m/s^3"}, {"j_z", "m/s^3"},
+              {"s_x", "m/s^4"},     {"s_y", "m/s^4"}, {"s_z", "m/s^4"}, {"yaw", "rad"},
+              {"yaw_rate", "rad/s"}};
     case SKYBODY_FORCE:
       return {{"force_x", "N"}, {"force_y", "N"}, {"force_z", "N"}, {"yaw", "rad"}};
     case SKYBODY_ACCELERATION:

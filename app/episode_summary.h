@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/reference_errors.h"
 #include "core/simulation/simulation.h"
 
 namespace skybody {
@@ -30,6 +31,7 @@ struct EpisodeSummary {
   double total_reward = 0.0;
   std::string end;               ///< terminated, truncated, fault, stopped or interrupted
   std::vector<GoalError> goals;  ///< as the task declares them
+  std::vector<ReferenceError> references;
   std::vector<std::vector<double>> params;  ///< drawn values: at the reset, then after each change
   std::vector<InfoRange> infos;             ///< in the order of the row; empty: no step
   std::uint64_t redraws = 0;                ///< how often the start was drawn again

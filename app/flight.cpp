@@ -48,6 +48,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
                            Policy& policy, FlightLog& log, ProgressLine& line) {
   EpisodeSummary summary;
   ErrorWindow window(simulation.compiled());
+  ReferenceErrors references(simulation.compiled());
   std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
   simulation.reset();
   summary.params = {simulation.params()};
@@ -66,6 +67,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
     note_changes(simulation, summary.params, log);
     add_infos(simulation, summary.infos);
     window.add(simulation);
+    references.add(simulation);
     summary.total_reward += static_cast<double>(simulation.reward());
     if (line.is_due()) line.show(progress(number, plan, simulation, summary));
   }
@@ -73,6 +75,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   summary.steps = simulation.steps();
   summary.time = simulation.time();
   summary.goals = window.errors();
+  summary.references = references.errors();
   return summary;
 }
 

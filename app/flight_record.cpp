@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "app/command_columns.h"
+#include "app/reference_errors.h"
 #include "core/version.h"
 
 namespace skybody {
@@ -103,6 +104,10 @@ void describe_signals(const CompiledScenario& compiled, FlightLogHeader& header)
   describe_observation(compiled, header);
   for (const Channel& channel : compiled.info_channels())
     append(header.info, channel.name, channel.unit, channel.count);
+  // Readers take a body's first goal: where it follows a reference, that is the goal.
+  for (const FlownReference& reference : flown_references(compiled)) {
+    header.goals.push_back(body_name(compiled, reference.body));
+  }
   for (const Goal& goal : compiled.task().goals) {
     header.goals.push_back(body_name(compiled, goal.body));
   }
@@ -166,7 +171,9 @@ void record(const Simulation& simulation, bool is_near, FlightLog& log) {
   const std::vector<double> action = values_of(state, layout.action);
   const std::vector<double> command = values_of(state, layout.command);
   const std::vector<double> sensors = values_of(state, layout.sensors);
-  const std::vector<double> goal = simulation.goals();
+  std::vector<double> goal = reference_places(simulation, flown_references(simulation.compiled()));
+  const std::vector<double> of_task = simulation.goals();
+  goal.insert(goal.end(), of_task.begin(), of_task.end());
   const std::span<const float> seen = simulation.observation(), more = simulation.privileged();
   std::vector<float> observation(seen.begin(), seen.end());
   observation.insert(observation.end(), more.begin(), more.end());

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMostRows = 24;
 
 /// Over the episodes: least, greatest, and the mean of the last values.
-InfoRange range_over_all(const std::vector<EpisodeSummary>& episodes, std::size_t value) {
+InfoRange range_over(const std::vector<EpisodeSummary>& episodes, std::size_t value) {
   InfoRange all{INFINITY, -INFINITY, 0.0};
   double count = 0.0;
   for (const EpisodeSummary& episode : episodes) {
@@ -43,7 +43,7 @@ std::string reported_values(const CompiledScenario& compiled,
     for (int k = 0; k < channel.count; ++k, ++value) {
       if (value >= kMostRows) continue;
       const std::string index = channel.count == 1 ? "" : "[" + std::to_string(k) + "]";
-      const InfoRange range = range_over_all(episodes, value);
+      const InfoRange range = range_over(episodes, value);
       table.add({channel.name + index, channel.unit, short_number(range.least),
                  short_number(range.greatest), short_number(range.last)});
     }

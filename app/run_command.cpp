@@ -37,12 +37,18 @@ constexpr const char* kRunFooter =
     "--out, DIR is a new folder flights/SCENARIO-SEED (or -2, -3, ... behind it where that "
     "exists);\n"
     "with --out, a log and pictures that are there are replaced once the flight is over.\n"
+    "References: circle, helix, lissajous, figure_eight, waypoints, csv, step, hold and the "
+    "paper's;\n"
+    "the controller `reference` and what leads from it to the robot's chain are put before that "
+    "chain,\n"
+    "task `watch` in the place of the scenario's own. docs/references.md has more.\n"
     "Ctrl-C ends the flight after the present step; what was flown is kept, exit status 130.\n"
     "Examples:\n"
     "  skybody run scenarios/hover.yaml\n"
     "  skybody run scenarios/payload.yaml --episodes 3 --seed 7 --out /tmp/payload\n"
     "  skybody run hover --policy random --set stepping.horizon=500 --no-picture\n"
-    "  skybody run hover_learn --policy runs/first --episodes 5";
+    "  skybody run hover_learn --policy runs/first --episodes 5\n"
+    "  skybody run hover --reference figure_eight:peak_speed=3,yaw=tangent";
 
 struct RunOptions {
   LoadOptions load;
@@ -90,6 +96,10 @@ FlightResult fly_and_log(const RunOptions& options, const FlightPlan& plan,
 
 void print_summary(const CompiledScenario& compiled, const FlightResult& result) {
   print(summary_table(compiled, result.episodes));
+  std::vector<std::vector<ReferenceError>> references;
+  for (const EpisodeSummary& episode : result.episodes) references.push_back(episode.references);
+  const std::string followed = reference_table(compiled, references);
+  if (!followed.empty()) std::printf("\n%s", followed.c_str());
   const std::string drawn = drawn_values(compiled, result.episodes);
   if (!drawn.empty()) std::printf("\n%s", drawn.c_str());
   const std::string reported = reported_values(compiled, result.episodes);
@@ -140,6 +150,11 @@ void add_run_command(CLI::App& app, Action& chosen) {
   command->footer(kRunFooter);
   add_scenario_options(*command, options->load);
   add_checked(*command, options->load);
+  command
+      ->add_option("--reference", options->load.reference,
+                   "Fly a reference in place of a policy: a shipped one or a YAML file, and "
+                   "parameters of it")
+      ->type_name("NAME[:KEY=VALUE,...]");
   command->add_option("--episodes", options->plan.episodes, "Episodes to fly (1)")
       ->type_name("N")
       ->check(whole_number(1, kMostEpisodes));

@@ -79,6 +79,23 @@ endif()
 set(SKYBODY_LIBRARY_VERSIONS
   "yaml-cpp ${yaml-cpp_VERSION}, urdfdom ${urdfdom_VERSION}, assimp ${assimp_VERSION}, Boost ${Boost_VERSION}, SUNDIALS ${SKYBODY_SUNDIALS_VERSION}")  # stamped into files
 
+# DAQP, a solver of quadratic programs (MIT): C sources that ./dev fetches. Its core alone is compiled, with our
+# floating-point flags, so that its bits are ours; api.c, which allocates, is left out. Without it the plugins that
+# need it are left out.
+find_path(SKYBODY_DAQP_DIR csrc/src/daqp.c HINTS "${PROJECT_SOURCE_DIR}/.daqp" NO_DEFAULT_PATH)
+if(SKYBODY_DAQP_DIR)
+  add_library(skybody_daqp STATIC EXCLUDE_FROM_ALL "${SKYBODY_DAQP_DIR}/csrc/src/daqp.c"
+    "${SKYBODY_DAQP_DIR}/csrc/src/auxiliary.c" "${SKYBODY_DAQP_DIR}/csrc/src/factorization.c"
+    "${SKYBODY_DAQP_DIR}/csrc/src/utils.c")
+  target_include_directories(skybody_daqp SYSTEM PUBLIC "${SKYBODY_DAQP_DIR}/csrc/include")
+  target_compile_options(skybody_daqp PRIVATE ${SKYBODY_FP_FLAGS} ${SKYBODY_SANITIZE_FLAGS} -w)
+  set_target_properties(skybody_daqp PROPERTIES C_VISIBILITY_PRESET hidden)
+  install(FILES "${SKYBODY_DAQP_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DATADIR}/skybody/licenses"
+    RENAME daqp.txt)
+else()
+  message(STATUS "no DAQP in .daqp (`./dev build` fetches it): controller nmpc is left out")
+endif()
+
 if(SKYBODY_BUILD_TESTS)
   find_package(GTest REQUIRED CONFIG)
 endif()

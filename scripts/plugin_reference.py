@@ -256,7 +256,7 @@ def words(text: str) -> str:
 def signals() -> str:
     def count(least: str, most: str) -> str:
         if most == "0":
-            return "by the robot" if least == "0" else f"a multiple of {least}"
+            return "by the robot" if least == "0" else f"{least} a point"
         return most if least == most else f"{least} to {most}"
 
     rows = [

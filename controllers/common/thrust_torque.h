@@ -30,7 +30,7 @@ class ThrustTorque {
  public:
   /// Declares output and site. @throws std::runtime_error
   void configure(const Setup& setup, int robot, const std::string& mode,
-                 const ThrustTorqueChoice& choice) {
+                 const ThrustTorqueChoice& choice, const AllocationChoice& allocation) {
     choice_ = choice;
     dt_ = setup.dt();
     const BodyInfo& base = setup.bodies()[base_of(setup, robot)];
@@ -43,9 +43,15 @@ class ThrustTorque {
     keep_up_ = keep(choice.time_up);
     keep_down_ = keep(choice.time_down);
     if (choice.rotors) {
-      allocation_.configure(setup, robot, mode);
+      allocation_.configure(setup, robot, mode, allocation);
       setup.output(Signal::kRotorSpeed, allocation_.rotor_count());
     } else {
+      if (allocation.is_given()) {
+        throw std::runtime_error(
+            "`allocation` is given, but `apply` is `body`, past the rotors: set `apply: rotors`, "
+            "or "
+            "leave it out");
+      }
       setup.site({base_of(setup, robot), {0.0, 0.0, 0.0}, 1, 0});
       setup.output(Signal::kWrench, 6);
     }

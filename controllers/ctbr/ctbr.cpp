@@ -29,7 +29,7 @@ class Ctbr : public Controller {
           "body`, "
           "or leave `pd` on");
     }
-    actuators_.configure(setup, robot, "ctbr", choice);
+    actuators_.configure(setup, robot, "ctbr", choice, allocation_);
     dt_ = setup.dt();
     base_ = control::base_of(setup, robot);
     const BodyInfo& base = setup.bodies()[base_];
@@ -145,6 +145,7 @@ class Ctbr : public Controller {
                              .value = 0.0,
                              .min = 0.0,
                              .doc = "thrust that action +1 means; 0: all rotors' full thrust"}};
+  control::AllocationChoice allocation_{this};
 
   control::ThrustTorque actuators_;
   SymMat3<double> inertia_{};

@@ -18,7 +18,7 @@ class Ctbt : public Controller {
     choice.time_down = time_down_.value();
     choice.max_thrust = max_thrust_.value();
     choice.max_torque = max_torque_.vec3();
-    actuators_.configure(setup, setup.robot(), "ctbt", choice);
+    actuators_.configure(setup, setup.robot(), "ctbt", choice, allocation_);
     const control::ThrustTorqueLimits& l = actuators_.limits();
     setup.input(Signal::kCtbt, {0.0, -l.torque.x, -l.torque.y, -l.torque.z},
                 {l.thrust, l.torque.x, l.torque.y, l.torque.z});
@@ -65,6 +65,7 @@ class Ctbt : public Controller {
                               .values = {0.0, 0.0, 0.0},
                               .min = 0.0,
                               .doc = "torques that action +1 means; 0: what the rotors can do"}};
+  control::AllocationChoice allocation_{this};
 
   control::ThrustTorque actuators_;
 };

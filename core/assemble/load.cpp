@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/assemble/controller_survey.h"
+#include "core/assemble/reference_use.h"
 #include "core/base/fp_environment.h"
 #include "core/base/isa.h"
 #include "core/io/scenario_reader.h"
@@ -200,9 +201,20 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
     const LoadOptions& options, const std::shared_ptr<const PluginRegistry>& registry,
     Diagnostics& diagnostics) {
   const FpEnvironment guard;
+  ScenarioEdit edit;
+  if (!options.reference.empty()) {
+    // The scenario is compiled as it is first, since controllers say only then what they take.
+    LoadOptions plain = options;
+    plain.reference.clear();
+    Diagnostics found;
+    const auto compiled = compile_scenario(plain, registry, found);
+    if (compiled) edit = reference_edit(options.reference, *compiled, diagnostics);
+    if (!compiled) diagnostics.add(found);
+    if (!edit) return nullptr;
+  }
   const RegistryCatalog catalog(registry, bystanders(options, *registry));
   std::optional<Scenario> scenario =
-      read_scenario(scenario_file(options.scenario), options.overrides, catalog, diagnostics);
+      read_scenario(scenario_file(options.scenario), options.overrides, catalog, diagnostics, edit);
   if (!scenario || diagnostics.has_errors()) return nullptr;
   const SourceMark whole{scenario->file, 0, 0};
   try {

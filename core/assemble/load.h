@@ -22,7 +22,8 @@ struct LoadOptions {
   std::vector<std::filesystem::path> plugin_path;  ///< searched before the default places
   bool trust_scenario = false;  ///< search the scenario's folder and its `plugins`, too
   RefusedFiles refused_plugins = {};
-  bool checked = false;  ///< checked mode, see CompiledScenario
+  bool checked = false;        ///< checked mode, see CompiledScenario
+  std::string reference = {};  ///< a reference that flies it, see reference_use.h; empty: none
 };
 
 /// Says which folders for plugins, of those that the options and the environment name, are not

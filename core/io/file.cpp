@@ -99,9 +99,12 @@ std::optional<std::string> read_file(const std::string& path, const SourceMark& 
   return std::nullopt;
 }
 
+bool is_from_command_line(const std::string& file) {
+  return file.rfind(kOverridePrefix, 0) == 0 || file.rfind(kReferencePrefix, 0) == 0;
+}
+
 std::string resolve_path(const std::string& path, const SourceMark& mark) {
-  const bool from_command_line = mark.file.rfind(kOverridePrefix, 0) == 0;
-  if (path.empty() || fs::path(path).is_absolute() || from_command_line) return path;
+  if (path.empty() || fs::path(path).is_absolute() || is_from_command_line(mark.file)) return path;
   return (fs::path(mark.file).parent_path() / path).lexically_normal().string();
 }
 

@@ -12,6 +12,13 @@ namespace skybody {
 /// What marks a position on the command line: the text before the override.
 inline constexpr const char* kOverridePrefix = "--set ";
 
+/// The same of a reference that the command line names.
+inline constexpr const char* kReferencePrefix = "--reference ";
+
+/// Whether a mark's file is one of these: such texts have no lines, and paths in them start at the
+/// working directory.
+bool is_from_command_line(const std::string& file);
+
 /// Reads a regular file of up to `most_bytes` into `text`. Nothing is waited for, also where a pipe
 /// takes the file's place meanwhile. Returns why it was not read ("is a folder"), or an empty text.
 std::string read_regular_file(const std::string& path, std::size_t most_bytes, std::string& text);

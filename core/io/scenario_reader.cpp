@@ -349,7 +349,8 @@ class ScenarioReader {
 
 std::optional<Scenario> read_scenario(const std::string& file,
                                       const std::vector<std::string>& overrides,
-                                      const PluginCatalog& catalog, Diagnostics& diagnostics) {
+                                      const PluginCatalog& catalog, Diagnostics& diagnostics,
+                                      const ScenarioEdit& edit) {
   const int errors_before = diagnostics.error_count();
   InputBudget budget;
   std::optional<ConfigNode> root = load_config(file, diagnostics, budget);
@@ -363,6 +364,7 @@ std::optional<Scenario> read_scenario(const std::string& file,
   for (const std::string& override : overrides) {
     apply_override(*root, override, diagnostics, budget);
   }
+  if (edit) edit(*root, diagnostics);
   Scenario scenario = ScenarioReader(*root, file, catalog, budget, diagnostics).read();
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return scenario;

@@ -18,22 +18,31 @@ std::optional<fs::path> find(const std::string& name, const std::string& relativ
   return file;
 }
 
+/// Names of the YAML files of a folder within the scenarios, sorted.
+std::vector<std::string> yaml_files(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry :
+       fs::directory_iterator(shipped_data("scenarios", "scenarios") / folder, ignored)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 }  // namespace
 
 std::optional<fs::path> find_shipped_scenario(const std::string& name) {
   return find(name, name + ".yaml");
 }
 
-std::vector<std::string> shipped_scenarios() {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const auto& entry :
-       fs::directory_iterator(shipped_data("scenarios", "scenarios"), ignored)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+std::vector<std::string> shipped_scenarios() { return yaml_files("."); }
+
+std::optional<fs::path> find_shipped_reference(const std::string& name) {
+  return find(name, "references/" + name + ".yaml");
 }
+
+std::vector<std::string> shipped_references() { return yaml_files("references"); }
 
 std::optional<fs::path> find_shipped_model(const std::string& name) {
   return find(name, "models/" + name + "/" + name + ".urdf");

@@ -21,4 +21,10 @@ std::optional<std::filesystem::path> find_shipped_model(const std::string& name)
 /// Names of all shipped models, sorted.
 std::vector<std::string> shipped_models();
 
+/// The shipped reference called `name` (circle -> scenarios/references/circle.yaml), or nothing.
+std::optional<std::filesystem::path> find_shipped_reference(const std::string& name);
+
+/// Names of all shipped references, sorted.
+std::vector<std::string> shipped_references();
+
 }  // namespace skybody

@@ -27,7 +27,7 @@ class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(std::string file, InputBudget& budget, Diagnostics& diagnostics)
       : file_(std::move(file)),
-        positions_(file_.rfind(kOverridePrefix, 0) != 0),
+        positions_(!is_from_command_line(file_)),
         budget_(budget),
         diagnostics_(diagnostics) {
     root_.mark = {file_, 0, 0};  // of a text without a document
@@ -207,7 +207,7 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
   if (const std::size_t nul = text.find('\0'); nul != text.npos) {
     const auto lines =
         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n');
-    const bool has_lines = file.rfind(kOverridePrefix, 0) != 0;
+    const bool has_lines = !is_from_command_line(file);
     diagnostics.error({file, has_lines ? static_cast<int>(lines) + 1 : 0, 0},
                       "not YAML: a NUL character; remove it");
     return std::nullopt;

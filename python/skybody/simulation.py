@@ -36,7 +36,12 @@ CONTROL_MODES: dict[str, str] = {
     "velocity": "[{plugin: velocity}]",
     "pose": "[{plugin: velocity, parameters: {form: position}}]",
     "attitude": "[{plugin: attitude}, {plugin: ctbr}]",
+    "force": "[{plugin: force}, {plugin: attitude}, {plugin: ctbr}]",
+    "acceleration": "[{plugin: acceleration}, {plugin: force}, {plugin: attitude}, {plugin: ctbr}]",
+    "velocity_tracking": "[{plugin: velocity_tracking}, {plugin: acceleration}, {plugin: force}, "
+    "{plugin: attitude}, {plugin: ctbr}]",
     "position": "[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]",
+    "trajectory": "[{plugin: geometric}, {plugin: ctbt}]",
 }
 """Controllers behind each word of `control`; what a command is: docs/control-modes.md."""
 

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <span>
@@ -174,6 +175,25 @@ TEST(Allocation, DoesNotHappenWherePluginsAskWhatBodiesFeel) {
   EXPECT_EQ(all_counted.load(), 0);
 }
 
+TEST(Allocation, DoesNotHappenInModelPredictiveControl) {
+  if (!std::filesystem::exists(SKYBODY_BINARY_DIR "/lib/skybody/plugins/nmpc.so")) {
+    GTEST_SKIP() << "built without DAQP";
+  }
+  Simulation simulation({.scenario = SKYBODY_SOURCE_DIR "/scenarios/hover.yaml",
+                         .overrides = {"robots[0].controllers=[{plugin: nmpc}, {plugin: srt}]"}});
+  std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+  simulation.reset();
+  simulation.step(action);
+  all_counted = 0;
+  for (int i = 0; i < 100; ++i) {
+    action[static_cast<std::size_t>(i % 3)] = i % 2 == 0 ? 1.0f : -1.0f;  // rotors saturate
+    counting = true;
+    simulation.step(action);
+    counting = false;
+  }
+  EXPECT_EQ(all_counted.load(), 0);
+}
+
 TEST(Allocation, DoesNotHappenWhileTheStateIsRead) {
   const auto compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover.yaml", {}, {}});
   Pool envs(compiled, {.envs = kEnvs, .threads = 2});
@@ -203,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                                          "platform_landing.yaml", "four_bar.yaml",
                                          "windy_hover.yaml", "downwash_pair.yaml",
                                          "low_battery.yaml", "rotor_out.yaml", "arm.yaml",
-                                         "payload_paper.yaml", "vehicles.yaml"));
+                                         "payload_paper.yaml", "vehicles.yaml", "omav.yaml"));
 
 }  // namespace
 }  // namespace skybody

@@ -24,7 +24,7 @@ def flying(control: str | None = "ctbr", *more: str) -> Simulation:
 @pytest.mark.parametrize("mode", CONTROL_MODES)
 def test_every_control_mode_takes_its_command(mode: str):
     simulation = flying(mode)
-    size = {"wrench": 6, "velocity": 6, "attitude": 5}.get(mode, 4)
+    size = {"wrench": 6, "velocity": 6, "attitude": 5, "trajectory": 17}.get(mode, 4)
     assert simulation.command_size() == size
     simulation.command(np.zeros(size))
     assert simulation.advance(20)

@@ -25,7 +25,9 @@ TEST_F(ControllerDerivatives, OfRotorCommandsGoStraightThrough) {
 }
 
 TEST_F(ControllerDerivatives, OfThrustAndTorqueGoThroughAllocationAndLag) {
-  expect("ctbt", {}, {"input", "state"});
+  for (const char* form : {"priority", "pseudo_inverse", "qp"}) {
+    expect("ctbt", {{"allocation", form}}, {"input", "state"});
+  }
   expect("ctbt", {{"apply", "body"}}, {"input", "params", "state"});
   expect("ctbt", {{"apply", "body"}}, {"params", "rotor_speed"}, Call::kReset);
 }
@@ -57,6 +59,14 @@ TEST_F(ControllerDerivatives, OfLawsGoThroughMotionGainsAndReference) {
   expect("lqr", {}, {"bodies", "input"});
   expect("acceleration", {}, {"input"});
   expect("velocity_tracking", {{"ki", gains}}, {"bodies", "buffer", "input", "params", "state"});
+}
+
+TEST_F(ControllerDerivatives, OfIncrementsGoThroughFiltersAndRotors) {
+  const Inputs all = {"bodies", "buffer", "input", "params", "rotor_speed", "state"};
+  expect("indi", {}, all);
+  expect("indi", {{"signal", "attitude"}}, all);
+  expect("indi", {{"signal", "ctbr"}}, all);
+  expect("indi", {}, {"bodies", "buffer", "rotor_speed", "state"}, Call::kReset);
 }
 
 TEST_F(ControllerDerivatives, OfBodyCommandsGoStraightThrough) {

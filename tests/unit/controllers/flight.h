@@ -16,16 +16,18 @@ class Flight {
   explicit Flight(const PluginWorld& plugin_world) : world(plugin_world) {}
 
   void step(const std::vector<double>& output, bool rotors) {
-    Vec3<double> force{0, 0, 0}, torque{0, 0, 0};
+    Vec3<double> force{0, 0, 0}, torque = other_torque;
     if (!rotors) {
       force = {output[0], output[1], output[2]};
-      torque = {output[3], output[4], output[5]};
+      torque += {output[3], output[4], output[5]};
     }
     for (std::size_t i = 0; rotors && i < 4; ++i) add_rotor(i, output[i], force, torque);
     const double* j = world.bodies[0].inertia;
     const Vec3<double> momentum{j[0] * w.x, j[1] * w.y, j[2] * w.z};
     const Vec3<double> rest = torque - cross(w, momentum);
-    v += (rotate(q, force) / world.bodies[0].mass - Vec3<double>{0, 0, world.gravity}) * world.dt;
+    v += ((rotate(q, force) + other_force) / world.bodies[0].mass -
+          Vec3<double>{0, 0, world.gravity}) *
+         world.dt;
     w += Vec3<double>{rest.x / j[0], rest.y / j[1], rest.z / j[2]} * world.dt;
     p += v * world.dt;
     q = normalized(q * from_rotation_vector(w * world.dt));
@@ -41,21 +43,30 @@ class Flight {
   Vec3<double> p{0, 0, 1}, v{0, 0, 0}, w{0, 0, 0};
   Quat<double> q{1, 0, 0, 0};
   std::vector<double> speed = std::vector<double>(4, 1390.0);
+  Vec3<double> other_force{0, 0, 0};   ///< W axes [N]
+  Vec3<double> other_torque{0, 0, 0};  ///< B axes [N m]
+  double weak_share = 1.0;             ///< what rotor 0 still gives of thrust and reaction
+  bool spins = false;                  ///< rotors that speed up turn the body
 
  private:
   void add_rotor(std::size_t i, double command, Vec3<double>& force, Vec3<double>& torque) {
     const SkybodyRotorInfo& r = world.rotors[i];
     const double tau = command > speed[i] ? r.constants[SKYBODY_ROTOR_TAU_UP]
                                           : r.constants[SKYBODY_ROTOR_TAU_DOWN];
+    const double before = speed[i];
     speed[i] = command + (speed[i] - command) * std::exp(-world.dt / tau);
-    const double f = r.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * speed[i] * speed[i];
+    const double square = (i == 0 ? weak_share : 1.0) * speed[i] * speed[i];
+    const double f = r.constants[SKYBODY_ROTOR_THRUST_CONSTANT] * square;
     const Vec3<double> at{r.position[0], r.position[1], r.position[2]};
     const Vec3<double> air = rotate_inverse(q, v) + cross(w, at);
     const double drag = r.constants[SKYBODY_ROTOR_DRAG_CONSTANT] * speed[i];
     const Vec3<double> push{-drag * air.x, -drag * air.y, f};
     force += push;
     torque += cross(at, push);
-    torque.z -= r.direction * r.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] * speed[i] * speed[i];
+    torque.z -= r.direction * r.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] * square;
+    if (!spins) return;
+    const double growth = (speed[i] - before) / world.dt;
+    torque.z -= r.direction * r.constants[SKYBODY_ROTOR_INERTIA] * growth;
   }
 };
 

@@ -1,0 +1,66 @@
+// How well references were followed: what `skybody run` tells of robots with a controller
+// `reference`.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/simulation/simulation.h"
+
+namespace skybody {
+
+/// A controller `reference` of a scenario.
+struct FlownReference {
+  int robot = 0;
+  int body = 0;        ///< world body that follows it: the robot's base
+  int info = 0;        ///< first value among the infos: position [m] (W), then yaw [rad]
+  double begin = 0.0;  ///< when approach and ramp are over [s]; errors count from there
+};
+
+/// All of a scenario, in the order of its controllers.
+std::vector<FlownReference> flown_references(const CompiledScenario& compiled);
+
+/// Position and yaw of each reference at the present state, four values each; the first values
+/// after a reset.
+std::vector<double> reference_places(const Simulation& simulation,
+                                     const std::vector<FlownReference>& references);
+
+/// What an episode has of one reference. NaN where nothing was counted.
+struct ReferenceError {
+  double rms[3] = {};      ///< by axis of W [m]
+  double total = 0.0;      ///< root of the mean squared distance [m]
+  double max = 0.0;        ///< [m]
+  double yaw = 0.0;        ///< RMS [rad]
+  double effort = 0.0;     ///< sum of the rotors' cubed speeds over that in hover, mean
+  double saturated = 0.0;  ///< share of the steps in which a rotor's command is at a limit
+};
+
+/// Adds up errors over an episode.
+class ReferenceErrors {
+ public:
+  explicit ReferenceErrors(const CompiledScenario& compiled);
+
+  /// Takes in the state after a step.
+  void add(const Simulation& simulation);
+  std::vector<ReferenceError> errors() const;
+
+ private:
+  struct Sum {
+    double square[3] = {}, max = 0.0, yaw = 0.0, effort = 0.0;
+    std::size_t saturated = 0, count = 0;
+  };
+  void add_effort(const Simulation& simulation, const FlownReference& reference, Sum& sum) const;
+
+  const CompiledScenario& compiled_;
+  std::vector<FlownReference> references_;
+  std::vector<Sum> sums_;
+  std::vector<double> hover_speed_;  ///< of each reference's robot [rad/s]
+};
+
+/// A row for each episode and reference. Empty without references.
+/// @param episodes  the errors of each
+std::string reference_table(const CompiledScenario& compiled,
+                            const std::vector<std::vector<ReferenceError>>& episodes);
+
+}  // namespace skybody

@@ -1,0 +1,158 @@
+// Saturation of thrust and torques by rank.
+//
+// With P the pseudo-inverse (pseudo_inverse.h), rotor i is to push f_i = P_i u out of 0 to full_i.
+// A command u that the rotors can meet is met. Others are reduced in this order:
+//   1. roll and pitch torque, both scaled by the largest s <= 1 for which some thrust fits;
+//   2. thrust, moved as little as needed to fit on top of it;
+//   3. yaw torque, scaled by the largest t <= 1 that moves thrust no further; where it lets thrust
+//      come nearer to what is asked for, thrust does.
+// A rotor that does not serve thrust (P_i0 <= 0) takes no part in this and is cut at its limits.
+#pragma once
+
+#include <vector>
+
+#include "controllers/common/robot.h"
+
+namespace skybody::control {
+
+/// A rotor in the allocation.
+struct AllocatedRotor {
+  double thrust, roll, pitch, yaw;  ///< row of P
+  double per_thrust;                ///< 1 / thrust where it lifts
+  double full;                      ///< [N]
+  double per_constant;              ///< 1 / kf
+  bool lifts;
+};
+
+/// Cuts commands down to what a robot's rotors can meet.
+class Priority {
+ public:
+  using Row = AllocatedRotor;
+
+  /// What is left of a command.
+  template <class Real>
+  struct Shares {
+    Real thrust;     ///< [N]
+    Real tilt, yaw;  ///< shares of the torques
+  };
+
+  explicit Priority(const std::vector<Row>& rotors) : rotors_(rotors) {}
+
+  /// Of a command, all that fits.
+  template <class Real>
+  SKYBODY_INLINE Shares<Real> fitting(const Real& thrust, const Vec3<Real>& torque) const {
+    Shares<Real> use{thrust, Real(1.0), Real(1.0)};
+    const Real excess = excess_of(use, torque);
+    if (any(excess > 0.0)) {
+      const Shares<Real> less = cut(thrust, torque);
+      use.thrust = select(excess > 0.0, less.thrust, use.thrust);
+      use.tilt = select(excess > 0.0, less.tilt, use.tilt);
+      use.yaw = select(excess > 0.0, less.yaw, use.yaw);
+    }
+    return use;
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE Real tilt_part(const Row& r, const Vec3<Real>& torque) {
+    return r.roll * torque.x + r.pitch * torque.y;
+  }
+  /// Of one rotor [N].
+  template <class Real>
+  static SKYBODY_INLINE Real push(const Row& r, const Shares<Real>& use, const Vec3<Real>& torque) {
+    const Real base = r.thrust * use.thrust + use.tilt * tilt_part(r, torque);
+    return base + use.yaw * (r.yaw * torque.z);
+  }
+
+ private:
+  /// By how much the rotors would leave their limits at most [N]; 0 or less where all is met.
+  template <class Real>
+  SKYBODY_INLINE Real excess_of(const Shares<Real>& use, const Vec3<Real>& torque) const {
+    Real excess(0.0);
+    for (const Row& r : rotors_) {
+      if (!r.lifts) continue;
+      const Real f = push(r, use, torque);
+      excess = max(excess, max(-f, f - r.full));
+    }
+    return excess;
+  }
+
+  /// Steps 1 to 3. All is per unit of the thrust column here: rotor i pushes L + o_i out of 0 to
+  /// c_i, with L the thrust and o_i what the torques ask for.
+  template <class Real>
+  SKYBODY_INLINE Shares<Real> cut(const Real& thrust, const Vec3<Real>& torque) const {
+    Shares<Real> use{thrust, tilt_share(torque), Real(0.0)};
+    const Real moved = abs(nearest_lift(use, thrust, torque) - thrust);
+    use.yaw = yaw_share(use, moved, torque);
+    use.thrust = nearest_lift(use, thrust, torque);
+    return use;
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE Real offset(const Row& r, const Shares<Real>& use,
+                                    const Vec3<Real>& torque) {
+    return (use.tilt * tilt_part(r, torque) + use.yaw * (r.yaw * torque.z)) * r.per_thrust;
+  }
+
+  /// The thrust nearest to `wanted` on which the torques fit.
+  template <class Real>
+  SKYBODY_INLINE Real nearest_lift(const Shares<Real>& use, const Real& wanted,
+                                   const Vec3<Real>& torque) const {
+    Real low(-kLargest), high(kLargest);
+    for (const Row& r : rotors_) {
+      if (!r.lifts) continue;
+      const Real o = offset(r, use, torque);
+      low = max(low, -o);
+      high = min(high, r.full * r.per_thrust - o);
+    }
+    return clamp(wanted, low, max(low, high));
+  }
+
+  /// Step 3: the largest t <= 1 for which some thrust within `moved` of the one that is asked for
+  /// fits. @param use  with yaw 0, which fits
+  template <class Real>
+  SKYBODY_INLINE Real yaw_share(const Shares<Real>& use, const Real& moved,
+                                const Vec3<Real>& torque) const {
+    Real share(1.0);
+    // Lowers the share t to what keeps violation + t growth at 0 or below, as it is at t = 0.
+    const auto limit = [&](const Real& violation, const Real& growth) SKYBODY_INLINE_LAMBDA {
+      const Real room = max(-violation, 0.0);
+      share = min(share,
+                  select(growth > 0.0, room / select(growth > 0.0, growth, Real(1.0)), Real(1.0)));
+    };
+    for (const Row& r : rotors_) {
+      if (!r.lifts) continue;
+      const Real o = offset(r, use, torque), yaw = (r.yaw * torque.z) * r.per_thrust;
+      limit(-(use.thrust + moved) - o, -yaw);
+      limit(use.thrust - moved + o - r.full * r.per_thrust, yaw);
+      for (const Row& other : rotors_) {  // between 0 of that one and the full thrust of this one
+        if (!other.lifts) continue;
+        limit(o - offset(other, use, torque) - r.full * r.per_thrust,
+              yaw - (other.yaw * torque.z) * other.per_thrust);
+      }
+    }
+    return share;
+  }
+
+  /// Step 1: the largest s <= 1 for which max_i(-s g_i) <= min_j(c_j - s g_j), with g the tilt part
+  /// and c the full thrust, both per unit of the thrust column.
+  template <class Real>
+  SKYBODY_INLINE Real tilt_share(const Vec3<Real>& torque) const {
+    Real lowest(kLargest);
+    for (const Row& r : rotors_) {
+      if (r.lifts) lowest = min(lowest, tilt_part(r, torque) * r.per_thrust);
+    }
+    Real share(1.0);
+    for (const Row& r : rotors_) {
+      if (!r.lifts) continue;
+      const Real spread = tilt_part(r, torque) * r.per_thrust - lowest;
+      const Real room(r.full * r.per_thrust);
+      share = min(
+          share, select(spread > room, room / select(spread > room, spread, Real(1.0)), Real(1.0)));
+    }
+    return share;
+  }
+
+  const std::vector<Row>& rotors_;
+};
+
+}  // namespace skybody::control

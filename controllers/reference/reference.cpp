@@ -1,0 +1,193 @@
+// A reference: where the robot should be over time. It takes no command.
+#include <skybody/plugin.h>
+
+#include <stdexcept>
+
+#include "controllers/common/flyable.h"
+#include "controllers/common/robot.h"
+#include "plugins/reference/path_parameters.h"
+
+namespace skybody {
+namespace {
+
+using reference::derivative;
+using reference::DrawnNumbers;
+using reference::kOrders;
+using reference::Moment;
+using reference::PathNumbers;
+
+class Reference : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  template <class Real>
+  struct State {
+    Real rate;          ///< of a figure's angle [rad/s]
+    Vec3<Real> offset;  ///< from the path's beginning to the base at the reset, W [m]
+  };
+
+  void configure(const Setup& setup) override {
+    base_ = control::base_of(setup, setup.robot());
+    dt_ = setup.dt();
+    path_ = parameters_.path();
+    declare_output(setup);
+    if (check_.value()) check_flyable(setup);
+    setup.input(Signal::kNone, {}, {});
+    setup.buffer(4);
+    setup.report("position", "m", 3, 0);
+    setup.report("yaw", "rad", 1, 3);
+  }
+
+  template <class Real>
+  void reset(const EnvView<Real>& env, State<Real>& state, Values<Real> buffer) const {
+    const DrawnNumbers<Real> read{env};
+    PathNumbers<Real> numbers = parameters_.numbers<Real>(read);
+    if (is_harmonic(path_.kind)) numbers.rate = parameters_.rate(read, numbers.figure);
+    if (path_.approach > 0.0) {
+      const Vec3<Real> begin = derivative(path_.at<2>(numbers, Real(0.0)).point, 0);
+      numbers.offset = env.body(base_).position - begin;
+    }
+    state.rate = numbers.rate;
+    state.offset = numbers.offset;
+    report(numbers, Real(0.0), buffer);
+  }
+
+  template <class Real>
+  void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real>, Values<Real> output,
+               Values<Real> buffer) const {
+    PathNumbers<Real> numbers = parameters_.numbers<Real>(DrawnNumbers<Real>{env});
+    numbers.rate = state.rate;
+    numbers.offset = state.offset;
+    const Real time = to_real(env.physics_step()) * dt_;
+    for (int i = 0; i < count_; ++i) {
+      write(path_.at<kOrders>(numbers, time + spacing_.value() * i), output, i);
+    }
+    report(numbers, time + dt_, buffer);
+  }
+
+ private:
+  template <class Real>
+  SKYBODY_INLINE void write(const Moment<Real, kOrders>& moment, const Values<Real>& output,
+                            int index) const {
+    const ReferencePoint<Real> point = reference_point_of(moment);
+    switch (gives_) {
+      case Signal::kPosition:
+        output.set(0, point.position);
+        output.set(3, point.yaw);
+        break;
+      case Signal::kVelocityTracking:
+        output.set(0, point.velocity);
+        output.set(3, point.yaw_rate);
+        break;
+      case Signal::kAcceleration:
+        output.set(0, point.acceleration);
+        output.set(3, point.yaw);
+        break;
+      default:
+        set_reference_point(output, point, index);
+    }
+  }
+
+  /// Tells tables, pictures and learners of a moment.
+  template <class Real>
+  SKYBODY_INLINE void report(const PathNumbers<Real>& numbers, const Real& time,
+                             const Values<Real>& buffer) const {
+    const Moment<Real, 2> moment = path_.at<2>(numbers, time);
+    buffer.set(0, derivative(moment.point, 0));
+    buffer.set(3, wrap_angle(moment.yaw.c[0]));
+  }
+
+  /// Holds the nominal path, from its beginning on, against what the robot can do. Robots without
+  /// rotors are driven, and a step is no path that anything flies exactly.
+  void check_flyable(const Setup& setup) const {
+    const int robot = setup.robot();
+    if (setup.rotors_of(robot).size() == 0 || path_.kind == reference::Kind::kStep) return;
+    control::FlightEnvelope envelope;
+    envelope.configure(setup, robot, max_tilt_.value(), max_rate_.value());
+    const reference::NominalNumbers read;
+    PathNumbers<double> numbers = parameters_.numbers<double>(read);
+    if (is_harmonic(path_.kind)) numbers.rate = parameters_.rate(read, numbers.figure);
+    reference::Path path = path_;
+    path.approach = 0.0;  // where from is drawn
+    const auto at_scale = [&](double scale) {
+      PathNumbers<double> paced = numbers;
+      paced.time_scale = scale;
+      return paced;
+    };
+    const auto point = [&](double time, double scale) {
+      return reference_point_of(path.at<kOrders>(at_scale(scale), time));
+    };
+    const auto duration = [&](double scale) { return path.length(at_scale(scale)); };
+    const bool ends = is_spline(path.kind);
+    control::require_flyable(envelope, control::PacedReference{point, duration, ends},
+                             numbers.time_scale);
+  }
+
+  void declare_output(const Setup& setup) {
+    const std::string& level = gives_name_.value();
+    const bool is_trajectory = level == "trajectory";
+    count_ = static_cast<int>(points_.value());
+    if (!is_trajectory && count_ > 1) {
+      throw std::runtime_error("`points` is " + std::to_string(count_) + ", but `" + level +
+                               "` is of one moment; allowed with it: 1");
+    }
+    gives_ = level == "position"            ? Signal::kPosition
+             : level == "velocity_tracking" ? Signal::kVelocityTracking
+             : level == "acceleration"      ? Signal::kAcceleration
+                                            : Signal::kTrajectory;
+    setup.output(gives_, is_trajectory ? kReferencePointSize * count_ : 4);
+  }
+
+  reference::PathParameters parameters_{this};
+  TextParameter gives_name_{
+      this,
+      {.name = "gives",
+       .value = "trajectory",
+       .choices = {"trajectory", "position", "velocity_tracking", "acceleration"},
+       .doc = "level of the command that it gives"}};
+  IntegerParameter points_{this,
+                           {.name = "points",
+                            .value = 1,
+                            .min = 1,
+                            .max = 256,
+                            .doc = "of a trajectory: moments ahead, the first is now"}};
+  RealParameter spacing_{this,
+                         {.name = "spacing",
+                          .unit = "s",
+                          .value = 0.05,
+                          .min = 1e-6,
+                          .max = 1e3,
+                          .doc = "from one of the points to the next"}};
+
+  BooleanParameter check_{
+      this,
+      {.name = "check",
+       .value = true,
+       .doc = "refuse a path that the robot cannot fly, by its nominal constants in still air"}};
+  RealParameter max_tilt_{this,
+                          {.name = "max_tilt",
+                           .unit = "rad",
+                           .value = kPi,
+                           .min = 1e-3,
+                           .max = kPi,
+                           .doc = "of the check: largest angle of the base's z to the vertical"}};
+  RealParameter max_rate_{this,
+                          {.name = "max_rate",
+                           .unit = "rad/s",
+                           .value = 35.0,
+                           .min = 1e-3,
+                           .max = 1e4,
+                           .doc = "of the check: largest body rate about each axis; the default "
+                                  "is what common gyroscopes measure, 2000 degrees/s"}};
+  reference::Path path_;
+  Signal gives_ = Signal::kTrajectory;
+  int base_ = 0;
+  int count_ = 1;
+  double dt_ = 0.0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Reference, "reference", "1.0.0",
+               "Where a robot should be over time: figures, waypoints, tables; takes no command.");

@@ -1,0 +1,282 @@
+#include "core/assemble/reference_use.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/suggestion.h"
+#include "core/env/controller_chains.h"
+#include "core/io/file.h"
+#include "core/io/shipped_files.h"
+#include "core/io/text.h"
+#include "plugins/api/abi.h"
+
+namespace skybody {
+namespace {
+
+constexpr const char* kNameSeparator = ":";
+
+/// A controller with parameters, as a scenario writes it.
+using Use = const char*;
+
+/// What leads from a reference to the first controller of a chain.
+struct Lead {
+  int signal;         ///< that the chain takes
+  int count;          ///< of its values; 0: any
+  const char* gives;  ///< level of the reference
+  std::vector<Use> controllers;
+  int points = 1;  ///< of the trajectory
+};
+
+// Laws hold commands to the box that actions mean, and accelerations to what suits a learner. A
+// reference is no action, and has been held against what the vehicle can do: it may go farther.
+#define SKYBODY_FREE_PLACE "position_min: [-1e5, -1e5, -1e5], position_max: [1e5, 1e5, 1e5]"
+#define SKYBODY_FREE \
+  SKYBODY_FREE_PLACE \
+  ", max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
+
+/// A row for each signal that a reference can fly: the laws that close the loop of position and
+/// know the reference's derivatives, where the chain takes what they give.
+const std::vector<Lead> kLeads = {
+    {SKYBODY_TRAJECTORY, 0, "trajectory", {}},
+    {SKYBODY_POSITION, 0, "position", {}},
+    {SKYBODY_VELOCITY_TRACKING, 0, "velocity_tracking", {}},
+    {SKYBODY_ACCELERATION, 0, "acceleration", {}},
+    {SKYBODY_ATTITUDE,
+     8,
+     "trajectory",
+     {"{plugin: position, parameters: {signal: trajectory, " SKYBODY_FREE "}}"}},
+    {SKYBODY_ATTITUDE, 5, "position", {"{plugin: position, parameters: {" SKYBODY_FREE "}}"}},
+    {SKYBODY_CTBR,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbr, " SKYBODY_FREE "}}"}},
+    {SKYBODY_CTBT,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}"}},
+    {SKYBODY_ROTOR_SPEED,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}", "{plugin: ctbt}"}},
+    {SKYBODY_SRT,
+     0,
+     "trajectory",
+     {"{plugin: nmpc, parameters: {preview: true, " SKYBODY_FREE_PLACE "}}"},
+     21},  // its horizon, and now
+};
+
+#undef SKYBODY_FREE
+#undef SKYBODY_FREE_PLACE
+
+/// What the command line asks for.
+struct Asked {
+  ConfigNode parameters;  ///< of the controller `reference`
+  std::string robot;      ///< empty: not said
+};
+
+/// Splits at commas that are outside of brackets.
+std::vector<std::string> split_options(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  for (const char c : text) {
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (c == ',' && depth == 0) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+class Request {
+ public:
+  Request(const std::string& text, Diagnostics& diagnostics)
+      : text_(text), mark_{kReferencePrefix + text, 0, 0}, diagnostics_(diagnostics) {}
+
+  std::optional<Asked> read() {
+    const int errors_before = diagnostics_.error_count();
+    const std::size_t colon = text_.find(kNameSeparator);
+    Asked asked;
+    std::optional<ConfigNode> file = load(text_.substr(0, colon));
+    if (!file) return std::nullopt;
+    asked.parameters = std::move(*file);
+    if (colon != std::string::npos) {
+      for (const std::string& option : split_options(text_.substr(colon + 1))) {
+        take(option, asked);
+      }
+    }
+    if (diagnostics_.error_count() > errors_before) return std::nullopt;
+    return asked;
+  }
+
+ private:
+  std::optional<ConfigNode> load(const std::string& name) {
+    std::string file = name;
+    if (is_identifier(name)) {
+      const auto shipped = find_shipped_reference(name);
+      if (!shipped) {
+        diagnostics_.error(mark_, "`" + name + "` is neither a shipped reference nor a YAML file" +
+                                      suggestion(name, shipped_references(), "shipped"));
+        return std::nullopt;
+      }
+      file = shipped->string();
+    }
+    std::optional<ConfigNode> root = load_config(file, diagnostics_);
+    if (root && !root->is_map()) {
+      diagnostics_.error(root->mark, "a reference is " + root->describe() +
+                                         "; allowed: a map of parameters of `reference`");
+      return std::nullopt;
+    }
+    return root;
+  }
+
+  void take(const std::string& option, Asked& asked) {
+    const std::size_t equals = option.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      diagnostics_.error(mark_, "`" + option + "` is no key=value, as in `peak_speed=2`");
+      return;
+    }
+    const std::string key = option.substr(0, equals);
+    const auto value = parse_yaml(option.substr(equals + 1), mark_.file, diagnostics_);
+    if (!value) return;
+    if (key == "robot") {
+      asked.robot = value->scalar;
+    } else if (ConfigNode* old = asked.parameters.find(key)) {
+      *old = *value;
+    } else {
+      asked.parameters.entries.push_back({key, mark_, *value});
+    }
+  }
+
+  const std::string& text_;
+  SourceMark mark_;
+  Diagnostics& diagnostics_;
+};
+
+/// The chain that a reference may command: of the robot called `name`, or the first one that ends
+/// at rotors or moves a base.
+const ControllerChain* find_chain(const CompiledScenario& compiled, const std::string& name) {
+  for (const ControllerChain& chain : compiled.chains()) {
+    const RobotUse& robot = compiled.scenario().robots[static_cast<std::size_t>(chain.robot)];
+    const bool is_usable = chain.team < 0 && !chain.is_fed && chain.signal != SKYBODY_NONE &&
+                           chain.signal != SKYBODY_JOINT;
+    if (is_usable && (name.empty() || robot.name == name)) return &chain;
+  }
+  return nullptr;
+}
+
+ConfigNode text_node(const std::string& text, const SourceMark& mark) {
+  ConfigNode node;
+  node.kind = ConfigNode::Kind::kScalar;
+  node.mark = mark;
+  node.scalar = text;
+  return node;
+}
+
+ConfigNode plugin_node(const std::string& plugin, const SourceMark& mark) {
+  ConfigNode node;
+  node.kind = ConfigNode::Kind::kMap;
+  node.mark = mark;
+  node.entries.push_back({"plugin", mark, text_node(plugin, mark)});
+  return node;
+}
+
+void set(ConfigNode& map, const std::string& key, ConfigNode value) {
+  const SourceMark mark = value.mark;
+  if (ConfigNode* old = map.find(key)) {
+    *old = std::move(value);
+  } else {
+    map.entries.push_back({key, mark, std::move(value)});
+  }
+}
+
+/// Where everything goes.
+struct Place {
+  std::size_t robot;       ///< index
+  std::size_t controller;  ///< within the robot's controllers
+  std::string name;        ///< of the robot
+  std::string base;        ///< its base link
+};
+
+Place place_of(const CompiledScenario& compiled, const ControllerChain& chain) {
+  const auto robot = static_cast<std::size_t>(chain.robot);
+  const std::vector<RobotUse>& robots = compiled.scenario().robots;
+  std::size_t before = 0;
+  for (std::size_t r = 0; r < robot; ++r) before += robots[r].controllers.size();
+  return {robot, static_cast<std::size_t>(chain.first) - before, robots[robot].name,
+          robots[robot].model.bodies[0].name};
+}
+
+/// @param parameters  of the controller `reference`, the level included
+void put_in(ConfigNode& root, const Place& place, const Lead& lead, const ConfigNode& parameters,
+            const SourceMark& mark) {
+  ConfigNode& controllers = *root.find("robots")->items[place.robot].find("controllers");
+  ConfigNode reference = plugin_node("reference", mark);
+  reference.entries.push_back({"parameters", mark, parameters});
+  std::vector<ConfigNode> more = {std::move(reference)};
+  Diagnostics none;  // these texts are our own
+  for (const Use use : lead.controllers) more.push_back(*parse_yaml(use, mark.file, none));
+  controllers.items.insert(
+      controllers.items.begin() + static_cast<std::ptrdiff_t>(place.controller), more.begin(),
+      more.end());
+  ConfigNode task = plugin_node("watch", mark), watched;
+  watched.kind = ConfigNode::Kind::kMap;
+  watched.mark = mark;
+  set(watched, "robot", text_node(place.name, mark));
+  set(watched, "link", text_node(place.base, mark));
+  set(task, "parameters", std::move(watched));
+  set(root, "task", std::move(task));
+}
+
+std::string signals_with_leads() {
+  std::string text;
+  for (const Lead& lead : kLeads) {
+    const std::string name = signal_name(lead.signal);
+    if (text.find(name) != std::string::npos) continue;
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+}  // namespace
+
+ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& compiled,
+                            Diagnostics& diagnostics) {
+  const SourceMark mark{kReferencePrefix + text, 0, 0};
+  std::optional<Asked> asked = Request(text, diagnostics).read();
+  if (!asked) return {};
+  const ControllerChain* chain = find_chain(compiled, asked->robot);
+  if (chain == nullptr) {
+    diagnostics.error(
+        mark, (asked->robot.empty() ? "no robot"
+                                    : "`robot` is `" + asked->robot + "`, which is no robot or") +
+                  std::string(" has a chain of its own that actions command: give "
+                              "it controllers, or name another robot"));
+    return {};
+  }
+  const auto lead = std::find_if(kLeads.begin(), kLeads.end(), [&](const Lead& l) {
+    return l.signal == chain->signal && (l.count == 0 || l.count == chain->inputs);
+  });
+  const Place place = place_of(compiled, *chain);
+  if (lead == kLeads.end()) {
+    diagnostics.error(mark, "the chain of robot `" + place.name + "` takes " +
+                                signal_name(chain->signal) +
+                                ", to which no controller leads from a reference; allowed: " +
+                                signals_with_leads() + "; begin the chain with one of these");
+    return {};
+  }
+  set(asked->parameters, "gives", text_node(lead->gives, mark));
+  const bool is_direct = chain->signal == SKYBODY_TRAJECTORY;
+  const int points = is_direct ? chain->inputs / SKYBODY_REFERENCE_VALUES : lead->points;
+  if (asked->parameters.find("points") == nullptr) {
+    set(asked->parameters, "points", text_node(std::to_string(points), mark));
+  }
+  return [place, lead = *lead, parameters = asked->parameters, mark](
+             ConfigNode& root, Diagnostics&) { put_in(root, place, lead, parameters, mark); };
+}
+
+}  // namespace skybody

@@ -1,0 +1,211 @@
+// The parameters that a path is made from, for any plugin that follows or judges one.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "plugins/reference/path.h"
+
+namespace skybody::reference {
+
+inline constexpr std::array<const char*, 8> kKindNames = {
+    "lissajous", "circle", "helix", "figure_eight", "waypoints", "csv", "step", "hold"};
+
+/// Reads parameters of one environment, or of all lanes of a view.
+template <class Real>
+struct DrawnNumbers {
+  const EnvView<Real>& env;
+  Real operator()(const RealParameter& parameter) const { return parameter(env); }
+  Vec3<Real> operator()(const RealsParameter& parameter) const { return parameter.vec3(env); }
+};
+
+/// Reads parameters as the scenario gives them.
+struct NominalNumbers {
+  double operator()(const RealParameter& parameter) const { return parameter.value(); }
+  Vec3<double> operator()(const RealsParameter& parameter) const { return parameter.vec3(); }
+};
+
+/// Declared as a member of the plugin `owner`.
+class PathParameters {
+ public:
+  explicit PathParameters(Plugin* owner) : owner_(owner) {}
+
+  Kind kind() const {
+    const auto found = std::find(kKindNames.begin(), kKindNames.end(), name_.value());
+    return static_cast<Kind>(found - kKindNames.begin());
+  }
+
+  /// The path. @throws std::runtime_error where parameters contradict one another, a waypoint lies
+  /// on another one, or a table cannot be read
+  Path path() const;
+
+  /// Everything but the rate and the offset, which `begin` finds.
+  /// @param read  DrawnNumbers or NominalNumbers
+  template <class Real, class Read>
+  SKYBODY_INLINE PathNumbers<Real> numbers(const Read& read) const {
+    const Vec3<Real> one{Real(1.0), Real(1.0), Real(1.0)}, zero{Real(0.0), Real(0.0), Real(0.0)};
+    PathNumbers<Real> out{{read(centre_), read(amplitude_), one, zero, read(climb_)},
+                          Real(0.0),
+                          read(step_time_),
+                          read(time_scale_),
+                          read(heading_),
+                          read(along_),
+                          zero};
+    const Kind own = kind();
+    if (own == Kind::kLissajous) {
+      out.figure.cycles = read(cycles_);
+      out.figure.phase = read(phase_);
+    } else if (own == Kind::kFigureEight) {
+      out.figure.cycles.y = Real(2.0);
+    } else {
+      out.figure.phase.x = Real(kHalfPi);
+    }
+    return out;
+  }
+
+  /// How fast the angle of a figure grows [rad/s]: by the peak speed, else by the period.
+  template <class Real, class Read>
+  SKYBODY_INLINE Real rate(const Read& read, const Harmonic<Real>& figure) const {
+    const Real speed = read(peak_speed_), steepest = figure.steepest();
+    const auto by_speed = logical_and(speed > 0.0, steepest > 0.0);
+    return select(by_speed, speed / select(by_speed, steepest, Real(1.0)),
+                  (2.0 * kPi) / read(period_));
+  }
+
+ private:
+  void check() const;
+  Spline through_waypoints() const;
+  Facing facing(bool has_yaw) const;
+  void refuse_if_given(const Parameter& parameter, const char* name,
+                       std::initializer_list<Kind> used_by) const;
+  std::vector<double> times_by_distance() const;
+  void check_waypoints() const;
+
+  Plugin* owner_;
+  TextParameter name_{owner_,
+                      {.name = "kind",
+                       .choices = {kKindNames.begin(), kKindNames.end()},
+                       .doc = "form of the path",
+                       .required = true}};
+  RealsParameter centre_{owner_,
+                         {.name = "centre",
+                          .unit = "m",
+                          .values = {0.0, 0.0, 0.0},
+                          .doc = "middle of the figure, or what is added to a path (W)",
+                          .randomizable = true}};
+  RealsParameter amplitude_{owner_,
+                            {.name = "amplitude",
+                             .unit = "m",
+                             .values = {1.5, 1.5, 0.0},
+                             .doc = "swing of each axis from the middle; of a step: its size (W)",
+                             .randomizable = true}};
+  RealsParameter cycles_{owner_,
+                         {.name = "cycles",
+                          .values = {1.0, 2.0, 1.0},
+                          .min = 0.0,
+                          .max = 16.0,
+                          .doc = "lissajous: swings of each axis in a period",
+                          .randomizable = true}};
+  RealsParameter phase_{owner_,
+                        {.name = "phase",
+                         .unit = "rad",
+                         .values = {kHalfPi, 0.0, 0.0},
+                         .min = -1e3,
+                         .max = 1e3,
+                         .doc = "lissajous: where in its swing each axis begins; 0: in the middle",
+                         .randomizable = true}};
+  RealParameter climb_{
+      owner_,
+      {.name = "climb", .unit = "m", .doc = "helix: rise in a period", .randomizable = true}};
+  RealParameter period_{owner_,
+                        {.name = "period",
+                         .unit = "s",
+                         .value = 8.0,
+                         .min = 1e-3,
+                         .max = 1e6,
+                         .doc = "of a figure; `peak_speed` goes before it",
+                         .randomizable = true}};
+  RealParameter peak_speed_{owner_,
+                            {.name = "peak_speed",
+                             .unit = "m/s",
+                             .min = 0.0,
+                             .max = 1e3,
+                             .doc = "greatest speed on a figure, found at the reset; 0: the period "
+                                    "says. Of waypoints without times: what times are made for",
+                             .randomizable = true}};
+  RealsParameter waypoints_{owner_,
+                            {.name = "waypoints",
+                             .unit = "m",
+                             .count = -1,
+                             .doc = "x, y, z of each waypoint, one after the other (W)"}};
+  RealsParameter times_{owner_,
+                        {.name = "times",
+                         .unit = "s",
+                         .count = -1,
+                         .min = 0.0,
+                         .doc = "when each waypoint is passed; the first is 0. Without them: by "
+                                "distance, for `peak_speed`"}};
+  TextParameter file_{
+      owner_,
+      {.name = "file",
+       .doc = "csv: table with the columns t [s], x, y, z [m] and perhaps yaw [rad] (W)",
+       .is_file = true}};
+  RealParameter step_time_{owner_,
+                           {.name = "step_time",
+                            .unit = "s",
+                            .value = 1.0,
+                            .min = 0.0,
+                            .max = 1e6,
+                            .doc = "step: path time of the jump",
+                            .randomizable = true}};
+  RealParameter time_scale_{owner_,
+                            {.name = "time_scale",
+                             .value = 1.0,
+                             .min = 1e-3,
+                             .max = 1e3,
+                             .doc = "path time that passes in a second: 2 flies twice as fast",
+                             .randomizable = true}};
+  RealParameter ramp_{owner_,
+                      {.name = "ramp",
+                       .unit = "s",
+                       .value = 2.0,
+                       .min = 0.0,
+                       .max = 1e4,
+                       .doc = "in which the pace rises from 0, so that a vehicle at rest can "
+                              "follow; of waypoints and tables only where it is given"}};
+  RealParameter approach_{
+      owner_,
+      {.name = "approach",
+       .unit = "s",
+       .min = 0.0,
+       .max = 1e4,
+       .doc = "in which the reference comes from where the base is at the reset "
+              "to the path's beginning, before path time runs; 0: it begins there"}};
+  TextParameter yaw_{
+      owner_,
+      {.name = "yaw",
+       .value = "fixed",
+       .choices = {"fixed", "tangent", "drawn", "table"},
+       .doc = "what the heading is: `heading`, along the path, either by `along`, or the "
+              "table's own"}};
+  RealParameter heading_{owner_,
+                         {.name = "heading",
+                          .unit = "rad",
+                          .min = -1e3,
+                          .max = 1e3,
+                          .doc = "added to the yaw",
+                          .randomizable = true}};
+  RealParameter along_{owner_,
+                       {.name = "along",
+                        .value = 1.0,
+                        .min = 0.0,
+                        .max = 1.0,
+                        .doc = "with `yaw: drawn`: 0.5 and more is along the path, less is fixed",
+                        .randomizable = true}};
+};
+
+}  // namespace skybody::reference
