@@ -49,6 +49,13 @@ TEST(ShortestChain, JoinsControllersOfOneSizeOnly) {
   EXPECT_THAT(shortest_chain(small_survey(), kAttitudeWithRates, -1), ElementsAre(2, 3));
 }
 
+TEST(ShortestChain, PrefersDefaultsToOptions) {
+  ControllerSurvey survey = small_survey();
+  survey.modes.insert(survey.modes.begin(), mode("indi", kAttitude, kRotors, {"signal: attitude"}));
+  EXPECT_EQ(chain_text(survey, shortest_chain(survey, {SKYBODY_ATTITUDE}, -1)),
+            "`attitude`, then `ctbr`");
+}
+
 TEST(ShortestChain, IsEmptyWhereNothingLeadsThere) {
   EXPECT_THAT(shortest_chain(small_survey(), {SKYBODY_CTBR}, SKYBODY_POSITION), IsEmpty());
   EXPECT_THAT(shortest_chain(small_survey(), {SKYBODY_FORCE}, -1), IsEmpty());
