@@ -85,7 +85,7 @@ std::vector<std::vector<int>> entries_of(const ControllerSurvey& survey) {
     const ControllerMode& mode = survey.modes[static_cast<std::size_t>(i)];
     if (mode.passes_on || mode.takes.signal == SKYBODY_NONE) continue;
     std::vector<int> chain{i};
-    if (!actuates(mode.gives.signal)) {
+    if (!mode.acts) {
       std::vector<int> rest = shortest_chain(survey, mode.gives, SKYBODY_ROTOR_SPEED);
       if (rest.empty()) rest = shortest_chain(survey, mode.gives, -1);
       if (rest.empty()) continue;

@@ -209,10 +209,20 @@ class Survey {
     check_declarations(topology_, plan_.layout, instance);
     mode.takes = {instance.input_signal, instance.input_count()};
     mode.gives = {instance.outputs[0].signal, instance.outputs[0].count};
+    mode.acts = acts(instance);
     mode.low = instance.low;
     mode.high = instance.high;
     mode.passes_on = instance.passes_on;
     if (mode.passes_on) mode.options.clear();
+  }
+
+  /// A wrench needs a site, and a joint's command a drive: without, a controller behind it takes
+  /// it.
+  static bool acts(const PluginInstance& instance) {
+    const int signal = instance.outputs[0].signal;
+    if (signal == SKYBODY_WRENCH) return !instance.sites.empty();
+    if (signal == SKYBODY_JOINT) return !instance.joints.empty();
+    return actuates(signal);
   }
 
   static bool is_new(const std::vector<ControllerMode>& modes, std::size_t first,
@@ -313,8 +323,9 @@ std::vector<int> shortest_chain(const ControllerSurvey& survey, const Level& fro
     const Row row = *least;
     open.erase(least);
     if (!row.modes.empty()) {
-      const Level& given = survey.modes[static_cast<std::size_t>(row.modes.back())].gives;
-      if (to < 0 ? actuates(given.signal) : given.signal == to) return row.modes;
+      const ControllerMode& last = survey.modes[static_cast<std::size_t>(row.modes.back())];
+      const Level& given = last.gives;
+      if (to < 0 ? last.acts : given.signal == to) return row.modes;
       const bool is_back = given.signal == from.signal;
       if (is_back || !done.insert({given.signal, given.count}).second) continue;
     }

@@ -23,6 +23,7 @@ struct ControllerMode {
   std::vector<std::string> options;  ///< `form: position`: parameters that differ from the defaults
   Level takes, gives;
   std::vector<double> low, high;  ///< what actions -1 and +1 mean, one per value that it takes
+  bool acts = false;              ///< drives actuators, and can be the last of a chain
   bool passes_on = false;         ///< gives what it takes, of any level, such as `delay`
 };
 
