@@ -58,7 +58,7 @@ def test_a_fork_in_mid_flight_has_the_same_future(chain: str):
     copy = simulation.fork()
     fly(simulation, 300, 600)
     fly(copy, 300, 600)
-    assert simulation.save() == copy.save()
+    assert simulation.hash() == copy.hash()
 
 
 @pytest.mark.parametrize("law", FOLLOWERS)
