@@ -29,6 +29,8 @@ std::string range_of(double low, double high) {
   return rounded(low) + ".." + rounded(high);
 }
 
+constexpr std::size_t kMostRanges = 8;  // of a signal of many points each repeats them
+
 /// "0..35.3, 2 x +-10, +-5": neighbours that are alike together.
 std::string ranges_text(const std::vector<double>& low, const std::vector<double>& high) {
   std::vector<std::string> parts;
@@ -38,6 +40,10 @@ std::string ranges_text(const std::vector<double>& low, const std::vector<double
     const std::string range = range_of(low[i], high[i]);
     parts.push_back(end - i == 1 ? range : std::to_string(end - i) + " x " + range);
     i = end;
+  }
+  if (parts.size() > kMostRanges) {
+    parts.resize(kMostRanges);
+    parts.emplace_back("...");
   }
   return parts.empty() ? "takes no command" : join(parts);
 }
@@ -79,7 +85,7 @@ std::vector<std::vector<int>> entries_of(const ControllerSurvey& survey) {
     const ControllerMode& mode = survey.modes[static_cast<std::size_t>(i)];
     if (mode.passes_on || mode.takes.signal == SKYBODY_NONE) continue;
     std::vector<int> chain{i};
-    if (!actuates(mode.gives.signal)) {
+    if (!mode.acts) {
       std::vector<int> rest = shortest_chain(survey, mode.gives, SKYBODY_ROTOR_SPEED);
       if (rest.empty()) rest = shortest_chain(survey, mode.gives, -1);
       if (rest.empty()) continue;

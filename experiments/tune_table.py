@@ -166,8 +166,11 @@ search has not seen; `path` is the RMS error on the smooth path. All vehicles {v
 
 {cost_table(rows)}
 
+`s, processor` is summed over threads: two cores that have nothing else to do need half of it.
+
 Factors on a loop's gain, up and down, and delay beyond the latency, at which a small step no longer
-dies out. The search asks for 2, 0.5 and 10 ms.
+dies out. The search makes gains costly that do not bear 2, 0.5 and 10 ms. A joint that hangs free
+goes on swinging, which counts as a step that does not die out.
 
 {margin_table(rows)}
 

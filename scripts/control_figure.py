@@ -63,8 +63,8 @@ def arrows(modes: dict[str, Any], rows: list[str]) -> list[Arrow]:
         begin = rows.index(takes) if takes in rows else -1
         end = len(rows) if takes == gives and gives in acts else rows.index(gives)
         found.append(Arrow(mode["plugin"], ", ".join(mode["options"]), begin, end))
-    taken = {mode["takes"]["signal"] for mode in modes["controllers"]}
-    found += [Arrow("", "", rows.index(name), len(rows)) for name in acts - taken]
+    led = {rows[a.begin] for a in found if a.end == len(rows)}  # others act as they are
+    found += [Arrow("", "", rows.index(name), len(rows)) for name in acts - led]
     return place(sorted(found, key=lambda a: (a.begin, a.end - a.begin, a.name, a.note)))
 
 
@@ -110,7 +110,7 @@ def draw_level(y: float, name: str, meaning: str, right: float) -> list[str]:
 def draw_arrow(arrow: Arrow, y: list[float]) -> list[str]:
     x = LABEL_WIDTH + 24 + COLUMN * arrow.column
     color = COLORS[sum(map(ord, arrow.name)) % len(COLORS)]
-    begin = y[arrow.begin] if arrow.begin >= 0 else y[0] - ROW / 2
+    begin = y[arrow.begin] if arrow.begin >= 0 else y[0] - ROW
     end = y[arrow.end]
     down = 1 if end > begin else -1
     tip = end - 8 * down
@@ -143,7 +143,8 @@ def figure(modes: dict[str, Any]) -> str:
     rows = ranked(modes)
     meanings = {s["signal"]: s["meaning"] for s in modes["signals"]}
     found = arrows(modes, rows)
-    y = [TOP + ROW * (k + 0.5) for k in range(len(rows) + 1)]
+    above = 1 if any(a.begin < 0 for a in found) else 0  # a row for those that take nothing
+    y = [TOP + ROW * (k + above + 0.5) for k in range(len(rows) + 1)]
     columns = 1 + max((a.column for a in found), default=0)
     width = LABEL_WIDTH + 24 + COLUMN * columns
     height = y[-1] + 40
@@ -153,6 +154,8 @@ def figure(modes: dict[str, Any]) -> str:
         STYLE,
         f'<rect width="{width:g}" height="{height:g}" fill="white"/>',
     ]
+    if above:
+        parts += draw_level(y[0] - ROW, "no command", "begin a chain by themselves", width - 10)
     for name, place_y in zip(rows, y[:-1], strict=True):
         parts += draw_level(place_y, name, meanings[name], width - 10)
     parts.append(f'<rect x="10" y="{y[-1]:g}" width="{width - 20:g}" height="26" fill="#e8e8e8"/>')

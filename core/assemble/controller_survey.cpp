@@ -182,9 +182,8 @@ class Survey {
       const std::vector<std::string> choices = words_of(spec);
       if (choices.empty()) continue;
       const std::size_t chosen = words[at++];
-      if (chosen != default_word(spec) || spec.required) {
-        mode.options.push_back(spec.name + ": " + choices[chosen]);
-      }
+      if (chosen == default_word(spec) && !spec.required) continue;
+      mode.options.push_back(spec.name + ": " + choices[chosen]);
       choose(values.back(), choices[chosen], chosen);
     }
     try {
@@ -210,10 +209,20 @@ class Survey {
     check_declarations(topology_, plan_.layout, instance);
     mode.takes = {instance.input_signal, instance.input_count()};
     mode.gives = {instance.outputs[0].signal, instance.outputs[0].count};
+    mode.acts = acts(instance);
     mode.low = instance.low;
     mode.high = instance.high;
     mode.passes_on = instance.passes_on;
     if (mode.passes_on) mode.options.clear();
+  }
+
+  /// A wrench needs a site, and a joint's command a drive: without, a controller behind it takes
+  /// it.
+  static bool acts(const PluginInstance& instance) {
+    const int signal = instance.outputs[0].signal;
+    if (signal == SKYBODY_WRENCH) return !instance.sites.empty();
+    if (signal == SKYBODY_JOINT) return !instance.joints.empty();
+    return actuates(signal);
   }
 
   static bool is_new(const std::vector<ControllerMode>& modes, std::size_t first,
@@ -300,21 +309,33 @@ Topology survey_vehicle() {
 }
 
 std::vector<int> shortest_chain(const ControllerSurvey& survey, const Level& from, int to) {
-  // Breadth first: rows of one length at a time, each level reached once.
-  std::vector<std::vector<int>> rows{{}};
-  std::set<std::pair<int, int>> reached;
-  for (std::size_t at = 0; at < rows.size(); ++at) {
-    const std::vector<int> row = rows[at];
+  // Uniform-cost search. A controller that has to be told something costs more than one that has
+  // not: chains of defaults come before others of the same length.
+  struct Row {
+    std::vector<int> modes;
+    int cost = 0;
+  };
+  std::vector<Row> open{{}};
+  std::set<std::pair<int, int>> done;
+  while (!open.empty()) {
+    const auto least = std::min_element(open.begin(), open.end(),
+                                        [](const Row& a, const Row& b) { return a.cost < b.cost; });
+    const Row row = *least;
+    open.erase(least);
+    if (!row.modes.empty()) {
+      const ControllerMode& last = survey.modes[static_cast<std::size_t>(row.modes.back())];
+      const Level& given = last.gives;
+      if (to < 0 ? last.acts : given.signal == to) return row.modes;
+      const bool is_back = given.signal == from.signal;
+      if (is_back || !done.insert({given.signal, given.count}).second) continue;
+    }
     for (int i = 0; i < static_cast<int>(survey.modes.size()); ++i) {
       const ControllerMode& mode = survey.modes[static_cast<std::size_t>(i)];
-      if (mode.passes_on || !fits(survey, row, from, mode.takes)) continue;
-      std::vector<int> longer = row;
-      longer.push_back(i);
-      if (to < 0 ? actuates(mode.gives.signal) : mode.gives.signal == to) return longer;
-      if (mode.gives.signal == from.signal) continue;
-      if (reached.insert({mode.gives.signal, mode.gives.count}).second) {
-        rows.push_back(std::move(longer));
-      }
+      if (mode.passes_on || !fits(survey, row.modes, from, mode.takes)) continue;
+      Row longer = row;
+      longer.modes.push_back(i);
+      longer.cost += 2 + 3 * static_cast<int>(mode.options.size());
+      open.push_back(std::move(longer));
     }
   }
   return {};

@@ -23,6 +23,7 @@ struct ControllerMode {
   std::vector<std::string> options;  ///< `form: position`: parameters that differ from the defaults
   Level takes, gives;
   std::vector<double> low, high;  ///< what actions -1 and +1 mean, one per value that it takes
+  bool acts = false;              ///< drives actuators, and can be the last of a chain
   bool passes_on = false;         ///< gives what it takes, of any level, such as `delay`
 };
 
@@ -50,7 +51,8 @@ ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entri
 /// A quadrotor with a joint, for surveys that are about no robot in particular.
 Topology survey_vehicle();
 
-/// The shortest row of controllers that takes one level and gives another.
+/// The shortest row of controllers that takes one level and gives another; one more controller is
+/// less than an option that differs from its default.
 /// @param from  count 0: with any number of values
 /// @param to    SkybodySignal; -1: any that actuators take
 /// @returns places within `survey.modes`; empty: there is none, or nothing is between them

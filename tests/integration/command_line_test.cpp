@@ -32,7 +32,8 @@ TEST_P(WrongCommandLine, GetsOneLineWithTheRemedy) {
 const Wrong kWrong[] = {
     {"nothing",
      {},
-     "error: no command is given; there are run, check, hash, replay, bench, plugins, schema, new; "
+     "error: no command is given; there are run, check, hash, replay, bench, plugins, modes, plan, "
+     "schema, tune, new; "
      "see `skybody --help`"},
     {"unknown_command",
      {"rnu"},

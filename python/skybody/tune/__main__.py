@@ -203,6 +203,8 @@ def main() -> int:
         return _refuse(f"{error.filename}: {error.strerror}")
     print(report.table(tuned), end="")
     print(f"better on {tuned.better_draws} of {HELD_OUT} held-out draws; {tuned.seconds:.1f} s")
+    if tuned.after.cost >= tuned.before.cost:
+        print("the default gains fly as well: keep them, or take these for their margins")
     for file in files:
         print(file)
     return 0

@@ -14,6 +14,7 @@ from skybody._native import CompiledScenario, InputError
 ROBOT = "vehicle"
 START = (0.0, 0.0, 1.5)  # [m] within the box that `position` reaches by default
 COMMAND_PERIOD = 0.01  # [s]
+LATENCY = "latency_of_tuning"  # name of the delay behind the chain
 
 DEFAULT_CHAIN = "position,attitude,ctbr"
 
@@ -122,7 +123,8 @@ class Vehicle:
         chain = self.controllers()
         if latency <= 0.0:
             return chain
-        delay = f"{{plugin: delay, parameters: {{signal: rotor_speed, latency: {latency!r}}}}}"
+        parameters = f"{{signal: rotor_speed, latency: {latency!r}}}"
+        delay = f"{{plugin: delay, name: {LATENCY}, parameters: {parameters}}}"
         return chain.rstrip()[:-1] + ", " + delay + "]"
 
 
@@ -156,7 +158,7 @@ def uses_of(compiled: CompiledScenario) -> list[Use]:
         elif not line.endswith(":"):
             uses[-1].parameters[key] = value
     named = [use if use.name else replace(use, name=use.plugin) for use in uses]
-    return [use for use in named if use.plugin != "delay" or use.name != "delay"]
+    return [use for use in named if use.name != LATENCY]
 
 
 def _absolute(path: str) -> str:

@@ -19,6 +19,7 @@ ControllerMode mode(const std::string& plugin, Level takes, Level gives,
   made.takes = takes;
   made.gives = gives;
   made.options = std::move(options);
+  made.acts = gives.signal == SKYBODY_ROTOR_SPEED;
   return made;
 }
 
@@ -47,6 +48,20 @@ TEST(ShortestChain, LeadsToAnyActuatorOrToOneSignal) {
 TEST(ShortestChain, JoinsControllersOfOneSizeOnly) {
   EXPECT_THAT(shortest_chain(small_survey(), {SKYBODY_TRAJECTORY}, -1), ElementsAre(4, 2, 3));
   EXPECT_THAT(shortest_chain(small_survey(), kAttitudeWithRates, -1), ElementsAre(2, 3));
+}
+
+TEST(ShortestChain, GoesOnBehindAWrenchThatHasNoSite) {
+  ControllerSurvey survey;
+  survey.modes = {mode("pose", {SKYBODY_POSE, 7}, {SKYBODY_WRENCH, 6}),
+                  mode("tilt", {SKYBODY_WRENCH, 6}, kRotors)};
+  EXPECT_THAT(shortest_chain(survey, {SKYBODY_POSE}, -1), ElementsAre(0, 1));
+}
+
+TEST(ShortestChain, PrefersDefaultsToOptions) {
+  ControllerSurvey survey = small_survey();
+  survey.modes.insert(survey.modes.begin(), mode("indi", kAttitude, kRotors, {"signal: attitude"}));
+  EXPECT_EQ(chain_text(survey, shortest_chain(survey, {SKYBODY_ATTITUDE}, -1)),
+            "`attitude`, then `ctbr`");
 }
 
 TEST(ShortestChain, IsEmptyWhereNothingLeadsThere) {
