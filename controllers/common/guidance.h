@@ -223,8 +223,8 @@ class Guidance {
   template <class Real>
   SKYBODY_INLINE Vec3<Real> feedback(const EnvView<Real>& env, const Vec3<Real>& offset,
                                      const Vec3<Real>& excess) const {
-    return multiply_elements(kp_.vec3(env) * Real(kp_share_), offset) -
-           multiply_elements(kd_.vec3(env) * Real(kd_share_), excess);
+    return multiply_elements(shared(kp_.vec3(env), kp_share_), offset) -
+           multiply_elements(shared(kd_.vec3(env), kd_share_), excess);
   }
 
   RealsParameter kp_, kd_;
