@@ -13,6 +13,7 @@ namespace skybody {
 namespace {
 
 std::string with_size(int signal, int count) {
+  if (signal == SKYBODY_NONE) return signal_name(signal);
   return std::string(signal_name(signal)) + "[" + std::to_string(count) + "]";
 }
 
@@ -229,6 +230,15 @@ std::string robot_json(const RobotModes& robot) {
   return object.text();
 }
 
+/// The modes of robots that are alike, and why other controllers do not serve the first of them.
+std::string modes_text(const RobotModes& robot, const std::vector<std::string>& alike,
+                       const std::string& table) {
+  const std::string refused = refused_text(robot.survey);
+  return "\nmodes of " + join(alike) + ", as a list for `robots." + robot.robot +
+         ".controllers`\n" + table +
+         (refused.empty() ? "" : "not for " + robot.robot + ":\n" + refused);
+}
+
 }  // namespace
 
 std::string survey_text(const ControllerSurvey& survey) {
@@ -268,11 +278,16 @@ std::string chains_text(const CompiledScenario& compiled, const std::vector<Robo
         (text.empty() ? "" : "\n") + chain_heading(compiled, chain) + chain_table(compiled, chain);
   }
   if (text.empty()) text = "no robot has controllers: there is nothing that a policy could give\n";
-  for (const RobotModes& robot : robots) {
-    text += "\nmodes of " + robot.robot + ", as a list for `robots." + robot.robot +
-            ".controllers`\n" + modes_table(robot.survey);
-    const std::string refused = refused_text(robot.survey);
-    if (!refused.empty()) text += "not for " + robot.robot + ":\n" + refused;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const std::string table = modes_table(robots[i].survey);
+    std::vector<std::string> alike;
+    bool is_new = true;
+    for (std::size_t k = 0; k < robots.size(); ++k) {
+      if (modes_table(robots[k].survey) != table) continue;
+      alike.push_back(robots[k].robot);
+      is_new = is_new && k >= i;
+    }
+    if (is_new) text += modes_text(robots[i], alike, table);
   }
   return text;
 }

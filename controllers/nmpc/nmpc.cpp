@@ -57,6 +57,18 @@ class Nmpc : public Controller {
 
   void control(const EnvView<double>& env, State<double>&, ConstValues<double> input,
                Values<double> output, Values<double> buffer) const {
+    iterate(env, input, output, buffer);
+  }
+
+ private:
+  struct RotorScale {
+    double full;      ///< [N]
+    double constant;  ///< k_f [N s^2]
+  };
+
+  /// Not inlined into the kernels, so that it is compiled once, for the baseline, as the solver is.
+  [[gnu::noinline]] void iterate(const EnvView<double>& env, const ConstValues<double>& input,
+                                 const Values<double>& output, const Values<double>& buffer) const {
     const nmpc::Motion now = measured(env);
     nmpc::Disturbance disturbance{buffer.vec3(kAcceleration), buffer.vec3(kAngular)};
     double inputs[kMostInputs];
@@ -80,12 +92,6 @@ class Nmpc : public Controller {
       output.set(r, inputs[r] * rotors_[static_cast<std::size_t>(r)].full);
     }
   }
-
- private:
-  struct RotorScale {
-    double full;      ///< [N]
-    double constant;  ///< k_f [N s^2]
-  };
 
   void set_times(const Setup& setup) {
     const auto steps = static_cast<int>(period_.value());

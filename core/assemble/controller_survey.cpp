@@ -122,7 +122,7 @@ class Survey {
   }
 
   /// How much is filled in for a controller that refuses its defaults.
-  enum class Filling { kRequired, kNames, kNamesAndZeros };
+  enum class Filling { kRequired, kNames, kNamesAndZeros, kTables };
 
   ParameterValue value_of(const ParameterSpec& spec, Filling filling) const {
     ParameterValue value;
@@ -138,6 +138,10 @@ class Survey {
       if (is_name && (spec.required || (filling != Filling::kRequired && !spec.is_scalar()))) {
         value.texts.assign(count, joint_);
       }
+      return value;
+    }
+    if (spec.required && filling == Filling::kTables && spec.max_count < 0) {
+      value.numbers = spec.unit == "s" ? std::vector<double>{0.0, 1.0} : std::vector<double>(6);
       return value;
     }
     const bool is_zero = spec.type == ParameterType::kReal && spec.is_scalar() && spec.min == 0.0 &&
@@ -160,7 +164,8 @@ class Survey {
   /// @returns why the plugin refuses, or ""
   std::string try_out(const PluginEntry& entry, const Words& words, ControllerMode& mode) const {
     std::string reason;
-    for (const Filling filling : {Filling::kRequired, Filling::kNames, Filling::kNamesAndZeros}) {
+    for (const Filling filling :
+         {Filling::kRequired, Filling::kNames, Filling::kNamesAndZeros, Filling::kTables}) {
       reason = try_out(entry, words, filling, mode);
       if (reason.empty()) return "";
     }

@@ -42,7 +42,7 @@ struct ControllerSurvey {
 /// that have choices or are switches). Of combinations that take and give the same, the one closest
 /// to the defaults counts. Parameters that are required get a value within their range. Where a
 /// controller refuses its defaults, lists of names get that of the robot's first moving joint, then
-/// zeros become ones.
+/// zeros become ones, then lists of any length a path: two times, and three values for each.
 /// @param entries  usable controllers
 ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entries,
                                     const Topology& topology, int robot);

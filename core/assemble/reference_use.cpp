@@ -230,6 +230,8 @@ void put_in(ConfigNode& root, const Place& place, const Lead& lead, const Config
   set(watched, "link", text_node(place.base, mark));
   set(task, "parameters", std::move(watched));
   set(root, "task", std::move(task));
+  ConfigNode* stepping = root.find("stepping");
+  if (stepping != nullptr && stepping->is_map()) set(*stepping, "horizon", text_node("0", mark));
 }
 
 std::string signals_with_leads() {

@@ -277,7 +277,7 @@ def test_latency_that_is_flown_is_no_margin_any_more(vehicle: Vehicle) -> None:
                 chain="[{plugin: position, parameters: {position_max: [0.5, 5, 3]}},"
                 " {plugin: attitude}, {plugin: ctbr}]",
             ),
-            "value 0 of `position` is commanded from -0.6 to 1 over the flight, but the chain ",
+            "value 0 of `position` is commanded from -0.8 to 1 over the flight, but the chain ",
         ),
     ],
 )

@@ -92,9 +92,10 @@ def normalized(compiled: CompiledScenario, commands: Rows) -> NDArray[np.float32
     """Commands as actions in [-1, 1]. Raises TuneError for what the first controller cuts off."""
     channel = compiled.action_channels[0]
     low, high = np.array(channel.low), np.array(channel.high)
-    span = high - low
     # What actions cannot say, such as the jerk of `trajectory`, stays as the chain has it.
-    actions = np.where(span > 0.0, 2.0 * (commands - low) / np.where(span > 0.0, span, 1.0) - 1.0, 0)
+    has_range = high > low
+    span = np.where(has_range, high - low, 1.0)
+    actions = np.where(has_range, 2.0 * (commands - low) / span - 1.0, 0.0)
     if np.any(np.abs(actions) > 1.0 + 1e-6):
         k = int(np.argmax(np.max(np.abs(actions), axis=0)))
         raise TuneError(
