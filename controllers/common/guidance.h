@@ -23,7 +23,7 @@ struct AccelerationDefaults {
 };
 
 /// Of laws that follow trajectories, whose own accelerations count, too.
-inline constexpr AccelerationDefaults kTrajectoryLimits{15.0, 10.0, 6.0, true};
+inline constexpr AccelerationDefaults kTrajectoryLimits{20.0, 12.0, 6.0, true};
 
 /// Specific thrust that the rotors give at 0.9 of full thrust [m/s^2]; infinite without rotors.
 inline double usable_thrust(const Setup& setup, int robot) {
