@@ -23,7 +23,7 @@ struct AccelerationDefaults {
 };
 
 /// Of laws that follow trajectories, whose own accelerations count, too.
-inline constexpr AccelerationDefaults kTrajectoryLimits{15.0, 10.0, 6.0, true};
+inline constexpr AccelerationDefaults kTrajectoryLimits{20.0, 12.0, 6.0, true};
 
 /// Specific thrust that the rotors give at 0.9 of full thrust [m/s^2]; infinite without rotors.
 inline double usable_thrust(const Setup& setup, int robot) {
@@ -223,8 +223,8 @@ class Guidance {
   template <class Real>
   SKYBODY_INLINE Vec3<Real> feedback(const EnvView<Real>& env, const Vec3<Real>& offset,
                                      const Vec3<Real>& excess) const {
-    return multiply_elements(kp_.vec3(env) * Real(kp_share_), offset) -
-           multiply_elements(kd_.vec3(env) * Real(kd_share_), excess);
+    return multiply_elements(shared(kp_.vec3(env), kp_share_), offset) -
+           multiply_elements(shared(kd_.vec3(env), kd_share_), excess);
   }
 
   RealsParameter kp_, kd_;

@@ -47,12 +47,30 @@ SKYBODY_INLINE Tracking<Real> tracking(AttitudeError form, const BodyMotion<Real
   return out;
 }
 
-/// The torque that gives a body an angular acceleration, B axes [N m].
-template <class Real>
-SKYBODY_INLINE Vec3<Real> torque_for(const SymMat3<double>& inertia, const Vec3<Real>& w,
-                                     const Vec3<Real>& acceleration) {
-  const SymMat3<Real> j = lift<Real>(inertia);
-  return j * acceleration + cross(w, j * w);
-}
+/// The torque that gives a body of nominal inertia an angular acceleration.
+class TorqueFor {
+ public:
+  void configure(const BodyInfo& base) {
+    inertia_ = inertia_of(base);
+    is_diagonal_ = inertia_.xy == 0.0 && inertia_.xz == 0.0 && inertia_.yz == 0.0;
+  }
+
+  /// J dw/dt + w x J w, B axes [N m].
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> operator()(const Vec3<Real>& w, const Vec3<Real>& acceleration) const {
+    return times(acceleration) + cross(w, times(w));
+  }
+
+ private:
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> times(const Vec3<Real>& v) const {
+    const SymMat3<double>& j = inertia_;
+    if (is_diagonal_) return {v.x * j.xx, v.y * j.yy, v.z * j.zz};  // of most vehicles
+    return lift<Real>(j) * v;
+  }
+
+  SymMat3<double> inertia_{};
+  bool is_diagonal_ = false;
+};
 
 }  // namespace skybody::control

@@ -49,4 +49,10 @@ inline double lag_share(const Setup& setup, int robot, double bandwidth) {
   return lag > 0.0 ? min(1.0, 0.5 / (lag * bandwidth)) : 1.0;
 }
 
+/// A gain times that, for nothing where rotors are quick enough.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> shared(const Vec3<Real>& gain, double share) {
+  return share == 1.0 ? gain : gain * Real(share);
+}
+
 }  // namespace skybody::control

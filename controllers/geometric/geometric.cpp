@@ -18,7 +18,7 @@ class Geometric : public Controller {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
-    inertia_ = control::inertia_of(setup.bodies()[base_]);
+    torque_for_.configure(setup.bodies()[base_]);
     drag_.configure(setup, robot);
     error_ = control::attitude_error_of(error_word_.value());
     gives_torque_ = output_.value() == "ctbt";
@@ -42,16 +42,16 @@ class Geometric : public Controller {
     const auto track = control::tracking(error_, base, thrust, reference, gives_torque_);
     const Vec3<Real> rate =
         track.rates +
-        multiply_elements(attitude_gain_.vec3(env) * Real(attitude_share_), track.error);
+        multiply_elements(control::shared(attitude_gain_.vec3(env), attitude_share_), track.error);
     if (!gives_torque_) {
       output.set(1, rate);
       return;
     }
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> acceleration =
-        track.acceleration + multiply_elements(rate_gain_.vec3(env) * Real(rate_share_), rate - w);
-    output.set(
-        1, control::torque_for(inertia_, w, acceleration) + drag_.moment(reference, base.rotation));
+        track.acceleration +
+        multiply_elements(control::shared(rate_gain_.vec3(env), rate_share_), rate - w);
+    output.set(1, torque_for_(w, acceleration) + drag_.moment(reference, base.rotation));
   }
 
  private:
@@ -99,7 +99,7 @@ class Geometric : public Controller {
   int base_ = 0;
   double mass_ = 0.0;
   double attitude_share_ = 1.0, rate_share_ = 1.0;
-  SymMat3<double> inertia_{};
+  control::TorqueFor torque_for_;
 };
 
 }  // namespace

@@ -27,7 +27,7 @@ class Lqr : public Controller {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
-    inertia_ = control::inertia_of(setup.bodies()[base_]);
+    torque_for_.configure(setup.bodies()[base_]);
     drag_.configure(setup, robot);
     error_ = control::attitude_error_of(error_word_.value());
     gives_torque_ = output_.value() == "ctbt";
@@ -57,8 +57,7 @@ class Lqr : public Controller {
     }
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> acceleration = track.acceleration + times(gains_.rate, rate - w);
-    output.set(
-        1, control::torque_for(inertia_, w, acceleration) + drag_.moment(reference, base.rotation));
+    output.set(1, torque_for_(w, acceleration) + drag_.moment(reference, base.rotation));
   }
 
  private:
@@ -166,7 +165,7 @@ class Lqr : public Controller {
   bool gives_torque_ = true;
   int base_ = 0;
   double mass_ = 0.0;
-  SymMat3<double> inertia_{};
+  control::TorqueFor torque_for_;
   Gains gains_{};
 };
 

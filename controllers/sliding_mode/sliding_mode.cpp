@@ -18,7 +18,7 @@ class SlidingMode : public Controller {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
-    inertia_ = control::inertia_of(setup.bodies()[base_]);
+    torque_for_.configure(setup.bodies()[base_]);
     drag_.configure(setup, robot);
     error_ = control::attitude_error_of(error_word_.value());
     const double share = control::lag_share(setup, robot, kRateGain);
@@ -43,8 +43,8 @@ class SlidingMode : public Controller {
     const auto track = control::tracking(error_, base, thrust, reference, true);
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> turn = attitude_.drive(env, track.error, track.rates - w);
-    output.set(1, control::torque_for(inertia_, w, track.acceleration + turn) +
-                      drag_.moment(reference, base.rotation));
+    output.set(1,
+               torque_for_(w, track.acceleration + turn) + drag_.moment(reference, base.rotation));
   }
 
  private:
@@ -123,7 +123,7 @@ class SlidingMode : public Controller {
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;
   int base_ = 0;
   double mass_ = 0.0;
-  SymMat3<double> inertia_{};
+  control::TorqueFor torque_for_;
 };
 
 }  // namespace

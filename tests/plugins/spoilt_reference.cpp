@@ -1,5 +1,5 @@
-// A place to stay at, as a trajectory, whose value `value` is no number in one environment from a
-// step on: for tests of what laws make of it.
+// Passes a trajectory on, whose value `value` is no number in one environment from a step on: for
+// tests of what laws make of it.
 #include <skybody/plugin.h>
 
 namespace {
@@ -11,14 +11,14 @@ class SpoiltReference : public Controller {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    setup.input(Signal::kNone, {}, {});
+    setup.input(Signal::kTrajectory, kReferencePointSize);
     setup.output(Signal::kTrajectory, kReferencePointSize);
   }
 
   template <class Real>
-  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real>,
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
                Values<Real> output) const {
-    for (int k = 0; k < kReferencePointSize; ++k) output.set(k, Real(k == 2 ? 2.0 : 0.0));
+    for (int k = 0; k < kReferencePointSize; ++k) output.set(k, input[k]);
     const auto is_meant = env.stream_env() == Word<Real>(static_cast<std::uint64_t>(env_.value()));
     const auto is_late = env.physics_step() > Word<Real>(static_cast<std::uint64_t>(step_.value()));
     const int k = static_cast<int>(value_.value());

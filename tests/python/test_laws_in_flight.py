@@ -67,6 +67,7 @@ def test_a_reference_that_is_no_number_ends_that_environment_alone(law: str):
         chain = f"[{{plugin: spoilt_reference, parameters: {{env: {env}}}}}, {FOLLOWERS[law]}]"
         pool = SimulationPool("hover", 12, chain, overrides=PLAIN, plugin_path=PLUGINS)
         pool.reset(seed=1)
+        pool.command(2.0 * np.eye(17)[2])  # up a metre
         pool.advance(100)
         return pool
 
