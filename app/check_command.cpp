@@ -22,7 +22,8 @@ constexpr const char* kCheckFooter =
     "error; warnings alone are 0.\n"
     "Examples:\n"
     "  skybody check scenarios/hover.yaml\n"
-    "  skybody check scenarios/hover.yaml --parameters";
+    "  skybody check scenarios/hover.yaml --parameters\n"
+    "  skybody check hover --reference circle:peak_speed=9";
 
 struct CheckOptions {
   LoadOptions load;
@@ -109,6 +110,7 @@ void add_check_command(CLI::App& app, Action& chosen) {
   const auto options = std::make_shared<CheckOptions>();
   command->footer(kCheckFooter);
   add_scenario_options(*command, options->load);
+  add_reference(*command, options->load);
   command->add_flag("--parameters", options->parameters,
                     "List all randomizable values: path, unit, nominal, least, greatest");
   command->add_flag("--columns", options->columns,

@@ -153,11 +153,7 @@ void add_run_command(CLI::App& app, Action& chosen) {
   command->footer(kRunFooter);
   add_scenario_options(*command, options->load);
   add_checked(*command, options->load);
-  command
-      ->add_option("--reference", options->load.reference,
-                   "Fly a reference in place of a policy: a shipped one or a YAML file, and "
-                   "parameters of it")
-      ->type_name("NAME[:KEY=VALUE,...]");
+  add_reference(*command, options->load);
   command->add_option("--episodes", options->plan.episodes, "Episodes to fly (1)")
       ->type_name("N")
       ->check(whole_number(1, kMostEpisodes));

@@ -39,6 +39,14 @@ void add_scenario_options(CLI::App& command, LoadOptions& options) {
   add_trust_scenario(command, options);
 }
 
+void add_reference(CLI::App& command, LoadOptions& options) {
+  command
+      .add_option("--reference", options.reference,
+                  "Fly a reference in place of a policy: a shipped one or a YAML file, and "
+                  "parameters of it")
+      ->type_name("NAME[:KEY=VALUE,...]");
+}
+
 void add_checked(CLI::App& command, LoadOptions& options) {
   command.add_flag("--checked", options.checked,
                    "Hold plugins to the values that they may touch: slower, the same bits");

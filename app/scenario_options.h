@@ -19,6 +19,9 @@ void add_plugin_path(CLI::App& command, LoadOptions& options);
 /// Declares --trust-scenario alone.
 void add_trust_scenario(CLI::App& command, LoadOptions& options);
 
+/// Declares --reference.
+void add_reference(CLI::App& command, LoadOptions& options);
+
 /// Declares --checked.
 void add_checked(CLI::App& command, LoadOptions& options);
 

@@ -175,7 +175,9 @@ std::optional<Breach> worst_breach(const FlightEnvelope& envelope, const Referen
   const double duration = reference.duration(scale);
   std::optional<Breach> worst;
   const auto take = [&](const std::optional<Breach>& breach) {
-    if (breach && (!worst || breach->excess > worst->excess)) worst = breach;
+    // Of moments that differ by rounding, as on a circle, the first.
+    const double known = worst ? worst->excess * (1.0 + 1e-6) : 0.0;
+    if (breach && (!worst || breach->excess > known)) worst = breach;
   };
   // The end itself may be on either side of the jump to rest.
   const double last = duration * (1.0 - 1e-9);

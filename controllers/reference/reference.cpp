@@ -49,7 +49,7 @@ class Reference : public Controller {
     }
     state.rate = numbers.rate;
     state.offset = numbers.offset;
-    report(numbers, Real(0.0), buffer);
+    report(path_.at<kOrders>(numbers, Real(0.0)), 0.0, buffer);
   }
 
   template <class Real>
@@ -59,10 +59,12 @@ class Reference : public Controller {
     numbers.rate = state.rate;
     numbers.offset = state.offset;
     const Real time = to_real(env.physics_step()) * dt_;
-    for (int i = 0; i < count_; ++i) {
+    const Moment<Real, kOrders> now = path_.at<kOrders>(numbers, time);
+    write(now, output, 0);
+    for (int i = 1; i < count_; ++i) {
       write(path_.at<kOrders>(numbers, time + spacing_.value() * i), output, i);
     }
-    report(numbers, time + dt_, buffer);
+    report(now, dt_, buffer);
   }
 
  private:
@@ -88,13 +90,19 @@ class Reference : public Controller {
     }
   }
 
-  /// Tells tables, pictures and learners of a moment.
+  /// Tells tables, pictures and learners where the base should be a time later, by the Taylor
+  /// polynomial about a moment: over a physics step it is exact to rounding, but for a step's jump,
+  /// which is told a physics step late.
   template <class Real>
-  SKYBODY_INLINE void report(const PathNumbers<Real>& numbers, const Real& time,
+  SKYBODY_INLINE void report(const Moment<Real, kOrders>& moment, double later,
                              const Values<Real>& buffer) const {
-    const Moment<Real, 2> moment = path_.at<2>(numbers, time);
-    buffer.set(0, derivative(moment.point, 0));
-    buffer.set(3, wrap_angle(moment.yaw.c[0]));
+    const auto at = [&](const Jet<Real, kOrders>& part) {
+      Real sum = part.c[kOrders - 1];
+      for (int k = kOrders - 2; k >= 0; --k) sum = sum * later + part.c[k];
+      return sum;
+    };
+    buffer.set(0, Vec3<Real>{at(moment.point.x), at(moment.point.y), at(moment.point.z)});
+    buffer.set(3, wrap_angle(moment.yaw.c[0] + moment.yaw.c[1] * later));
   }
 
   /// Holds the nominal path, from its beginning on, against what the robot can do. Robots without

@@ -17,14 +17,17 @@ struct Harmonic {
   Vec3<Real> phase;      ///< [rad]
   Real climb;            ///< [m] a period
 
-  /// The point at an angle.
-  /// @tparam Number  a Real, or a Jet
-  template <class Number>
-  SKYBODY_INLINE Vec3<Number> at(const Number& angle) const {
-    const Number rise = times(angle, climb * (0.5 / kPi));
-    return {on_axis(angle, centre.x, amplitude.x, cycles.x, phase.x),
-            on_axis(angle, centre.y, amplitude.y, cycles.y, phase.y),
-            on_axis(angle, centre.z, amplitude.z, cycles.z, phase.z) + rise};
+  /// The point with derivatives up to N - 1 by a time in which the angle grows evenly.
+  /// @param rate  of the angle [rad/s]
+  template <int N>
+  SKYBODY_INLINE PathPoint<Real, N> at(const Real& angle, const Real& rate) const {
+    PathPoint<Real, N> point{on_axis<N>(angle, rate, centre.x, amplitude.x, cycles.x, phase.x),
+                             on_axis<N>(angle, rate, centre.y, amplitude.y, cycles.y, phase.y),
+                             on_axis<N>(angle, rate, centre.z, amplitude.z, cycles.z, phase.z)};
+    const Real rise = climb * (0.5 / kPi);
+    point.z.c[0] = point.z.c[0] + rise * angle;
+    if (N > 1) point.z.c[1] = point.z.c[1] + rise * rate;
+    return point;
   }
 
   /// Greatest length of dp/dangle over a period [m], by 256 samples: low by less than 0.04 % for
@@ -43,23 +46,22 @@ struct Harmonic {
   }
 
  private:
-  static SKYBODY_INLINE Real times(const Real& a, const Real& b) { return a * b; }
+  /// Coefficient k is w^k / k! times the sine or cosine, with two signs plus and two minus.
   template <int N>
-  static SKYBODY_INLINE Jet<Real, N> times(const Jet<Real, N>& a, const Real& b) {
-    return scaled(a, b);
-  }
-  static SKYBODY_INLINE Real plus(const Real& a, const Real& b) { return a + b; }
-  template <int N>
-  static SKYBODY_INLINE Jet<Real, N> plus(const Jet<Real, N>& a, const Real& b) {
-    Jet<Real, N> out = a;
-    out.c[0] = a.c[0] + b;
+  static SKYBODY_INLINE Jet<Real, N> on_axis(const Real& angle, const Real& rate,
+                                             const Real& middle, const Real& swing,
+                                             const Real& cycle, const Real& offset) {
+    const SinCos<Real> at = sincos(angle * cycle + offset);
+    const Real w = rate * cycle;
+    Jet<Real, N> out;
+    Real factor = swing;
+    for (int k = 0; k < N; ++k) {
+      if (k > 0) factor = factor * w * (1.0 / k);
+      const Real value = factor * (k % 2 == 0 ? at.sin : at.cos);
+      out.c[k] = k % 4 < 2 ? value : -value;
+    }
+    out.c[0] = out.c[0] + middle;
     return out;
-  }
-
-  template <class Number>
-  static SKYBODY_INLINE Number on_axis(const Number& angle, const Real& middle, const Real& swing,
-                                       const Real& cycle, const Real& offset) {
-    return plus(times(sincos(plus(times(angle, cycle), offset)).sin, swing), middle);
   }
   static SKYBODY_INLINE Real slope_of(const Real& angle, const Real& swing, const Real& cycle,
                                       const Real& offset) {

@@ -65,20 +65,13 @@ struct Path {
   template <int N, class Real>
   SKYBODY_INLINE Moment<Real, N> at(const PathNumbers<Real>& numbers, const Real& time) const {
     const Clock<Real> clock{approach, ramp, numbers.time_scale};
-    const Jet<Real, N> path_time = clock.template at<N>(time);
-    Moment<Real, N> moment = form<N>(numbers, path_time.c[0]);
-    if (facing == Facing::kFixed) moment.yaw = Jet<Real, N>(0.0);
-    if (facing == Facing::kTangent || facing == Facing::kDrawn) {
-      moment.yaw = direction(moment.point, Real(0.0));
+    const auto begins = time < approach + ramp;
+    if (any(begins)) return beginning<N>(numbers, clock, time);
+    Moment<Real, N> moment = form<N>(numbers, clock.steady(time));
+    face(numbers, moment);
+    for (Jet<Real, N>* part : {&moment.point.x, &moment.point.y, &moment.point.z, &moment.yaw}) {
+      *part = paced(*part, numbers.time_scale);
     }
-    if (facing == Facing::kDrawn) {
-      const auto looks_ahead = numbers.along >= 0.5;
-      for (int k = 0; k < N; ++k) moment.yaw.c[k] = select(looks_ahead, moment.yaw.c[k], Real(0.0));
-    }
-    moment.point = composed(moment.point, path_time);
-    moment.yaw = composed(moment.yaw, path_time);
-    moment.yaw.c[0] = moment.yaw.c[0] + numbers.heading;
-    if (approach > 0.0) join(numbers.offset, time, moment.point);
     return moment;
   }
 
@@ -99,14 +92,43 @@ struct Path {
   }
 
  private:
+  /// The same while the approach or the ramp lasts, in lanes beyond with the same bits.
+  template <int N, class Real>
+  SKYBODY_INLINE Moment<Real, N> beginning(const PathNumbers<Real>& numbers,
+                                           const Clock<Real>& clock, const Real& time) const {
+    const Jet<Real, N> path_time = clock.template at<N>(time);
+    Moment<Real, N> moment = form<N>(numbers, path_time.c[0]);
+    face(numbers, moment);
+    moment.point = composed(moment.point, path_time);
+    moment.yaw = composed(moment.yaw, path_time);
+    if (approach > 0.0) join(numbers.offset, time, moment.point);
+    for (Jet<Real, N>* part : {&moment.point.x, &moment.point.y, &moment.point.z, &moment.yaw}) {
+      for (int k = 0; k < N; ++k) part->c[k] = part->c[k] + 0.0;  // no -0, as in paced()
+    }
+    return moment;
+  }
+
+  /// The heading, by path time.
+  template <int N, class Real>
+  SKYBODY_INLINE void face(const PathNumbers<Real>& numbers, Moment<Real, N>& moment) const {
+    if (facing == Facing::kFixed) moment.yaw = Jet<Real, N>(0.0);
+    if (facing == Facing::kTangent || facing == Facing::kDrawn) {
+      moment.yaw = direction(moment.point, Real(0.0));
+    }
+    if (facing == Facing::kDrawn) {
+      const auto looks_ahead = numbers.along >= 0.5;
+      for (int k = 0; k < N; ++k) moment.yaw.c[k] = select(looks_ahead, moment.yaw.c[k], Real(0.0));
+    }
+    moment.yaw.c[0] = moment.yaw.c[0] + numbers.heading;
+  }
+
   /// By path time, with derivatives by path time.
   template <int N, class Real>
   SKYBODY_INLINE Moment<Real, N> form(const PathNumbers<Real>& numbers,
                                       const Real& path_time) const {
     using Number = Jet<Real, N>;
     if (is_harmonic(kind)) {
-      const Number angle = Number::variable(numbers.rate * path_time, numbers.rate);
-      return {numbers.figure.at(angle), Number(0.0)};
+      return {numbers.figure.template at<N>(numbers.rate * path_time, numbers.rate), Number(0.0)};
     }
     Moment<Real, N> moment{{Number(0.0), Number(0.0), Number(0.0)}, Number(0.0)};
     Vec3<Real> shift = numbers.figure.centre;

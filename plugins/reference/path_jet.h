@@ -42,6 +42,18 @@ SKYBODY_INLINE Vec3<Jet<Real, N>> composed(const Vec3<Jet<Real, N>>& f, const Je
   return {composed(f.x, s), composed(f.y, s), composed(f.z, s)};
 }
 
+/// The same at a constant pace, with the bits of composed() where its results are not -0.
+template <class Real, int N>
+SKYBODY_INLINE Jet<Real, N> paced(const Jet<Real, N>& f, const Real& pace) {
+  Jet<Real, N> out;
+  for (int k = 0; k < N; ++k) {
+    out.c[k] = f.c[k];
+    for (int i = 0; i < k; ++i) out.c[k] = out.c[k] * pace;
+    out.c[k] = out.c[k] + 0.0;
+  }
+  return out;
+}
+
 /// The rise from 0 to 1 over `duration` with four derivatives of zero at both ends, so that snap is
 /// continuous: 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9.
 /// @param duration  [s], above 0
@@ -66,6 +78,11 @@ struct Clock {
   double begin;  ///< [s]
   double ramp;   ///< time in which the pace rises from 0 to its full value [s]; 0: at once
   Real scale;    ///< path time that passes in a second, after the ramp
+
+  /// Path time behind the ramp.
+  SKYBODY_INLINE Real steady(const Real& time) const {
+    return ((time - begin) - 0.5 * ramp) * scale;
+  }
 
   /// Path time at `time` [s]. During the ramp, with x the share of it that has passed, the pace is
   /// scale (35 x^4 - 84 x^5 + 70 x^6 - 20 x^7), whose first three derivatives are zero at both

@@ -128,6 +128,19 @@ def test_vehicles_stand_at_equal_distances_and_once_where_they_hover(scene: Modu
     assert len(scene.instants_along(np.zeros((5, 3)), 0.7)) == 1
 
 
+def test_a_reference_is_a_goal_that_moves_and_a_place_is_none(
+    data: ModuleType, tmp_path: Path
+) -> None:
+    along = "circle:approach=0,ramp=0.01,check=false"
+    log = episode_of(flown(tmp_path / "a", "hover", "--reference", along))
+    (track,) = data.read_tracks(log["episodes/0001"])
+    assert track.follows()
+    assert track.goal[0, :3] == pytest.approx([1.5, 0, 1.5])  # where the shipped circle begins
+    assert np.hypot(track.goal[:, 0], track.goal[:, 1]) == pytest.approx(1.5, abs=1e-6)
+    (hovers,) = data.read_tracks(episode_of(flown(tmp_path / "b", "hover"))["episodes/0001"])
+    assert not hovers.follows()
+
+
 def test_the_script_draws_a_robot_with_joints_among_obstacles(tmp_path: Path) -> None:
     wall = "obstacles=[{name: wall, box: [0.1, 1, 1], position: [9, 9, 1]}]"
     log = flown(tmp_path, "payload", "--set", wall)
