@@ -191,3 +191,24 @@ def test_lines_are_exact(envs):
         "gravity[1] value each constant 2e-300",
         "gravity[2] value each constant 0.0",
     ]
+
+
+def test_an_inertia_that_cannot_be_is_a_fault_until_it_is_nominal_again(envs):
+    inertia = "robots.quad.links.base_link.inertia[0]"
+    idle = np.zeros(envs.action_space.shape, np.float32)
+    nominal = envs.param(0, inertia)
+
+    def faults() -> list[bool]:
+        return [bool(envs.step(idle)[4]["fault"][0]) for _ in range(4)]
+
+    envs.request([0], {inertia: 10.0})
+    assert any(faults()) and any(faults()), "in every episode that follows"
+    envs.request([0], {inertia: {"range": [1.0, 1.0], "form": "scale"}})
+    faults()
+    assert not any(faults())
+    assert envs.param(0, inertia) == nominal
+    envs.request([0], {inertia: 10.0})
+    assert any(faults())
+    envs.reset(seed=5)
+    assert envs.param(0, inertia) == nominal
+    assert not any(faults())
