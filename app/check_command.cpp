@@ -96,6 +96,7 @@ int check(CheckOptions options, const RefusedFiles& refused) {
   Diagnostics diagnostics;
   fly_for_a_moment(compiled, diagnostics);
   std::fputs(diagnostics.to_string().c_str(), stderr);
+  if (diagnostics.has_errors()) return kExitError;
   std::printf("%s\n", describe(*compiled).c_str());
   if (options.parameters) std::printf("\n%s", parameter_table(*compiled).c_str());
   if (options.columns) std::printf("\n%s", column_table(*compiled).c_str());

@@ -7,7 +7,9 @@
 #include "core/base/math.h"
 #include "core/base/random.h"
 #include "core/env/start_overlaps.h"
+#include "core/env/use_marks.h"
 #include "core/io/text.h"
+#include "core/model/fault_reason.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/shapes/overlap.h"
 #include "core/physics/world/pose_math.h"
@@ -127,6 +129,36 @@ std::vector<float> random_action(int size, std::uint64_t step) {
   return action;
 }
 
+/// Where the scenario tells a randomizer to write what a rigid body is made of; no line: none does.
+SourceMark mark_of_drawn_body(const CompiledScenario& compiled, int body) {
+  const Layout& layout = compiled.layout();
+  const int first = layout.body_params[static_cast<std::size_t>(body)];
+  const std::vector<PluginInstance>& randomizers = compiled.plugins(SKYBODY_RANDOMIZER);
+  for (std::size_t i = 0; i < randomizers.size(); ++i) {
+    for (const int param : randomizers[i].writes) {
+      if (param < first || param >= first + kBodyParamCount) continue;
+      return mark_of_writer(compiled.scenario(), compiled.scenario().randomization[i],
+                            layout.param_info[static_cast<std::size_t>(param)]);
+    }
+  }
+  return {compiled.scenario().file, 0, 0};
+}
+
+/// Every step of the trial flight was a fault. Bodies that cannot be, in all the draws of several
+/// resets, are the scenario's mistake; of other faults it may be the actions'.
+void tell_of_faults(const CompiledScenario& compiled, std::uint64_t status,
+                    Diagnostics& diagnostics) {
+  const std::string reason = compiled.fault_reason(status);
+  const int body = impossible_body(status);
+  if (body >= 0) {
+    diagnostics.error(mark_of_drawn_body(compiled, body),
+                      "all draws of a trial flight give a body that cannot be: " + reason);
+    return;
+  }
+  diagnostics.warning({compiled.scenario().file, 0, 0},
+                      "every step of a trial flight ends in a fault: " + reason);
+}
+
 }  // namespace
 
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
@@ -151,11 +183,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
         k % 2 == 0 ? idle : random_action(simulation.action_size(), static_cast<std::uint64_t>(k)));
     faults += simulation.fault() ? 1 : 0;
   }
-  if (faults < kSteps) return;
-  diagnostics.warning({compiled->scenario().file, 0, 0},
-                      "every step of a trial flight ends in a fault: " +
-                          compiled->fault_reason(simulation.status()) +
-                          "; `skybody run` shows more");
+  if (faults == kSteps) tell_of_faults(*compiled, simulation.status(), diagnostics);
 }
 
 }  // namespace skybody

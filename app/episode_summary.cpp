@@ -21,15 +21,19 @@ double angle_between(double a, double b) {
 
 void add_infos(const Simulation& simulation, std::vector<InfoRange>& ranges) {
   const std::span<const float> values = simulation.info();
-  const bool is_first = ranges.empty();
-  ranges.resize(values.size());
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const double value = values[k];
-    InfoRange& range = ranges[k];
-    range = is_first
-                ? InfoRange{value, value, value}
-                : InfoRange{std::fmin(range.least, value), std::fmax(range.greatest, value), value};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  ranges.resize(values.size(), {nan, nan, nan});
+  std::size_t k = 0;
+  for (const Channel& channel : simulation.compiled().info_channels()) {
+    for (int i = 0; i < channel.count; ++i, ++k) {
+      const double value = is_time_to_come(channel, values[k]) ? nan : double{values[k]};
+      ranges[k] = {std::fmin(ranges[k].least, value), std::fmax(ranges[k].greatest, value), value};
+    }
   }
+}
+
+bool is_time_to_come(const Channel& channel, double value) {
+  return channel.unit == "s" && value < 0.0;
 }
 
 ErrorWindow::ErrorWindow(const CompiledScenario& compiled) : goals_(compiled.task().goals.size()) {

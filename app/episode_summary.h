@@ -18,7 +18,7 @@ struct GoalError {
   double yaw = 0.0;  ///< mean absolute error [rad]
 };
 
-/// Values of an info over an episode's steps.
+/// Values of an info over an episode's steps. NaN: a time that has not come.
 struct InfoRange {
   double least = 0.0;
   double greatest = 0.0;
@@ -36,6 +36,9 @@ struct EpisodeSummary {
   std::vector<InfoRange> infos;             ///< in the order of the row; empty: no step
   std::uint64_t redraws = 0;                ///< how often the start was drawn again
 };
+
+/// Plugins report a time below 0 of what does not happen in the episode, such as a rotor's failure.
+bool is_time_to_come(const Channel& channel, double value);
 
 /// Takes in the infos after a step.
 void add_infos(const Simulation& simulation, std::vector<InfoRange>& ranges);

@@ -1,6 +1,7 @@
 #include "app/flight.h"
 
 #include <cstring>
+#include <utility>
 
 #include "app/flight_record.h"
 #include "app/interrupt.h"
@@ -86,7 +87,9 @@ FlightResult fly(const FlightPlan& plan, Simulation& simulation, Policy& policy,
   ProgressLine line;
   FlightResult result;
   for (std::uint64_t k = 1; k <= plan.episodes && InterruptGuard::signal() == 0; ++k) {
-    result.episodes.push_back(fly_episode(k, plan, simulation, policy, log, line));
+    EpisodeSummary episode = fly_episode(k, plan, simulation, policy, log, line);
+    const bool has_begun = episode.steps > 0 || InterruptGuard::signal() == 0;
+    if (has_begun) result.episodes.push_back(std::move(episode));
   }
   result.signal = InterruptGuard::signal();
   return result;

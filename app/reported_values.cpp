@@ -1,6 +1,7 @@
 #include "app/reported_values.h"
 
 #include <cmath>
+#include <limits>
 
 #include "app/text_table.h"
 
@@ -9,20 +10,27 @@ namespace {
 
 constexpr std::size_t kMostRows = 24;
 
-/// Over the episodes: least, greatest, and the mean of the last values.
+/// Over the episodes: least, greatest, and the mean of the last values. Times that never came are
+/// left out; NaN: none came.
 InfoRange range_over(const std::vector<EpisodeSummary>& episodes, std::size_t value) {
-  InfoRange all{INFINITY, -INFINITY, 0.0};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  InfoRange all{nan, nan, 0.0};
   double count = 0.0;
   for (const EpisodeSummary& episode : episodes) {
     if (episode.infos.empty()) continue;
     const InfoRange& range = episode.infos[value];
     all.least = std::fmin(all.least, range.least);
     all.greatest = std::fmax(all.greatest, range.greatest);
+    if (std::isnan(range.last)) continue;
     all.last += range.last;
     count += 1.0;
   }
   all.last /= count;
   return all;
+}
+
+std::string cell(const Channel& channel, double value) {
+  return std::isnan(value) && channel.unit == "s" ? "never" : short_number(value);
 }
 
 bool has_steps(const std::vector<EpisodeSummary>& episodes) {
@@ -44,14 +52,16 @@ std::string reported_values(const CompiledScenario& compiled,
       if (value >= kMostRows) continue;
       const std::string index = channel.count == 1 ? "" : "[" + std::to_string(k) + "]";
       const InfoRange range = range_over(episodes, value);
-      table.add({channel.name + index, channel.unit, short_number(range.least),
-                 short_number(range.greatest), short_number(range.last)});
+      table.add({channel.name + index, channel.unit, cell(channel, range.least),
+                 cell(channel, range.greatest), cell(channel, range.last)});
     }
   }
   std::string text = table.to_string();
   if (value > kMostRows)
     text += "and " + std::to_string(value - kMostRows) + " more, see the log\n";
-  return text + (episodes.size() > 1 ? "at the end: mean of the episodes\n" : "");
+  return text + (episodes.size() > 1
+                     ? "at the end: mean of the episodes; times: of those in which they came\n"
+                     : "");
 }
 
 }  // namespace skybody

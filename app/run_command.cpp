@@ -137,7 +137,7 @@ int run(const RunOptions& options) {
     std::printf("draw it  %s\n", picture_command(folder.log()).c_str());
     std::fflush(stdout);
     spdlog::warn("interrupted in episode {} of {}; what was flown is in the log",
-                 result.episodes.size(), plan.episodes);
+                 std::max<std::size_t>(1, result.episodes.size()), plan.episodes);
     return kExitSignal + result.signal;
   }
   if (!options.no_picture) draw_and_print(folder.log());

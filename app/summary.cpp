@@ -29,6 +29,35 @@ std::vector<std::string> error_cells(const std::string& goal, const GoalError& e
           small_number(kDegrees * error.yaw)};
 }
 
+constexpr std::size_t kWidestEnd = 48;  ///< letters of a reason that fit the table
+
+/// An episode's end as the table has it: a long reason is cut, and stands below.
+std::string short_end(const std::string& end) {
+  if (end.size() <= kWidestEnd) return end;
+  return end.substr(0, end.rfind(' ', kWidestEnd)) + " ...";
+}
+
+/// Ends that the table cuts, whole: "episodes 1, 3: fault: ...".
+std::string whole_ends(const std::vector<EpisodeSummary>& episodes) {
+  constexpr std::size_t kMostNamed = 8;
+  std::map<std::string, std::vector<std::size_t>> cut;
+  for (std::size_t k = 0; k < episodes.size(); ++k) {
+    if (short_end(episodes[k].end) != episodes[k].end) cut[episodes[k].end].push_back(k + 1);
+  }
+  std::string text;
+  for (const auto& [end, numbers] : cut) {
+    text += numbers.size() == 1 ? "episode" : "episodes";
+    for (std::size_t i = 0; i < std::min(numbers.size(), kMostNamed); ++i) {
+      text += (i == 0 ? " " : ", ") + std::to_string(numbers[i]);
+    }
+    if (numbers.size() > kMostNamed) {
+      text += " and " + std::to_string(numbers.size() - kMostNamed) + " more";
+    }
+    text += ": " + end + "\n";
+  }
+  return text;
+}
+
 /// The leading cells in the first of an episode's rows, blanks in the others.
 void add_rows(TextTable& table, const std::vector<std::string>& lead,
               const std::vector<std::string>& goals, const std::vector<GoalError>& errors) {
@@ -43,7 +72,7 @@ void add_rows(TextTable& table, const std::vector<std::string>& lead,
 /// "2 truncated, 1 fault".
 std::string count_ends(const std::vector<EpisodeSummary>& episodes) {
   std::map<std::string, int> counts;
-  for (const EpisodeSummary& episode : episodes) ++counts[episode.end];
+  for (const EpisodeSummary& episode : episodes) ++counts[short_end(episode.end)];
   std::string text;
   for (const auto& [end, count] : counts) {
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + end;
@@ -99,12 +128,13 @@ std::string summary_table(const CompiledScenario& compiled,
     const EpisodeSummary& episode = episodes[k];
     add_rows(table,
              {std::to_string(k + 1), std::to_string(episode.steps), fixed(episode.time, 3),
-              fixed(episode.total_reward, 4), episode.end},
+              fixed(episode.total_reward, 4), short_end(episode.end)},
              goals, episode.goals);
   }
   if (!episodes.empty()) add_total(table, goals, episodes);
   return table.to_string() +
-         (goals.empty() ? "" : "errors: mean and greatest of the last second\n");
+         (goals.empty() ? "" : "errors: mean and greatest of the last second\n") +
+         whole_ends(episodes);
 }
 
 }  // namespace skybody

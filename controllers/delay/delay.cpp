@@ -58,6 +58,7 @@ class Delay : public Controller {
                                to_text(latency_.value()) +
                                " s: the latency would be below 0; lower `jitter`");
     }
+    seconds_per_step_ = setup.dt();
     per_second_ = 1.0 / setup.dt();
     const double most = round_half_even((latency_.value() + jitter_.value()) * per_second_);
     if (most >= kMostSteps) {
@@ -71,7 +72,8 @@ class Delay : public Controller {
     count_ = value_count(setup, setup.robot(), size);
     setup.input(size.signal, count_);
     setup.output(size.signal, count_);
-    setup.buffer(ring_ * count_);
+    setup.buffer(ring_ * count_ + 1);
+    setup.report("latency", "s", 1, ring_ * count_);
   }
 
   template <class Real>
@@ -79,6 +81,7 @@ class Delay : public Controller {
                Values<Real> output, Values<Real> buffer) const {
     const auto is_first = state.begun == Word<Real>(0);
     draw_latency(env, state, is_first);
+    buffer.set(ring_ * count_, to_real(state.steps) * seconds_per_step_);
     state.begun = Word<Real>(1);
     state.place = next(state.place, is_first);
     // What has arrived does not become older: a command that is overtaken is left out. Before the
@@ -194,7 +197,8 @@ class Delay : public Controller {
                        .choices = {"episode", "action"},
                        .doc = "how long a drawn latency holds"}};
 
-  double per_second_ = 0.0;  ///< physics steps a second
+  double per_second_ = 0.0;        ///< physics steps a second
+  double seconds_per_step_ = 0.0;  ///< the physics step [s]
   bool draws_per_action_ = false;
   int ring_ = 1;   ///< places: the longest latency and the present step
   int count_ = 0;  ///< values of the signal

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "core/assemble/check_uses.h"
 #include "core/assemble/controller_survey.h"
 #include "core/assemble/reference_use.h"
 #include "core/base/fp_environment.h"
@@ -222,6 +223,7 @@ std::shared_ptr<const CompiledScenario> compile_scenario(
     RegistryFactory factory(*registry);
     auto compiled = std::make_shared<const CompiledScenario>(
         std::move(*scenario), factory, options.checked ? Checking::kYes : Checking::kNo);
+    check_uses(*compiled);
     check_world(compiled->world());  // a world that cannot be built is said here
     return compiled;
   } catch (const ChainGap& gap) {

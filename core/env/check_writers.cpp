@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "core/env/use_marks.h"
 #include "core/model/marked_error.h"
 
 namespace skybody {
@@ -11,11 +12,25 @@ const std::string& path_of(const Writers& w, int param) {
   return w.layout.param_info[static_cast<std::size_t>(param)].path;
 }
 
-std::string described(const PluginInstance& first, const PluginInstance& second) {
+/// Where a randomizer or the task is told to write it.
+SourceMark mark_of(const Writers& w, const PluginInstance& p, int param) {
+  const EnvParam& info = w.layout.param_info[static_cast<std::size_t>(param)];
+  if (p.kind == SKYBODY_TASK) return mark_of_writer(w.scenario, w.scenario.task, info);
+  const auto place = static_cast<std::size_t>(&p - w.randomizers.data());
+  return mark_of_writer(w.scenario, w.scenario.randomization[place], info);
+}
+
+/// " (line 7)"; nothing for a mark that has no line.
+std::string line_of(const SourceMark& mark) {
+  return mark.line == 0 ? "" : " (line " + std::to_string(mark.line) + ")";
+}
+
+std::string described(const PluginInstance& first, const std::string& line,
+                      const PluginInstance& second) {
   if (first.kind == SKYBODY_RANDOMIZER) {
-    return "randomizers `" + first.name + "` and `" + second.name + "`";
+    return "randomizers `" + first.name + "`" + line + " and `" + second.name + "`";
   }
-  return "task `" + first.plugin + "` and randomizer `" + second.name + "`";
+  return "task `" + first.plugin + "`" + line + " and randomizer `" + second.name + "`";
 }
 
 /// A task has its turn when all else is drawn: what is not its own has been read by then.
@@ -36,8 +51,9 @@ void check_single(const Writers& w) {
       const auto [it, fresh] = writers.emplace(param, &p);
       if (fresh || it->second == &p) continue;
       const bool is_task = it->second->kind == SKYBODY_TASK;
-      throw MarkedError(p.mark,
-                        described(*it->second, p) + " both draw " + path_of(w, param) +
+      const std::string line = line_of(mark_of(w, *it->second, param));
+      throw MarkedError(mark_of(w, p, param),
+                        described(*it->second, line, p) + " both draw " + path_of(w, param) +
                             ": leave it to one of them" +
                             (is_task ? "; a task draws no parameter that the scenario gives" : ""));
     }
@@ -52,9 +68,10 @@ void check_starts_in_time(const Writers& w) {
     if (!r.draws_in_time) continue;
     for (const int param : r.writes) {
       if (!w.starts.has(param)) continue;
-      throw MarkedError(r.mark, "randomizer `" + r.name + "` draws " + path_of(w, param) +
-                                    " at a time within the episode, but a start is read at "
-                                    "resets alone: draw it with `when: reset`");
+      throw MarkedError(mark_of(w, r, param),
+                        "randomizer `" + r.name + "` draws " + path_of(w, param) +
+                            " at a time within the episode, but a start is read at "
+                            "resets alone: draw it with `when: reset`");
     }
   }
 }

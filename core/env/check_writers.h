@@ -15,6 +15,7 @@ struct Writers {
   Block task_params;  ///< the task's own, within the parameter block
   const StartPlaces& starts;
   const Layout& layout;
+  const Scenario& scenario;
 };
 
 /// @throws MarkedError that names the parameter, who draws it and the remedy, where two draw one,

@@ -14,6 +14,7 @@
 #include "core/env/setup_tables.h"
 #include "core/env/start_overlaps.h"
 #include "core/env/state_values.h"
+#include "core/env/use_marks.h"
 #include "core/model/marked_error.h"
 #include "core/physics/bodies/default_state.h"
 #include "core/physics/coupling/coupling_start.h"
@@ -33,21 +34,6 @@ struct BoundUse {
   std::string path;       ///< of its parameters, such as robots.quad.controllers.rate_pd
   BoundValues values;
 };
-
-/// Where the mistake is that a plugin finds: at the first of its parameters that the message names
-/// in backticks, else where the scenario names the plugin.
-SourceMark blamed(const PluginUse& use, const std::string& message) {
-  for (std::size_t from = message.find('`'); from != std::string::npos;) {
-    const std::size_t to = message.find('`', from + 1);
-    if (to == std::string::npos) break;
-    const std::string word = message.substr(from + 1, to - from - 1);
-    for (const ParameterValue& value : use.parameters) {
-      if (value.name == word) return value.mark;
-    }
-    from = message.find('`', to + 1);
-  }
-  return use.mark;
-}
 
 }  // namespace
 
@@ -73,8 +59,8 @@ struct CompiledScenario::Builder {
     configure_kind(SKYBODY_EFFECT, tables);
     configure_kind(SKYBODY_RANDOMIZER, tables);
     configure_kind(SKYBODY_TASK, tables);
-    check_writers(
-        {env.plugins_[SKYBODY_RANDOMIZER], env.task(), env.task_params_, env.starts_, plan.layout});
+    check_writers({env.plugins_[SKYBODY_RANDOMIZER], env.task(), env.task_params_, env.starts_,
+                   plan.layout, scenario});
     check_interpolation();
     list_actions();
     lay_out();
@@ -126,8 +112,16 @@ struct CompiledScenario::Builder {
                       const ParameterSpec& spec) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const std::string name = numbers.size() == 1 ? path : path + "[" + std::to_string(i) + "]";
-      add_param(plan.layout, {name, spec.unit, numbers[i], spec.min, spec.max});
+      add_param(plan.layout, {name, unit_of(spec.unit, i + 1 == numbers.size()), numbers[i],
+                              spec.min, spec.max});
     }
+  }
+
+  /// Of one value of a vector: "m, rad" is metres, and of the last value radians.
+  static std::string unit_of(const std::string& units, bool is_last) {
+    const std::size_t comma = units.find(", ");
+    if (comma == units.npos) return units;
+    return is_last ? units.substr(comma + 2) : units.substr(0, comma);
   }
 
   void configure_kind(SkybodyKind kind, SetupTables& tables) {
@@ -176,7 +170,7 @@ struct CompiledScenario::Builder {
       made.file = result.file;
       check_declarations(topology, plan.layout, made);
     } catch (const Error& e) {
-      throw MarkedError(blamed(*bound.use, e.what()), e.what());
+      throw MarkedError(blamed(*bound.use, e.what()), with_nearest_param(plan.layout, e.what()));
     }
     return made;
   }

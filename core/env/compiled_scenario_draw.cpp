@@ -86,13 +86,16 @@ std::uint64_t CompiledScenario::bad_state_bits(const StateGroup& group, int lane
 
 /// What is drawn of a body that no rigid body can be; empty: the status tells of none.
 std::string CompiledScenario::reason_of_body(std::uint64_t status) const {
-  const std::uint64_t number = status >> kBadStartPlace;
-  if ((status & kBadState) == 0 || (status & kBadStart) != 0 || number == 0) return "";
-  const WorldBody& body = world_->bodies[static_cast<std::size_t>(number - 1)];
-  return "no rigid body has the mass, centre and inertia of link `" + body.model->name +
-         "` of robot `" + scenario().robots[static_cast<std::size_t>(body.robot)].name +
+  const int number = impossible_body(status);
+  if (number < 0) return "";
+  const WorldBody& body = world_->bodies[static_cast<std::size_t>(number)];
+  const std::string path = "robots." +
+                           scenario().robots[static_cast<std::size_t>(body.robot)].name +
+                           ".links." + body.model->name;
+  return "no rigid body has the mass, centre and inertia of `" + path +
          "`: a mass is above 0, and no principal moment above the sum of the other two; narrow "
-         "what randomizers draw or callers set, which state(\"params\") and logs have";
+         "what randomizers draw or callers set: its `.mass`, `.com[0]` and `.inertia[0]` to `[5]` "
+         "are what state() reads until the next reset, and what a flight log has under `params`";
 }
 
 std::string CompiledScenario::fault_reason(std::uint64_t status) const {

@@ -1,23 +1,43 @@
 #include "core/env/param_access.h"
 
+#include <set>
 #include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/suggestion.h"
 #include "plugins/api/path_pattern.h"
 
 namespace skybody {
 namespace {
 
+/// The path without the index at its end, if it has one there.
+std::string stem_of(const std::string& path) {
+  return path.empty() || path.back() != ']' ? path : path.substr(0, path.rfind('['));
+}
+
 int index_of(const CompiledScenario& compiled, const std::string& path) {
-  const int index = compiled.layout().find_param(path);
-  if (index < 0) {
-    throw Error("nothing randomizable is called `" + path +
-                "`; `skybody check --parameters` lists what is");
+  const Layout& layout = compiled.layout();
+  const int index = layout.find_param(path);
+  if (index >= 0) return index;
+  if (layout.find_param(path + "[0]") >= 0) {
+    throw Error("`" + path + "` is a vector: name one of its values, such as `" + path + "[0]`");
   }
-  return index;
+  throw Error("nothing randomizable is called `" + path + "`" + nearest_param(layout, path));
 }
 
 }  // namespace
+
+std::string nearest_param(const Layout& layout, const std::string& path) {
+  const bool is_indexed = path.find('[') != path.npos;
+  std::set<std::string> names;
+  for (const EnvParam& param : layout.param_info) {
+    names.insert(is_indexed ? param.path : stem_of(param.path));
+    if (!param.alias.empty()) names.insert(is_indexed ? param.alias : stem_of(param.alias));
+  }
+  const std::string found = closest(path, {names.begin(), names.end()});
+  const std::string where = plugin_detail::kNoSuchParam;
+  return found.empty() ? where : "; did you mean `" + found + "`? " + where.substr(2);
+}
 
 std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
                              const std::string& path) {
@@ -32,9 +52,32 @@ std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
     }
   }
   if (found.empty()) {
-    throw Error("nothing randomizable is called `" + path + "`" + plugin_detail::kNoSuchParam);
+    throw Error("nothing randomizable is called `" + path + "`" + nearest_param(layout, path));
   }
   return found;
+}
+
+void check_vector_size(const Scenario& scenario, const Layout& layout, const std::string& path,
+                       std::size_t count) {
+  const std::vector<int> found = find_params(scenario, layout, path);
+  const auto name = [&](int k) { return layout.param_info[static_cast<std::size_t>(k)].path; };
+  const bool is_indexed = !path.empty() && path.back() == ']';
+  for (std::size_t i = 0; i < found.size();) {
+    const bool is_one = is_indexed || name(found[i]).back() != ']';
+    const std::string vector = stem_of(name(found[i]));
+    std::size_t size = 1;
+    while (!is_one && i + size < found.size() && stem_of(name(found[i + size])) == vector) ++size;
+    if (is_one) {
+      throw Error("`" + name(found[i]) + "` is one number, and a list of " + std::to_string(count) +
+                  " is given: give a number");
+    }
+    if (size != count) {
+      throw Error("`" + vector + "` has " + std::to_string(size) + " values, and " +
+                  std::to_string(count) + (count == 1 ? " is" : " are") + " given: give all " +
+                  std::to_string(size));
+    }
+    i += size;
+  }
 }
 
 double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,

@@ -13,6 +13,15 @@ namespace skybody {
 std::vector<int> find_params(const Scenario& scenario, const Layout& layout,
                              const std::string& path);
 
+/// What a message adds about a path that names nothing: "; did you mean `x`?" with the one that is
+/// spelled most like it (of vectors without an index), and where all of them are listed.
+std::string nearest_param(const Layout& layout, const std::string& path);
+
+/// Refuses a list of `count` values for a path that names something else than vectors of so many.
+/// @throws Error with the size that is needed
+void check_vector_size(const Scenario& scenario, const Layout& layout, const std::string& path,
+                       std::size_t count);
+
 /// Value of a randomizable parameter in one lane. @throws Error if there is none at `path`
 double get_param(const CompiledScenario& compiled, const StateGroup& group, int lane,
                  const std::string& path);

@@ -98,7 +98,7 @@ ParamChange read_param_change(const std::string& text) {
     change.distribution =
         distribution_of(static_cast<DistributionKind>(place_in(kKinds, kind)), numbers);
   } catch (const std::runtime_error& error) {
-    throw Error("`" + text + "` is no change of a parameter: " + error.what());
+    throw Error("the change of `" + change.path + "` cannot be: " + error.what());
   }
   return change;
 }

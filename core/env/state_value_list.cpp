@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/env/compiled_scenario.h"
+#include "core/model/held_inputs.h"
 #include "core/physics/world/pose_math.h"
 
 namespace skybody {
@@ -161,6 +162,7 @@ class List {
     for (int b = 0; b < place.body_count; ++b) {
       const Body& body = use.model.bodies[static_cast<std::size_t>(b)];
       if (is_moving_joint(body.joint)) add_joint(prefix, place.first_body + b, joints++);
+      add_wind(prefix, place.first_body + b);
       add_contact(prefix, place.first_body + b);
     }
     add_rotors(prefix + "rotors", {place.first_rotor, place.rotor_count}, use.model.rotors);
@@ -185,6 +187,15 @@ class List {
     add_words(path + "velocity", text.velocity_unit, "", {layout_.u.offset + body.u, u},
               shape_of(u), text.velocity_doc);
     values_.back().alias = alias + "velocity";
+  }
+
+  /// What effects make of the air around a body.
+  void add_wind(const std::string& prefix, int index) {
+    const Block& wind = layout_.held[SKYBODY_HELD_WIND];
+    if (wind.size == 0) return;
+    const std::string& link = world_.bodies[static_cast<std::size_t>(index)].model->name;
+    add_words(prefix + "links." + link + ".wind", "m/s", "W", {wind.offset + 3 * index, 3}, {3},
+              "velocity of the air around the body, of all effects, in the last physics step");
   }
 
   void add_contact(const std::string& prefix, int index) {
@@ -215,6 +226,13 @@ class List {
     for (int k = 0; k < rotors.size; ++k) {
       add(path + "[" + std::to_string(k) + "]",
           path + "." + models[static_cast<std::size_t>(k)].name, {rotors.offset + k, 1}, {});
+      const Block& gains = layout_.held[SKYBODY_HELD_ROTOR_GAIN];
+      if (gains.size == 0) continue;
+      const int size = kHeldInputs[SKYBODY_HELD_ROTOR_GAIN].size;
+      const int first = gains.offset + size * (rotors.offset + k) + SKYBODY_GAIN_THRUST;
+      add_words(path + "[" + std::to_string(k) + "].thrust_gain", "", "", {first, 1}, {},
+                "factor on its thrust, of all effects, in the last physics step");
+      values_.back().alias = path + "." + models[static_cast<std::size_t>(k)].name + ".thrust_gain";
     }
   }
 

@@ -159,8 +159,9 @@ const MapSpec& robot_fields() {
                      "where that exists"),
           boolean_field("fixed_base", false, "weld the base to the world"),
           map_field("pose", Field::Kind::kMap, pose_fields(), "of the base at reset"),
-          hover_or(real_field("rotor_speed", "rad/s", 0.0, 0.0, kFar,
-                              "of every rotor at reset; hover: what carries the robot's weight")),
+          hover_or(real_field(
+              "rotor_speed", "rad/s", 0.0, 0.0, kFar,
+              "of every rotor at reset; hover: what carries the robot's nominal weight")),
           map_field("disturbance", Field::Kind::kMap, disturbance_fields(),
                     "a steady load on the base"),
           map_field("joints", Field::Kind::kNamedMaps, joint_fields(),

@@ -9,6 +9,7 @@
 #include "core/io/config_tree.h"
 #include "core/io/coupling_reader.h"
 #include "core/io/field.h"
+#include "core/io/file.h"
 #include "core/io/height_field_reader.h"
 #include "core/io/observed_reader.h"
 #include "core/io/plugin_use_reader.h"
@@ -307,7 +308,8 @@ class ScenarioReader {
     scenario_.obstacles.push_back(obstacle);
   }
 
-  /// Over the merged text, the model files and all parameters, defaults included.
+  /// Over the merged text, the model files and all parameters, defaults included. Of a file that a
+  /// parameter names, what is in it counts and not where it lies: as with models and heights.
   std::uint64_t hash() const {
     HashChain chain;
     chain.update(hash_string(scenario_.text));
@@ -317,24 +319,46 @@ class ScenarioReader {
       chain.update(static_cast<double>(obstacle.shape.heights->columns()));
       for (double height : obstacle.shape.heights->heights()) chain.update(height);
     }
-    for (const RobotUse& robot : scenario_.robots) add(robot.controllers, chain);
-    for (const TeamUse& team : scenario_.teams) add(team.controllers, chain);
-    add(scenario_.sensors, chain);
-    add(scenario_.effects, chain);
-    add(scenario_.randomization, chain);
-    add({scenario_.task}, chain);
+    for (const RobotUse& robot : scenario_.robots) {
+      add(robot.controllers, SKYBODY_CONTROLLER, chain);
+    }
+    for (const TeamUse& team : scenario_.teams) add(team.controllers, SKYBODY_CONTROLLER, chain);
+    add(scenario_.sensors, SKYBODY_SENSOR, chain);
+    add(scenario_.effects, SKYBODY_EFFECT, chain);
+    add(scenario_.randomization, SKYBODY_RANDOMIZER, chain);
+    add({scenario_.task}, SKYBODY_TASK, chain);
     return chain.value();
   }
 
-  static void add(const std::vector<PluginUse>& uses, HashChain& chain) {
+  void add(const std::vector<PluginUse>& uses, SkybodyKind kind, HashChain& chain) const {
     for (const PluginUse& use : uses) {
       chain.update(hash_string(use.plugin));
       for (const ParameterValue& value : use.parameters) {
         chain.update(hash_string(value.name));
         for (double number : value.numbers) chain.update(number);
-        for (const std::string& text : value.texts) chain.update(hash_string(text));
+        const bool names_files = is_file_parameter(kind, use.plugin, value.name);
+        for (const std::string& text : value.texts) {
+          chain.update(hash_string(names_files ? contents_of(text) : text));
+        }
       }
     }
+  }
+
+  bool is_file_parameter(SkybodyKind kind, const std::string& plugin,
+                         const std::string& name) const {
+    const PluginDeclaration* declaration = catalog_.find(kind, plugin);
+    if (declaration == nullptr) return false;
+    const std::vector<ParameterSpec>& specs = declaration->parameters;
+    return std::any_of(specs.begin(), specs.end(), [&](const ParameterSpec& spec) {
+      return spec.name == name && spec.is_file;
+    });
+  }
+
+  /// Its path where it cannot be read: the plugin that opens it says why.
+  static std::string contents_of(const std::string& file) {
+    std::string text;
+    const bool is_read = read_regular_file(file, InputBudget::kMostFileText, text).empty();
+    return is_read ? text : file;
   }
 
   const ConfigNode& root_;

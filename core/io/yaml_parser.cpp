@@ -9,6 +9,7 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <sstream>
 #include <unordered_map>
@@ -189,6 +190,22 @@ std::string message_of(const YAML::Exception& error, Quoting quoting) {
   return error.msg.substr(0, error.msg.find(':'));
 }
 
+/// Where a line has a path such as rotors[0], which ends a word of a list in brackets.
+/// @param line  from 0
+std::string hint_of(const std::string& text, int line) {
+  std::istringstream stream(text);
+  std::string row;
+  for (int i = 0; i <= line; ++i) std::getline(stream, row);
+  for (std::size_t at = row.find('['); at != row.npos; at = row.find('[', at + 1)) {
+    const bool is_index =
+        at > 0 && at + 1 < row.size() &&
+        std::isalpha(static_cast<unsigned char>(row[at - 1])) != 0 &&
+        (std::isdigit(static_cast<unsigned char>(row[at + 1])) != 0 || row[at + 1] == '*');
+    if (is_index) return "; quote names with brackets: \"rotors[0]\"";
+  }
+  return "";
+}
+
 void parse(const std::string& text, TreeBuilder& builder) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -219,7 +236,8 @@ std::optional<ConfigNode> parse_yaml(const std::string& text, const std::string&
   } catch (const YAML::Exception& error) {
     // What was found before may quote a file that is no YAML.
     if (quoting == Quoting::kNo) found = Diagnostics();
-    found.error(builder.to_mark(error.mark), "not YAML: " + message_of(error, quoting));
+    found.error(builder.to_mark(error.mark),
+                "not YAML: " + message_of(error, quoting) + hint_of(text, error.mark.line));
   }
   diagnostics.add(found);
   return std::nullopt;

@@ -28,4 +28,10 @@ inline std::string fault_reason(std::uint64_t status) {
   return reasons;
 }
 
+/// The world body index of the body that is none that can be; -1: the status tells of none.
+inline int impossible_body(std::uint64_t status) {
+  if ((status & kBadState) == 0 || (status & kBadStart) != 0) return -1;
+  return static_cast<int>(status >> kBadStartPlace) - 1;
+}
+
 }  // namespace skybody

@@ -14,6 +14,11 @@ class Battery : public Effect {
   void configure(const Setup& setup) override {
     dt_ = setup.dt();
     read_curve();
+    if (!(initial_charge_.value() > 0.0)) {
+      throw std::runtime_error(
+          "`initial_charge` is 0, an empty pack whose rotors never turn: allowed are shares of the "
+          "capacity above 0, up to 1");
+    }
     for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`battery`")) {
       Pack pack;
       for (const RotorInfo& rotor : setup.rotors_of(robot)) {

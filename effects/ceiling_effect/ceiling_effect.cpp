@@ -16,6 +16,7 @@ class CeilingEffect : public Effect {
   void configure(const Setup& setup) override {
     carriers_ = effect::carriers_of(
         setup, effect::robots_with_rotors(setup, robots_.values(), "the ceiling effect"));
+    check_height(setup);
     is_fitted_ = form_.value() == "fitted";
     if (is_fitted_) check_fit();
     setup.holds(HeldInput::kRotorGain);
@@ -40,6 +41,18 @@ class CeilingEffect : public Effect {
 
  private:
   static constexpr double kLargestShare = 0.75;  ///< of 1 in the fit's denominator: gains up to 4
+
+  /// A ceiling below the ground and below all who have it is a mistake.
+  void check_height(const Setup& setup) const {
+    double lowest = kInfinity;
+    for (const effect::Carrier& carrier : carriers_) {
+      lowest = min(lowest, setup.robots()[carrier.robot].position[2]);
+    }
+    if (height_.value() > 0.0 || height_.value() > lowest) return;
+    throw std::runtime_error("`height` is " + to_text(height_.value()) +
+                             " m, below the ground z = 0 and all robots (the lowest begins at " +
+                             to_text(lowest) + " m): raise it");
+  }
 
   void check_fit() const {
     if (a1_.value() == 0.0) {

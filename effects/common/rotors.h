@@ -39,19 +39,24 @@ inline std::vector<int> robots_with_rotors(const Setup& setup,
   return chosen;
 }
 
-/// Speed at which the rotors of a robot carry its nominal weight, all with the same speed and along
-/// gravity [rad/s]; 0 of a robot with a fixed base, which need not be carried.
-inline double hover_speed(const Setup& setup, int robot) {
+/// Nominal weight of a robot [N]; 0 of one with a fixed base, which need not be carried.
+inline double weight(const Setup& setup, int robot) {
   const RobotInfo& r = setup.robots()[robot];
   if (r.fixed_base != 0) return 0.0;
-  double mass = 0.0, thrust_constants = 0.0;
+  double mass = 0.0;
   for (int b = r.first_body; b < r.first_body + r.body_count; ++b) mass += setup.bodies()[b].mass;
+  const double* g = setup.gravity();
+  return mass * norm(Vec3<double>{g[0], g[1], g[2]});
+}
+
+/// Speed at which the rotors of a robot carry its nominal weight, all with the same speed and along
+/// gravity [rad/s]; 0 of a robot with a fixed base.
+inline double hover_speed(const Setup& setup, int robot) {
+  double thrust_constants = 0.0;
   for (const RotorInfo& rotor : setup.rotors_of(robot)) {
     thrust_constants += rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
   }
-  const double* g = setup.gravity();
-  const double weight = mass * norm(Vec3<double>{g[0], g[1], g[2]});
-  return thrust_constants > 0.0 ? sqrt(weight / thrust_constants) : 0.0;
+  return thrust_constants > 0.0 ? sqrt(weight(setup, robot) / thrust_constants) : 0.0;
 }
 
 }  // namespace skybody::effect

@@ -16,6 +16,7 @@ class ThrustCurve : public Effect {
     check_parameters();
     for (const int robot : effect::robots_with_rotors(setup, robots_.values(), "`thrust_curve`")) {
       for (const RotorInfo& rotor : setup.rotors_of(robot)) add_rotor(setup, rotor);
+      check_thrust(setup, robot);
     }
     advances_ = thrust_by_advance_.count() > 0 || moment_by_advance_.count() > 0;
     setup.holds(HeldInput::kRotorGain);
@@ -99,6 +100,38 @@ class ThrustCurve : public Effect {
                        1.0 / constants[SKYBODY_ROTOR_THRUST_CONSTANT],
                        moment > 0.0 ? 1.0 / moment : 0.0,
                        least_share_.value() * constants[SKYBODY_ROTOR_MAX_SPEED]});
+  }
+
+  /// c_0 + c_1 w + c_2 w^2 + ...
+  static double polynomial(const RealsParameter& coefficients, double speed) {
+    double sum = 0.0;
+    for (int k = coefficients.count() - 1; k >= 0; --k) sum = sum * speed + coefficients.value(k);
+    return sum;
+  }
+
+  /// A curve whose rotors cannot carry the robot at `max_speed` is a mistake: of signs, or of units
+  /// (revolutions a minute). So is a moment that drives the rotor.
+  void check_thrust(const Setup& setup, int robot) const {
+    double most = 0.0;
+    for (const RotorInfo& rotor : setup.rotors_of(robot)) {
+      const double speed = rotor.constants[SKYBODY_ROTOR_MAX_SPEED];
+      const double thrust = polynomial(thrust_, speed), moment = polynomial(moment_, speed);
+      const std::string at = " at the `max_speed` of rotor `" + std::string(rotor.name) + "`, " +
+                             to_text(speed) + " rad/s: allowed are values above 0";
+      if (thrust_.count() > 0 && !(thrust > 0.0)) {
+        throw std::runtime_error("`thrust` is " + to_text(thrust) + " N" + at);
+      }
+      if (moment_.count() > 0 && moment < 0.0) {
+        throw std::runtime_error("`moment` is " + to_text(moment) + " N m" + at + " and 0");
+      }
+      most += thrust;
+    }
+    const double weight = effect::weight(setup, robot);
+    if (thrust_.count() == 0 || most > weight) return;
+    throw std::runtime_error("by `thrust` all rotors of robot `" +
+                             std::string(setup.robots()[robot].name) + "` give " + to_text(most) +
+                             " N at `max_speed`, and it weighs " + to_text(weight) +
+                             " N: give coefficients in N (s/rad)^k that carry it");
   }
 
   void check_parameters() const {

@@ -123,6 +123,10 @@ bool VelocityTable::has_equal_steps() const {
 VelocityTable read_velocity_table(const std::string& file) {
   const std::string text = text_of(file);
   std::string_view rest = text;
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // spreadsheets write it
+  if (rest.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
+    rest.remove_prefix(kByteOrderMark.size());
+  }
   Reader reader;
   for (int line = 1; !rest.empty(); ++line) {
     const std::string_view row = trimmed(cut(rest, '\n'));

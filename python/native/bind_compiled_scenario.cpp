@@ -275,6 +275,9 @@ void bind_params(nb::class_<LoadedScenario>& c) {
       nb::arg("path"),
       "Nominal value, least and greatest value that may be drawn, and unit.\n\n"
       "Raises ValueError if there is no such parameter.");
+  c.def("check_vector", &E::check_vector, nb::arg("path"), nb::arg("count"),
+        "What requests ask before they give a list of values to a path.\n\n"
+        "Raises ValueError where the path names anything but vectors of `count` values.");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "core/env/param_access.h"
 #include "plugins/host/registry.h"
 
 namespace skybody::python {
@@ -25,6 +26,14 @@ std::map<std::string, std::string> LoadedScenario::plugins() const {
     for (const PluginInstance& p : compiled_->plugins(static_cast<SkybodyKind>(kind))) add(p);
   }
   return versions;
+}
+
+void LoadedScenario::check_vector(const std::string& path, std::size_t count) const {
+  try {
+    check_vector_size(compiled_->scenario(), compiled_->layout(), path, count);
+  } catch (const Error& e) {
+    throw nb::value_error(e.what());
+  }
 }
 
 const EnvParam& LoadedScenario::param(const std::string& path) const {

@@ -23,6 +23,8 @@ class LoadedScenario {
 
   /// Versions of the plugins that the scenario uses, by their names.
   std::map<std::string, std::string> plugins() const;
+  /// @throws ValueError if nothing randomizable is called so, or it is no vector of `count` values
+  void check_vector(const std::string& path, std::size_t count) const;
   /// @throws ValueError if nothing randomizable is called so
   const EnvParam& param(const std::string& path) const;
 

@@ -163,11 +163,13 @@ class PooledEnvironments:
             when: "next_step", or "next_reset": the next episode that begins.
 
         Raises:
-            ValueError: no such environment or parameter, a distribution that cannot be, or a value
-                that would be outside its bounds; then nothing was asked for.
+            ValueError: no such environment or parameter, a vector of another length, a distribution
+                that cannot be, or a value that would be outside its bounds.
+            TypeError: what is no number, list of numbers or draw. Nothing was asked for then.
         """
         ids = None if env_ids is None else _ids(env_ids)
-        self.native.request(request_lines(changes), False, at_reset(when), ids)
+        lines = request_lines(self.native.compiled, changes)
+        self.native.request(lines, False, at_reset(when), ids)
 
     def randomize(self, env_ids: ArrayLike | None = None, when: When = "next_step") -> None:
         """Asks all randomizers to draw, whatever their schedule; motion goes on. See `request`."""

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from ._native import CompiledScenario
 from .arguments import text
 
 When: TypeAlias = Literal["next_step", "next_reset"]
@@ -54,28 +55,42 @@ def at_reset(when: str) -> bool:
     return when == "next_reset"
 
 
-def request_lines(changes: Mapping[str, Change]) -> list[str]:
+def request_lines(compiled: CompiledScenario, changes: Mapping[str, Change]) -> list[str]:
     """One line for each value or draw, as `read_param_change` in core/env takes it.
 
     Raises:
         TypeError, ValueError: naming the path and what is wrong.
     """
+    if not isinstance(changes, Mapping):
+        raise TypeError(f"changes are {changes!r}; they must be a dict of paths and what they get")
     lines: list[str] = []
     for path, change in changes.items():
         text("path", path)
         if isinstance(change, Mapping):
             lines.append(f"{path} {_draw_words(path, change)}")
             continue
-        values = np.asarray(change, dtype=np.float64)
+        values = _numbers(path, change, "a number, a list of numbers for a vector, or a draw")
         if values.ndim == 0:
             lines.append(f"{path} value each constant {_number(path, values)}")
         elif values.ndim == 1 and values.size > 0:
+            compiled.check_vector(path, values.size)
             lines += [
                 f"{path}[{k}] value each constant {_number(path, v)}" for k, v in enumerate(values)
             ]
         else:
             raise ValueError(f"{path} is given values of shape {values.shape}; give (n,) or one")
     return lines
+
+
+def _numbers(path: str, given: Any, wanted: str) -> NDArray[np.float64]:
+    """`given` as numbers. Raises TypeError for booleans, texts, None and lists of lengths."""
+    try:
+        values = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        values = np.asarray(None)
+    if not np.issubdtype(values.dtype, np.integer) and not np.issubdtype(values.dtype, np.floating):
+        raise TypeError(f"{path} is given {given!r}; it must be {wanted}")
+    return values.astype(np.float64)
 
 
 def _number(path: str, value: Any) -> str:
@@ -98,15 +113,24 @@ def _draw_words(path: str, draw: Mapping[str, Any]) -> str:
     for key in draw:
         if key not in ("distribution", "form", "shared", *_NUMBERS[kind]):
             raise ValueError(f"{path} has {key!r}, which {kind} does not know")
-    values = draw.get("values", ())
-    given = {"weights": [1.0 / len(values)] * len(values)} if kind == "choice" and values else {}
+    values = np.atleast_1d(_numbers(path, draw.get("values", 0), "`values`, a list of numbers"))
+    given = {"weights": [1.0 / len(values)] * len(values)} if kind == "choice" else {}
     numbers: list[str] = []
     for key in _NUMBERS[kind]:
         if key not in draw and key not in given:
             raise ValueError(f"{path} needs {key!r} for distribution {kind!r}")
-        value = np.atleast_1d(np.asarray(draw.get(key, given.get(key)), dtype=np.float64))
+        wanted = f"numbers for {key!r}"
+        value = np.atleast_1d(_numbers(path, draw.get(key, given.get(key)), wanted))
         if key == "range" and value.shape != (2,):
             raise ValueError(f"{path} has a range of {value.size} numbers; write [low, high]")
         numbers += [_number(path, v) for v in value]
+        if key in ("mean", "deviation") and value.shape != (1,):
+            raise ValueError(f"{path} has {value.size} numbers as {key!r}; give one")
+        if key == "weights" and value.shape != values.shape:
+            raise ValueError(
+                f"{path} has {values.size} values and {value.size} weights; give one for each"
+            )
+    if not isinstance(draw.get("shared", False), bool):
+        raise TypeError(f"{path} has shared {draw['shared']!r}; it must be True or False")
     shared = "shared" if draw.get("shared", False) else "each"
     return f"{form} {shared} {kind} {' '.join(numbers)}"

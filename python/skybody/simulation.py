@@ -190,7 +190,7 @@ class Simulation(_native.Simulation):
         """Asks for values of randomizable parameters: done with the next `step` or `advance`, or in
         the next `reset`. Values and errors: `skybody.vector.SkybodyVectorEnv.request`.
         """
-        super().request_lines(request_lines(changes), at_reset(when))
+        super().request_lines(request_lines(self.compiled, changes), at_reset(when))
 
     def state_paths(self) -> dict[str, _native.StateValue]:
         """What `state` can give: path -> unit, frame, shape and meaning."""

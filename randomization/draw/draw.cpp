@@ -102,16 +102,34 @@ class Draw : public Randomizer {
     const std::string& kind = distribution_name_.value();
     check_given("range", range_.count(), kind != "choice", kind);
     check_given("values", values_.count(), kind == "choice", kind);
-    if (kind == "choice") return make_choice(list(values_), list(weights_));
-    check_absent("weights", weights_.count(), kind);
+    check_absent("mean", kind != "normal" && mean_.is_given(), kind);
+    check_absent("deviation", kind != "normal" && deviation_.is_given(), kind);
+    if (kind == "choice") {
+      return blaming(weights_.count() > 0 ? "weights" : "values",
+                     [&] { return make_choice(list(values_), list(weights_)); });
+    }
+    check_absent("weights", weights_.count() > 0, kind);
     if (range_.count() != 2) {
       throw std::runtime_error("`range` has " + std::to_string(range_.count()) +
                                " values: write [low, high]");
     }
     const double low = range_.value(0), high = range_.value(1);
-    if (kind == "uniform") return make_uniform(low, high);
-    if (kind == "log_uniform") return make_log_uniform(low, high);
-    return make_normal(mean_.value(), deviation_.value(), low, high);
+    const bool is_flat = !(deviation_.value() > 0.0);  // of a normal one: what is refused first
+    return blaming(kind == "normal" && is_flat && low <= high ? "deviation" : "range", [&] {
+      if (kind == "uniform") return make_uniform(low, high);
+      if (kind == "log_uniform") return make_log_uniform(low, high);
+      return make_normal(mean_.value(), deviation_.value(), low, high);
+    });
+  }
+
+  /// What `make` gives; its error names the parameter.
+  template <class Make>
+  static Distribution blaming(const std::string& parameter, const Make& make) {
+    try {
+      return make();
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error("`" + parameter + "`: " + error.what());
+    }
   }
 
   static std::vector<double> list(const RealsParameter& parameter) {
@@ -122,19 +140,24 @@ class Draw : public Randomizer {
 
   static void check_given(const std::string& name, int count, bool is_wanted,
                           const std::string& kind) {
-    if (!is_wanted) return check_absent(name, count, kind);
+    if (!is_wanted) return check_absent(name, count > 0, kind);
     if (count == 0) {
       throw std::runtime_error("`distribution: " + kind + "` needs `" + name + "`: give it");
     }
   }
-  static void check_absent(const std::string& name, int count, const std::string& kind) {
-    if (count == 0) return;
+  static void check_absent(const std::string& name, bool is_given, const std::string& kind) {
+    if (!is_given) return;
     throw std::runtime_error("`distribution: " + kind + "` does not know `" + name +
                              "`: leave it out");
   }
 
   void read_time(const Setup& setup) {
     is_timed_ = when_.value() == kTime;
+    if (when_.value() == kRequest && every_.is_given()) {
+      throw std::runtime_error(
+          "`every` counts resets, which `when: request` does not draw at: "
+          "leave it out");
+    }
     if (is_timed_ != (time_.count() > 0)) {
       throw std::runtime_error(is_timed_ ? "`when: time` needs `time`: give [earliest, latest] in s"
                                          : "`time` is for `when: time` alone: leave it out");
@@ -180,10 +203,10 @@ class Draw : public Randomizer {
     const double offset = form_.value() == "shift" ? info.nominal : 0.0;
     const double a = distribution_.low * factor + offset, b = distribution_.high * factor + offset;
     if (std::min(a, b) < info.min || std::max(a, b) > info.max) {
-      throw std::runtime_error("drawing " + std::string(info.path) + " from [" +
-                               to_text(std::min(a, b)) + ", " + to_text(std::max(a, b)) +
-                               "] leaves what it may be, [" + to_text(info.min) + ", " +
-                               to_text(info.max) + "]: narrow the range");
+      throw std::runtime_error(
+          "drawing " + std::string(info.path) + " from [" + to_text(std::min(a, b)) + ", " +
+          to_text(std::max(a, b)) + "] leaves what it may be, [" + to_text(info.min) + ", " +
+          to_text(info.max) + "]: narrow `" + (values_.count() > 0 ? "values`" : "range`"));
     }
     targets_.push_back({param, info.nominal, factor, offset, targets_.empty() || !shared_.value()});
     setup.writes(param);

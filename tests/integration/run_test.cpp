@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "tests/integration/flight_file.h"
 #include "tests/integration/process.h"
@@ -103,6 +104,51 @@ TEST(Run, TellsWhatEffectsReportAndWhatIsDrawnInFlight) {
   const std::size_t last = values.size() - names.size() + static_cast<std::size_t>(charge);
   EXPECT_LT(values[last], 1.0);
   EXPECT_GT(values[last], 0.9);
+}
+
+/// The table stays as narrow as a terminal: 260 letters of one reason made it unreadable.
+TEST(Run, ALongReasonOfAFaultStandsBelowTheTable) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody(
+      short_flight(folder.path(),
+                   {"--episodes", "2", "--set",
+                    "randomization=[{plugin: draw, parameters: {what: "
+                    "['robots.quad.links.base_link.inertia[2]'], range: [9, 10], form: scale}}]"}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("\n1 .* fault: no rigid body has [a-z, ]*\\.\\.\\. "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("\nepisodes 1, 2: fault: no rigid body has the mass, centre and inertia of "
+                        "`robots.quad.links.base_link`: "));
+  std::istringstream table(outcome.out);
+  std::string line;
+  for (int k = 0; k < 5 && std::getline(table, line); ++k) EXPECT_LE(line.size(), 160u) << line;
+}
+
+/// -1 is a mark, no time: it was averaged.
+TEST(Run, ATimeThatDidNotComeIsNever) {
+  const TemporaryFolder folder;
+  const auto failing = [&](const std::string& chance) {
+    return run_skybody(
+        short_flight(folder.path(),
+                     {"--episodes", "2", "--set",
+                      "effects=[{plugin: rotor_failure, name: failure, parameters: {kind: partial, "
+                      "earliest: 0.05, latest: 0.05, probability: " +
+                          chance + "}}]"}));
+  };
+  const Outcome none = failing("0");
+  ASSERT_EQ(none.exit_code, 0) << none.err;
+  EXPECT_THAT(none.out, ContainsRegex("failure\\.time +s +never +never +never"));
+  EXPECT_THAT(failing("1").out, ContainsRegex("failure\\.time +s +0\\.05 +0\\.05 +0\\.05"));
+}
+
+TEST(Run, EveryValueOfATargetHasItsUnit) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_skybody(
+      short_flight(folder.path(), {"--set", "infos=[task.target]", "--set",
+                                   "task.parameters={robot: quad, target: [0, 0, 1, 0]}"}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("task\\.target\\[2\\] +m +1 "));
+  EXPECT_THAT(outcome.out, ContainsRegex("task\\.target\\[3\\] +rad +0 "));
 }
 
 TEST(Run, HoldHoversWithinAMillimetre) {

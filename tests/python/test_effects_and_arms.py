@@ -123,6 +123,25 @@ def test_a_table_of_wind_lies_beside_the_scenario_that_names_it(tmp_path: Path) 
         CompiledScenario(str(file), overrides=["effects[0].parameters.file=gusts2.csv"])
 
 
+def test_states_have_the_wind_and_the_gains_of_all_effects(tmp_path: Path) -> None:
+    file = tmp_path / "windy.yaml"
+    file.write_text(
+        f"include: {ROOT / 'scenarios/hover.yaml'}\n"
+        "effects:\n"
+        "  - {plugin: wind, parameters: {velocity: [2, 0, 0]}}\n"
+        "  - {plugin: wind, name: other, parameters: {velocity: [0, 0, -1]}}\n"
+        "  - {plugin: thrust_curve, parameters: {thrust: [0, 0, 4.0e-6]}}\n"
+    )
+    sim = Simulation(str(file), control="ctbr")
+    sim.reset()
+    sim.advance(1)
+    assert list(sim.state("robots.quad.links.base_link.wind")) == [2.0, 0.0, -1.0]
+    gain = sim.state("robots.quad.rotors[0].thrust_gain")
+    assert gain == pytest.approx(4.0e-6 / sim.param("robots.quad.rotors[0].thrust_constant"))
+    assert sim.state("robots.quad.rotors.front_left.thrust_gain") == gain
+    assert "robots.quad.links.base_link.wind" not in Simulation("hover").state_paths()
+
+
 def test_turbulence_is_reported_for_every_robot(tmp_path: Path) -> None:
     file = tmp_path / "turbulent.yaml"
     file.write_text(

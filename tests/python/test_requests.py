@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from contextlib import closing
 from pathlib import Path
@@ -128,18 +129,86 @@ def test_a_recording_of_requests_is_replayed(tmp_path: Path):
         ),
         ({GRAVITY: float("nan")}, "must be finite"),
         ({"robots.quad.links.base_link.mass": -1.0}, "allowed is"),
+        ({"gravity": [0.0, 0.0]}, "`gravity` has 3 values, and 2 are given: give all 3"),
+        ({"gravity": [1.0, 2.0, 3.0, 4.0]}, "`gravity` has 3 values, and 4 are given"),
+        ({"gravity": []}, "shape (0,)"),
+        ({GRAVITY: [-9.0]}, "`gravity[2]` is one number, and a list of 1 is given"),
+        (
+            {"robots.quad.rotors[*].thrust_constant": [1.0, 1.0, 1.0, 1.0]},
+            "`robots.quad.rotors[0].thrust_constant` is one number",
+        ),
+        ({"gravitty": [0.0, 0.0, -1.0]}, "did you mean `gravity`?"),
+        (
+            {GRAVITY: {"distribution": "choice", "values": [-1, -2], "weights": [0.5, 0.4, 0.1]}},
+            "2 values and 3 weights",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused(envs, changes, words):
-    with pytest.raises(ValueError, match=words.replace("[", r"\[").replace("(", r"\(")):
+    with pytest.raises(ValueError, match=re.escape(words)):
         envs.request(None, changes)
     with pytest.raises(ValueError, match="next_step"):
         envs.request(None, {GRAVITY: -9.0}, when="now")
 
 
-def test_lines_are_exact():
-    assert request_lines({"a": 0.1, "b": [1, 2e-300]}) == [
-        "a value each constant 0.1",
-        "b[0] value each constant 1.0",
-        "b[1] value each constant 2e-300",
+@pytest.mark.parametrize(
+    "change",
+    [
+        None,
+        "x",
+        True,
+        [None, 1.0, 2.0],
+        [[1.0], [1.0, 2.0]],
+        {"range": ["a", "b"]},
+        {"range": None},
+    ],
+)
+def test_what_is_no_number_is_refused_by_its_path(envs, change):
+    with pytest.raises(TypeError, match=r"gravity is given .*must be"):
+        envs.request(None, {"gravity": change})
+
+
+def test_vectors_of_all_robots_and_by_alias_have_their_sizes(envs):
+    envs.request(None, {"robots.quad.rotors[*].position": [0.1, 0.2, 0.3]})
+    envs.request(None, {"robot.links.base_link.com": [0.0, 0.0, 0.01]})
+    step(envs)
+    assert envs.param(0, "robots.quad.rotors[3].position[1]") == 0.2
+    with pytest.raises(ValueError, match="has 6 values, and 3 are given"):
+        envs.request(None, {"robots.quad.links.base_link.inertia": [0.01, 0.01, 0.01]})
+
+
+def test_single_values_have_no_vectors(envs):
+    for call in (lambda: envs.param(0, "gravity"), lambda: envs.set_param(0, "gravity", 7.0)):
+        with pytest.raises(ValueError, match=re.escape("such as `gravity[0]`")):
+            call()
+
+
+def test_lines_are_exact(envs):
+    compiled = envs.compiled
+    assert request_lines(compiled, {GRAVITY: 0.1, "gravity": [1, 2e-300, 0]}) == [
+        "gravity[2] value each constant 0.1",
+        "gravity[0] value each constant 1.0",
+        "gravity[1] value each constant 2e-300",
+        "gravity[2] value each constant 0.0",
     ]
+
+
+def test_an_inertia_that_cannot_be_is_a_fault_until_it_is_nominal_again(envs):
+    inertia = "robots.quad.links.base_link.inertia[0]"
+    idle = np.zeros(envs.action_space.shape, np.float32)
+    nominal = envs.param(0, inertia)
+
+    def faults() -> list[bool]:
+        return [bool(envs.step(idle)[4]["fault"][0]) for _ in range(4)]
+
+    envs.request([0], {inertia: 10.0})
+    assert any(faults()) and any(faults()), "in every episode that follows"
+    envs.request([0], {inertia: {"range": [1.0, 1.0], "form": "scale"}})
+    faults()
+    assert not any(faults())
+    assert envs.param(0, inertia) == nominal
+    envs.request([0], {inertia: 10.0})
+    assert any(faults())
+    envs.reset(seed=5)
+    assert envs.param(0, inertia) == nominal
+    assert not any(faults())

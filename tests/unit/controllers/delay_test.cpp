@@ -104,6 +104,22 @@ TEST_F(DelayTest, DrawnPerEpisodeStaysForTheEpisode) {
   }
 }
 
+TEST_F(DelayTest, ReportsTheLatencyThatItHasDrawn) {
+  const Instance delay("delay", world, given(0.01, {{"jitter", 0.004}}));
+  ASSERT_EQ(delay.declared.reports.size(), 1u);
+  const Report& report = delay.declared.reports[0];
+  EXPECT_EQ(report.info.name, "latency");
+  EXPECT_EQ(report.info.unit, "s");
+  for (std::uint64_t episode = 1; episode <= 20; ++episode) {
+    Group g = delay.group(1);
+    g.episode[0] = episode;
+    const Numbers& words = g.buffer;
+    step(delay, g, 0);
+    const double reported = words[static_cast<std::size_t>(report.word)];
+    EXPECT_EQ(reported, 0.001 * latency_of(delay, episode));
+  }
+}
+
 TEST_F(DelayTest, GoesOnFromItsStateWords) {
   const Instance delay("delay", world, given(0.006, {{"jitter", 0.003}, {"draw", "action"}}));
   Group g = delay.group(1);

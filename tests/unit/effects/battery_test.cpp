@@ -99,8 +99,8 @@ TEST_F(BatteryTest, SagsAndLimitsTheSpeedByTheVoltage) {
 }
 
 TEST_F(BatteryTest, WithoutCurrentHasTheVoltageOfItsCharge) {
-  const std::pair<double, double> known[] = {{0.0, 3.27}, {0.05, 3.48},  {0.1, 3.69},
-                                             {0.5, 3.84}, {0.75, 3.985}, {1.0, 4.2}};
+  const std::pair<double, double> known[] = {{1e-15, 3.27}, {0.05, 3.48},  {0.1, 3.69},
+                                             {0.5, 3.84},   {0.75, 3.985}, {1.0, 4.2}};
   for (const auto& [charge, volts] : known) {
     const Instance battery("battery", world, {{"initial_charge", charge}, {"cells", 6}});
     Group g = battery.group(1);
@@ -163,6 +163,8 @@ TEST_F(BatteryTest, SaysWhatDoesNotFit) {
   EXPECT_THAT(refused({{"open_circuit", Numbers{3.7}}}), HasSubstr("`open_circuit` has 1 values"));
   EXPECT_THAT(refused({{"open_circuit", Numbers{4.2, 3.7, 3.2}}}),
               HasSubstr("`open_circuit[1]` is 3.7 V, below the 4.2 V before it"));
+  EXPECT_THAT(refused({{"initial_charge", 0.0}}),
+              HasSubstr("`initial_charge` is 0, an empty pack"));
   EXPECT_THAT(refused({{"internal_resistance", 20.0}}),
               HasSubstr("a full pack gives 3.528 W at most (16.8 V, `internal_resistance` 20 ohm), "
                         "and robot `quad` takes 436"));

@@ -100,6 +100,9 @@ TEST_F(CeilingEffectTest, HasTheDerivativesOfDifferences) {
 }
 
 TEST_F(CeilingEffectTest, SaysWhatDoesNotFit) {
+  EXPECT_EQ(refusal("ceiling_effect", world, {{"height", -3.0}, {"radius", 0.1}}),
+            "`height` is -3 m, below the ground z = 0 and all robots (the lowest begins at 1 m): "
+            "raise it");
   EXPECT_EQ(refusal("ceiling_effect", world, below_three_metres({{"form", "fitted"}})),
             "`a1` is 0, but `form: fitted` needs it: allowed are values above 0; take those of a "
             "fit to measurements with these rotors");

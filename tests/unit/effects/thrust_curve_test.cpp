@@ -177,6 +177,13 @@ TEST_F(ThrustCurveTest, SaysWhatDoesNotFit) {
       HasSubstr("`least_advance` 0.1 and `greatest_advance` 1 leave out 0"));
   EXPECT_THAT(refused({{"thrust", thrust}, {"robots", std::vector<std::string>{"quda"}}}),
               HasSubstr("no robot `quda`: there are quad"));
+  EXPECT_THAT(refused({{"thrust", Numbers{-5.0}}}),
+              HasSubstr("`thrust` is -5 N at the `max_speed` of rotor `rotor0`, 2246 rad/s"));
+  EXPECT_THAT(refused({{"thrust", Numbers{0.0, 0.0, 1e-9}}}),
+              HasSubstr("by `thrust` all rotors of robot `quad` give 0.0201"));
+  EXPECT_THAT(refused({{"moment", Numbers{0.0, -1e-5}}}), HasSubstr("`moment` is -0.02246 N m"));
+  world.robots[0].fixed_base = 1;  // on a test bench nothing is to be carried
+  EXPECT_EQ(refused({{"thrust", Numbers{0.0, 0.0, 1e-9}}}), "");
   world.rotors[2].constants[SKYBODY_ROTOR_MOMENT_CONSTANT] = 0.0;
   EXPECT_THAT(refused({{"moment", moment}}),
               HasSubstr("rotor `rotor2` has a `moment_constant` of 0"));

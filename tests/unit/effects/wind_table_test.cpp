@@ -121,6 +121,12 @@ TEST_F(WindTableTest, BlowsAtTheRobotsThatItNames) {
   EXPECT_EQ(at(wind, g, 0), (std::vector<double>{0, 0, 0, 0, 1, 0}));
 }
 
+TEST_F(WindTableTest, AByteOrderMarkDoesNotCount) {
+  const Instance wind("wind_table", world, table("\xef\xbb\xbft,x,y,z\n0,1,2,3\n1,1,2,3\n"));
+  Group g = wind.group(1);
+  EXPECT_EQ(at(wind, g, 500), (std::vector<double>{1, 2, 3}));
+}
+
 TEST_F(WindTableTest, SaysWhereAFileIsWrong) {
   EXPECT_THAT(refusal_of("t,x,y,z\n0,1,2,3\n0.1,1,,3\n"),
               HasSubstr("wind.csv:3: `y` is missing; every row needs t, x, y, z"));

@@ -351,7 +351,7 @@ TEST_F(Randomization, BadConfigurationNamesValueAndRemedy) {
       HasSubstr("robot.nothing"));
   EXPECT_THAT(
       refusal("draw", world, {{"what", Texts{"robot.links.base.mass"}}, {"range", Numbers{-1, 2}}}),
-      HasSubstr("narrow the range"));
+      HasSubstr("narrow `range`"));
   world.robots[0].fixed_base = 1;
   EXPECT_THAT(refusal("start", world, {}), HasSubstr("no robot has a floating base"));
 }

@@ -60,9 +60,12 @@ TEST(DrawnBodies, ThatCanNeverBeAreAFaultWhoseReasonNamesThem) {
   simulation.step(action);
   ASSERT_TRUE(simulation.fault());
   EXPECT_EQ(simulation.compiled().fault_reason(simulation.status()),
-            "no rigid body has the mass, centre and inertia of link `base_link` of robot `quad`: "
-            "a mass is above 0, and no principal moment above the sum of the other two; narrow "
-            "what randomizers draw or callers set, which state(\"params\") and logs have");
+            "no rigid body has the mass, centre and inertia of `robots.quad.links.base_link`: a "
+            "mass is above 0, and no principal moment above the sum of the other two; narrow what "
+            "randomizers draw or callers set: its `.mass`, `.com[0]` and `.inertia[0]` to `[5]` "
+            "are what state() reads until the next reset, and what a flight log has under "
+            "`params`");
+  EXPECT_GT(simulation.state(kInertia + "[2]")[0], 0.2) << "state() reads what was drawn";
 }
 
 }  // namespace
