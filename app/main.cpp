@@ -39,6 +39,7 @@ void declare_commands(CLI::App& app, Action& chosen) {
   add_bench_command(app, chosen);
   add_plugins_command(app, chosen);
   add_modes_command(app, chosen);
+  add_plan_command(app, chosen);
   add_schema_command(app, chosen);
   add_tune_command(app, chosen);
   add_new_command(app, chosen);

@@ -1,5 +1,6 @@
 #include "app/mode_tables.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +13,7 @@ namespace skybody {
 namespace {
 
 std::string with_size(int signal, int count) {
+  if (signal == SKYBODY_NONE) return signal_name(signal);
   return std::string(signal_name(signal)) + "[" + std::to_string(count) + "]";
 }
 
@@ -69,36 +71,37 @@ std::string signal_table() {
   return table.to_string();
 }
 
-/// Levels that lead to actuators, each with the shortest chain to every kind of them.
-struct Entry {
-  int first = 0;           ///< of the chain, within the survey
-  std::vector<int> chain;  ///< with the first
-};
-
-std::vector<Entry> entries_of(const ControllerSurvey& survey) {
-  std::vector<Entry> entries;
-  std::vector<bool> is_done(SKYBODY_SIGNAL_COUNT, false);
+/// Chains that begin with each mode and lead on to rotors, or where none does to other actuators,
+/// by the level at which they begin; places within the survey.
+std::vector<std::vector<int>> entries_of(const ControllerSurvey& survey) {
+  std::vector<std::vector<int>> entries;
   for (int i = 0; i < static_cast<int>(survey.modes.size()); ++i) {
     const ControllerMode& mode = survey.modes[static_cast<std::size_t>(i)];
     if (mode.passes_on || mode.takes.signal == SKYBODY_NONE) continue;
-    if (is_done[static_cast<std::size_t>(mode.takes.signal)]) continue;
-    is_done[static_cast<std::size_t>(mode.takes.signal)] = true;
-    for (int end = 0; end < SKYBODY_SIGNAL_COUNT; ++end) {
-      if (!actuates(end)) continue;
-      std::vector<int> chain = shortest_chain(survey, mode.takes.signal, end);
-      if (!chain.empty()) entries.push_back({chain.front(), std::move(chain)});
+    std::vector<int> chain{i};
+    if (!actuates(mode.gives.signal)) {
+      std::vector<int> rest = shortest_chain(survey, mode.gives, SKYBODY_ROTOR_SPEED);
+      if (rest.empty()) rest = shortest_chain(survey, mode.gives, -1);
+      if (rest.empty()) continue;
+      chain.insert(chain.end(), rest.begin(), rest.end());
     }
+    entries.push_back(std::move(chain));
   }
+  const auto level = [&](const std::vector<int>& chain) {
+    return survey.modes[static_cast<std::size_t>(chain.front())].takes.signal;
+  };
+  std::stable_sort(entries.begin(), entries.end(),
+                   [&](const auto& a, const auto& b) { return level(a) < level(b); });
   return entries;
 }
 
 std::string modes_table(const ControllerSurvey& survey) {
   TextTable table({"enters at", "drives", "actions -1..+1", "controllers"});
-  for (const Entry& entry : entries_of(survey)) {
-    const ControllerMode& first = survey.modes[static_cast<std::size_t>(entry.first)];
-    const ControllerMode& last = survey.modes[static_cast<std::size_t>(entry.chain.back())];
+  for (const std::vector<int>& chain : entries_of(survey)) {
+    const ControllerMode& first = survey.modes[static_cast<std::size_t>(chain.front())];
+    const ControllerMode& last = survey.modes[static_cast<std::size_t>(chain.back())];
     table.add({with_size(first.takes.signal, first.takes.count), signal_name(last.gives.signal),
-               ranges_text(first.low, first.high), chain_yaml(survey, entry.chain)});
+               ranges_text(first.low, first.high), chain_yaml(survey, chain)});
   }
   return table.to_string();
 }
@@ -210,12 +213,12 @@ std::string chain_json(const CompiledScenario& compiled, const ControllerChain& 
 
 std::string robot_json(const RobotModes& robot) {
   std::vector<std::string> modes;
-  for (const Entry& entry : entries_of(robot.survey)) {
-    const ControllerMode& first = robot.survey.modes[static_cast<std::size_t>(entry.first)];
-    const ControllerMode& last = robot.survey.modes[static_cast<std::size_t>(entry.chain.back())];
+  for (const std::vector<int>& chain : entries_of(robot.survey)) {
+    const ControllerMode& first = robot.survey.modes[static_cast<std::size_t>(chain.front())];
+    const ControllerMode& last = robot.survey.modes[static_cast<std::size_t>(chain.back())];
     JsonObject mode = level_json(first.takes.signal, first.takes.count);
     mode.set_text("drives", signal_name(last.gives.signal))
-        .set_text("controllers", chain_yaml(robot.survey, entry.chain))
+        .set_text("controllers", chain_yaml(robot.survey, chain))
         .set("low", numbers_json(first.low))
         .set("high", numbers_json(first.high));
     modes.push_back(mode.text());
@@ -225,6 +228,15 @@ std::string robot_json(const RobotModes& robot) {
       .set("modes", json_array(modes))
       .set("refused", refused_json(robot.survey));
   return object.text();
+}
+
+/// The modes of robots that are alike, and why other controllers do not serve the first of them.
+std::string modes_text(const RobotModes& robot, const std::vector<std::string>& alike,
+                       const std::string& table) {
+  const std::string refused = refused_text(robot.survey);
+  return "\nmodes of " + join(alike) + ", as a list for `robots." + robot.robot +
+         ".controllers`\n" + table +
+         (refused.empty() ? "" : "not for " + robot.robot + ":\n" + refused);
 }
 
 }  // namespace
@@ -266,11 +278,16 @@ std::string chains_text(const CompiledScenario& compiled, const std::vector<Robo
         (text.empty() ? "" : "\n") + chain_heading(compiled, chain) + chain_table(compiled, chain);
   }
   if (text.empty()) text = "no robot has controllers: there is nothing that a policy could give\n";
-  for (const RobotModes& robot : robots) {
-    text += "\nmodes of " + robot.robot + ", as a list for `robots." + robot.robot +
-            ".controllers`\n" + modes_table(robot.survey);
-    const std::string refused = refused_text(robot.survey);
-    if (!refused.empty()) text += "not for " + robot.robot + ":\n" + refused;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const std::string table = modes_table(robots[i].survey);
+    std::vector<std::string> alike;
+    bool is_new = true;
+    for (std::size_t k = 0; k < robots.size(); ++k) {
+      if (modes_table(robots[k].survey) != table) continue;
+      alike.push_back(robots[k].robot);
+      is_new = is_new && k >= i;
+    }
+    if (is_new) text += modes_text(robots[i], alike, table);
   }
   return text;
 }

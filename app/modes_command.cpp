@@ -23,7 +23,7 @@ constexpr const char* kModesFooter =
     "  skybody modes hover\n"
     "  skybody modes\n"
     "  skybody modes --json | python3 -m json.tool\n"
-    "  skybody run hover --policy zero --set 'robots.quad.controllers=[{plugin: ctbr}]'";
+    "  skybody run hover --set 'robots.quad.controllers=[{plugin: ctbr}]'";
 
 struct ModesOptions {
   LoadOptions load;

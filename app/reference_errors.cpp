@@ -15,12 +15,23 @@ namespace {
 constexpr const char* kPlugin = "reference";
 constexpr int kValues = 4;  // position and yaw
 
-/// A parameter of a plugin as the scenario gives it.
-double number_of(const PluginUse& use, const std::string& name, double otherwise) {
+const ParameterValue* given(const PluginUse& use, const std::string& name) {
   for (const ParameterValue& value : use.parameters) {
-    if (value.name == name && value.is_given) return value.numbers.at(0);
+    if (value.name == name && value.is_given) return &value;
   }
-  return otherwise;
+  return nullptr;
+}
+
+/// When approach and ramp of a controller `reference` are over [s]. Figures have a ramp by default.
+double begin_of(const PluginUse& use) {
+  constexpr double kRampOfFigures = 2.0;
+  const ParameterValue *approach = given(use, "approach"), *ramp = given(use, "ramp");
+  const std::string kind = given(use, "kind")->texts.at(0);
+  const bool has_ramp = kind != "waypoints" && kind != "csv" && kind != "step" && kind != "hold";
+  return (approach == nullptr ? 0.0 : approach->numbers.at(0)) + (ramp != nullptr
+                                                                      ? ramp->numbers.at(0)
+                                                                  : has_ramp ? kRampOfFigures
+                                                                             : 0.0);
 }
 
 double yaw_of(const Quat<double>& q) {
@@ -51,8 +62,8 @@ std::vector<FlownReference> flown_references(const CompiledScenario& compiled) {
       const std::size_t controller = index++;
       if (use.plugin != kPlugin) continue;
       const int body = compiled.layout().robots[r].first_body;
-      const double begin = number_of(use, "approach", 0.0) + number_of(use, "ramp", 2.0);
-      found.push_back({static_cast<int>(r), body, info_of_controller(compiled, controller), begin});
+      found.push_back(
+          {static_cast<int>(r), body, info_of_controller(compiled, controller), begin_of(use)});
     }
   }
   return found;
@@ -139,11 +150,14 @@ std::string reference_table(const CompiledScenario& compiled,
   for (std::size_t e = 0; e < episodes.size(); ++e) {
     for (std::size_t k = 0; k < references.size(); ++k) {
       const ReferenceError& error = episodes[e][k];
-      const auto cm = [](double metres) { return fixed(100.0 * metres, 2); };
+      const auto cell = [](double value, int decimals) {
+        return std::isnan(value) ? std::string("-") : fixed(value, decimals);
+      };
+      const auto cm = [&](double metres) { return cell(100.0 * metres, 2); };
       table.add({std::to_string(e + 1), body_name(compiled, references[k].body), cm(error.total),
                  cm(error.rms[0]), cm(error.rms[1]), cm(error.rms[2]), cm(error.max),
-                 fixed(error.yaw * 180.0 / std::numbers::pi, 2), fixed(error.effort, 3),
-                 fixed(100.0 * error.saturated, 1)});
+                 cell(error.yaw * 180.0 / std::numbers::pi, 2), cell(error.effort, 3),
+                 cell(100.0 * error.saturated, 1)});
     }
   }
   return table.to_string() +

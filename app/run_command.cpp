@@ -23,6 +23,7 @@ namespace skybody {
 namespace {
 
 constexpr double kDefaultSeconds = 10.0;
+constexpr double kReferenceSeconds = 20.0;
 constexpr std::uint64_t kMostEpisodes = 1000000;
 constexpr std::uint64_t kMostSteps = 1000000000000;
 
@@ -74,11 +75,13 @@ CLI::Validator policy_argument() {
   return {check, "", "policy"};
 }
 
-/// An episode's cap: what was asked for, else the horizon, else ten seconds.
-std::uint64_t most_steps(const FlightPlan& plan, const Stepping& stepping) {
-  if (plan.most_steps > 0) return plan.most_steps;
+/// An episode's cap: what was asked for, else the horizon, else ten seconds, or twenty along a
+/// reference, whose approach and ramp take some.
+std::uint64_t most_steps(const RunOptions& options, const Stepping& stepping) {
+  if (options.plan.most_steps > 0) return options.plan.most_steps;
   if (stepping.horizon > 0) return static_cast<std::uint64_t>(stepping.horizon);
-  const double steps = std::ceil(kDefaultSeconds / (stepping.dt * stepping.action_repeat));
+  const double seconds = options.load.reference.empty() ? kDefaultSeconds : kReferenceSeconds;
+  const double steps = std::ceil(seconds / (stepping.dt * stepping.action_repeat));
   return static_cast<std::uint64_t>(std::fmax(1.0, steps));
 }
 
@@ -124,7 +127,7 @@ int run(const RunOptions& options) {
   const std::string warning = policy->check_fits(*compiled);
   if (!warning.empty()) spdlog::warn(warning);
   FlightPlan plan = options.plan;
-  plan.most_steps = most_steps(plan, compiled->scenario().stepping);
+  plan.most_steps = most_steps(options, compiled->scenario().stepping);
   OutputFolder folder(options.out, compiled->scenario().name, options.seed);
   const FlightResult result = fly_and_log(options, plan, compiled, *policy, folder);
   print_summary(*compiled, result);
@@ -159,8 +162,9 @@ void add_run_command(CLI::App& app, Action& chosen) {
       ->type_name("N")
       ->check(whole_number(1, kMostEpisodes));
   command
-      ->add_option("--steps", options->plan.most_steps,
-                   "Most steps an episode (the horizon; 10 s where there is none)")
+      ->add_option(
+          "--steps", options->plan.most_steps,
+          "Most steps an episode (the horizon; 10 s where there is none, 20 s with a reference)")
       ->type_name("N")
       ->check(whole_number(1, kMostSteps));
   command->add_option("--seed", options->seed, "Key of all random numbers (0)")

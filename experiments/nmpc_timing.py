@@ -50,6 +50,13 @@ WIND = (
 )
 
 
+# With the noise and biases that world `payload` has.
+IMU = (
+    "sensors=[{plugin: imu, parameters: {robot: quad, link: base_link, accelerometer_noise: 0.002, "
+    "gyroscope_noise: 0.000175, accelerometer_bias: 0.05, gyroscope_bias: 0.003}}]"
+)
+
+
 @dataclass
 class Flight:
     """One row of the table."""
@@ -60,6 +67,7 @@ class Flight:
     robot: str = "quad"
     overrides: list[str] = field(default_factory=list)
     teleport: dict[str, Any] = field(default_factory=dict)
+    measured: str = "state"
     heavier: float = 1.0
     weak: float = 1.0  # thrust constant of the first rotor, of the nominal one
     every: float = 0.0  # [s] between two starts anew; 0: one start
@@ -73,7 +81,9 @@ FLIGHTS = [
     Flight("Lissajous, 10 % heavier", LISSAJOUS, heavier=1.1),
     Flight("Lissajous, one rotor at 80 %", LISSAJOUS, weak=0.8),
     Flight("Lissajous, wind 5 m/s and Dryden gusts", LISSAJOUS, overrides=[WIND]),
+    Flight("Lissajous, wind and gusts, IMU", LISSAJOUS, overrides=[WIND, IMU], measured="imu"),
     Flight("figure of eight, 10 m/s", EIGHT),
+    Flight("figure of eight, 10 m/s, IMU", EIGHT, overrides=[IMU], measured="imu"),
     Flight("figure of eight, wind and gusts", EIGHT, overrides=[WIND]),
     Flight(
         "steps of 3 m",
@@ -90,7 +100,8 @@ FLIGHTS = [
 
 
 def simulation(flight: Flight) -> skybody.Simulation:
-    guide = f"{{plugin: nmpc, parameters: {{preview: true, period: {PERIOD}}}}}"
+    parameters = f"preview: true, period: {PERIOD}, measured: {flight.measured}"
+    guide = f"{{plugin: nmpc, parameters: {{{parameters}}}}}"
     sim = skybody.Simulation(
         flight.scenario,
         control=f"[{guide}, {{plugin: srt}}]",
@@ -167,6 +178,7 @@ default weights for every vehicle. QDrone2 unless another is named. {machine}
 
 """
 FOOT = """
+
 `times real time` is the period of 10 ms over the median. Errors are of position, the first
 {settle} s after each start left out (steps of 3 m: 2.5 s, upside-down starts: 3.5 s); `failed`
 are calls whose program was not solved, out of all.
@@ -176,7 +188,9 @@ the Lissajous without disturbance, 10 cm with wind and gusts, 15 cm on the figur
 {verdict}
 
 Wind is 5 m/s along x with Dryden turbulence (light, MIL-F-8785C) and a drag of the body of 0.2 N
-s/m and 0.02 N s^2/m^2 along each axis, which the controller does not know.
+s/m and 0.02 N s^2/m^2 along each axis, which the controller does not know. `IMU`: rates and
+accelerations by the shipped IMU with the noise and biases of world `payload`; position, velocity
+and attitude by the state.
 """
 
 

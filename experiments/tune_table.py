@@ -37,6 +37,7 @@ SHIPPED = (
     "vehicle",
     "qdrone2_boom",
     "qdrone2_payload",
+    "firefly_arm",
 )
 FOREIGN = ("cf2p", "cf2x", "racer")
 LONGEST = 60.0  # [s] that a tuning may take on two cores
@@ -161,7 +162,7 @@ Chain position, attitude, ctbr; {rows[0]["candidates"]} candidates, seed {rows[0
 latency of {1000 * rows[0]["latency_s"]:g} ms before the rotors ([tune.md](../tune.md) says what is
 flown and what counts). Costs are means over {rows[0]["held_out_draws"]} vehicles and winds that the
 search has not seen; `path` is the RMS error on the smooth path. All vehicles {verdict}. Joints of
-`qdrone2_boom` and `qdrone2_payload` hang free.
+`qdrone2_boom`, `qdrone2_payload` and `firefly_arm` hang free.
 
 {cost_table(rows)}
 

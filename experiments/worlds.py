@@ -67,6 +67,7 @@ WORLDS = {
     "low_battery": ([], near_the_goals(0.2)),
     "rotor_out": ([], near_the_goals(0.5)),
     "arm": ([], tool_in_place),
+    "omav": ([], near_the_goals(0.05)),
     "vehicles": ([], near_the_goals(0.3)),
 }
 

@@ -103,6 +103,14 @@ def draw_reward(panel, flight: Flight) -> None:
     widen(panel, 1e-3)
 
 
+def draw_effort(panel, flight: Flight) -> None:
+    """The rotors' cubed speeds, which their power goes by, over their mean in the episode."""
+    effort = np.mean(np.abs(flight.rotor_speed) ** 3, axis=1)
+    panel.plot(flight.time, effort / max(float(effort.mean()), 1e-12), color="tab:purple")
+    panel.set_ylabel("effort / its mean")
+    widen(panel, 0.05)
+
+
 def draw_each_rotor(panel, flight: Flight) -> None:
     for k, (name, color) in enumerate(zip(flight.rotors, colors(len(flight.rotors)), strict=True)):
         label = name.split(".", 1)[-1]
@@ -224,7 +232,9 @@ def draw(flight: Flight):
     draw_positions(panels[0][:3], flight)
     draw_errors(panels[0][3], flight)
     draw_attitude(panels[1][:3], flight)
-    draw_reward(panels[1][3], flight)
+    follows = any(track.follows() for track in flight.tracks)
+    judged = np.any(flight.reward[1:] != 0.0) or not flight.rotors
+    (draw_effort if follows and not judged else draw_reward)(panels[1][3], flight)
     draw_path(figure.add_subplot(side[0], projection="3d"), flight)
     draw_rotors(times[0], flight)
     if flight.joints:

@@ -24,6 +24,13 @@ class Track:
     angles: np.ndarray | None  # roll, pitch, yaw in degrees; only of a robot's base
     goal: np.ndarray | None  # x, y, z [m], yaw [rad]
 
+    def follows(self) -> bool:
+        """Whether the goal moves from one instant to the next: a reference, and no place."""
+        if self.goal is None or len(self.goal) < 3:
+            return False
+        moves = np.any(np.diff(self.goal[:, :3], axis=0) != 0.0, axis=1)
+        return bool(np.mean(moves) > 0.1)
+
     def error(self) -> np.ndarray:
         """Distance to the goal in mm."""
         return 1e3 * np.linalg.norm(self.position - self.goal[:, :3], axis=1)

@@ -203,6 +203,10 @@ def draw_path(panel, flight: Flight) -> None:
         panel.scatter(*track.position[0], color=track.color, marker="o", s=14)
         panel.scatter(*track.position[-1], color=track.color, marker="s", s=18)
         if track.goal is not None:
+            if track.follows():
+                panel.plot(
+                    *track.goal[:, :3].T, color="black", linestyle=(0, (4, 3)), linewidth=0.9
+                )
             panel.scatter(*track.goal[-1, :3], color="black", marker="+", s=60, linewidths=1.2)
     draw_vehicles(panel, flight, 0.07 * float((high - low).max()))
     for axis, limits in enumerate((panel.set_xlim, panel.set_ylim, panel.set_zlim)):

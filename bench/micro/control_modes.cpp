@@ -29,10 +29,47 @@ BENCHMARK_CAPTURE(control, position, "{plugin: position}, {plugin: attitude}, {p
 BENCHMARK_CAPTURE(control, indi_ctbr, "{plugin: indi, parameters: {signal: ctbr}}");
 BENCHMARK_CAPTURE(control, indi_attitude, "{plugin: indi, parameters: {signal: attitude}}");
 BENCHMARK_CAPTURE(control, indi, "{plugin: indi}");
-BENCHMARK_CAPTURE(control, geometric_ctbt, "{plugin: geometric}, {plugin: ctbt}");
-BENCHMARK_CAPTURE(control, geometric_ctbr,
-                  "{plugin: geometric, parameters: {output: ctbr}}, {plugin: ctbr}");
-BENCHMARK_CAPTURE(control, force, "{plugin: force}, {plugin: attitude}, {plugin: ctbr}");
+
+/// Chains that begin with a law. Their command is the middle of every range: a place, at rest. What
+/// a law's own evaluation costs is the difference to the row of the same command and the same
+/// controllers behind, in which `balance` of bench/plugins, which computes nothing, stands for the
+/// law; a share of hover is that difference over `hover`, where actions are rotors' speeds.
+void law(benchmark::State& state, const std::string& chain) {
+  Group group("hover", {"robots.quad.controllers=[" + chain + "]"});
+  group.hold(0.0f);
+  group.reset();
+  long step = 0;
+  for ([[maybe_unused]] auto _ : state) {
+    group.keep_flying(++step);
+    group.step();
+  }
+  state.SetItemsProcessed(state.iterations() * group.lanes_of());
+}
+
+std::string with(const std::string& plugin, const std::string& parameters) {
+  return "{plugin: " + plugin + ", parameters: {" + parameters + "}}, ";
+}
+
+const std::string kCtbr = "{plugin: ctbr}", kCtbt = "{plugin: ctbt}";
+const std::string kRotors = "{plugin: rotor_speed}";
+const std::string kAttitude = "{plugin: attitude}, " + kCtbr;
+const std::string kRates = with("attitude", "feed_forward: true") + kCtbr;
+
+BENCHMARK_CAPTURE(law, hover, "{plugin: rotor_speed}");
+BENCHMARK_CAPTURE(law, nothing_to_ctbt, with("balance", "gives: ctbt") + kCtbt);
+BENCHMARK_CAPTURE(law, geometric_to_ctbt, with("geometric", "output: ctbt") + kCtbt);
+BENCHMARK_CAPTURE(law, lqr_to_ctbt, with("lqr", "output: ctbt") + kCtbt);
+BENCHMARK_CAPTURE(law, sliding_mode_to_ctbt, "{plugin: sliding_mode}, " + kCtbt);
+BENCHMARK_CAPTURE(law, nothing_to_ctbr, with("balance", "gives: ctbr") + kCtbr);
+BENCHMARK_CAPTURE(law, geometric_to_ctbr, with("geometric", "output: ctbr") + kCtbr);
+BENCHMARK_CAPTURE(law, nothing_to_rates, with("balance", "gives: attitude_with_rates") + kRates);
+BENCHMARK_CAPTURE(law, position_to_rates, with("position", "signal: trajectory") + kRates);
+BENCHMARK_CAPTURE(law, flatness_to_rates, "{plugin: flatness}, " + kRates);
+BENCHMARK_CAPTURE(law, nothing_to_attitude,
+                  with("balance", "takes: force, gives: attitude") + kAttitude);
+BENCHMARK_CAPTURE(law, force_to_attitude, "{plugin: force}, " + kAttitude);
+BENCHMARK_CAPTURE(law, nothing_to_rotors, with("balance", "gives: rotor_speed") + kRotors);
+BENCHMARK_CAPTURE(law, indi_to_rotors, "{plugin: indi}, " + kRotors);
 
 }  // namespace
 }  // namespace skybody::bench

@@ -1,6 +1,7 @@
 // One group of environments as a worker of Pool steps it.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,8 @@ class Group {
   }
 
   int lanes_of() const { return group_.lanes(); }
+  /// The action of every lane from now on, each component in [-1, 1].
+  void hold(float action) { std::fill(action_.begin(), action_.end(), action); }
   void reset() { compiled_->reset(group_, *work_, all(), rows()); }
   void step() {
     compiled_->step(group_, *work_, all(), action_.data(), compiled_->action_size(), rows());

@@ -4,10 +4,10 @@
 // f = P u with u = (F_z, tau) and P the pseudo-inverse (pseudo_inverse.h); sideways forces of
 // tilted rotors are not controlled. A command that the rotors can meet is met, by all three forms
 // with the same bits. They differ in what they do with others, so that 0 <= f_i <= full_i:
-//   priority        yaw torque gives way first, then thrust, then roll and pitch torque
-//   (priority.h) pseudo_inverse  each rotor is cut at its own limits: all four values suffer qp
-//   what comes nearest, by weights: the least one gives way first
-//                   (bounded_least_squares.h)
+//
+// - priority: yaw torque gives way first, then thrust, then roll and pitch torque (priority.h);
+// - pseudo_inverse: each rotor is cut at its own limits, and all four values suffer;
+// - qp: what comes nearest, by weights; the least one gives way first (bounded_least_squares.h).
 #pragma once
 
 #include <memory>
@@ -70,9 +70,19 @@ class AllocationChoice {
 /// The allocation of one robot. Immutable after configure().
 class Allocation {
  public:
+  /// By `choice`.
   /// @throws std::runtime_error where thrust and torques are not all reachable
   void configure(const Setup& setup, int robot, const std::string& mode,
                  const AllocationChoice& choice) {
+    configure(setup, robot, mode);
+    const std::vector<double> weights = choice.weights();
+    is_priority_ = choice.form() == "priority";
+    if (choice.form() == "qp") set_least_squares(setup, robot, weights);
+  }
+
+  /// By priority.
+  /// @throws std::runtime_error likewise
+  void configure(const Setup& setup, int robot, const std::string& mode) {
     const View<RotorInfo> rotors = working_rotors(setup, robot, mode);
     const BodyInfo& base = setup.bodies()[base_of(setup, robot)];
     const std::string name = robot_name(setup, robot);
@@ -80,7 +90,6 @@ class Allocation {
       throw std::runtime_error("robot `" + name + "` has " + std::to_string(rotors.size()) +
                                " rotors; " + mode + " needs 4 or more: use controller `srt`");
     }
-    std::vector<double> rows;  // N x 4
     for (const RotorInfo& rotor : rotors) {
       if (rotor.body != base_of(setup, robot)) {
         throw std::runtime_error("rotor `" + std::string(rotor.name) +
@@ -89,19 +98,15 @@ class Allocation {
                                  " needs rotors fixed to the base: use controller `srt`");
       }
       const RotorEffect e = effect_of(rotor, base);
-      rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
-      yaw_.push_back(e.torque.z);
+      rows_.insert(rows_.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
     }
-    const std::vector<double> inverse = PseudoInverse::of(rows, name, mode);
+    const std::vector<double> inverse = PseudoInverse::of(rows_, name, mode);
     for (int i = 0; i < rotors.size(); ++i) {
       const double* p = &inverse[static_cast<std::size_t>(4 * i)];
       const bool lifts = p[0] * rotors.size() > 1e-6;
       rotors_.push_back({p[0], p[1], p[2], p[3], lifts ? 1.0 / p[0] : 0.0, full_thrust(rotors[i]),
                          1.0 / rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT], lifts});
     }
-    const std::vector<double> weights = choice.weights();
-    is_priority_ = choice.form() == "priority";
-    if (choice.form() == "qp") set_least_squares(rows, limits_of(rotors, base), weights, name);
   }
 
   int rotor_count() const { return static_cast<int>(rotors_.size()); }
@@ -140,7 +145,7 @@ class Allocation {
     Real yaw(0.0);
     for (int i = 0; i < rotor_count(); ++i) {
       const Real push = output[i];
-      yaw += push * yaw_[static_cast<std::size_t>(i)];
+      yaw += push * rows_[4 * static_cast<std::size_t>(i) + 3];
       output.set(i, sqrt(push * rotor(i).per_constant));
     }
     return yaw;
@@ -151,19 +156,20 @@ class Allocation {
 
   const AllocatedRotor& rotor(int i) const { return rotors_[static_cast<std::size_t>(i)]; }
 
-  void set_least_squares(const std::vector<double>& rows, const ThrustTorqueLimits& limits,
-                         const std::vector<double>& weights, const std::string& robot) {
+  void set_least_squares(const Setup& setup, int robot, const std::vector<double>& weights) {
     const int n = rotor_count();
     if (n > kMost) {
-      throw std::runtime_error("robot `" + robot + "` has " + std::to_string(n) +
+      throw std::runtime_error("robot `" + robot_name(setup, robot) + "` has " + std::to_string(n) +
                                " rotors; `allocation: qp` takes " + std::to_string(kMost) +
                                " at most: use `priority`");
     }
+    const ThrustTorqueLimits limits =
+        limits_of(setup.rotors_of(robot), setup.bodies()[base_of(setup, robot)]);
     const double scale[4] = {limits.thrust, limits.torque.x, limits.torque.y, limits.torque.z};
     std::vector<double> weighted;
     for (std::size_t k = 0; k < 4; ++k) {
       for (int i = 0; i < n; ++i) {
-        weighted.push_back(weights[k] * rows[4 * static_cast<std::size_t>(i) + k] * rotor(i).full /
+        weighted.push_back(weights[k] * rows_[4 * static_cast<std::size_t>(i) + k] * rotor(i).full /
                            scale[k]);
       }
     }
@@ -225,7 +231,7 @@ class Allocation {
   }
 
   std::vector<AllocatedRotor> rotors_;
-  std::vector<double> yaw_;  ///< torque about z per thrust of a rotor [m]
+  std::vector<double> rows_;  ///< N x 4: thrust and torque [m] per thrust of each rotor
   bool is_priority_ = true;
   std::unique_ptr<BoundedLeastSquares> least_squares_;  ///< of qp
 };

@@ -93,7 +93,7 @@ SKYBODY_INLINE FlatAttitude<Real> flat_attitude(const Vec3<Real>& thrust, const 
   const Real one_up = 1.0 + flat.up.z;
   const Real scale = 1.0 / sqrt(2.0 * one_up);  // 1 / norm of (1 + s_z, -s_y, s_x, 0)
   flat.fold = 2.0 * (scale * scale);
-  flat.half = sincos(0.5 * wrap_angle(yaw));
+  flat.half = sincos(0.5 * yaw);  // a turn more gives -q, the same rotation
   const Real w = one_up * scale, x = -(flat.up.y * scale), y = flat.up.x * scale;
   const SinCos<Real>& h = flat.half;
   flat.rotation = {w * h.cos, x * h.cos + y * h.sin, y * h.cos - x * h.sin, w * h.sin};

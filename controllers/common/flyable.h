@@ -19,8 +19,10 @@
 #include <utility>
 #include <vector>
 
-#include "controllers/common/allocation.h"
 #include "controllers/common/flatness.h"
+#include "controllers/common/priority.h"
+#include "controllers/common/pseudo_inverse.h"
+#include "controllers/common/rotor_effects.h"
 #include "plugins/api/reference_point.h"
 
 namespace skybody::control {
@@ -34,6 +36,7 @@ struct Breach {
   double allowed = 0.0;     ///< that the vehicle has
   double excess = 0.0;      ///< by which share it breaks
   std::string remedy = {};  ///< empty: a slower pace
+  bool is_least = false;    ///< `allowed` is the least value and not the greatest
 };
 
 /// What a vehicle can do. Immutable after configure().
@@ -54,12 +57,7 @@ class FlightEnvelope {
     limits_ = limits_of(rotors, base);
     max_tilt_ = max_tilt;
     max_rate_ = max_rate;
-    for (const RotorInfo& rotor : rotors) effects_.push_back(effect_of(rotor, base));
-    try {
-      allocation_.configure(setup, robot, "a reference that is checked");
-    } catch (const std::runtime_error&) {
-      effects_.clear();  // torques are not held against rotors that cannot be allocated
-    }
+    allocate(setup, robot, rotors, base);
   }
 
   /// The worst limit that one moment breaks. Of an upside-down or falling moment the fall.
@@ -69,8 +67,9 @@ class FlightEnvelope {
                                    point.jerk, point.snap};
     const double size = norm(u.value);
     if (!(size >= kLeastShare * gravity_)) {
-      worst.take("least thrust", "N", mass_ * size, mass_ * kLeastShare * gravity_,
+      worst.take("thrust", "N", mass_ * size, mass_ * kLeastShare * gravity_,
                  kLeastShare * gravity_ / max(size, 1e-9) - 1.0);
+      if (worst.breach) worst.breach->is_least = true;
       return worst.breach;
     }
     const FlatMotion<double> flat = flat_motion(u, point.yaw, point.yaw_rate);
@@ -79,7 +78,7 @@ class FlightEnvelope {
     worst.at_most("roll rate", "rad/s", abs(flat.rates.x), max_rate_);
     worst.at_most("pitch rate", "rad/s", abs(flat.rates.y), max_rate_);
     worst.at_most("yaw rate", "rad/s", abs(flat.rates.z), max_rate_);
-    if (!worst.breach && !effects_.empty()) check_rotors(flat, worst);
+    if (!worst.breach && !rotors_.empty()) check_rotors(flat, worst);
     return worst.breach;
   }
 
@@ -94,7 +93,8 @@ class FlightEnvelope {
                   speed,
                   0.0,
                   speed / kLeastJump - 1.0,
-                  where == "end" ? "let the path end at rest" : "add a `ramp`"};
+                  where == "end" ? "let the path end at rest" : "add a `ramp`",
+                  false};
   }
 
  private:
@@ -104,43 +104,57 @@ class FlightEnvelope {
 
     void take(const char* limit, const char* unit, double value, double allowed, double excess) {
       if (!(excess > kTolerance) || (breach && breach->excess >= excess)) return;
-      breach = Breach{limit, unit, time, value, allowed, excess, ""};
+      breach = Breach{limit, unit, time, value, allowed, excess, "", false};
     }
     void at_most(const char* limit, const char* unit, double value, double allowed) {
       take(limit, unit, value, allowed, value / allowed - 1.0);
     }
   };
 
-  /// What of thrust and torque the rotors do not reach together.
+  /// Rotors on joints, fewer than four, and rotors that do not reach all of thrust and torques are
+  /// not allocated: their torques are not looked at.
+  void allocate(const Setup& setup, int robot, const View<RotorInfo>& rotors,
+                const BodyInfo& base) {
+    std::vector<double> rows;
+    for (const RotorInfo& rotor : rotors) {
+      if (rotor.body != base_of(setup, robot)) return;
+      const RotorEffect e = effect_of(rotor, base);
+      rows.insert(rows.end(), {e.thrust, e.torque.x, e.torque.y, e.torque.z});
+    }
+    std::vector<double> inverse;
+    try {
+      inverse = PseudoInverse::of(rows, robot_name(setup, robot), "a reference that is checked");
+    } catch (const std::runtime_error&) {
+      return;
+    }
+    for (int i = 0; i < rotors.size(); ++i) {
+      const double* p = &inverse[static_cast<std::size_t>(4 * i)];
+      const bool lifts = p[0] * rotors.size() > 1e-6;
+      rotors_.push_back({p[0], p[1], p[2], p[3], lifts ? 1.0 / p[0] : 0.0, full_thrust(rotors[i]),
+                         1.0 / rotors[i].constants[SKYBODY_ROTOR_THRUST_CONSTANT], lifts});
+    }
+  }
+
+  /// What of thrust and torques has to give way to the others, with each rotor within its limits.
   void check_rotors(const FlatMotion<double>& flat, Worst& worst) const {
     const Vec3<double> torque =
         inertia_ * flat.angular_acceleration + cross(flat.rates, inertia_ * flat.rates);
     const double thrust = mass_ * flat.thrust;
-    std::vector<double> thrusts(effects_.size());
-    allocation_.thrusts(thrust, torque, Values<double>(thrusts.data(), 1, true));
-    double lift = 0.0;
-    Vec3<double> reached{0.0, 0.0, 0.0};
-    for (std::size_t i = 0; i < effects_.size(); ++i) {
-      lift += effects_[i].thrust * thrusts[i];
-      reached += effects_[i].torque * thrusts[i];
-    }
-    const auto lacks = [&](const char* what, const char* unit, double asked, double given,
-                           double scale) {
-      // Beside the other demands: a share of the vehicle's own scale, so that rounding is none.
-      if (abs(asked - given) <= kTolerance * scale) return;
-      worst.take(what, unit, abs(asked), abs(given), abs(asked - given) / scale);
-    };
-    lacks("roll torque beside the thrust", "N m", torque.x, reached.x, limits_.torque.x);
-    lacks("pitch torque beside the thrust", "N m", torque.y, reached.y, limits_.torque.y);
-    lacks("yaw torque beside the thrust", "N m", torque.z, reached.z, limits_.torque.z);
-    lacks("thrust beside the torques", "N", thrust, lift, limits_.thrust);
+    const Priority::Shares<double> use = Priority(rotors_).fitting(thrust, torque);
+    const double tilting = norm(torque.x, torque.y), turning = abs(torque.z);
+    // Shares of what the vehicle has, so that what is lost to rounding is nothing.
+    worst.take("torque about x and y beside the thrust", "N m", tilting, use.tilt * tilting,
+               (1.0 - use.tilt) * tilting / min(limits_.torque.x, limits_.torque.y));
+    worst.take("torque about z beside the thrust", "N m", turning, use.yaw * turning,
+               (1.0 - use.yaw) * turning / limits_.torque.z);
+    worst.take("thrust beside the torques", "N", thrust, use.thrust,
+               abs(thrust - use.thrust) / limits_.thrust);
   }
 
   double mass_ = 0.0, gravity_ = 0.0, max_tilt_ = kPi, max_rate_ = kLargest;
   SymMat3<double> inertia_{};
   ThrustTorqueLimits limits_;
-  std::vector<RotorEffect> effects_;
-  Allocation allocation_;
+  std::vector<AllocatedRotor> rotors_;
 };
 
 /// A reference at a pace: the point at a time, and when it is over, both at a time scale.
@@ -214,10 +228,12 @@ void require_flyable(const FlightEnvelope& envelope, const Reference& reference,
                            : "no `time_scale` is slow enough: change the path, add a `ramp`, or "
                              "take `check: false`";
   }
+  const std::string has =
+      worst->is_least ? "the least with which it keeps an attitude is " : "the vehicle has ";
   throw std::runtime_error("the reference cannot be flown: " + worst->limit + " at " +
                            text(worst->time) + " s takes " + text(worst->value) + " " +
-                           worst->unit + ", the vehicle has " + text(worst->allowed) + " " +
-                           worst->unit + "; " + remedy);
+                           worst->unit + ", " + has + text(worst->allowed) + " " + worst->unit +
+                           "; " + remedy);
 }
 
 }  // namespace skybody::control

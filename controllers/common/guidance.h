@@ -19,10 +19,19 @@ namespace skybody::control {
 /// Default limits [m/s^2].
 struct AccelerationDefaults {
   double side = 4.0, up = 5.0, down = 4.0;
+  bool by_thrust = false;  ///< no more than 0.9 of the rotors' full thrust can hold up
 };
 
 /// Of laws that follow trajectories, whose own accelerations count, too.
-inline constexpr AccelerationDefaults kTrajectoryLimits{10.0, 8.0, 6.0};
+inline constexpr AccelerationDefaults kTrajectoryLimits{15.0, 10.0, 6.0, true};
+
+/// Specific thrust that the rotors give at 0.9 of full thrust [m/s^2]; infinite without rotors.
+inline double usable_thrust(const Setup& setup, int robot) {
+  const View<RotorInfo> rotors = setup.rotors_of(robot);
+  double sum = 0.0;
+  for (const RotorInfo& rotor : rotors) sum += max(0.0, rotor.axis[2]) * full_thrust(rotor);
+  return rotors.size() > 0 ? 0.9 * sum / total_mass(setup, robot) : kInfinity;
+}
 
 /// The largest accelerations that are asked for.
 class AccelerationLimits {
@@ -42,7 +51,8 @@ class AccelerationLimits {
                       .unit = "m/s^2",
                       .value = defaults.down,
                       .min = 1e-3,
-                      .doc = "limit of the downward acceleration asked for; at most 0.9 g"}) {}
+                      .doc = "limit of the downward acceleration asked for; at most 0.9 g"}),
+        by_thrust_(defaults.by_thrust) {}
 
   /// @throws std::runtime_error where no thrust would be left to steer with
   void configure(const Setup& setup) {
@@ -52,21 +62,24 @@ class AccelerationLimits {
           "`max_acceleration_down` " + to_text(down_.value()) +
           " would leave no thrust to steer with: at most 0.9 g = " + to_text(0.9 * gravity_));
     }
+    most_side_ = side_.value();
+    most_up_ = up_.value();
+    if (by_thrust_) keep_within_thrust(usable_thrust(setup, setup.robot()));
     // Below this square no horizontal acceleration reaches the limit, whatever its rounding.
-    surely_within_ = side_.value() * side_.value() * (1.0 - 1e-12);
+    surely_within_ = most_side_ * most_side_ * (1.0 - 1e-12);
   }
 
-  double side() const { return side_.value(); }
-  double up() const { return up_.value(); }
+  double side() const { return most_side_; }
+  double up() const { return most_up_; }
   double down() const { return down_.value(); }
   double gravity() const { return gravity_; }
 
   /// Acceleration within its limits [m/s^2].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& a) const {
-    Vec3<Real> out{a.x, a.y, clamp(a.z, -down_.value(), up_.value())};
+    Vec3<Real> out{a.x, a.y, clamp(a.z, -down_.value(), most_up_)};
     if (any(a.x * a.x + a.y * a.y > surely_within_)) {
-      const Real size = norm(a.x, a.y), most(side_.value());
+      const Real size = norm(a.x, a.y), most(most_side_);
       const auto beyond = size > most;
       const Real scale = select(beyond, most / select(beyond, size, Real(1.0)), Real(1.0));
       out.x = a.x * scale;
@@ -88,18 +101,29 @@ class AccelerationLimits {
   template <class Real>
   SKYBODY_INLINE Vec3<Real> unwound(const Vec3<Real>& now, const Vec3<Real>& next,
                                     const Vec3<Real>& asked) const {
-    const auto wide = norm(asked.x, asked.y) > side_.value();
+    const auto wide = norm(asked.x, asked.y) > most_side_;
     const Vec3<Real> change = next - now;
     const auto outwards = asked.x * change.x + asked.y * change.y > 0.0;
     const auto is_held = logical_and(wide, outwards);
-    const auto above = logical_and(asked.z > up_.value(), change.z > 0.0);
+    const auto above = logical_and(asked.z > most_up_, change.z > 0.0);
     const auto below = logical_and(asked.z < -down_.value(), change.z < 0.0);
     return {select(is_held, now.x, next.x), select(is_held, now.y, next.y),
             select(logical_or(above, below), now.z, next.z)};
   }
 
  private:
+  /// Lowers defaults, but not what the scenario gives, so that thrust still holds the height.
+  void keep_within_thrust(double thrust) {
+    const double level = sqrt(max(0.0, thrust * thrust - gravity_ * gravity_));
+    if (!side_.is_given()) most_side_ = max(kLeast, min(most_side_, level));
+    if (!up_.is_given()) most_up_ = max(kLeast, min(most_up_, thrust - gravity_));
+  }
+
+  static constexpr double kLeast = 0.5;  ///< [m/s^2], of vehicles that can hardly fly
+
   RealParameter side_, up_, down_;
+  bool by_thrust_;
+  double most_side_ = 0.0, most_up_ = 0.0;
   double gravity_ = 0.0, surely_within_ = 0.0;
 };
 

@@ -28,21 +28,42 @@ inline void declare_trajectory(const Setup& setup, int points, const TrajectoryR
   setup.input(Signal::kTrajectory, low, high);
 }
 
-/// Of the switch of with_drag().
-inline constexpr BooleanSpec kDragSpec{
-    .name = "drag",
-    .value = true,
-    .doc = "feed the rotors' nominal drag at the reference's velocity forward"};
+/// What holds the rotors' drag at the reference's velocity, nominal values.
+class DragForward {
+ public:
+  explicit DragForward(Plugin* owner)
+      : on_(owner, {.name = "drag",
+                    .value = true,
+                    .doc = "feed the rotors' nominal drag at the reference's velocity forward"}) {}
 
-/// The reference's acceleration and what holds the rotors' drag at its velocity [m/s^2].
-/// @param z     of B in W axes: rotors drag across it
-/// @param drag  per velocity and mass [1/s] (hover_drag)
-template <class Real>
-SKYBODY_INLINE Vec3<Real> with_drag(const ReferencePoint<Real>& reference, const Vec3<Real>& z,
-                                    double drag) {
-  const Vec3<Real>& v = reference.velocity;
-  return reference.acceleration + (v - z * dot(z, v)) * Real(drag);
-}
+  void configure(const Setup& setup, int robot) {
+    if (!on_.value()) return;
+    drag_ = hover_drag(setup, robot);
+    moment_ = total_mass(setup, robot) * drag_.per_mass * drag_.height;
+  }
+
+  /// The reference's acceleration and what holds the drag's force [m/s^2].
+  /// @param z  of B in W axes: rotors drag across it
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> acceleration(const ReferencePoint<Real>& reference,
+                                         const Vec3<Real>& z) const {
+    const Vec3<Real>& v = reference.velocity;
+    return reference.acceleration + (v - z * dot(z, v)) * Real(drag_.per_mass);
+  }
+
+  /// What holds the drag's moment: it acts at the hubs, above the centre of mass [N m], B axes.
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> moment(const ReferencePoint<Real>& reference,
+                                   const Quat<Real>& rotation) const {
+    const Vec3<Real> v = rotate_inverse(rotation, reference.velocity);
+    return {-(v.y * moment_), v.x * moment_, Real(0.0)};
+  }
+
+ private:
+  BooleanParameter on_;
+  HoverDrag drag_;
+  double moment_ = 0.0;  ///< per velocity [N s]
+};
 
 /// Parameters of a controller that takes nothing but trajectories.
 class TrajectoryInput {

@@ -16,19 +16,27 @@ inline double mean_lag(const Setup& setup, int robot) {
   return rotors.size() > 0 ? sum / rotors.size() : 0.0;
 }
 
-/// Drag of all rotors across their axes per velocity and mass, while they carry the robot in equal
-/// parts [1/s]. A rotor's drag is its constant times its speed times the velocity across its axis.
-inline double hover_drag(const Setup& setup, int robot) {
+/// Drag of all rotors across their axes, while they carry the robot in equal parts.
+struct HoverDrag {
+  double per_mass = 0.0;  ///< force per velocity and mass [1/s]
+  double height = 0.0;    ///< of where it acts above the base's centre of mass [m]
+};
+
+/// A rotor's drag is its constant times its speed times the velocity across its axis, at its hub.
+inline HoverDrag hover_drag(const Setup& setup, int robot) {
   const View<RotorInfo> rotors = setup.rotors_of(robot);
-  const double mass = total_mass(setup, robot);
-  double sum = 0.0;
+  const double mass = total_mass(setup, robot), push = mass * gravity_of(setup);
+  const double com = setup.bodies()[base_of(setup, robot)].com[2];
+  double sum = 0.0, moment = 0.0;
   for (const RotorInfo& rotor : rotors) {
-    const double push = mass * gravity_of(setup) / rotors.size();
     const double thrust_constant = rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT];
     if (!(thrust_constant > 0.0)) continue;
-    sum += rotor.constants[SKYBODY_ROTOR_DRAG_CONSTANT] * sqrt(push / thrust_constant);
+    const double drag =
+        rotor.constants[SKYBODY_ROTOR_DRAG_CONSTANT] * sqrt(push / rotors.size() / thrust_constant);
+    sum += drag;
+    moment += drag * (rotor.position[2] - com);
   }
-  return sum / mass;
+  return {sum / mass, sum > 0.0 ? moment / sum : 0.0};
 }
 
 /// What default gains are multiplied by, so that a loop that turns at `bandwidth` keeps clear of

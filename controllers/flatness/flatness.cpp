@@ -16,7 +16,7 @@ class FlatnessLaw : public Controller {
     const int robot = setup.robot();
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
-    drag_ = drag_on_.value() ? control::hover_drag(setup, robot) : 0.0;
+    drag_.configure(setup, robot);
     guidance_.configure(setup);
     trajectory_.configure(setup);
     const std::string& word = output_.value();
@@ -39,7 +39,7 @@ class FlatnessLaw : public Controller {
     const Vec3<Real> z = body_z(base.rotation);
     const Vec3<Real> wish =
         guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
-                       control::with_drag(reference, z, drag_), buffer);
+                       drag_.acceleration(reference, z), buffer);
     if (level_ == Level::kAcceleration) {
       output.set(0, guidance_.limits().held(wish));
       output.set(3, reference.yaw);
@@ -67,12 +67,12 @@ class FlatnessLaw : public Controller {
                          .choices = {"attitude", "ctbr", "force", "acceleration"},
                          .doc = "what it gives; an attitude comes with its rates"}};
   control::Guidance guidance_{this, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, control::kTrajectoryLimits};
-  BooleanParameter drag_on_{this, control::kDragSpec};
+  control::DragForward drag_{this};
   control::TrajectoryInput trajectory_{this};
 
   Level level_ = Level::kAttitude;
   int base_ = 0;
-  double mass_ = 0.0, drag_ = 0.0;
+  double mass_ = 0.0;
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ class Geometric : public Controller {
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
     inertia_ = control::inertia_of(setup.bodies()[base_]);
-    drag_ = drag_on_.value() ? control::hover_drag(setup, robot) : 0.0;
+    drag_.configure(setup, robot);
     error_ = control::attitude_error_of(error_word_.value());
     gives_torque_ = output_.value() == "ctbt";
     const double share = control::lag_share(setup, robot, kRateGain);
@@ -50,7 +50,8 @@ class Geometric : public Controller {
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> acceleration =
         track.acceleration + multiply_elements(rate_gain_.vec3(env) * Real(rate_share_), rate - w);
-    output.set(1, control::torque_for(inertia_, w, acceleration));
+    output.set(
+        1, control::torque_for(inertia_, w, acceleration) + drag_.moment(reference, base.rotation));
   }
 
  private:
@@ -60,9 +61,9 @@ class Geometric : public Controller {
   SKYBODY_INLINE Vec3<Real> specific_thrust(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                             const ReferencePoint<Real>& reference,
                                             const Vec3<Real>& z, Values<Real> buffer) const {
-    return guidance_.limits().limited(
-        guidance_.wish(env, reference.position - base.position, base.velocity - reference.velocity,
-                       control::with_drag(reference, z, drag_), buffer));
+    return guidance_.limits().limited(guidance_.wish(env, reference.position - base.position,
+                                                     base.velocity - reference.velocity,
+                                                     drag_.acceleration(reference, z), buffer));
   }
 
   TextParameter output_{this,
@@ -90,13 +91,13 @@ class Geometric : public Controller {
                              .value = "se3",
                              .choices = {"se3", "quaternion", "tilt_priority"},
                              .doc = "form of the attitude error"}};
-  BooleanParameter drag_on_{this, control::kDragSpec};
+  control::DragForward drag_{this};
   control::TrajectoryInput trajectory_{this};
 
   control::AttitudeError error_ = control::AttitudeError::kSe3;
   bool gives_torque_ = true;
   int base_ = 0;
-  double mass_ = 0.0, drag_ = 0.0;
+  double mass_ = 0.0;
   double attitude_share_ = 1.0, rate_share_ = 1.0;
   SymMat3<double> inertia_{};
 };

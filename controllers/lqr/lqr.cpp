@@ -28,7 +28,7 @@ class Lqr : public Controller {
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
     inertia_ = control::inertia_of(setup.bodies()[base_]);
-    drag_ = drag_on_.value() ? control::hover_drag(setup, robot) : 0.0;
+    drag_.configure(setup, robot);
     error_ = control::attitude_error_of(error_word_.value());
     gives_torque_ = output_.value() == "ctbt";
     limits_.configure(setup);
@@ -46,7 +46,7 @@ class Lqr : public Controller {
     const Vec3<Real> z = body_z(base.rotation);
     const Vec3<Real> feedback = times(gains_.position, reference.position - base.position) +
                                 times(gains_.velocity, reference.velocity - base.velocity);
-    const Vec3<Real> thrust = limits_.limited(feedback + control::with_drag(reference, z, drag_));
+    const Vec3<Real> thrust = limits_.limited(feedback + drag_.acceleration(reference, z));
     output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
 
     const auto track = control::tracking(error_, base, thrust, reference, gives_torque_);
@@ -56,8 +56,9 @@ class Lqr : public Controller {
       return;
     }
     const Vec3<Real>& w = base.angular_velocity;
-    output.set(1,
-               control::torque_for(inertia_, w, track.acceleration + times(gains_.rate, rate - w)));
+    const Vec3<Real> acceleration = track.acceleration + times(gains_.rate, rate - w);
+    output.set(
+        1, control::torque_for(inertia_, w, acceleration) + drag_.moment(reference, base.rotation));
   }
 
  private:
@@ -158,13 +159,13 @@ class Lqr : public Controller {
                              .value = "quaternion",
                              .choices = {"quaternion", "se3", "tilt_priority"},
                              .doc = "form of the attitude error"}};
-  BooleanParameter drag_on_{this, control::kDragSpec};
+  control::DragForward drag_{this};
   control::TrajectoryInput trajectory_{this};
 
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;
   bool gives_torque_ = true;
   int base_ = 0;
-  double mass_ = 0.0, drag_ = 0.0;
+  double mass_ = 0.0;
   SymMat3<double> inertia_{};
   Gains gains_{};
 };

@@ -12,7 +12,6 @@ namespace {
 
 using nmpc::kMostInputs;
 using nmpc::kMostNodes;
-using nmpc::kMostRotors;
 
 /// What is kept of a flight: the words of the buffer, in this order, then the inputs.
 enum Word : int {
@@ -47,6 +46,10 @@ class Nmpc : public Controller {
       rotors_.push_back(
           {control::full_thrust(rotor), rotor.constants[SKYBODY_ROTOR_THRUST_CONSTANT]});
     }
+    if (measured_.value() == "imu") {
+      force_sensor_ = setup.sensor(imu_.value(), "specific_force");
+      rate_sensor_ = setup.sensor(imu_.value(), "angular_rate");
+    }
     set_times(setup);
     set_weights();
     declare(setup, nodes, rotors);
@@ -54,13 +57,30 @@ class Nmpc : public Controller {
 
   void control(const EnvView<double>& env, State<double>&, ConstValues<double> input,
                Values<double> output, Values<double> buffer) const {
+    iterate(env, input, output, buffer);
+  }
+
+ private:
+  struct RotorScale {
+    double full;      ///< [N]
+    double constant;  ///< k_f [N s^2]
+  };
+
+  /// Not inlined into the kernels, so that it is compiled once, for the baseline, as the solver is.
+  [[gnu::noinline]] void iterate(const EnvView<double>& env, const ConstValues<double>& input,
+                                 const Values<double>& output, const Values<double>& buffer) const {
     const nmpc::Motion now = measured(env);
     nmpc::Disturbance disturbance{buffer.vec3(kAcceleration), buffer.vec3(kAngular)};
     double inputs[kMostInputs];
     load_inputs(buffer, inputs);
     const bool is_first = buffer[kSolves] == 0.0;
     if (!is_first) {
-      nmpc::observe(guide_, remembered(buffer), inputs, now, disturbance);
+      nmpc::Observed observed = nmpc::observe(guide_, remembered(buffer), inputs, now);
+      if (force_sensor_ >= 0) {
+        const Vec3<double> force = sensed(env, force_sensor_);
+        observed.acceleration = nmpc::observe_force(guide_.model, now, force);
+      }
+      nmpc::follow(guide_, observed, disturbance);
       nmpc::shift(guide_, inputs);
     }
     nmpc::Target targets[kMostNodes + 1];
@@ -72,12 +92,6 @@ class Nmpc : public Controller {
       output.set(r, inputs[r] * rotors_[static_cast<std::size_t>(r)].full);
     }
   }
-
- private:
-  struct RotorScale {
-    double full;      ///< [N]
-    double constant;  ///< k_f [N s^2]
-  };
 
   void set_times(const Setup& setup) {
     const auto steps = static_cast<int>(period_.value());
@@ -121,9 +135,14 @@ class Nmpc : public Controller {
     setup.report("angular_disturbance", "rad/s^2", 3, kAngular);
   }
 
+  static Vec3<double> sensed(const EnvView<double>& env, int first) {
+    return {env.sensor(first), env.sensor(first + 1), env.sensor(first + 2)};
+  }
+
   nmpc::Motion measured(const EnvView<double>& env) const {
     const BodyMotion<double> base = env.body(base_);
     nmpc::Motion motion{base.position, base.velocity, base.rotation, base.angular_velocity, {}};
+    if (rate_sensor_ >= 0) motion.rates = sensed(env, rate_sensor_);
     for (int r = 0; r < guide_.model.rotors; ++r) {
       const RotorScale& scale = rotors_[static_cast<std::size_t>(r)];
       const double speed = env.rotor_speed(first_rotor_ + r);
@@ -300,6 +319,15 @@ class Nmpc : public Controller {
                               .min = 0.0,
                               .max = 1e4,
                               .doc = "likewise, of angular accelerations"}};
+  TextParameter measured_{this,
+                          {.name = "measured",
+                           .value = "state",
+                           .choices = {"state", "imu"},
+                           .doc = "where rates and accelerations come from"}};
+  TextParameter imu_{this,
+                     {.name = "imu",
+                      .value = "imu",
+                      .doc = "measured: imu: the sensor's name; it sits at the base's frame"}};
   RealsParameter position_min_{this,
                                {.name = "position_min",
                                 .unit = "m",
@@ -315,7 +343,8 @@ class Nmpc : public Controller {
   std::vector<RotorScale> rotors_;
   int base_ = 0;
   int first_rotor_ = 0;
-  int points_ = 1;  ///< of the reference
+  int force_sensor_ = -1, rate_sensor_ = -1;  ///< -1: by the state
+  int points_ = 1;                            ///< of the reference
 };
 
 }  // namespace

@@ -112,17 +112,29 @@ QpResult solve_program(const Guide& guide, Condensed& program, const double* inp
 
 }  // namespace
 
-void observe(const Guide& guide, const Motion& before, const double* command, const Motion& now,
-             Disturbance& disturbance) {
+Observed observe(const Guide& guide, const Motion& before, const double* command,
+                 const Motion& now) {
   Motion predicted = before;
   advance(guide.model, guide.period, command, {}, predicted, nullptr);
   const double per_time = 1.0 / guide.period.h;
-  const auto follow = [&](Vec3<double>& estimate, const Vec3<double>& gap, double most) {
-    const Vec3<double> next = estimate + (gap * per_time - estimate) * guide.disturbance_gain;
-    if (is_finite(next)) estimate = shortened(next, most);
+  return {(now.velocity - predicted.velocity) * per_time, (now.rates - predicted.rates) * per_time};
+}
+
+Vec3<double> observe_force(const Model& model, const Motion& now,
+                           const Vec3<double>& specific_force) {
+  const Vec3<double> air = rotate_inverse(now.rotation, now.velocity);
+  Vec3<double> rest = specific_force + multiply_elements(model.drag, air);
+  for (int r = 0; r < model.rotors; ++r) rest -= model.rotor[r].acceleration * now.share[r];
+  return rotate(now.rotation, rest);
+}
+
+void follow(const Guide& guide, const Observed& observed, Disturbance& estimate) {
+  const auto pass = [&](Vec3<double>& value, const Vec3<double>& sample, double most) {
+    const Vec3<double> next = value + (sample - value) * guide.disturbance_gain;
+    if (is_finite(next)) value = shortened(next, most);
   };
-  follow(disturbance.acceleration, now.velocity - predicted.velocity, guide.most_acceleration);
-  follow(disturbance.angular_acceleration, now.rates - predicted.rates, guide.most_angular);
+  pass(estimate.acceleration, observed.acceleration, guide.most_acceleration);
+  pass(estimate.angular_acceleration, observed.angular_acceleration, guide.most_angular);
 }
 
 void shift(const Guide& guide, double* inputs) {

@@ -38,10 +38,24 @@ struct Guide {
   double most_angular = 0.0;         ///< likewise [rad/s^2]
 };
 
-/// Low pass of the difference between how the vehicle moved over the last period and how it should
-/// have moved without any disturbance. @param command  shares, held over that period
-void observe(const Guide& guide, const Motion& before, const double* command, const Motion& now,
-             Disturbance& disturbance);
+/// What acted beside weight, rotors and drag, over the last period or now.
+struct Observed {
+  Vec3<double> acceleration;          ///< W [m/s^2]
+  Vec3<double> angular_acceleration;  ///< B [rad/s^2]
+};
+
+/// By how the vehicle moved over the last period and how it should have moved without disturbance.
+/// @param command  shares, held over that period
+Observed observe(const Guide& guide, const Motion& before, const double* command,
+                 const Motion& now);
+
+/// The acceleration beside weight, rotors and drag, by an accelerometer at the base's frame [W].
+/// @param specific_force  B [m/s^2]
+Vec3<double> observe_force(const Model& model, const Motion& now,
+                           const Vec3<double>& specific_force);
+
+/// One step of the estimate's low pass. What is not finite is left out.
+void follow(const Guide& guide, const Observed& observed, Disturbance& estimate);
 
 /// The inputs one period later: between nodes along straight lines, the last one kept.
 void shift(const Guide& guide, double* inputs);

@@ -1,9 +1,10 @@
 #include "controllers/nmpc/vehicle.h"
 
-#include <Eigen/QR>
 #include <string>
+#include <vector>
 
 #include "controllers/common/allocation.h"
+#include "controllers/common/pseudo_inverse.h"
 
 namespace skybody::nmpc {
 namespace {
@@ -49,25 +50,16 @@ void set_drag(const Setup& setup, int robot, double mass, Model& model) {
 
 /// The shares of least norm for an acceleration along z and an angular acceleration.
 void set_rows(const std::string& robot, Guide& guide) {
-  const Model& model = guide.model;
-  Eigen::MatrixXd effect(4, model.rotors);
-  for (int i = 0; i < model.rotors; ++i) {
-    const Rotor& rotor = model.rotor[i];
-    effect.col(i) << rotor.acceleration.z, rotor.angular_acceleration.x,
-        rotor.angular_acceleration.y, rotor.angular_acceleration.z;
+  std::vector<double> effects;
+  for (int i = 0; i < guide.model.rotors; ++i) {
+    const Rotor& rotor = guide.model.rotor[i];
+    const Vec3<double>& turn = rotor.angular_acceleration;
+    effects.insert(effects.end(), {rotor.acceleration.z, turn.x, turn.y, turn.z});
   }
-  const Eigen::Vector4d size = effect.rowwise().norm().cwiseMax(1e-12);
-  const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * effect;
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(scaled);
-  if (decomposition.rank() < 4) {
-    throw std::runtime_error("the rotors of robot `" + robot +
-                             "` cannot give thrust along z and torque about each axis "
-                             "independently, which nmpc needs: check position, axis, direction and "
-                             "moment_constant in its rotors file, or use controller `srt`");
-  }
-  const Eigen::MatrixXd inverse = decomposition.pseudoInverse() * size.cwiseInverse().asDiagonal();
-  for (int i = 0; i < model.rotors; ++i) {
-    guide.rows[i] = {inverse(i, 0), {inverse(i, 1), inverse(i, 2), inverse(i, 3)}};
+  const std::vector<double> inverse = control::PseudoInverse::of(effects, robot, "nmpc");
+  for (int i = 0; i < guide.model.rotors; ++i) {
+    const double* const row = &inverse[static_cast<std::size_t>(4 * i)];
+    guide.rows[i] = {row[0], {row[1], row[2], row[3]}};
   }
 }
 

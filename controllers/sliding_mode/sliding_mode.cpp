@@ -19,7 +19,7 @@ class SlidingMode : public Controller {
     base_ = control::base_of(setup, robot);
     mass_ = control::total_mass(setup, robot);
     inertia_ = control::inertia_of(setup.bodies()[base_]);
-    drag_ = drag_on_.value() ? control::hover_drag(setup, robot) : 0.0;
+    drag_.configure(setup, robot);
     error_ = control::attitude_error_of(error_word_.value());
     const double share = control::lag_share(setup, robot, kRateGain);
     position_.configure(share);
@@ -37,13 +37,14 @@ class SlidingMode : public Controller {
     const Vec3<Real> z = body_z(base.rotation);
     const Vec3<Real> push = position_.drive(env, reference.position - base.position,
                                             reference.velocity - base.velocity);
-    const Vec3<Real> thrust = limits_.limited(push + control::with_drag(reference, z, drag_));
+    const Vec3<Real> thrust = limits_.limited(push + drag_.acceleration(reference, z));
     output.set(0, max(Real(0.0), mass_ * dot(thrust, z)));
 
     const auto track = control::tracking(error_, base, thrust, reference, true);
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> turn = attitude_.drive(env, track.error, track.rates - w);
-    output.set(1, control::torque_for(inertia_, w, track.acceleration + turn));
+    output.set(1, control::torque_for(inertia_, w, track.acceleration + turn) +
+                      drag_.moment(reference, base.rotation));
   }
 
  private:
@@ -116,12 +117,12 @@ class SlidingMode : public Controller {
                              .value = "quaternion",
                              .choices = {"quaternion", "se3", "tilt_priority"},
                              .doc = "form of the attitude error"}};
-  BooleanParameter drag_on_{this, control::kDragSpec};
+  control::DragForward drag_{this};
   control::TrajectoryInput trajectory_{this};
 
   control::AttitudeError error_ = control::AttitudeError::kQuaternion;
   int base_ = 0;
-  double mass_ = 0.0, drag_ = 0.0;
+  double mass_ = 0.0;
   SymMat3<double> inertia_{};
 };
 

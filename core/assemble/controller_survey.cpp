@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "core/base/error.h"
@@ -17,7 +18,7 @@ namespace {
 /// More combinations of words than this, and only single words are changed.
 constexpr std::size_t kMostCombinations = 64;
 
-/// One word of each parameter that has choices: indices into their choices.
+/// One word of each parameter that has choices or is a switch: places among its words.
 using Words = std::vector<std::size_t>;
 
 /// A value within the parameter's range, for one that has no default.
@@ -63,15 +64,25 @@ class Survey {
   }
 
  private:
+  /// What a parameter may be, if that is a few words; else none.
+  static std::vector<std::string> words_of(const ParameterSpec& spec) {
+    if (!spec.is_scalar()) return {};
+    if (spec.type == ParameterType::kBoolean) return {"false", "true"};
+    return spec.choices.size() > 1 ? spec.choices : std::vector<std::string>{};
+  }
+
   static std::vector<const ParameterSpec*> word_parameters(const PluginEntry& entry) {
     std::vector<const ParameterSpec*> specs;
     for (const ParameterSpec& spec : entry.parameters) {
-      if (spec.is_scalar() && spec.choices.size() > 1) specs.push_back(&spec);
+      if (!words_of(spec).empty()) specs.push_back(&spec);
     }
     return specs;
   }
 
   static std::size_t default_word(const ParameterSpec& spec) {
+    if (spec.type == ParameterType::kBoolean) {
+      return !spec.default_numbers.empty() && spec.default_numbers[0] != 0.0 ? 1 : 0;
+    }
     if (spec.default_texts.empty()) return 0;
     const auto found = std::find(spec.choices.begin(), spec.choices.end(), spec.default_texts[0]);
     return found == spec.choices.end() ? 0 : static_cast<std::size_t>(found - spec.choices.begin());
@@ -90,13 +101,13 @@ class Survey {
     std::size_t count = 1;
     for (const ParameterSpec* spec : specs) {
       defaults.push_back(default_word(*spec));
-      count = std::min(count * spec->choices.size(), kMostCombinations + 1);
+      count = std::min(count * words_of(*spec).size(), kMostCombinations + 1);
     }
     std::vector<Words> all{defaults};
     for (std::size_t i = 0; i < specs.size(); ++i) {
       const std::size_t so_far = count <= kMostCombinations ? all.size() : 1;
       for (std::size_t k = 0; k < so_far; ++k) {
-        for (std::size_t word = 0; word < specs[i]->choices.size(); ++word) {
+        for (std::size_t word = 0; word < words_of(*specs[i]).size(); ++word) {
           if (word == defaults[i]) continue;
           Words changed = all[k];
           changed[i] = word;
@@ -111,7 +122,7 @@ class Survey {
   }
 
   /// How much is filled in for a controller that refuses its defaults.
-  enum class Filling { kRequired, kNames, kNamesAndZeros };
+  enum class Filling { kRequired, kNames, kNamesAndZeros, kTables };
 
   ParameterValue value_of(const ParameterSpec& spec, Filling filling) const {
     ParameterValue value;
@@ -129,6 +140,10 @@ class Survey {
       }
       return value;
     }
+    if (spec.required && filling == Filling::kTables && spec.max_count < 0) {
+      value.numbers = spec.unit == "s" ? std::vector<double>{0.0, 1.0} : std::vector<double>(6);
+      return value;
+    }
     const bool is_zero = spec.type == ParameterType::kReal && spec.is_scalar() && spec.min == 0.0 &&
                          spec.default_numbers == std::vector<double>{0.0};
     if (spec.required || (is_zero && filling == Filling::kNamesAndZeros)) {
@@ -137,10 +152,20 @@ class Survey {
     return value;
   }
 
+  static void choose(ParameterValue& value, const std::string& word, std::size_t place) {
+    value.is_given = true;
+    if (value.type == ParameterType::kBoolean) {
+      value.numbers = {static_cast<double>(place)};
+    } else {
+      value.texts = {word};
+    }
+  }
+
   /// @returns why the plugin refuses, or ""
   std::string try_out(const PluginEntry& entry, const Words& words, ControllerMode& mode) const {
     std::string reason;
-    for (const Filling filling : {Filling::kRequired, Filling::kNames, Filling::kNamesAndZeros}) {
+    for (const Filling filling :
+         {Filling::kRequired, Filling::kNames, Filling::kNamesAndZeros, Filling::kTables}) {
       reason = try_out(entry, words, filling, mode);
       if (reason.empty()) return "";
     }
@@ -154,14 +179,13 @@ class Survey {
     std::size_t at = 0;
     for (const ParameterSpec& spec : entry.parameters) {
       values.push_back(value_of(spec, filling));
-      if (!spec.is_scalar() || spec.choices.size() < 2) continue;
-      const std::string& word = spec.choices[words[at]];
-      if (words[at] != default_word(spec) || spec.required) {
-        mode.options.push_back(spec.name + ": " + word);
+      const std::vector<std::string> choices = words_of(spec);
+      if (choices.empty()) continue;
+      const std::size_t chosen = words[at++];
+      if (chosen != default_word(spec) || spec.required) {
+        mode.options.push_back(spec.name + ": " + choices[chosen]);
       }
-      values.back().texts = {word};
-      values.back().is_given = true;
-      ++at;
+      choose(values.back(), choices[chosen], chosen);
     }
     try {
       configure(entry, values, mode);
@@ -232,6 +256,14 @@ Rotor survey_rotor(int number) {
   return rotor;
 }
 
+/// Whether a controller that takes `level` can stand behind a row that begins with `from`.
+bool fits(const ControllerSurvey& survey, const std::vector<int>& row, const Level& from,
+          const Level& level) {
+  const Level& given =
+      row.empty() ? from : survey.modes[static_cast<std::size_t>(row.back())].gives;
+  return given.signal == level.signal && (given.count == 0 || given.count == level.count);
+}
+
 }  // namespace
 
 ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entries,
@@ -267,24 +299,22 @@ Topology survey_vehicle() {
   return Topology(std::move(scenario));
 }
 
-std::vector<int> shortest_chain(const ControllerSurvey& survey, int from, int to) {
-  // Breadth first: rows of one length at a time, each signal reached once.
+std::vector<int> shortest_chain(const ControllerSurvey& survey, const Level& from, int to) {
+  // Breadth first: rows of one length at a time, each level reached once.
   std::vector<std::vector<int>> rows{{}};
-  std::vector<bool> reached(SKYBODY_SIGNAL_COUNT, false);
-  if (from >= 0) reached[static_cast<std::size_t>(from)] = true;
+  std::set<std::pair<int, int>> reached;
   for (std::size_t at = 0; at < rows.size(); ++at) {
     const std::vector<int> row = rows[at];
-    const int level =
-        row.empty() ? from : survey.modes[static_cast<std::size_t>(row.back())].gives.signal;
     for (int i = 0; i < static_cast<int>(survey.modes.size()); ++i) {
       const ControllerMode& mode = survey.modes[static_cast<std::size_t>(i)];
-      if (mode.passes_on || mode.takes.signal != level) continue;
+      if (mode.passes_on || !fits(survey, row, from, mode.takes)) continue;
       std::vector<int> longer = row;
       longer.push_back(i);
       if (to < 0 ? actuates(mode.gives.signal) : mode.gives.signal == to) return longer;
-      if (reached[static_cast<std::size_t>(mode.gives.signal)]) continue;
-      reached[static_cast<std::size_t>(mode.gives.signal)] = true;
-      rows.push_back(std::move(longer));
+      if (mode.gives.signal == from.signal) continue;
+      if (reached.insert({mode.gives.signal, mode.gives.count}).second) {
+        rows.push_back(std::move(longer));
+      }
     }
   }
   return {};

@@ -39,9 +39,10 @@ struct ControllerSurvey {
 };
 
 /// Configures each controller for one robot, once for each combination of its words (parameters
-/// that have choices). Of combinations that take and give the same, the one closest to the defaults
-/// counts. Parameters that are required get a value within their range. Where a controller refuses
-/// its defaults, lists of names get that of the robot's first moving joint, then zeros become ones.
+/// that have choices or are switches). Of combinations that take and give the same, the one closest
+/// to the defaults counts. Parameters that are required get a value within their range. Where a
+/// controller refuses its defaults, lists of names get that of the robot's first moving joint, then
+/// zeros become ones, then lists of any length a path: two times, and three values for each.
 /// @param entries  usable controllers
 ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entries,
                                     const Topology& topology, int robot);
@@ -49,10 +50,11 @@ ControllerSurvey survey_controllers(const std::vector<const PluginEntry*>& entri
 /// A quadrotor with a joint, for surveys that are about no robot in particular.
 Topology survey_vehicle();
 
-/// The shortest row of controllers that takes one signal and gives another.
-/// @param to  SkybodySignal; -1: any that actuators take
+/// The shortest row of controllers that takes one level and gives another.
+/// @param from  count 0: with any number of values
+/// @param to    SkybodySignal; -1: any that actuators take
 /// @returns places within `survey.modes`; empty: there is none, or nothing is between them
-std::vector<int> shortest_chain(const ControllerSurvey& survey, int from, int to);
+std::vector<int> shortest_chain(const ControllerSurvey& survey, const Level& from, int to);
 
 /// "`attitude`, then `ctbr`"; with options "`position` (`input: trajectory`)".
 std::string chain_text(const ControllerSurvey& survey, const std::vector<int>& chain);

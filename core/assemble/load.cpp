@@ -158,13 +158,13 @@ std::string bridge(const ChainGap& gap, const PluginRegistry& registry) {
   const std::string given = signal_name(gap.given());
   const ControllerSurvey survey =
       survey_controllers(registry.known(SKYBODY_CONTROLLER), survey_vehicle(), 0);
-  const std::vector<int> chain = shortest_chain(survey, gap.given(), gap.taken());
+  const std::vector<int> chain = shortest_chain(survey, {gap.given()}, gap.taken());
   if (gap.taken() < 0) {
     return chain.empty() ? "" : ", such as " + chain_text(survey, chain);
   }
   if (!chain.empty()) return "; between them belongs " + chain_text(survey, chain);
   const std::string taken = signal_name(gap.taken());
-  const bool is_reversed = !shortest_chain(survey, gap.taken(), gap.given()).empty();
+  const bool is_reversed = !shortest_chain(survey, {gap.taken()}, gap.given()).empty();
   return "; no controllers lead from " + given + " to " + taken +
          (is_reversed ? ", but some from " + taken + " to " + given + ": is the order right?" : "");
 }

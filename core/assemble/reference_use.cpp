@@ -17,23 +17,58 @@ namespace {
 
 constexpr const char* kNameSeparator = ":";
 
+/// A controller with parameters, as a scenario writes it.
+using Use = const char*;
+
 /// What leads from a reference to the first controller of a chain.
 struct Lead {
   int signal;         ///< that the chain takes
+  int count;          ///< of its values; 0: any
   const char* gives;  ///< level of the reference
-  std::vector<const char*> controllers;
+  std::vector<Use> controllers;
+  int points = 1;  ///< of the trajectory
 };
 
-/// One row for each signal that a reference can fly.
+// Laws hold commands to the box that actions mean, and accelerations to what suits a learner. A
+// reference is no action, and has been held against what the vehicle can do: it may go farther.
+#define SKYBODY_FREE_PLACE "position_min: [-1e5, -1e5, -1e5], position_max: [1e5, 1e5, 1e5]"
+#define SKYBODY_FREE \
+  SKYBODY_FREE_PLACE \
+  ", max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
+
+/// A row for each signal that a reference can fly: the laws that close the loop of position and
+/// know the reference's derivatives, where the chain takes what they give.
 const std::vector<Lead> kLeads = {
-    {SKYBODY_TRAJECTORY, "trajectory", {}},
-    {SKYBODY_POSITION, "position", {}},
-    {SKYBODY_VELOCITY_TRACKING, "velocity_tracking", {}},
-    {SKYBODY_ACCELERATION, "acceleration", {}},
-    {SKYBODY_ATTITUDE, "position", {"position"}},
-    {SKYBODY_CTBR, "position", {"position", "attitude"}},
-    {SKYBODY_ROTOR_SPEED, "position", {"position", "attitude", "ctbr"}},
+    {SKYBODY_TRAJECTORY, 0, "trajectory", {}},
+    {SKYBODY_POSITION, 0, "position", {}},
+    {SKYBODY_VELOCITY_TRACKING, 0, "velocity_tracking", {}},
+    {SKYBODY_ACCELERATION, 0, "acceleration", {}},
+    {SKYBODY_ATTITUDE,
+     8,
+     "trajectory",
+     {"{plugin: position, parameters: {signal: trajectory, " SKYBODY_FREE "}}"}},
+    {SKYBODY_ATTITUDE, 5, "position", {"{plugin: position, parameters: {" SKYBODY_FREE "}}"}},
+    {SKYBODY_CTBR,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbr, " SKYBODY_FREE "}}"}},
+    {SKYBODY_CTBT,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}"}},
+    {SKYBODY_ROTOR_SPEED,
+     0,
+     "trajectory",
+     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}", "{plugin: ctbt}"}},
+    {SKYBODY_SRT,
+     0,
+     "trajectory",
+     {"{plugin: nmpc, parameters: {preview: true, " SKYBODY_FREE_PLACE "}}"},
+     21},  // its horizon, and now
 };
+
+#undef SKYBODY_FREE
+#undef SKYBODY_FREE_PLACE
 
 /// What the command line asks for.
 struct Asked {
@@ -84,9 +119,8 @@ class Request {
     if (is_identifier(name)) {
       const auto shipped = find_shipped_reference(name);
       if (!shipped) {
-        diagnostics_.error(mark_, "there is no reference `" + name + "`" +
-                                      suggestion(name, shipped_references(), "shipped") +
-                                      "; or give a YAML file with parameters of `reference`");
+        diagnostics_.error(mark_, "`" + name + "` is neither a shipped reference nor a YAML file" +
+                                      suggestion(name, shipped_references(), "shipped"));
         return std::nullopt;
       }
       file = shipped->string();
@@ -184,7 +218,8 @@ void put_in(ConfigNode& root, const Place& place, const Lead& lead, const Config
   ConfigNode reference = plugin_node("reference", mark);
   reference.entries.push_back({"parameters", mark, parameters});
   std::vector<ConfigNode> more = {std::move(reference)};
-  for (const char* plugin : lead.controllers) more.push_back(plugin_node(plugin, mark));
+  Diagnostics none;  // these texts are our own
+  for (const Use use : lead.controllers) more.push_back(*parse_yaml(use, mark.file, none));
   controllers.items.insert(
       controllers.items.begin() + static_cast<std::ptrdiff_t>(place.controller), more.begin(),
       more.end());
@@ -195,12 +230,16 @@ void put_in(ConfigNode& root, const Place& place, const Lead& lead, const Config
   set(watched, "link", text_node(place.base, mark));
   set(task, "parameters", std::move(watched));
   set(root, "task", std::move(task));
+  ConfigNode* stepping = root.find("stepping");
+  if (stepping != nullptr && stepping->is_map()) set(*stepping, "horizon", text_node("0", mark));
 }
 
 std::string signals_with_leads() {
   std::string text;
   for (const Lead& lead : kLeads) {
-    text += (text.empty() ? "" : ", ") + std::string(signal_name(lead.signal));
+    const std::string name = signal_name(lead.signal);
+    if (text.find(name) != std::string::npos) continue;
+    text += (text.empty() ? "" : ", ") + name;
   }
   return text;
 }
@@ -221,8 +260,9 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
                               "it controllers, or name another robot"));
     return {};
   }
-  const auto lead = std::find_if(kLeads.begin(), kLeads.end(),
-                                 [&](const Lead& l) { return l.signal == chain->signal; });
+  const auto lead = std::find_if(kLeads.begin(), kLeads.end(), [&](const Lead& l) {
+    return l.signal == chain->signal && (l.count == 0 || l.count == chain->inputs);
+  });
   const Place place = place_of(compiled, *chain);
   if (lead == kLeads.end()) {
     diagnostics.error(mark, "the chain of robot `" + place.name + "` takes " +
@@ -232,8 +272,9 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
     return {};
   }
   set(asked->parameters, "gives", text_node(lead->gives, mark));
-  if (chain->signal == SKYBODY_TRAJECTORY && asked->parameters.find("points") == nullptr) {
-    const int points = chain->inputs / SKYBODY_REFERENCE_VALUES;
+  const bool is_direct = chain->signal == SKYBODY_TRAJECTORY;
+  const int points = is_direct ? chain->inputs / SKYBODY_REFERENCE_VALUES : lead->points;
+  if (asked->parameters.find("points") == nullptr) {
     set(asked->parameters, "points", text_node(std::to_string(points), mark));
   }
   return [place, lead = *lead, parameters = asked->parameters, mark](

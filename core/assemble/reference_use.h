@@ -11,7 +11,7 @@ namespace skybody {
 /// The change of a scenario by which a reference flies it. It puts the controller `reference`, and
 /// the controllers that lead from it to the robot's chain, before that chain, and puts the task
 /// `watch` in the place of the scenario's own: without a policy there is nothing to reward, and no
-/// goal that would end a flight.
+/// goal or horizon that would end a flight.
 /// @param text      the name of a shipped reference, or a YAML file with parameters of `reference`;
 ///                  behind a colon parameters that replace those: `circle:peak_speed=2,centre=[0,
 ///                  0, 1.5]`. The key `robot` names the robot; else it is the only one with rotors

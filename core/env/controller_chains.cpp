@@ -107,10 +107,13 @@ class ChainMaker {
     }
     const PluginOutput& given = c.outputs[0];
     if (after.input_signal != given.signal || after.input_count() != given.count) {
+      const char* remedy = after.input_signal == given.signal
+                               ? ": parameters say how many values each takes and gives"
+                               : "";
       throw ChainGap(uses_[static_cast<std::size_t>(i) + 1].mark,
                      "controller `" + after.name + "` takes " +
                          with_size(after.input_signal, after.input_count()) + ", but `" + c.name +
-                         "` before it gives " + with_size(given.signal, given.count),
+                         "` before it gives " + with_size(given.signal, given.count) + remedy,
                      given.signal, after.input_signal);
     }
   }

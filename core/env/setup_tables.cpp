@@ -40,6 +40,11 @@ void copy(const Quat<double>& q, double* out) {
   out[3] = q.z;
 }
 
+void copy(const Pose& pose, double* out) {
+  copy(pose.position, out);
+  copy(pose.rotation, out + 3);
+}
+
 SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int index) {
   const WorldBody& b = topology.bodies[static_cast<std::size_t>(index)];
   const MassProperties& m = b.model->mass;
@@ -61,6 +66,8 @@ SkybodyBodyInfo body_info(const Topology& topology, const Layout& layout, int in
   info.joint_is_limited = b.model->joint.limit.enabled ? 1 : 0;
   info.joint_lower = b.model->joint.limit.lower;
   info.joint_upper = b.model->joint.limit.upper;
+  copy(b.model->joint.frame_in_parent, info.joint_in_parent);
+  copy(b.model->joint.frame_in_body, info.joint_in_body);
   return info;
 }
 

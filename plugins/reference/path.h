@@ -18,8 +18,9 @@ enum class Kind { kLissajous, kCircle, kHelix, kFigureEight, kWaypoints, kCsv, k
 inline bool is_harmonic(Kind kind) { return kind <= Kind::kFigureEight; }
 inline bool is_spline(Kind kind) { return kind == Kind::kWaypoints || kind == Kind::kCsv; }
 
-/// Where the heading comes from: fixed, the path's direction, or the path's own fourth curve.
-enum class Facing { kFixed, kTangent, kTable };
+/// Where the heading comes from: fixed, the path's direction, either of these by a drawn number, or
+/// the path's own fourth curve.
+enum class Facing { kFixed, kTangent, kDrawn, kTable };
 
 /// What may differ from one environment to the next.
 template <class Real>
@@ -29,6 +30,7 @@ struct PathNumbers {
   Real step_time;         ///< [s]
   Real time_scale;        ///< path time that passes in a second
   Real heading;           ///< [rad]
+  Real along;             ///< of Facing::kDrawn: 0.5 and more is along the path
   Vec3<Real> offset;      ///< at the reset, from the path's beginning to the vehicle (W) [m]
 };
 
@@ -66,7 +68,13 @@ struct Path {
     const Jet<Real, N> path_time = clock.template at<N>(time);
     Moment<Real, N> moment = form<N>(numbers, path_time.c[0]);
     if (facing == Facing::kFixed) moment.yaw = Jet<Real, N>(0.0);
-    if (facing == Facing::kTangent) moment.yaw = direction(moment.point, Real(0.0));
+    if (facing == Facing::kTangent || facing == Facing::kDrawn) {
+      moment.yaw = direction(moment.point, Real(0.0));
+    }
+    if (facing == Facing::kDrawn) {
+      const auto looks_ahead = numbers.along >= 0.5;
+      for (int k = 0; k < N; ++k) moment.yaw.c[k] = select(looks_ahead, moment.yaw.c[k], Real(0.0));
+    }
     moment.point = composed(moment.point, path_time);
     moment.yaw = composed(moment.yaw, path_time);
     moment.yaw.c[0] = moment.yaw.c[0] + numbers.heading;

@@ -38,10 +38,12 @@ Path PathParameters::path() const {
 Facing PathParameters::facing(bool has_yaw) const {
   if (yaw_.value() == "tangent") return Facing::kTangent;
   if (yaw_.value() == "fixed") return Facing::kFixed;
+  if (yaw_.value() == "drawn") return Facing::kDrawn;
   if (has_yaw) return Facing::kTable;
   throw std::runtime_error(
-      "`yaw: table` needs a column `yaw` in the file of `kind: csv`; add it, or take `fixed` or "
-      "`tangent`");
+      "`yaw: table` needs a column `yaw` in the file of `kind: csv`; add it, or take `fixed`, "
+      "`tangent` "
+      "or `drawn`");
 }
 
 void PathParameters::refuse_if_given(const Parameter& parameter, const char* name,
@@ -71,6 +73,10 @@ void PathParameters::check() const {
   refuse_if_given(waypoints_, "waypoints", {kWaypoints});
   refuse_if_given(times_, "times", {kWaypoints});
   refuse_if_given(file_, "file", {kCsv});
+  if (along_.is_given() && yaw_.value() != "drawn") {
+    throw std::runtime_error("`along` says nothing with `yaw: " + yaw_.value() +
+                             "`: leave it out, or take `yaw: drawn`");
+  }
   refuse_if_given(step_time_, "step_time", {kStep});
   if (period_.is_given() && peak_speed_.value() > 0.0) {
     throw std::runtime_error("`period` " + to_text(period_.value()) + " s and `peak_speed` " +

@@ -53,6 +53,7 @@ class PathParameters {
                           read(step_time_),
                           read(time_scale_),
                           read(heading_),
+                          read(along_),
                           zero};
     const Kind own = kind();
     if (own == Kind::kLissajous) {
@@ -184,11 +185,13 @@ class PathParameters {
        .max = 1e4,
        .doc = "in which the reference comes from where the base is at the reset "
               "to the path's beginning, before path time runs; 0: it begins there"}};
-  TextParameter yaw_{owner_,
-                     {.name = "yaw",
-                      .value = "fixed",
-                      .choices = {"fixed", "tangent", "table"},
-                      .doc = "what the heading is: `heading`, along the path, or the table's own"}};
+  TextParameter yaw_{
+      owner_,
+      {.name = "yaw",
+       .value = "fixed",
+       .choices = {"fixed", "tangent", "drawn", "table"},
+       .doc = "what the heading is: `heading`, along the path, either by `along`, or the "
+              "table's own"}};
   RealParameter heading_{owner_,
                          {.name = "heading",
                           .unit = "rad",
@@ -196,6 +199,13 @@ class PathParameters {
                           .max = 1e3,
                           .doc = "added to the yaw",
                           .randomizable = true}};
+  RealParameter along_{owner_,
+                       {.name = "along",
+                        .value = 1.0,
+                        .min = 0.0,
+                        .max = 1.0,
+                        .doc = "with `yaw: drawn`: 0.5 and more is along the path, less is fixed",
+                        .randomizable = true}};
 };
 
 }  // namespace skybody::reference

@@ -22,6 +22,7 @@ SCENARIOS = (
     "hover_hummingbird",
     "hover_learn",
     "low_battery",
+    "omav",
     "payload",
     "payload_paper",
     "platform_landing",

@@ -223,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
                                          "platform_landing.yaml", "four_bar.yaml",
                                          "windy_hover.yaml", "downwash_pair.yaml",
                                          "low_battery.yaml", "rotor_out.yaml", "arm.yaml",
-                                         "payload_paper.yaml", "vehicles.yaml"));
+                                         "payload_paper.yaml", "vehicles.yaml", "omav.yaml"));
 
 }  // namespace
 }  // namespace skybody

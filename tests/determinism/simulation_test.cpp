@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
                                          "forest.yaml", "gates.yaml", "platform_landing.yaml",
                                          "four_bar.yaml", "windy_hover.yaml", "downwash_pair.yaml",
                                          "low_battery.yaml", "rotor_out.yaml", "arm.yaml",
-                                         "payload_paper.yaml", "vehicles.yaml"));
+                                         "payload_paper.yaml", "vehicles.yaml", "omav.yaml"));
 
 TEST(Simulation, RefusesASnapshotOfAnotherScenario) {
   Simulation hover({.scenario = scenario("hover.yaml")});

@@ -109,7 +109,10 @@ FLIGHTS = (
     Flight("low_battery", "low_battery"),
     Flight("rotor_out", "rotor_out", overrides=FAILS_EARLY),
     Flight("arm", "arm", overrides=REACHES_EARLY),
+    Flight("omav", "omav"),
     Flight("vehicles", "vehicles"),
+    Flight("trajectory_training", "trajectory_training"),
+    Flight("trajectory_flights", "trajectory_flights"),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 

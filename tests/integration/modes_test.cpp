@@ -64,6 +64,21 @@ TEST(Modes, OfEveryListedChainFly) {
   EXPECT_GE(flown, 12);
 }
 
+TEST(Modes, OfRobotsThatAreAlikeAreSaidOnce) {
+  const Outcome outcome = run_skybody({"modes", "formation_2"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("modes of quad1, quad2, as a list for"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("modes of quad2")));
+}
+
+TEST(Modes, OfWhatTakesNoCommandHaveNoActions) {
+  const Outcome outcome = run_skybody({"modes", "platform_landing"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("robot pad: takes no actions"));
+  EXPECT_THAT(outcome.out, HasSubstr("takes no command"));
+  EXPECT_THAT(outcome.out, HasSubstr("modes of pad"));
+}
+
 TEST(Modes, WithoutAScenarioListAllLevelsAndControllers) {
   const Outcome outcome = run_skybody({"modes"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -129,6 +129,14 @@ def drag_forward(vehicle: Vehicle, motion: Motion, point: Point) -> Reals:
     return out
 
 
+def drag_moment(vehicle: Vehicle, motion: Motion, point: Point) -> Reals:
+    """What holds the drag at the hubs, which lie above the centre of mass."""
+    height = float(np.mean(vehicle.hubs[:, 2])) - float(vehicle.com[2])
+    force = -vehicle.mass * hover_drag(vehicle) * motion.rotation.inv().apply(point.velocity)
+    out: Reals = -np.cross(height * UP, force)
+    return out
+
+
 def thrust_along(vehicle: Vehicle, motion: Motion, u: Reals) -> float:
     return max(0.0, vehicle.mass * float(u @ motion.rotation.apply(UP)))
 

@@ -18,6 +18,7 @@ from laws import (
     Motion,
     Point,
     drag_forward,
+    drag_moment,
     lee_error,
     moment,
     pointing,
@@ -119,6 +120,7 @@ def test_geometric_gives_the_force_and_moment_of_lee(qdrone2: Vehicle, error: st
         wish = wished(u, point)
         e_r = ERRORS[error](motion.rotation, wish.rotation)
         m = moment(qdrone2, motion, wish, RATE * ATTITUDE, RATE, e_r)
+        m = m + drag_moment(qdrone2, motion, point)
         want = [thrust_along(qdrone2, motion, u), *m]
         np.testing.assert_allclose(rig.thrust_and_torque(motion, point), want, atol=TOLERANCE)
 
@@ -195,6 +197,7 @@ def test_sliding_mode_drives_onto_its_surfaces(qdrone2: Vehicle) -> None:
         turn = -slope * e_w - gain * np.clip(s / np.array([3.0, 3.0, 2.0]), -1.0, 1.0)
         ahead = back.apply(wish.acceleration) - np.cross(motion.rates, back.apply(wish.rates))
         m = j @ (turn + ahead) + np.cross(motion.rates, j @ motion.rates)
+        m = m + drag_moment(qdrone2, motion, point)
         want = [thrust_along(qdrone2, motion, u), *m]
         np.testing.assert_allclose(rig.thrust_and_torque(motion, point), want, atol=TOLERANCE)
 
@@ -220,10 +223,8 @@ def test_lqr_has_the_gains_of_scipy(qdrone2: Vehicle) -> None:
         u = u + drag_forward(qdrone2, motion, point)
         wish = wished(u, point)
         e_r = turn_error(motion.rotation, wish.rotation)
-        want = [
-            thrust_along(qdrone2, motion, u),
-            *moment(qdrone2, motion, wish, k_r, k_w, e_r),
-        ]
+        m = moment(qdrone2, motion, wish, k_r, k_w, e_r) + drag_moment(qdrone2, motion, point)
+        want = [thrust_along(qdrone2, motion, u), *m]
         np.testing.assert_allclose(rig.thrust_and_torque(motion, point), want, atol=TOLERANCE)
 
 

@@ -102,6 +102,7 @@ class PluginWorld {
     b.first_q = q;
     b.first_u = u;
     b.joint = joint;
+    b.joint_in_parent[3] = b.joint_in_body[3] = 1.0;
     const bool is_single = joint == SKYBODY_PIN || joint == SKYBODY_SLIDER;
     q += joint == SKYBODY_FREE ? 7 : is_single ? 1 : 4;
     u += joint == SKYBODY_FREE ? 6 : is_single ? 1 : 3;

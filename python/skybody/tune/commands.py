@@ -92,7 +92,10 @@ def normalized(compiled: CompiledScenario, commands: Rows) -> NDArray[np.float32
     """Commands as actions in [-1, 1]. Raises TuneError for what the first controller cuts off."""
     channel = compiled.action_channels[0]
     low, high = np.array(channel.low), np.array(channel.high)
-    actions = 2.0 * (commands - low) / (high - low) - 1.0
+    # What actions cannot say, such as the jerk of `trajectory`, stays as the chain has it.
+    has_range = high > low
+    span = np.where(has_range, high - low, 1.0)
+    actions = np.where(has_range, 2.0 * (commands - low) / span - 1.0, 0.0)
     if np.any(np.abs(actions) > 1.0 + 1e-6):
         k = int(np.argmax(np.max(np.abs(actions), axis=0)))
         raise TuneError(
@@ -114,8 +117,8 @@ def _times() -> tuple[Rows, Rows, int, int]:
 
 def _cosines(t: Rows, order: int) -> Rows:
     """Derivative `order` of the path: sums of 1 - cos, at rest in its beginning (steps, 3)."""
-    size = np.array([0.8, 0.4, 0.15])
-    rate = np.array([1.3, 2.6, 1.95])  # [rad/s]: a figure of eight, peak 1.4 m/s
+    size = np.array([0.9, 0.35, 0.15])
+    rate = np.array([1.15, 2.3, 1.725])  # [rad/s]: a figure of eight, peak 1.3 m/s, 2 m/s^2
     phase = rate * t[:, None]
     # The derivatives of 1 - cos repeat with period 4: sin, cos, -sin, -cos.
     shape = (np.sin(phase), np.cos(phase), -np.sin(phase), -np.cos(phase))

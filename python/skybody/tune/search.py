@@ -33,7 +33,7 @@ def minimize(
         progress: is told how many were tried, and the best cost so far.
     """
     try:
-        from cmaes import CMA  # type: ignore[attr-defined, unused-ignore]
+        from cmaes import CMA  # type: ignore[import-untyped, unused-ignore]
     except ModuleNotFoundError as error:
         raise TuneError(
             "the search needs the package `cmaes`, not installed here: `pip install '.[tune]'` in "

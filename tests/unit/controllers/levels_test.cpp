@@ -54,7 +54,7 @@ TEST_F(Levels, AnAccelerationTakesTheWeightAndItsOwnForce) {
   out = control(acceleration, {30.0, 40.0, 99.0, 0.0});
   EXPECT_NEAR(out[0], 1.54 * 3.0, 1e-14);  // limited in length, not in direction
   EXPECT_NEAR(out[1], 1.54 * 4.0, 1e-14);
-  EXPECT_NEAR(out[2], 1.54 * (8.0 + 9.81), 1e-13);
+  EXPECT_NEAR(out[2], 1.54 * (10.0 + 9.81), 1e-13);
 }
 
 TEST_F(Levels, RatesOfTheWishedAttitudeAreAddedInTheBodysAxes) {

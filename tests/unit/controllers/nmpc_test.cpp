@@ -1,6 +1,7 @@
 // `nmpc` in closed loop with a vehicle written out in nmpc_flight.h, and at its limits.
 #include <cmath>
 
+#include "controllers/nmpc/solver.h"
 #include "tests/unit/controllers/nmpc_flight.h"
 
 namespace skybody::testing {
@@ -214,6 +215,26 @@ TEST_F(NmpcTest, EveryInstructionSetGivesTheSameBits) {
   }
 }
 
+TEST(NmpcObserver, AnAccelerometerTellsWhatActsBesideRotorsAndDrag) {
+  using namespace nmpc;
+  Model model;
+  model.rotors = 2;
+  model.rotor[0].acceleration = {0.1, 0.0, 8.0};
+  model.rotor[1].acceleration = {-0.2, 0.3, 9.0};
+  model.drag = {0.2, 0.3, 0.1};
+  Motion motion{{0, 0, 0},
+                {3, -2, 1},
+                from_rotation_vector(Vec3<double>{0.3, -0.5, 0.8}),
+                {0, 0, 0},
+                {0.4, 0.7}};
+  const Vec3<double> wind{0.5, -1.5, 0.25};
+  const Vec3<double> air = rotate_inverse(motion.rotation, motion.velocity);
+  const Vec3<double> felt = model.rotor[0].acceleration * 0.4 + model.rotor[1].acceleration * 0.7 -
+                            multiply_elements(model.drag, air) +
+                            rotate_inverse(motion.rotation, wind);
+  EXPECT_LT(norm(observe_force(model, motion, felt) - wind), 1e-14);
+}
+
 TEST_F(NmpcTest, BadSettingsAreRefused) {
   EXPECT_THAT(refusal("nmpc", world, {{"node_step", 0.005}}),
               HasSubstr("`period` is 0.01 s, above `node_step` 0.005 s"));
@@ -234,7 +255,8 @@ TEST_F(NmpcTest, BadSettingsAreRefused) {
 TEST_F(NmpcTest, RotorsThatCannotControlAreRefused) {
   PluginWorld silent = world;
   for (auto& r : silent.rotors) r.constants[SKYBODY_ROTOR_MOMENT_CONSTANT] = 0.0;
-  EXPECT_THAT(refusal("nmpc", silent, {}), HasSubstr("cannot give thrust along z and torque"));
+  EXPECT_THAT(refusal("nmpc", silent, {}),
+              HasSubstr("cannot give yaw torque independently, which nmpc"));
   PluginWorld bare;
   bare.add_robot("bare", 0, 0, 1);
   bare.add_body(0, "base", -1, 1, 1.0, {1, 1, 1});

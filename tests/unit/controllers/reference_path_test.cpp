@@ -20,6 +20,7 @@ PathNumbers<double> numbers() {
   n.step_time = 1.0;
   n.time_scale = 1.3;
   n.heading = 0.4;
+  n.along = 1.0;
   n.offset = {0.5, -1.0, 0.7};
   return n;
 }

@@ -1,0 +1,199 @@
+// Positions of joints to their torques: a PD whose gains are a bandwidth and a damping ratio times
+// the inertia that each joint moves as it is now, and the weight that it carries.
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "controllers/common/driven_joint.h"
+
+namespace skybody {
+namespace {
+
+class JointPd : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    if (joints_.values().empty()) throw std::runtime_error("`joints` names no joint to drive");
+    check_bandwidths();
+    const int robot = setup.robot();
+    own_ = constants_.value() == "own";
+    gravity_ = control::gravity_of(setup);
+    first_gravity_ = setup.find_params("gravity")[0];
+    std::vector<double> low, high;
+    for (const std::string& name : joints_.values()) {
+      Driven driven{control::driven_joint(setup, robot, name), bandwidth_of(driven_.size()), {}};
+      set_range(name, driven.joint);
+      for (int b = driven.joint.body; b < setup.bodies().size(); ++b) {
+        if (setup.bodies()[b].robot == robot && control::hangs_on(setup, b, driven.joint.body)) {
+          driven.carried.push_back(carried(setup, b));
+        }
+      }
+      declare_drive(setup, driven.joint);
+      low.push_back(driven.joint.low);
+      high.push_back(driven.joint.high);
+      driven_.push_back(driven);
+    }
+    setup.input(Signal::kJoint, low, high);
+    setup.output(Signal::kJoint, static_cast<int>(driven_.size()));
+  }
+
+  template <class Real>
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    for (std::size_t k = 0; k < driven_.size(); ++k) {
+      const int i = static_cast<int>(k);
+      output.set(i, effort(env, driven_[k], input[i]));
+    }
+  }
+
+ private:
+  /// A body beyond a joint.
+  struct Carried {
+    int body, first_param;
+    double mass;
+    Vec3<double> com;
+    SymMat3<double> inertia;
+  };
+  struct Driven {
+    control::DrivenJoint joint;
+    double bandwidth;  ///< [rad/s]
+    std::vector<Carried> carried;
+  };
+  template <class Real>
+  struct Mass {
+    Real mass;
+    Vec3<Real> com;
+    SymMat3<Real> inertia;
+  };
+
+  void check_bandwidths() const {
+    const int given = bandwidth_.count(), joints = static_cast<int>(joints_.values().size());
+    if (given == 1 || given == joints) return;
+    throw std::runtime_error("`bandwidth` has " + std::to_string(given) + " values, `joints` " +
+                             std::to_string(joints) + ": give one for all, or one for each");
+  }
+  double bandwidth_of(std::size_t k) const {
+    return bandwidth_.value(bandwidth_.count() == 1 ? 0 : static_cast<int>(k));
+  }
+
+  /// `low` and `high`, else the joint's own limits.
+  void set_range(const std::string& name, control::DrivenJoint& joint) const {
+    if (low_.value() != high_.value()) {
+      control::require_order("low", low_.value(), "high", high_.value());
+      joint.low = low_.value();
+      joint.high = high_.value();
+    }
+    if (!(joint.low < joint.high)) {
+      throw std::runtime_error("joint `" + name + "` has no range: give `low` and `high`");
+    }
+  }
+
+  static Carried carried(const Setup& setup, int body) {
+    const BodyInfo& info = setup.bodies()[body];
+    return {body, info.first_param, info.mass, control::vec3(info.com), control::inertia_of(info)};
+  }
+
+  void declare_drive(const Setup& setup, const control::DrivenJoint& joint) const {
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double limit = effort_limit_.value() > 0.0 ? effort_limit_.value() : infinity;
+    setup.joint({joint.body, 0, SKYBODY_JOINT_EFFORT, 0.0, 0.0, limit, 0.0, -limit, limit});
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Mass<Real> mass_of(const EnvView<Real>& env, const Carried& body) const {
+    if (!own_) {
+      return {Real(body.mass), control::lift<Real>(body.com), control::lift<Real>(body.inertia)};
+    }
+    const int i = body.first_param + SKYBODY_BODY_INERTIA;
+    return {env.param(body.first_param + SKYBODY_BODY_MASS),
+            env.param_vec3(body.first_param + SKYBODY_BODY_COM),
+            {env.param(i), env.param(i + 1), env.param(i + 2), env.param(i + 3), env.param(i + 4),
+             env.param(i + 5)}};
+  }
+
+  /// [N m] or [N].
+  template <class Real>
+  SKYBODY_INLINE Real effort(const EnvView<Real>& env, const Driven& driven,
+                             const Real& command) const {
+    const control::DrivenJoint& joint = driven.joint;
+    const BodyMotion<Real> moved = env.body(joint.body);
+    const Vec3<Real> axis = rotate(moved.rotation, control::lift<Real>(joint.axis));
+    const Vec3<Real> at = moved.position + rotate(moved.rotation, control::lift<Real>(joint.point));
+    Vec3<Real> gravity{Real(0.0), Real(0.0), Real(-gravity_)};
+    if (own_) gravity = env.param_vec3(first_gravity_);
+    Real inertia(0.0), weight(0.0);
+    for (const Carried& carried : driven.carried) {
+      const BodyMotion<Real> motion = env.body(carried.body);
+      const Mass<Real> body = mass_of(env, carried);
+      if (joint.slides) {
+        inertia += body.mass;
+        weight += body.mass * dot(axis, gravity);
+        continue;
+      }
+      const Vec3<Real> arm = (motion.position + rotate(motion.rotation, body.com)) - at;
+      const Vec3<Real> own_axis = rotate_inverse(motion.rotation, axis);
+      inertia +=
+          body.mass * squared_norm(cross(axis, arm)) + dot(own_axis, body.inertia * own_axis);
+      weight += body.mass * dot(axis, cross(arm, gravity));
+    }
+    const Real error = clamp(command, Real(joint.low), Real(joint.high)) - env.q(joint.q);
+    const double w = driven.bandwidth;
+    const Real wish = (w * w) * error - (2.0 * damping_.value() * w) * env.u(joint.u);
+    return inertia * wish - (bears_weight_.value() ? weight : Real(0.0));
+  }
+
+  TextsParameter joints_{this, {.name = "joints", .doc = "names of the joints, in order"}};
+  RealsParameter bandwidth_{this,
+                            {.name = "bandwidth",
+                             .unit = "rad/s",
+                             .values = {20.0},
+                             .count = -1,
+                             .min = 1e-3,
+                             .max = 1e5,
+                             .doc = "of the loop: one for all joints, or one for each"}};
+  RealParameter damping_{this,
+                         {.name = "damping_ratio",
+                          .value = 1.0,
+                          .min = 0.0,
+                          .max = 100.0,
+                          .doc = "of the loop; 1: no overshoot"}};
+  BooleanParameter bears_weight_{
+      this,
+      {.name = "gravity", .value = true, .doc = "add what bears the weight beyond the joint"}};
+  TextParameter constants_{this,
+                           {.name = "constants",
+                            .value = "nominal",
+                            .choices = {"nominal", "own"},
+                            .doc = "masses and gravity that gains follow: the scenario's, or "
+                                   "those that each environment has drawn"}};
+  RealParameter effort_limit_{this,
+                              {.name = "effort_limit",
+                               .unit = "N m or N",
+                               .min = 0.0,
+                               .max = 1e6,
+                               .doc = "most that a drive gives; 0: no limit"}};
+  RealParameter low_{this,
+                     {.name = "low",
+                      .unit = "rad or m",
+                      .min = -1e6,
+                      .max = 1e6,
+                      .doc = "position that action -1 means; low = high: the joint's limits"}};
+  RealParameter high_{this,
+                      {.name = "high",
+                       .unit = "rad or m",
+                       .min = -1e6,
+                       .max = 1e6,
+                       .doc = "position that action +1 means"}};
+
+  std::vector<Driven> driven_;
+  bool own_ = false;
+  double gravity_ = 0.0;
+  int first_gravity_ = 0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::JointPd, "joint_pd", "1.0.0",
+               "Positions of joints to efforts, by the inertia that they move.");

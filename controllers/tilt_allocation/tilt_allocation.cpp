@@ -1,0 +1,120 @@
+// A wrench of the whole robot to rotors that are tilted by joints: speeds and angles.
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "controllers/tilt_allocation/tilt_inverse.h"
+
+namespace skybody {
+namespace {
+
+class TiltAllocation : public Controller {
+ public:
+  static constexpr bool kSmooth = true;
+
+  void configure(const Setup& setup) override {
+    const int robot = setup.robot();
+    const control::Assembly all = control::assembly_of(setup, robot);
+    arms_ = TiltArms(setup, robot, all);
+    first_rotor_ = setup.robots()[robot].first_rotor;
+    rotors_ = setup.robots()[robot].rotor_count;
+    inverse_ = TiltInverse(arms_, control::robot_name(setup, robot));
+    for (const TiltArm& arm : arms_.all()) declare_drive(setup, arm);
+    Vec3<double> force{0.0, 0.0, 0.0}, moment{0.0, 0.0, 0.0};
+    arms_.add_reach(force, moment);
+    setup.input(Signal::kWrench, {-force.x, -force.y, -force.z, -moment.x, -moment.y, -moment.z},
+                {force.x, force.y, force.z, moment.x, moment.y, moment.z});
+    setup.output(Signal::kRotorSpeed, rotors_);
+    setup.output(Signal::kJoint, static_cast<int>(arms_.all().size()));
+  }
+
+  template <class Real>
+  void control(const EnvView<Real>& env, State<Real>&, ConstValues<Real> input,
+               Values<Real> output) const {
+    Real wrench[6];
+    for (int k = 0; k < 6; ++k) wrench[k] = input[k];
+    const std::vector<TiltArm>& arms = arms_.all();
+    for (std::size_t i = 0; i < arms.size(); ++i) {
+      const TiltArm& arm = arms[i];
+      const Real along = inverse_.along(i, wrench), across = inverse_.across(i, wrench);
+      const Real push = sqrt(along * along + across * across);
+      set_speeds(arm, push, output);
+      output.set(rotors_ + static_cast<int>(i), angle(env, arm, push, along, across));
+    }
+  }
+
+ private:
+  /// Each rotor of an arm pushes an equal share.
+  template <class Real>
+  SKYBODY_INLINE void set_speeds(const TiltArm& arm, const Real& push, Values<Real> output) const {
+    const Real share = clamp(push, Real(0.0), Real(arm.full)) * Real(1.0 / arm.rotors.size());
+    for (const TiltRotor& rotor : arm.rotors) {
+      output.set(rotor.index - first_rotor_, sqrt(share * rotor.per_constant));
+    }
+  }
+
+  /// The tilt nearest to the present one. Where the arm hardly pushes, it stays as it is.
+  template <class Real>
+  SKYBODY_INLINE Real angle(const EnvView<Real>& env, const TiltArm& arm, const Real& push,
+                            const Real& along, const Real& across) const {
+    const Real now = env.q(arm.joint.q);
+    const auto idle = push < least_share_.value() * arm.full;
+    const Real turn = wrap_angle(atan2(across, along) - now);
+    const Real wish = now + select(idle, Real(0.0), turn);
+    return arm.joint.low < arm.joint.high ? clamp(wish, Real(arm.joint.low), Real(arm.joint.high))
+                                          : wish;
+  }
+
+  void declare_drive(const Setup& setup, const TiltArm& arm) const {
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double limit = effort_limit_.value() > 0.0 ? effort_limit_.value() : infinity;
+    const double w = bandwidth_.value(), turn = 4.0 * kPi;
+    const bool is_limited = arm.joint.low < arm.joint.high;
+    setup.joint({arm.joint.body, 0, SKYBODY_JOINT_POSITION, arm.inertia * w * w,
+                 2.0 * damping_.value() * arm.inertia * w, limit, tau_.value(),
+                 is_limited ? arm.joint.low : -turn, is_limited ? arm.joint.high : turn});
+  }
+
+  RealParameter bandwidth_{this,
+                           {.name = "bandwidth",
+                            .unit = "rad/s",
+                            .value = 60.0,
+                            .min = 1e-3,
+                            .max = 1e4,
+                            .doc = "of the joints' drives, times the inertia about their axes"}};
+  RealParameter damping_{this,
+                         {.name = "damping_ratio",
+                          .value = 1.0,
+                          .min = 0.0,
+                          .max = 100.0,
+                          .doc = "of the joints' drives; 1: no overshoot"}};
+  RealParameter effort_limit_{this,
+                              {.name = "effort_limit",
+                               .unit = "N m",
+                               .min = 0.0,
+                               .max = 1e6,
+                               .doc = "most that a joint's drive gives; 0: no limit"}};
+  RealParameter tau_{this,
+                     {.name = "tau",
+                      .unit = "s",
+                      .min = 0.0,
+                      .max = 100.0,
+                      .doc = "lag of the joints' commands; 0: none"}};
+  RealParameter least_share_{this,
+                             {.name = "least_share",
+                              .value = 0.005,
+                              .min = 0.0,
+                              .max = 0.5,
+                              .doc = "of an arm's full thrust, below which it keeps its angle"}};
+
+  TiltArms arms_;
+  TiltInverse inverse_;
+  int first_rotor_ = 0, rotors_ = 0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::TiltAllocation, "tilt_allocation", "1.0.0",
+               "A wrench to rotors on tilting joints: speeds and angles.");

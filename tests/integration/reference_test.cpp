@@ -1,0 +1,132 @@
+// skybody run --reference and skybody plan: what they fly, write and tell.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "tests/integration/process.h"
+
+namespace skybody::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
+Outcome fly(const fs::path& out, const std::string& reference, std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments = {"run",  "hover", "--reference", reference,     "--steps",
+                                        "9000", "--out", out.string(),  "--no-picture"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run_skybody(arguments);
+}
+
+/// The RMS distance of the first row of the table of references [cm].
+double rms_of(const std::string& output) {
+  std::istringstream lines(output);
+  std::string line;
+  while (std::getline(lines, line) && line.find("reference of") == line.npos) continue;
+  std::getline(lines, line);
+  std::getline(lines, line);
+  std::istringstream row(line);
+  std::string episode, body;
+  double rms = -1.0;
+  row >> episode >> body >> rms;
+  return rms;
+}
+
+std::string gates(const fs::path& folder) {
+  const fs::path file = folder / "gates.yaml";
+  std::ofstream(file) << "start: [0, 0, 1.5]\n"
+                         "gates:\n"
+                         "  - {position: [3, 1, 1.5], direction: [1, 0, 0], reach: 0.3}\n"
+                         "  - {position: [6, -1, 2], direction: [1, 0, 0], reach: 0.3}\n"
+                         "finish: [8, 2, 1.5]\n";
+  return file.string();
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(Reference, IsFlownByTheChainThatTheScenarioHas) {
+  // Within 2 cm by the law that knows the reference's derivatives. By a position alone the vehicle
+  // comes behind by kd / kp = 0.8 s, 0.8 m at 1 m/s.
+  const std::vector<std::pair<std::string, double>> chains = {
+      {"[{plugin: rotor_speed}]", 2.0},
+      {"[{plugin: ctbt}]", 2.0},
+      {"[{plugin: ctbr}]", 5.0},
+      {"[{plugin: attitude, parameters: {feed_forward: true}}, {plugin: ctbr}]", 5.0},
+      {"[{plugin: attitude}, {plugin: ctbr}]", 85.0},
+      {"[{plugin: position}, {plugin: attitude}, {plugin: ctbr}]", 85.0}};
+  for (const auto& [chain, most] : chains) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        fly(folder.path(), "circle:peak_speed=1,approach=2,ramp=2",
+            {"--set", "robots.quad.controllers=" + chain, "--set", "randomization=[]"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_GT(rms_of(outcome.out), 0.0) << chain << outcome.out;
+    EXPECT_LT(rms_of(outcome.out), most) << chain << outcome.out;
+  }
+}
+
+TEST(Reference, FliesTheSameTwiceFromADrawnStart) {
+  const TemporaryFolder folder;
+  const Outcome one = fly(folder.path(), "lissajous"), two = fly(folder.path(), "lissajous");
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_EQ(one.out, two.out);
+}
+
+TEST(Reference, SaysWhatItCannotFly) {
+  const TemporaryFolder folder;
+  const Outcome fast = fly(folder.path(), "circle:peak_speed=20");
+  EXPECT_EQ(fast.exit_code, 2);
+  EXPECT_THAT(fast.err, ContainsRegex("the fastest `time_scale` that breaks no limit is 0\\.2"));
+  const Outcome low =
+      fly(folder.path(), "circle", {"--set", "robots.quad.controllers=[{plugin: throttle}]"});
+  EXPECT_EQ(low.exit_code, 2);
+  EXPECT_THAT(low.err, HasSubstr("takes throttle, to which no controller leads from a reference"));
+}
+
+TEST(Plan, FindsAQuickerLineThatIsFlownWithinTenCentimetres) {
+  const TemporaryFolder folder;
+  const fs::path table = folder.path() / "race.csv";
+  const Outcome planned = run_skybody({"plan", gates(folder.path()), "qdrone2", "--samples", "3000",
+                                       "--reserve", "0.3", "--out", table.string()});
+  ASSERT_EQ(planned.exit_code, 0) << planned.err;
+  std::istringstream lines(planned.out);
+  std::string line;
+  for (int k = 0; k < 3; ++k) std::getline(lines, line);
+  double count = 0.0, first = 0.0, best = 0.0;
+  std::istringstream(line) >> count >> first >> best;
+  EXPECT_EQ(count, 3000);
+  EXPECT_LT(best, 0.95 * first);
+  // A point mass of the same thrust takes 2 sqrt(d / a) for the straight way of 8.2 m at least:
+  // a = sqrt(0.7 (39.41 N / 1.54 kg)^2 - g^2) = 15 m/s^2.
+  EXPECT_GT(best, 1.48);
+  EXPECT_LT(best, 4.0);
+  const Outcome flown =
+      fly(folder.path() / "flight", "csv:file=" + table.string() + ",approach=2",
+          {"--set", "randomization=[]", "--set", "robots.quad.pose.position=[0, 0, 1.5]"});
+  EXPECT_EQ(flown.exit_code, 0) << flown.err;
+  EXPECT_LT(rms_of(flown.out), 10.0) << flown.out;
+}
+
+TEST(Plan, GivesTheSameTableForTheSameSeedAlone) {
+  const TemporaryFolder folder;
+  const auto table = [&](const std::string& seed) {
+    const fs::path file = folder.path() / "line.csv";
+    const Outcome outcome = run_skybody({"plan", gates(folder.path()), "qdrone2", "--samples",
+                                         "300", "--seed", seed, "--out", file.string()});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return text_of(file);
+  };
+  EXPECT_EQ(table("5"), table("5"));
+  EXPECT_NE(table("5"), table("6"));
+}
+
+}  // namespace
+}  // namespace skybody::test
