@@ -65,11 +65,13 @@ def test_a_motor_takes_the_rotors_to_their_commands():
 
 @pytest.mark.parametrize("first", ["battery", "motor"])
 def test_a_motor_runs_down_by_the_lag_where_the_battery_is_empty(first: str):
-    empty = "{plugin: battery, parameters: {initial_charge: 0}}"
+    empty = "{plugin: battery, parameters: {initial_charge: 1.0e-9}}"  # of one step
     motor = f"{{plugin: motor, parameters: {{{MOTOR}}}}}"
     both = [empty, motor] if first == "battery" else [motor, empty]
     simulation = flying("", f"effects=[{', '.join(both)}]")
     simulation.command(np.full(4, HOVER))
+    simulation.advance(1)
+    assert report(simulation, 3)[0] == 0.0, "the charge"
     before = speeds(simulation)
     simulation.advance(10)
     np.testing.assert_allclose(speeds(simulation), before * np.exp(-0.01 / 0.025), rtol=1e-9)
