@@ -19,6 +19,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from skybody.program import run_program
 
 ROOT = Path(__file__).resolve().parents[1]
 FIGURE = ROOT / "controllers/reference/figure.png"
@@ -73,4 +74,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_program(main)

@@ -308,9 +308,8 @@ TEST(Configuration, TwoRandomizersOfOneParameterAreRefused) {
     FAIL();
   } catch (const MarkedError& e) {
     EXPECT_STREQ(e.what(),
-                 "randomizers `kick` and `again` both draw robots.quad.controllers.direct.scale: "
-                 "leave it to "
-                 "one of them");
+                 "randomizers `kick` (line 1) and `again` both draw "
+                 "robots.quad.controllers.direct.scale: leave it to one of them");
   }
 }
 

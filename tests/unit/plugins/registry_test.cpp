@@ -23,8 +23,8 @@ TEST(PluginRegistry, ListsPluginsByKind) {
   const PluginRegistry registry({"/no/such/folder", test::good_plugins()});
   registry.open_all();
   EXPECT_THAT(registry.names(SKYBODY_CONTROLLER),
-              ElementsAre("flush_to_zero", "lane_controller", "plain_controller", "throws_error",
-                          "throws_int"));
+              ElementsAre("flush_to_zero", "lane_controller", "plain_controller",
+                          "spoilt_reference", "throws_error", "throws_int"));
   EXPECT_THAT(registry.names(SKYBODY_SENSOR), ElementsAre("delay_sensor", "feeling_sensor"));
   EXPECT_THAT(registry.names(SKYBODY_RANDOMIZER), ElementsAre("lane_randomizer"));
   EXPECT_THAT(registry.names(SKYBODY_TASK), ElementsAre("lane_task"));
