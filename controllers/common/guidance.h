@@ -47,17 +47,20 @@ class AccelerationLimits {
                     .value = defaults.up,
                     .min = 1e-3,
                     .doc = "limit of the upward acceleration asked for"}),
-        down_(owner, {.name = "max_acceleration_down",
-                      .unit = "m/s^2",
-                      .value = defaults.down,
-                      .min = 1e-3,
-                      .doc = "limit of the downward acceleration asked for; at most 0.9 g"}),
+        down_(owner,
+              {.name = "max_acceleration_down",
+               .unit = "m/s^2",
+               .value = defaults.down,
+               .min = 1e-3,
+               .doc = "limit of the downward acceleration asked for; at most 0.9 g, to which the "
+                      "default is lowered"}),
         by_thrust_(defaults.by_thrust) {}
 
   /// @throws std::runtime_error where no thrust would be left to steer with
   void configure(const Setup& setup) {
     gravity_ = gravity_of(setup);
-    if (down_.value() > 0.9 * gravity_) {
+    most_down_ = down_.is_given() ? down_.value() : min(down_.value(), 0.9 * gravity_);
+    if (!(gravity_ > 0.0) || most_down_ > 0.9 * gravity_) {
       throw std::runtime_error(
           "`max_acceleration_down` " + to_text(down_.value()) +
           " would leave no thrust to steer with: at most 0.9 g = " + to_text(0.9 * gravity_));
@@ -71,13 +74,13 @@ class AccelerationLimits {
 
   double side() const { return most_side_; }
   double up() const { return most_up_; }
-  double down() const { return down_.value(); }
+  double down() const { return most_down_; }
   double gravity() const { return gravity_; }
 
   /// Acceleration within its limits [m/s^2].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> held(const Vec3<Real>& a) const {
-    Vec3<Real> out{a.x, a.y, clamp(a.z, -down_.value(), most_up_)};
+    Vec3<Real> out{a.x, a.y, clamp(a.z, -most_down_, most_up_)};
     if (any(a.x * a.x + a.y * a.y > surely_within_)) {
       const Real size = norm(a.x, a.y), most(most_side_);
       const auto beyond = size > most;
@@ -106,7 +109,7 @@ class AccelerationLimits {
     const auto outwards = asked.x * change.x + asked.y * change.y > 0.0;
     const auto is_held = logical_and(wide, outwards);
     const auto above = logical_and(asked.z > most_up_, change.z > 0.0);
-    const auto below = logical_and(asked.z < -down_.value(), change.z < 0.0);
+    const auto below = logical_and(asked.z < -most_down_, change.z < 0.0);
     return {select(is_held, now.x, next.x), select(is_held, now.y, next.y),
             select(logical_or(above, below), now.z, next.z)};
   }
@@ -123,7 +126,7 @@ class AccelerationLimits {
 
   RealParameter side_, up_, down_;
   bool by_thrust_;
-  double most_side_ = 0.0, most_up_ = 0.0;
+  double most_side_ = 0.0, most_up_ = 0.0, most_down_ = 0.0;
   double gravity_ = 0.0, surely_within_ = 0.0;
 };
 

@@ -27,6 +27,8 @@ SCENARIOS = (
     "payload_paper",
     "platform_landing",
     "rotor_out",
+    "trajectory_flights",
+    "trajectory_training",
     "vehicles",
     "windy_hover",
 )

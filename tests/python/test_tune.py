@@ -29,7 +29,7 @@ from skybody.tune.flight import Flights, Flyer
 from skybody.tune.gains import find_gains
 from skybody.tune.margins import margins_of
 from skybody.tune.report import gains_yaml, report, table, write
-from skybody.tune.vehicle import uses_of
+from skybody.tune.vehicle import entries_of, uses_of
 
 ROOT = Path(__file__).resolve().parents[2]
 QUICK = TuneOptions(evaluations=33, population=16, draws=2, margins=False)
@@ -104,6 +104,19 @@ def test_written_gains_are_those_that_were_flown_and_can_be_included(
                 assert flown.param_info(path)[0] == pytest.approx(value, rel=1e-5)
     assert json.loads(files[1].read_text()) == report(tuned)
     assert files[2].read_bytes().startswith(b"\x89PNG")
+
+
+def test_gains_for_slow_rotors_cost_in_a_file_what_they_cost_in_the_search() -> None:
+    """Default gains of geometric are slowed down for these rotors, and given ones are not."""
+    options = TuneOptions(evaluations=33, margins=False)
+    tuned = tune(Vehicle("vehicle", chain="geometric,ctbt"), options)
+    written = ", ".join(entries_of(tuned.uses, tuned.after.parameters))
+    again = tune(
+        Vehicle("vehicle", chain=f"[{written}]"), dataclasses.replace(options, evaluations=1)
+    )
+    # Five digits are written.
+    assert again.before.cost == pytest.approx(tuned.after.cost, rel=1e-3)
+    assert tuned.after.cost < tuned.before.cost
 
 
 def test_parameters_of_the_chain_stay_in_the_written_file() -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from .cost import WEIGHTS
 from .margins import Margins
 from .tuner import HELD_OUT, Outcome, Tuned
+from .vehicle import entries_of
 
 
 def gains_yaml(tuned: Tuned, robot: str) -> str:
@@ -33,21 +34,8 @@ def gains_yaml(tuned: Tuned, robot: str) -> str:
 
 def _controllers(tuned: Tuned) -> str:
     """As a list over several lines: controllers of the chain, each with its gains."""
-    gained = dict(tuned.after.parameters)
-    entries = []
-    for use in tuned.uses:
-        parts = [f"plugin: {use.plugin}"]
-        if use.name != use.plugin:
-            parts.append(f"name: {use.name}")
-        parameters = dict(use.parameters)
-        for name, values in gained.get(use.name, {}).items():
-            numbers = [f"{value:g}" for value in values]
-            parameters[name] = numbers[0] if len(numbers) == 1 else f"[{', '.join(numbers)}]"
-        if parameters:
-            inner = ", ".join(f"{name}: {value}" for name, value in parameters.items())
-            parts.append(f"parameters: {{{inner}}}")
-        entries.append("\n      - {" + ", ".join(parts) + "}")
-    return "".join(entries)
+    entries = entries_of(tuned.uses, tuned.after.parameters)
+    return "".join(f"\n      - {entry}" for entry in entries)
 
 
 def margin_lines(margins: Margins | None, latency: float) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from .flight import Flights, Flyer
 from .gains import Gains, find_gains
 from .margins import Margins, margins_of
 from .search import minimize
-from .vehicle import TuneError, Use, Vehicle, uses_of
+from .vehicle import TuneError, Use, Vehicle, entries_of, uses_of
 
 Rows = NDArray[np.float64]
 
@@ -116,15 +116,21 @@ def tune(
     began = time.monotonic()
     compiled = vehicle.compile()
     program = make_program(compiled)
+    uses = uses_of(compiled)
     gains = find_gains(compiled, options.fixed)
+    # Default gains of some controllers are slowed down for slow rotors, and gains that are given
+    # are taken as they are: the candidates are given, as they will be in the file.
+    given = entries_of(uses, gains.parameters(np.zeros(len(gains))))
+    candidate = replace(vehicle, chain=f"[{', '.join(given)}]")
+    tried = candidate.compile()
     history: list[tuple[int, float]] = []
 
-    def note(tried: int, cost: float) -> None:
-        history.append((tried, cost))
+    def note(count: int, cost: float) -> None:
+        history.append((count, cost))
         if progress is not None:
-            progress(tried, options.evaluations, cost)
+            progress(count, options.evaluations, cost)
 
-    with Search(vehicle, compiled, program, gains, options) as search:
+    with Search(candidate, tried, program, gains, options) as search:
         best, _ = minimize(
             search.costs,
             len(gains),
@@ -135,13 +141,13 @@ def tune(
         )
     held_out = make_draws(compiled, HELD_OUT + 1, _generator(options.seed, 1), options.ranges)
     with Flyer(compiled, program, held_out, 1, options.num_threads) as flyer:
-        before, after = (
-            _outcome(vehicle, options, gains, flyer, point) for point in (0.0 * best, best)
-        )
+        before = _outcome(vehicle, options, gains, flyer, 0.0 * best)
+    with Flyer(tried, program, held_out, 1, options.num_threads) as flyer:
+        after = _outcome(candidate, options, gains, flyer, best)
     return Tuned(
         vehicle,
         options,
-        uses_of(compiled),
+        uses,
         gains,
         program,
         before,

@@ -161,6 +161,24 @@ def uses_of(compiled: CompiledScenario) -> list[Use]:
     return [use for use in named if use.name != LATENCY]
 
 
+def entries_of(uses: list[Use], gains: dict[str, dict[str, list[float]]]) -> list[str]:
+    """The controllers as YAML, one text each, with the gains (controller, parameter) given."""
+    entries = []
+    for use in uses:
+        parts = [f"plugin: {use.plugin}"]
+        if use.name != use.plugin:
+            parts.append(f"name: {use.name}")
+        parameters = dict(use.parameters)
+        for name, values in gains.get(use.name, {}).items():
+            numbers = [f"{value:g}" for value in values]
+            parameters[name] = numbers[0] if len(numbers) == 1 else f"[{', '.join(numbers)}]"
+        if parameters:
+            inner = ", ".join(f"{name}: {value}" for name, value in parameters.items())
+            parts.append(f"parameters: {{{inner}}}")
+        entries.append("{" + ", ".join(parts) + "}")
+    return entries
+
+
 def _absolute(path: str) -> str:
     """Of a file; a model's name stays."""
     return os.path.abspath(path) if os.path.exists(path) else path
