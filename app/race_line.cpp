@@ -55,7 +55,9 @@ class Planner {
     }
     for (int k = 0; low == 0.0 && k < 60; ++k) {
       high *= 0.5;
-      if (flies(spline, high, samples)) low = high, high *= 2.0;
+      if (!flies(spline, high, samples)) continue;
+      low = high;
+      high *= 2.0;
     }
     if (low == 0.0) return false;
     while (high - low > 1e-3 * low) {

@@ -34,7 +34,7 @@ struct SpecificThrust {
   Vec3<Real> second;  ///< [m/s^4]
 };
 
-/// What it takes of the body.
+/// The thrust, attitude and turning that a body must have for a given acceleration.
 template <class Real>
 struct FlatMotion {
   Real thrust;                      ///< per mass, along z of B [m/s^2]

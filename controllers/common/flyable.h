@@ -135,7 +135,8 @@ class FlightEnvelope {
     }
   }
 
-  /// What of thrust and torques has to give way to the others, with each rotor within its limits.
+  /// Takes the shares of thrust and torques that the rotors cannot give within their limits, where
+  /// they allocate by priority.
   void check_rotors(const FlatMotion<double>& flat, Worst& worst) const {
     const Vec3<double> torque =
         inertia_ * flat.angular_acceleration + cross(flat.rates, inertia_ * flat.rates);

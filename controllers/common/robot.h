@@ -6,6 +6,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace skybody::control {
 
@@ -73,6 +74,21 @@ inline View<RotorInfo> working_rotors(const Setup& setup, int robot, const std::
     }
   }
   return rotors;
+}
+
+/// Fails where a controller of joints is told to drive none. @throws std::runtime_error
+inline void require_joints(const Setup& setup, int robot, const std::vector<std::string>& names) {
+  if (!names.empty()) return;
+  std::string known;
+  for (const BodyInfo& body : setup.bodies()) {
+    if (body.robot != robot || body.joint == SKYBODY_WELD || body.joint == SKYBODY_FREE) continue;
+    known += (known.empty() ? "" : ", ") + std::string(body.joint_name);
+  }
+  throw std::runtime_error(
+      "`joints` names no joint to drive: robot `" + robot_name(setup, robot) + "` has " +
+      (known.empty() ? "none. Take a controller of rotors, such as `srt`, or of the base, such as "
+                       "`wrench`"
+                     : "the joints " + known));
 }
 
 /// Fails unless low < high, with both values in the message. @throws std::runtime_error

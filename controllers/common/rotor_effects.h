@@ -1,4 +1,5 @@
-// What one newton of a rotor does to the base, and what all of them can do together.
+// The force and torque that a rotor's thrust exerts on the base, per newton, and the largest force
+// and torque of all rotors together.
 //
 // Needs: rotors fixed to the base. Rotor i at r_i pushes f_i along a_i and gives
 //   F_z = a_iz f_i,   tau = ((r_i - c) x a_i - d_i (km_i / kf_i) a_i) f_i,

@@ -9,7 +9,8 @@
 
 namespace skybody::control {
 
-/// What acts at the centre of mass now: u of eq. 2.
+/// The thrust [N] and torque [N m, base axes] that act at the centre of mass now, behind the lag: u
+/// of eq. 2.
 template <class Real>
 struct ThrustTorqueState {
   Real thrust;

@@ -1,5 +1,6 @@
-// What the attitude loop of a law that follows a trajectory works on: how far the body is turned
-// from where its thrust must point, and which rates and angular accelerations it should have now.
+// Errors and feed-forward for the attitude loop of a law that follows a trajectory: the turn from
+// the body's attitude to the wished one, and the rates and angular acceleration that the body
+// should have now.
 //
 // The wished attitude R_d follows from the specific thrust that the law asks for, its rates w_d and
 // their derivative from the reference's jerk and snap (flatness.h). In axes of B, with R_e = R^T

@@ -39,8 +39,8 @@ inline HoverDrag hover_drag(const Setup& setup, int robot) {
   return {sum / mass, sum > 0.0 ? moment / sum : 0.0};
 }
 
-/// What default gains are multiplied by, so that a loop that turns at `bandwidth` keeps clear of
-/// the rotors' lag: 1 where they are quick enough, else less.
+/// The factor on default gains that keeps a loop of rate `bandwidth` clear of the rotors' lag: 1
+/// where the rotors are quick enough, else less.
 /// @param bandwidth  of the quickest loop with its default gains [rad/s]
 inline double lag_share(const Setup& setup, int robot, double bandwidth) {
   // A rate loop of gain k behind a lag tau has the poles of tau s^2 + s + k: k = 0.5 / tau damps
@@ -49,7 +49,7 @@ inline double lag_share(const Setup& setup, int robot, double bandwidth) {
   return lag > 0.0 ? min(1.0, 0.5 / (lag * bandwidth)) : 1.0;
 }
 
-/// A gain times that, for nothing where rotors are quick enough.
+/// A gain times a share of lag_share(). A share of 1 leaves the multiplication out.
 template <class Real>
 SKYBODY_INLINE Vec3<Real> shared(const Vec3<Real>& gain, double share) {
   return share == 1.0 ? gain : gain * Real(share);

@@ -33,6 +33,8 @@ class FullPose : public Controller {
     const BodyMotion<Real> base = env.body(base_);
     const Vec3<Real>& w = base.angular_velocity;
     const Vec3<Real> com = control::lift<Real>(com_);
+    // The force acts at the centre of mass, so its velocity is damped, without a part of the turn.
+    // The place that is asked for is the origin's.
     const Vec3<Real> velocity = base.velocity + rotate(base.rotation, cross(w, com));
     Vec3<Real> push = multiply_elements(kp_.vec3(env), limited(input.vec3(0) - base.position)) -
                       multiply_elements(kd_.vec3(env), velocity);

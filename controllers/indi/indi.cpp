@@ -141,8 +141,8 @@ class Indi : public Controller {
     return {env.sensor(first), env.sensor(first + 1), env.sensor(first + 2)};
   }
 
-  /// What turned the body since the last call, besides its rotors and its own spin; filtered. B
-  /// axes [N m].
+  /// The moment that neither the rotors nor the body's spin explain, from the change of rates since
+  /// the last call; filtered. B axes [N m].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> other_moment(const EnvView<Real>& env, State<Real>& state,
                                          const BodyMotion<Real>& base,
@@ -155,7 +155,7 @@ class Indi : public Controller {
     return filter_.filtered(moment * begun(env), state.moment);
   }
 
-  /// What pushed the body since the last call, besides its rotors and gravity; filtered. Per mass,
+  /// The force per mass that neither the rotors nor gravity explain, since the last call; filtered.
   /// W axes [m/s^2].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> other_force(const EnvView<Real>& env, const BodyMotion<Real>& base,

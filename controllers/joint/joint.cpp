@@ -13,7 +13,7 @@ class Joint : public Controller {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    if (joints_.values().empty()) throw std::runtime_error("`joints` names no joint to drive");
+    control::require_joints(setup, setup.robot(), joints_.values());
     std::vector<double> low, high;
     for (const std::string& name : joints_.values()) {
       const SkybodyJointDrive drive = drive_of(setup, name);

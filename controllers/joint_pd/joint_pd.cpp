@@ -14,7 +14,7 @@ class JointPd : public Controller {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    if (joints_.values().empty()) throw std::runtime_error("`joints` names no joint to drive");
+    control::require_joints(setup, setup.robot(), joints_.values());
     check_bandwidths();
     const int robot = setup.robot();
     own_ = constants_.value() == "own";

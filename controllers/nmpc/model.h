@@ -31,7 +31,7 @@ namespace skybody::nmpc {
 
 inline constexpr int kMostRotors = 16;
 
-/// What is predicted. W: world, B: base.
+/// The state that is predicted. W: world, B: base.
 struct Motion {
   Vec3<double> position;      ///< of the base, W [m]
   Vec3<double> velocity;      ///< W [m/s]
@@ -40,18 +40,20 @@ struct Motion {
   double share[kMostRotors];  ///< of each rotor's full thrust, 0 to 1
 };
 
-/// What acts beside weight, rotors and drag; constant over the horizon.
+/// Accelerations that weight, rotors and drag do not explain; constant over the horizon.
 struct Disturbance {
   Vec3<double> acceleration{0.0, 0.0, 0.0};          ///< W [m/s^2]
   Vec3<double> angular_acceleration{0.0, 0.0, 0.0};  ///< B [rad/s^2]
 };
 
+/// One rotor's effect on the vehicle at full thrust, and its lag.
 struct Rotor {
   Vec3<double> acceleration;          ///< of the vehicle at full thrust, B [m/s^2]
   Vec3<double> angular_acceleration;  ///< likewise [rad/s^2]
   double tau_up, tau_down;            ///< [s], may be 0
 };
 
+/// The vehicle's nominal constants.
 struct Model {
   int rotors = 0;
   Rotor rotor[kMostRotors];
@@ -61,14 +63,14 @@ struct Model {
   Mat3<double> inverse_inertia{};
 };
 
-/// What a rotor's lag does over a step of one length, for one time constant.
+/// The factors of a rotor's lag over a step of one length, for one time constant tau.
 struct Lag {
   double decay;   ///< e^(-h/tau)
-  double mean;    ///< m above
-  double second;  ///< n above
+  double mean;    ///< m of the mean share over the step, see above
+  double second;  ///< n of the second mean, see above
 };
 
-/// A step's length, and what follows from it alone.
+/// A step's length, and the constants that follow from it.
 struct StepLength {
   double h = 0.0;                    ///< [s]
   Vec3<double> drag{0.0, 0.0, 0.0};  ///< D / (1 + h/2 D), which acts on v_m's part without drag

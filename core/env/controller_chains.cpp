@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/env/size_remedy.h"
 #include "core/physics/world/world_layout.h"
 #include "plugins/api/text.h"
 
@@ -107,9 +108,9 @@ class ChainMaker {
     }
     const PluginOutput& given = c.outputs[0];
     if (after.input_signal != given.signal || after.input_count() != given.count) {
-      const char* remedy = after.input_signal == given.signal
-                               ? ": parameters say how many values each takes and gives"
-                               : "";
+      const std::string remedy = after.input_signal == given.signal
+                                     ? size_remedy(given.signal, given.count, after.input_count())
+                                     : "";
       throw ChainGap(uses_[static_cast<std::size_t>(i) + 1].mark,
                      "controller `" + after.name + "` takes " +
                          with_size(after.input_signal, after.input_count()) + ", but `" + c.name +

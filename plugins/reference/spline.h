@@ -19,7 +19,8 @@
 
 namespace skybody::reference {
 
-/// What holds at the first and the last knot.
+/// The condition at the first and the last knot: velocity, acceleration and jerk are 0 (kRest), or
+/// derivatives 4 to 6 are (kFree).
 enum class SplineEnds { kRest, kFree };
 
 /// Four curves over one row of times: x, y, z [m] (W) and yaw [rad].
