@@ -26,7 +26,9 @@ const ParameterValue* given(const PluginUse& use, const std::string& name) {
 double begin_of(const PluginUse& use) {
   constexpr double kRampOfFigures = 2.0;
   const ParameterValue *approach = given(use, "approach"), *ramp = given(use, "ramp");
-  const std::string kind = given(use, "kind")->texts.at(0);
+  const ParameterValue* kind_given = given(use, "kind");
+  if (kind_given == nullptr) return 0.0;
+  const std::string& kind = kind_given->texts.at(0);
   const bool has_ramp = kind != "waypoints" && kind != "csv" && kind != "step" && kind != "hold";
   return (approach == nullptr ? 0.0 : approach->numbers.at(0)) + (ramp != nullptr
                                                                       ? ramp->numbers.at(0)
@@ -34,9 +36,9 @@ double begin_of(const PluginUse& use) {
                                                                              : 0.0);
 }
 
-double yaw_of(const Quat<double>& q) {
-  return std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
-}
+/// The turn about e_z before the shortest turn that tilts z of the body, as in flatness.h: the
+/// twist of the rotation about e_z. The caller takes it to (-pi, pi].
+double yaw_of(const Quat<double>& q) { return 2.0 * std::atan2(q.z, q.w); }
 
 /// Index among the infos of the first value that controller `index` reports.
 int info_of_controller(const CompiledScenario& compiled, std::size_t index) {

@@ -91,6 +91,64 @@ TEST(Reference, SaysWhatItCannotFly) {
   EXPECT_THAT(low.err, HasSubstr("takes throttle, to which no controller leads from a reference"));
 }
 
+TEST(Reference, IsFlownAtTheFastestScaleThatARefusalTells) {
+  const TemporaryFolder folder;
+  for (const std::string speed : {"20", "7.3", "9.1", "13.7"}) {
+    const std::string path = "circle:peak_speed=" + speed;
+    const Outcome fast = run_skybody({"check", "hover", "--reference", path});
+    ASSERT_EQ(fast.exit_code, 2) << speed;
+    const std::string before = "that breaks no limit is ";
+    const std::size_t place = fast.err.find(before);
+    ASSERT_NE(place, fast.err.npos) << fast.err;
+    const std::size_t first = place + before.size();
+    const std::string scale = fast.err.substr(first, fast.err.find(':', first) - first);
+    const Outcome slower =
+        run_skybody({"check", "hover", "--reference", path + ",time_scale=" + scale});
+    EXPECT_EQ(slower.exit_code, 0) << scale << slower.err;
+  }
+}
+
+TEST(Reference, AsksNmpcsNodesOfThePreview) {
+  // A node_step that differs from the reference's default spacing: points that lie elsewhere would
+  // have the vehicle fly the path at another pace, metres away.
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      fly(folder.path(), "circle:peak_speed=1,approach=2,ramp=2",
+          {"--set",
+           "robots.quad.controllers=[{plugin: nmpc, parameters: {preview: true, horizon: 15, "
+           "node_step: 0.03}}]",
+           "--set", "randomization=[]"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_LT(rms_of(outcome.out), 5.0) << outcome.out;
+}
+
+TEST(Reference, FitsWeakGravity) {
+  const Outcome outcome =
+      run_skybody({"check", "hover", "--reference", "hold", "--set",
+                   "robots.quad.controllers=[{plugin: attitude, parameters: {feed_forward: true}}, "
+                   "{plugin: ctbr}]",
+                   "--set", "gravity=[0, 0, -3.71]"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST(Reference, FitsTheShippedScenariosWhoseChainsItCanLeadTo) {
+  // All but those without a chain that actions command, and `omav`, which takes poses.
+  for (const char* scenario :
+       {"arm", "boom", "forest", "gates", "hard_landing", "hover", "hover_crazyflie",
+        "hover_firefly", "hover_hummingbird", "hover_learn", "low_battery", "payload",
+        "payload_paper", "platform_landing", "rotor_out", "windy_hover"}) {
+    const Outcome outcome = run_skybody({"check", scenario, "--reference", "hold"});
+    EXPECT_EQ(outcome.exit_code, 0) << scenario << outcome.err;
+  }
+}
+
+TEST(Reference, AsksWhichOfSeveralRobotsFliesIt) {
+  const Outcome asked = run_skybody({"check", "formation", "--reference", "circle"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.err, HasSubstr("several robots could fly the reference"));
+  EXPECT_THAT(asked.err, HasSubstr("robot="));
+}
+
 TEST(Plan, FindsAQuickerLineThatIsFlownWithinTenCentimetres) {
   const TemporaryFolder folder;
   const fs::path table = folder.path() / "race.csv";
