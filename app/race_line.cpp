@@ -165,7 +165,11 @@ RaceLine plan_race_line(const RaceCourse& course, const control::FlightEnvelope&
     if (step < kLeastStep) step = kFirstStep;
     if (!tell(k + 1, time_of(line.spline))) break;
   }
-  planner.line(best, kInfinity, kFine, line.spline);
+  if (!planner.line(best, kInfinity, kFine, line.spline)) {
+    throw Error(
+        "the best line that was found cannot be flown at any pace when it is looked at closely: "
+        "take another seed or more samples");
+  }
   line.peak_speed = line.spline.peak_speed();
   return line;
 }

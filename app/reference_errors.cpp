@@ -22,11 +22,17 @@ const ParameterValue* given(const PluginUse& use, const std::string& name) {
   return nullptr;
 }
 
+/// Whether it is the shipped controller, and no plugin of somebody's own of that name.
+bool is_reference(const PluginUse& use) {
+  const ParameterValue* const kind = given(use, "kind");
+  return use.plugin == kPlugin && kind != nullptr && !kind->texts.empty();
+}
+
 /// When approach and ramp of a controller `reference` are over [s]. Figures have a ramp by default.
 double begin_of(const PluginUse& use) {
   constexpr double kRampOfFigures = 2.0;
   const ParameterValue *approach = given(use, "approach"), *ramp = given(use, "ramp");
-  const std::string kind = given(use, "kind")->texts.at(0);
+  const std::string& kind = given(use, "kind")->texts.at(0);
   const bool has_ramp = kind != "waypoints" && kind != "csv" && kind != "step" && kind != "hold";
   return (approach == nullptr ? 0.0 : approach->numbers.at(0)) + (ramp != nullptr
                                                                       ? ramp->numbers.at(0)
@@ -34,9 +40,9 @@ double begin_of(const PluginUse& use) {
                                                                              : 0.0);
 }
 
-double yaw_of(const Quat<double>& q) {
-  return std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
-}
+/// The turn about e_z before the shortest turn that tilts z of the body, as in flatness.h: the
+/// twist of the rotation about e_z. The caller takes it to (-pi, pi].
+double yaw_of(const Quat<double>& q) { return 2.0 * std::atan2(q.z, q.w); }
 
 /// Index among the infos of the first value that controller `index` reports.
 int info_of_controller(const CompiledScenario& compiled, std::size_t index) {
@@ -60,7 +66,7 @@ std::vector<FlownReference> flown_references(const CompiledScenario& compiled) {
   for (std::size_t r = 0; r < robots.size(); ++r) {
     for (const PluginUse& use : robots[r].controllers) {
       const std::size_t controller = index++;
-      if (use.plugin != kPlugin) continue;
+      if (!is_reference(use)) continue;
       const int body = compiled.layout().robots[r].first_body;
       found.push_back(
           {static_cast<int>(r), body, info_of_controller(compiled, controller), begin_of(use)});

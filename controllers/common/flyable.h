@@ -12,7 +12,9 @@
 // not reach all four of thrust and torques are held against thrust, fall, tilt and rates.
 #pragma once
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -212,6 +214,18 @@ double fastest_scale(const FlightEnvelope& envelope, const Reference& reference,
   return low;
 }
 
+/// A time scale in four digits, rounded down: nearest could print one that breaks the limit again.
+inline std::string scale_text(double scale) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.4g", scale);
+  if (std::strtod(digits, nullptr) > scale) {
+    // Four digits of a scale that is smaller by a unit of the fourth are those below.
+    const double unit = std::pow(10.0, std::floor(std::log10(scale)) - 3.0);
+    std::snprintf(digits, sizeof digits, "%.4g", std::strtod(digits, nullptr) - unit);
+  }
+  return digits;
+}
+
 /// Fails with the limit that breaks, when, by how much, and the fastest time scale that breaks
 /// none. @throws std::runtime_error
 template <class Reference>
@@ -226,8 +240,8 @@ void require_flyable(const FlightEnvelope& envelope, const Reference& reference,
   std::string remedy = worst->remedy + ", or take `check: false`";
   if (worst->remedy.empty()) {
     const double fastest = fastest_scale(envelope, reference, scale);
-    remedy = fastest > 0.0 ? "the fastest `time_scale` that breaks no limit is " + text(fastest) +
-                                 ": take it or less, or `check: false`"
+    remedy = fastest > 0.0 ? "the fastest `time_scale` that breaks no limit is " +
+                                 scale_text(fastest) + ": take it or less, or `check: false`"
                            : "no `time_scale` is slow enough: change the path, add a `ramp`, or "
                              "take `check: false`";
   }

@@ -26,15 +26,14 @@ struct Lead {
   int count;          ///< of its values; 0: any
   const char* gives;  ///< level of the reference
   std::vector<Use> controllers;
-  int points = 1;  ///< of the trajectory
 };
 
-// Laws hold commands to the box that actions mean, and accelerations to what suits a learner. A
-// reference is no action, and has been held against what the vehicle can do: it may go farther.
+// `position` holds positions to the box that actions mean, and accelerations to what suits a
+// learner. A reference is no action, and has been held against what the vehicle can do: it may go
+// farther. Laws of trajectories have no box, and their own limits are those of the rotors' thrust.
 #define SKYBODY_FREE_PLACE "position_min: [-1e5, -1e5, -1e5], position_max: [1e5, 1e5, 1e5]"
-#define SKYBODY_FREE \
-  SKYBODY_FREE_PLACE \
-  ", max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
+#define SKYBODY_FREE_PACE \
+  "max_acceleration_side: 30, max_acceleration_up: 30, max_acceleration_down: 8"
 
 /// A row for each signal that a reference can fly: the laws that close the loop of position and
 /// know the reference's derivatives, where the chain takes what they give.
@@ -46,28 +45,24 @@ const std::vector<Lead> kLeads = {
     {SKYBODY_ATTITUDE,
      8,
      "trajectory",
-     {"{plugin: position, parameters: {signal: trajectory, " SKYBODY_FREE "}}"}},
-    {SKYBODY_ATTITUDE, 5, "position", {"{plugin: position, parameters: {" SKYBODY_FREE "}}"}},
-    {SKYBODY_CTBR,
-     0,
-     "trajectory",
-     {"{plugin: geometric, parameters: {output: ctbr, " SKYBODY_FREE "}}"}},
-    {SKYBODY_CTBT,
-     0,
-     "trajectory",
-     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}"}},
+     {"{plugin: position, parameters: {signal: trajectory, " SKYBODY_FREE_PACE "}}"}},
+    {SKYBODY_ATTITUDE,
+     5,
+     "position",
+     {"{plugin: position, parameters: {" SKYBODY_FREE_PLACE ", " SKYBODY_FREE_PACE "}}"}},
+    {SKYBODY_CTBR, 0, "trajectory", {"{plugin: geometric, parameters: {output: ctbr}}"}},
+    {SKYBODY_CTBT, 0, "trajectory", {"{plugin: geometric, parameters: {output: ctbt}}"}},
     {SKYBODY_ROTOR_SPEED,
      0,
      "trajectory",
-     {"{plugin: geometric, parameters: {output: ctbt, " SKYBODY_FREE "}}", "{plugin: ctbt}"}},
+     {"{plugin: geometric, parameters: {output: ctbt}}", "{plugin: ctbt}"}},
     {SKYBODY_SRT,
      0,
      "trajectory",
-     {"{plugin: nmpc, parameters: {preview: true, " SKYBODY_FREE_PLACE "}}"},
-     21},  // its horizon, and now
+     {"{plugin: nmpc, parameters: {preview: true, horizon: 20, node_step: 0.05}}"}},
 };
 
-#undef SKYBODY_FREE
+#undef SKYBODY_FREE_PACE
 #undef SKYBODY_FREE_PLACE
 
 /// What the command line asks for.
@@ -157,16 +152,34 @@ class Request {
   Diagnostics& diagnostics_;
 };
 
-/// The chain that a reference may command: of the robot called `name`, or the first one that ends
-/// at rotors or moves a base.
-const ControllerChain* find_chain(const CompiledScenario& compiled, const std::string& name) {
+const std::string& robot_of(const CompiledScenario& compiled, const ControllerChain& chain) {
+  return compiled.scenario().robots[static_cast<std::size_t>(chain.robot)].name;
+}
+
+/// The chains that a reference may command: of the robot called `name`, or of all, those that end
+/// at rotors or move a base.
+std::vector<const ControllerChain*> find_chains(const CompiledScenario& compiled,
+                                                const std::string& name) {
+  std::vector<const ControllerChain*> found;
   for (const ControllerChain& chain : compiled.chains()) {
-    const RobotUse& robot = compiled.scenario().robots[static_cast<std::size_t>(chain.robot)];
     const bool is_usable = chain.team < 0 && !chain.is_fed && chain.signal != SKYBODY_NONE &&
                            chain.signal != SKYBODY_JOINT;
-    if (is_usable && (name.empty() || robot.name == name)) return &chain;
+    if (is_usable && (name.empty() || robot_of(compiled, chain) == name)) found.push_back(&chain);
   }
-  return nullptr;
+  return found;
+}
+
+/// The robots of chains, each once, for an error; empty where all are of one robot.
+std::string several_robots(const CompiledScenario& compiled,
+                           const std::vector<const ControllerChain*>& chains) {
+  std::string text;
+  int robot = -1, count = 0;
+  for (const ControllerChain* chain : chains) {
+    if (chain->robot == robot) continue;
+    robot = chain->robot;
+    text += (count++ == 0 ? "" : ", ") + robot_of(compiled, *chain);
+  }
+  return count > 1 ? text : "";
 }
 
 ConfigNode text_node(const std::string& text, const SourceMark& mark) {
@@ -211,15 +224,73 @@ Place place_of(const CompiledScenario& compiled, const ControllerChain& chain) {
           robots[robot].model.bodies[0].name};
 }
 
-/// @param parameters  of the controller `reference`, the level included
-void put_in(ConfigNode& root, const Place& place, const Lead& lead, const ConfigNode& parameters,
-            const SourceMark& mark) {
+/// Takes out draws of the task's parameters: another task takes its place.
+void drop_draws_of_task(ConfigNode& root) {
+  ConfigNode* randomization = root.find("randomization");
+  if (randomization == nullptr) return;
+  const auto is_of_task = [](const ConfigNode& path) { return path.scalar.starts_with("task."); };
+  std::erase_if(randomization->items, [&](ConfigNode& use) {
+    ConfigNode* parameters = use.find("parameters");
+    ConfigNode* what = parameters == nullptr ? nullptr : parameters->find("what");
+    if (what == nullptr) return false;
+    if (what->is_scalar()) return is_of_task(*what);
+    return std::erase_if(what->items, is_of_task) > 0 && what->items.empty();
+  });
+}
+
+/// The controllers of a lead, which fall no quicker than gravity lets them.
+/// @param gravity  [m/s^2]
+std::vector<ConfigNode> controllers_of(const Lead& lead, double gravity, const SourceMark& mark) {
+  constexpr double kShare = 0.89;  // laws refuse more than 0.9
+  std::vector<ConfigNode> out;
+  Diagnostics none;  // these texts are our own
+  for (const Use use : lead.controllers) {
+    out.push_back(*parse_yaml(use, mark.file, none));
+    ConfigNode* parameters = out.back().find("parameters");
+    ConfigNode* down = parameters == nullptr ? nullptr : parameters->find("max_acceleration_down");
+    if (down != nullptr && kShare * gravity < std::stod(down->scalar)) {
+      down->scalar = std::to_string(kShare * gravity);
+    }
+  }
+  return out;
+}
+
+/// Points of a trajectory, and how far apart they are.
+struct Preview {
+  std::string points = "1";
+  std::string spacing;  ///< [s]; empty: the default of `reference`
+};
+
+/// What the first law of trajectories takes: `nmpc` a point a node, and now; others points alone.
+Preview preview_of(const CompiledScenario& compiled, const ControllerChain& chain,
+                   const Place& place, const std::vector<ConfigNode>& controllers) {
+  Preview preview;
+  if (chain.signal == SKYBODY_TRAJECTORY) {
+    preview.points = std::to_string(chain.inputs / SKYBODY_REFERENCE_VALUES);
+    const PluginUse& law = compiled.scenario().robots[place.robot].controllers[place.controller];
+    for (const ParameterValue& value : law.parameters) {
+      if (law.plugin == "nmpc" && value.name == "node_step") {
+        preview.spacing = format_number(value.numbers.at(0));
+      }
+    }
+  } else if (!controllers.empty()) {
+    const ConfigNode& parameters = *controllers[0].find("parameters");
+    const ConfigNode *horizon = parameters.find("horizon"), *step = parameters.find("node_step");
+    if (horizon != nullptr) preview.points = std::to_string(std::stoi(horizon->scalar) + 1);
+    if (step != nullptr) preview.spacing = step->scalar;
+  }
+  return preview;
+}
+
+/// @param more_controllers  that lead from the reference to the chain
+/// @param parameters        of the controller `reference`, the level included
+void put_in(ConfigNode& root, const Place& place, const std::vector<ConfigNode>& more_controllers,
+            const ConfigNode& parameters, const SourceMark& mark) {
   ConfigNode& controllers = *root.find("robots")->items[place.robot].find("controllers");
   ConfigNode reference = plugin_node("reference", mark);
   reference.entries.push_back({"parameters", mark, parameters});
   std::vector<ConfigNode> more = {std::move(reference)};
-  Diagnostics none;  // these texts are our own
-  for (const Use use : lead.controllers) more.push_back(*parse_yaml(use, mark.file, none));
+  more.insert(more.end(), more_controllers.begin(), more_controllers.end());
   controllers.items.insert(
       controllers.items.begin() + static_cast<std::ptrdiff_t>(place.controller), more.begin(),
       more.end());
@@ -230,6 +301,7 @@ void put_in(ConfigNode& root, const Place& place, const Lead& lead, const Config
   set(watched, "link", text_node(place.base, mark));
   set(task, "parameters", std::move(watched));
   set(root, "task", std::move(task));
+  drop_draws_of_task(root);
   ConfigNode* stepping = root.find("stepping");
   if (stepping != nullptr && stepping->is_map()) set(*stepping, "horizon", text_node("0", mark));
 }
@@ -251,8 +323,13 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
   const SourceMark mark{kReferencePrefix + text, 0, 0};
   std::optional<Asked> asked = Request(text, diagnostics).read();
   if (!asked) return {};
-  const ControllerChain* chain = find_chain(compiled, asked->robot);
-  if (chain == nullptr) {
+  const std::vector<const ControllerChain*> chains = find_chains(compiled, asked->robot);
+  if (const std::string robots = several_robots(compiled, chains); !robots.empty()) {
+    diagnostics.error(mark, "several robots could fly the reference: " + robots +
+                                "; name one, as in `robot=" + robot_of(compiled, *chains[0]) + "`");
+    return {};
+  }
+  if (chains.empty()) {
     diagnostics.error(
         mark, (asked->robot.empty() ? "no robot"
                                     : "`robot` is `" + asked->robot + "`, which is no robot or") +
@@ -260,6 +337,7 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
                               "it controllers, or name another robot"));
     return {};
   }
+  const ControllerChain* chain = chains[0];
   const auto lead = std::find_if(kLeads.begin(), kLeads.end(), [&](const Lead& l) {
     return l.signal == chain->signal && (l.count == 0 || l.count == chain->inputs);
   });
@@ -272,13 +350,18 @@ ScenarioEdit reference_edit(const std::string& text, const CompiledScenario& com
     return {};
   }
   set(asked->parameters, "gives", text_node(lead->gives, mark));
-  const bool is_direct = chain->signal == SKYBODY_TRAJECTORY;
-  const int points = is_direct ? chain->inputs / SKYBODY_REFERENCE_VALUES : lead->points;
-  if (asked->parameters.find("points") == nullptr) {
-    set(asked->parameters, "points", text_node(std::to_string(points), mark));
-  }
-  return [place, lead = *lead, parameters = asked->parameters, mark](
-             ConfigNode& root, Diagnostics&) { put_in(root, place, lead, parameters, mark); };
+  const std::vector<ConfigNode> controllers =
+      controllers_of(*lead, norm(compiled.scenario().gravity()), mark);
+  const Preview preview = preview_of(compiled, *chain, place, controllers);
+  const auto by_default = [&](const std::string& key, const std::string& value) {
+    if (asked->parameters.find(key) == nullptr) set(asked->parameters, key, text_node(value, mark));
+  };
+  by_default("points", preview.points);
+  if (!preview.spacing.empty()) by_default("spacing", preview.spacing);
+  return
+      [place, controllers, parameters = asked->parameters, mark](ConfigNode& root, Diagnostics&) {
+        put_in(root, place, controllers, parameters, mark);
+      };
 }
 
 }  // namespace skybody

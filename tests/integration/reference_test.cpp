@@ -23,8 +23,9 @@ Outcome fly(const fs::path& out, const std::string& reference, std::vector<std::
   return run_skybody(arguments);
 }
 
-/// The RMS distance of the first row of the table of references [cm].
-double rms_of(const std::string& output) {
+/// A number of the first row of the table of references: 0 is the RMS distance [cm], 5 that of the
+/// yaw [degrees].
+double number_of(const std::string& output, int column) {
   std::istringstream lines(output);
   std::string line;
   while (std::getline(lines, line) && line.find("reference of") == line.npos) continue;
@@ -32,10 +33,13 @@ double rms_of(const std::string& output) {
   std::getline(lines, line);
   std::istringstream row(line);
   std::string episode, body;
-  double rms = -1.0;
-  row >> episode >> body >> rms;
-  return rms;
+  double number = -1.0;
+  row >> episode >> body;
+  for (int k = 0; k <= column; ++k) row >> number;
+  return number;
 }
+
+double rms_of(const std::string& output) { return number_of(output, 0); }
 
 std::string gates(const fs::path& folder) {
   const fs::path file = folder / "gates.yaml";
@@ -89,6 +93,75 @@ TEST(Reference, SaysWhatItCannotFly) {
       fly(folder.path(), "circle", {"--set", "robots.quad.controllers=[{plugin: throttle}]"});
   EXPECT_EQ(low.exit_code, 2);
   EXPECT_THAT(low.err, HasSubstr("takes throttle, to which no controller leads from a reference"));
+}
+
+TEST(Reference, IsFlownAtTheFastestScaleThatARefusalTells) {
+  const TemporaryFolder folder;
+  for (const std::string speed : {"20", "7.3", "9.1", "13.7"}) {
+    const std::string path = "circle:peak_speed=" + speed;
+    const Outcome fast = run_skybody({"check", "hover", "--reference", path});
+    ASSERT_EQ(fast.exit_code, 2) << speed;
+    const std::string before = "that breaks no limit is ";
+    const std::size_t place = fast.err.find(before);
+    ASSERT_NE(place, fast.err.npos) << fast.err;
+    const std::size_t first = place + before.size();
+    const std::string scale = fast.err.substr(first, fast.err.find(':', first) - first);
+    const Outcome slower =
+        run_skybody({"check", "hover", "--reference", path + ",time_scale=" + scale});
+    EXPECT_EQ(slower.exit_code, 0) << scale << slower.err;
+  }
+}
+
+TEST(Reference, AsksNmpcsNodesOfThePreview) {
+  // A node_step that differs from the reference's default spacing: with points 0.05 s apart, the
+  // vehicle flies 24 cm ahead.
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      fly(folder.path(), "circle:peak_speed=1,approach=2,ramp=2",
+          {"--set",
+           "robots.quad.controllers=[{plugin: nmpc, parameters: {preview: true, horizon: 15, "
+           "node_step: 0.03}}, {plugin: srt}]",
+           "--set", "randomization=[]"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_LT(rms_of(outcome.out), 1.0) << outcome.out;
+}
+
+TEST(Reference, HoldsTheHeadingThatControllersHold) {
+  // Banked to all sides at 4 m/s, a yaw about fixed axes would be off by degrees.
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      fly(folder.path(), "circle:peak_speed=4,approach=2,ramp=2",
+          {"--set", "robots.quad.controllers=[{plugin: ctbt}]", "--set", "randomization=[]"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_GE(number_of(outcome.out, 5), 0.0) << outcome.out;
+  EXPECT_LT(number_of(outcome.out, 5), 0.5) << outcome.out;
+}
+
+TEST(Reference, FitsWeakGravity) {
+  const Outcome outcome =
+      run_skybody({"check", "hover", "--reference", "hold", "--set",
+                   "robots.quad.controllers=[{plugin: attitude, parameters: {feed_forward: true}}, "
+                   "{plugin: ctbr}]",
+                   "--set", "gravity=[0, 0, -3.71]"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST(Reference, FitsTheShippedScenariosWhoseChainsItCanLeadTo) {
+  // All but those without a chain that actions command, and `omav`, which takes poses.
+  for (const char* scenario :
+       {"arm", "boom", "forest", "gates", "hard_landing", "hover", "hover_crazyflie",
+        "hover_firefly", "hover_hummingbird", "hover_learn", "low_battery", "payload",
+        "payload_paper", "platform_landing", "rotor_out", "windy_hover"}) {
+    const Outcome outcome = run_skybody({"check", scenario, "--reference", "hold"});
+    EXPECT_EQ(outcome.exit_code, 0) << scenario << outcome.err;
+  }
+}
+
+TEST(Reference, AsksWhichOfSeveralRobotsFliesIt) {
+  const Outcome asked = run_skybody({"check", "formation", "--reference", "circle"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.err, HasSubstr("several robots could fly the reference"));
+  EXPECT_THAT(asked.err, HasSubstr("robot="));
 }
 
 TEST(Plan, FindsAQuickerLineThatIsFlownWithinTenCentimetres) {
