@@ -197,6 +197,9 @@ def main() -> int:
             "",
             table(rows),
             "",
+            "The lag of RotorPy's Crazyflie is 72 ms, for which default gains here become gentle; "
+            "`skybody tune` fits them to a vehicle.",
+            "",
             "Ours takes calls from Python each millisecond here; RotorPy is Python altogether.",
             "",
         ]
