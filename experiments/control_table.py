@@ -21,6 +21,7 @@ from typing import Any
 import h5py
 import matplotlib
 import numpy as np
+import yaml
 from skybody.program import run_program
 from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_json
 
@@ -29,8 +30,9 @@ import matplotlib.pyplot as plt
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/skybody"
+ROTORS = yaml.safe_load((ROOT / "scenarios/models/qdrone2/rotors.yaml").read_text())
+MOST_SPEED = float(ROTORS["defaults"]["max_speed"])  # of a rotor [rad/s]
 SECONDS = 20.0  # of a flight, that count
-MOST_SPEED = 2246.0  # of a rotor of the QDrone2 [rad/s]
 
 # Places without bounds, and accelerations as laws that `--reference` itself puts before a chain.
 WIDE = "position_min: [-100, -100, -100], position_max: [100, 100, 100]"
