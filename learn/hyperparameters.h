@@ -1,0 +1,68 @@
+// What a learner is told, and its list: one row a hyper-parameter, from which come the struct, the
+// checks, presets in YAML,
+// `--set`, help, config.json, the Python binding and the table in docs/training.md.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/io/policy_file.h"
+
+namespace skybody::learn {
+
+/// The learners of this library, as `--algo` names them.
+enum class Algorithm { kFastPpo, kGradient };
+
+// X(type, name, default, least, largest, algorithms, meaning)
+//   type: int, double, bool, Sizes (numbers of units of layers), Activation
+//   algorithms: P of fast-ppo, G of gradient, B of both
+// clang-format off
+#define SKYBODY_HYPERPARAMETERS(X) \
+  X(int, envs, 256, 1, 1 << 24, B, "environments that are stepped side by side") \
+  X(int, rollout_steps, 32, 1, 1e6, B, "steps of each environment between two updates; for `gradient` the horizon of its derivatives") \
+  X(int, minibatch, 1024, 2, 1e9, P, "transitions per gradient step") \
+  X(int, epochs, 1, 1, 1000, P, "passes over a rollout; a second one fits noise of the first one's advantages") \
+  X(int, value_epochs, 5, 1, 1000, P, "the value function's passes") \
+  X(double, learning_rate, 1e-3, 0, 1, B, "of Adam, at the beginning") \
+  X(double, final_learning_rate, 0.05, 0, 1, B, "at the end, as a share of `learning_rate`; linear between. The value function keeps the first") \
+  X(double, discount, 0.99, 0, 1, B, "gamma") \
+  X(double, gae_lambda, 0.95, 0, 1, P, "lambda of generalized advantage estimation") \
+  X(double, clip_range, 0.2, 0, 10, P, "of the ratio of probabilities") \
+  X(double, target_kl, 0, 0, 100, P, "a rollout's updates of the policy stop beyond 1.5 times this KL divergence; 0: never") \
+  X(double, entropy_weight, 0, 0, 100, P, "of this term in the loss") \
+  X(double, value_weight, 0.5, 0, 100, P, "of this term in the loss") \
+  X(double, max_grad_norm, 0.5, 0, 1e6, B, "gradients are scaled down to this norm") \
+  X(double, log_std, -1, -20, 2, P, "logarithm of the actions' standard deviation, at the beginning") \
+  X(double, final_log_std, 0, -20, 2, P, "at the end: learned below the line of the two; 0: learned freely") \
+  X(bool, bounded_mean, false, 0, 1, P, "actions' mean through a tanh, so that noise always tells about actions") \
+  X(Sizes, hidden, (Sizes{64, 64}), 1, 8192, B, "sizes of the hidden layers, of policy and value function each") \
+  X(Activation, activation, Activation::kTanh, 0, 0, B, "tanh, relu or elu") \
+  X(bool, normalize_rewards, true, 0, 1, P, "divide rewards by the deviation of the discounted return") \
+  X(double, observation_clip, 10, 0, 1e6, P, "bound of normalized observations") \
+  X(double, normalization_steps, 0, 0, 1e18, P, "after which observations' statistics stay; 0: they never do") \
+  X(double, averaging_steps, 0, 0, 1e18, P, "the policy that is kept is a mean over about so many steps; 0: the last")
+// clang-format on
+
+using Sizes = std::vector<int>;
+
+/// Values of all hyper-parameters; those that an algorithm does not have are not looked at.
+struct Hyperparameters {
+#define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) TYPE NAME = DEFAULT;
+  SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+};
+
+/// A row of the list.
+struct HyperparameterRow {
+  const char* name;
+  const char* type;  ///< int, double, bool, Sizes, Activation
+  double least, largest;
+  bool fast_ppo, gradient;  ///< which algorithms have it
+  const char* meaning;
+};
+
+/// The list, in its order.
+std::span<const HyperparameterRow> hyperparameter_rows();
+
+}  // namespace skybody::learn
