@@ -1,0 +1,95 @@
+"""The connection to a Ray cluster. What is wrong with it is one message."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import os
+import socket
+from collections.abc import Iterator
+from typing import Any
+
+LOCAL = "local"
+ADDRESS_HELP = (
+    "of the cluster: HOST:PORT of its head, `auto` for the one that this machine belongs to, or "
+    "`local` (default) for one that lives as long as this command"
+)
+REMEDY = "`pip install '.[ray]'` in Skybody's source folder"
+ANSWER_SECONDS = 5.0  # that a head has for accepting a connection
+
+
+class ClusterError(RuntimeError):
+    """No Ray, no cluster, or not enough of it; the text is the whole message."""
+
+
+@contextlib.contextmanager
+def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
+    """Connects to a cluster for a scope; gives the module `ray`.
+
+    Args:
+        address: "local", "auto" or HOST:PORT.
+        cpus: processors that a local cluster says it has; None: all of this machine.
+
+    Raises:
+        ClusterError: Ray is not installed, or there is no cluster at the address.
+    """
+    ray = import_ray()
+    _check_answers(address)
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    options: dict[str, Any] = {"include_dashboard": False, "num_cpus": cpus}
+    if address == LOCAL:
+        # Nobody else can reach it, and Ray would write a token to the home folder.
+        os.environ.setdefault("RAY_AUTH_MODE", "disabled")
+    else:
+        options = {"address": address}
+    try:
+        ray.init(logging_level="ERROR", log_to_driver=False, **options)
+    except (ConnectionError, RuntimeError, ValueError) as error:
+        raise ClusterError(_no_cluster(address, _first_sentence(error))) from error
+    try:
+        yield ray
+    finally:
+        ray.shutdown()
+
+
+def import_ray() -> Any:
+    """The module `ray`. Raises ClusterError where it is not installed."""
+    if importlib.util.find_spec("ray") is None:
+        raise ClusterError(f"needs the package `ray`, not installed here: {REMEDY}")
+    import ray
+
+    return ray
+
+
+def check_cpus(ray: Any, wanted: float, what: str) -> None:
+    """Raises ClusterError where the whole cluster has fewer processors than `what` asks for."""
+    found = ray.cluster_resources().get("CPU", 0.0)
+    if found < wanted:
+        raise ClusterError(
+            f"{what}: the cluster has {found:g} processors; take fewer, or add machines "
+            "(`ray start --address=HEAD:PORT`)"
+        )
+
+
+def _check_answers(address: str) -> None:
+    """Ray itself would try for two minutes and then end the process."""
+    if address in (LOCAL, "auto"):
+        return
+    host, colon, port = address.rpartition(":")
+    if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise ClusterError(f"--address {address}: write HOST:PORT, `auto` or `local`")
+    try:
+        socket.create_connection((host, int(port)), ANSWER_SECONDS).close()
+    except OSError as error:
+        raise ClusterError(_no_cluster(address, error.strerror or str(error))) from error
+
+
+def _first_sentence(error: Exception) -> str:
+    return str(error).splitlines()[0].partition(". ")[0]
+
+
+def _no_cluster(address: str, reason: str) -> str:
+    return (
+        f"--address {address}: no Ray cluster there ({reason}); `ray start --head` starts one, "
+        "`--address local` needs none"
+    )

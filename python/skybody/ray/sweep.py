@@ -1,0 +1,227 @@
+"""Trains over seeds, hyper-parameters and scenarios on a Ray cluster; see docs/ray.md.
+
+python -m skybody.ray.sweep hover_learn --seeds 1,2,3 --set learning_rate=3e-4,1e-3 --out sweep
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from skybody._native import CompiledScenario, Error, InputError
+from skybody.arguments import check_plugin_path
+from skybody.program import run_program
+from skybody.ray import sweep_table
+from skybody.ray.cluster import ADDRESS_HELP, LOCAL, ClusterError, check_cpus, cluster
+from skybody.ray.trials import Trial, make_trials, parse_grid
+from skybody.train import files
+from skybody.train.__main__ import number
+from skybody.train.evaluate import check_option, in_our_words
+from skybody.train.presets import ALGORITHMS, UsageError, preset, with_settings
+from skybody.train.requirements import TRAINING, demand_packages
+
+EPILOG = """\
+Every combination is a run folder below --out, as `python -m skybody.train` writes it. The same
+command again goes on with what is not finished, and with seeds and values that are new. On a
+cluster --out must be a folder that all its machines see.
+Exit codes: 0 done, 1 a trial failed, 2 wrong input, 130 interrupted (the same command goes on)."""
+MOST_FAILURES = 10  # machines that may be lost under a trial before it is given up
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    made = argparse.ArgumentParser(
+        prog="python -m skybody.ray.sweep",
+        description="Trains over seeds, hyper-parameters and scenarios, with Ray Tune.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    add = made.add_argument
+    add("scenarios", nargs="+", metavar="SCENARIO", help="shipped scenarios' names, or YAML files")
+    add("--out", type=Path, required=True, metavar="DIR", help="folder of the runs")
+    add("--algo", choices=ALGORITHMS, default="lean-ppo", help="the learner; default: lean-ppo")
+    add("--seeds", type=seeds, default=[0], metavar="S,S", help="default: 0")
+    add(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE,VALUE",
+        help="a hyper-parameter and its values, of lists with semicolons between them "
+        "('hidden=64,64;512,512'); repeatable: all combinations are tried",
+    )
+    add("--total-steps", type=number, default=1_000_000, metavar="N", help="default: 1e6")
+    add("--checkpoint-every", type=number, metavar="N", help="default: a tenth of --total-steps")
+    add("--eval-episodes", type=int, default=20, metavar="N", help="default: 20")
+    add("--override", action="append", default=[], metavar="PATH=VALUE", help="of the scenarios")
+    add("--plugin-path", action="append", default=[], metavar="DIR", help="with plugins")
+    add("--address", default=LOCAL, help=ADDRESS_HELP)
+    add(
+        "--cpus",
+        type=int,
+        default=1,
+        metavar="N",
+        help="processors of a trial; default: 1. As many trials run at once as there is room for",
+    )
+    return made
+
+
+def seeds(text: str) -> list[int]:
+    """`1,2,3` or `1-10`."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, dash, last = part.partition("-")
+        if not first.isdecimal() or (dash and not last.isdecimal()):
+            raise argparse.ArgumentTypeError(f"{text}: write seeds as 1,2,3 or 1-10")
+        found += range(int(first), int(last or first) + 1)
+    return found
+
+
+def trials_of(options: argparse.Namespace) -> list[Trial]:
+    """All trials; whatever is wrong with one is said here, before anything is begun."""
+    check_option("--cpus", options.cpus, 1, 1024)
+    check_option("--total-steps", options.total_steps, 1, 2**63 - 1)
+    check_option("--eval-episodes", options.eval_episodes, 0, 2**24)
+    check_plugin_path(options.plugin_path, "--plugin-path")
+    common = ["--eval-episodes", str(options.eval_episodes)]
+    if options.checkpoint_every is not None:
+        check_option("--checkpoint-every", options.checkpoint_every, 1, 2**63 - 1)
+        common += ["--checkpoint-every", str(options.checkpoint_every)]
+    for name in ("override", "plugin_path"):
+        common += [
+            word
+            for value in getattr(options, name)
+            for word in (f"--{name.replace('_', '-')}", value)
+        ]
+    trials = make_trials(
+        options.out.absolute(),
+        options.scenarios,
+        options.algo,
+        options.seeds,
+        parse_grid(options.set, options.algo),
+        options.total_steps,
+        common,
+        options.eval_episodes > 0,
+    )
+    for trial in trials:
+        check_option("--seeds", trial.seed, 0, 2**32 - 1)
+    _check_scenarios(options, trials)
+    return trials
+
+
+def _check_scenarios(options: argparse.Namespace, trials: list[Trial]) -> None:
+    """Loads every scenario, and checks the hyper-parameters that its trials have."""
+    for scenario in options.scenarios:
+        compiled = CompiledScenario(scenario, options.override, options.plugin_path)
+        if compiled.horizon == 0 and options.eval_episodes > 0:
+            raise UsageError(f"scenario {scenario} has no horizon: --eval-episodes 0")
+        for trial in trials:
+            if trial.scenario == scenario:
+                with_settings(preset(compiled.name, trial.algorithm), trial.settings).check()
+
+
+def spec_of(options: argparse.Namespace) -> dict[str, Any]:
+    """What all trials of a sweep have in common, for sweep.json."""
+    names = ("algo", "total_steps", "checkpoint_every", "eval_episodes", "override")
+    return {name: getattr(options, name) for name in names}
+
+
+def check_folder(out: Path, spec: dict[str, Any]) -> None:
+    """Raises UsageError where something else than this sweep is there."""
+    path = out / "sweep.json"
+    if path.exists():
+        found = json.loads(path.read_text())
+        for name, value in spec.items():
+            if found.get(name) != value:
+                raise UsageError(
+                    f"--out {out} holds a sweep with {name} {found.get(name)}, not {value}; put "
+                    "it back, or take another folder"
+                )
+    elif out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise UsageError(f"--out {out} is not empty and holds no sweep: take another")
+
+
+def write_spec(out: Path, spec: dict[str, Any]) -> None:
+    """Makes the folder a sweep's."""
+    out.mkdir(parents=True, exist_ok=True)
+    files.write_file(out / "sweep.json", (json.dumps(spec, indent=1) + "\n").encode())
+
+
+def run_trials(ray: Any, waiting: list[Trial], out: Path, cpus: int) -> dict[str, str]:
+    """Trains them with Tune; returns what those that failed said, by name of the folder."""
+    # A Ctrl-C ends this program at once: the runs write checkpoints and are gone on with.
+    os.environ["TUNE_DISABLE_SIGINT_HANDLER"] = "1"
+    os.environ.setdefault("RAY_AIR_NEW_OUTPUT", "0")  # the old one is silent where it is told to
+    from ray import tune
+
+    errors: dict[str, str] = {}
+
+    class Lines(tune.Callback):  # type: ignore[misc]
+        """A line for each trial that has ended."""
+
+        def on_trial_complete(self, iteration: int, trials: Any, trial: Any, **_: Any) -> None:
+            result = trial.last_result
+            if result["error"]:
+                errors[result["name"]] = result["error"]
+            print(f"{result['name']}: {result['error'] or 'done'}", flush=True)
+
+    def train(config: dict[str, Any]) -> None:
+        trial: Trial = waiting[config["trial"]]
+        error = ""
+        try:
+            trial.train(cpus)
+        except RuntimeError as failure:
+            error = str(failure)
+        tune.report({"name": trial.folder.name, "error": error, **trial.result()})
+
+    tuner = tune.Tuner(
+        tune.with_resources(train, {"cpu": cpus}),
+        param_space={"trial": tune.grid_search(list(range(len(waiting))))},
+        run_config=tune.RunConfig(
+            storage_path=str(out.absolute() / ".tune"),
+            failure_config=tune.FailureConfig(max_failures=MOST_FAILURES),
+            callbacks=[Lines()],
+            verbose=0,
+        ),
+    )
+    found = tuner.fit()
+    for failure in found.errors:
+        errors.setdefault("a worker", str(failure))
+    return errors
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Sweeps; returns the exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        demand_packages(TRAINING)
+        trials = trials_of(options)
+        check_folder(options.out, spec_of(options))
+        errors = sweep(options, [trial for trial in trials if not trial.finished()])
+        rows = sweep_table.rows_of(trials, errors)
+        sweep_table.write(options.out, rows)
+    except (UsageError, InputError, Error, ClusterError, OSError, ValueError) as error:
+        print(f"sweep: {in_our_words(error)}", file=sys.stderr)
+        return 2
+    print(sweep_table.text(rows))
+    print(f"tables {options.out / 'results.csv'} and results.json")
+    return 1 if errors or any(row["state"] != "done" for row in rows) else 0
+
+
+def sweep(options: argparse.Namespace, waiting: list[Trial]) -> dict[str, str]:
+    """Trains what is not finished; returns what failed trials said, by name of the folder."""
+    if not waiting:
+        return {}
+    with cluster(options.address) as ray:
+        check_cpus(ray, options.cpus, f"--cpus {options.cpus}")
+        write_spec(options.out, spec_of(options))
+        print(f"{len(waiting)} trials to train", flush=True)
+        return run_trials(ray, waiting, options.out, options.cpus)
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,144 @@
+"""The trials of a sweep: each is a run folder of `python -m skybody.train`."""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.evaluation_file import read_evaluation
+from skybody.train.presets import UsageError, preset
+
+_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One training run of a sweep."""
+
+    folder: Path
+    scenario: str
+    algorithm: str
+    seed: int
+    settings: tuple[str, ...]  # hyper-parameters, KEY=VALUE
+    total_steps: int
+    common: tuple[str, ...] = ()  # further options, the same for all trials
+    evaluated: bool = True  # whether checkpoints are evaluated
+
+    def command(self, threads: int) -> list[str]:
+        """That begins the run, or goes on with it."""
+        made = [sys.executable, "-m", "skybody.train", "--out", str(self.folder)]
+        made += ["--threads", str(threads)]
+        if (self.folder / "config.json").exists():
+            return [*made, "--resume"]
+        made += [self.scenario, "--algo", self.algorithm, "--seed", str(self.seed)]
+        made += ["--total-steps", str(self.total_steps), *self.common]
+        return made + [word for setting in self.settings for word in ("--set", setting)]
+
+    def finished(self) -> bool:
+        """Whether its newest checkpoint is the last, with its evaluation if there is to be one."""
+        found = checkpoint_folders(self.folder)
+        if not found or read_meta(found[-1])["steps"] < self.total_steps:
+            return False
+        return not self.evaluated or read_evaluation(found[-1]) is not None
+
+    def result(self) -> dict[str, Any]:
+        """What its newest checkpoint is worth; empty where there is none."""
+        found = checkpoint_folders(self.folder)
+        if not found:
+            return {}
+        meta, evaluation = read_meta(found[-1]), read_evaluation(found[-1]) or {}
+        keep = ("return_mean", "return_cv", "position_error_median", "success_share")
+        return {
+            "steps": meta["steps"],
+            "wall_clock": meta["wall_clock"],
+            **{name: evaluation.get(name) for name in keep},
+            "parameter_hash": meta["parameter_hash"],
+        }
+
+    def train(self, threads: int) -> None:
+        """Begins it, or goes on with it, until its end. Raises RuntimeError with what it said.
+
+        The run ends with the process that called this: a checkpoint, then it is gone, so that its
+        folder is free for whoever goes on with it.
+        """
+        self.folder.parent.mkdir(parents=True, exist_ok=True)
+        log = self.folder.with_name(f"{self.folder.name}.log")
+        with log.open("w") as file:
+            done = subprocess.run(
+                self.command(threads),
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                check=False,
+                preexec_fn=_die_with_parent,
+                env={**os.environ, "OMP_NUM_THREADS": str(threads)},
+            )
+        if done.returncode != 0:
+            said = "\n".join(log.read_text().splitlines()[-5:])
+            raise RuntimeError(f"exit code {done.returncode}: {said}")
+
+
+def make_trials(
+    out: Path,
+    scenarios: Sequence[str],
+    algorithm: str,
+    seeds: Sequence[int],
+    grid: dict[str, list[str]],
+    total_steps: int,
+    common: Sequence[str],
+    evaluated: bool,
+) -> list[Trial]:
+    """All combinations: of a scenario and its settings all seeds, then the next ones."""
+    trials = []
+    choices = [[f"{key}={value}" for value in values] for key, values in grid.items()]
+    for scenario, settings, seed in itertools.product(
+        scenarios, list(itertools.product(*choices)), seeds
+    ):
+        name = "-".join([Path(scenario).stem, *settings, f"seed={seed}"]).replace("/", "_")
+        trials.append(
+            Trial(
+                out / name,
+                scenario,
+                algorithm,
+                seed,
+                settings,
+                total_steps,
+                tuple(common),
+                evaluated,
+            )
+        )
+    if len({trial.folder for trial in trials}) < len(trials):
+        raise UsageError("two trials of this sweep are the same: give each value once")
+    return trials
+
+
+def parse_grid(settings: Sequence[str], algorithm: str) -> dict[str, list[str]]:
+    """`--set` of a sweep: KEY=VALUE,VALUE; sizes of layers have semicolons between them.
+
+    Raises:
+        UsageError: no `=`, or one key twice. Unknown keys are left to the check of a run.
+    """
+    like = vars(preset("*", algorithm))
+    grid: dict[str, list[str]] = {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals or not text:
+            raise UsageError(f"--set {setting}: write KEY=VALUE or KEY=VALUE,VALUE")
+        if key in grid:
+            raise UsageError(f"--set {setting}: `{key}` is given twice; write {key}=VALUE,VALUE")
+        separator = ";" if ";" in text or isinstance(like.get(key), tuple) else ","
+        grid[key] = [value.strip() for value in text.split(separator)]
+    return grid
+
+
+def _die_with_parent() -> None:
+    """Linux: the child is asked to end when the thread that started it is gone."""
+    ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGTERM)
