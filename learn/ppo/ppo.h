@@ -1,4 +1,4 @@
-// Proximal policy optimisation in one process: `--algo fast-ppo`.
+// Proximal policy optimisation: `--algo fast-ppo`.
 #pragma once
 
 #include <memory>
@@ -7,13 +7,13 @@
 
 #include "learn/learner.h"
 #include "learn/ppo/ppo_driver.h"
-#include "learn/ppo/ppo_slices.h"
+#include "learn/ppo/slice_holder.h"
 #include "learn/ppo/task_crew.h"
 
 namespace skybody::learn {
 
-/// A PpoDriver and all slices, on the threads of this process. Two meetings a minibatch: all slices
-/// have their gradients; both networks have been stepped.
+/// A PpoDriver and all slices. Two meetings a minibatch: all slices have their gradients; both
+/// networks have been stepped.
 ///
 /// Episodes end in three ways. A terminated one is worth nothing further. A truncated one is worth
 /// what the value function says of its last observation, before the reset. A fault is worth nothing
@@ -22,6 +22,10 @@ class Ppo : public Learner {
  public:
   /// @throws Error as PpoSetup
   explicit Ppo(const LearnerOptions& options);
+  /// With slices that somebody else holds.
+  /// @param slices   all of setup->plan
+  /// @param threads  that step the networks
+  Ppo(std::shared_ptr<const PpoSetup> setup, std::unique_ptr<SliceHolder> slices, int threads);
 
   std::int64_t steps() const override { return driver_.steps(); }
   Report iterate() override;
@@ -33,14 +37,14 @@ class Ppo : public Learner {
  private:
   void update();
   void add_episodes(Report& report) const;
-  SliceSums sums_of(std::span<const double> (PpoSlice::*sums)() const);
-  SliceGradients gradients_of(std::span<const float> (PpoSlice::*gradient)() const,
+  SliceSums sums_of(std::span<const double> SliceOutputs::*sums);
+  SliceGradients gradients_of(std::span<const float> SliceOutputs::*gradient,
                               std::vector<const float*>& gradients);
 
   std::shared_ptr<const PpoSetup> setup_;
-  TaskCrew crew_;
+  std::unique_ptr<TaskCrew> crew_;  // before the slices, which use it
   PpoDriver driver_;
-  PpoSlices slices_;
+  std::unique_ptr<SliceHolder> slices_;
   std::vector<std::span<const double>> sums_;
   std::vector<const float*> policy_gradients_, value_gradients_;
 };

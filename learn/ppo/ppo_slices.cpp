@@ -45,6 +45,12 @@ void PpoSlices::spread_starts(std::int64_t iteration) {
             [&](int k, int) { slices_[static_cast<std::size_t>(k)]->spread_starts(iteration); });
 }
 
+SliceOutputs PpoSlices::outputs(int k) const {
+  const PpoSlice& held = slice(k);
+  return {held.rollout_sums(),    held.advantage_sums(), held.minibatch_sums(),
+          held.policy_gradient(), held.value_gradient(), held.episode_returns()};
+}
+
 std::vector<std::uint64_t> PpoSlices::save(int k, StateBlocks& blocks) const {
   StateWriter writer(blocks);
   PpoSlice::visit(slice(k), writer);
