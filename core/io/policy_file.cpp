@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <system_error>
 
 #include "core/base/error.h"
@@ -113,10 +114,12 @@ class PolicyReader {
 
   Activation read_activation(const std::string& group) {
     const std::string name = file_.text(group, "activation");
-    if (name == "none") return Activation::kNone;
-    if (name == "tanh") return Activation::kTanh;
-    if (name == "relu") return Activation::kRelu;
-    file_.fail("`activation` of `" + group + "` is `" + name + "`; allowed: none, tanh, relu");
+    std::string allowed;
+    for (std::size_t k = 0; k < std::size(kActivationNames); ++k) {
+      if (name == kActivationNames[k]) return static_cast<Activation>(k);
+      allowed += (k > 0 ? ", " : "") + std::string(kActivationNames[k]);
+    }
+    file_.fail("`activation` of `" + group + "` is `" + name + "`; allowed: " + allowed);
   }
 
   void check_layers() {

@@ -10,7 +10,12 @@
 namespace skybody {
 
 /// What follows a layer's sums.
-enum class Activation { kNone, kTanh, kRelu };
+enum class Activation { kNone, kTanh, kRelu, kElu };
+/// In their order.
+inline constexpr const char* kActivationNames[] = {"none", "tanh", "relu", "elu"};
+inline const char* name(Activation activation) {
+  return kActivationNames[static_cast<int>(activation)];
+}
 
 /// y = activation(weight x + bias).
 struct PolicyLayer {

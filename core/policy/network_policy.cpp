@@ -23,6 +23,8 @@ double activate(double x, Activation activation) {
       return tanh(x);
     case Activation::kRelu:
       return x < 0.0 ? 0.0 : x;
+    case Activation::kElu:
+      return x > 0.0 ? x : expm1(x);
     case Activation::kNone:
       break;
   }

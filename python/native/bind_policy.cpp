@@ -16,18 +16,6 @@ namespace {
 
 nb::bytes bytes_of(const std::string& text) { return nb::bytes(text.data(), text.size()); }
 
-const char* name_of(Activation activation) {
-  switch (activation) {
-    case Activation::kNone:
-      break;
-    case Activation::kTanh:
-      return "tanh";
-    case Activation::kRelu:
-      return "relu";
-  }
-  return "none";
-}
-
 nb::object vector_of(const std::vector<double>& values) {
   return copy_of<double>(values, {values.size()});
 }
@@ -36,7 +24,7 @@ nb::tuple layer_of(const PolicyLayer& layer) {
   const auto rows = static_cast<std::size_t>(layer.outputs);
   const auto columns = static_cast<std::size_t>(layer.inputs);
   return nb::make_tuple(copy_of<double>(layer.weight, {rows, columns}), vector_of(layer.bias),
-                        name_of(layer.activation));
+                        name(layer.activation));
 }
 
 nb::dict dict_of(const PolicyFile& policy) {

@@ -151,6 +151,16 @@ TEST(NetworkPolicy, NormalizesAndClipsObservations) {
   EXPECT_EQ(act(file, {0.0f, 0.0f}), 0.0f) << "relu";
 }
 
+TEST(NetworkPolicy, ActivatesByExponentialLinearUnits) {
+  const TemporaryFolder folder;
+  Draft draft;
+  draft.layers = {{1, 2, {0.5f, 0.0f}, {0.0f}, "elu"}};
+  const fs::path file = write_policy(folder.path() / "policy.h5", draft);
+  EXPECT_EQ(act(file, {1.0f, 0.0f}), 0.5f);
+  // One rounding to float of a value below 1.
+  EXPECT_NEAR(static_cast<double>(act(file, {-1.0f, 0.0f})), std::expm1(-0.5), 6e-8);
+}
+
 TEST(NetworkPolicy, IsFoundInACheckpointAndInARunsNewestCheckpoint) {
   const TemporaryFolder folder;
   for (const char* step : {"step_000000000500", "step_000000002000", "step_000000001000"}) {
@@ -301,7 +311,7 @@ const BadPolicy kBadPolicies[] = {
      "value 1 of `/layers/1/weight` is not finite: the network cannot fly; take an earlier "
      "checkpoint"},
     {"unknown_activation", [](Draft& d) { d.layers[0].activation = "gelu"; },
-     "`activation` of `/layers/0` is `gelu`; allowed: none, tanh, relu"},
+     "`activation` of `/layers/0` is `gelu`; allowed: none, tanh, relu, elu"},
     {"unknown_squash", [](Draft& d) { d.squash = "sine"; },
      "`action_squash` is `sine`; allowed: clip, tanh"},
     {"soft_link",

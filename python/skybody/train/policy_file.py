@@ -30,7 +30,7 @@ class Layer:
 
     weight: NDArray[np.floating[Any]]  # (out, in)
     bias: NDArray[np.floating[Any]]  # (out)
-    activation: str  # "tanh", "relu" or "none"
+    activation: str  # "tanh", "relu", "elu" or "none"
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,8 @@ class Policy:
                 x = np.tanh(x)
             elif layer.activation == "relu":
                 x = np.maximum(x, 0.0)
+            elif layer.activation == "elu":
+                x = np.where(x > 0.0, x, np.expm1(np.minimum(x, 0.0)))
         return np.clip(x, -1.0, 1.0)
 
 
