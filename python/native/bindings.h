@@ -10,6 +10,7 @@ namespace nb = nanobind;
 void bind_errors(nb::module_& m);
 void bind_compiled_scenario(nb::module_& m);
 void bind_batch(nb::module_& m);
+void bind_learn(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_pool(nb::module_& m);
 void bind_shapes(nb::module_& m);
