@@ -36,6 +36,8 @@ enum class Algorithm { kFastPpo, kGradient };
   X(double, log_std, -1, -20, 2, P, "logarithm of the actions' standard deviation, at the beginning") \
   X(double, final_log_std, 0, -20, 2, P, "at the end: learned below the line of the two; 0: learned freely") \
   X(bool, bounded_mean, false, 0, 1, P, "actions' mean through a tanh, so that noise always tells about actions") \
+  X(bool, squashed, false, 0, 1, P, "actions are the tanh of what is drawn, so that none is cut off; not with `bounded_mean`") \
+  X(bool, shared_policy, false, 0, 1, P, "one policy for all robots of a team: each sees its own columns and those of nobody") \
   X(Sizes, hidden, (Sizes{64, 64}), 1, 8192, B, "sizes of the hidden layers, of policy and value function each") \
   X(Activation, activation, Activation::kTanh, 0, 0, B, "tanh, relu or elu") \
   X(bool, normalize_rewards, true, 0, 1, P, "divide rewards by the deviation of the discounted return") \

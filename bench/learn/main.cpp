@@ -87,10 +87,11 @@ void compare(const std::vector<int>& sizes, int rows, int repeats) {
 
 void time_the_rest() {
   const Isa isa = best_isa();
-  std::vector<float> values(1 << 16), gradient(values.size(), 1e-3f);
+  std::vector<float> values(1 << 16);
   const double noise = quickest(50, [&] { learn::draw_normals({}, values, isa); });
-  learn::Adam adam(values.size(), isa);
-  const double step = quickest(50, [&] { adam.step(gradient, 1e-3, 1.0, values); });
+  learn::Adam adam(values.size(), 0.5, isa);
+  std::fill(adam.gradient().begin(), adam.gradient().end(), 1e-3f);
+  const double step = quickest(50, [&] { adam.step(values, 1e-3); });
   std::printf("noise %.2f ns a normal, Adam %.2f ns a parameter (%s)\n",
               1e9 * noise / static_cast<double>(values.size()),
               1e9 * step / static_cast<double>(values.size()), name(isa));

@@ -1,6 +1,7 @@
 #include "core/policy/network_policy.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
@@ -58,10 +59,15 @@ NetworkPolicy::NetworkPolicy(const std::filesystem::path& path)
 NetworkPolicy::NetworkPolicy(PolicyFile policy) : policy_(std::move(policy)) { prepare(); }
 
 void NetworkPolicy::prepare() {
-  int width = policy_.observation_size;
+  int width = policy_.input_size();
   for (const PolicyLayer& layer : policy_.layers) width = std::max(width, layer.outputs);
   values_.resize(static_cast<std::size_t>(width));
   next_.resize(values_.size());
+  if (!policy_.agents.empty()) return;
+  all_.observation.resize(static_cast<std::size_t>(policy_.observation_size));
+  all_.action.resize(static_cast<std::size_t>(policy_.action_size));
+  std::iota(all_.observation.begin(), all_.observation.end(), 0);
+  std::iota(all_.action.begin(), all_.action.end(), 0);
 }
 
 std::string NetworkPolicy::check_fits(const CompiledScenario& compiled) const {
@@ -79,8 +85,17 @@ void NetworkPolicy::act(std::span<const float> observation, std::span<float> act
                      static_cast<int>(action.size()) == policy_.action_size,
                  "a policy's rows have the wrong width");
   const FpEnvironment guard;
-  for (std::size_t k = 0; k < observation.size(); ++k) {
-    values_[k] = static_cast<double>(observation[k]);
+  if (policy_.agents.empty()) {
+    act(all_, observation, action);
+  } else {
+    for (const PolicyAgent& agent : policy_.agents) act(agent, observation, action);
+  }
+}
+
+void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observation,
+                        std::span<float> action) {
+  for (std::size_t k = 0; k < agent.observation.size(); ++k) {
+    values_[k] = static_cast<double>(observation[static_cast<std::size_t>(agent.observation[k])]);
     if (policy_.mean.empty()) continue;
     const double centred = (values_[k] - policy_.mean[k]) * policy_.scale[k];
     // The network was trained on floats.
@@ -91,9 +106,9 @@ void NetworkPolicy::act(std::span<const float> observation, std::span<float> act
     evaluate(layer, values_, next_);
     values_.swap(next_);
   }
-  for (std::size_t k = 0; k < action.size(); ++k) {
+  for (std::size_t k = 0; k < agent.action.size(); ++k) {
     const double value = policy_.squash == ActionSquash::kTanh ? tanh(values_[k]) : values_[k];
-    action[k] = static_cast<float>(clamp(value, -1.0, 1.0));
+    action[static_cast<std::size_t>(agent.action[k])] = static_cast<float>(clamp(value, -1.0, 1.0));
   }
 }
 

@@ -13,7 +13,8 @@ namespace skybody {
 
 /// The deterministic policy: the mean of the action distribution. Evaluated in double with sums
 /// from left to right and bit-stable functions: equal observations give equal actions on every
-/// machine, within 1e-6 of what the training library gives in float.
+/// machine, within 1e-6 of what the training library gives in float. A policy that a team shares is
+/// evaluated once for each robot.
 class NetworkPolicy : public Policy {
  public:
   /// @param path  policy.h5, a checkpoint folder or a training run's folder (see find_policy)
@@ -37,9 +38,11 @@ class NetworkPolicy : public Policy {
 
  private:
   void prepare();
+  void act(const PolicyAgent& agent, std::span<const float> observation, std::span<float> action);
 
   std::filesystem::path file_;
   PolicyFile policy_;
+  PolicyAgent all_;                    ///< of a policy without agents
   std::vector<double> values_, next_;  ///< between two layers, as wide as the widest
 };
 

@@ -1,9 +1,9 @@
-// The optimiser, and the norm that gradients are cut to.
+// The optimiser: slices' gradients become one, of bounded norm, and a step.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
+#include <string>
 
 #include "core/base/aligned_array.h"
 #include "core/base/isa.h"
@@ -12,48 +12,43 @@ namespace skybody::learn {
 
 struct KernelTable;
 
-struct AdamSettings {
-  double first_decay = 0.9;     ///< beta1
-  double second_decay = 0.999;  ///< beta2
-  double epsilon = 1e-5;
-};
-
-/// Adam (Kingma and Ba, ICLR 2015, algorithm 1), as PyTorch computes it: of step t
+/// Adam (Kingma and Ba 2015, arXiv 1412.6980, algorithm 1) in float32, as PyTorch computes it. Of
+/// step t, with beta1 = 0.9, beta2 = 0.999 and epsilon = 1e-5:
 ///   m += (1 - beta1) (g - m),  v = beta2 v + (1 - beta2) g^2,
 ///   parameter -= rate / (1 - beta1^t) * m / (sqrt(v) / sqrt(1 - beta2^t) + epsilon).
-/// The bits are the same on v3 and v4.
+/// With a larger epsilon than the paper's 1e-8, steps shrink with gradients that vanish. The bits
+/// are the same on v3 and v4.
 class Adam {
  public:
-  /// @param count  of parameters   @param isa  that the processor has
-  Adam(std::size_t count, Isa isa, const AdamSettings& settings = {});
+  /// @param size           of the parameters
+  /// @param max_grad_norm  gradients are scaled down to this Euclidean norm, as PyTorch's
+  ///                       clip_grad_norm_ does; 0: they are not
+  /// @param isa            that the processor has, such as best_isa()
+  Adam(std::size_t size, double max_grad_norm, Isa isa);
 
-  /// @param gradient       `count` values   @param parameters  `count` values, changed
-  /// @param learning_rate  of this step     @param scale  of the gradient, see clip_scale()
-  void step(std::span<const float> gradient, double learning_rate, double scale,
-            std::span<float> parameters);
+  std::size_t size() const { return gradient_.size(); }
+  /// The gradient that step() takes.
+  std::span<float> gradient() { return {gradient_.data(), gradient_.size()}; }
 
-  /// What a checkpoint holds.
-  std::int64_t steps() const { return steps_; }
-  std::span<const float> first() const { return {first_.data(), first_.size()}; }
-  std::span<const float> second() const { return {second_.data(), second_.size()}; }
-  /// @throws Error if there are not `count` moments of each, or `steps` < 0
-  void restore(std::int64_t steps, std::span<const float> first, std::span<const float> second);
+  /// gradient() becomes the sum, in the order given, of at least one gradient.
+  void sum(std::span<const float* const> gradients);
+  /// One step. @returns the gradient's norm before it was bounded; where it is not finite, nothing
+  /// was changed
+  double step(std::span<float> parameters, double learning_rate);
+
+  /// Names to `visitor` what a checkpoint holds. @param self  const or not
+  template <class Self, class Visitor>
+  static void visit(Self& self, const std::string& name, Visitor& visitor) {
+    visitor(name + ".first", self.first_.data(), self.first_.size());
+    visitor(name + ".second", self.second_.data(), self.second_.size());
+    visitor(name + ".powers", self.powers_, 2);
+  }
 
  private:
   const KernelTable* kernels_;
-  AdamSettings settings_;
-  AlignedArray<float> first_, second_;  ///< moments m and v
-  std::int64_t steps_ = 0;
+  double max_grad_norm_;
+  AlignedArray<float> gradient_, first_, second_;
+  double powers_[2] = {1.0, 1.0};  ///< of both betas, to the number of steps done
 };
-
-/// The Euclidean norm, summed in a fixed order: 1024 floats at a time, these sums in double.
-double gradient_norm(std::span<const float> gradient, Isa isa);
-
-/// What a gradient of this norm is multiplied with so that it has at most `largest`, as PyTorch's
-/// clip_grad_norm_: min(1, largest / (norm + 1e-6)).
-double clip_scale(double norm, double largest);
-
-/// sum += addend, of equal length: as gradients of slices are added, in their order.
-void add_to(std::span<const float> addend, std::span<float> sum, Isa isa);
 
 }  // namespace skybody::learn

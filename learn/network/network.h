@@ -46,6 +46,9 @@ struct TransposedWeights {
 /// bits are the same on v3 and v4, and for any split of rows into calls.
 class Network {
  public:
+  /// The parameters are a multiple of this many floats.
+  static constexpr int kPad = learn::kPad;
+
   /// @param isa  that the processor has, such as best_isa()
   /// @throws Error if a size is not in 1..2^24, or the activation of hidden layers is none
   Network(const NetworkShape& shape, Isa isa);

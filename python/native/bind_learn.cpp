@@ -1,6 +1,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -83,14 +84,13 @@ nb::list layers(const Network& network, nb::handle parameters) {
   return result;
 }
 
-nb::object step(Adam& adam, nb::handle gradient, double learning_rate, double max_norm,
-                nb::handle parameters) {
-  const auto count = extent(adam.first().size());
+nb::object step(Adam& adam, nb::handle gradient, double learning_rate, nb::handle parameters) {
+  const auto count = extent(adam.size());
   const Values<float> slopes = read_array<float>(gradient, "gradient", {count});
   const Values<float> before = read_array<float>(parameters, "parameters", {count});
   std::vector<float> after(before.span().begin(), before.span().end());
-  const double norm = learn::gradient_norm(slopes.span(), best_isa());
-  adam.step(slopes.span(), learning_rate, learn::clip_scale(norm, max_norm), after);
+  std::copy(slopes.span().begin(), slopes.span().end(), adam.gradient().begin());
+  adam.step(after, learning_rate);
   return copy_of<float>(after, {after.size()});
 }
 
@@ -122,13 +122,15 @@ void bind_learn(nb::module_& m) {
            "Gradients of sum(outputs * dy) at the parameters and at x.");
   nb::class_<Adam>(m, "Adam", "The optimiser of the native learners.")
       .def(
-          "__init__", [](Adam* self, std::size_t count) { new (self) Adam(count, best_isa()); },
-          nb::arg("count"))
-      .def("step", &step, nb::arg("gradient"), nb::arg("learning_rate"), nb::arg("max_norm"),
-           nb::arg("parameters"),
-           nb::sig("def step(self, gradient: object, learning_rate: float, max_norm: float, "
-                   "parameters: object) -> typing.Any"),
-           "Parameters after a step; the gradient is scaled down to `max_norm`.");
+          "__init__",
+          [](Adam* self, std::size_t size, double max_grad_norm) {
+            new (self) Adam(size, max_grad_norm, best_isa());
+          },
+          nb::arg("size"), nb::arg("max_grad_norm"))
+      .def("step", &step, nb::arg("gradient"), nb::arg("learning_rate"), nb::arg("parameters"),
+           nb::sig("def step(self, gradient: object, learning_rate: float, parameters: object) -> "
+                   "typing.Any"),
+           "Parameters after a step; the gradient is scaled down to `max_grad_norm`.");
 }
 
 }  // namespace skybody::python

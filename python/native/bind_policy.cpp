@@ -1,4 +1,5 @@
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <string>
 #include <string_view>
@@ -34,6 +35,12 @@ nb::dict dict_of(const PolicyFile& policy) {
   values["algorithm"] = policy.algorithm;
   values["steps"] = policy.steps;
   values["observation_size"] = policy.observation_size;
+  values["action_size"] = policy.action_size;
+  nb::list agents;
+  for (const PolicyAgent& agent : policy.agents) {
+    agents.append(nb::make_tuple(agent.observation, agent.action));
+  }
+  values["agents"] = agents;
   values["action_squash"] = policy.squash == ActionSquash::kTanh ? "tanh" : "clip";
   values["mean"] = vector_of(policy.mean);
   values["scale"] = vector_of(policy.scale);
@@ -66,7 +73,9 @@ void bind_policy(nb::module_& m) {
   m.def("read_policy_file", &read_policy_file, nb::arg("path"),
         nb::sig("def read_policy_file(path: str) -> dict[str, typing.Any]"),
         "What a policy.h5 holds, by the rules of `skybody run --policy`: sizes fit together and "
-        "every number is finite. `layers` are (weight, bias, activation); `mean` and `scale` are "
+        "every number is finite. `layers` are (weight, bias, activation); "
+        "`agents` (entries of the observation, entries of the action) of each robot, where robots "
+        "share the network; `mean` and `scale` are "
         "empty without a normalization. Error, which names the file, for any other file.");
   m.def(
       "printable",

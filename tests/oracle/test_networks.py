@@ -71,11 +71,11 @@ def test_updates_by_adam_are_those_of_pytorch(shape: Any) -> None:
     network, parameters, x, dy = subject(shape)
     peer = torch_network(network, parameters, torch.float32)
     theirs = torch.optim.Adam(peer.parameters(), lr=1e-3, eps=1e-5)
-    ours = _native.Adam(network.parameter_count)
+    ours = _native.Adam(network.parameter_count, 0.5)
     before = flat(network.layers(parameters))
     for _ in range(5):
         gradient, _ = network.backward(parameters, x, dy)
-        parameters = ours.step(gradient, 1e-3, 0.5, parameters)
+        parameters = ours.step(gradient, 1e-3, parameters)
         theirs.zero_grad()
         peer(torch.from_numpy(x)).backward(torch.from_numpy(dy))
         torch.nn.utils.clip_grad_norm_(peer.parameters(), 0.5)

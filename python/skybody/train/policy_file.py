@@ -34,18 +34,40 @@ class Layer:
 
 
 @dataclass(frozen=True)
+class Agent:
+    """A robot's part of a team's rows."""
+
+    observation: NDArray[np.intp]  # entries of the observation that the network sees
+    action: NDArray[np.intp]  # entries of the action that its outputs are
+
+
+@dataclass(frozen=True)
 class Policy:
-    """The mean of a Gaussian policy: a multilayer perceptron on normalized observations."""
+    """The mean of a Gaussian policy: a multilayer perceptron on normalized observations.
+
+    Where robots share it, it is evaluated for each of `agents`.
+    """
 
     layers: list[Layer]
-    mean: NDArray[np.float64]  # (O) of observations
-    scale: NDArray[np.float64]  # (O), 1 / deviation
+    mean: NDArray[np.float64]  # (I) of the network's inputs, which are the observation
+    scale: NDArray[np.float64]  # (I), 1 / deviation
     clip: float  # of normalized observations
     attributes: dict[str, Any] = field(default_factory=dict)
+    agents: list[Agent] = field(default_factory=list)
+    squash: str = "clip"  # or "tanh": how outputs become actions in [-1, 1]
 
     def __call__(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Actions (n, A) in [-1, 1] for observations (n, O); float64 from float32 weights."""
-        x = np.clip((observation - self.mean) * self.scale, -self.clip, self.clip)
+        if not self.agents:
+            return self._evaluate(observation)
+        size = sum(len(agent.action) for agent in self.agents)
+        actions = np.empty((len(observation), size))
+        for agent in self.agents:
+            actions[:, agent.action] = self._evaluate(observation[:, agent.observation])
+        return actions
+
+    def _evaluate(self, inputs: NDArray[np.float32]) -> NDArray[np.float64]:
+        x = np.clip((inputs - self.mean) * self.scale, -self.clip, self.clip)
         x = x.astype(np.float32).astype(np.float64)
         for layer in self.layers:
             x = x @ layer.weight.astype(np.float64).T + layer.bias
@@ -55,21 +77,35 @@ class Policy:
                 x = np.maximum(x, 0.0)
             elif layer.activation == "elu":
                 x = np.where(x > 0.0, x, np.expm1(np.minimum(x, 0.0)))
-        return np.clip(x, -1.0, 1.0)
+        return np.tanh(x) if self.squash == "tanh" else np.clip(x, -1.0, 1.0)
+
+    def sizes(self) -> dict[str, int]:
+        """Values of the scenario's rows."""
+        if not self.agents:
+            observations = self.layers[0].weight.shape[1]
+            return {
+                "observation_size": observations,
+                "action_size": self.layers[-1].weight.shape[0],
+            }
+        return {
+            "observation_size": int(self.attributes["observation_size"]),
+            "action_size": sum(len(agent.action) for agent in self.agents),
+        }
 
 
 def write_policy(path: Path, policy: Policy) -> None:
     """Writes `policy` with its attributes to `path`, atomically."""
-    sizes = {
-        "observation_size": policy.layers[0].weight.shape[1],
-        "action_size": policy.layers[-1].weight.shape[0],
-    }
-    stamp = {"format": FORMAT, "version": VERSION, "action_squash": "clip"}
+    stamp = {"format": FORMAT, "version": VERSION, "action_squash": policy.squash}
     import h5py  # type: ignore[import-untyped]
 
     image = io.BytesIO()
     with h5py.File(image, "w", libver=LIBVER, userblock_size=SEAL_BYTES) as file:
-        _put_attributes(file, {**policy.attributes, **sizes, **stamp})
+        _put_attributes(file, {**policy.attributes, **policy.sizes(), **stamp})
+        if policy.agents:
+            agents = file.create_group("agents")
+            for name in ("observation", "action"):
+                entries = [getattr(agent, name) for agent in policy.agents]
+                _put(agents, name, np.asarray(entries, np.int32))
         normalization = file.create_group("normalization")
         _put(normalization, "mean", policy.mean)
         _put(normalization, "scale", policy.scale)
@@ -110,15 +146,15 @@ def read_policy(path: Path) -> Policy:
         values = read_policy_file(str(path))
     except Error as error:
         raise ValueError(str(error)) from error
-    if (squash := values["action_squash"]) != "clip":
-        raise ValueError(f"{path}: action_squash {squash}; the learners write `clip` only")
     layers = [Layer(*layer) for layer in values["layers"]]
-    names = ("scenario", "scenario_hash", "algorithm", "steps")
+    agents = [Agent(*(np.asarray(part, np.intp) for part in agent)) for agent in values["agents"]]
+    names = ("scenario", "scenario_hash", "algorithm", "steps", "observation_size")
     attributes = {name: values[name] for name in names}
-    if len(values["mean"]) == 0:  # none: observations go into the network as they are
-        size = values["observation_size"]
-        return Policy(layers, np.zeros(size), np.ones(size), np.inf, attributes)
-    return Policy(layers, values["mean"], values["scale"], values["clip"], attributes)
+    rest = (attributes, agents, values["action_squash"])
+    if len(values["mean"]) == 0:  # none: inputs go into the network as they are
+        size = layers[0].weight.shape[1]
+        return Policy(layers, np.zeros(size), np.ones(size), np.inf, *rest)
+    return Policy(layers, values["mean"], values["scale"], values["clip"], *rest)
 
 
 def policy_of(file: Any) -> Policy:

@@ -1,0 +1,44 @@
+// The policy's distribution, independent normals about the network's outputs, and draws from it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/isa.h"
+
+namespace skybody::learn {
+
+/// x becomes tanh x, value by value, computed in double.
+void apply_tanh(float* values, std::size_t count, Isa isa);
+
+/// What random numbers of some rows follow from, and nothing else.
+struct NoiseKey {
+  std::uint64_t seed = 0;
+  std::uint64_t first_row = 0;  ///< of all rows of a step; every row has a stream of its own
+  std::uint64_t iteration = 0;
+  std::uint64_t step = 0;  ///< of the rollout
+};
+
+/// Standard normals. @param noise  rows x actions
+void draw_noise(const NoiseKey& key, int rows, int actions, float* noise, Isa isa);
+
+/// The actions' standard deviations, from the logarithms that are learned.
+struct Deviations {
+  std::vector<double> deviation, inverse;
+  double log_sum = 0.0;  ///< sum of the logarithms
+
+  /// Allocates in the first call only.
+  void update(std::span<const float> log_std);
+};
+
+/// Draws actions of some rows.
+/// @param mean              rows x actions
+/// @param noise             standard normals, rows x actions
+/// @param action            row r's at action + r * stride: mean + deviation noise
+/// @param log_probability   row r's at log_probability + r * stride: logarithm of the action's
+///                          density, less the constant -actions ln(2 pi) / 2
+void draw_actions(const float* mean, const float* noise, int rows, const Deviations& deviations,
+                  float* action, float* log_probability, int stride);
+
+}  // namespace skybody::learn

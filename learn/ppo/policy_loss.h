@@ -1,0 +1,56 @@
+// PPO's clipped surrogate (Schulman et al. 2017, arXiv 1707.06347, eq. 7) of some rows, and its
+// gradient at the network's outputs.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/isa.h"
+#include "learn/ppo/gaussian.h"
+
+namespace skybody::learn {
+
+/// Figures of rows, summed.
+struct PolicyFigures {
+  double loss = 0.0;     ///< -min(ratio advantage, clipped ratio advantage)
+  double kl = 0.0;       ///< ratio - 1 - ln ratio: estimates the KL divergence from the policy that
+                         ///< drew (Schulman, "Approximating KL divergence", 2020, k3)
+  double clipped = 0.0;  ///< rows whose ratio is outside the range
+};
+
+/// Rows that were drawn, and what the network says of them now.
+struct PolicyRows {
+  int count = 0;
+  const float* action = nullptr;           ///< of row r: at action + r * stride
+  const float* log_probability = nullptr;  ///< when it was drawn; likewise
+  const float* advantage = nullptr;        ///< not yet normalized; likewise
+  int stride = 0;
+  const float* mean = nullptr;  ///< of the distribution now, count x actions
+};
+
+/// What the loss is computed with.
+struct PolicyLossTerms {
+  double clip_range = 0.2;
+  double advantage_mean = 0.0, advantage_scale = 1.0;  ///< (advantage - mean) scale is used
+  double weight = 1.0;                                 ///< of a row: 1 / rows of the minibatch
+  bool is_bounded = false;                             ///< means are tanh of the network's outputs
+};
+
+/// Computes for at most `most_rows` rows at a time.
+class PolicyLoss {
+ public:
+  PolicyLoss(int most_rows, Isa isa);
+
+  /// @param gradient          of the weighted loss at the network's outputs, count x actions,
+  ///                          written
+  /// @param log_std_gradient  of the weighted loss at the logarithms of deviations; added to
+  /// @param figures           added to
+  void apply(const PolicyRows& rows, const Deviations& deviations, const PolicyLossTerms& terms,
+             float* gradient, std::span<double> log_std_gradient, PolicyFigures& figures);
+
+ private:
+  Isa isa_;
+  std::vector<double> log_ratio_, ratio_;  ///< of each row; whole packs
+};
+
+}  // namespace skybody::learn

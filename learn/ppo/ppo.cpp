@@ -1,0 +1,109 @@
+#include "learn/ppo/ppo.h"
+
+#include <chrono>
+
+#include "core/base/error.h"
+
+namespace skybody::learn {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double>(end - begin).count();
+}
+
+}  // namespace
+
+Ppo::Ppo(const LearnerOptions& options)
+    : setup_(std::make_shared<const PpoSetup>(options)),
+      crew_(options.threads, kSlices),
+      driver_(setup_),
+      slices_(setup_, 0, setup_->plan.slices(), crew_),
+      sums_(static_cast<std::size_t>(slices_.count())),
+      policy_gradients_(sums_.size()),
+      value_gradients_(sums_.size()) {}
+
+Report Ppo::iterate() {
+  const Clock::time_point begin = Clock::now();
+  slices_.collect(driver_.begin_rollout(), driver_.networks());
+  const Clock::time_point middle = Clock::now();
+  const double reward_scale = driver_.take_rollout(sums_of(&PpoSlice::rollout_sums));
+  slices_.find_advantages(reward_scale, driver_.networks());
+  driver_.take_advantages(sums_of(&PpoSlice::advantage_sums));
+  update();
+  driver_.finish();
+  Report report = driver_.report(seconds_between(begin, middle));
+  add_episodes(report);
+  slices_.spread_starts(driver_.iteration());
+  report.update_seconds = seconds_between(middle, Clock::now());
+  return report;
+}
+
+void Ppo::update() {
+  Minibatch minibatch;
+  while (driver_.next(minibatch)) {
+    slices_.find_gradients(minibatch, driver_.networks());
+    const SliceGradients policy = gradients_of(&PpoSlice::policy_gradient, policy_gradients_);
+    const SliceGradients value = gradients_of(&PpoSlice::value_gradient, value_gradients_);
+    crew_.run(2, [&](int network, int) {
+      if (network == 0 && minibatch.policy) driver_.step_policy(policy);
+      if (network == 1 && minibatch.value) driver_.step_value(value);
+    });
+    driver_.take_figures(minibatch, sums_of(&PpoSlice::minibatch_sums));
+  }
+}
+
+SliceSums Ppo::sums_of(std::span<const double> (PpoSlice::*sums)() const) {
+  for (std::size_t k = 0; k < sums_.size(); ++k) {
+    sums_[k] = (slices_.slice(static_cast<int>(k)).*sums)();
+  }
+  return sums_;
+}
+
+SliceGradients Ppo::gradients_of(std::span<const float> (PpoSlice::*gradient)() const,
+                                 std::vector<const float*>& gradients) {
+  for (std::size_t k = 0; k < gradients.size(); ++k) {
+    gradients[k] = (slices_.slice(static_cast<int>(k)).*gradient)().data();
+  }
+  return gradients;
+}
+
+void Ppo::add_episodes(Report& report) const {
+  for (int k = 0; k < slices_.count(); ++k) {
+    const std::span<const float> returns = slices_.slice(k).episode_returns();
+    report.episode_returns.insert(report.episode_returns.end(), returns.begin(), returns.end());
+  }
+}
+
+// --- checkpoints --------------------------------------------------------------------------------
+
+/// Environments of slice after slice, each with the number of its words before them.
+LearnerState Ppo::state() const {
+  LearnerState state;
+  driver_.save(state.blocks);
+  for (int k = 0; k < slices_.count(); ++k) {
+    const std::vector<std::uint64_t> words = slices_.save(k, state.blocks);
+    state.environments.push_back(words.size());
+    state.environments.insert(state.environments.end(), words.begin(), words.end());
+  }
+  return state;
+}
+
+void Ppo::restore(const LearnerState& state) {
+  driver_.check(state.blocks);
+  for (int k = 0; k < slices_.count(); ++k) slices_.check(k, state.blocks);
+  std::span<const std::uint64_t> words = state.environments;
+  for (int k = 0; k < slices_.count(); ++k) {
+    if (words.empty() || words[0] > words.size() - 1) {
+      throw Error("the checkpoint's environments end after slice " + std::to_string(k) + " of " +
+                  std::to_string(slices_.count()) + ": it is damaged, or another learner's");
+    }
+    const std::size_t count = words[0];
+    slices_.restore(k, state.blocks, words.subspan(1, count));
+    words = words.subspan(1 + count);
+  }
+  driver_.restore(state.blocks);
+}
+
+}  // namespace skybody::learn

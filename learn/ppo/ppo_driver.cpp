@@ -1,0 +1,315 @@
+#include "learn/ppo/ppo_driver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/hash.h"
+#include "core/base/math.h"
+
+namespace skybody::learn {
+namespace {
+
+/// Adds in the slices' order, whatever the sums are of.
+void add_up(SliceSums slices, std::vector<double>& total) {
+  std::fill(total.begin(), total.end(), 0.0);
+  for (const std::span<const double> sums : slices) {
+    SKYBODY_DEMAND(sums.size() == total.size(), "slices give sums of one length");
+    for (std::size_t k = 0; k < total.size(); ++k) total[k] += sums[k];
+  }
+}
+
+double mean_of(double sum, double count) {
+  return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+double variance_of(double sum, double squares, double count) {
+  const double mean = sum / count;
+  return std::max(squares / count - mean * mean, 0.0);
+}
+
+}  // namespace
+
+PpoDriver::PpoDriver(std::shared_ptr<const PpoSetup> setup)
+    : setup_(std::move(setup)),
+      networks_(setup_->agents, setup_->hyper, setup_->isa),
+      policy_adam_(networks_.policy_parameters().size(), setup_->hyper.max_grad_norm, setup_->isa),
+      value_adam_(networks_.value_parameters().size(), setup_->hyper.max_grad_norm, setup_->isa),
+      moments_(static_cast<std::size_t>(setup_->row.inputs)),
+      return_moments_(1),
+      averaged_(setup_->hyper.averaging_steps > 0.0 ? networks_.policy_weights().size() : 0),
+      rollout_(static_cast<std::size_t>(kRolloutSums + 2 * setup_->row.inputs)),
+      advantages_(kAdvantageSums) {
+  networks_.initialize(setup_->seed, setup_->hyper.log_std);
+  inputs_.mean.resize(moments_.mean.size());
+  inputs_.scale.resize(moments_.mean.size());
+}
+
+double PpoDriver::progress() const {
+  if (setup_->total_steps <= 0) return 0.0;
+  return std::min(1.0,
+                  static_cast<double>(counters_.steps) / static_cast<double>(setup_->total_steps));
+}
+
+/// Of the policy. The value function's stays: one that lags behind the policy misleads it.
+double PpoDriver::learning_rate() const {
+  const Hyperparameters& hyper = setup_->hyper;
+  return hyper.learning_rate * (1.0 - progress() * (1.0 - hyper.final_learning_rate));
+}
+
+// --- a rollout ----------------------------------------------------------------------------------
+
+const RolloutInputs& PpoDriver::begin_rollout() {
+  limit_noise();
+  inputs_.iteration = counters_.iteration;
+  inputs_.return_mean = return_moments_.mean[0];
+  for (std::size_t k = 0; k < inputs_.mean.size(); ++k) {
+    inputs_.mean[k] = moments_.mean[k];
+    inputs_.scale[k] = moments_.scale(k);
+  }
+  next_ = Minibatch();
+  next_.index = -1;
+  policy_goes_on_ = true;
+  figures_ = Figures();
+  return inputs_;
+}
+
+/// Below the line between the first and the last logarithm of the deviation, and above the smaller
+/// one.
+void PpoDriver::limit_noise() {
+  const Hyperparameters& hyper = setup_->hyper;
+  if (hyper.final_log_std == 0.0) return;
+  const double line = hyper.log_std + progress() * (hyper.final_log_std - hyper.log_std);
+  const double least = std::min(hyper.log_std, hyper.final_log_std);
+  for (float& value : networks_.log_std()) {
+    value = static_cast<float>(std::min(std::max(static_cast<double>(value), least), line));
+  }
+}
+
+double PpoDriver::take_rollout(SliceSums sums) {
+  add_up(sums, rollout_);
+  if (!setup_->hyper.normalize_rewards) return 1.0;
+  return_moments_.add(rollout_[kSumRows], std::span(rollout_).subspan(kSumReturn, 1),
+                      std::span(rollout_).subspan(kSumReturnSquares, 1));
+  return return_moments_.scale(0);
+}
+
+void PpoDriver::take_advantages(SliceSums sums) {
+  constexpr double kLeastDeviation = 1e-8;
+  add_up(sums, advantages_);
+  const double rows = rollout_[kSumRows];
+  const double variance =
+      variance_of(advantages_[kSumAdvantage], advantages_[kSumAdvantageSquares], rows);
+  next_.advantage_mean = advantages_[kSumAdvantage] / rows;
+  next_.advantage_scale = 1.0 / (std::sqrt(variance) + kLeastDeviation);
+}
+
+// --- the update ---------------------------------------------------------------------------------
+
+bool PpoDriver::next(Minibatch& minibatch) {
+  if (++next_.index == setup_->plan.minibatches()) {
+    next_.index = 0;
+    ++next_.epoch;
+    if (is_beyond_kl()) policy_goes_on_ = false;
+    figures_.epoch_kl = figures_.epoch_rows = 0.0;
+  }
+  next_.policy = next_.epoch < setup_->hyper.epochs && policy_goes_on_;
+  next_.value = next_.epoch < setup_->hyper.value_epochs;
+  minibatch = next_;
+  return next_.policy || next_.value;
+}
+
+/// Whether the policy's last pass led further from the policy that drew than it may.
+bool PpoDriver::is_beyond_kl() const {
+  const double allowed = 1.5 * setup_->hyper.target_kl;
+  return allowed > 0.0 && figures_.epoch_rows > 0.0 &&
+         figures_.epoch_kl / figures_.epoch_rows > allowed;
+}
+
+void PpoDriver::step_policy(SliceGradients gradients) {
+  step(policy_adam_, networks_.policy_parameters(), gradients, learning_rate(), "policy");
+  networks_.policy_changed();
+}
+
+void PpoDriver::step_value(SliceGradients gradients) {
+  step(value_adam_, networks_.value_parameters(), gradients, setup_->hyper.learning_rate,
+       "value function");
+  networks_.value_changed();
+}
+
+void PpoDriver::step(Adam& adam, std::span<float> parameters, SliceGradients gradients, double rate,
+                     const char* whose) {
+  adam.sum(gradients);
+  if (&adam == &policy_adam_) {
+    // The entropy of independent normals is the sum of log_std, but for a constant.
+    const auto slope = static_cast<float>(setup_->hyper.entropy_weight);
+    const std::size_t actions = networks_.log_std().size();
+    for (float& g : adam.gradient().subspan(networks_.log_std_at(), actions)) g -= slope;
+  }
+  if (!std::isfinite(adam.step(parameters, rate))) {
+    diverge(std::string("the gradient of the ") + whose);
+  }
+}
+
+void PpoDriver::take_figures(const Minibatch& minibatch, SliceSums sums) {
+  const double rows = setup_->plan.minibatch_rows(minibatch.index);
+  if (minibatch.policy) figures_.policy_rows += rows, figures_.epoch_rows += rows;
+  if (minibatch.value) figures_.value_rows += rows;
+  for (const std::span<const double> slice : sums) {
+    figures_.policy_loss += slice[kSumPolicyLoss];
+    figures_.kl += slice[kSumKl];
+    figures_.epoch_kl += slice[kSumKl];
+    figures_.clipped += slice[kSumClipped];
+    figures_.value_loss += slice[kSumValueLoss];
+  }
+}
+
+void PpoDriver::finish() {
+  check_finite();
+  const Hyperparameters& hyper = setup_->hyper;
+  if (hyper.normalization_steps == 0.0 ||
+      static_cast<double>(counters_.steps) < hyper.normalization_steps) {
+    const auto columns = static_cast<std::size_t>(setup_->row.inputs);
+    moments_.add(rollout_[kSumRows], std::span(rollout_).subspan(kRolloutSums, columns),
+                 std::span(rollout_).subspan(kRolloutSums + columns, columns));
+  }
+  average();
+  counters_.steps += setup_->steps_per_rollout();
+  ++counters_.iteration;
+}
+
+/// The mean of the weights over a walk about a good policy lies closer to its middle (Polyak and
+/// Juditsky 1992).
+void PpoDriver::average() {
+  if (averaged_.empty()) return;
+  ++counters_.averaged;
+  const double window =
+      static_cast<double>(setup_->steps_per_rollout()) / setup_->hyper.averaging_steps;
+  const double share =
+      std::max(1.0 / static_cast<double>(counters_.averaged), std::min(1.0, window));
+  const std::span<const float> weights = networks_.policy_weights();
+  for (std::size_t k = 0; k < averaged_.size(); ++k) {
+    averaged_[k] += share * (static_cast<double>(weights[k]) - averaged_[k]);
+  }
+}
+
+void PpoDriver::check_finite() const {
+  const auto are_finite = [](std::span<const float> values) {
+    return std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); });
+  };
+  if (!are_finite(networks_.policy_parameters())) diverge("a parameter of the policy");
+  if (!are_finite(networks_.value_parameters())) diverge("a parameter of the value function");
+  if (!std::isfinite(figures_.policy_loss)) diverge("the loss of the policy");
+  if (!std::isfinite(figures_.value_loss)) diverge("the loss of the value function");
+}
+
+void PpoDriver::diverge(const std::string& what) const {
+  throw Diverged("fast-ppo diverged: " + what + " is not finite after " +
+                 std::to_string(counters_.steps) +
+                 " steps; try a smaller learning_rate (--set learning_rate=...)");
+}
+
+// --- what comes out -----------------------------------------------------------------------------
+
+Report PpoDriver::report(double rollout_seconds) const {
+  Report report;
+  report.steps = counters_.steps;
+  report.position_error = mean_of(rollout_[kSumError], rollout_[kSumErrorSteps]);
+  report.faults = static_cast<std::int64_t>(rollout_[kSumFaults]);
+  const double share = rollout_[kSumEnvironmentSeconds] / rollout_[kSumSeconds];
+  report.environment_seconds = share * rollout_seconds;
+  report.inference_seconds = rollout_seconds - report.environment_seconds;
+
+  const Figures& f = figures_;
+  const double rows = rollout_[kSumRows];
+  const double errors =
+      variance_of(advantages_[kSumAdvantage], advantages_[kSumAdvantageSquares], rows);
+  const double targets = variance_of(advantages_[kSumTarget], advantages_[kSumTargetSquares], rows);
+  double deviations = 0.0;
+  for (const float log_std : networks_.log_std()) deviations += exp(static_cast<double>(log_std));
+  report.losses = {{"policy_loss", mean_of(f.policy_loss, f.policy_rows)},
+                   {"kl", mean_of(f.kl, f.policy_rows)},
+                   {"clip_fraction", mean_of(f.clipped, f.policy_rows)},
+                   {"value_loss", mean_of(f.value_loss, f.value_rows)},
+                   {"explained_variance", 1.0 - errors / (targets + 1e-8)},
+                   {"action_std", deviations / static_cast<double>(networks_.log_std().size())},
+                   {"learning_rate", learning_rate()}};
+  return report;
+}
+
+PolicyFile PpoDriver::policy() const {
+  const CompiledScenario& compiled = *setup_->compiled;
+  PolicyFile file;
+  file.scenario = compiled.scenario().name;
+  file.scenario_hash = to_hex(compiled.scenario().hash);
+  file.algorithm = "fast-ppo";
+  file.steps = counters_.steps;
+  file.observation_size = compiled.observation_size();
+  file.action_size = compiled.action_size();
+  const AgentTable& agents = setup_->agents;
+  for (std::size_t k = 0; agents.is_shared && k < agents.observation.size(); ++k) {
+    file.agents.push_back({agents.observation[k], agents.action[k]});
+  }
+  file.squash = setup_->hyper.squashed ? ActionSquash::kTanh : ActionSquash::kClip;
+  file.clip = setup_->hyper.observation_clip;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(file.input_size()); ++k) {
+    file.mean.push_back(moments_.mean[k]);
+    file.scale.push_back(moments_.scale(k));
+  }
+  if (counters_.averaged > 0) {
+    const std::vector<float> weights(averaged_.begin(), averaged_.end());
+    file.layers = networks_.policy().layers(weights);
+  } else {
+    file.layers = networks_.policy().layers(networks_.policy_weights());
+  }
+  if (setup_->hyper.bounded_mean) file.layers.back().activation = Activation::kTanh;
+  return file;
+}
+
+std::uint64_t PpoDriver::parameter_hash() const {
+  HashChain chain;
+  for (const auto values : {networks_.policy_parameters(), networks_.value_parameters()}) {
+    for (const float value : values) {
+      std::uint32_t bits;
+      std::memcpy(&bits, &value, sizeof(bits));
+      chain.update(bits);
+    }
+  }
+  return chain.value();
+}
+
+// --- checkpoints --------------------------------------------------------------------------------
+
+template <class Self, class Visitor>
+void PpoDriver::visit(Self& self, Visitor& visitor) {
+  visitor("counters", &self.counters_, 1);
+  visitor("policy", self.networks_.policy_parameters().data(),
+          self.networks_.policy_parameters().size());
+  visitor("value", self.networks_.value_parameters().data(),
+          self.networks_.value_parameters().size());
+  Adam::visit(self.policy_adam_, "policy_adam", visitor);
+  Adam::visit(self.value_adam_, "value_adam", visitor);
+  RunningMoments::visit(self.moments_, "moments", visitor);
+  RunningMoments::visit(self.return_moments_, "return_moments", visitor);
+  visitor("averaged", self.averaged_.data(), self.averaged_.size());
+}
+
+void PpoDriver::save(StateBlocks& blocks) const {
+  StateWriter writer(blocks);
+  visit(*this, writer);
+}
+
+void PpoDriver::check(const StateBlocks& blocks) {
+  StateReader reader(blocks, StateReader::Mode::kCheck);
+  visit(*this, reader);
+}
+
+void PpoDriver::restore(const StateBlocks& blocks) {
+  check(blocks);
+  StateReader reader(blocks, StateReader::Mode::kCopy);
+  visit(*this, reader);
+  networks_.policy_changed();
+  networks_.value_changed();
+}
+
+}  // namespace skybody::learn

@@ -1,0 +1,117 @@
+// What of a PPO is one for all slices: parameters, their optimisers, statistics and schedules.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/io/policy_file.h"
+#include "learn/learner.h"
+#include "learn/network/adam.h"
+#include "learn/ppo/ppo_messages.h"
+#include "learn/ppo/ppo_networks.h"
+#include "learn/ppo/ppo_setup.h"
+#include "learn/ppo/running_moments.h"
+#include "learn/ppo/state_blocks.h"
+
+namespace skybody::learn {
+
+/// What slices give: an array from each, in the order of the slices.
+using SliceSums = std::span<const std::span<const double>>;
+using SliceGradients = std::span<const float* const>;
+
+/// PPO (Schulman et al. 2017, arXiv 1707.06347) with large batches, one pass of the policy over a
+/// rollout and several of the value function. Asks, in this order, for
+///
+///   begin_rollout()      slices collect
+///   take_rollout()       slices find advantages
+///   take_advantages()
+///   while next():        slices find gradients
+///     step_policy(), step_value(), take_figures()
+///   finish()             slices spread their starts
+///
+/// and adds what slices give in their order: where they are held changes no bits.
+class PpoDriver {
+ public:
+  explicit PpoDriver(std::shared_ptr<const PpoSetup> setup);
+
+  const PpoNetworks& networks() const { return networks_; }
+  std::int64_t steps() const { return counters_.steps; }
+  /// Rollouts done.
+  std::int64_t iteration() const { return counters_.iteration; }
+
+  /// Holds the noise to its limits. @returns what slices are to be told, until the next call
+  const RolloutInputs& begin_rollout();
+  /// @param sums  of RolloutSum
+  /// @returns what rewards are multiplied by
+  double take_rollout(SliceSums sums);
+  /// @param sums  of AdvantageSum
+  void take_advantages(SliceSums sums);
+
+  /// The next gradient step. @returns false if the update is over
+  bool next(Minibatch& minibatch);
+  /// One step of a network, where the minibatch is the policy's or the value function's. The two
+  /// may run at the same time.
+  /// @throws Diverged if the gradient is not finite
+  void step_policy(SliceGradients gradients);
+  void step_value(SliceGradients gradients);
+  /// @param sums  of MinibatchSum
+  void take_figures(const Minibatch& minibatch, SliceSums sums);
+
+  /// Ends the iteration: counts its steps, and takes its observations into the statistics.
+  /// @throws Diverged if a parameter or a loss is not finite
+  void finish();
+  /// On the iteration that finish() has ended, without episodes' returns and seconds of the update.
+  /// @param rollout_seconds  that it took
+  Report report(double rollout_seconds) const;
+
+  PolicyFile policy() const;
+  std::uint64_t parameter_hash() const;
+
+  void save(StateBlocks& blocks) const;
+  /// @throws Error if `blocks` are another learner's; then nothing has changed
+  void check(const StateBlocks& blocks);
+  void restore(const StateBlocks& blocks);
+
+ private:
+  struct Counters {
+    std::int64_t steps = 0, iteration = 0, averaged = 0;
+  };
+  /// Sums over an iteration.
+  struct Figures {
+    double policy_loss = 0.0, kl = 0.0, clipped = 0.0, policy_rows = 0.0;
+    double value_loss = 0.0, value_rows = 0.0;
+    double epoch_kl = 0.0, epoch_rows = 0.0;  ///< of the policy's pass under way
+  };
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor& visitor);
+  double progress() const;
+  double learning_rate() const;
+  void limit_noise();
+  bool is_beyond_kl() const;
+  void step(Adam& adam, std::span<float> parameters, SliceGradients gradients, double rate,
+            const char* whose);
+  void average();
+  void check_finite() const;
+  [[noreturn]] void diverge(const std::string& what) const;
+
+  std::shared_ptr<const PpoSetup> setup_;
+  PpoNetworks networks_;
+  Adam policy_adam_, value_adam_;
+  RunningMoments moments_;         ///< of the value function's inputs
+  RunningMoments return_moments_;  ///< of the discounted return
+  std::vector<double> averaged_;   ///< policy weights, over the last averaging_steps
+  Counters counters_;
+
+  // Of the iteration under way:
+  RolloutInputs inputs_;
+  std::vector<double> rollout_, advantages_;  ///< sums over the slices
+  Minibatch next_;
+  bool policy_goes_on_ = true;
+  Figures figures_;
+};
+
+}  // namespace skybody::learn

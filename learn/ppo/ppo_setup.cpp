@@ -1,0 +1,60 @@
+#include "learn/ppo/ppo_setup.h"
+
+#include <string>
+
+#include "core/base/error.h"
+
+namespace skybody::learn {
+namespace {
+
+void refuse_images(const CompiledScenario& compiled) {
+  std::string names;
+  for (const ObservationColumn& column : compiled.columns()) {
+    if (column.image >= 0) names += (names.empty() ? "" : ", ") + column.name;
+  }
+  if (names.empty()) return;
+  throw Error("`" + compiled.scenario().name + "` observes " + names +
+              ", and `fast-ppo` learns from vectors alone: leave images out of `observe`, or use "
+              "skybody.sb3.SkybodyVecEnv with MultiInputPolicy");
+}
+
+void check_together(const Hyperparameters& hyper, int rows_per_env) {
+  const std::int64_t rows = std::int64_t{hyper.envs} * rows_per_env;
+  if (hyper.minibatch < 2 || hyper.minibatch > rows) {
+    throw Error("hyper-parameter minibatch = " + std::to_string(hyper.minibatch) +
+                ": allowed is 2 to the rows of a rollout, " + std::to_string(rows) +
+                " (envs * rollout_steps, with shared_policy times the robots)");
+  }
+  if (hyper.squashed && hyper.bounded_mean) {
+    throw Error("hyper-parameters squashed and bounded_mean exclude one another: set one to false");
+  }
+}
+
+/// Names under which tasks give the distance from their goal [m], in the order of preference.
+constexpr const char* kErrors[] = {"position_error", "payload_error", "formation_error"};
+
+}  // namespace
+
+PpoSetup::PpoSetup(const LearnerOptions& options)
+    : compiled(options.compiled),
+      hyper(options.hyper),
+      seed(options.seed),
+      total_steps(options.total_steps),
+      isa(best_isa()),
+      agents((refuse_images(*compiled), make_agent_table(*compiled, hyper.shared_policy))),
+      plan(hyper.envs, hyper.rollout_steps * agents.rows(), hyper.minibatch),
+      row{agents.observation_size() + agents.privileged_size(), agents.action_size()} {
+  check_together(hyper, hyper.rollout_steps * agents.rows());
+  for (const char* name : kErrors) {
+    int first = 0;
+    for (const Channel& channel : compiled->info_channels()) {
+      if (error_first < 0 && channel.name == name) {
+        error_first = first;
+        error_count = channel.count;
+      }
+      first += channel.count;
+    }
+  }
+}
+
+}  // namespace skybody::learn

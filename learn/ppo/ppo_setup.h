@@ -1,0 +1,48 @@
+// What a PPO is made of before anything is learned: scenario, hyper-parameters and the sizes that
+// follow from them. The same on every machine that takes part.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/base/isa.h"
+#include "core/env/compiled_scenario.h"
+#include "learn/hyperparameters.h"
+#include "learn/learner.h"
+#include "learn/ppo/agent_table.h"
+#include "learn/ppo/slice_plan.h"
+
+namespace skybody::learn {
+
+/// Where things lie within a row of a rollout [floats]. A row begins with what the value function
+/// sees, and that with what the policy sees. Rows are whole cache lines.
+struct RowLayout {
+  int inputs = 0, actions = 0;
+  int action() const { return inputs; }
+  int log_probability() const { return inputs + actions; }
+  int advantage() const { return log_probability() + 1; }
+  int value_target() const { return log_probability() + 2; }  ///< advantage plus value
+  int stride() const { return (log_probability() + 3 + 15) / 16 * 16; }
+};
+
+/// Immutable.
+struct PpoSetup {
+  /// @throws Error if the scenario observes images, if robots that are to share a policy are not
+  ///         alike, or if hyper-parameters exclude one another
+  explicit PpoSetup(const LearnerOptions& options);
+
+  std::shared_ptr<const CompiledScenario> compiled;
+  Hyperparameters hyper;
+  std::uint64_t seed;
+  std::int64_t total_steps;
+  Isa isa;
+  AgentTable agents;
+  SlicePlan plan;
+  RowLayout row;
+  int error_first = -1, error_count = 0;  ///< info values whose norm is the distance from the goal
+
+  /// Environment steps of a rollout.
+  std::int64_t steps_per_rollout() const { return std::int64_t{hyper.envs} * hyper.rollout_steps; }
+};
+
+}  // namespace skybody::learn

@@ -1,0 +1,55 @@
+// Consecutive slices of a PPO's environments: all of them, or what a worker on another machine
+// holds.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "learn/ppo/ppo_messages.h"
+#include "learn/ppo/ppo_networks.h"
+#include "learn/ppo/ppo_setup.h"
+#include "learn/ppo/ppo_slice.h"
+#include "learn/ppo/state_blocks.h"
+#include "learn/ppo/task_crew.h"
+
+namespace skybody::learn {
+
+/// Runs the phases of its slices on the threads of a crew, in the order in which PpoDriver asks.
+/// What a slice gives does not depend on who holds it, nor on what else he holds. Numbers go in and
+/// out as plain arrays: parameters (by PpoNetworks::set), RolloutInputs, Minibatch in; sums and
+/// gradients of each slice out, which stay until the next call.
+class PpoSlices {
+ public:
+  /// Slices `first` ... first + count - 1 of setup->plan.
+  /// @param crew  outlives this; may serve others between calls
+  PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, TaskCrew& crew);
+
+  int first() const { return first_; }
+  int count() const { return static_cast<int>(slices_.size()); }
+  /// @param k  0 ... count() - 1
+  const PpoSlice& slice(int k) const { return *slices_[static_cast<std::size_t>(k)]; }
+
+  void collect(const RolloutInputs& inputs, const PpoNetworks& networks);
+  void find_advantages(double reward_scale, const PpoNetworks& networks);
+  void find_gradients(const Minibatch& minibatch, const PpoNetworks& networks);
+  /// @param iteration  rollouts done
+  void spread_starts(std::int64_t iteration);
+
+  /// Everything of slice k: words beside the environments' are added to `blocks`.
+  /// @returns the environments' words
+  std::vector<std::uint64_t> save(int k, StateBlocks& blocks) const;
+  /// Whether `blocks` has slice k's. @throws Error if not
+  void check(int k, const StateBlocks& blocks);
+  /// @throws Error if the words are not of these environments
+  void restore(int k, const StateBlocks& blocks, std::span<const std::uint64_t> environments);
+
+ private:
+  int first_;
+  TaskCrew& crew_;
+  std::vector<std::unique_ptr<PpoSlice>> slices_;
+  std::vector<std::unique_ptr<SliceScratch>> scratch_;  ///< of each thread of the crew
+};
+
+}  // namespace skybody::learn

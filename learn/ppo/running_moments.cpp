@@ -1,0 +1,26 @@
+#include "learn/ppo/running_moments.h"
+
+#include <cmath>
+
+namespace skybody::learn {
+
+void RunningMoments::add(double rows, std::span<const double> sum,
+                         std::span<const double> squares) {
+  if (rows <= 0.0) return;
+  const double total = count + rows;
+  for (std::size_t k = 0; k < mean.size(); ++k) {
+    const double delta = sum[k] / rows;
+    const double spread = squares[k] / rows - delta * delta;
+    variance[k] =
+        (count * variance[k] + rows * spread + delta * delta * (count * rows / total)) / total;
+    mean[k] += delta * (rows / total);
+  }
+  count = total;
+}
+
+double RunningMoments::scale(std::size_t column) const {
+  constexpr double kLeastVariance = 1e-8;
+  return 1.0 / std::sqrt(variance[column] + kLeastVariance);
+}
+
+}  // namespace skybody::learn
