@@ -138,18 +138,36 @@ class PolicyReader {
     const Hdf5Reader::Shape shape = file_.shape(name);
     const int inputs =
         policy_.layers.empty() ? policy_.input_size() : policy_.layers.back().outputs;
+    const bool is_gru = file_.has(group + "/state_weight");
     if (shape.rank != 2 || shape.rows < 1 || shape.rows > kMostValues ||
-        shape.columns != static_cast<std::size_t>(inputs)) {
-      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: outputs x " +
-                 std::to_string(inputs));
+        shape.columns != static_cast<std::size_t>(inputs) || (is_gru && shape.rows % 3 != 0)) {
+      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: " +
+                 (is_gru ? "3 units x " : "outputs x ") + std::to_string(inputs));
     }
     PolicyLayer layer;
+    layer.kind = is_gru ? LayerKind::kGru : LayerKind::kDense;
     layer.inputs = inputs;
-    layer.outputs = static_cast<int>(shape.rows);
+    layer.outputs = static_cast<int>(is_gru ? shape.rows / 3 : shape.rows);
     layer.weight = finite(name, file_.all<double>(name));
-    layer.bias = read_vector(group + "/bias", layer.outputs);
-    layer.activation = read_activation(group);
+    layer.bias = read_vector(group + "/bias", layer.weight_rows());
+    if (is_gru) {
+      read_state_weights(group, layer);
+    } else {
+      layer.activation = read_activation(group);
+    }
     policy_.layers.push_back(std::move(layer));
+  }
+
+  void read_state_weights(const std::string& group, PolicyLayer& layer) {
+    const std::string name = group + "/state_weight";
+    const Hdf5Reader::Shape shape = file_.shape(name);
+    if (shape.rank != 2 || shape.rows != static_cast<std::size_t>(layer.weight_rows()) ||
+        shape.columns != static_cast<std::size_t>(layer.outputs)) {
+      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: " +
+                 std::to_string(layer.weight_rows()) + " x " + std::to_string(layer.outputs));
+    }
+    layer.state_weight = finite(name, file_.all<double>(name));
+    layer.state_bias = read_vector(group + "/state_bias", layer.weight_rows());
   }
 
   Activation read_activation(const std::string& group) {

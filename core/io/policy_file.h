@@ -17,12 +17,26 @@ inline const char* name(Activation activation) {
   return kActivationNames[static_cast<int>(activation)];
 }
 
-/// y = activation(weight x + bias).
+enum class LayerKind { kDense, kGru };
+/// In their order.
+inline constexpr const char* kLayerKindNames[] = {"dense", "gru"};
+inline const char* name(LayerKind kind) { return kLayerKindNames[static_cast<int>(kind)]; }
+
+/// Dense: y = activation(weight x + bias).
+/// Gated recurrent units (Cho et al. 2014), as PyTorch's GRU: with the state h, and rows of weights
+/// and biases for the gates r, z and n in this order,
+///   r = sigmoid(weight x + bias + state_weight h + state_bias), z likewise,
+///   n = tanh(weight x + bias + r (state_weight h + state_bias)),  y = h' = (1 - z) n + z h.
 struct PolicyLayer {
   int inputs = 0, outputs = 0;
-  std::vector<double> weight;  ///< outputs x inputs, row by row
-  std::vector<double> bias;    ///< outputs
+  std::vector<double> weight;  ///< weight_rows() x inputs, row by row
+  std::vector<double> bias;    ///< weight_rows()
   Activation activation = Activation::kNone;
+  LayerKind kind = LayerKind::kDense;
+  std::vector<double> state_weight;  ///< weight_rows() x outputs; dense: empty
+  std::vector<double> state_bias;    ///< weight_rows(); dense: empty
+
+  int weight_rows() const { return kind == LayerKind::kGru ? 3 * outputs : outputs; }
 };
 
 /// How the last layer's values become actions in [-1, 1].

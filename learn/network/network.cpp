@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "learn/network/initial_weights.h"
 #include "learn/network/kernels/kernels.h"
+#include "learn/network/large_enough.h"
 
 namespace skybody::learn {
 namespace {
@@ -49,9 +50,8 @@ Finish slope_of(Activation activation) {
   return Finish::kNone;
 }
 
-void make_large_enough(AlignedArray<float>& array, int rows, int stride) {
-  const std::size_t size = static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride);
-  if (array.size() < size) array = AlignedArray<float>(size);
+std::size_t area(int rows, int stride) {
+  return static_cast<std::size_t>(rows) * static_cast<std::size_t>(stride);
 }
 
 void copy_rows(const float* from, int from_stride, int rows, int width, float* to, int to_stride) {
@@ -122,20 +122,8 @@ void Network::transpose(std::span<const float> parameters, TransposedWeights& tr
   transposed.layers.resize(layers_.size());
   for (std::size_t k = 0; k < layers_.size(); ++k) {
     const PanelMatrix& weight = layers_[k].weight;
-    const PanelMatrix turned = {weight.columns, weight.rows};
-    make_large_enough(transposed.layers[k], 1, static_cast<int>(turned.size()));
-    const float* from = parameters.data() + layers_[k].weight_at;
-    float* to = transposed.layers[k].data();
-    // One row of a panel of `turned` after another, from a column of a panel of `weight`.
-    for (int first = 0; first < turned.columns; first += kPanel) {
-      const int width = std::min(kPanel, turned.columns - first);
-      for (int o = 0; o < turned.rows; ++o) {
-        const std::size_t step = weight.at(1, o) - weight.at(0, o);
-        const float* column = from + weight.at(first, o);
-        float* row = to + turned.at(o, first);
-        for (int i = 0; i < width; ++i) row[i] = column[static_cast<std::size_t>(i) * step];
-      }
-    }
+    make_large_enough(transposed.layers[k], weight.transposed().size());
+    learn::transpose(weight, parameters.data() + layers_[k].weight_at, transposed.layers[k].data());
   }
 }
 
@@ -150,7 +138,7 @@ void Network::forward(std::span<const float> parameters, const float* x, int x_s
   memory.rows = rows;
   memory.outputs.resize(layers_.size());
   for (std::size_t k = 0; k < layers_.size(); ++k) {
-    make_large_enough(memory.outputs[k], rows, layers_[k].stride);
+    make_large_enough(memory.outputs[k], area(rows, layers_[k].stride));
   }
   for (int first = 0; first < rows; first += chunk_) {
     forward_rows(parameters, {x, x_stride}, first, std::min(chunk_, rows - first), memory);
@@ -175,8 +163,6 @@ void Network::forward_rows(std::span<const float> parameters, const Rows& x, int
         .y = memory.outputs[k].data() + row * layer.stride,
         .y_stride = layer.stride,
         .finish = finish_of(layer.activation),
-        .output = nullptr,
-        .output_stride = 0,
     });
   }
 }
@@ -186,8 +172,8 @@ void Network::backward(const TransposedWeights& transposed, const float* x, int 
                        std::span<float> gradient, float* dx, int dx_stride) const {
   const int stride =
       std::max(widest_stride(), row_stride((shape_.inputs + kPad - 1) / kPad * kPad));
-  make_large_enough(memory.gradient, chunk_, stride);
-  make_large_enough(memory.gradient_before, chunk_, stride);
+  make_large_enough(memory.gradient, area(chunk_, stride));
+  make_large_enough(memory.gradient_before, area(chunk_, stride));
   const Layer& last = layers_.back();
   for (int first = 0; first < memory.rows; first += chunk_) {
     const int rows = std::min(chunk_, memory.rows - first);
@@ -228,7 +214,7 @@ void Network::backward_rows(const TransposedWeights& transposed, const Rows& x, 
 /// From the gradient at a layer's sums to that at the sums of the layer before.
 void Network::propagate(const TransposedWeights& transposed, std::size_t layer, int first, int rows,
                         NetworkMemory& memory) const {
-  const PanelMatrix turned = {layers_[layer].weight.columns, layers_[layer].weight.rows};
+  const PanelMatrix turned = layers_[layer].weight.transposed();
   const Rows output = input_of(layer, {nullptr, 0}, memory);
   kernels_->multiply({
       .x = memory.gradient.data(),

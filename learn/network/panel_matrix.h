@@ -17,6 +17,7 @@ struct PanelMatrix {
   std::size_t size() const {
     return static_cast<std::size_t>(rows) * static_cast<std::size_t>(padded_columns());
   }
+  PanelMatrix transposed() const { return {columns, rows}; }
   /// Where an element lies.
   std::size_t at(int row, int column) const {
     const int first = column / kPanel * kPanel;
@@ -26,5 +27,8 @@ struct PanelMatrix {
            static_cast<std::size_t>(column - first);
   }
 };
+
+/// Writes a matrix of this size transposed, as transposed() lays it out. Padding is not written.
+void transpose(const PanelMatrix& matrix, const float* from, float* to);
 
 }  // namespace skybody::learn

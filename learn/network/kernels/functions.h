@@ -75,6 +75,11 @@ SKYBODY_KERNEL Floats tanh(const Floats& x) {
   return max(floats(0.0f) - one, min(one, y));
 }
 
+/// 1 / (1 + e^-x), within 4 ulp for |x| <= 87; of NaN: NaN.
+SKYBODY_KERNEL Floats sigmoid(const Floats& x) {
+  return floats(1.0f) / (floats(1.0f) + exp(floats(0.0f) - x));
+}
+
 /// Sine and cosine for |x| <= pi / 4, within 2 ulp.
 struct SmallAngle {
   Floats sine, cosine;

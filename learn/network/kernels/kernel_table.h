@@ -26,14 +26,15 @@ struct MultiplyCall {
   const float* x;
   int x_stride;
   int rows, inner;
-  const float* weight;  ///< inner x columns, in panels
-  int columns;          ///< a multiple of kPad
-  const float* start;   ///< `columns` values that the sums begin with; null: zero
+  const float* weight;   ///< inner x columns, in panels
+  int columns;           ///< a multiple of kPad
+  const float* start;    ///< `columns` values that the sums begin with; null: zero
+  int start_stride = 0;  ///< 0: the same for all rows
   float* y;
   int y_stride;  ///< at least `columns`
-  Finish finish;
-  const float* output;  ///< of slopes: row r at output + r * output_stride
-  int output_stride;
+  Finish finish = Finish::kNone;
+  const float* output = nullptr;  ///< of slopes: row r at output + r * output_stride
+  int output_stride = 0;
 };
 
 /// gradient += x^T d, summed over rows in their order; bias += the rows of d.
@@ -46,6 +47,31 @@ struct OuterCall {
   int columns;      ///< a multiple of kPad
   float* gradient;  ///< inner x columns, in panels
   float* bias;      ///< `columns`
+};
+
+/// A step of gated recurrent units (gru.h): from the sums of both products to the next state. Rows
+/// of sums and gates are 3 * units wide: reset, update, candidate.
+struct GruCall {
+  const float* from_input;
+  const float* from_state;
+  const float* state;  ///< rows x units, before the step
+  float* gates;
+  float* next;      ///< rows x units, after the step
+  int rows, units;  ///< units: a multiple of kPad
+  int sum_stride, state_stride, next_stride;
+};
+
+/// Its derivatives, from that at the next state.
+struct GruSlopeCall {
+  const float* gates;
+  const float* from_state;
+  const float* state;
+  const float* d_next;
+  float *d_input, *d_state;  ///< at the sums of both products
+  float* d_before;           ///< at the state before, of the direct way only
+  int rows, units;
+  int sum_stride, state_stride;
+  int d_stride;  ///< of d_next and d_before
 };
 
 /// The scalars of a step of Adam (adam.h).
@@ -61,6 +87,8 @@ struct AdamScalars {
 struct KernelTable {
   void (*multiply)(const MultiplyCall&);
   void (*outer)(const OuterCall&);
+  void (*gru)(const GruCall&);
+  void (*gru_slope)(const GruSlopeCall&);
   void (*adam)(const AdamScalars&, const float* gradient, float* first, float* second,
                float* parameters, size_t count);
   /// Sum of squares: floats in lanes over 1024 values, the rest in double, all in a fixed order.

@@ -123,7 +123,7 @@ inline void multiply(const MultiplyCall& call) {
         tile.start_stride = call.y_stride;
         if (k == 0) {
           tile.start = call.start != nullptr ? call.start + column + part : kZeros;
-          tile.start_stride = 0;
+          tile.start_stride = call.start != nullptr ? call.start_stride : 0;
         }
         const auto done = [&](int row, int rows) {
           if (is_last) finish_tile(call, row, rows, column + part, vectors);
