@@ -3,9 +3,15 @@
 
 #include <nanobind/nanobind.h>
 
+#include "core/io/policy_file.h"
+
 namespace skybody::python {
 
 namespace nb = nanobind;
+
+/// A policy's layer: (weight, bias, activation), of a recurrent one (weight, bias, "none",
+/// state_weight, state_bias).
+nb::tuple tuple_of(const PolicyLayer& layer);
 
 void bind_errors(nb::module_& m);
 void bind_compiled_scenario(nb::module_& m);

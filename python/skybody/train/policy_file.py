@@ -26,11 +26,52 @@ LIBVER = ("v110", "v110")  # metadata with checksums, and nothing newer than Deb
 
 @dataclass(frozen=True)
 class Layer:
-    """activation(weight x + bias)."""
+    """activation(weight x + bias); with state weights, gated recurrent units as PyTorch's GRU.
 
-    weight: NDArray[np.floating[Any]]  # (out, in)
-    bias: NDArray[np.floating[Any]]  # (out)
+    Rows of a recurrent layer's arrays are those of the gates r, z and n, `out` each.
+    """
+
+    weight: NDArray[np.floating[Any]]  # (out, in), recurrent: (3 out, in)
+    bias: NDArray[np.floating[Any]]  # (out), recurrent: (3 out)
     activation: str  # "tanh", "relu", "elu" or "none"
+    state_weight: NDArray[np.floating[Any]] | None = None  # recurrent: (3 out, out)
+    state_bias: NDArray[np.floating[Any]] | None = None  # recurrent: (3 out)
+
+    @property
+    def units(self) -> int:
+        """Values of the state; 0: a dense layer."""
+        return 0 if self.state_weight is None else self.state_weight.shape[1]
+
+    def __call__(self, x: NDArray[np.float64], state: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Outputs (n, out) of inputs (n, in); changes a recurrent layer's state (n, out)."""
+        sums = x @ self.weight.astype(np.float64).T + self.bias
+        if self.state_weight is not None and self.state_bias is not None:
+            return _gate(
+                sums, state @ self.state_weight.astype(np.float64).T + self.state_bias, state
+            )
+        if self.activation == "tanh":
+            return np.tanh(sums)
+        if self.activation == "relu":
+            return np.maximum(sums, 0.0)
+        if self.activation == "elu":
+            return np.where(sums > 0.0, sums, np.expm1(np.minimum(sums, 0.0)))
+        return sums
+
+
+def _gate(
+    from_input: NDArray[np.float64], from_state: NDArray[np.float64], state: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The next state (Cho et al. 2014), which is put in `state` too."""
+    input_r, input_z, input_n = np.split(from_input, 3, axis=1)
+    state_r, state_z, state_n = np.split(from_state, 3, axis=1)
+    reset, update = _sigmoid(input_r + state_r), _sigmoid(input_z + state_z)
+    candidate = np.tanh(input_n + reset * state_n)
+    state[:] = (1.0 - update) * candidate + update * state
+    return state.copy()
+
+
+def _sigmoid(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return 0.5 + 0.5 * np.tanh(0.5 * x)
 
 
 @dataclass(frozen=True)
@@ -43,9 +84,10 @@ class Agent:
 
 @dataclass(frozen=True)
 class Policy:
-    """The mean of a Gaussian policy: a multilayer perceptron on normalized observations.
+    """The mean of a Gaussian policy: a network on normalized observations.
 
-    Where robots share it, it is evaluated for each of `agents`.
+    Where robots share it, it is evaluated for each of `agents`. One with recurrent layers remembers
+    in states() of the caller's.
     """
 
     layers: list[Layer]
@@ -56,27 +98,38 @@ class Policy:
     agents: list[Agent] = field(default_factory=list)
     squash: str = "clip"  # or "tanh": how outputs become actions in [-1, 1]
 
-    def __call__(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Actions (n, A) in [-1, 1] for observations (n, O); float64 from float32 weights."""
+    def states(self, n: int) -> NDArray[np.float64]:
+        """What n environments remember at the beginning of an episode."""
+        size = sum(layer.units for layer in self.layers)
+        return np.zeros((n, max(1, len(self.agents)), size))
+
+    def __call__(
+        self, observation: NDArray[np.float32], states: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """Actions (n, A) in [-1, 1] for observations (n, O); float64 from float32 weights.
+
+        `states` of a policy with recurrent layers, as states(n) gives them, are changed; without
+        them it acts as at the beginning of an episode.
+        """
+        states = self.states(len(observation)) if states is None else states
         if not self.agents:
-            return self._evaluate(observation)
+            return self._evaluate(observation, states[:, 0])
         size = sum(len(agent.action) for agent in self.agents)
         actions = np.empty((len(observation), size))
-        for agent in self.agents:
-            actions[:, agent.action] = self._evaluate(observation[:, agent.observation])
+        for k, agent in enumerate(self.agents):
+            inputs = observation[:, agent.observation]
+            actions[:, agent.action] = self._evaluate(inputs, states[:, k])
         return actions
 
-    def _evaluate(self, inputs: NDArray[np.float32]) -> NDArray[np.float64]:
+    def _evaluate(
+        self, inputs: NDArray[np.float32], states: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         x = np.clip((inputs - self.mean) * self.scale, -self.clip, self.clip)
         x = x.astype(np.float32).astype(np.float64)
+        begin = 0
         for layer in self.layers:
-            x = x @ layer.weight.astype(np.float64).T + layer.bias
-            if layer.activation == "tanh":
-                x = np.tanh(x)
-            elif layer.activation == "relu":
-                x = np.maximum(x, 0.0)
-            elif layer.activation == "elu":
-                x = np.where(x > 0.0, x, np.expm1(np.minimum(x, 0.0)))
+            x = layer(x, states[:, begin : begin + layer.units])
+            begin += layer.units
         return np.tanh(x) if self.squash == "tanh" else np.clip(x, -1.0, 1.0)
 
     def sizes(self) -> dict[str, int]:
@@ -114,7 +167,11 @@ def write_policy(path: Path, policy: Policy) -> None:
             group = file.create_group(f"layers/{k}")
             _put(group, "weight", layer.weight)
             _put(group, "bias", layer.bias)
-            _put_attributes(group, {"activation": layer.activation})
+            if layer.state_weight is None:
+                _put_attributes(group, {"activation": layer.activation})
+            else:
+                _put(group, "state_weight", layer.state_weight)
+                _put(group, "state_bias", layer.state_bias)
     content = image.getvalue()[SEAL_BYTES:]
     files.write_file(path, policy_seal(content) + content)
 
@@ -132,7 +189,7 @@ def _put_attributes(place: Any, attributes: dict[str, Any]) -> None:
             place.attrs[name] = value
 
 
-def _put(group: Any, name: str, values: NDArray[Any]) -> None:
+def _put(group: Any, name: str, values: NDArray[Any] | None) -> None:
     """With a checksum that HDF5 checks whenever the values are read, by `skybody run` as well."""
     group.create_dataset(name, data=values, fletcher32=True)
 
