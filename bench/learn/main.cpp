@@ -13,6 +13,7 @@
 #include "learn/network/adam.h"
 #include "learn/network/network.h"
 #include "learn/network/noise.h"
+#include "learn/network/recurrent_network.h"
 
 namespace skybody::bench {
 namespace {
@@ -85,6 +86,34 @@ void compare(const std::vector<int>& sizes, int rows, int repeats) {
   }
 }
 
+/// 32 sequences of 32 steps.
+void time_recurrent(int inputs, int units, int outputs) {
+  constexpr int kSequences = 32, kSteps = 32, kRows = kSequences * kSteps;
+  const Isa isa = best_isa();
+  const learn::RecurrentNetwork network({inputs, units, {units}, outputs, Activation::kTanh}, isa);
+  std::vector<float> parameters(network.parameter_count()), gradient(parameters.size());
+  network.initialize(parameters, 1.0, 1, 2);
+  learn::TransposedRecurrent transposed;
+  network.transpose(parameters, transposed);
+  learn::RecurrentMemory memory;
+  std::vector<float> x(static_cast<std::size_t>(kRows * inputs));
+  std::vector<float> y(static_cast<std::size_t>(kRows * outputs));
+  std::vector<float> states(static_cast<std::size_t>(kSequences * network.state_stride()));
+  learn::draw_normals({}, x, isa);
+  const auto forward = [&] {
+    network.forward(parameters, x.data(), inputs, {kSequences, kSteps}, nullptr, states.data(),
+                    memory, y.data(), outputs);
+  };
+  const double forwards = quickest(50, forward);
+  const double both = quickest(50, [&] {
+    forward();
+    network.backward(transposed, x.data(), inputs, nullptr, memory, y.data(), outputs, gradient);
+  });
+  std::printf(
+      "%d-GRU %d-%d-%d, 32 sequences of 32 steps (%s): forward %.1f ns, with backward %.1f\n",
+      inputs, units, units, outputs, name(isa), 1e9 * forwards / kRows, 1e9 * both / kRows);
+}
+
 void time_the_rest() {
   const Isa isa = best_isa();
   std::vector<float> values(1 << 16);
@@ -108,6 +137,7 @@ int main(int argc, char** argv) {
   }
   skybody::bench::compare({22, 64, 64, 4}, rows, 200);
   skybody::bench::compare({700, 512, 512, 4}, rows, 12);
+  skybody::bench::time_recurrent(22, 64, 4);
   skybody::bench::time_the_rest();
   return 0;
 }
