@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <system_error>
 
 #include "core/base/error.h"
@@ -22,6 +23,7 @@ class PolicyReader {
 
   PolicyFile read() {
     read_header();
+    if (file_.has("/agents")) read_agents();
     if (file_.has("/normalization")) read_normalization();
     while (file_.has(layer_group())) read_layer();
     check_layers();
@@ -53,6 +55,45 @@ class PolicyReader {
     return static_cast<int>(size);
   }
 
+  void read_agents() {
+    const std::vector<std::vector<int>> seen =
+        read_entries("/agents/observation", policy_.observation_size);
+    const std::vector<std::vector<int>> decided =
+        read_entries("/agents/action", policy_.action_size);
+    if (seen.size() != decided.size()) {
+      file_.fail("`/agents` has observations of " + std::to_string(seen.size()) +
+                 " robots and actions of " + std::to_string(decided.size()));
+    }
+    std::vector<int> owners(static_cast<std::size_t>(policy_.action_size));
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      policy_.agents.push_back({seen[k], decided[k]});
+      for (const int entry : decided[k]) ++owners[static_cast<std::size_t>(entry)];
+    }
+    const auto bad = std::find_if(owners.begin(), owners.end(), [](int n) { return n != 1; });
+    if (bad == owners.end()) return;
+    file_.fail("value " + std::to_string(bad - owners.begin()) + " of the action is decided by " +
+               std::to_string(*bad) + " robots of `/agents/action`; needed: one");
+  }
+
+  /// Rows of indices below `size`, one row a robot.
+  std::vector<std::vector<int>> read_entries(const std::string& name, int size) {
+    const Hdf5Reader::Shape shape = file_.shape(name);
+    if (shape.rank != 2 || shape.rows < 1 || shape.columns < 1) {
+      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: robots x entries");
+    }
+    const std::vector<std::int32_t> all = file_.all<std::int32_t>(name);
+    std::vector<std::vector<int>> rows;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (all[k] < 0 || all[k] >= size) {
+        file_.fail("value " + std::to_string(k) + " of `" + name + "` is " +
+                   std::to_string(all[k]) + "; allowed: 0.." + std::to_string(size - 1));
+      }
+      if (k % shape.columns == 0) rows.emplace_back();
+      rows.back().push_back(all[k]);
+    }
+    return rows;
+  }
+
   std::vector<double> read_vector(const std::string& name, int size) {
     const Hdf5Reader::Shape shape = file_.shape(name);
     if (shape.rank != 1 || shape.rows != static_cast<std::size_t>(size)) {
@@ -78,8 +119,8 @@ class PolicyReader {
   }
 
   void read_normalization() {
-    policy_.mean = read_vector("/normalization/mean", policy_.observation_size);
-    policy_.scale = read_vector("/normalization/scale", policy_.observation_size);
+    policy_.mean = read_vector("/normalization/mean", policy_.input_size());
+    policy_.scale = read_vector("/normalization/scale", policy_.input_size());
     policy_.clip = file_.real("/normalization", "clip");
     if (!(policy_.clip > 0.0)) {
       file_.fail("`clip` of `/normalization` is " + std::to_string(policy_.clip) +
@@ -96,35 +137,56 @@ class PolicyReader {
     }
     const Hdf5Reader::Shape shape = file_.shape(name);
     const int inputs =
-        policy_.layers.empty() ? policy_.observation_size : policy_.layers.back().outputs;
+        policy_.layers.empty() ? policy_.input_size() : policy_.layers.back().outputs;
+    const bool is_gru = file_.has(group + "/state_weight");
     if (shape.rank != 2 || shape.rows < 1 || shape.rows > kMostValues ||
-        shape.columns != static_cast<std::size_t>(inputs)) {
-      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: outputs x " +
-                 std::to_string(inputs));
+        shape.columns != static_cast<std::size_t>(inputs) || (is_gru && shape.rows % 3 != 0)) {
+      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: " +
+                 (is_gru ? "3 units x " : "outputs x ") + std::to_string(inputs));
     }
     PolicyLayer layer;
+    layer.kind = is_gru ? LayerKind::kGru : LayerKind::kDense;
     layer.inputs = inputs;
-    layer.outputs = static_cast<int>(shape.rows);
+    layer.outputs = static_cast<int>(is_gru ? shape.rows / 3 : shape.rows);
     layer.weight = finite(name, file_.all<double>(name));
-    layer.bias = read_vector(group + "/bias", layer.outputs);
-    layer.activation = read_activation(group);
+    layer.bias = read_vector(group + "/bias", layer.weight_rows());
+    if (is_gru) {
+      read_state_weights(group, layer);
+    } else {
+      layer.activation = read_activation(group);
+    }
     policy_.layers.push_back(std::move(layer));
+  }
+
+  void read_state_weights(const std::string& group, PolicyLayer& layer) {
+    const std::string name = group + "/state_weight";
+    const Hdf5Reader::Shape shape = file_.shape(name);
+    if (shape.rank != 2 || shape.rows != static_cast<std::size_t>(layer.weight_rows()) ||
+        shape.columns != static_cast<std::size_t>(layer.outputs)) {
+      file_.fail("`" + name + "` has " + text_of(shape) + " values; needed: " +
+                 std::to_string(layer.weight_rows()) + " x " + std::to_string(layer.outputs));
+    }
+    layer.state_weight = finite(name, file_.all<double>(name));
+    layer.state_bias = read_vector(group + "/state_bias", layer.weight_rows());
   }
 
   Activation read_activation(const std::string& group) {
     const std::string name = file_.text(group, "activation");
-    if (name == "none") return Activation::kNone;
-    if (name == "tanh") return Activation::kTanh;
-    if (name == "relu") return Activation::kRelu;
-    file_.fail("`activation` of `" + group + "` is `" + name + "`; allowed: none, tanh, relu");
+    std::string allowed;
+    for (std::size_t k = 0; k < std::size(kActivationNames); ++k) {
+      if (name == kActivationNames[k]) return static_cast<Activation>(k);
+      allowed += (k > 0 ? ", " : "") + std::string(kActivationNames[k]);
+    }
+    file_.fail("`activation` of `" + group + "` is `" + name + "`; allowed: " + allowed);
   }
 
   void check_layers() {
     if (policy_.layers.empty()) file_.fail("`/layers/0` is missing in this policy file");
-    const int outputs = policy_.layers.back().outputs;
-    if (outputs == policy_.action_size) return;
-    file_.fail("the last layer gives " + std::to_string(outputs) + " values; `action_size` is " +
-               std::to_string(policy_.action_size));
+    const int outputs = policy_.layers.back().outputs, needed = policy_.output_size();
+    if (outputs == needed) return;
+    const char* what = policy_.agents.empty() ? "`action_size` is " : "`/agents/action` has ";
+    file_.fail("the last layer gives " + std::to_string(outputs) + " values; " + what +
+               std::to_string(needed));
   }
 
   Hdf5Reader file_;

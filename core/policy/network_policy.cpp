@@ -1,6 +1,7 @@
 #include "core/policy/network_policy.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
@@ -23,18 +24,33 @@ double activate(double x, Activation activation) {
       return tanh(x);
     case Activation::kRelu:
       return x < 0.0 ? 0.0 : x;
+    case Activation::kElu:
+      return x > 0.0 ? x : expm1(x);
     case Activation::kNone:
       break;
   }
   return x;
 }
 
+double sigmoid(double x) { return 1.0 / (1.0 + exp(-x)); }
+
+/// sums = bias + weight in, of bias.size() rows.
+void multiply(const std::vector<double>& weight, const std::vector<double>& bias, const double* in,
+              int inputs, double* sums) {
+  const double* row = weight.data();
+  for (const double start : bias) {
+    double sum = start;
+    for (int k = 0; k < inputs; ++k) sum += row[k] * in[k];
+    row += inputs;
+    *sums++ = sum;
+  }
+}
+
 void evaluate(const PolicyLayer& layer, const std::vector<double>& in, std::vector<double>& out) {
-  const double* weight = layer.weight.data();
-  for (int row = 0; row < layer.outputs; ++row, weight += layer.inputs) {
-    double sum = layer.bias[static_cast<std::size_t>(row)];
-    for (int k = 0; k < layer.inputs; ++k) sum += weight[k] * in[static_cast<std::size_t>(k)];
-    out[static_cast<std::size_t>(row)] = activate(sum, layer.activation);
+  multiply(layer.weight, layer.bias, in.data(), layer.inputs, out.data());
+  for (int row = 0; row < layer.outputs; ++row) {
+    double& value = out[static_cast<std::size_t>(row)];
+    value = activate(value, layer.activation);
   }
 }
 
@@ -56,10 +72,24 @@ NetworkPolicy::NetworkPolicy(const std::filesystem::path& path)
 NetworkPolicy::NetworkPolicy(PolicyFile policy) : policy_(std::move(policy)) { prepare(); }
 
 void NetworkPolicy::prepare() {
-  int width = policy_.observation_size;
+  int width = policy_.input_size();
   for (const PolicyLayer& layer : policy_.layers) width = std::max(width, layer.outputs);
   values_.resize(static_cast<std::size_t>(width));
   next_.resize(values_.size());
+  std::size_t sums = 0;
+  for (const PolicyLayer& layer : policy_.layers) {
+    if (layer.kind != LayerKind::kGru) continue;
+    state_size_ += layer.outputs;
+    sums = std::max(sums, layer.bias.size());
+  }
+  from_input_.resize(sums);
+  from_state_.resize(sums);
+  reset();
+  if (!policy_.agents.empty()) return;
+  all_.observation.resize(static_cast<std::size_t>(policy_.observation_size));
+  all_.action.resize(static_cast<std::size_t>(policy_.action_size));
+  std::iota(all_.observation.begin(), all_.observation.end(), 0);
+  std::iota(all_.action.begin(), all_.action.end(), 0);
 }
 
 std::string NetworkPolicy::check_fits(const CompiledScenario& compiled) const {
@@ -72,13 +102,66 @@ std::string NetworkPolicy::check_fits(const CompiledScenario& compiled) const {
          policy_.scenario_hash + "; this is `" + compiled.scenario().name + "` with hash " + hash;
 }
 
+void NetworkPolicy::reset() {
+  const std::size_t robots = std::max<std::size_t>(1, policy_.agents.size());
+  own_.states.assign(robots * static_cast<std::size_t>(state_size_), 0.0);
+}
+
+/// What the network remembers of a simulation's episode, empty in its first step.
+NetworkPolicy::Memory& NetworkPolicy::memory_of(const Simulation& simulation) {
+  auto memory = std::find_if(memories_.begin(), memories_.end(),
+                             [&](const Memory& m) { return m.simulation == &simulation; });
+  if (memory == memories_.end()) {
+    memories_.push_back({&simulation, std::vector<double>(own_.states.size())});
+    memory = memories_.end() - 1;
+  }
+  if (simulation.steps() == 0) std::fill(memory->states.begin(), memory->states.end(), 0.0);
+  return *memory;
+}
+
+void NetworkPolicy::act(const Simulation& simulation, std::span<float> action) {
+  act(simulation.observation(), state_size_ > 0 ? memory_of(simulation) : own_, action);
+}
+
 void NetworkPolicy::act(std::span<const float> observation, std::span<float> action) {
+  act(observation, own_, action);
+}
+
+void NetworkPolicy::act(std::span<const float> observation, Memory& memory,
+                        std::span<float> action) {
   SKYBODY_DEMAND(static_cast<int>(observation.size()) == policy_.observation_size &&
                      static_cast<int>(action.size()) == policy_.action_size,
                  "a policy's rows have the wrong width");
   const FpEnvironment guard;
-  for (std::size_t k = 0; k < observation.size(); ++k) {
-    values_[k] = static_cast<double>(observation[k]);
+  double* states = memory.states.data();
+  if (policy_.agents.empty()) {
+    act(all_, observation, states, action);
+  } else {
+    for (const PolicyAgent& agent : policy_.agents) {
+      act(agent, observation, states, action);
+      states += state_size_;
+    }
+  }
+}
+
+/// From values_ and the state of a recurrent layer to its next state, which is its output.
+void NetworkPolicy::advance(const PolicyLayer& layer, double* state) {
+  multiply(layer.weight, layer.bias, values_.data(), layer.inputs, from_input_.data());
+  multiply(layer.state_weight, layer.state_bias, state, layer.outputs, from_state_.data());
+  const auto units = static_cast<std::size_t>(layer.outputs);
+  for (std::size_t u = 0; u < units; ++u) {
+    const double reset = sigmoid(from_input_[u] + from_state_[u]);
+    const double update = sigmoid(from_input_[units + u] + from_state_[units + u]);
+    const double candidate = tanh(from_input_[2 * units + u] + reset * from_state_[2 * units + u]);
+    state[u] = (1.0 - update) * candidate + update * state[u];
+    next_[u] = state[u];
+  }
+}
+
+void NetworkPolicy::act(const PolicyAgent& agent, std::span<const float> observation,
+                        double* states, std::span<float> action) {
+  for (std::size_t k = 0; k < agent.observation.size(); ++k) {
+    values_[k] = static_cast<double>(observation[static_cast<std::size_t>(agent.observation[k])]);
     if (policy_.mean.empty()) continue;
     const double centred = (values_[k] - policy_.mean[k]) * policy_.scale[k];
     // The network was trained on floats.
@@ -86,12 +169,17 @@ void NetworkPolicy::act(std::span<const float> observation, std::span<float> act
         static_cast<double>(static_cast<float>(clamp(centred, -policy_.clip, policy_.clip)));
   }
   for (const PolicyLayer& layer : policy_.layers) {
-    evaluate(layer, values_, next_);
+    if (layer.kind == LayerKind::kGru) {
+      advance(layer, states);
+      states += layer.outputs;
+    } else {
+      evaluate(layer, values_, next_);
+    }
     values_.swap(next_);
   }
-  for (std::size_t k = 0; k < action.size(); ++k) {
+  for (std::size_t k = 0; k < agent.action.size(); ++k) {
     const double value = policy_.squash == ActionSquash::kTanh ? tanh(values_[k]) : values_[k];
-    action[k] = static_cast<float>(clamp(value, -1.0, 1.0));
+    action[static_cast<std::size_t>(agent.action[k])] = static_cast<float>(clamp(value, -1.0, 1.0));
   }
 }
 

@@ -13,7 +13,9 @@ namespace skybody {
 
 /// The deterministic policy: the mean of the action distribution. Evaluated in double with sums
 /// from left to right and bit-stable functions: equal observations give equal actions on every
-/// machine, within 1e-6 of what the training library gives in float.
+/// machine, within 1e-6 of what the training library gives in float. A policy that a team shares is
+/// evaluated once for each robot. A network with recurrent layers remembers, for each robot of each
+/// Simulation; its memory is empty at the beginning of an episode.
 class NetworkPolicy : public Policy {
  public:
   /// @param path  policy.h5, a checkpoint folder or a training run's folder (see find_policy)
@@ -29,18 +31,35 @@ class NetworkPolicy : public Policy {
   std::string check_fits(const CompiledScenario& compiled) const override;
 
   /// Allocates nothing. A value of the observation that is not finite gives actions that are not.
+  /// A recurrent network remembers what it saw in these calls since reset().
   /// @param observation  observation_size values   @param action  action_size values in [-1, 1]
   void act(std::span<const float> observation, std::span<float> action);
-  void act(const Simulation& simulation, std::span<float> action) override {
-    act(simulation.observation(), action);
-  }
+  /// Allocates in the first call with a simulation only, and only for recurrent networks.
+  void act(const Simulation& simulation, std::span<float> action) override;
+  /// Empties the memory of act(observation, action).
+  void reset();
 
  private:
+  /// States of the recurrent layers, of one robot after another.
+  struct Memory {
+    const Simulation* simulation = nullptr;
+    std::vector<double> states;
+  };
   void prepare();
+  Memory& memory_of(const Simulation& simulation);
+  void act(std::span<const float> observation, Memory& memory, std::span<float> action);
+  void act(const PolicyAgent& agent, std::span<const float> observation, double* states,
+           std::span<float> action);
+  void advance(const PolicyLayer& layer, double* state);
 
   std::filesystem::path file_;
   PolicyFile policy_;
-  std::vector<double> values_, next_;  ///< between two layers, as wide as the widest
+  PolicyAgent all_;                              ///< of a policy without agents
+  std::vector<double> values_, next_;            ///< between two layers, as wide as the widest
+  int state_size_ = 0;                           ///< of all recurrent layers, for one robot
+  std::vector<double> from_input_, from_state_;  ///< a recurrent layer's sums
+  Memory own_;                                   ///< without a simulation
+  std::vector<Memory> memories_;                 ///< one a simulation
 };
 
 }  // namespace skybody

@@ -1,6 +1,7 @@
 // A network of dense layers on rows of floats: what it computes and the gradient of that.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,8 +9,11 @@
 #include "core/base/aligned_array.h"
 #include "core/base/isa.h"
 #include "core/io/policy_file.h"
+#include "learn/network/panel_matrix.h"
 
 namespace skybody::learn {
+
+struct KernelTable;
 
 /// Sizes of a network; every hidden layer has the same activation, the last has none.
 struct NetworkShape {
@@ -20,12 +24,12 @@ struct NetworkShape {
 };
 
 /// Memory that forward() fills and backward() reads: the layers' outputs for some rows.
-/// One for each thread; forward() makes it as large as it needs, so that only the first call
-/// allocates.
+/// One for each thread; forward() and backward() make it as large as they need, so that only calls
+/// with more rows than any before allocate.
 struct NetworkMemory {
-  std::vector<AlignedArray<float>> outputs;       ///< of each layer, rows x padded size
+  std::vector<AlignedArray<float>> outputs;       ///< of each layer, rows x its stride
   AlignedArray<float> gradient, gradient_before;  ///< at a layer's output and at its input
-  int rows = 0;
+  int rows = 0;                                   ///< of the last forward()
 };
 
 /// Weights that a step of the optimiser has changed, in the order in which backward() reads them.
@@ -36,21 +40,24 @@ struct TransposedWeights {
 /// A multilayer perceptron. Holds no parameters: these are an array of floats of the caller's, so
 /// that optimisers, sums of gradients and checkpoints are loops over floats.
 ///
-/// Layer after layer: the weight, `inputs` rows of `outputs` padded to a multiple of kPad with
-/// zeros that stay zero, then the bias, padded likewise. Sums go over inputs in order, with fused
-/// multiply-add; sums over rows of a gradient go in order of the rows. So the bits are the same on
-/// v3 and v4, and for any split of rows into calls.
+/// Layer after layer: the weight, inputs x outputs as PanelMatrix lays it out, then the bias,
+/// padded likewise. Padding is zero and stays zero, as its gradient is. Sums go over inputs in
+/// order, with fused multiply-add; sums over rows of a gradient go in order of the rows. So the
+/// bits are the same on v3 and v4, and for any split of rows into calls.
 class Network {
  public:
-  static constexpr int kPad = 16;  ///< floats
+  /// The parameters are a multiple of this many floats.
+  static constexpr int kPad = learn::kPad;
 
   /// @param isa  that the processor has, such as best_isa()
+  /// @throws Error if a size is not in 1..2^24, or the activation of hidden layers is none
   Network(const NetworkShape& shape, Isa isa);
 
-  const NetworkShape& shape() const;
-  /// Floats of the parameters, padding counted.
-  std::size_t parameter_count() const;
-  /// Orthogonal weights with gain sqrt(2), in the last layer `last_gain`; zero biases.
+  const NetworkShape& shape() const { return shape_; }
+  /// Floats of the parameters, padding counted; a multiple of kPad.
+  std::size_t parameter_count() const { return parameter_count_; }
+  /// Orthogonal weights with gain sqrt(2), in the last layer `last_gain`; zero biases (Saxe et al.,
+  /// ICLR 2014). Where a layer has more outputs than inputs, columns are orthogonal, else rows.
   /// @param key,stream  of core/base/random.h
   void initialize(std::span<float> parameters, double last_gain, std::uint64_t key,
                   std::uint64_t stream) const;
@@ -64,13 +71,47 @@ class Network {
                NetworkMemory& memory, float* y, int y_stride) const;
   /// Adds to `gradient` what follows from the gradient at the outputs of the rows that forward()
   /// was called with last.
+  /// @param x   as given to forward()
   /// @param dy  row r at dy + r * dy_stride   @param dx  null, or where the gradient at the inputs
   /// goes
-  void backward(std::span<const float> parameters, const TransposedWeights& transposed,
-                const float* x, int x_stride, NetworkMemory& memory, const float* dy, int dy_stride,
-                std::span<float> gradient, float* dx = nullptr, int dx_stride = 0) const;
+  void backward(const TransposedWeights& transposed, const float* x, int x_stride,
+                NetworkMemory& memory, const float* dy, int dy_stride, std::span<float> gradient,
+                float* dx = nullptr, int dx_stride = 0) const;
+
   /// As layers of a policy file.
   std::vector<PolicyLayer> layers(std::span<const float> parameters) const;
+  /// The reverse: parameters from a policy file's layers, rounded to float.
+  /// @throws Error if the layers are not of this shape
+  void set_layers(std::span<const PolicyLayer> layers, std::span<float> parameters) const;
+
+ private:
+  struct Layer {
+    PanelMatrix weight;              ///< inputs x outputs
+    std::size_t weight_at, bias_at;  ///< in the parameters
+    int stride;                      ///< of rows of outputs
+    Activation activation;
+  };
+  /// Rows of an array.
+  struct Rows {
+    const float* data;
+    int stride;
+  };
+  void add_layer(int inputs, int outputs, Activation activation);
+  Rows input_of(std::size_t layer, const Rows& x, const NetworkMemory& memory) const;
+  void forward_rows(std::span<const float> parameters, const Rows& x, int first, int rows,
+                    NetworkMemory& memory) const;
+  void backward_rows(const TransposedWeights& transposed, const Rows& x, int first, int rows,
+                     NetworkMemory& memory, std::span<float> gradient, float* dx,
+                     int dx_stride) const;
+  void propagate(const TransposedWeights& transposed, std::size_t layer, int first, int rows,
+                 NetworkMemory& memory) const;
+  int widest_stride() const;
+
+  NetworkShape shape_;
+  const KernelTable* kernels_;
+  std::vector<Layer> layers_;
+  std::size_t parameter_count_ = 0;
+  int chunk_ = 0;  ///< rows that go through all layers at a time
 };
 
 }  // namespace skybody::learn

@@ -18,12 +18,14 @@ void append(std::vector<int>& entries, int first, int count) {
   for (int k = 0; k < count; ++k) entries.push_back(first + k);
 }
 
+/// Its own columns first, so that all robots' columns have one order, wherever nobody's stand.
 std::vector<int> seen_by(const CompiledScenario& compiled, int robot, bool is_privileged) {
   std::vector<int> entries;
-  for (const ObservationColumn& c : compiled.columns()) {
-    const bool is_its_own = c.robot == robot || c.robot == -1;
-    if (c.image < 0 && c.privileged == is_privileged && is_its_own) {
-      append(entries, c.first, c.count());
+  for (const int owner : {robot, -1}) {
+    for (const ObservationColumn& c : compiled.columns()) {
+      if (c.image < 0 && c.privileged == is_privileged && c.robot == owner) {
+        append(entries, c.first, c.count());
+      }
     }
   }
   return entries;

@@ -244,11 +244,15 @@ PolicyFile PpoDriver::policy() const {
   file.scenario_hash = to_hex(compiled.scenario().hash);
   file.algorithm = "fast-ppo";
   file.steps = counters_.steps;
-  file.observation_size = setup_->agents.observation_size();
-  file.action_size = setup_->agents.action_size();
+  file.observation_size = compiled.observation_size();
+  file.action_size = compiled.action_size();
+  const AgentTable& agents = setup_->agents;
+  for (std::size_t k = 0; agents.is_shared && k < agents.observation.size(); ++k) {
+    file.agents.push_back({agents.observation[k], agents.action[k]});
+  }
   file.squash = setup_->hyper.squashed ? ActionSquash::kTanh : ActionSquash::kClip;
   file.clip = setup_->hyper.observation_clip;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(file.observation_size); ++k) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(file.input_size()); ++k) {
     file.mean.push_back(moments_.mean[k]);
     file.scale.push_back(moments_.scale(k));
   }

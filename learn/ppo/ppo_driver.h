@@ -9,7 +9,7 @@
 
 #include "core/io/policy_file.h"
 #include "learn/learner.h"
-#include "learn/ppo/adam.h"
+#include "learn/network/adam.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"

@@ -64,6 +64,19 @@ class PpoSlice {
   /// Of the episodes that ended in the rollout.
   std::span<const float> episode_returns() const { return episode_returns_; }
 
+  /// The last rollout, for whoever wants to check what was learned from. Row r of step t is row
+  /// t * rows_of_step + r; values and rows have those of the last observations behind.
+  struct Rollout {
+    int steps, rows_of_step;
+    std::span<const float> rows;  ///< RowLayout; the last step's have inputs alone
+    std::span<const float> reward, goes_on, bootstrap, value;
+    std::span<const int> order;  ///< of the last epoch
+  };
+  Rollout rollout() const {
+    return {steps_, step_rows_, {rows_.data(), rows_.size()}, reward_, goes_on_, bootstrap_,
+            value_, order_};
+  }
+
   /// Names to `visitor` what a checkpoint holds beside the environments.
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor& visitor) {

@@ -135,8 +135,7 @@ void PpoSlice::add_policy_gradient(const Minibatch& minibatch, int count,
   minibatch_sums_[kSumKl] += figures.kl;
   minibatch_sums_[kSumClipped] += figures.clipped;
   networks.policy().backward(
-      networks.policy_weights(), networks.policy_transposed(), rows, stride_, scratch.policy,
-      scratch.gradient.data(), actions,
+      networks.policy_transposed(), rows, stride_, scratch.policy, scratch.gradient.data(), actions,
       std::span(gradients_[0].data(), gradients_[0].size()).first(networks.log_std_at()));
 }
 
@@ -159,8 +158,8 @@ void PpoSlice::add_value_gradient(const Minibatch& minibatch, int count,
     scratch.gradient[i] = static_cast<float>(weight * error);
   }
   minibatch_sums_[kSumValueLoss] += squares;
-  networks.value().backward(networks.value_weights(), networks.value_transposed(), rows, stride_,
-                            scratch.value, scratch.gradient.data(), 1,
+  networks.value().backward(networks.value_transposed(), rows, stride_, scratch.value,
+                            scratch.gradient.data(), 1,
                             std::span(gradients_[1].data(), gradients_[1].size())
                                 .first(networks.value().parameter_count()));
 }

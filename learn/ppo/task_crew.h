@@ -27,7 +27,7 @@ class TaskCrew : private GroupRunner {
   /// @throws what a task threw, after the others have ended
   template <class Work>
   void run(int count, Work&& work) {
-    context_ = &work;
+    context_ = const_cast<void*>(static_cast<const void*>(&work));
     call_ = [](void* context, int task, int thread) {
       (*static_cast<std::remove_reference_t<Work>*>(context))(task, thread);
     };

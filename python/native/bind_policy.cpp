@@ -1,4 +1,5 @@
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <string>
 #include <string_view>
@@ -16,27 +17,8 @@ namespace {
 
 nb::bytes bytes_of(const std::string& text) { return nb::bytes(text.data(), text.size()); }
 
-const char* name_of(Activation activation) {
-  switch (activation) {
-    case Activation::kNone:
-      break;
-    case Activation::kTanh:
-      return "tanh";
-    case Activation::kRelu:
-      return "relu";
-  }
-  return "none";
-}
-
 nb::object vector_of(const std::vector<double>& values) {
   return copy_of<double>(values, {values.size()});
-}
-
-nb::tuple layer_of(const PolicyLayer& layer) {
-  const auto rows = static_cast<std::size_t>(layer.outputs);
-  const auto columns = static_cast<std::size_t>(layer.inputs);
-  return nb::make_tuple(copy_of<double>(layer.weight, {rows, columns}), vector_of(layer.bias),
-                        name_of(layer.activation));
 }
 
 nb::dict dict_of(const PolicyFile& policy) {
@@ -46,12 +28,18 @@ nb::dict dict_of(const PolicyFile& policy) {
   values["algorithm"] = policy.algorithm;
   values["steps"] = policy.steps;
   values["observation_size"] = policy.observation_size;
+  values["action_size"] = policy.action_size;
+  nb::list agents;
+  for (const PolicyAgent& agent : policy.agents) {
+    agents.append(nb::make_tuple(agent.observation, agent.action));
+  }
+  values["agents"] = agents;
   values["action_squash"] = policy.squash == ActionSquash::kTanh ? "tanh" : "clip";
   values["mean"] = vector_of(policy.mean);
   values["scale"] = vector_of(policy.scale);
   values["clip"] = policy.clip;
   nb::list layers;
-  for (const PolicyLayer& layer : policy.layers) layers.append(layer_of(layer));
+  for (const PolicyLayer& layer : policy.layers) layers.append(tuple_of(layer));
   values["layers"] = layers;
   return values;
 }
@@ -66,6 +54,19 @@ nb::dict read_policy_file(const std::string& file) {
 
 }  // namespace
 
+nb::tuple tuple_of(const PolicyLayer& layer) {
+  const auto rows = static_cast<std::size_t>(layer.weight_rows());
+  const auto columns = static_cast<std::size_t>(layer.inputs);
+  const nb::object weight = copy_of<double>(layer.weight, {rows, columns});
+  if (layer.kind == LayerKind::kDense) {
+    return nb::make_tuple(weight, copy_of<double>(layer.bias, {rows}), name(layer.activation));
+  }
+  const auto units = static_cast<std::size_t>(layer.outputs);
+  return nb::make_tuple(weight, copy_of<double>(layer.bias, {rows}), name(layer.activation),
+                        copy_of<double>(layer.state_weight, {rows, units}),
+                        copy_of<double>(layer.state_bias, {rows}));
+}
+
 void bind_policy(nb::module_& m) {
   m.def(
       "policy_seal",
@@ -78,7 +79,10 @@ void bind_policy(nb::module_& m) {
   m.def("read_policy_file", &read_policy_file, nb::arg("path"),
         nb::sig("def read_policy_file(path: str) -> dict[str, typing.Any]"),
         "What a policy.h5 holds, by the rules of `skybody run --policy`: sizes fit together and "
-        "every number is finite. `layers` are (weight, bias, activation); `mean` and `scale` are "
+        "every number is finite. `layers` are (weight, bias, activation), "
+        "of recurrent ones with state_weight and state_bias behind; "
+        "`agents` (entries of the observation, entries of the action) of each robot, where robots "
+        "share the network; `mean` and `scale` are "
         "empty without a normalization. Error, which names the file, for any other file.");
   m.def(
       "printable",

@@ -3,13 +3,20 @@
 
 #include <nanobind/nanobind.h>
 
+#include "core/io/policy_file.h"
+
 namespace skybody::python {
 
 namespace nb = nanobind;
 
+/// A policy's layer: (weight, bias, activation), of a recurrent one (weight, bias, "none",
+/// state_weight, state_bias).
+nb::tuple tuple_of(const PolicyLayer& layer);
+
 void bind_errors(nb::module_& m);
 void bind_compiled_scenario(nb::module_& m);
 void bind_batch(nb::module_& m);
+void bind_learn(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_pool(nb::module_& m);
 void bind_shapes(nb::module_& m);

@@ -8,6 +8,7 @@ NB_MODULE(_native, m) {
   bind_shapes(m);
   bind_compiled_scenario(m);
   bind_batch(m);
+  bind_learn(m);
   bind_policy(m);
   bind_pool(m);
   bind_simulation(m);

@@ -20,6 +20,9 @@
 #include "core/batch/pool.h"
 #include "core/policy/hold_policy.h"
 #include "core/simulation/simulation.h"
+#include "learn/network/adam.h"
+#include "learn/network/noise.h"
+#include "learn/network/recurrent_network.h"
 
 namespace {
 
@@ -122,6 +125,36 @@ TEST(Allocation, IsCounted) {
   const std::vector<float> some(100);
   counting = false;
   EXPECT_EQ(all_counted.load(), 1) << "is operator new still replaced? " << some.size();
+}
+
+/// Forward, backward and a step of the optimiser, of fewer rows in every other call.
+TEST(Allocation, DoesNotHappenInAnUpdateOfANetworkAfterTheFirst) {
+  const Isa isa = best_isa();
+  const learn::RecurrentNetwork network({7, 20, {40}, 3, Activation::kTanh}, isa);
+  std::vector<float> parameters(network.parameter_count()), gradient(parameters.size());
+  network.initialize(parameters, 1.0, 1, 2);
+  learn::Adam adam(parameters.size(), 0.5, isa);
+  learn::TransposedRecurrent transposed;
+  learn::RecurrentMemory memory;
+  constexpr int kSequences = 9, kSteps = 50;
+  std::vector<float> x(kSequences * kSteps * 7), y(kSequences * kSteps * 3), dx(x.size());
+  std::vector<float> states(static_cast<std::size_t>(kSequences * network.state_stride()));
+  const auto update = [&](int sequences) {
+    learn::draw_normals({}, x, isa);
+    network.transpose(parameters, transposed);
+    network.forward(parameters, x.data(), 7, {sequences, kSteps}, nullptr, states.data(), memory,
+                    y.data(), 3);
+    network.backward(transposed, x.data(), 7, nullptr, memory, y.data(), 3, gradient, dx.data(), 7);
+    const float* const gradients[] = {gradient.data()};
+    adam.sum(gradients);
+    adam.step(parameters, 1e-3);
+  };
+  update(kSequences);
+  all_counted = 0;
+  counting = true;
+  for (const int sequences : {kSequences - 2, kSequences, 1}) update(sequences);
+  counting = false;
+  EXPECT_EQ(all_counted.load(), 0);
 }
 
 /// Ids beyond 999: numbers that no longer fit into a short string.

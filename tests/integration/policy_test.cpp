@@ -32,7 +32,8 @@ struct Draft {
   struct Layer {
     hsize_t rows, columns;
     std::vector<float> weight, bias;
-    std::string activation;
+    std::string activation;                                 ///< of a dense layer
+    std::vector<float> state_weight = {}, state_bias = {};  ///< of a recurrent one
   };
   std::vector<Layer> layers = {{2, 2, {0.5f, -1.0f, 2.0f, 0.25f}, {0.1f, -0.2f}, "tanh"},
                                {1, 2, {1.5f, -0.75f}, {0.05f}, "none"}};
@@ -84,7 +85,14 @@ fs::path write_unsealed(const fs::path& path, const Draft& draft) {
     const hsize_t shape[2] = {layer.rows, layer.columns}, bias = layer.bias.size();
     write_matrix(writer, group, "weight", 2, shape, layer.weight);
     write_matrix(writer, group, "bias", 1, &bias, layer.bias);
-    writer.write_text(group, "activation", layer.activation);
+    if (layer.state_weight.empty()) {
+      writer.write_text(group, "activation", layer.activation);
+    } else {
+      const hsize_t rows = layer.state_bias.size();
+      const hsize_t states[2] = {rows, layer.state_weight.size() / rows};
+      write_matrix(writer, group, "state_weight", 2, states, layer.state_weight);
+      write_matrix(writer, group, "state_bias", 1, &rows, layer.state_bias);
+    }
   }
   if (draft.finish) draft.finish(writer, file);
   return path;
@@ -149,6 +157,56 @@ TEST(NetworkPolicy, NormalizesAndClipsObservations) {
   EXPECT_EQ(act(file, {4.0f, 0.0f}), 0.25f);
   EXPECT_EQ(act(file, {100.0f, 0.0f}), 0.75f) << "beyond the clip";
   EXPECT_EQ(act(file, {0.0f, 0.0f}), 0.0f) << "relu";
+}
+
+TEST(NetworkPolicy, ActivatesByExponentialLinearUnits) {
+  const TemporaryFolder folder;
+  Draft draft;
+  draft.layers = {{1, 2, {0.5f, 0.0f}, {0.0f}, "elu"}};
+  const fs::path file = write_policy(folder.path() / "policy.h5", draft);
+  EXPECT_EQ(act(file, {1.0f, 0.0f}), 0.5f);
+  // One rounding to float of a value below 1.
+  EXPECT_NEAR(static_cast<double>(act(file, {-1.0f, 0.0f})), std::expm1(-0.5), 6e-8);
+}
+
+/// One unit, whose gates see the first observation with these weights and biases.
+Draft recurrent_draft() {
+  Draft draft;
+  draft.layers = {{3,
+                   2,
+                   {0.5f, 0.0f, -1.0f, 0.0f, 2.0f, 0.0f},
+                   {0.1f, 0.2f, 0.3f},
+                   "",
+                   {0.75f, 1.5f, -0.5f},
+                   {-0.1f, 0.4f, 0.6f}},
+                  {1, 1, {0.9f}, {0.0f}, "none"}};
+  return draft;
+}
+
+/// The next state of that unit.
+double next_state(double h, double x) {
+  const auto sigmoid = [](double s) { return 1.0 / (1.0 + std::exp(-s)); };
+  const double r = sigmoid(0.5 * x + 0.1 + 0.75 * h - 0.1);
+  const double z = sigmoid(-1.0 * x + 0.2 + 1.5 * h + 0.4);
+  const double n = std::tanh(2.0 * x + 0.3 + r * (-0.5 * h + 0.6));
+  return (1.0 - z) * n + z * h;
+}
+
+TEST(NetworkPolicy, RemembersByItsRecurrentLayersUntilItIsReset) {
+  const TemporaryFolder folder;
+  NetworkPolicy policy(write_policy(folder.path() / "policy.h5", recurrent_draft()));
+  for (int episode = 0; episode < 2; ++episode) {
+    double h = 0.0;
+    for (const float x : {0.3f, -0.8f, 0.1f, 0.0f}) {
+      const float observation[] = {x, 5.0f};
+      float action = 0.0f;
+      policy.act(observation, {&action, 1});
+      h = next_state(h, static_cast<double>(x));
+      // Weights are floats: 3e-8 of each, over four steps.
+      EXPECT_NEAR(static_cast<double>(action), 0.9 * h, 5e-7);
+    }
+    policy.reset();
+  }
 }
 
 TEST(NetworkPolicy, IsFoundInACheckpointAndInARunsNewestCheckpoint) {
@@ -300,8 +358,30 @@ const BadPolicy kBadPolicies[] = {
      [](Draft& d) { d.layers[1].weight[1] = std::numeric_limits<float>::quiet_NaN(); },
      "value 1 of `/layers/1/weight` is not finite: the network cannot fly; take an earlier "
      "checkpoint"},
+    {"recurrent_rows",
+     [](Draft& d) {
+       d.layers[0] = {4,
+                      2,
+                      std::vector<float>(8),
+                      std::vector<float>(4),
+                      "",
+                      std::vector<float>(4),
+                      std::vector<float>(4)};
+     },
+     "`/layers/0/weight` has 4 x 2 values; needed: 3 units x 2"},
+    {"recurrent_state_weight",
+     [](Draft& d) {
+       d.layers[0] = {6,
+                      2,
+                      std::vector<float>(12),
+                      std::vector<float>(6),
+                      "",
+                      std::vector<float>(18),
+                      std::vector<float>(6)};
+     },
+     "`/layers/0/state_weight` has 6 x 3 values; needed: 6 x 2"},
     {"unknown_activation", [](Draft& d) { d.layers[0].activation = "gelu"; },
-     "`activation` of `/layers/0` is `gelu`; allowed: none, tanh, relu"},
+     "`activation` of `/layers/0` is `gelu`; allowed: none, tanh, relu, elu"},
     {"unknown_squash", [](Draft& d) { d.squash = "sine"; },
      "`action_squash` is `sine`; allowed: clip, tanh"},
     {"soft_link",
@@ -385,6 +465,63 @@ Draft hover_draft(const Simulation& simulation) {
   draft.layers = {{outputs, inputs, std::vector<float>(inputs * outputs, 0.01f),
                    std::vector<float>(outputs, 0.1f), "tanh"}};
   return draft;
+}
+
+/// The same with a recurrent layer of four units in front.
+Draft recurrent_hover_draft(const Simulation& simulation) {
+  Draft draft = hover_draft(simulation);
+  const auto inputs = static_cast<std::size_t>(simulation.observation_size());
+  const Draft::Layer gru = {12,
+                            inputs,
+                            std::vector<float>(12 * inputs, 0.05f),
+                            std::vector<float>(12, 0.1f),
+                            "",
+                            std::vector<float>(12 * 4, 0.3f),
+                            std::vector<float>(12, -0.1f)};
+  const hsize_t outputs = draft.layers[0].rows;
+  draft.layers = {gru,
+                  {outputs, 4, std::vector<float>(outputs * 4, 0.1f),
+                   std::vector<float>(outputs, 0.1f), "tanh"}};
+  return draft;
+}
+
+/// Actions of one step.
+std::vector<float> fly_step(Simulation& simulation, NetworkPolicy& policy) {
+  std::vector<float> action(static_cast<std::size_t>(simulation.action_size()));
+  policy.act(simulation, action);
+  simulation.step(action);
+  return action;
+}
+
+TEST(NetworkPolicy, RemembersSimulationsApartAndBeginsAnewWithAnEpisode) {
+  const TemporaryFolder folder;
+  Simulation alone({.scenario = "hover", .seed = 1}), one({.scenario = "hover", .seed = 1}),
+      other({.scenario = "hover", .seed = 2});
+  const fs::path file = write_policy(folder.path() / "policy.h5", recurrent_hover_draft(alone));
+  NetworkPolicy policy(file), shared(file);
+  for (Simulation* simulation : {&alone, &one, &other}) simulation->reset();
+  for (int step = 0; step < 5; ++step) {
+    const std::vector<float> wanted = fly_step(alone, policy);
+    EXPECT_EQ(fly_step(one, shared), wanted);
+    fly_step(other, shared);
+  }
+  NetworkPolicy fresh(file);
+  EXPECT_NE(fly_step(one, fresh), fly_step(alone, policy)) << "it does remember";
+  one.reset();
+  alone.reset();
+  NetworkPolicy again(file);
+  EXPECT_EQ(fly_step(one, shared), fly_step(alone, again)) << "of another episode nothing";
+}
+
+TEST(RunPolicy, FliesARecurrentNetworkThroughEpisodes) {
+  const TemporaryFolder folder;
+  const Simulation simulation({.scenario = "hover"});
+  write_policy(folder.path() / "policy.h5", recurrent_hover_draft(simulation));
+  const Outcome outcome = run_skybody({"run", "hover", "--policy", "policy.h5", "--steps", "20",
+                                       "--episodes", "2", "--out", "out", "--no-picture"},
+                                      {.folder = folder.path()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
 }
 
 TEST(RunPolicy, FliesATrainedNetwork) {

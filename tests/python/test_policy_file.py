@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hash_chain import hash_of
 from skybody._native import policy_seal
-from skybody.train.policy_file import Layer, Policy, read_policy, write_policy
+from skybody.train.policy_file import Agent, Layer, Policy, read_policy, write_policy
 
 LAYER = Layer(np.ones((1, 2), np.float32), np.zeros(1, np.float32), "none")
 STAMPS = {"scenario": "hover", "scenario_hash": "0" * 16, "algorithm": "ppo", "steps": 5}
@@ -98,3 +98,59 @@ def test_a_policy_replaces_another_as_a_whole(tmp_path: Path) -> None:
     assert written(tmp_path).read_bytes() == first
     assert [path.name for path in tmp_path.iterdir()] == ["policy.h5"]
     assert struct.unpack("<8B", first[512:520]) == tuple(b"\x89HDF\r\n\x1a\n")
+
+
+def test_a_shared_policy_is_evaluated_for_each_robot(tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    layers = [
+        Layer(rng.normal(0, 0.5, (6, 3)), rng.normal(0, 0.1, 6), "tanh"),
+        Layer(rng.normal(0, 0.5, (2, 6)), rng.normal(0, 0.1, 2), "none"),
+    ]
+    layers = [
+        Layer(x.weight.astype(np.float32), x.bias.astype(np.float32), x.activation) for x in layers
+    ]
+    agents = [
+        Agent(np.array([1, 2, 0]), np.array([0, 1])),
+        Agent(np.array([3, 4, 0]), np.array([2, 3])),
+    ]
+    attributes = {**STAMPS, "observation_size": 5}
+    policy = Policy(layers, np.zeros(3), np.ones(3), 10.0, attributes, agents, "tanh")
+    write_policy(tmp_path / "policy.h5", policy)
+    read = read_policy(tmp_path / "policy.h5")
+    observation = rng.normal(0, 1, (4, 5)).astype(np.float32)
+    actions = read(observation)
+    for k, agent in enumerate(agents):
+        x = observation[:, agent.observation].astype(np.float64)
+        hidden = np.tanh(x @ layers[0].weight.T + layers[0].bias)
+        wanted = np.tanh(hidden @ layers[1].weight.T + layers[1].bias)
+        np.testing.assert_allclose(actions[:, 2 * k : 2 * k + 2], wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("observation", "action", "words"),
+    [
+        (
+            [[1, 2, 0], [3, 5, 0]],
+            [[0, 1], [2, 3]],
+            r"value 4 of `/agents/observation` is 5; allowed: 0..4",
+        ),
+        ([[1, 2, 0], [3, 4, 0]], [[0, 1], [1, 3]], "value 1 of the action is decided by 2 robots"),
+        ([[1, 2, 0]], [[0, 1], [2, 3]], "observations of 1 robots and actions of 2"),
+    ],
+)
+def test_agents_that_do_not_fit_are_refused(
+    tmp_path: Path, observation: list[list[int]], action: list[list[int]], words: str
+) -> None:
+    layers = [Layer(np.zeros((2, 3), np.float32), np.zeros(2, np.float32), "none")]
+    agents = [Agent(np.array(o), np.array(a)) for o, a in zip(observation, action, strict=False)]
+    attributes = {**STAMPS, "observation_size": 5}
+    file = tmp_path / "policy.h5"
+    write_policy(file, Policy(layers, np.zeros(3), np.ones(3), 10.0, attributes, agents))
+    with h5py.File(file, "r+") as content:
+        del content["agents"]
+        content["agents/observation"] = np.array(observation, np.int32)
+        content["agents/action"] = np.array(action, np.int32)
+        content.attrs["action_size"] = 4
+    seal(file)
+    with pytest.raises(ValueError, match=words):
+        read_policy(file)

@@ -60,11 +60,15 @@ def _fly(
     errors = np.full((n, second), np.nan)
     returns, lengths = np.zeros(n), np.zeros(n, np.int64)
     failed, flying = np.zeros(n, bool), np.ones(n, bool)
+    states = policy.states(n)
     pool.send_reset()
     observation = np.array(pool.recv().observation)
     while flying.any():
         ids = np.flatnonzero(flying).astype(np.int32)
-        pool.send(np.ascontiguousarray(policy(observation[ids]), dtype=np.float32), ids)
+        remembered = states[ids]
+        actions = policy(observation[ids], remembered)
+        states[ids] = remembered
+        pool.send(np.ascontiguousarray(actions, dtype=np.float32), ids)
         batch = pool.recv()
         ids = batch.env_id
         observation[ids] = batch.observation

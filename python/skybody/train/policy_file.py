@@ -26,48 +26,139 @@ LIBVER = ("v110", "v110")  # metadata with checksums, and nothing newer than Deb
 
 @dataclass(frozen=True)
 class Layer:
-    """activation(weight x + bias)."""
+    """activation(weight x + bias); with state weights, gated recurrent units as PyTorch's GRU.
 
-    weight: NDArray[np.floating[Any]]  # (out, in)
-    bias: NDArray[np.floating[Any]]  # (out)
-    activation: str  # "tanh", "relu" or "none"
+    Rows of a recurrent layer's arrays are those of the gates r, z and n, `out` each.
+    """
+
+    weight: NDArray[np.floating[Any]]  # (out, in), recurrent: (3 out, in)
+    bias: NDArray[np.floating[Any]]  # (out), recurrent: (3 out)
+    activation: str  # "tanh", "relu", "elu" or "none"
+    state_weight: NDArray[np.floating[Any]] | None = None  # recurrent: (3 out, out)
+    state_bias: NDArray[np.floating[Any]] | None = None  # recurrent: (3 out)
+
+    @property
+    def units(self) -> int:
+        """Values of the state; 0: a dense layer."""
+        return 0 if self.state_weight is None else self.state_weight.shape[1]
+
+    def __call__(self, x: NDArray[np.float64], state: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Outputs (n, out) of inputs (n, in); changes a recurrent layer's state (n, out)."""
+        sums = x @ self.weight.astype(np.float64).T + self.bias
+        if self.state_weight is not None and self.state_bias is not None:
+            return _gate(
+                sums, state @ self.state_weight.astype(np.float64).T + self.state_bias, state
+            )
+        if self.activation == "tanh":
+            return np.tanh(sums)
+        if self.activation == "relu":
+            return np.maximum(sums, 0.0)
+        if self.activation == "elu":
+            return np.where(sums > 0.0, sums, np.expm1(np.minimum(sums, 0.0)))
+        return sums
+
+
+def _gate(
+    from_input: NDArray[np.float64], from_state: NDArray[np.float64], state: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The next state (Cho et al. 2014), which is put in `state` too."""
+    input_r, input_z, input_n = np.split(from_input, 3, axis=1)
+    state_r, state_z, state_n = np.split(from_state, 3, axis=1)
+    reset, update = _sigmoid(input_r + state_r), _sigmoid(input_z + state_z)
+    candidate = np.tanh(input_n + reset * state_n)
+    state[:] = (1.0 - update) * candidate + update * state
+    return state.copy()
+
+
+def _sigmoid(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return 0.5 + 0.5 * np.tanh(0.5 * x)
+
+
+@dataclass(frozen=True)
+class Agent:
+    """A robot's part of a team's rows."""
+
+    observation: NDArray[np.intp]  # entries of the observation that the network sees
+    action: NDArray[np.intp]  # entries of the action that its outputs are
 
 
 @dataclass(frozen=True)
 class Policy:
-    """The mean of a Gaussian policy: a multilayer perceptron on normalized observations."""
+    """The mean of a Gaussian policy: a network on normalized observations.
+
+    Where robots share it, it is evaluated for each of `agents`. One with recurrent layers remembers
+    in states() of the caller's.
+    """
 
     layers: list[Layer]
-    mean: NDArray[np.float64]  # (O) of observations
-    scale: NDArray[np.float64]  # (O), 1 / deviation
+    mean: NDArray[np.float64]  # (I) of the network's inputs, which are the observation
+    scale: NDArray[np.float64]  # (I), 1 / deviation
     clip: float  # of normalized observations
     attributes: dict[str, Any] = field(default_factory=dict)
+    agents: list[Agent] = field(default_factory=list)
+    squash: str = "clip"  # or "tanh": how outputs become actions in [-1, 1]
 
-    def __call__(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Actions (n, A) in [-1, 1] for observations (n, O); float64 from float32 weights."""
-        x = np.clip((observation - self.mean) * self.scale, -self.clip, self.clip)
+    def states(self, n: int) -> NDArray[np.float64]:
+        """What n environments remember at the beginning of an episode."""
+        size = sum(layer.units for layer in self.layers)
+        return np.zeros((n, max(1, len(self.agents)), size))
+
+    def __call__(
+        self, observation: NDArray[np.float32], states: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """Actions (n, A) in [-1, 1] for observations (n, O); float64 from float32 weights.
+
+        `states` of a policy with recurrent layers, as states(n) gives them, are changed; without
+        them it acts as at the beginning of an episode.
+        """
+        states = self.states(len(observation)) if states is None else states
+        if not self.agents:
+            return self._evaluate(observation, states[:, 0])
+        size = sum(len(agent.action) for agent in self.agents)
+        actions = np.empty((len(observation), size))
+        for k, agent in enumerate(self.agents):
+            inputs = observation[:, agent.observation]
+            actions[:, agent.action] = self._evaluate(inputs, states[:, k])
+        return actions
+
+    def _evaluate(
+        self, inputs: NDArray[np.float32], states: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        x = np.clip((inputs - self.mean) * self.scale, -self.clip, self.clip)
         x = x.astype(np.float32).astype(np.float64)
+        begin = 0
         for layer in self.layers:
-            x = x @ layer.weight.astype(np.float64).T + layer.bias
-            if layer.activation == "tanh":
-                x = np.tanh(x)
-            elif layer.activation == "relu":
-                x = np.maximum(x, 0.0)
-        return np.clip(x, -1.0, 1.0)
+            x = layer(x, states[:, begin : begin + layer.units])
+            begin += layer.units
+        return np.tanh(x) if self.squash == "tanh" else np.clip(x, -1.0, 1.0)
+
+    def sizes(self) -> dict[str, int]:
+        """Values of the scenario's rows."""
+        if not self.agents:
+            observations = self.layers[0].weight.shape[1]
+            return {
+                "observation_size": observations,
+                "action_size": self.layers[-1].weight.shape[0],
+            }
+        return {
+            "observation_size": int(self.attributes["observation_size"]),
+            "action_size": sum(len(agent.action) for agent in self.agents),
+        }
 
 
 def write_policy(path: Path, policy: Policy) -> None:
     """Writes `policy` with its attributes to `path`, atomically."""
-    sizes = {
-        "observation_size": policy.layers[0].weight.shape[1],
-        "action_size": policy.layers[-1].weight.shape[0],
-    }
-    stamp = {"format": FORMAT, "version": VERSION, "action_squash": "clip"}
+    stamp = {"format": FORMAT, "version": VERSION, "action_squash": policy.squash}
     import h5py  # type: ignore[import-untyped]
 
     image = io.BytesIO()
     with h5py.File(image, "w", libver=LIBVER, userblock_size=SEAL_BYTES) as file:
-        _put_attributes(file, {**policy.attributes, **sizes, **stamp})
+        _put_attributes(file, {**policy.attributes, **policy.sizes(), **stamp})
+        if policy.agents:
+            agents = file.create_group("agents")
+            for name in ("observation", "action"):
+                entries = [getattr(agent, name) for agent in policy.agents]
+                _put(agents, name, np.asarray(entries, np.int32))
         normalization = file.create_group("normalization")
         _put(normalization, "mean", policy.mean)
         _put(normalization, "scale", policy.scale)
@@ -76,7 +167,11 @@ def write_policy(path: Path, policy: Policy) -> None:
             group = file.create_group(f"layers/{k}")
             _put(group, "weight", layer.weight)
             _put(group, "bias", layer.bias)
-            _put_attributes(group, {"activation": layer.activation})
+            if layer.state_weight is None:
+                _put_attributes(group, {"activation": layer.activation})
+            else:
+                _put(group, "state_weight", layer.state_weight)
+                _put(group, "state_bias", layer.state_bias)
     content = image.getvalue()[SEAL_BYTES:]
     files.write_file(path, policy_seal(content) + content)
 
@@ -94,7 +189,7 @@ def _put_attributes(place: Any, attributes: dict[str, Any]) -> None:
             place.attrs[name] = value
 
 
-def _put(group: Any, name: str, values: NDArray[Any]) -> None:
+def _put(group: Any, name: str, values: NDArray[Any] | None) -> None:
     """With a checksum that HDF5 checks whenever the values are read, by `skybody run` as well."""
     group.create_dataset(name, data=values, fletcher32=True)
 
@@ -108,15 +203,15 @@ def read_policy(path: Path) -> Policy:
         values = read_policy_file(str(path))
     except Error as error:
         raise ValueError(str(error)) from error
-    if (squash := values["action_squash"]) != "clip":
-        raise ValueError(f"{path}: action_squash {squash}; the learners write `clip` only")
     layers = [Layer(*layer) for layer in values["layers"]]
-    names = ("scenario", "scenario_hash", "algorithm", "steps")
+    agents = [Agent(*(np.asarray(part, np.intp) for part in agent)) for agent in values["agents"]]
+    names = ("scenario", "scenario_hash", "algorithm", "steps", "observation_size")
     attributes = {name: values[name] for name in names}
-    if len(values["mean"]) == 0:  # none: observations go into the network as they are
-        size = values["observation_size"]
-        return Policy(layers, np.zeros(size), np.ones(size), np.inf, attributes)
-    return Policy(layers, values["mean"], values["scale"], values["clip"], attributes)
+    rest = (attributes, agents, values["action_squash"])
+    if len(values["mean"]) == 0:  # none: inputs go into the network as they are
+        size = layers[0].weight.shape[1]
+        return Policy(layers, np.zeros(size), np.ones(size), np.inf, *rest)
+    return Policy(layers, values["mean"], values["scale"], values["clip"], *rest)
 
 
 def policy_of(file: Any) -> Policy:

@@ -1,0 +1,54 @@
+// Activations and their slopes, on a tile's sums.
+#pragma once
+
+#include "learn/network/kernels/functions.h"
+
+namespace skybody::learn::kernels::SKYBODY_KERNEL_SET {
+
+template <Finish kFinish>
+SKYBODY_KERNEL Floats finished(const Floats& sum, const float* output) {
+  const Floats zero = floats(0.0f), one = floats(1.0f);
+  if constexpr (kFinish == Finish::kTanh) {
+    return tanh(sum);
+  } else if constexpr (kFinish == Finish::kRelu) {
+    return max(zero, sum);  // of NaN: NaN
+  } else if constexpr (kFinish == Finish::kElu) {
+    return select(zero < sum, sum, expm1_of_negative(min(zero, sum)));
+  } else {
+    const Floats y = load(output);
+    if constexpr (kFinish == Finish::kTanhSlope) return sum * fma(zero - y, y, one);
+    if constexpr (kFinish == Finish::kReluSlope) return select(zero < y, sum, zero);
+    return select(zero < y, sum, sum * (y + one));
+  }
+}
+
+template <Finish kFinish>
+inline void finish_rows(const MultiplyCall& call, int row, int rows, int column, int vectors) {
+  for (ptrdiff_t r = row; r < row + rows; ++r) {
+    float* y = call.y + r * call.y_stride + column;
+    const float* output = call.output + r * call.output_stride + column;
+    for (int v = 0; v < vectors * kLanes; v += kLanes) {
+      store(y + v, finished<kFinish>(load(y + v), output + v));
+    }
+  }
+}
+
+/// Of sums that are complete: `rows` rows from `row` on, `vectors` vectors from `column` on.
+inline void finish_tile(const MultiplyCall& call, int row, int rows, int column, int vectors) {
+  switch (call.finish) {
+    case Finish::kNone:
+      return;
+#define SKYBODY_CASE(NAME) \
+  case Finish::NAME:       \
+    return finish_rows<Finish::NAME>(call, row, rows, column, vectors);
+      SKYBODY_CASE(kTanh)
+      SKYBODY_CASE(kRelu)
+      SKYBODY_CASE(kElu)
+      SKYBODY_CASE(kTanhSlope)
+      SKYBODY_CASE(kReluSlope)
+      SKYBODY_CASE(kEluSlope)
+#undef SKYBODY_CASE
+  }
+}
+
+}  // namespace skybody::learn::kernels::SKYBODY_KERNEL_SET

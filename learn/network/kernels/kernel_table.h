@@ -1,0 +1,113 @@
+// The loops over floats that learning spends its time in, once for each instruction set. Plain
+// functions and types: files that are compiled for AVX-512 as a whole include this, so it must not
+// bring inline functions of the standard library with it (the linker could choose their copy for
+// every processor).
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/base/isa_sets.h"
+
+namespace skybody::learn {
+
+/// Columns of a panel: a matrix of `columns` columns is stored as panels of this many, the last
+/// narrower, one after another; within a panel row by row.
+inline constexpr int kPanel = 64;
+/// Columns are padded with zeros to a multiple of this.
+inline constexpr int kPad = 16;
+
+/// What is done to a sum before it is stored. Of the slopes, which are a layer's derivatives, the
+/// argument is the layer's output.
+enum class Finish : int { kNone, kTanh, kRelu, kElu, kTanhSlope, kReluSlope, kEluSlope };
+
+/// y = finish(start + x w): row r of `x` at x + r * x_stride, `inner` wide.
+struct MultiplyCall {
+  const float* x;
+  int x_stride;
+  int rows, inner;
+  const float* weight;   ///< inner x columns, in panels
+  int columns;           ///< a multiple of kPad
+  const float* start;    ///< `columns` values that the sums begin with; null: zero
+  int start_stride = 0;  ///< 0: the same for all rows
+  float* y;
+  int y_stride;  ///< at least `columns`
+  Finish finish = Finish::kNone;
+  const float* output = nullptr;  ///< of slopes: row r at output + r * output_stride
+  int output_stride = 0;
+};
+
+/// gradient += x^T d, summed over rows in their order; bias += the rows of d.
+struct OuterCall {
+  const float* x;  ///< rows x inner
+  int x_stride;
+  const float* d;  ///< rows x columns
+  int d_stride;
+  int rows, inner;
+  int columns;      ///< a multiple of kPad
+  float* gradient;  ///< inner x columns, in panels
+  float* bias;      ///< `columns`
+};
+
+/// A step of gated recurrent units (gru.h): from the sums of both products to the next state. Rows
+/// of sums and gates are 3 * units wide: reset, update, candidate.
+struct GruCall {
+  const float* from_input;
+  const float* from_state;
+  const float* state;  ///< rows x units, before the step
+  float* gates;
+  float* next;      ///< rows x units, after the step
+  int rows, units;  ///< units: a multiple of kPad
+  int sum_stride, state_stride, next_stride;
+};
+
+/// Its derivatives, from that at the next state.
+struct GruSlopeCall {
+  const float* gates;
+  const float* from_state;
+  const float* state;
+  const float* d_next;
+  float *d_input, *d_state;  ///< at the sums of both products
+  float* d_before;           ///< at the state before, of the direct way only
+  int rows, units;
+  int sum_stride, state_stride;
+  int d_stride;  ///< of d_next and d_before
+};
+
+/// The scalars of a step of Adam (adam.h).
+struct AdamScalars {
+  float gradient_scale;
+  float first_rest, second_decay, second_rest;  ///< 1 - beta1, beta2, 1 - beta2
+  float rate;                                   ///< learning rate / (1 - beta1^t)
+  float second_unbias;                          ///< 1 / sqrt(1 - beta2^t)
+  float epsilon;
+};
+
+/// One function each, for one instruction set. Arrays need no alignment, sizes are any.
+struct KernelTable {
+  void (*multiply)(const MultiplyCall&);
+  void (*outer)(const OuterCall&);
+  void (*gru)(const GruCall&);
+  void (*gru_slope)(const GruSlopeCall&);
+  void (*adam)(const AdamScalars&, const float* gradient, float* first, float* second,
+               float* parameters, size_t count);
+  /// Sum of squares: floats in lanes over 1024 values, the rest in double, all in a fixed order.
+  double (*square_sum)(const float* values, size_t count);
+  /// sum += addend
+  void (*add)(const float* addend, float* sum, size_t count);
+  void (*tanh)(const float* x, float* y, size_t count);
+  void (*exp)(const float* x, float* y, size_t count);
+  void (*log)(const float* x, float* y, size_t count);
+  /// Standard normals from `count` random words each (of 32 bits; `count` a multiple of 16): of
+  /// every 16, first 16 cosines, then 16 sines, into 2 * count values.
+  void (*normals)(const uint32_t* radius, const uint32_t* angle, float* y, size_t count);
+};
+
+#define SKYBODY_ROW(NAME, LANES, TARGET) \
+  namespace kernels::NAME {              \
+  extern const KernelTable kTable;       \
+  }
+SKYBODY_ISAS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+
+}  // namespace skybody::learn

@@ -1,0 +1,15 @@
+// Memory that grows with the largest call, and is then kept.
+#pragma once
+
+#include <cstddef>
+
+#include "core/base/aligned_array.h"
+
+namespace skybody::learn {
+
+/// What was in an array that is too small is lost.
+inline void make_large_enough(AlignedArray<float>& array, std::size_t size) {
+  if (array.size() < size) array = AlignedArray<float>(size);
+}
+
+}  // namespace skybody::learn

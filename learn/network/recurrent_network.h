@@ -1,0 +1,76 @@
+// A network with memory: gated recurrent units, then dense layers on their states.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "learn/network/gru.h"
+#include "learn/network/network.h"
+
+namespace skybody::learn {
+
+struct RecurrentShape {
+  int inputs = 0;
+  int units = 0;            ///< of the recurrent layer, which is the first
+  std::vector<int> hidden;  ///< of dense layers behind it
+  int outputs = 0;
+  Activation activation = Activation::kTanh;  ///< of the hidden dense layers
+};
+
+/// Memory of both parts, one for each thread.
+struct RecurrentMemory {
+  GruMemory gru;
+  NetworkMemory head;
+  AlignedArray<float> d_states;  ///< gradient at the head's inputs
+};
+
+struct TransposedRecurrent {
+  TransposedGru gru;
+  TransposedWeights head;
+};
+
+/// A Gru with a Network on its states. Its parameters are theirs, one after the other; what holds
+/// for their bits holds for its.
+class RecurrentNetwork {
+ public:
+  /// @throws Error as Gru and Network
+  RecurrentNetwork(const RecurrentShape& shape, Isa isa);
+
+  const RecurrentShape& shape() const { return shape_; }
+  std::size_t parameter_count() const { return gru_.parameter_count() + head_.parameter_count(); }
+  /// Floats of a sequence's state, padding counted: zeros at the beginning of an episode.
+  int state_stride() const { return gru_.state_stride(); }
+  /// As Gru::initialize() and Network::initialize().
+  void initialize(std::span<float> parameters, double last_gain, std::uint64_t key,
+                  std::uint64_t stream) const;
+  /// Brings `transposed` up to date. After every change of the parameters, before backward().
+  void transpose(std::span<const float> parameters, TransposedRecurrent& transposed) const;
+
+  /// Outputs of every step of some sequences; a step of environments side by side is sequences of
+  /// one step. Rows are those of Sequences.
+  /// @param states,begins  as Gru::forward()
+  /// @param y              row r at y + r * y_stride, `outputs` wide
+  void forward(std::span<const float> parameters, const float* x, int x_stride,
+               const Sequences& sequences, const std::uint8_t* begins, float* states,
+               RecurrentMemory& memory, float* y, int y_stride) const;
+  /// Adds to `gradient` what follows from the gradient at the outputs of the last forward().
+  /// @param dy  row r at dy + r * dy_stride   @param dx  null, or where the gradient at the inputs
+  /// goes
+  void backward(const TransposedRecurrent& transposed, const float* x, int x_stride,
+                const std::uint8_t* begins, RecurrentMemory& memory, const float* dy, int dy_stride,
+                std::span<float> gradient, float* dx = nullptr, int dx_stride = 0) const;
+
+  /// As layers of a policy file.
+  std::vector<PolicyLayer> layers(std::span<const float> parameters) const;
+  /// The reverse. @throws Error if the layers are not of this shape
+  void set_layers(std::span<const PolicyLayer> layers, std::span<float> parameters) const;
+
+ private:
+  RecurrentShape shape_;
+  Gru gru_;
+  Network head_;
+};
+
+}  // namespace skybody::learn
