@@ -133,6 +133,8 @@ template Values<float> read_array(nb::handle, const char*, std::initializer_list
 template Values<double> read_array(nb::handle, const char*, std::initializer_list<std::int64_t>);
 template Values<std::int32_t> read_array(nb::handle, const char*,
                                          std::initializer_list<std::int64_t>);
+template Values<std::uint64_t> read_array(nb::handle, const char*,
+                                          std::initializer_list<std::int64_t>);
 
 std::vector<std::uint8_t> read_mask(nb::handle object, const char* name, std::int64_t size) {
   const AnyArray array = to_array(object, name, "bool");

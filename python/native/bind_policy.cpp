@@ -21,6 +21,16 @@ nb::object vector_of(const std::vector<double>& values) {
   return copy_of<double>(values, {values.size()});
 }
 
+nb::dict read_policy_file(const std::string& file) {
+  try {
+    return dict_of(read_policy(file));
+  } catch (const MarkedError& error) {
+    throw Error(error.mark().file + ": " + error.what());
+  }
+}
+
+}  // namespace
+
 nb::dict dict_of(const PolicyFile& policy) {
   nb::dict values;
   values["scenario"] = policy.scenario;
@@ -43,16 +53,6 @@ nb::dict dict_of(const PolicyFile& policy) {
   values["layers"] = layers;
   return values;
 }
-
-nb::dict read_policy_file(const std::string& file) {
-  try {
-    return dict_of(read_policy(file));
-  } catch (const MarkedError& error) {
-    throw Error(error.mark().file + ": " + error.what());
-  }
-}
-
-}  // namespace
 
 nb::tuple tuple_of(const PolicyLayer& layer) {
   const auto rows = static_cast<std::size_t>(layer.weight_rows());

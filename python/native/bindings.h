@@ -12,6 +12,8 @@ namespace nb = nanobind;
 /// A policy's layer: (weight, bias, activation), of a recurrent one (weight, bias, "none",
 /// state_weight, state_bias).
 nb::tuple tuple_of(const PolicyLayer& layer);
+/// A policy as `read_policy_file` gives it.
+nb::dict dict_of(const PolicyFile& policy);
 
 void bind_errors(nb::module_& m);
 void bind_compiled_scenario(nb::module_& m);
@@ -19,6 +21,7 @@ void bind_batch(nb::module_& m);
 void bind_learn(nb::module_& m);
 void bind_policy(nb::module_& m);
 void bind_pool(nb::module_& m);
+void bind_ppo(nb::module_& m);
 void bind_shapes(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_simulation_pool(nb::module_& m);

@@ -1,0 +1,222 @@
+// `Ppo`, whole or with slices that Python holds, and `PpoSlices`, what a worker holds.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "learn/ppo/ppo.h"
+#include "learn/ppo/ppo_slices.h"
+#include "learn/ppo/recovering_ppo.h"
+#include "python/native/arrays.h"
+#include "python/native/bindings.h"
+#include "python/native/learner_options.h"
+#include "python/native/remote_slices.h"
+
+namespace skybody::python {
+namespace {
+
+using learn::LearnerState;
+
+template <class T>
+nb::object array_of(std::span<const T> values) {
+  return copy_of<T>(values, {values.size()});
+}
+
+/// Some slices with networks of their own, which are told parameters before they compute.
+class HeldSlices {
+ public:
+  HeldSlices(const learn::LearnerOptions& options, int first, int count)
+      : setup_(std::make_shared<const learn::PpoSetup>(options)),
+        crew_(options.threads, learn::kSlices),
+        networks_(setup_->agents, setup_->hyper, setup_->isa),
+        slices_(setup_, first, count, crew_) {}
+
+  nb::list collect(nb::handle policy, nb::handle value, std::int64_t iteration, nb::handle mean,
+                   nb::handle scale, double return_mean) {
+    set_parameters(policy, value);
+    const Values<double> means = read_array<double>(mean, "mean", {setup_->row.inputs});
+    const Values<double> scales = read_array<double>(scale, "scale", {setup_->row.inputs});
+    inputs_ = {iteration,
+               {means.span().begin(), means.span().end()},
+               {scales.span().begin(), scales.span().end()},
+               return_mean};
+    released([&] { slices_.collect(inputs_, networks_); });
+    return each([](const learn::SliceOutputs& of) {
+      return nb::make_tuple(array_of(of.rollout_sums), array_of(of.episode_returns));
+    });
+  }
+
+  nb::list find_advantages(double reward_scale) {
+    released([&] { slices_.find_advantages(reward_scale, networks_); });
+    return each([](const learn::SliceOutputs& of) { return array_of(of.advantage_sums); });
+  }
+
+  nb::list find_gradients(nb::handle policy, nb::handle value, int epoch, int index,
+                          bool wants_policy, bool wants_value, double mean, double scale) {
+    set_parameters(policy, value);
+    const learn::Minibatch minibatch{epoch, index, wants_policy, wants_value, mean, scale};
+    released([&] { slices_.find_gradients(minibatch, networks_); });
+    return each([&](const learn::SliceOutputs& of) {
+      const auto wanted = [](bool is_wanted, std::span<const float> gradient) {
+        return array_of(is_wanted ? gradient : gradient.first(0));
+      };
+      return nb::make_tuple(array_of(of.minibatch_sums), wanted(wants_policy, of.policy_gradient),
+                            wanted(wants_value, of.value_gradient));
+    });
+  }
+
+  void spread_starts(std::int64_t iteration) {
+    released([&] { slices_.spread_starts(iteration); });
+  }
+
+  nb::list save() const {
+    nb::list states;
+    for (int k = 0; k < slices_.count(); ++k) {
+      learn::StateBlocks blocks;
+      const std::vector<std::uint64_t> words = slices_.save(k, blocks);
+      states.append(state_of(blocks, words));
+    }
+    return states;
+  }
+
+  void restore(const nb::list& states) {
+    for (int k = 0; k < slices_.count(); ++k) {
+      learn::StateBlocks blocks;
+      const std::vector<std::uint64_t> words =
+          read_state(states[static_cast<std::size_t>(k)], blocks);
+      slices_.restore(k, blocks, words);
+    }
+  }
+
+ private:
+  void set_parameters(nb::handle policy, nb::handle value) {
+    const Values<float> policies = read_array<float>(policy, "policy", {-1});
+    const Values<float> values = read_array<float>(value, "value", {-1});
+    networks_.set(policies.span(), values.span());
+  }
+
+  template <class Work>
+  static void released(Work&& work) {
+    const nb::gil_scoped_release release;
+    work();
+  }
+
+  template <class Make>
+  nb::list each(Make&& make) const {
+    nb::list made;
+    for (int k = 0; k < slices_.count(); ++k) made.append(make(slices_.outputs(k)));
+    return made;
+  }
+
+  std::shared_ptr<const learn::PpoSetup> setup_;
+  learn::TaskCrew crew_;
+  learn::PpoNetworks networks_;
+  learn::PpoSlices slices_;
+  learn::RolloutInputs inputs_;
+};
+
+/// The learner, whoever holds its slices.
+std::unique_ptr<learn::Learner> make_ppo(const learn::LearnerOptions& options, nb::object slices) {
+  if (slices.is_none()) return std::make_unique<learn::Ppo>(options);
+  auto setup = std::make_shared<const learn::PpoSetup>(options);
+  auto holder = std::make_unique<RemoteSlices>(slices, setup->plan.slices());
+  const auto replace = [slices] {
+    const nb::gil_scoped_acquire gil;
+    slices.attr("replace")();
+  };
+  return std::make_unique<learn::RecoveringPpo>(std::move(setup), std::move(holder),
+                                                options.threads, replace);
+}
+
+nb::dict dict_of(const learn::Report& report) {
+  nb::dict losses;
+  for (const auto& [name, value] : report.losses) losses[name.c_str()] = value;
+  nb::dict values;
+  values["steps"] = report.steps;
+  values["episode_returns"] = array_of<float>(report.episode_returns);
+  values["position_error"] = report.position_error;
+  values["faults"] = report.faults;
+  values["environment_seconds"] = report.environment_seconds;
+  values["inference_seconds"] = report.inference_seconds;
+  values["update_seconds"] = report.update_seconds;
+  values["losses"] = losses;
+  return values;
+}
+
+nb::dict iterate(learn::Learner& learner) {
+  learn::Report report;
+  {
+    const nb::gil_scoped_release release;
+    report = learner.iterate();
+  }
+  return dict_of(report);
+}
+
+nb::tuple save(const learn::Learner& learner) {
+  const LearnerState state = learner.state();
+  return state_of(state.blocks, state.environments);
+}
+
+void restore(learn::Learner& learner, nb::handle state) {
+  LearnerState read;
+  read.environments = read_state(state, read.blocks);
+  learner.restore(read);
+}
+
+}  // namespace
+
+void bind_ppo(nb::module_& m) {
+  nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
+  nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
+  m.def(
+      "hyperparameters", [](const nb::dict& values) { return dict_of(hyperparameters_of(values)); },
+      nb::arg("values") = nb::dict(),
+      nb::sig("def hyperparameters(values: dict[str, typing.Any] = {}) -> dict[str, typing.Any]"),
+      "All hyper-parameters of the native learners: those given, and the defaults of the others.");
+  nb::class_<HeldSlices>(m, "PpoSlices",
+                         "Consecutive slices of the environments of a `Ppo`, for a worker. What a "
+                         "method gives is a list with an entry a slice.")
+      .def(
+          "__init__",
+          [](HeldSlices* self, const LoadedScenario& scenario, const nb::dict& hyper,
+             std::uint64_t seed, std::int64_t total_steps, int first, int count, int threads) {
+            new (self) HeldSlices(learner_options(scenario, hyper, seed, total_steps, threads),
+                                  first, count);
+          },
+          nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
+          nb::arg("first"), nb::arg("count"), nb::arg("threads") = 1)
+      .def("collect", &HeldSlices::collect, nb::arg("policy"), nb::arg("value"),
+           nb::arg("iteration"), nb::arg("mean"), nb::arg("scale"), nb::arg("return_mean"),
+           "A rollout with these parameters: (sums, returns of the episodes that ended).")
+      .def("find_advantages", &HeldSlices::find_advantages, nb::arg("reward_scale"),
+           "Sums of the advantages.")
+      .def("find_gradients", &HeldSlices::find_gradients, nb::arg("policy"), nb::arg("value"),
+           nb::arg("epoch"), nb::arg("index"), nb::arg("wants_policy"), nb::arg("wants_value"),
+           nb::arg("advantage_mean"), nb::arg("advantage_scale"),
+           "Of a minibatch: (sums, gradient of the policy, of the value function); gradients "
+           "that are not wanted are empty.")
+      .def("spread_starts", &HeldSlices::spread_starts, nb::arg("iteration"))
+      .def("save", &HeldSlices::save, "(blocks by name, the environments' words).")
+      .def("restore", &HeldSlices::restore, nb::arg("states"), "The inverse of save().");
+  nb::class_<learn::Learner>(m, "Ppo", "The learner `fast-ppo`.")
+      .def(nb::new_([](const LoadedScenario& scenario, const nb::dict& hyper, std::uint64_t seed,
+                       std::int64_t total_steps, int threads, nb::object slices) {
+             return make_ppo(learner_options(scenario, hyper, seed, total_steps, threads),
+                             std::move(slices));
+           }),
+           nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
+           nb::arg("threads") = 0, nb::arg("slices") = nb::none())
+      .def_prop_ro("steps", &learn::Learner::steps)
+      .def_prop_ro("parameter_hash", &learn::Learner::parameter_hash)
+      .def("iterate", &iterate, "One rollout and its update; a report by name.")
+      .def(
+          "policy", [](const learn::Learner& learner) { return dict_of(learner.policy()); },
+          "As `read_policy_file` gives it.")
+      .def("save", &save, "(blocks of words by name, words of the environments).")
+      .def("restore", &restore, nb::arg("state"), "The inverse of save().");
+}
+
+}  // namespace skybody::python

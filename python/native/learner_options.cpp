@@ -1,0 +1,81 @@
+#include "python/native/learner_options.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <iterator>
+#include <string>
+
+#include "core/base/error.h"
+
+namespace skybody::python {
+namespace nb = nanobind;
+namespace {
+
+using learn::Sizes;
+
+template <class T>
+void read(nb::handle value, T& to) {
+  to = nb::cast<T>(value);
+}
+
+void read(nb::handle value, double& to) { to = nb::cast<double>(nb::float_(value)); }
+
+void read(nb::handle value, Sizes& to) {
+  to.clear();
+  for (const nb::handle size : nb::iter(value)) to.push_back(nb::cast<int>(size));
+}
+
+void read(nb::handle value, Activation& to) {
+  const auto word = nb::cast<std::string>(value);
+  for (std::size_t k = 1; k < std::size(kActivationNames); ++k) {
+    if (word == kActivationNames[k]) {
+      to = static_cast<Activation>(k);
+      return;
+    }
+  }
+  throw nb::value_error(("no activation `" + word + "`").c_str());
+}
+
+nb::object shown(double value) { return nb::float_(value); }
+nb::object shown(int value) { return nb::int_(value); }
+nb::object shown(bool value) { return nb::bool_(value); }
+nb::object shown(const Sizes& value) { return nb::tuple(nb::cast(value)); }
+nb::object shown(Activation value) {
+  return nb::str(std::string(kActivationNames[static_cast<std::size_t>(value)]).c_str());
+}
+
+}  // namespace
+
+learn::Hyperparameters hyperparameters_of(const nb::dict& values) {
+  learn::Hyperparameters hyper;
+  for (const auto [key, value] : values) {
+    const auto name = nb::cast<std::string>(key);
+    bool is_known = false;
+#define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \
+  if (name == #NAME) {                                                        \
+    is_known = true;                                                          \
+    read(value, hyper.NAME);                                                  \
+  }
+    SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+    if (!is_known) throw nb::value_error(("no hyper-parameter `" + name + "`").c_str());
+  }
+  return hyper;
+}
+
+nb::dict dict_of(const learn::Hyperparameters& hyper) {
+  nb::dict values;
+#define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \
+  values[#NAME] = shown(hyper.NAME);
+  SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+  return values;
+}
+
+learn::LearnerOptions learner_options(const LoadedScenario& scenario, const nb::dict& hyper,
+                                      std::uint64_t seed, std::int64_t total_steps, int threads) {
+  return {scenario.shared(), hyperparameters_of(hyper), seed, total_steps, threads};
+}
+
+}  // namespace skybody::python

@@ -1,0 +1,21 @@
+// What learners are made of, from Python's values.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include "learn/learner.h"
+#include "python/native/loaded_scenario.h"
+
+namespace skybody::python {
+
+/// Hyper-parameters by name; those that are not named have their defaults.
+/// @throws ValueError for an unknown name or a value of another type, which it names
+learn::Hyperparameters hyperparameters_of(const nanobind::dict& values);
+
+/// All of them by name, as Python's numbers, bools, tuples and words.
+nanobind::dict dict_of(const learn::Hyperparameters& hyper);
+
+learn::LearnerOptions learner_options(const LoadedScenario& scenario, const nanobind::dict& hyper,
+                                      std::uint64_t seed, std::int64_t total_steps, int threads);
+
+}  // namespace skybody::python
