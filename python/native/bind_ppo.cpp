@@ -1,6 +1,5 @@
 // `Ppo`, whole or with slices that Python holds, and `PpoSlices`, what a worker holds.
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <memory>
@@ -119,7 +118,12 @@ class HeldSlices {
 };
 
 /// The learner, whoever holds its slices.
-std::unique_ptr<learn::Learner> make_ppo(const learn::LearnerOptions& options, nb::object slices) {
+struct AnyPpo {
+  std::unique_ptr<learn::Learner> learner;
+};
+
+std::unique_ptr<learn::Learner> make_ppo(const learn::LearnerOptions& options,
+                                         const nb::object& slices) {
   if (slices.is_none()) return std::make_unique<learn::Ppo>(options);
   auto setup = std::make_shared<const learn::PpoSetup>(options);
   auto holder = std::make_unique<RemoteSlices>(slices, setup->plan.slices());
@@ -146,24 +150,24 @@ nb::dict dict_of(const learn::Report& report) {
   return values;
 }
 
-nb::dict iterate(learn::Learner& learner) {
+nb::dict iterate(AnyPpo& ppo) {
   learn::Report report;
   {
     const nb::gil_scoped_release release;
-    report = learner.iterate();
+    report = ppo.learner->iterate();
   }
   return dict_of(report);
 }
 
-nb::tuple save(const learn::Learner& learner) {
-  const LearnerState state = learner.state();
+nb::tuple save(const AnyPpo& ppo) {
+  const LearnerState state = ppo.learner->state();
   return state_of(state.blocks, state.environments);
 }
 
-void restore(learn::Learner& learner, nb::handle state) {
+void restore(AnyPpo& ppo, nb::handle state) {
   LearnerState read;
   read.environments = read_state(state, read.blocks);
-  learner.restore(read);
+  ppo.learner->restore(read);
 }
 
 }  // namespace
@@ -186,37 +190,59 @@ void bind_ppo(nb::module_& m) {
             new (self) HeldSlices(learner_options(scenario, hyper, seed, total_steps, threads),
                                   first, count);
           },
+          nb::sig("def __init__(self, compiled: CompiledScenario, hyper: dict[str, typing.Any], "
+                  "seed: int, total_steps: int, first: int, count: int, threads: int = 1) -> None"),
           nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
           nb::arg("first"), nb::arg("count"), nb::arg("threads") = 1)
-      .def("collect", &HeldSlices::collect, nb::arg("policy"), nb::arg("value"),
-           nb::arg("iteration"), nb::arg("mean"), nb::arg("scale"), nb::arg("return_mean"),
+      .def("collect", &HeldSlices::collect,
+           nb::sig("def collect(self, policy: object, value: object, iteration: int, mean: object, "
+                   "scale: object, return_mean: float) -> list[typing.Any]"),
+           nb::arg("policy"), nb::arg("value"), nb::arg("iteration"), nb::arg("mean"),
+           nb::arg("scale"), nb::arg("return_mean"),
            "A rollout with these parameters: (sums, returns of the episodes that ended).")
-      .def("find_advantages", &HeldSlices::find_advantages, nb::arg("reward_scale"),
-           "Sums of the advantages.")
-      .def("find_gradients", &HeldSlices::find_gradients, nb::arg("policy"), nb::arg("value"),
-           nb::arg("epoch"), nb::arg("index"), nb::arg("wants_policy"), nb::arg("wants_value"),
-           nb::arg("advantage_mean"), nb::arg("advantage_scale"),
+      .def("find_advantages", &HeldSlices::find_advantages,
+           nb::sig("def find_advantages(self, reward_scale: float) -> list[typing.Any]"),
+           nb::arg("reward_scale"), "Sums of the advantages.")
+      .def("find_gradients", &HeldSlices::find_gradients,
+           nb::sig("def find_gradients(self, policy: object, value: object, epoch: int, index: "
+                   "int, wants_policy: bool, wants_value: bool, advantage_mean: float, "
+                   "advantage_scale: float) -> list[typing.Any]"),
+           nb::arg("policy"), nb::arg("value"), nb::arg("epoch"), nb::arg("index"),
+           nb::arg("wants_policy"), nb::arg("wants_value"), nb::arg("advantage_mean"),
+           nb::arg("advantage_scale"),
            "Of a minibatch: (sums, gradient of the policy, of the value function); gradients "
            "that are not wanted are empty.")
       .def("spread_starts", &HeldSlices::spread_starts, nb::arg("iteration"))
-      .def("save", &HeldSlices::save, "(blocks by name, the environments' words).")
-      .def("restore", &HeldSlices::restore, nb::arg("states"), "The inverse of save().");
-  nb::class_<learn::Learner>(m, "Ppo", "The learner `fast-ppo`.")
-      .def(nb::new_([](const LoadedScenario& scenario, const nb::dict& hyper, std::uint64_t seed,
-                       std::int64_t total_steps, int threads, nb::object slices) {
-             return make_ppo(learner_options(scenario, hyper, seed, total_steps, threads),
-                             std::move(slices));
-           }),
-           nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
-           nb::arg("threads") = 0, nb::arg("slices") = nb::none())
-      .def_prop_ro("steps", &learn::Learner::steps)
-      .def_prop_ro("parameter_hash", &learn::Learner::parameter_hash)
-      .def("iterate", &iterate, "One rollout and its update; a report by name.")
+      .def("save", &HeldSlices::save, nb::sig("def save(self) -> list[typing.Any]"),
+           "(blocks by name, the environments' words).")
+      .def("restore", &HeldSlices::restore,
+           nb::sig("def restore(self, states: list[typing.Any]) -> None"), nb::arg("states"),
+           "The inverse of save().");
+  nb::class_<AnyPpo>(m, "Ppo", "The learner `fast-ppo`.")
       .def(
-          "policy", [](const learn::Learner& learner) { return dict_of(learner.policy()); },
-          "As `read_policy_file` gives it.")
-      .def("save", &save, "(blocks of words by name, words of the environments).")
-      .def("restore", &restore, nb::arg("state"), "The inverse of save().");
+          "__init__",
+          [](AnyPpo* self, const LoadedScenario& scenario, const nb::dict& hyper,
+             std::uint64_t seed, std::int64_t total_steps, int threads, const nb::object& slices) {
+            new (self) AnyPpo{
+                make_ppo(learner_options(scenario, hyper, seed, total_steps, threads), slices)};
+          },
+          nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
+          nb::arg("threads") = 0, nb::arg("slices") = nb::none(),
+          nb::sig("def __init__(self, compiled: CompiledScenario, hyper: dict[str, typing.Any], "
+                  "seed: int, total_steps: int, threads: int = 0, slices: object | None = None) "
+                  "-> None"))
+      .def_prop_ro("steps", [](const AnyPpo& ppo) { return ppo.learner->steps(); })
+      .def_prop_ro("parameter_hash",
+                   [](const AnyPpo& ppo) { return ppo.learner->parameter_hash(); })
+      .def("iterate", &iterate, nb::sig("def iterate(self) -> dict[str, typing.Any]"),
+           "One rollout and its update; a report by name.")
+      .def(
+          "policy", [](const AnyPpo& ppo) { return dict_of(ppo.learner->policy()); },
+          nb::sig("def policy(self) -> dict[str, typing.Any]"), "As `read_policy_file` gives it.")
+      .def("save", &save, nb::sig("def save(self) -> tuple[typing.Any, typing.Any]"),
+           "(blocks of words by name, words of the environments).")
+      .def("restore", &restore, nb::sig("def restore(self, state: object) -> None"),
+           nb::arg("state"), "The inverse of save().");
 }
 
 }  // namespace skybody::python

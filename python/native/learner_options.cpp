@@ -3,8 +3,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstdio>
 #include <iterator>
 #include <string>
+#include <type_traits>
 
 #include "core/base/error.h"
 
@@ -34,7 +36,25 @@ void read(nb::handle value, Activation& to) {
       return;
     }
   }
-  throw nb::value_error(("no activation `" + word + "`").c_str());
+  throw nb::value_error(
+      ("hyper-parameter activation = " + word + ": allowed is tanh, relu or elu").c_str());
+}
+
+/// @throws ValueError beyond the list's range
+template <class T>
+void check(const char* name, const T& value, double least, double largest) {
+  if constexpr (std::is_arithmetic_v<T>) {
+    const auto number = static_cast<double>(value);
+    if (number >= least && number <= largest) return;
+    char text[160];
+    std::snprintf(text, sizeof(text), "hyper-parameter %s = %g: allowed is %g to %g", name, number,
+                  least, largest);
+    throw nb::value_error(text);
+  }
+}
+
+void check(const char* name, const Sizes& value, double least, double largest) {
+  for (const int size : value) check(name, size, least, largest);
 }
 
 nb::object shown(double value) { return nb::float_(value); }
@@ -56,6 +76,7 @@ learn::Hyperparameters hyperparameters_of(const nb::dict& values) {
   if (name == #NAME) {                                                        \
     is_known = true;                                                          \
     read(value, hyper.NAME);                                                  \
+    check(#NAME, hyper.NAME, LEAST, LARGEST);                                 \
   }
     SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW

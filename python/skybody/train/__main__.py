@@ -1,6 +1,6 @@
 """Trains a policy in a scenario; see docs/training.md.
 
-python -m skybody.train SCENARIO --algo ppo|lean-ppo --seed S --total-steps N --out DIR
+python -m skybody.train SCENARIO --algo fast-ppo|lean-ppo|ppo --seed S --total-steps N --out DIR
 python -m skybody.train --resume --out DIR
 """
 
@@ -47,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
     add(
         "--algo",
         choices=ALGORITHMS,
-        help="ppo: Stable-Baselines3's; lean-ppo (default): ours, faster",
+        help="fast-ppo: ours in C++; lean-ppo (default): ours in Python; ppo: Stable-Baselines3's",
     )
     add("--seed", type=int, help="of environments, networks and exploration; default: 0")
     add(
@@ -270,6 +270,17 @@ def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Tr
     """Writes the configuration to the run folder, which is then this process's."""
     demand_packages(TRAINING)
     config, compiled = prepare(options)
+    return open_trainer(options, config, compiled, locks)
+
+
+def open_trainer(
+    options: argparse.Namespace,
+    config: Config,
+    compiled: CompiledScenario,
+    locks: contextlib.ExitStack,
+    slices: object = None,
+) -> Trainer:
+    """make_trainer(), of what is checked; `slices` as make_learner() has them."""
     from skybody.train.trainer import Trainer
 
     run: Path = options.out
@@ -277,7 +288,7 @@ def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Tr
     (run / "checkpoints").mkdir(parents=True, exist_ok=True)
     locks.enter_context(files.folder_lock(run))
     try:
-        trainer = Trainer(run, config, compiled)
+        trainer = Trainer(run, config, compiled, slices)
         config.write(run)
     except BaseException:
         if is_new:

@@ -203,6 +203,11 @@ def read_policy(path: Path) -> Policy:
         values = read_policy_file(str(path))
     except Error as error:
         raise ValueError(str(error)) from error
+    return policy_of_values(values)
+
+
+def policy_of_values(values: dict[str, Any]) -> Policy:
+    """The policy of what `read_policy_file` gives."""
     layers = [Layer(*layer) for layer in values["layers"]]
     agents = [Agent(*(np.asarray(part, np.intp) for part in agent)) for agent in values["agents"]]
     names = ("scenario", "scenario_hash", "algorithm", "steps", "observation_size")

@@ -8,9 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from skybody._native import hyperparameters
 from skybody.arguments import MOST_ENVS, allowed_words
 
-ALGORITHMS = ("ppo", "lean-ppo")
+ALGORITHMS = ("fast-ppo", "lean-ppo", "ppo")
+NATIVE = ("fast-ppo",)  # learners in C++: they have the engine's list of hyper-parameters
 
 
 class UsageError(ValueError):
@@ -86,26 +88,37 @@ class Hyperparameters:
         _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
 
 
+def _check_native(hyper: Any) -> None:
+    """Raises UsageError for values that no learner can work with."""
+    try:
+        hyperparameters(vars(hyper))
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+
+
+# The engine's list, as the other learners have theirs.
+NativeHyperparameters = dataclasses.make_dataclass(
+    "NativeHyperparameters",
+    [(name, type(value), value) for name, value in hyperparameters().items()],
+    frozen=True,
+    namespace={"check": _check_native},
+)
+
+
 # What differs from the defaults above: first an algorithm's own ("*"), then a scenario's besides.
+_HOVER_LEARN: dict[str, Any] = {
+    "discount": 0.98,
+    "final_log_std": -2.7,
+    "bounded_mean": True,
+    "normalization_steps": 1_500_000,
+    "averaging_steps": 300_000,
+}
 PRESETS: dict[tuple[str, str], dict[str, Any]] = {
     # One pass: a second one fits noise of the first one's advantages, and in the end little else.
     ("*", "lean-ppo"): {"envs": 256, "rollout_steps": 32, "epochs": 1},
-    ("hover_learn", "lean-ppo"): {
-        "discount": 0.98,
-        "final_log_std": -2.7,
-        "bounded_mean": True,
-        "normalization_steps": 1_500_000,
-        "averaging_steps": 300_000,
-    },
-    ("hover_learn", "ppo"): {
-        "minibatch": 512,
-        "epochs": 2,
-        "discount": 0.98,
-        "final_log_std": -2.7,
-        "bounded_mean": True,
-        "normalization_steps": 1_500_000,
-        "averaging_steps": 300_000,
-    },
+    ("hover_learn", "fast-ppo"): _HOVER_LEARN,
+    ("hover_learn", "lean-ppo"): _HOVER_LEARN,
+    ("hover_learn", "ppo"): {"minibatch": 512, "epochs": 2, **_HOVER_LEARN},
 }
 
 
@@ -113,7 +126,12 @@ def preset(scenario: str, algorithm: str) -> Hyperparameters:
     """The hyper-parameters for a scenario (its name) and an algorithm of ALGORITHMS."""
     layers = (PRESETS.get((name, algorithm), {}) for name in ("*", scenario))
     changes = {key: value for layer in layers for key, value in layer.items()}
-    return dataclasses.replace(Hyperparameters(), **changes)
+    made: Hyperparameters = dataclasses.replace(_defaults(algorithm), **changes)
+    return made
+
+
+def _defaults(algorithm: str) -> Any:
+    return NativeHyperparameters() if algorithm in NATIVE else Hyperparameters()
 
 
 def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparameters:
@@ -131,12 +149,16 @@ def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparame
     return dataclasses.replace(base, **changes)
 
 
-def from_dict(values: dict[str, Any]) -> Hyperparameters:
+def from_dict(values: dict[str, Any], algorithm: str) -> Hyperparameters:
     """The inverse of dataclasses.asdict, after a way through JSON. Raises KeyError for others."""
-    known = {field.name for field in dataclasses.fields(Hyperparameters)}
+    defaults = _defaults(algorithm)
+    known = {field.name for field in dataclasses.fields(defaults)}
     if other := known ^ set(values):
         raise KeyError(f"hyper-parameters of another version: {', '.join(sorted(other))}")
-    return Hyperparameters(**{**values, "hidden": tuple(values["hidden"])})
+    made: Hyperparameters = dataclasses.replace(
+        defaults, **{**values, "hidden": tuple(values["hidden"])}
+    )
+    return made
 
 
 def _parse(setting: str, text: str, like: Any) -> Any:
@@ -145,6 +167,8 @@ def _parse(setting: str, text: str, like: Any) -> Any:
             return {"true": True, "false": False}[text.lower()]
         if isinstance(like, tuple):
             return tuple(int(size) for size in text.strip("[]()").split(",") if size.strip())
+        if isinstance(like, str):
+            return text
         return int(text) if isinstance(like, int) else float(text)
     except (ValueError, KeyError):
         form = {bool: "true or false", tuple: "sizes as 64,64", int: "an integer"}

@@ -68,7 +68,8 @@ class Config:
             raise UsageError(f"--resume: {path} does not exist, so there is no run to go on with")
         try:
             values: dict[str, Any] = json.loads(path.read_text())
-            return Config(**{**values, "hyper": from_dict(values["hyper"]), "searched": []})
+            hyper = from_dict(values["hyper"], values["algorithm"])
+            return Config(**{**values, "hyper": hyper, "searched": []})
         except (ValueError, TypeError, KeyError) as error:
             raise UsageError(
                 f"{path} is damaged or of another version ({error}): the run cannot go on"

@@ -25,13 +25,17 @@ from skybody.train.evaluations import Evaluations
 from skybody.train.events import EventFile
 from skybody.train.hashing import parameter_hash
 from skybody.train.learner import Learner, Report
+from skybody.train.presets import NATIVE
 from skybody.train.run_folder import Config, ProgressTable, write_evaluations
 
 RECENT_EPISODES = 100  # that the progress bar's return is the mean of
 
 
-def make_learner(config: Config, compiled: CompiledScenario) -> Learner:
+def make_learner(config: Config, compiled: CompiledScenario, slices: object = None) -> Learner:
     """The learner of the configuration, at its beginning.
+
+    Args:
+        slices: of fast-ppo, where somebody else holds them.
 
     Raises:
         ValueError: the scenario observes images, which neither learner takes.
@@ -48,6 +52,10 @@ def make_learner(config: Config, compiled: CompiledScenario) -> Learner:
         from skybody.train.sb3_ppo import Sb3Ppo
 
         return Sb3Ppo(*arguments)
+    if config.algorithm == "fast-ppo":
+        from skybody.train.fast_ppo import FastPpo
+
+        return FastPpo(*arguments, slices)
     from skybody.train.lean_ppo import LeanPpo
 
     return LeanPpo(*arguments)
@@ -56,10 +64,13 @@ def make_learner(config: Config, compiled: CompiledScenario) -> Learner:
 class Trainer:
     """Trains until `total_steps` or a first Ctrl-C; begins at the newest checkpoint, if any."""
 
-    def __init__(self, run: Path, config: Config, compiled: CompiledScenario) -> None:
+    def __init__(
+        self, run: Path, config: Config, compiled: CompiledScenario, slices: object = None
+    ) -> None:
         self.run, self.config = run, config
-        self.learner = make_learner(config, compiled)
-        self.average = PolicyAverage(config.hyper.averaging_steps)
+        self.learner = make_learner(config, compiled, slices)
+        averages_itself = config.algorithm in NATIVE
+        self.average = PolicyAverage(0 if averages_itself else config.hyper.averaging_steps)
         self.shares = {"environment": 0.0, "inference": 0.0, "update": 0.0}
         self.recent: deque[float] = deque(maxlen=RECENT_EPISODES)
         self.faults, self.earlier_seconds, self.began = 0, 0.0, time.perf_counter()

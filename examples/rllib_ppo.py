@@ -1,0 +1,77 @@
+"""PPO of RLlib learns to hover, on environments that are stepped in C++.
+
+    python examples/rllib_ppo.py [--iterations 20] [--envs 64] [--runners 0] [--address local]
+
+Prints steps and mean return after each iteration. With --address of a cluster, runners are spread
+over its machines.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import Any
+
+from ray.rllib.algorithms.ppo import PPOConfig
+from ray.rllib.connectors.env_to_module import MeanStdFilter
+from skybody.program import run_program
+from skybody.ray.cluster import ADDRESS_HELP, LOCAL, cluster
+from skybody.ray.rllib import environments
+
+
+def config(scenario: str, envs: int, runners: int) -> PPOConfig:
+    """PPO's configuration: 32 steps of every environment between two updates."""
+    made: PPOConfig = environments(PPOConfig(), scenario, envs, runners=runners)
+    batch = 32 * envs * max(1, runners)
+    made.env_runners(
+        rollout_fragment_length=32,
+        env_to_module_connector=lambda env, spaces, device: MeanStdFilter(),
+    )
+    made.rl_module(model_config={"fcnet_hiddens": [64, 64], "fcnet_activation": "tanh"})
+    made.training(
+        lr=1e-3,
+        gamma=0.98,
+        lambda_=0.95,
+        clip_param=0.2,
+        vf_clip_param=float("inf"),
+        num_epochs=2,
+        minibatch_size=min(512, batch),
+        train_batch_size_per_learner=batch,
+    )
+    return made.debugging(seed=1, log_level="ERROR")
+
+
+def summary(result: dict[str, Any]) -> dict[str, float]:
+    """Of what an iteration gives."""
+    runners = result["env_runners"]
+    return {
+        "steps": float(runners["num_env_steps_sampled_lifetime"]),
+        "return": float(runners.get("episode_return_mean", float("nan"))),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--iterations", type=int, default=20)
+    parser.add_argument("--envs", type=int, default=64, help="of each runner")
+    parser.add_argument("--runners", type=int, default=0, help="0: the learner's own process")
+    parser.add_argument("--scenario", default="hover_learn")
+    parser.add_argument("--address", default=LOCAL, help=ADDRESS_HELP)
+    given = parser.parse_args()
+    with cluster(given.address):
+        algorithm = config(given.scenario, given.envs, given.runners).build_algo()
+        begin = time.perf_counter()
+        for _ in range(given.iterations):
+            found = summary(algorithm.train())
+            rate = found["steps"] / (time.perf_counter() - begin)
+            print(
+                f"{found['steps']:9,.0f} steps, {rate:7,.0f} steps/s, return {found['return']:.1f}",
+                flush=True,
+            )
+        algorithm.stop()
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,164 @@
+"""Slices of a PPO's environments on the machines of a cluster, as `skybody._native.Ppo` asks them.
+
+A worker is an actor of Ray that holds some consecutive slices. What a slice gives does not depend
+on who holds it, and the driver adds in the order of the slices: any number of workers gives the
+same bits.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from skybody._native import CompiledScenario, Error, PpoSlices, SlicesLost, versions
+from skybody.ray.cluster import ClusterError
+
+MOST_SLICES = 8  # that a learner has; as learn/ppo/slice_plan.h
+
+
+@dataclass(frozen=True)
+class Setup:
+    """All that a worker must know to make its slices."""
+
+    scenario: str
+    overrides: list[str]
+    plugin_path: list[str]
+    scenario_hash: str  # 16 hex digits, of the driver's
+    hyper: dict[str, Any]
+    seed: int
+    total_steps: int
+
+
+class SliceWorker:
+    """Runs in a process of its own, somewhere."""
+
+    def __init__(self, setup: Setup, first: int, count: int, threads: int) -> None:
+        self._arguments = (setup, first, count, threads)
+        self._slices: PpoSlices | None = None
+
+    def prepare(self) -> dict[str, str]:
+        """Makes the slices. Returns what has to be the same on all machines."""
+        setup, first, count, threads = self._arguments
+        compiled = CompiledScenario(setup.scenario, setup.overrides, setup.plugin_path)
+        found = f"{compiled.scenario_hash:016x}"
+        if found == setup.scenario_hash:
+            self._slices = PpoSlices(
+                compiled, setup.hyper, setup.seed, setup.total_steps, first, count, threads
+            )
+        return {
+            "skybody": str(versions()["skybody"]),
+            "scenario": f"{setup.scenario} {found}",
+            **{f"plugin {name}": version for name, version in compiled.plugins.items()},
+        }
+
+    def call(self, method: str, *arguments: Any) -> Any:
+        """A method of PpoSlices."""
+        return getattr(self._slices, method)(*arguments)
+
+
+class RaySlices:
+    """All slices, on `workers` actors. Raises SlicesLost where one of them has died."""
+
+    def __init__(self, ray: Any, setup: Setup, slices: int, workers: int, threads: int) -> None:
+        """Starts the workers.
+
+        Args:
+            slices: that there are.
+            workers: that hold them, at most one a slice.
+            threads: of each worker.
+
+        Raises:
+            ClusterError: a machine has another version or another scenario of that name.
+        """
+        self._ray, self._setup, self._threads = ray, setup, threads
+        cuts = [slices * k // workers for k in range(workers + 1)]
+        self._parts = list(itertools.pairwise(cuts))
+        self._actor = ray.remote(num_cpus=threads, max_restarts=0)(SliceWorker)
+        self.workers: list[Any] = [None] * workers
+        self.replaced = 0
+        self._start(range(workers))
+
+    # --- what skybody._native.Ppo calls -----------------------------------------------------------
+
+    def collect(self, policy: Any, value: Any, *rest: Any) -> list[Any]:
+        return self._all("collect", self._ray.put(policy), self._ray.put(value), *rest)
+
+    def find_advantages(self, reward_scale: float) -> list[Any]:
+        return self._all("find_advantages", reward_scale)
+
+    def find_gradients(self, policy: Any, value: Any, *rest: Any) -> list[Any]:
+        return self._all("find_gradients", self._ray.put(policy), self._ray.put(value), *rest)
+
+    def spread_starts(self, iteration: int) -> None:
+        self._each(lambda worker: worker.call.remote("spread_starts", iteration))
+
+    def save(self) -> list[Any]:
+        return self._all("save")
+
+    def restore(self, states: list[Any]) -> None:
+        parts = iter(self._parts)
+
+        def send(worker: Any) -> Any:
+            first, end = next(parts)
+            return worker.call.remote("restore", states[first:end])
+
+        self._each(send)
+
+    def replace(self) -> None:
+        """Starts a new worker in the place of each that does not answer."""
+        dead = [k for k, worker in enumerate(self.workers) if not self._answers(worker)]
+        self.replaced += len(dead)
+        self._start(dead)
+
+    # --- the actors -------------------------------------------------------------------------------
+
+    def _start(self, places: Sequence[int]) -> None:
+        for k in places:
+            first, end = self._parts[k]
+            self.workers[k] = self._actor.remote(self._setup, first, end - first, self._threads)
+        try:
+            found = [self._ray.get(self.workers[k].prepare.remote()) for k in places]
+        except self._ray.exceptions.RayTaskError as error:
+            raise ClusterError(f"a worker cannot begin: {error.cause}") from error
+        except self._ray.exceptions.RayActorError as error:
+            raise SlicesLost(f"a worker ended as it began: {error}") from error
+        for of_worker in found:
+            self._check(of_worker)
+
+    def _check(self, found: dict[str, str]) -> None:
+        compiled = CompiledScenario(
+            self._setup.scenario, self._setup.overrides, self._setup.plugin_path
+        )
+        wanted = {
+            "skybody": str(versions()["skybody"]),
+            "scenario": f"{self._setup.scenario} {self._setup.scenario_hash}",
+            **{f"plugin {name}": version for name, version in compiled.plugins.items()},
+        }
+        for name, value in wanted.items():
+            if found.get(name) != value:
+                raise ClusterError(
+                    f"a worker's machine has {name} {found.get(name)}, this one {value}: install "
+                    "the same on all machines"
+                )
+
+    def _all(self, method: str, *arguments: Any) -> list[Any]:
+        lists = self._each(lambda worker: worker.call.remote(method, *arguments))
+        return [entry for of_worker in lists for entry in of_worker]
+
+    def _each(self, send: Callable[[Any], Any]) -> list[Any]:
+        try:
+            answers: list[Any] = self._ray.get([send(worker) for worker in self.workers])
+        except self._ray.exceptions.RayTaskError as error:
+            raise Error(f"a worker failed: {error.cause}") from error
+        except self._ray.exceptions.RayError as error:
+            raise SlicesLost(f"a worker is lost: {error}") from error
+        return answers
+
+    def _answers(self, worker: Any) -> bool:
+        try:
+            self._ray.get(worker.__ray_ready__.remote(), timeout=30.0)
+        except (self._ray.exceptions.RayError, TimeoutError):
+            return False
+        return True

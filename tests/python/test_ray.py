@@ -1,0 +1,160 @@
+"""skybody.ray on a local cluster of two nodes; left out where Ray is not installed."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import math
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ray = pytest.importorskip("ray", reason="`pip install '.[ray]'`")
+
+from skybody._native import CompiledScenario  # noqa: E402
+from skybody.ray import sweep, train  # noqa: E402
+from skybody.ray.cluster import cluster  # noqa: E402
+from skybody.ray.slices import RaySlices, Setup  # noqa: E402
+from skybody.train.fast_ppo import FastPpo  # noqa: E402
+from skybody.train.presets import preset, with_settings  # noqa: E402
+
+HORIZON = "stepping.horizon=40"  # so that episodes end within a rollout
+HYPER = with_settings(
+    preset("hover_learn", "fast-ppo"), ["envs=20", "rollout_steps=16", "minibatch=100"]
+)
+TOTAL, ITERATIONS = 100_000, 5
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """Of a cluster with two nodes of two processors each, for all tests."""
+    from ray.cluster_utils import Cluster
+
+    os.environ["RAY_AUTH_MODE"] = "disabled"
+    nodes = Cluster(initialize_head=True, head_node_args={"num_cpus": 2})
+    nodes.add_node(num_cpus=2)
+    try:
+        yield nodes.address
+    finally:
+        nodes.shutdown()
+
+
+@pytest.fixture(scope="module")
+def compiled() -> CompiledScenario:
+    return CompiledScenario("hover_learn", [HORIZON])
+
+
+@pytest.fixture(scope="module")
+def connected(address: str) -> Iterator[Any]:
+    with cluster(address) as connection:
+        yield connection
+
+
+def hash_after(learner: FastPpo, iterations: int = ITERATIONS) -> int:
+    for _ in range(iterations):
+        learner.iterate()
+    return learner.native_hash
+
+
+def learner_on(connection: Any, compiled: CompiledScenario, workers: int) -> tuple[Any, FastPpo]:
+    setup = Setup(
+        "hover_learn",
+        [HORIZON],
+        [],
+        f"{compiled.scenario_hash:016x}",
+        dict(vars(HYPER)),
+        1,
+        TOTAL,
+    )
+    slices = RaySlices(connection, setup, 8, workers, 1)
+    return slices, FastPpo(compiled, HYPER, 1, 1, TOTAL, slices)
+
+
+@pytest.fixture(scope="module")
+def hash_of_one_process(compiled: CompiledScenario) -> int:
+    return hash_after(FastPpo(compiled, HYPER, 1, 1, TOTAL))
+
+
+def end(slices: Any) -> None:
+    for worker in slices.workers:
+        ray.kill(worker)
+
+
+@pytest.mark.parametrize("workers", [1, 2, 4])
+def test_any_number_of_workers_gives_the_bits_of_one_process(
+    connected: Any, compiled: CompiledScenario, hash_of_one_process: int, workers: int
+) -> None:
+    slices, learner = learner_on(connected, compiled, workers)
+    assert hash_after(learner) == hash_of_one_process
+    end(slices)
+
+
+def test_a_worker_that_dies_is_replaced_and_the_bits_are_the_same(
+    connected: Any, compiled: CompiledScenario, hash_of_one_process: int
+) -> None:
+    slices, learner = learner_on(connected, compiled, 2)
+    hash_after(learner, 2)
+    ray.kill(slices.workers[1])
+    assert hash_after(learner, ITERATIONS - 2) == hash_of_one_process
+    assert slices.replaced == 1
+    end(slices)
+
+
+def test_rllib_learns_with_environments_of_ours(connected: Any) -> None:
+    path = Path(__file__).resolve().parents[2] / "examples/rllib_ppo.py"
+    spec = importlib.util.spec_from_file_location("rllib_ppo", path)
+    assert spec is not None and spec.loader is not None
+    rllib_ppo = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(rllib_ppo)
+    algorithm = rllib_ppo.config("hover_learn", envs=8, runners=0).build_algo()
+    first = rllib_ppo.summary(algorithm.train())
+    second = rllib_ppo.summary(algorithm.train())
+    assert 0 < first["steps"] < second["steps"]
+    assert math.isfinite(second["return"])
+    algorithm.stop()
+
+
+def test_a_sweep_trains_all_combinations_and_goes_on_with_new_seeds(
+    connected: Any, address: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["hover_learn", "--algo", "fast-ppo", "--override", HORIZON, "--address", address]
+    command += ["--total-steps", "640", "--set", "envs=20", "--set", "rollout_steps=16"]
+    command += ["--set", "minibatch=100,160", "--eval-episodes", "0", "--out", str(tmp_path)]
+    assert sweep.main([*command, "--seeds", "1"]) == 0
+    assert "2 trials to train" in capsys.readouterr().out
+    assert sweep.main([*command, "--seeds", "1,2"]) == 0
+    assert "2 trials to train" in capsys.readouterr().out
+    with (tmp_path / "results.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["state"] for row in rows] == ["done"] * 4
+    assert len({row["parameter_hash"] for row in rows}) == 4
+
+
+@pytest.mark.parametrize(
+    ("program", "options", "said"),
+    [
+        (train, ["--workers", "9"], "--workers 9: 1 to 8"),
+        (train, ["--address", "127.0.0.1:1"], "no Ray cluster there"),
+        (train, ["--address", "here"], "write HOST:PORT"),
+        (train, ["--set", "lerning_rate=1"], "did you mean `learning_rate`"),
+        (train, ["--algo", "lean-ppo"], "on a cluster there is fast-ppo"),
+        (sweep, ["--set", "lerning_rate=1,2"], "did you mean `learning_rate`"),
+        (sweep, ["--set", "envs=16,16"], "two trials of this sweep are the same"),
+        (sweep, ["--address", "127.0.0.1:1"], "no Ray cluster there"),
+    ],
+)
+def test_a_wrong_option_is_one_message_and_leaves_nothing(
+    program: Any,
+    options: list[str],
+    said: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    out = tmp_path / "run"
+    assert program.main(["hover_learn", "--out", str(out), *options]) == 2
+    message = capsys.readouterr().err.splitlines()
+    assert len(message) == 1 and said in message[0]
+    assert not out.exists()
