@@ -26,6 +26,8 @@ class ClusterError(RuntimeError):
 def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
     """Connects to a cluster for a scope; gives the module `ray`.
 
+    A connection that the process has already is taken as it is, and stays.
+
     Args:
         address: "local", "auto" or HOST:PORT.
         cpus: processors that a local cluster says it has; None: all of this machine.
@@ -35,6 +37,9 @@ def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
     """
     ray = import_ray()
     _check_answers(address)
+    if ray.is_initialized():
+        yield ray
+        return
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     options: dict[str, Any] = {"include_dashboard": False, "num_cpus": cpus}
     if address == LOCAL:
