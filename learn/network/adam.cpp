@@ -11,6 +11,7 @@ namespace skybody::learn {
 namespace {
 
 constexpr double kFirstDecay = 0.9, kSecondDecay = 0.999, kEpsilon = 1e-5;
+constexpr std::size_t kBlock = 2048;
 
 }  // namespace
 
@@ -22,9 +23,13 @@ Adam::Adam(std::size_t size, double max_grad_norm, Isa isa)
       second_(size) {}
 
 void Adam::sum(std::span<const float* const> gradients) {
-  std::copy_n(gradients[0], size(), gradient_.data());
-  for (const float* gradient : gradients.subspan(1)) {
-    kernels_->add(gradient, gradient_.data(), size());
+  // Some values at a time, so that the sum stays in the first cache.
+  for (std::size_t at = 0; at < size(); at += kBlock) {
+    const std::size_t count = std::min(kBlock, size() - at);
+    std::copy_n(gradients[0] + at, count, gradient_.data() + at);
+    for (const float* gradient : gradients.subspan(1)) {
+      kernels_->add(gradient + at, gradient_.data() + at, count);
+    }
   }
 }
 

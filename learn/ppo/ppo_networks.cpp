@@ -12,10 +12,6 @@ namespace {
 constexpr double kPolicyGain = 0.01;  // the first actions are close to the middle
 constexpr double kValueGain = 1.0;
 
-NetworkShape shape(int inputs, int outputs, const Hyperparameters& hyper) {
-  return {inputs, hyper.hidden, outputs, hyper.activation};
-}
-
 std::size_t padded(std::size_t count) {
   return (count + Network::kPad - 1) / Network::kPad * Network::kPad;
 }
@@ -31,8 +27,10 @@ void copy(std::span<const float> from, std::span<float> to, const char* what) {
 }  // namespace
 
 PpoNetworks::PpoNetworks(const AgentTable& agents, const Hyperparameters& hyper, Isa isa)
-    : policy_(shape(agents.observation_size(), agents.action_size(), hyper), isa),
-      value_(shape(agents.observation_size() + agents.privileged_size(), 1, hyper), isa),
+    : policy_(agents.observation_size(), agents.action_size(), hyper, isa),
+      value_(
+          {agents.observation_size() + agents.privileged_size(), hyper.hidden, 1, hyper.activation},
+          isa),
       actions_(static_cast<std::size_t>(agents.action_size())),
       parameters_{AlignedArray<float>(padded(policy_.parameter_count() + actions_)),
                   AlignedArray<float>(padded(value_.parameter_count()))} {}
@@ -55,8 +53,8 @@ void PpoNetworks::set(std::span<const float> policy, std::span<const float> valu
   value_changed();
 }
 
-void PpoNetworks::policy_changed() { policy_.transpose(policy_weights(), transposed_[0]); }
+void PpoNetworks::policy_changed() { policy_.transpose(policy_weights(), policy_transposed_); }
 
-void PpoNetworks::value_changed() { value_.transpose(value_weights(), transposed_[1]); }
+void PpoNetworks::value_changed() { value_.transpose(value_weights(), value_transposed_); }
 
 }  // namespace skybody::learn

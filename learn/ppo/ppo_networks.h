@@ -9,6 +9,7 @@
 #include "learn/hyperparameters.h"
 #include "learn/network/network.h"
 #include "learn/ppo/agent_table.h"
+#include "learn/ppo/policy_network.h"
 
 namespace skybody::learn {
 
@@ -28,7 +29,7 @@ class PpoNetworks {
   void policy_changed();
   void value_changed();
 
-  const Network& policy() const { return policy_; }
+  const PolicyNetwork& policy() const { return policy_; }
   const Network& value() const { return value_; }
   /// Policy weights and biases, then log_std, padded to a multiple of 16 floats.
   std::span<float> policy_parameters() { return {parameters_[0].data(), parameters_[0].size()}; }
@@ -53,14 +54,16 @@ class PpoNetworks {
     return policy_parameters().subspan(log_std_at(), actions_);
   }
   std::size_t log_std_at() const { return policy_.parameter_count(); }
-  const TransposedWeights& policy_transposed() const { return transposed_[0]; }
-  const TransposedWeights& value_transposed() const { return transposed_[1]; }
+  const PolicyNetwork::Transposed& policy_transposed() const { return policy_transposed_; }
+  const TransposedWeights& value_transposed() const { return value_transposed_; }
 
  private:
-  Network policy_, value_;
+  PolicyNetwork policy_;
+  Network value_;
   std::size_t actions_;
   AlignedArray<float> parameters_[2];
-  TransposedWeights transposed_[2];
+  PolicyNetwork::Transposed policy_transposed_;
+  TransposedWeights value_transposed_;
 };
 
 }  // namespace skybody::learn

@@ -42,7 +42,8 @@ PpoSetup::PpoSetup(const LearnerOptions& options)
       total_steps(options.total_steps),
       isa(best_isa()),
       agents((refuse_images(*compiled), make_agent_table(*compiled, hyper.shared_policy))),
-      plan(hyper.envs, hyper.rollout_steps * agents.rows(), hyper.minibatch),
+      plan(hyper.envs, hyper.rollout_steps * agents.rows(), hyper.minibatch,
+           hyper.recurrent_units > 0 ? hyper.rollout_steps : 1),
       row{agents.observation_size() + agents.privileged_size(), agents.action_size()} {
   check_together(hyper, hyper.rollout_steps * agents.rows());
   for (const char* name : kErrors) {

@@ -29,13 +29,33 @@ std::size_t product(int a, int b) {
   return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
 }
 
+/// Sequences are longer than rows that are looked at by themselves: as many as are some hundred
+/// rows, for the products of one step to have enough of them.
+int gathered_rows(const PpoSetup& setup) {
+  const int steps = setup.hyper.rollout_steps;
+  return setup.hyper.recurrent_units > 0 ? std::max(1, 4 * SliceScratch::kRows / steps) * steps
+                                         : SliceScratch::kRows;
+}
+
+/// Floats that a policy remembers of a row.
+int state_stride(const PpoSetup& setup) {
+  const int units = setup.hyper.recurrent_units;
+  return (units + kPad - 1) / kPad * kPad;
+}
+
 }  // namespace
 
 SliceScratch::SliceScratch(const PpoSetup& setup)
-    : rows(product(kRows, setup.row.stride())),
-      output(product(kRows, std::max(setup.row.actions, 1))),
+    : minibatch_rows(gathered_rows(setup)),
+      rows(product(minibatch_rows, setup.row.stride())),
+      output(product(std::max(minibatch_rows, kRows), std::max(setup.row.actions, 1))),
       gradient(output.size()),
-      loss(kRows, setup.isa) {}
+      loss(minibatch_rows, setup.isa) {
+  if (setup.hyper.recurrent_units == 0) return;
+  begins.resize(static_cast<std::size_t>(minibatch_rows));
+  states =
+      AlignedArray<float>(product(minibatch_rows / setup.hyper.rollout_steps, state_stride(setup)));
+}
 
 PpoSlice::PpoSlice(std::shared_ptr<const PpoSetup> setup, int index)
     : setup_(std::move(setup)),
@@ -66,6 +86,13 @@ PpoSlice::PpoSlice(std::shared_ptr<const PpoSetup> setup, int index)
       advantage_sums_(kAdvantageSums),
       minibatch_sums_(kMinibatchSums),
       log_std_gradient_(static_cast<std::size_t>(setup_->row.actions)) {
+  if (setup_->hyper.recurrent_units > 0) {
+    state_stride_ = state_stride(*setup_);
+    states_ = AlignedArray<float>(product(step_rows_, state_stride_));
+    first_states_ = AlignedArray<float>(states_.size());
+    is_fresh_.resize(static_cast<std::size_t>(step_rows_), 1);
+    episode_begins_.resize(reward_.size());
+  }
   cut_.reserve(static_cast<std::size_t>(step_rows_));
   episode_returns_.reserve(product(steps_, envs_));
   pool_.send_reset();
@@ -96,6 +123,7 @@ void PpoSlice::collect(const RolloutInputs& inputs, const PpoNetworks& networks,
   iteration_ = inputs.iteration;
   clear_sums();
   deviations_.update(networks.log_std());
+  std::copy_n(states_.data(), states_.size(), first_states_.data());
   for (int step = 0; step < steps_; ++step) {
     write_inputs(step, true);
     choose_actions(step, networks, scratch);
@@ -141,6 +169,17 @@ void PpoSlice::write_inputs(int step, bool adds_sums) {
                     adds_sums ? &sums : nullptr);
 }
 
+/// What the policy remembers of `count` rows of a step, and where it puts what it will.
+PolicySteps PpoSlice::recall(int step, int first, int count) {
+  PolicySteps steps = {{count, 1}};
+  if (state_stride_ == 0) return steps;
+  const auto r = static_cast<std::size_t>(first);
+  std::copy_n(is_fresh_.data() + r, count, episode_begins_.data() + at(step, first));
+  steps.begins = is_fresh_.data() + r;
+  steps.states = states_.data() + product(first, state_stride_);
+  return steps;
+}
+
 void PpoSlice::choose_actions(int step, const PpoNetworks& networks, SliceScratch& scratch) {
   const int actions = setup_->row.actions;
   const auto first_row = product(setup_->plan.first_env(index_), setup_->agents.rows());
@@ -149,8 +188,9 @@ void PpoSlice::choose_actions(int step, const PpoNetworks& networks, SliceScratc
              step_rows_, actions, noise_.data(), setup_->isa);
   for (int r = 0; r < step_rows_; r += SliceScratch::kRows) {
     const int count = std::min(SliceScratch::kRows, step_rows_ - r);
-    networks.policy().forward(networks.policy_weights(), row(step, r), stride_, count,
-                              scratch.policy, mean_.data() + product(r, actions), actions);
+    networks.policy().forward(networks.policy_weights(), row(step, r), stride_,
+                              recall(step, r, count), scratch.policy,
+                              mean_.data() + product(r, actions), actions);
   }
   if (setup_->hyper.bounded_mean) apply_tanh(mean_.data(), mean_.size(), setup_->isa);
   float* first = row(step, 0);
@@ -216,6 +256,7 @@ void PpoSlice::take_rewards(int step, int env) {
     const int r = env * agents.rows() + a;
     reward_[at(step, r)] = rewards[a];
     goes_on_[at(step, r)] = goes_on ? 1.0f : 0.0f;
+    if (state_stride_ > 0) is_fresh_[static_cast<std::size_t>(r)] = goes_on ? 0 : 1;
     double& discounted = discounted_[static_cast<std::size_t>(r)];
     discounted = discounted * setup_->hyper.discount + static_cast<double>(rewards[a]);
     const double d = discounted - inputs_->return_mean;
@@ -267,6 +308,7 @@ void PpoSlice::spread_starts(std::int64_t iteration) {
     returns_[i] = 0.0;
     const int rows = setup_->agents.rows();
     std::fill_n(discounted_.begin() + env * rows, rows, 0.0);
+    if (state_stride_ > 0) std::fill_n(is_fresh_.begin() + env * rows, rows, std::uint8_t{1});
   }
   if (!any) return;
   pool_.send_reset(begins_);

@@ -24,9 +24,13 @@ struct SliceScratch {
   explicit SliceScratch(const PpoSetup& setup);
 
   static constexpr int kRows = 128;  ///< that go through a network at a time
-  NetworkMemory policy, value;
+  int minibatch_rows;  ///< the same of a minibatch, where a policy with a memory sees sequences
+  PolicyNetwork::Memory policy;
+  NetworkMemory value;
   AlignedArray<float> rows;              ///< of a minibatch, gathered
-  AlignedArray<float> output, gradient;  ///< of either network, kRows x outputs
+  AlignedArray<float> output, gradient;  ///< of either network, for so many rows
+  std::vector<std::uint8_t> begins;      ///< of the gathered rows, where there is a memory
+  AlignedArray<float> states;            ///< before the gathered sequences, likewise
   PolicyLoss loss;
 };
 
@@ -83,6 +87,8 @@ class PpoSlice {
     const std::string name = "slice" + std::to_string(self.index_);
     visitor(name + ".discounted", self.discounted_.data(), self.discounted_.size());
     visitor(name + ".returns", self.returns_.data(), self.returns_.size());
+    visitor(name + ".states", self.states_.data(), self.states_.size());
+    visitor(name + ".is_fresh", self.is_fresh_.data(), self.is_fresh_.size());
   }
   std::vector<std::uint64_t> save_environments() const { return pool_.save(); }
   void restore_environments(std::span<const std::uint64_t> words);
@@ -98,6 +104,7 @@ class PpoSlice {
   void clear_sums();
   void copy_inputs(const float* observation, const float* privileged, int env, float* first);
   void write_inputs(int step, bool adds_sums);
+  PolicySteps recall(int step, int first, int count);
   void choose_actions(int step, const PpoNetworks& networks, SliceScratch& scratch);
   void command(int step);
   void step_environments();
@@ -108,7 +115,8 @@ class PpoSlice {
   void find_values(const PpoNetworks& networks, SliceScratch& scratch);
   void shuffle(int epoch);
   void gather(int first, int count, SliceScratch& scratch);
-  void add_policy_gradient(const Minibatch&, int count, const PpoNetworks&, SliceScratch&);
+  PolicySteps gather_memory(int first, int count, SliceScratch& scratch) const;
+  void add_policy_gradient(const Minibatch&, const PolicySteps&, const PpoNetworks&, SliceScratch&);
   void add_value_gradient(const Minibatch&, int count, const PpoNetworks&, SliceScratch&);
   void look_at_observations();
 
@@ -133,6 +141,13 @@ class PpoSlice {
   std::vector<int> cut_;                      ///< their rows
   std::vector<int> order_;                    ///< of the rollout's rows, in this epoch
   std::vector<std::uint8_t> begins_;          ///< environments that begin anew
+
+  // Of a policy with a memory, else empty:
+  int state_stride_ = 0;
+  AlignedArray<float> states_;                ///< of each row of a step, now
+  AlignedArray<float> first_states_;          ///< at the beginning of the rollout
+  std::vector<std::uint8_t> is_fresh_;        ///< of each row of a step: its episode begins
+  std::vector<std::uint8_t> episode_begins_;  ///< of each row of the rollout, as order_ counts
 
   std::vector<double> discounted_;  ///< return so far, of each row of a step
   std::vector<double> returns_;     ///< likewise undiscounted, of each environment

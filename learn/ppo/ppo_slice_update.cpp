@@ -67,10 +67,12 @@ void PpoSlice::find_gradients(const Minibatch& minibatch, const PpoNetworks& net
   if (minibatch.value) gradients_[1].fill_zero();
   const int last = setup_->plan.first_row(index_, minibatch.index + 1);
   for (int r = setup_->plan.first_row(index_, minibatch.index); r < last;
-       r += SliceScratch::kRows) {
-    const int count = std::min(SliceScratch::kRows, last - r);
+       r += scratch.minibatch_rows) {
+    const int count = std::min(scratch.minibatch_rows, last - r);
     gather(r, count, scratch);
-    if (minibatch.policy) add_policy_gradient(minibatch, count, networks, scratch);
+    if (minibatch.policy) {
+      add_policy_gradient(minibatch, gather_memory(r, count, scratch), networks, scratch);
+    }
     if (minibatch.value) add_value_gradient(minibatch, count, networks, scratch);
   }
   for (std::size_t k = 0; minibatch.policy && k < log_std_gradient_.size(); ++k) {
@@ -78,7 +80,8 @@ void PpoSlice::find_gradients(const Minibatch& minibatch, const PpoNetworks& net
   }
 }
 
-/// Another order of the rollout's rows for each epoch (Durstenfeld 1964, algorithm 235). A word
+/// Another order of the rollout's rows for each epoch (Durstenfeld 1964, algorithm 235), or of its
+/// sequences, whose rows then follow one another. A word
 /// serves two draws: the upper half of its half times the choices, biased by less than 1e-5 where a
 /// slice has fewer than 40,000 rows.
 void PpoSlice::shuffle(int epoch) {
@@ -86,11 +89,21 @@ void PpoSlice::shuffle(int epoch) {
   Random<double> random({setup_->seed, static_cast<std::uint64_t>(index_)},
                         static_cast<std::uint64_t>(iteration_), static_cast<std::uint64_t>(epoch),
                         kOrderStream);
-  std::iota(order_.begin(), order_.end(), 0);
+  const int together = state_stride_ > 0 ? steps_ : 1;
+  const std::size_t count = order_.size() / static_cast<std::size_t>(together);
+  std::iota(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(count), 0);
   std::uint64_t word = 0;
-  for (std::size_t left = order_.size(), drawn = 0; left > 1; --left, ++drawn) {
+  for (std::size_t left = count, drawn = 0; left > 1; --left, ++drawn) {
     word = drawn % 2 == 0 ? random.bits() : word << 32;
     std::swap(order_[left - 1], order_[((word >> 32) * left) >> 32]);
+  }
+  // From the last one on, for places of rows are those of sequences that follow.
+  for (std::size_t s = count; together > 1 && s-- > 0;) {
+    const int sequence = order_[s];
+    for (int step = 0; step < steps_; ++step) {
+      order_[s * static_cast<std::size_t>(steps_) + static_cast<std::size_t>(step)] =
+          static_cast<int>(at(step, sequence));
+    }
   }
 }
 
@@ -111,11 +124,32 @@ void PpoSlice::gather(int first, int count, SliceScratch& scratch) {
   }
 }
 
-void PpoSlice::add_policy_gradient(const Minibatch& minibatch, int count,
+/// What the policy remembered before the rows that gather() takes, which are whole sequences if it
+/// does.
+PolicySteps PpoSlice::gather_memory(int first, int count, SliceScratch& scratch) const {
+  if (state_stride_ == 0) return {{count, 1}};
+  const int* order = order_.data() + first;
+  const auto stride = static_cast<std::size_t>(state_stride_);
+  for (int r = 0; r < count; ++r) {
+    scratch.begins[static_cast<std::size_t>(r)] =
+        episode_begins_[static_cast<std::size_t>(order[r])];
+  }
+  const PolicySteps steps = {
+      {count / steps_, steps_}, scratch.begins.data(), scratch.states.data()};
+  for (int s = 0; s < steps.sequences.count; ++s) {
+    const auto row = static_cast<std::size_t>(order[s * steps_]);  // of the first step
+    std::copy_n(first_states_.data() + row * stride, stride,
+                scratch.states.data() + static_cast<std::size_t>(s) * stride);
+  }
+  return steps;
+}
+
+void PpoSlice::add_policy_gradient(const Minibatch& minibatch, const PolicySteps& steps,
                                    const PpoNetworks& networks, SliceScratch& scratch) {
+  const int count = steps.sequences.rows();
   const int actions = setup_->row.actions;
   const float* rows = scratch.rows.data();
-  networks.policy().forward(networks.policy_weights(), rows, stride_, count, scratch.policy,
+  networks.policy().forward(networks.policy_weights(), rows, stride_, steps, scratch.policy,
                             scratch.output.data(), actions);
   const bool is_bounded = setup_->hyper.bounded_mean;
   if (is_bounded) {
@@ -135,8 +169,8 @@ void PpoSlice::add_policy_gradient(const Minibatch& minibatch, int count,
   minibatch_sums_[kSumKl] += figures.kl;
   minibatch_sums_[kSumClipped] += figures.clipped;
   networks.policy().backward(
-      networks.policy_transposed(), rows, stride_, scratch.policy, scratch.gradient.data(), actions,
-      std::span(gradients_[0].data(), gradients_[0].size()).first(networks.log_std_at()));
+      networks.policy_transposed(), rows, stride_, steps, scratch.policy, scratch.gradient.data(),
+      actions, std::span(gradients_[0].data(), gradients_[0].size()).first(networks.log_std_at()));
 }
 
 /// Of value_weight times the mean squared error.

@@ -14,15 +14,19 @@ inline constexpr int kSlices = 8;
 ///
 /// A minibatch takes its share of each slice's rows, in the slice's shuffled order. An epoch sees
 /// every row once: where the rows do not divide by the minibatch, all minibatches are a little
-/// smaller, equal but for one row of each slice.
+/// smaller, equal but for one row of each slice. For policies with a memory, the rows of an
+/// environment (or robot) stay together: what is said of rows holds of these sequences.
 class SlicePlan {
  public:
   /// @param rows_per_env  of a rollout: its steps, times the agents that are rows
-  SlicePlan(int envs, int rows_per_env, int minibatch)
+  /// @param together      rows of a sequence, which divide rows_per_env; 1: each by itself
+  SlicePlan(int envs, int rows_per_env, int minibatch, int together = 1)
       : envs_(envs),
         rows_per_env_(rows_per_env),
+        together_(together),
         slices_(std::min(envs, kSlices)),
-        minibatches_(static_cast<int>((rows() + minibatch - 1) / minibatch)) {}
+        minibatches_(static_cast<int>(std::min<std::int64_t>(
+            (rows() + minibatch - 1) / minibatch, envs / slices_ * rows_per_env / together))) {}
 
   int slices() const { return slices_; }
   /// Environments first_env(s) ... first_env(s + 1) - 1 are slice s's.
@@ -36,7 +40,7 @@ class SlicePlan {
   int minibatches() const { return minibatches_; }
   /// Rows first_row(s, m) ... first_row(s, m + 1) - 1 of slice s's order are minibatch m's.
   int first_row(int slice, int minibatch) const {
-    return static_cast<int>(part(rows(slice), minibatch, minibatches_));
+    return static_cast<int>(part(rows(slice) / together_, minibatch, minibatches_)) * together_;
   }
   /// Rows of a minibatch, over all slices.
   int minibatch_rows(int minibatch) const {
@@ -50,7 +54,7 @@ class SlicePlan {
     return whole * k / parts;
   }
 
-  int envs_, rows_per_env_, slices_, minibatches_;
+  int envs_, rows_per_env_, together_, slices_, minibatches_;
 };
 
 }  // namespace skybody::learn

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/hash.h"
 #include "learn/network/recurrent_network.h"
 #include "tests/unit/learn/isas.h"
 
@@ -232,6 +233,27 @@ TEST(Gru, LeavesPaddingOfStatesAndGradientsAtZero) {
     if (k % 16 >= 5) {
       EXPECT_EQ(subject.states[k], 0.0f);
     }
+  }
+}
+
+/// Changes when the arithmetic does. Without the C library: all numbers are thirty-seconds.
+TEST(Gru, HasItsGoldenHash) {
+  if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
+  for (const Isa isa : fused_isas()) {
+    const Gru gru(9, 20, isa);
+    std::vector<float> parameters(gru.parameter_count()), x, gradient(parameters.size());
+    gru.initialize(parameters, 3, 4);
+    for (int i = 0; i < 5 * 7 * 20; ++i) x.push_back(static_cast<float>(i * 37 % 101 - 50) / 32.0f);
+    std::vector<float> states(static_cast<std::size_t>(5 * gru.state_stride()));
+    GruMemory memory;
+    TransposedGru transposed;
+    gru.transpose(parameters, transposed);
+    gru.forward(parameters, x.data(), 9, {5, 7}, nullptr, states.data(), memory);
+    gru.backward(transposed, x.data(), 9, nullptr, memory, x.data(), 20, gradient);
+    gradient.insert(gradient.end(), states.begin(), states.end());
+    EXPECT_EQ(to_hex(hash_bytes(gradient.data(), gradient.size() * sizeof(float))),
+              "bd4f9aab4f0a15ae")
+        << name(isa);
   }
 }
 

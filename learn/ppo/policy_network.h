@@ -1,0 +1,58 @@
+// The network of a policy, with a memory or without.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "learn/hyperparameters.h"
+#include "learn/network/network.h"
+#include "learn/network/recurrent_network.h"
+
+namespace skybody::learn {
+
+/// Rows of a policy, and what it remembers at their beginning. Without a memory only the number of
+/// rows counts.
+struct PolicySteps {
+  Sequences sequences;                   ///< no memory: of one step each
+  const std::uint8_t* begins = nullptr;  ///< of each row: whether an episode begins
+  float* states = nullptr;               ///< of each sequence: in, then out
+};
+
+/// Dense layers, behind a layer of gated recurrent units where `recurrent_units` are wanted. Its
+/// calls are those of Network and RecurrentNetwork.
+class PolicyNetwork {
+ public:
+  struct Memory {
+    NetworkMemory dense;
+    RecurrentMemory recurrent;
+  };
+  struct Transposed {
+    TransposedWeights dense;
+    TransposedRecurrent recurrent;
+  };
+
+  PolicyNetwork(int inputs, int outputs, const Hyperparameters& hyper, Isa isa);
+
+  /// Without a memory: of 0 units.
+  const RecurrentShape& shape() const { return shape_; }
+  std::size_t parameter_count() const;
+  /// Floats that are remembered of each row of a step; 0: there is no memory.
+  int state_stride() const;
+  void initialize(std::span<float> parameters, double last_gain, std::uint64_t key,
+                  std::uint64_t stream) const;
+  void transpose(std::span<const float> parameters, Transposed& transposed) const;
+  void forward(std::span<const float> parameters, const float* x, int x_stride,
+               const PolicySteps& steps, Memory& memory, float* y, int y_stride) const;
+  void backward(const Transposed& transposed, const float* x, int x_stride,
+                const PolicySteps& steps, Memory& memory, const float* dy, int dy_stride,
+                std::span<float> gradient) const;
+  std::vector<PolicyLayer> layers(std::span<const float> parameters) const;
+
+ private:
+  RecurrentShape shape_;
+  std::variant<Network, RecurrentNetwork> network_;
+};
+
+}  // namespace skybody::learn
