@@ -3,11 +3,11 @@
 
     .venv/bin/python experiments/kill_and_resume.py [--kills 20] [--seed 1] [--out DIR]
 
-For each learner (PPO of Stable-Baselines3, and lean-ppo), a small run is trained once to its end.
-A second one gets SIGKILL at a random moment after it has begun to train, and is resumed, again and
-again; after the last kill it is resumed to its end. Moments come from the seed. Prints a table and
-writes it to kill_and_resume.md with its figures as JSON. Exit code 1 where the two runs differ in a
-bit of their parameters, in the environments' state or in the table of progress.
+For each learner (fast-ppo, lean-ppo, and PPO of Stable-Baselines3), a small run is trained once to
+its end. A second one gets SIGKILL at a random moment after it has begun to train, and is resumed,
+again and again; after the last kill it is resumed to its end. Moments come from the seed. Prints a
+table and writes it to kill_and_resume.md with its figures as JSON. Exit code 1 where the two runs
+differ in a bit of their parameters, in the environments' state or in the table of progress.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from typing import Any
 
 from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.presets import ALGORITHMS
 from skybody.train.run_folder import read_table
 from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
 
@@ -203,7 +204,14 @@ def main(arguments: list[str] | None = None) -> int:
     add = parser.add_argument
     add("--kills", type=int, default=KILLS, help=f"of each learner; default: {KILLS}")
     add("--seed", type=int, default=1, help="of the moments; default: 1")
-    add("--algorithms", nargs="+", default=["ppo", "lean-ppo"], help="default: ppo lean-ppo")
+    add(
+        "--algorithms",
+        "--algo",
+        nargs="+",
+        choices=ALGORITHMS,
+        default=list(ALGORITHMS),
+        help="default: all",
+    )
     add("--out", type=Path, default=ROOT / "flights/kill_and_resume", help="folder of the runs")
     add("--report", type=Path, help="folder of the report; default: docs/results")
     options = parser.parse_args(arguments)

@@ -36,6 +36,10 @@ most 1.01 each. The paper's final return is a fiftieth of that, so its policy ha
 with hyper-parameters with which the return rises.
 
 Versions: {versions}."""
+LEARNERS = {
+    "ppo": "PPO of Stable-Baselines3",
+    "fast-ppo": "the learner in C++, whose rollouts and updates run on those threads too",
+}
 SHORT_HASH = 16  # digits of a SHA-256 that the tables show; the JSON has all 64
 
 
@@ -52,13 +56,13 @@ def _head(content: dict[str, Any]) -> str:
 # Training reproducibility
 
 Does one seed give the same policy, bit for bit? The experiment of the GzDRL paper's section V-B,
-with PPO of Stable-Baselines3 (`python -m skybody.train --algo ppo`), by
+with {LEARNERS[content["algorithm"]]} (`python -m skybody.train --algo {content["algorithm"]}`), by
 
     {content["command"]}
 
 on {machine_line(content["machine"])}.
 
-![Returns over training, one seed and different seeds](images/training_reproducibility.png)"""
+![Returns over training, one seed and different seeds](images/{content["name"]}.png)"""
 
 
 def _table(scenarios: dict[str, Any]) -> str:

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Trains the same policy again and again: does one seed give the same bits? (the GzDRL paper, V-B)
 
-    .venv/bin/python experiments/training_reproducibility.py [--jobs 2] [--out DIR]
+    .venv/bin/python experiments/training_reproducibility.py [--algo ppo] [--jobs 2] [--out DIR]
 
-PPO of Stable-Baselines3 in processes of their own: one group with one seed and 1, 2 and 4
-environment threads mixed among its processes, one group with different seeds. Every checkpoint is
-evaluated in a new process, on the same episodes, with frozen normalization. Writes a table, its
-figures as JSON and a picture. Runs that are finished are not repeated, and interrupted ones go on.
-Exit code 1 unless all checkpoints of the one seed are the same in every bit, and no two of
-different seeds are.
+PPO of Stable-Baselines3 (or --algo fast-ppo, whose threads also learn) in processes of their own:
+one group with one seed and 1, 2 and 4 threads mixed among its processes, one group with different
+seeds. Every checkpoint is evaluated in a new process, on the same episodes, with frozen
+normalization. Writes a table, its figures as JSON and a picture. Runs that are finished are not
+repeated, and interrupted ones go on. Exit code 1 unless all checkpoints of the one seed are the
+same in every bit, and no two of different seeds are.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 from reproducibility_report import draw, markdown
 from skybody.program import run_program
+from skybody.train.presets import preset
 from training_runs import (
     ROOT,
     Run,
@@ -37,6 +38,7 @@ from training_runs import (
 
 SEEDS = (1, 5, 25, 42, 125)  # the paper's; the first one is also that of the same-seed group
 THREADS = (1, 2, 4)  # of the environments, in turn over the processes of the same-seed group
+NAME = "training_reproducibility"  # of the report
 CHECKPOINTS = 10
 STEPS, QUICK_STEPS = 500_000, 20_000
 EPISODES = 20
@@ -88,9 +90,10 @@ class Setup:
     overrides: tuple[str, ...]  # of the scenario
     hyper: dict[str, Any]
 
-    def settings(self) -> tuple[str, ...]:
-        """`hyper` as --set takes it."""
-        return tuple(f"{name}={value}" for name, value in self.hyper.items())
+    def settings(self, algorithm: str) -> tuple[str, ...]:
+        """`hyper` as --set takes it, without what the learner does not have."""
+        known = vars(preset("*", algorithm))
+        return tuple(f"{name}={value}" for name, value in self.hyper.items() if name in known)
 
 
 SETUPS = {
@@ -109,19 +112,21 @@ class Group:
     runs: tuple[Run, ...]
 
 
-def make_groups(scenario: str, out: Path, steps: int, processes: int) -> list[Group]:
+def make_groups(
+    scenario: str, out: Path, steps: int, processes: int, algorithm: str = "ppo"
+) -> list[Group]:
     """The same-seed and the different-seeds group; the first run stands in both."""
 
     def run(seed: int, process: int) -> Run:
         return Run(
             folder=out / scenario / f"seed-{seed}-process-{process + 1}",
             scenario=scenario,
-            algorithm="ppo",
+            algorithm=algorithm,
             seed=seed,
             total_steps=steps,
             threads=THREADS[process % len(THREADS)],
             overrides=SETUPS[scenario].overrides,
-            settings=SETUPS[scenario].settings(),
+            settings=SETUPS[scenario].settings(algorithm),
             checkpoints=CHECKPOINTS,
             eval_episodes=EPISODES,
         )
@@ -235,6 +240,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
+    add("--algo", choices=("ppo", "fast-ppo"), default="ppo", help="default: ppo")
     add("--steps", type=float, help=f"per run; default: {STEPS:,}")
     add("--processes", type=int, help=f"runs per group, 2 to {len(SEEDS)}; default: {len(SEEDS)}")
     add("--scenarios", nargs="+", choices=SETUPS, default=list(SETUPS), help="default: all")
@@ -242,8 +248,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     add(
         "--out",
         type=Path,
-        default=ROOT / "flights/training_reproducibility",
-        help="folder of the runs; default: flights/training_reproducibility",
+        help="folder of the runs; default: flights/training_reproducibility, with --algo's name",
     )
     add("--report", type=Path, help="folder of table, JSON and picture; default: docs/results")
     add(
@@ -252,6 +257,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         help=f"2 processes, {QUICK_STEPS:,} steps, report into --out: a trial",
     )
     options = parser.parse_args(arguments)
+    options.name = NAME if options.algo == "ppo" else f"{NAME}_{options.algo}"
+    options.out = options.out or ROOT / "flights" / options.name
     quick = options.quick
     options.steps = int(options.steps or (QUICK_STEPS if quick else STEPS))
     options.processes = options.processes or (2 if quick else len(SEEDS))
@@ -273,7 +280,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Trains, compares, writes; returns the exit code."""
     options = parse(arguments)
     groups = {
-        name: make_groups(name, options.out, options.steps, options.processes)
+        name: make_groups(name, options.out, options.steps, options.processes, options.algo)
         for name in options.scenarios
     }
     every = [run for of_one in groups.values() for group in of_one for run in group.runs]
@@ -288,16 +295,18 @@ def main(arguments: list[str] | None = None) -> int:
         "experiment": "training reproducibility",
         "command": command_line("training_reproducibility.py", given),
         "machine": machine(),
+        "algorithm": options.algo,
+        "name": options.name,
         "steps": options.steps,
         "scenarios": scenarios,
     }
     report: Path = options.report
-    write_json(report / "data/training_reproducibility.json", content)
+    write_json(report / f"data/{options.name}.json", content)
     (report / "images").mkdir(parents=True, exist_ok=True)
-    draw(content, report / "images/training_reproducibility.png")
+    draw(content, report / f"images/{options.name}.png")
     text = markdown(content)
-    (report / "training_reproducibility.md").write_text(text)
-    print(f"{text}\nwritten: {shown(report / 'training_reproducibility.md')}")
+    (report / f"{options.name}.md").write_text(text)
+    print(f"{text}\nwritten: {shown(report / f'{options.name}.md')}")
     return 0 if all(reproducible(figures) for figures in scenarios.values()) else 1
 
 
