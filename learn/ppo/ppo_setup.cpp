@@ -18,6 +18,13 @@ void refuse_images(const CompiledScenario& compiled) {
               "skybody.sb3.SkybodyVecEnv with MultiInputPolicy");
 }
 
+void refuse_no_actions(const CompiledScenario& compiled, const AgentTable& agents) {
+  if (agents.action_size() > 0) return;
+  throw Error("`" + compiled.scenario().name +
+              "` takes no actions, so that there is nothing to learn: take away the controller "
+              "that decides, such as `reference`");
+}
+
 void check_together(const Hyperparameters& hyper, int rows_per_env) {
   const std::int64_t rows = std::int64_t{hyper.envs} * rows_per_env;
   if (hyper.minibatch < 2 || hyper.minibatch > rows) {
@@ -45,6 +52,7 @@ PpoSetup::PpoSetup(const LearnerOptions& options)
       plan(hyper.envs, hyper.rollout_steps * agents.rows(), hyper.minibatch,
            hyper.recurrent_units > 0 ? hyper.rollout_steps : 1),
       row{agents.observation_size() + agents.privileged_size(), agents.action_size()} {
+  refuse_no_actions(*compiled, agents);
   check_together(hyper, hyper.rollout_steps * agents.rows());
   for (const char* name : kErrors) {
     int first = 0;

@@ -1,0 +1,293 @@
+#!/usr/bin/env python3
+"""How long does each learner take to hover? The table of learning speed, in one run.
+
+    .venv/bin/python experiments/learn_table.py [--algo fast-ppo lean-ppo ppo] [--out DIR] [--quick]
+
+Three seeds of each learner (ten of `gradient`, where it is built), one after another, with the
+shipped hyper-parameters and nothing beside them. Seconds are those of the whole process: training's
+own clock at a checkpoint, and what the command took before and behind it. Then every checkpoint
+flies 100 held-out episodes. Writes learning_speed.md, its JSON and the picture of error over
+seconds. Finished runs are not repeated; one that was interrupted begins anew, because its time
+counts. Run it on a machine that does nothing else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hover_training import EPISODES, SCENARIO, evaluate, measure
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator
+from skybody.program import run_program
+from skybody.train.presets import ALGORITHMS
+from skybody.train.run_folder import read_table
+from training_runs import (
+    ROOT,
+    Run,
+    RunError,
+    command_line,
+    machine,
+    machine_line,
+    shown,
+    versions_line,
+    write_json,
+)
+
+STEPS = {"fast-ppo": 9_000_000, "gradient": 2_000_000, "lean-ppo": 9_000_000, "ppo": 5_000_000}
+SEEDS = {"gradient": range(1, 11)}  # others: three
+QUICK_STEPS = 100_000
+CHECKPOINT_STEPS = 500_000  # between two points of a curve
+LIMITS = (0.1, 0.03)  # m, median over the episodes
+LEAST_SUCCESS = 0.98
+COLORS = {"fast-ppo": "C0", "gradient": "C2", "lean-ppo": "C1", "ppo": "C3"}
+
+
+def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
+    """All runs, in the order in which they are done."""
+    runs = []
+    for algorithm in algorithms:
+        steps = QUICK_STEPS if quick else STEPS[algorithm]
+        seeds = [1] if quick else SEEDS.get(algorithm, (1, 2, 3))
+        for seed in seeds:
+            runs.append(
+                Run(
+                    folder=out / f"{algorithm}-seed-{seed}",
+                    scenario=SCENARIO,
+                    algorithm=algorithm,
+                    seed=seed,
+                    total_steps=steps,
+                    checkpoints=max(2, steps // CHECKPOINT_STEPS),
+                    eval_episodes=0,
+                )
+            )
+    return runs
+
+
+def record(run: Run) -> dict[str, Any]:
+    """Trains and evaluates a run; its curve, rates and shares."""
+    whole = measure(run)["wall_clock"]
+    evaluate(run)
+    evaluations, rows = run.evaluations(), read_table(run.folder / "progress.csv")
+    around = whole - float(rows[-1]["wall_clock"])  # before training and behind it
+    points = [
+        {
+            "steps": found["steps"],
+            "seconds": found["wall_clock"] + around,
+            "median_error": found["position_error_median"],
+            "success_share": found["success_share"],
+            "return_mean": found["return_mean"],
+        }
+        for found in evaluations
+    ]
+    rates = [float(row["steps_per_second"]) for row in rows]
+    shares = {
+        name: statistics.fmean(float(row[f"{name}_share"]) for row in rows)
+        for name in ("environment", "inference", "update")
+    }
+    return {
+        "learner": run.algorithm,
+        "seed": run.seed,
+        "seconds": whole,
+        "steps_per_second": statistics.median(rates),
+        "shares": shares,
+        "reached": {str(limit): reached(points, limit) for limit in LIMITS},
+        "points": points,
+        "parameter_hash": evaluations[-1]["parameter_hash"],
+        "hyper": run.config()["hyper"],
+        "versions": run.config()["versions"],
+    }
+
+
+def reached(points: Sequence[dict[str, Any]], limit: float) -> float | None:
+    """Seconds to the first checkpoint that is good enough; None: there is none."""
+    for point in points:
+        if point["median_error"] < limit and point["success_share"] >= LEAST_SUCCESS:
+            return float(point["seconds"])
+    return None
+
+
+def by_learner(records: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """A row a learner. The slowest seed decides; one that does not arrive is None."""
+    rows = []
+    for learner in dict.fromkeys(record["learner"] for record in records):
+        own = [record for record in records if record["learner"] == learner]
+        rows.append(
+            {
+                "learner": learner,
+                "seeds": len(own),
+                "steps_per_second": statistics.median(r["steps_per_second"] for r in own),
+                **{
+                    f"seconds_to_{limit}": slowest([r["reached"][str(limit)] for r in own])
+                    for limit in LIMITS
+                },
+                **{
+                    f"arrived_{limit}": sum(r["reached"][str(limit)] is not None for r in own)
+                    for limit in LIMITS
+                },
+                "final_error": max(r["points"][-1]["median_error"] for r in own),
+                "final_return": min(r["points"][-1]["return_mean"] for r in own),
+                "shares": {
+                    name: statistics.fmean(r["shares"][name] for r in own)
+                    for name in own[0]["shares"]
+                },
+            }
+        )
+    return rows
+
+
+def slowest(seconds: Sequence[float | None]) -> float | None:
+    """The largest; None where one is."""
+    known = [value for value in seconds if value is not None]
+    return max(known) if len(known) == len(seconds) else None
+
+
+# --- the page -----------------------------------------------------------------------------------
+
+
+def markdown(content: dict[str, Any]) -> str:
+    """The whole page."""
+    limits = " | ".join(f"< {limit} m [s]" for limit in LIMITS)
+    lines = [
+        f"| learner | seeds | steps/s | against lean-ppo | {limits} | worst final median [m] "
+        "| least final return | environment / inference / update |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
+        *(_row(row, content["learners"]) for row in content["learners"]),
+    ]
+    return f"""\
+# Speed of learning
+
+How long each learner takes to hover (`{SCENARIO}`), by
+
+    {content["command"]}
+
+on {machine_line(content["machine"])}.
+
+![Median error over seconds of the whole process](images/learning_speed.png)
+
+{chr(10).join(lines)}
+
+steps/s: median over the rollouts, with the update. Seconds: of the whole process, to the first
+checkpoint (one every {CHECKPOINT_STEPS:,} steps) whose median error over {EPISODES} held-out
+episodes is below the limit with at least {100 * LEAST_SUCCESS:.0f} % without failure; of the
+slowest seed, and only where all arrive (else how many do). The error is a mean over an episode's
+last second. `ppo` is that of Stable-Baselines3. Shares are of training's wall clock.
+
+{_absent(content)}Versions: {versions_line(content["runs"])}.
+"""
+
+
+def _row(row: dict[str, Any], rows: Sequence[dict[str, Any]]) -> str:
+    lean = [r["steps_per_second"] for r in rows if r["learner"] == "lean-ppo"]
+    ratio = f"{row['steps_per_second'] / lean[0]:.2f}" if lean else "-"
+    times = [
+        f"{row['arrived_' + str(limit)]} of {row['seeds']}"
+        if row[f"seconds_to_{limit}"] is None
+        else f"{row[f'seconds_to_{limit}']:.1f}"
+        for limit in LIMITS
+    ]
+    shares = " / ".join(f"{100 * share:.0f} %" for share in row["shares"].values())
+    cells = [row["learner"], str(row["seeds"]), f"{row['steps_per_second']:,.0f}", ratio, *times]
+    cells += [f"{row['final_error']:.4f}", f"{row['final_return']:.1f}", shares]
+    return f"| {' | '.join(cells)} |"
+
+
+def _absent(content: dict[str, Any]) -> str:
+    missing = [name for name in STEPS if name not in {r["learner"] for r in content["learners"]}]
+    return f"Not run: {', '.join(missing)}.\n\n" if missing else ""
+
+
+def draw(records: Sequence[dict[str, Any]], out: Path) -> None:
+    """Error over seconds, both logarithmic; a line a seed."""
+    figure = Figure(figsize=(8, 4.6), layout="constrained")
+    canvas = FigureCanvasAgg(figure)
+    axis = figure.subplots()
+    named: set[str] = set()
+    for run in records:
+        points, learner = run["points"], run["learner"]
+        label = None if learner in named else learner
+        named.add(learner)
+        axis.plot(
+            [p["seconds"] for p in points],
+            [p["median_error"] for p in points],
+            color=COLORS[learner],
+            marker="o",
+            markersize=2.5,
+            linewidth=1.2,
+            label=label,
+        )
+    for limit in LIMITS:
+        axis.axhline(limit, color="0.3", linewidth=0.8, linestyle=(0, (6, 3)))
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    for of_axis in (axis.xaxis, axis.yaxis):
+        of_axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        of_axis.set_major_formatter(FormatStrFormatter("%g"))
+        of_axis.set_minor_formatter("")
+    axis.set_xlabel("seconds of the whole process")
+    axis.set_ylabel("median position error [m]")
+    axis.grid(alpha=0.3)
+    axis.legend(fontsize=8)
+    canvas.print_png(out)
+
+
+# --- the command line ---------------------------------------------------------------------------
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    there = [name for name in STEPS if name in ALGORITHMS]
+    add = parser.add_argument
+    add("--algo", nargs="+", choices=there, default=there, help=f"default: {' '.join(there)}")
+    add("--out", type=Path, default=ROOT / "flights/learn_table", help="folder of the runs")
+    add("--report", type=Path, help="folder of the page; default: docs/results")
+    add("--quick", action="store_true", help="one seed, few steps, report into --out: a trial")
+    options = parser.parse_args(arguments)
+    options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, evaluates, writes; returns the exit code."""
+    options = parse(arguments)
+    records = []
+    try:
+        for run in make_runs(options.out, options.algo, options.quick):
+            found = record(run)
+            records.append(found)
+            print(
+                f"{run.algorithm}, seed {run.seed}: {found['seconds']:.1f} s, "
+                f"{found['steps_per_second']:,.0f} steps/s, median error "
+                f"{found['points'][-1]['median_error']:.4f} m",
+                flush=True,
+            )
+    except RunError as error:
+        print(f"learn_table: {error}", file=sys.stderr)
+        return 2
+    given = sys.argv[1:] if arguments is None else arguments
+    content = {
+        "experiment": "speed of learning",
+        "command": command_line("learn_table.py", given),
+        "machine": machine(),
+        "learners": by_learner(records),
+        "runs": records,
+    }
+    write_json(options.report / "data/learning_speed.json", content)
+    (options.report / "images").mkdir(parents=True, exist_ok=True)
+    draw(records, options.report / "images/learning_speed.png")
+    text = markdown(content)
+    (options.report / "learning_speed.md").write_text(text)
+    print(f"{text}\nwritten: {shown(options.report / 'learning_speed.md')}")
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)

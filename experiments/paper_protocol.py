@@ -1,0 +1,229 @@
+#!/usr/bin/env python3
+"""The GzDRL paper's training study on this machine: how long do its runs take here?
+
+    .venv/bin/python experiments/paper_protocol.py TASK... [--algo ppo fast-ppo] [--transitions N]
+
+Of each task (a scenario) and learner, the paper's runs: networks of [512, 512], seeds 1, 25 and 42,
+15 environments each, 5,000,000 transitions; `ppo` is that of Stable-Baselines3. The runs of a
+learner go side by side, as the paper's did; wall clock is theirs from the first's start to the
+last's end. With --transitions the runs are cut there, and the time for all transitions is
+extrapolated from the rate between the first checkpoint and the last, which the table says. Finished
+runs are not repeated, and interrupted ones go on. Writes paper_protocol.md and its JSON; tasks that
+it had before stay in it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from skybody import CompiledScenario, InputError
+from skybody.program import run_program
+from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.presets import preset
+from training_runs import (
+    ROOT,
+    Run,
+    RunError,
+    command_line,
+    machine,
+    machine_line,
+    shown,
+    train_all,
+    write_json,
+)
+
+SEEDS = (1, 25, 42)
+TRANSITIONS, QUICK_TRANSITIONS = 5_000_000, 62_000
+PAPER_MINUTES = 220.0  # six runs of a task at once: two sets of three seeds
+CHECKPOINTS = 5
+# The paper's sizes; the rest are Stable-Baselines3's defaults, which it does not say to change.
+SIZES = {
+    "hidden": "512,512",
+    "envs": 15,
+    "rollout_steps": 2048,
+    "minibatch": 1024,
+    "epochs": 10,
+    "value_epochs": 10,
+    "learning_rate": 3e-4,
+    "final_learning_rate": 1,
+    "discount": 0.99,
+    "log_std": 0,
+    "final_log_std": 0,
+    "bounded_mean": "false",
+    "normalization_steps": 0,
+    "averaging_steps": 0,
+    "torch_threads": 1,
+}
+
+
+def settings(algorithm: str) -> tuple[str, ...]:
+    """SIZES as --set takes them, without what the learner does not have."""
+    known = vars(preset("*", algorithm))
+    return tuple(f"{name}={value}" for name, value in SIZES.items() if name in known)
+
+
+def make_runs(task: str, algorithm: str, out: Path, transitions: int) -> list[Run]:
+    """A run per seed. They evaluate after training, lest that takes its processors."""
+    return [
+        Run(
+            folder=out / Path(task).stem / f"{algorithm}-seed-{seed}",
+            scenario=task,
+            algorithm=algorithm,
+            seed=seed,
+            total_steps=transitions,
+            threads=1,
+            settings=settings(algorithm),
+            checkpoints=CHECKPOINTS,
+            eval_episodes=0,
+        )
+        for seed in SEEDS
+    ]
+
+
+def train_together(runs: Sequence[Run]) -> float:
+    """All runs of a learner at once; the wall clock [s]. One that is finished keeps its time."""
+    path = runs[0].folder.with_name(f"{runs[0].algorithm}-wall-clock.json")
+    if path.exists() and all(run.finished() for run in runs):
+        kept: float = json.loads(path.read_text())["seconds"]
+        return kept
+    earlier = json.loads(path.read_text())["seconds"] if path.exists() else 0.0
+    begin = time.perf_counter()
+    try:
+        train_all(runs, len(runs), say)
+    finally:
+        write_json(path, {"seconds": earlier + time.perf_counter() - begin})
+    return earlier + time.perf_counter() - begin
+
+
+def say(run: Run) -> str:
+    """One line on a finished run."""
+    meta = read_meta(checkpoint_folders(run.folder)[-1])
+    return f"{run.scenario}, {run.algorithm}, seed {run.seed}: {meta['wall_clock']:.0f} s"
+
+
+def figures(runs: Sequence[Run], seconds: float) -> dict[str, Any]:
+    """A row of the table. The whole time is that of all transitions, extrapolated if need be."""
+    first, last = ([read_meta(checkpoint_folders(run.folder)[k]) for run in runs] for k in (0, -1))
+    steps = sum(meta["steps"] for meta in last)
+    slowest = max(
+        (b["wall_clock"] - a["wall_clock"]) / max(1, b["steps"] - a["steps"])
+        for a, b in zip(first, last, strict=True)
+    )
+    left = max(0, TRANSITIONS - min(meta["steps"] for meta in last))
+    return {
+        "task": runs[0].scenario,
+        "learner": runs[0].algorithm,
+        "runs": len(runs),
+        "transitions": last[0]["steps"],
+        "seconds": seconds,
+        "steps_per_second": steps / seconds,
+        "minutes_for_all": (seconds + left * slowest) / 60.0,
+        "extrapolated": left > 0,
+        "parameter_hashes": [meta["parameter_hash"] for meta in last],
+    }
+
+
+def markdown(content: dict[str, Any]) -> str:
+    """The page."""
+    rows = [
+        "| task | learner | runs at once | transitions each | measured [min] | steps/s, all runs "
+        "| three runs of 5,000,000 [min] | the paper's six, on 24 cores and two GPUs [min] |",
+        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for row in content["rows"]:
+        whole = f"{row['minutes_for_all']:.1f}" + (" (extrapolated)" if row["extrapolated"] else "")
+        rows.append(
+            f"| `{row['task']}` | {row['learner']} | {row['runs']} | {row['transitions']:,} "
+            f"| {row['seconds'] / 60.0:.1f} | {row['steps_per_second']:,.0f} | {whole} "
+            f"| {PAPER_MINUTES:.0f} |"
+        )
+    hyper = ", ".join(f"{name} {value}" for name, value in SIZES.items())
+    return f"""\
+# The paper's training protocol
+
+The runs of the GzDRL paper's training study (networks of [512, 512], seeds 1, 25 and 42, 15
+environments each, 5,000,000 transitions), by
+
+    {content["command"]}
+
+on {machine_line(content["machine"])}.
+
+{chr(10).join(rows)}
+
+The paper trains six runs of a task at once (two groups of three seeds, 90 environments) in about
+220 minutes on 24 cores and two GPUs. Here the three runs of a learner go side by side, with one
+thread each: two such groups one after the other take twice the time. `extrapolated`: the runs were
+cut at the transitions that are shown; the rest is counted at the rate between the first checkpoint
+and the last of the slowest run.
+
+`ppo` is that of Stable-Baselines3, on processors alone. Both learners have the same
+hyper-parameters: {hyper}.
+"""
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values, checked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("tasks", nargs="+", metavar="TASK", help="scenarios")
+    add("--algo", nargs="+", choices=("ppo", "fast-ppo"), default=["fast-ppo", "ppo"])
+    add("--transitions", type=float, help=f"to cut runs at; default: {TRANSITIONS:,}")
+    add("--out", type=Path, default=ROOT / "flights/paper_protocol", help="folder of the runs")
+    add("--report", type=Path, help="folder of the page; default: docs/results")
+    add("--quick", action="store_true", help=f"{QUICK_TRANSITIONS:,} transitions, report in --out")
+    options = parser.parse_args(arguments)
+    wanted = options.transitions or (QUICK_TRANSITIONS if options.quick else TRANSITIONS)
+    options.transitions = int(wanted)
+    least = SIZES["envs"] * SIZES["rollout_steps"]  # type: ignore[operator]
+    if not 2 * least <= options.transitions <= TRANSITIONS:
+        parser.error(f"--transitions {options.transitions}: {2 * least} to {TRANSITIONS}")
+    options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
+    return options
+
+
+def merged(path: Path, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """`rows`, behind those of other tasks and learners that the JSON has."""
+    earlier = json.loads(path.read_text())["rows"] if path.exists() else []
+    new = {(row["task"], row["learner"]) for row in rows}
+    return [row for row in earlier if (row["task"], row["learner"]) not in new] + rows
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, writes; returns the exit code."""
+    options = parse(arguments)
+    rows = []
+    try:
+        for task in options.tasks:
+            CompiledScenario(task)  # mistakes are said before anything is trained
+        for task in options.tasks:
+            for algorithm in options.algo:
+                runs = make_runs(task, algorithm, options.out, options.transitions)
+                rows.append(figures(runs, train_together(runs)))
+    except (InputError, RunError) as error:
+        print(f"paper_protocol: {error}", file=sys.stderr)
+        return 2
+    path = options.report / "data/paper_protocol.json"
+    given = sys.argv[1:] if arguments is None else arguments
+    content = {
+        "experiment": "the paper's training protocol",
+        "command": command_line("paper_protocol.py", given),
+        "machine": machine(),
+        "rows": merged(path, rows),
+    }
+    write_json(path, content)
+    text = markdown(content)
+    (options.report / "paper_protocol.md").write_text(text)
+    print(f"{text}\nwritten: {shown(options.report / 'paper_protocol.md')}")
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
