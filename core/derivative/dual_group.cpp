@@ -20,10 +20,8 @@ DualGroup::DualGroup(const CompiledScenario& compiled)
 
 void DualGroup::set_values(int row, int count, const double* values) {
   for (int k = 0; k < count; ++k) {
-    double* const to = value(row + k);
-    std::memcpy(to, values + static_cast<std::ptrdiff_t>(k) * kGroupLanes,
+    std::memcpy(value(row + k), values + static_cast<std::ptrdiff_t>(k) * kGroupLanes,
                 kGroupLanes * sizeof(double));
-    std::memset(to + kGroupLanes, 0, kGroupLanes * sizeof(double));
   }
 }
 

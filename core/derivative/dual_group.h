@@ -26,7 +26,7 @@ class DualGroup {
   const double* tangent(int row) const {
     return data_.data() + (std::ptrdiff_t{2} * row + 1) * kGroupLanes;
   }
-  /// Overwrites values, and tangents by zero.
+  /// Overwrites values; tangents stay.
   /// @param values  `count` rows
   void set_values(int row, int count, const double* values);
 

@@ -48,6 +48,22 @@ void LinearMap::clear(DualGroup& group) const {
   for (const int row : outputs_) std::fill_n(group.tangent(row), kGroupLanes, 0.0);
 }
 
+void LinearMap::clear(DualGroup& group, const Set& set) {
+  for (const int row : set.columns) std::memset(group.tangent(row), 0, kGroupLanes * sizeof(double));
+  for (const Entry& e : set.entries) {
+    std::memset(group.tangent(e.output), 0, kGroupLanes * sizeof(double));
+  }
+}
+
+bool LinearMap::depends_on(std::span<const int> rows) const {
+  for (const Set& set : sets_) {
+    for (const int column : set.columns) {
+      if (std::find(rows.begin(), rows.end(), column) != rows.end()) return true;
+    }
+  }
+  return false;
+}
+
 void LinearMap::arrange() {
   sets_.clear();
   taken_ = AlignedArray<double>(outputs_.size() * kGroupLanes);

@@ -47,10 +47,12 @@ class LinearMap {
       seed(group, set.columns, 1.0);
       call();
       add(group, set, lanes, adjoints);
-      clear(group);
+      clear(group, set);
     }
   }
 
+  /// Whether anything depends on any of these rows. After arrange().
+  bool depends_on(std::span<const int> rows) const;
   int set_count() const { return static_cast<int>(sets_.size()); }
 
  private:
@@ -66,6 +68,7 @@ class LinearMap {
   void note(std::size_t input, std::size_t output);
   void seed(DualGroup& group, std::span<const int> rows, double tangent) const;
   void clear(DualGroup& group) const;
+  static void clear(DualGroup& group, const Set& set);
   void take_outputs(std::uint32_t lanes, double* adjoints);
   void add(const DualGroup& group, const Set& set, std::uint32_t lanes, double* adjoints) const;
 

@@ -171,6 +171,9 @@ void TransitionAdjoint::look(const StateGroup& group, std::uint32_t mask, int st
 void TransitionAdjoint::arrange() {
   task_.arrange();
   chain_.arrange();
+  std::vector<int> changing = motion_rows(layout_);
+  add_block(changing, layout_.plugin_state);
+  is_chain_constant_ = !chain_.depends_on(changing);
 }
 
 // --- backward -----------------------------------------------------------------------------------
@@ -190,6 +193,8 @@ void TransitionAdjoint::pull_back(const StateGroup& group, int t, std::uint32_t 
   for (int k = repeat_; k-- > 0;) {
     const double* const values = record(t, k);
     step_adjoint_.pull_back(values + q, group.reals(layout_.params), derived_, lanes, adjoints + q);
+    // What depends on the command alone is the same in all steps of an action: once for their sum.
+    if (is_chain_constant_ && k > 0) continue;
     show(values);
     chain_.pull_back(
         dual_, lanes, [&] { call_chains(lanes, values); }, adjoints);

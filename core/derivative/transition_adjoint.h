@@ -81,6 +81,7 @@ class TransitionAdjoint {
   StepAdjoint step_adjoint_;
   DualGroup dual_;
   LinearMap task_, chain_;
+  bool is_chain_constant_ = false;  ///< over the physics steps of an action
   AlignedArray<double> records_, derived_, signal_[2];
   AlignedArray<std::uint64_t> end_;
 };

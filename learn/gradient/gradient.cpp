@@ -14,9 +14,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Rollouts that observations are normalised by; afterwards what the policy sees stays as it is.
-constexpr std::int64_t kNormalizedIterations = 8;
+static const std::int64_t kNormalizedIterations = getenv("NI")?atoi(getenv("NI")):8;static const double kMemory = getenv("NM")?atof(getenv("NM")):1e9;
 constexpr double kLeastVariance = 0.01;  // as gradient_slice.cpp has it
-constexpr double kLastLayerGain = 0.01;
+static const double kLastLayerGain = getenv("LG")?atof(getenv("LG")):0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
 
 double seconds_between(Clock::time_point begin, Clock::time_point end) {
@@ -113,6 +113,7 @@ void Gradient::normalize() {
   if (counters_.iteration >= kNormalizedIterations) return;
   const std::size_t seen = moments_.mean.size();
   const std::span<const double> sums(sums_);
+  moments_.count = std::min(moments_.count, kMemory * sums_[kSumSteps]);
   moments_.add(sums_[kSumSteps], sums.subspan(kGradientSums, seen),
                sums.subspan(kGradientSums + seen, seen));
 }

@@ -7,7 +7,8 @@
 #include "core/base/isa.h"
 #include "core/base/math.h"
 #include "core/base/octets.h"
-#include "core/base/random.h"
+#include "learn/network/kernels/kernel_table.h"
+#include "learn/network/kernels/kernels.h"
 
 namespace skybody::learn {
 namespace {
@@ -163,9 +164,7 @@ void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t)
   float* const y = row(action_, t, 0, actions_);
   network_.forward(inputs.parameters, x, stride_, kGroupLanes, memory_[static_cast<std::size_t>(t)],
                    y, actions_);
-  for (int k = 0; k < kGroupLanes * actions_; ++k) {
-    y[k] = static_cast<float>(tanh(static_cast<double>(y[k])));
-  }
+  kernels_of(isa_).tanh(y, y, static_cast<std::size_t>(kGroupLanes * actions_));
 }
 
 void GradientSlice::take_outcome(const Group& group, int t) {
