@@ -49,7 +49,8 @@ void LinearMap::clear(DualGroup& group) const {
 }
 
 void LinearMap::clear(DualGroup& group, const Set& set) {
-  for (const int row : set.columns) std::memset(group.tangent(row), 0, kGroupLanes * sizeof(double));
+  for (const int row : set.columns)
+    std::memset(group.tangent(row), 0, kGroupLanes * sizeof(double));
   for (const Entry& e : set.entries) {
     std::memset(group.tangent(e.output), 0, kGroupLanes * sizeof(double));
   }

@@ -13,10 +13,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Rollouts that observations are normalised by; afterwards what the policy sees stays as it is.
-static const std::int64_t kNormalizedIterations = getenv("NI")?atoi(getenv("NI")):8;static const double kMemory = getenv("NM")?atof(getenv("NM")):1e9;
+/// Observations are normalised by about the last so many rollouts: what an untrained policy sees,
+/// tumbling, says little of what it is to see.
+constexpr double kRemembered = 10.0;
+/// The share of the training after which what the policy sees stays as it is.
+constexpr double kNormalizedShare = 0.5;
 constexpr double kLeastVariance = 0.01;  // as gradient_slice.cpp has it
-static const double kLastLayerGain = getenv("LG")?atof(getenv("LG")):0.01;
+constexpr double kLastLayerGain = 0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
 
 double seconds_between(Clock::time_point begin, Clock::time_point end) {
@@ -59,13 +62,13 @@ Gradient::Gradient(const LearnerOptions& options)
   sums_.resize(slices_[0]->sums().size());
 }
 
+double Gradient::progress() const {
+  if (total_steps_ <= 0) return 0.0;
+  return std::min(1.0, static_cast<double>(counters_.steps) / static_cast<double>(total_steps_));
+}
+
 double Gradient::learning_rate() const {
-  double progress = 0.0;
-  if (total_steps_ > 0) {
-    progress =
-        std::min(1.0, static_cast<double>(counters_.steps) / static_cast<double>(total_steps_));
-  }
-  return hyper_.learning_rate * (1.0 - progress * (1.0 - hyper_.final_learning_rate));
+  return hyper_.learning_rate * (1.0 - progress() * (1.0 - hyper_.final_learning_rate));
 }
 
 Report Gradient::iterate() {
@@ -110,10 +113,10 @@ void Gradient::add_up() {
 }
 
 void Gradient::normalize() {
-  if (counters_.iteration >= kNormalizedIterations) return;
+  if (progress() >= kNormalizedShare) return;
   const std::size_t seen = moments_.mean.size();
   const std::span<const double> sums(sums_);
-  moments_.count = std::min(moments_.count, kMemory * sums_[kSumSteps]);
+  moments_.count = std::min(moments_.count, kRemembered * sums_[kSumSteps]);
   moments_.add(sums_[kSumSteps], sums.subspan(kGradientSums, seen),
                sums.subspan(kGradientSums + seen, seen));
 }
