@@ -42,6 +42,9 @@ enum class Algorithm { kFastPpo, kGradient };
   X(int, recurrent_units, 0, 0, 4096, P, "units of gated recurrent memory in front of the policy's hidden layers; 0: none. A minibatch is then whole rollouts of some environments. The value function has no memory: show it privileged columns") \
   X(Activation, activation, Activation::kTanh, 0, 0, B, "tanh, relu or elu") \
   X(bool, normalize_rewards, true, 0, 1, P, "divide rewards by the deviation of the discounted return") \
+  X(int, physics_steps, 4, 0, 1 << 20, G, "physics steps of an action in training, of the scenario's rule but longer; 0: the scenario's own. Policies are judged by the scenario's own") \
+  X(double, approach_speed, 3, 1e-3, 1e3, G, "largest speed towards the goal that is asked for [m/s]") \
+  X(double, approach_rate, 2, 1e-3, 1e3, G, "close to the goal that speed is the distance times this [1/s]") \
   X(double, observation_clip, 10, 0, 1e6, P, "bound of normalized observations") \
   X(double, normalization_steps, 0, 0, 1e18, P, "after which observations' statistics stay; 0: they never do") \
   X(double, averaging_steps, 0, 0, 1e18, P, "the policy that is kept is a mean over about so many steps; 0: the last")

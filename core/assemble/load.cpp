@@ -73,7 +73,8 @@ class RegistryFactory : public PluginFactory {
             const SkybodyDeclare& declare) override {
     const PluginEntry& entry = require(kind, plugin);
     return {create_instance(entry, setup, declare), kernels_for(*entry.descriptor, best_isa()),
-            static_cast<int>(entry.descriptor->state_words), entry.file.string()};
+            static_cast<int>(entry.descriptor->state_words), entry.file.string(),
+            kernels_for(*entry.descriptor, best_isa(), SKYBODY_NUMBER_DUAL)};
   }
 
   const std::vector<ParameterSpec>& parameters(SkybodyKind kind,

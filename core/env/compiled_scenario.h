@@ -158,6 +158,7 @@ class CompiledScenario {
   void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;
 
  private:
+  friend class TransitionAdjoint;  // takes steps phase by phase, to go back through them
   struct Builder;
   SkybodyChecks make_checks() const;
   void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;

@@ -166,6 +166,7 @@ struct CompiledScenario::Builder {
       PluginFactory::Made result = factory.make(bound.kind, bound.use->plugin, setup, declare);
       made.self = std::move(result.self);
       made.kernels = result.kernels;
+      made.dual_kernels = result.dual_kernels;
       made.state_words = result.state_words;
       made.file = result.file;
       check_declarations(topology, plan.layout, made);

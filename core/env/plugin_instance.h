@@ -86,6 +86,7 @@ struct PluginInstance {
 
   std::shared_ptr<const void> self;  ///< keeps the library loaded
   SkybodyKernels kernels{};          ///< of the chosen instruction set
+  SkybodyKernels dual_kernels{};     ///< on dual numbers; null: it is not smooth
 
   // Declared in configure():
   int inputs = 0;                     ///< calls of input()
@@ -155,6 +156,7 @@ class PluginFactory {
     SkybodyKernels kernels{};
     int state_words = 0;
     std::string file = {};  ///< its library; empty: a test's own
+    SkybodyKernels dual_kernels{};  ///< on dual numbers; null: it is not smooth
   };
   /// @throws Error with the plugin's own text if it refuses
   virtual Made make(SkybodyKind kind, const std::string& plugin, const SkybodySetup& setup,

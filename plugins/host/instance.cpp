@@ -32,8 +32,8 @@ std::shared_ptr<const void> create_instance(const PluginEntry& entry, const Skyb
           }};
 }
 
-const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa) {
-  return plugin.kernels[SKYBODY_NUMBER_REAL][static_cast<int>(isa)];
+const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa, SkybodyNumber number) {
+  return plugin.kernels[number][static_cast<int>(isa)];
 }
 
 }  // namespace skybody

@@ -18,7 +18,9 @@ namespace skybody {
 std::shared_ptr<const void> create_instance(const PluginEntry& entry, const SkybodySetup& setup,
                                             const SkybodyDeclare& declare);
 
-/// The step functions of real numbers for an instruction set; all give the same bits.
-const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa);
+/// The step functions of one type of number for an instruction set; all give the same bits. On dual
+/// numbers only smooth plugins have any.
+const SkybodyKernels& kernels_for(const SkybodyPlugin& plugin, Isa isa,
+                                  SkybodyNumber number = SKYBODY_NUMBER_REAL);
 
 }  // namespace skybody

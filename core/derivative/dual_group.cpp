@@ -1,0 +1,44 @@
+#include "core/derivative/dual_group.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace skybody {
+
+DualGroup::DualGroup(const CompiledScenario& compiled)
+    : layout_(compiled.layout()),
+      observation_(layout_.words),
+      observed_(compiled.task().channel_count()),
+      rows_(observation_ + observed_ + 1),
+      data_(static_cast<std::size_t>(2 * rows_) * kGroupLanes) {
+  int most = 0;
+  for (const SkybodyKind kind : {SKYBODY_CONTROLLER, SKYBODY_TASK}) {
+    for (const PluginInstance& p : compiled.plugins(kind)) most = std::max(most, p.scratch);
+  }
+  scratch_ = AlignedArray<double>(static_cast<std::size_t>(2 * most) * kGroupLanes);
+}
+
+void DualGroup::set_values(int row, int count, const double* values) {
+  for (int k = 0; k < count; ++k) {
+    std::memcpy(value(row + k), values + static_cast<std::ptrdiff_t>(k) * kGroupLanes,
+                kGroupLanes * sizeof(double));
+  }
+}
+
+SkybodyLanes DualGroup::view() {
+  const auto block = [this](const Block& b) { return value(b.offset); };
+  SkybodyLanes v{};
+  v.lanes = kGroupLanes;
+  v.bodies = v.q = block(layout_.q);
+  v.u = block(layout_.u);
+  v.rotor_speed = block(layout_.rotor_speed);
+  v.rotor_command = block(layout_.rotor_command);
+  v.params = block(layout_.params);
+  v.sensors = block(layout_.sensors);
+  v.action = block(layout_.action);
+  v.command = block(layout_.command);
+  v.scratch = scratch_.data();
+  return v;
+}
+
+}  // namespace skybody

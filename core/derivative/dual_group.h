@@ -1,0 +1,42 @@
+// The values of a lane group as dual numbers (core/base/dual.h): what plugins' functions on dual
+// numbers read and write.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/aligned_array.h"
+#include "core/env/compiled_scenario.h"
+#include "core/physics/world/lane_values.h"
+
+namespace skybody {
+
+/// Each value is a row of kGroupLanes values, and behind it one of tangents. Row k is state word k;
+/// behind these are the values of the observation, then the reward.
+class DualGroup {
+ public:
+  explicit DualGroup(const CompiledScenario& compiled);
+
+  int rows() const { return rows_; }
+  int observation() const { return observation_; }  ///< its first row
+  int reward() const { return observation_ + observed_; }
+
+  double* value(int row) { return data_.data() + std::ptrdiff_t{2} * row * kGroupLanes; }
+  double* tangent(int row) { return value(row) + kGroupLanes; }
+  std::uint64_t* words(int row) { return reinterpret_cast<std::uint64_t*>(value(row)); }
+  const double* tangent(int row) const {
+    return data_.data() + (std::ptrdiff_t{2} * row + 1) * kGroupLanes;
+  }
+  /// Overwrites values; tangents stay.
+  /// @param values  `count` rows
+  void set_values(int row, int count, const double* values);
+
+  /// As plugins see it. Counters are the caller's.
+  SkybodyLanes view();
+
+ private:
+  const Layout& layout_;
+  int observation_, observed_, rows_;
+  AlignedArray<double> data_, scratch_;
+};
+
+}  // namespace skybody

@@ -1,0 +1,38 @@
+// The smooth cost that a policy is taught by: derived from the task's goal, so that every task that
+// has one is learned alike.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/isa.h"
+#include "learn/hyperparameters.h"
+
+namespace skybody::learn {
+
+/// Of a free body with position p, velocity v, rates w, heading psi, and a goal with the position g
+/// and heading psi_g, at the end of each transition:
+///
+///   sqrt(|v - v_g|^2 + 0.1^2) + 0.3 min(|g - p|, 1) + 0.5 (psi - psi_g)^2 + 0.02 |w|^2
+///
+/// where v_g = (g - p) / |g - p| min(approach_rate |g - p|, approach_speed): far away fly towards
+/// it at a speed, close by brake. A cost of the distance alone asks for the impossible, and a
+/// policy that dashes off tumbles. For each change of an action a between two transitions 0.1
+/// |change|^2 is added (kSmoothness).
+struct GoalCost {
+  double approach_speed, approach_rate;
+  static constexpr double kSmoothness = 0.1;
+
+  explicit GoalCost(const Hyperparameters& hyper)
+      : approach_speed(hyper.approach_speed), approach_rate(hyper.approach_rate) {}
+
+  /// Adds `weight` times the cost's derivatives, in a group of kGroupLanes lanes.
+  /// @param motion    13 rows: q, u of the body
+  /// @param goal      4 rows: position, heading
+  /// @param adjoints  13 rows, added to in `lanes`
+  /// @param cost      1 row: added to in `lanes`
+  /// @param distance  1 row, overwritten [m]
+  void add(std::uint32_t lanes, double weight, const double* motion, const double* goal,
+           double* adjoints, double* cost, double* distance, Isa isa) const;
+};
+
+}  // namespace skybody::learn

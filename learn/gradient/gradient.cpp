@@ -1,0 +1,189 @@
+#include "learn/gradient/gradient.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "core/base/hash.h"
+#include "core/base/number_text.h"
+#include "learn/ppo/slice_plan.h"
+#include "learn/ppo/state_blocks.h"
+
+namespace skybody::learn {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Observations are normalised by about the last so many rollouts: what an untrained policy sees,
+/// tumbling, says little of what it is to see.
+constexpr double kRemembered = 10.0;
+/// The share of the training after which what the policy sees stays as it is.
+constexpr double kNormalizedShare = 0.5;
+constexpr double kLeastVariance = 0.01;  // as gradient_slice.cpp has it
+constexpr double kLastLayerGain = 0.01;
+constexpr double kNoClip = 1e6;  // of normalised observations
+
+double seconds_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double>(end - begin).count();
+}
+
+NetworkShape shape_of(const CompiledScenario& compiled, const Hyperparameters& hyper) {
+  return {compiled.observation_size(), hyper.hidden, compiled.action_size(), hyper.activation};
+}
+
+}  // namespace
+
+std::vector<std::string> training_overrides(const CompiledScenario& compiled,
+                                            const Hyperparameters& hyper) {
+  const Stepping& stepping = compiled.scenario().stepping;
+  if (hyper.physics_steps == 0 || hyper.physics_steps >= stepping.action_repeat) return {};
+  const double dt = stepping.dt * stepping.action_repeat / hyper.physics_steps;
+  return {"stepping.dt=" + exact_text(dt),
+          "stepping.action_repeat=" + std::to_string(hyper.physics_steps)};
+}
+
+Gradient::Gradient(const LearnerOptions& options)
+    : compiled_(options.compiled),
+      training_(options.training != nullptr ? options.training : options.compiled),
+      hyper_(options.hyper),
+      total_steps_(options.total_steps),
+      network_(shape_of(*compiled_, hyper_), best_isa()),
+      parameters_(network_.parameter_count()),
+      adam_(network_.parameter_count(), hyper_.max_grad_norm, best_isa()),
+      moments_(static_cast<std::size_t>(compiled_->observation_size())),
+      crew_(options.threads, kSlices) {
+  network_.initialize({parameters_.data(), parameters_.size()}, kLastLayerGain, options.seed, 0);
+  const SlicePlan plan(hyper_.envs, hyper_.rollout_steps, hyper_.envs);
+  slices_.resize(static_cast<std::size_t>(plan.slices()));
+  crew_.run(plan.slices(), [&](int s, int) {
+    slices_[static_cast<std::size_t>(s)] = std::make_unique<GradientSlice>(
+        training_, hyper_, network_, options.seed, plan.first_env(s), plan.envs(s));
+  });
+  for (const auto& slice : slices_) gradients_.push_back(slice->gradient().data());
+  sums_.resize(slices_[0]->sums().size());
+}
+
+double Gradient::progress() const {
+  if (total_steps_ <= 0) return 0.0;
+  return std::min(1.0, static_cast<double>(counters_.steps) / static_cast<double>(total_steps_));
+}
+
+double Gradient::learning_rate() const {
+  return hyper_.learning_rate * (1.0 - progress() * (1.0 - hyper_.final_learning_rate));
+}
+
+Report Gradient::iterate() {
+  const Clock::time_point begin = Clock::now();
+  const std::span<float> parameters{parameters_.data(), parameters_.size()};
+  network_.transpose(parameters, transposed_);
+  const GradientInputs inputs{parameters, &transposed_, &moments_, counters_.iteration};
+  crew_.run(static_cast<int>(slices_.size()),
+            [&](int s, int) { slices_[static_cast<std::size_t>(s)]->run(inputs); });
+  const Clock::time_point middle = Clock::now();
+  add_up();
+  adam_.sum(gradients_);
+  const double norm = adam_.step(parameters, learning_rate());
+  if (!std::isfinite(norm) || !std::isfinite(sums_[kSumCost])) {
+    throw Diverged(
+        "`gradient` has diverged at " + std::to_string(counters_.steps) +
+        " steps: the cost or its gradient is not finite; take a smaller learning_rate, a "
+        "shorter rollout_steps, or --algo fast-ppo");
+  }
+  normalize();
+  counters_.steps += static_cast<std::int64_t>(sums_[kSumSteps]);
+  ++counters_.iteration;
+  Report report;
+  report.steps = static_cast<std::int64_t>(sums_[kSumSteps]);
+  report.position_error = sums_[kSumDistance] / std::max(sums_[kSumSteps], 1.0);
+  report.faults = static_cast<std::int64_t>(sums_[kSumFaults]);
+  for (const auto& slice : slices_) {
+    const std::span<const float> returns = slice->episode_returns();
+    report.episode_returns.insert(report.episode_returns.end(), returns.begin(), returns.end());
+  }
+  report.environment_seconds = seconds_between(begin, middle);
+  report.update_seconds = seconds_between(middle, Clock::now());
+  report.losses = {{"cost", sums_[kSumCost]}, {"gradient_norm", norm}};
+  return report;
+}
+
+void Gradient::add_up() {
+  std::fill(sums_.begin(), sums_.end(), 0.0);
+  for (const auto& slice : slices_) {
+    for (std::size_t k = 0; k < sums_.size(); ++k) sums_[k] += slice->sums()[k];
+  }
+}
+
+void Gradient::normalize() {
+  if (progress() >= kNormalizedShare) return;
+  const std::size_t seen = moments_.mean.size();
+  const std::span<const double> sums(sums_);
+  moments_.count = std::min(moments_.count, kRemembered * sums_[kSumSteps]);
+  moments_.add(sums_[kSumSteps], sums.subspan(kGradientSums, seen),
+               sums.subspan(kGradientSums + seen, seen));
+}
+
+PolicyFile Gradient::policy() const {
+  PolicyFile file;
+  file.scenario = compiled_->scenario().name;
+  file.algorithm = "gradient";
+  file.steps = counters_.steps;
+  file.observation_size = compiled_->observation_size();
+  file.action_size = compiled_->action_size();
+  file.squash = ActionSquash::kTanh;
+  file.mean = moments_.mean;
+  for (const double variance : moments_.variance) {
+    file.scale.push_back(1.0 / std::sqrt(variance + kLeastVariance));
+  }
+  file.clip = kNoClip;
+  file.layers = network_.layers({parameters_.data(), parameters_.size()});
+  return file;
+}
+
+std::uint64_t Gradient::parameter_hash() const {
+  HashChain chain;
+  for (std::size_t k = 0; k < parameters_.size(); ++k) {
+    chain.update(static_cast<double>(parameters_[k]));
+  }
+  return chain.value();
+}
+
+// --- checkpoints --------------------------------------------------------------------------------
+
+template <class Self, class Visitor>
+void Gradient::visit(Self& self, Visitor& visitor) {
+  visitor("counters", &self.counters_.steps, 2);
+  visitor("policy", self.parameters_.data(), self.parameters_.size());
+  Adam::visit(self.adam_, "policy.adam", visitor);
+  RunningMoments::visit(self.moments_, "observations", visitor);
+  for (std::size_t s = 0; s < self.slices_.size(); ++s) {
+    GradientSlice::visit(*self.slices_[s], "slice" + std::to_string(s), visitor);
+  }
+}
+
+LearnerState Gradient::state() const {
+  LearnerState state;
+  StateWriter writer(state.blocks);
+  visit(*this, writer);
+  for (const auto& slice : slices_) slice->save(state.environments);
+  return state;
+}
+
+void Gradient::restore(const LearnerState& state) {
+  StateReader check(state.blocks, StateReader::Mode::kCheck);
+  visit(*this, check);
+  std::size_t words = 0;
+  for (const auto& slice : slices_) words += slice->saved_words();
+  if (state.environments.size() != words) {
+    throw Error("the checkpoint's environments have " + std::to_string(state.environments.size()) +
+                " words, and this learner's " + std::to_string(words) +
+                ": it is another scenario's, or of other hyper-parameters");
+  }
+  StateReader copy(state.blocks, StateReader::Mode::kCopy);
+  visit(*this, copy);
+  std::span<const std::uint64_t> rest = state.environments;
+  for (const auto& slice : slices_) {
+    slice->restore(rest.first(slice->saved_words()));
+    rest = rest.subspan(slice->saved_words());
+  }
+}
+
+}  // namespace skybody::learn

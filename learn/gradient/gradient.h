@@ -1,0 +1,63 @@
+// Learning through the dynamics: the policy's gradient is the derivative of a smooth cost over a
+// horizon of the engine's own transitions, by going back through them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "learn/gradient/gradient_slice.h"
+#include "learn/learner.h"
+#include "learn/network/adam.h"
+#include "learn/ppo/task_crew.h"
+
+namespace skybody::learn {
+
+/// Overrides of a scenario ("PATH=VALUE", LoadOptions::overrides) by which it is trained in: as
+/// many physics steps of an action as `physics_steps` says, longer ones, so that an action stays as
+/// long as it is. Empty: the scenario's own steps.
+std::vector<std::string> training_overrides(const CompiledScenario& compiled,
+                                            const Hyperparameters& hyper);
+
+/// A deterministic policy, tanh(network(normalised observation)), taught by the gradient of
+/// GoalCost. The same bits for any number of threads.
+class Gradient : public Learner {
+ public:
+  /// @throws Error (naming what) where derivatives are not known (TransitionAdjoint)
+  explicit Gradient(const LearnerOptions& options);
+
+  std::int64_t steps() const override { return counters_.steps; }
+  Report iterate() override;
+  PolicyFile policy() const override;
+  std::uint64_t parameter_hash() const override;
+  LearnerState state() const override;
+  void restore(const LearnerState& state) override;
+
+ private:
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor& visitor);
+  double progress() const;
+  double learning_rate() const;
+  void add_up();
+  void normalize();
+
+  struct Counters {
+    std::int64_t steps = 0, iteration = 0;
+  };
+
+  std::shared_ptr<const CompiledScenario> compiled_, training_;
+  Hyperparameters hyper_;
+  std::int64_t total_steps_;
+  Network network_;
+  AlignedArray<float> parameters_;
+  TransposedWeights transposed_;
+  Adam adam_;
+  RunningMoments moments_;
+  Counters counters_;
+  TaskCrew crew_;
+  std::vector<std::unique_ptr<GradientSlice>> slices_;
+  std::vector<const float*> gradients_;
+  std::vector<double> sums_;
+};
+
+}  // namespace skybody::learn

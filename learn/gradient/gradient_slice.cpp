@@ -1,0 +1,299 @@
+#include "learn/gradient/gradient_slice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/fp_environment.h"
+#include "core/base/isa.h"
+#include "core/base/math.h"
+#include "core/base/octets.h"
+#include "learn/network/kernels/kernel_table.h"
+#include "learn/network/kernels/kernels.h"
+
+namespace skybody::learn {
+namespace {
+
+constexpr std::uint32_t kAllLanes = ~0u;
+constexpr double kLeastVariance = 0.01;  // observations that hardly vary are not blown up
+
+std::uint32_t first_lanes(int count) { return count >= 32 ? kAllLanes : (1u << count) - 1u; }
+
+int padded(int count) { return (count + 15) / 16 * 16; }
+
+}  // namespace
+
+GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
+                             const Hyperparameters& hyper, const Network& network,
+                             std::uint64_t seed, int first_env, int envs)
+    : compiled_(std::move(compiled)),
+      network_(network),
+      cost_(hyper),
+      isa_(best_isa()),
+      seed_(seed),
+      first_env_(first_env),
+      envs_(envs),
+      horizon_(hyper.rollout_steps),
+      actions_(compiled_->action_size()),
+      seen_(compiled_->observation_size()),
+      stride_(padded(seen_)),
+      weight_(1.0 / (static_cast<double>(hyper.envs) * hyper.rollout_steps)),
+      work_(compiled_->make_work(kGroupLanes)),
+      adjoint_(*compiled_, hyper.rollout_steps) {
+  const FpEnvironment guard;
+  const auto steps = static_cast<std::size_t>(horizon_);
+  const auto rows = steps * kGroupLanes;
+  flying_.resize(steps);
+  sound_.resize(steps);
+  goal_ = AlignedArray<double>(4 * kGroupLanes * steps);
+  adjoints_ = AlignedArray<double>(static_cast<std::size_t>(adjoint_.rows()) * kGroupLanes);
+  to_action_ = AlignedArray<double>(static_cast<std::size_t>(actions_) * kGroupLanes);
+  cost_row_ = AlignedArray<double>(kGroupLanes);
+  distance_ = AlignedArray<double>(kGroupLanes);
+  x_ = AlignedArray<float>(rows * static_cast<std::size_t>(stride_));
+  action_ = AlignedArray<float>(rows * static_cast<std::size_t>(actions_));
+  dx_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(stride_));
+  dy_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(actions_));
+  reward_ = AlignedArray<float>(rows);
+  status_ = AlignedArray<std::uint64_t>(kGroupLanes);
+  next_observation_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(seen_));
+  memory_.resize(steps);
+  gradient_ = AlignedArray<float>(network.parameter_count());
+  sums_.resize(static_cast<std::size_t>(kGradientSums + 2 * seen_));
+  for (int first = 0; first < envs; first += kGroupLanes) {
+    groups_.push_back(
+        {compiled_->make_state(kGroupLanes), first_lanes(std::min(envs - first, 32)), first});
+  }
+  observations_ =
+      AlignedArray<float>(groups_.size() * kGroupLanes * static_cast<std::size_t>(seen_));
+  returns_.resize(groups_.size() * kGroupLanes);
+  episode_returns_.reserve(static_cast<std::size_t>(envs) * steps);
+  look();
+  for (Group& group : groups_) reset(group, group.lanes);
+}
+
+/// Which values of plugins depend on which follows from some flights with random actions, the same
+/// for all slices and seeds.
+void GradientSlice::look() {
+  Group& group = groups_[0];
+  constexpr std::uint64_t kKey = 0x67726164;  // any
+  for (int l = 0; l < kGroupLanes; ++l) {
+    compiled_->initialize(group.state, l, kKey, static_cast<std::uint64_t>(l));
+  }
+  const Rows rows{next_observation_.data(), reward_.data(), status_.data()};
+  for (int round = 0; round < 2; ++round) {
+    compiled_->reset(group.state, *work_, kAllLanes, rows);
+    for (int t = 0; t < horizon_; ++t) {
+      for (std::size_t k = 0; k < kGroupLanes * static_cast<std::size_t>(actions_); ++k) {
+        const std::uint64_t mixed =
+            (k + 1) * 0x9e3779b97f4a7c15ull * static_cast<std::uint64_t>(t + 1 + 100 * round);
+        action_[k] = static_cast<float>(mixed >> 40) * 0x1p-23f - 1.0f;
+      }
+      adjoint_.step(group.state, *work_, kAllLanes, action_.data(), actions_, rows, t);
+    }
+    adjoint_.look(group.state, kAllLanes, std::min(horizon_, 8));
+  }
+  adjoint_.arrange();
+  group.state = compiled_->make_state(kGroupLanes);
+  for (Group& g : groups_) {
+    each_lane(g.lanes, [&](int l) {
+      compiled_->initialize(g.state, l, seed_,
+                            static_cast<std::uint64_t>(first_env_ + g.first + l));
+    });
+  }
+}
+
+void GradientSlice::reset(Group& group, std::uint32_t lanes) {
+  if (lanes == 0) return;
+  const Rows rows{next_observation_.data(), reward_.data(), status_.data()};
+  compiled_->reset(group.state, *work_, lanes, rows);
+  each_lane(lanes, [&](int l) {
+    std::copy_n(next_observation_.data() + l * seen_, seen_,
+                observations_.data() + (group.first + l) * seen_);
+    returns_[static_cast<std::size_t>(group.first + l)] = 0.0;
+  });
+}
+
+void GradientSlice::run(const GradientInputs& inputs) {
+  gradient_.fill_zero();
+  std::fill(sums_.begin(), sums_.end(), 0.0);
+  episode_returns_.clear();
+  for (Group& group : groups_) {
+    fly(group, inputs);
+    go_back(group, inputs);
+    begin_anew(group, inputs.iteration);
+  }
+}
+
+// --- forward ------------------------------------------------------------------------------------
+
+void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
+  std::uint32_t flying = group.lanes;
+  for (int t = 0; t < horizon_; ++t) {
+    flying_[static_cast<std::size_t>(t)] = flying;
+    act(group, inputs, t);
+    {
+      const FpEnvironment guard;
+      const Rows rows{next_observation_.data(), reward_.data(), status_.data()};
+      adjoint_.step(group.state, *work_, flying, row(action_, t, 0, actions_), actions_, rows, t);
+      adjoint_.goal(group.state, *work_, flying, goal_at(t));
+    }
+    take_outcome(group, t);
+    flying = sound_[static_cast<std::size_t>(t)];
+    each_lane(flying, [&](int l) {
+      if (status_[static_cast<std::size_t>(l)] != kRunning) flying &= ~(1u << l);
+    });
+  }
+}
+
+void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t) {
+  const RunningMoments& moments = *inputs.moments;
+  float* const x = row(x_, t, 0, stride_);
+  each_lane(group.lanes, [&](int l) {
+    const float* seen = observations_.data() + (group.first + l) * seen_;
+    float* const to = x + l * stride_;
+    const bool is_flying = (flying_[static_cast<std::size_t>(t)] >> l & 1u) != 0;
+    for (int k = 0; k < seen_; ++k) {
+      const auto c = static_cast<std::size_t>(k);
+      const double difference = static_cast<double>(seen[k]) - moments.mean[c];
+      to[k] = static_cast<float>(difference / std::sqrt(moments.variance[c] + kLeastVariance));
+      if (!is_flying) continue;
+      sums_[static_cast<std::size_t>(kGradientSums) + c] += difference;
+      sums_[static_cast<std::size_t>(kGradientSums + seen_) + c] += difference * difference;
+    }
+  });
+  float* const y = row(action_, t, 0, actions_);
+  network_.forward(inputs.parameters, x, stride_, kGroupLanes, memory_[static_cast<std::size_t>(t)],
+                   y, actions_);
+  kernels_of(isa_).tanh(y, y, static_cast<std::size_t>(kGroupLanes * actions_));
+}
+
+void GradientSlice::take_outcome(const Group& group, int t) {
+  const std::uint32_t flying = flying_[static_cast<std::size_t>(t)];
+  std::uint32_t sound = flying;
+  each_lane(flying, [&](int l) {
+    const auto lane = static_cast<std::size_t>(l);
+    const std::size_t env = static_cast<std::size_t>(group.first) + lane;
+    std::copy_n(next_observation_.data() + l * seen_, seen_,
+                observations_.data() + static_cast<std::ptrdiff_t>(env) * seen_);
+    returns_[env] += static_cast<double>(reward_[lane]);
+    sums_[kSumSteps] += 1.0;
+    if (status_[lane] == kRunning) return;
+    episode_returns_.push_back(static_cast<float>(returns_[env]));
+    if ((status_[lane] & kFault) == 0) return;
+    sound &= ~(1u << l);
+    sums_[kSumFaults] += 1.0;
+  });
+  sound_[static_cast<std::size_t>(t)] = sound;
+}
+
+// --- backward -----------------------------------------------------------------------------------
+
+void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
+  {
+    const FpEnvironment guard;
+    adjoint_.begin(group.state, group.lanes);
+  }
+  adjoints_.fill_zero();
+  cost_row_.fill_zero();
+  double* const motion =
+      adjoints_.data() + static_cast<std::ptrdiff_t>(compiled_->layout().q.offset) * kGroupLanes;
+  for (int t = horizon_; t-- > 0;) {
+    const std::uint32_t lanes = sound_[static_cast<std::size_t>(t)];
+    {
+      const FpEnvironment guard;
+      cost_.add(lanes, weight_, adjoint_.coordinates(t), goal_at(t), motion, cost_row_.data(),
+                distance_.data(), isa_);
+      adjoint_.pull_back(group.state, t, lanes, adjoints_.data(), to_action_.data());
+    }
+    each_lane(lanes, [&](int l) { sums_[kSumDistance] += distance_[static_cast<std::size_t>(l)]; });
+    add_actions(t, lanes);
+    network_.backward(*inputs.transposed, row(x_, t, 0, stride_), stride_,
+                      memory_[static_cast<std::size_t>(t)], dy_.data(), actions_,
+                      {gradient_.data(), gradient_.size()}, dx_.data(), stride_);
+    add_observations(t, lanes, *inputs.moments);
+  }
+  each_lane(group.lanes, [&](int l) { sums_[kSumCost] += cost_row_[static_cast<std::size_t>(l)]; });
+}
+
+/// Gradients at the network's outputs, from those at the actions and the actions' changes.
+void GradientSlice::add_actions(int t, std::uint32_t lanes) {
+  dy_.fill_zero();
+  const double smooth = 2.0 * GoalCost::kSmoothness * weight_;
+  each_lane(lanes, [&](int l) {
+    const float* now = row(action_, t, l, actions_);
+    for (int k = 0; k < actions_; ++k) {
+      const double a = static_cast<double>(now[k]);
+      double to = to_action_[static_cast<std::size_t>(k * kGroupLanes + l)];
+      if (t > 0) to += smooth * (a - static_cast<double>(row(action_, t - 1, l, actions_)[k]));
+      if (t + 1 < horizon_ && (sound_[static_cast<std::size_t>(t + 1)] >> l & 1u) != 0) {
+        to += smooth * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
+      }
+      to *= 1.0 - a * a;
+      dy_[static_cast<std::size_t>(l * actions_ + k)] =
+          static_cast<float>(is_finite(to) ? to : 0.0);
+    }
+  });
+}
+
+void GradientSlice::add_observations(int t, std::uint32_t lanes, const RunningMoments& moments) {
+  if (t == 0) return;
+  double* const to =
+      adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.observation_row()) * kGroupLanes;
+  for (int k = 0; k < seen_; ++k) {
+    const double scale =
+        1.0 / std::sqrt(moments.variance[static_cast<std::size_t>(k)] + kLeastVariance);
+    each_lane(lanes, [&](int l) {
+      to[k * kGroupLanes + l] =
+          scale * static_cast<double>(dx_[static_cast<std::size_t>(l * stride_ + k)]);
+    });
+  }
+}
+
+// --- between two horizons -----------------------------------------------------------------------
+
+/// Environments whose episode has ended, and a part of the others, so that every horizon shows all
+/// parts of an episode: one after `episode / horizon` iterations.
+void GradientSlice::begin_anew(Group& group, std::int64_t iteration) {
+  const FpEnvironment guard;
+  std::uint32_t flying = sound_.back();
+  each_lane(flying, [&](int l) {
+    if (status_[static_cast<std::size_t>(l)] != kRunning) flying &= ~(1u << l);
+  });
+  std::uint32_t anew = group.lanes & ~flying;
+  const std::int64_t episode = compiled_->scenario().stepping.horizon;
+  const std::int64_t turns = std::max<std::int64_t>(1, episode / horizon_);
+  for (int l = 0; l < kGroupLanes && episode > 0; ++l) {
+    const bool is_turn = (iteration + first_env_ + group.first + l) % turns == 0;
+    if (is_turn && iteration < turns) anew |= group.lanes & (1u << l);
+  }
+  reset(group, anew);
+}
+
+// --- checkpoints --------------------------------------------------------------------------------
+
+std::size_t GradientSlice::saved_words() const {
+  return static_cast<std::size_t>(envs_) * compiled_->saved_words();
+}
+
+void GradientSlice::save(std::vector<std::uint64_t>& words) const {
+  for (const Group& group : groups_) {
+    each_lane(group.lanes, [&](int l) {
+      const std::vector<std::uint64_t> saved = group.state.save(l);
+      words.insert(words.end(), saved.begin(), saved.end());
+    });
+  }
+}
+
+void GradientSlice::restore(std::span<const std::uint64_t> words) {
+  const FpEnvironment guard;
+  const std::size_t size = compiled_->saved_words();
+  for (Group& group : groups_) {
+    each_lane(group.lanes, [&](int l) {
+      group.state.restore(l, {words.begin(), words.begin() + static_cast<std::ptrdiff_t>(size)});
+      words = words.subspan(size);
+    });
+    compiled_->update(group.state, *work_, group.lanes);
+  }
+}
+
+}  // namespace skybody::learn

@@ -1,0 +1,100 @@
+// One of the eight slices of a Gradient's environments: flies a horizon of transitions and goes
+// back through them.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/derivative/transition_adjoint.h"
+#include "core/env/group_work.h"
+#include "learn/gradient/goal_cost.h"
+#include "learn/learner.h"
+#include "learn/network/network.h"
+#include "learn/ppo/running_moments.h"
+
+namespace skybody::learn {
+
+/// What all slices are given.
+struct GradientInputs {
+  std::span<const float> parameters;
+  const TransposedWeights* transposed = nullptr;
+  const RunningMoments* moments = nullptr;  ///< of observations
+  std::int64_t iteration = 0;
+};
+
+/// What a slice adds up in an iteration, in this order; behind them, of each observation, the sum
+/// of its difference from the moments' mean, and of that squared.
+enum GradientSum : int { kSumCost, kSumDistance, kSumSteps, kSumFaults, kGradientSums };
+
+/// A slice's environments are groups of lanes that it steps itself. What it gives does not depend
+/// on the thread that runs it.
+class GradientSlice {
+ public:
+  /// @param compiled  that is trained in
+  /// @param network   outlives this
+  /// @throws Error where no derivatives are known
+  GradientSlice(std::shared_ptr<const CompiledScenario> compiled, const Hyperparameters& hyper,
+                const Network& network, std::uint64_t seed, int first_env, int envs);
+
+  /// Flies a horizon in all environments and adds up gradients.
+  void run(const GradientInputs& inputs);
+
+  std::span<const float> gradient() const { return {gradient_.data(), gradient_.size()}; }
+  std::span<const double> sums() const { return sums_; }
+  std::span<const float> episode_returns() const { return episode_returns_; }
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, const std::string& name, Visitor& visitor) {
+    visitor(name + ".returns", self.returns_.data(), self.returns_.size());
+    visitor(name + ".observations", self.observations_.data(), self.observations_.size());
+  }
+  void save(std::vector<std::uint64_t>& words) const;
+  std::size_t saved_words() const;
+  void restore(std::span<const std::uint64_t> words);
+
+ private:
+  struct Group {
+    StateGroup state;
+    std::uint32_t lanes;  ///< that hold environments
+    int first;            ///< environment, within the slice
+  };
+  void look();
+  void reset(Group& group, std::uint32_t lanes);
+  void fly(Group& group, const GradientInputs& inputs);
+  void act(const Group& group, const GradientInputs& inputs, int t);
+  void take_outcome(const Group& group, int t);
+  void go_back(Group& group, const GradientInputs& inputs);
+  void add_actions(int t, std::uint32_t lanes);
+  void add_observations(int t, std::uint32_t lanes, const RunningMoments& moments);
+  void begin_anew(Group& group, std::int64_t iteration);
+  double* goal_at(int t) { return goal_.data() + std::ptrdiff_t{4} * t * kGroupLanes; }
+  float* row(AlignedArray<float>& rows, int t, int lane, int width) const {
+    return rows.data() + (static_cast<std::ptrdiff_t>(t) * kGroupLanes + lane) * width;
+  }
+
+  std::shared_ptr<const CompiledScenario> compiled_;
+  const Network& network_;
+  GoalCost cost_;
+  Isa isa_;
+  std::uint64_t seed_;
+  int first_env_, envs_, horizon_, actions_, seen_, stride_;
+  double weight_;  ///< of one transition in the mean of an iteration
+  std::unique_ptr<GroupWork> work_;
+  TransitionAdjoint adjoint_;
+  std::vector<Group> groups_;
+  std::vector<std::uint32_t> flying_, sound_;  ///< per transition: lanes that take it; those
+                                               ///< of them that no fault ended
+  AlignedArray<double> goal_, adjoints_, to_action_, cost_row_, distance_;
+  AlignedArray<float> observations_;  ///< of all environments now
+  AlignedArray<float> x_, action_;    ///< per transition and lane
+  AlignedArray<float> dx_, dy_, reward_, next_observation_;
+  AlignedArray<std::uint64_t> status_;
+  std::vector<NetworkMemory> memory_;  ///< per transition
+  AlignedArray<float> gradient_;
+  std::vector<double> sums_, returns_;
+  std::vector<float> episode_returns_;
+};
+
+}  // namespace skybody::learn
