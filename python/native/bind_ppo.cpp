@@ -1,4 +1,5 @@
-// `Ppo`, whole or with slices that Python holds, and `PpoSlices`, what a worker holds.
+// The learners; a `Ppo` whole or with slices that Python holds, and `PpoSlices`, what a worker
+// holds.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -117,11 +118,13 @@ class HeldSlices {
   learn::RolloutInputs inputs_;
 };
 
-/// The learner, whoever holds its slices.
-struct AnyPpo {
+struct AnyLearner {
   std::unique_ptr<learn::Learner> learner;
 };
+struct AnyPpo : AnyLearner {};
+struct AnyGradient : AnyLearner {};
 
+/// The learner, whoever holds its slices.
 std::unique_ptr<learn::Learner> make_ppo(const learn::LearnerOptions& options,
                                          const nb::object& slices) {
   if (slices.is_none()) return std::make_unique<learn::Ppo>(options);
@@ -150,24 +153,24 @@ nb::dict dict_of(const learn::Report& report) {
   return values;
 }
 
-nb::dict iterate(AnyPpo& ppo) {
+nb::dict iterate(AnyLearner& any) {
   learn::Report report;
   {
     const nb::gil_scoped_release release;
-    report = ppo.learner->iterate();
+    report = any.learner->iterate();
   }
   return dict_of(report);
 }
 
-nb::tuple save(const AnyPpo& ppo) {
-  const LearnerState state = ppo.learner->state();
+nb::tuple save(const AnyLearner& any) {
+  const LearnerState state = any.learner->state();
   return state_of(state.blocks, state.environments);
 }
 
-void restore(AnyPpo& ppo, nb::handle state) {
+void restore(AnyLearner& any, nb::handle state) {
   LearnerState read;
   read.environments = read_state(state, read.blocks);
-  ppo.learner->restore(read);
+  any.learner->restore(read);
 }
 
 }  // namespace
@@ -176,10 +179,14 @@ void bind_ppo(nb::module_& m) {
   nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
   nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
   m.def(
-      "hyperparameters", [](const nb::dict& values) { return dict_of(hyperparameters_of(values)); },
-      nb::arg("values") = nb::dict(),
-      nb::sig("def hyperparameters(values: dict[str, typing.Any] = {}) -> dict[str, typing.Any]"),
-      "All hyper-parameters of the native learners: those given, and the defaults of the others.");
+      "hyperparameters",
+      [](const std::string& algorithm, const nb::dict& values) {
+        return dict_of(hyperparameters_of(values), algorithm);
+      },
+      nb::arg("algorithm"), nb::arg("values") = nb::dict(),
+      nb::sig("def hyperparameters(algorithm: str, values: dict[str, typing.Any] = {}) -> "
+              "dict[str, typing.Any]"),
+      "All hyper-parameters of a learner in C++: those given, and the defaults of the others.");
   nb::class_<HeldSlices>(m, "PpoSlices",
                          "Consecutive slices of the environments of a `Ppo`, for a worker. What a "
                          "method gives is a list with an entry a slice.")
@@ -218,7 +225,20 @@ void bind_ppo(nb::module_& m) {
       .def("restore", &HeldSlices::restore,
            nb::sig("def restore(self, states: list[typing.Any]) -> None"), nb::arg("states"),
            "The inverse of save().");
-  nb::class_<AnyPpo>(m, "Ppo", "The learner `fast-ppo`.")
+  nb::class_<AnyLearner>(m, "NativeLearner", "What the learners in C++ have in common.")
+      .def_prop_ro("steps", [](const AnyLearner& any) { return any.learner->steps(); })
+      .def_prop_ro("parameter_hash",
+                   [](const AnyLearner& any) { return any.learner->parameter_hash(); })
+      .def("iterate", &iterate, nb::sig("def iterate(self) -> dict[str, typing.Any]"),
+           "One rollout and its update; a report by name.")
+      .def(
+          "policy", [](const AnyLearner& any) { return dict_of(any.learner->policy()); },
+          nb::sig("def policy(self) -> dict[str, typing.Any]"), "As `read_policy_file` gives it.")
+      .def("save", &save, nb::sig("def save(self) -> tuple[typing.Any, typing.Any]"),
+           "(blocks of words by name, words of the environments).")
+      .def("restore", &restore, nb::sig("def restore(self, state: object) -> None"),
+           nb::arg("state"), "The inverse of save().");
+  nb::class_<AnyPpo, AnyLearner>(m, "Ppo", "The learner `fast-ppo`.")
       .def(
           "__init__",
           [](AnyPpo* self, const LoadedScenario& scenario, const nb::dict& hyper,
@@ -230,19 +250,19 @@ void bind_ppo(nb::module_& m) {
           nb::arg("threads") = 0, nb::arg("slices") = nb::none(),
           nb::sig("def __init__(self, compiled: CompiledScenario, hyper: dict[str, typing.Any], "
                   "seed: int, total_steps: int, threads: int = 0, slices: object | None = None) "
-                  "-> None"))
-      .def_prop_ro("steps", [](const AnyPpo& ppo) { return ppo.learner->steps(); })
-      .def_prop_ro("parameter_hash",
-                   [](const AnyPpo& ppo) { return ppo.learner->parameter_hash(); })
-      .def("iterate", &iterate, nb::sig("def iterate(self) -> dict[str, typing.Any]"),
-           "One rollout and its update; a report by name.")
+                  "-> None"));
+  nb::class_<AnyGradient, AnyLearner>(m, "Gradient", "The learner `gradient`.")
       .def(
-          "policy", [](const AnyPpo& ppo) { return dict_of(ppo.learner->policy()); },
-          nb::sig("def policy(self) -> dict[str, typing.Any]"), "As `read_policy_file` gives it.")
-      .def("save", &save, nb::sig("def save(self) -> tuple[typing.Any, typing.Any]"),
-           "(blocks of words by name, words of the environments).")
-      .def("restore", &restore, nb::sig("def restore(self, state: object) -> None"),
-           nb::arg("state"), "The inverse of save().");
+          "__init__",
+          [](AnyGradient* self, const LoadedScenario& scenario, const nb::dict& hyper,
+             std::uint64_t seed, std::int64_t total_steps, int threads) {
+            new (self) AnyGradient{make_gradient(
+                scenario, learner_options(scenario, hyper, seed, total_steps, threads))};
+          },
+          nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
+          nb::arg("threads") = 0,
+          nb::sig("def __init__(self, compiled: CompiledScenario, hyper: dict[str, typing.Any], "
+                  "seed: int, total_steps: int, threads: int = 0) -> None"));
 }
 
 }  // namespace skybody::python

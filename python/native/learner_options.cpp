@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "core/base/error.h"
@@ -85,10 +86,20 @@ learn::Hyperparameters hyperparameters_of(const nb::dict& values) {
   return hyper;
 }
 
-nb::dict dict_of(const learn::Hyperparameters& hyper) {
+nb::dict dict_of(const learn::Hyperparameters& hyper, const std::string& algorithm) {
+  const bool is_gradient = algorithm == "gradient";
+  if (!is_gradient && algorithm != "fast-ppo") {
+    throw nb::value_error(("no learner `" + algorithm + "`: fast-ppo, gradient").c_str());
+  }
   nb::dict values;
+  const auto has = [&](const char* name) {
+    for (const learn::HyperparameterRow& row : learn::hyperparameter_rows()) {
+      if (std::string_view(row.name) == name) return is_gradient ? row.gradient : row.fast_ppo;
+    }
+    return false;
+  };
 #define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \
-  values[#NAME] = shown(hyper.NAME);
+  if (has(#NAME)) values[#NAME] = shown(hyper.NAME);
   SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW
   return values;
@@ -96,7 +107,11 @@ nb::dict dict_of(const learn::Hyperparameters& hyper) {
 
 learn::LearnerOptions learner_options(const LoadedScenario& scenario, const nb::dict& hyper,
                                       std::uint64_t seed, std::int64_t total_steps, int threads) {
-  return {scenario.shared(), hyperparameters_of(hyper), seed, total_steps, threads};
+  return {.compiled = scenario.shared(),
+          .hyper = hyperparameters_of(hyper),
+          .seed = seed,
+          .total_steps = total_steps,
+          .threads = threads};
 }
 
 }  // namespace skybody::python

@@ -18,7 +18,7 @@ from skybody._native import CompiledScenario  # noqa: E402
 from skybody.ray import sweep, train  # noqa: E402
 from skybody.ray.cluster import cluster  # noqa: E402
 from skybody.ray.slices import RaySlices, Setup  # noqa: E402
-from skybody.train.fast_ppo import FastPpo  # noqa: E402
+from skybody.train.native_learners import FastPpo  # noqa: E402
 from skybody.train.presets import preset, with_settings  # noqa: E402
 
 HORIZON = "stepping.horizon=40"  # so that episodes end within a rollout

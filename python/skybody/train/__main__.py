@@ -1,6 +1,6 @@
 """Trains a policy in a scenario; see docs/training.md.
 
-python -m skybody.train SCENARIO --algo fast-ppo|lean-ppo|ppo --seed S --total-steps N --out DIR
+python -m skybody.train SCENARIO --algo ALGO --seed S --total-steps N --out DIR
 python -m skybody.train --resume --out DIR
 """
 
@@ -47,7 +47,8 @@ def parser() -> argparse.ArgumentParser:
     add(
         "--algo",
         choices=ALGORITHMS,
-        help="fast-ppo: ours in C++; lean-ppo (default): ours in Python; ppo: Stable-Baselines3's",
+        help="fast-ppo: ours in C++; gradient: through the dynamics, in C++; lean-ppo (default): "
+        "ours in Python; ppo: Stable-Baselines3's",
     )
     add("--seed", type=int, help="of environments, networks and exploration; default: 0")
     add(

@@ -11,8 +11,11 @@ from typing import Any
 from skybody._native import hyperparameters
 from skybody.arguments import MOST_ENVS, allowed_words
 
-ALGORITHMS = ("fast-ppo", "lean-ppo", "ppo")
-NATIVE = ("fast-ppo",)  # learners in C++: they have the engine's list of hyper-parameters
+ALGORITHMS = ("fast-ppo", "gradient", "lean-ppo", "ppo")
+NATIVE = (
+    "fast-ppo",
+    "gradient",
+)  # learners in C++: they have the engine's list of hyper-parameters
 
 
 class UsageError(ValueError):
@@ -88,21 +91,20 @@ class Hyperparameters:
         _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
 
 
-def _check_native(hyper: Any) -> None:
-    """Raises UsageError for values that no learner can work with."""
-    try:
-        hyperparameters(vars(hyper))
-    except ValueError as error:
-        raise UsageError(str(error)) from None
+def _native(algorithm: str) -> Any:
+    """The engine's list for an algorithm of NATIVE, as the other learners have theirs."""
 
+    def check(hyper: Any) -> None:
+        """Raises UsageError for values that the learner cannot work with."""
+        try:
+            hyperparameters(algorithm, vars(hyper))
+        except ValueError as error:
+            raise UsageError(str(error)) from None
 
-# The engine's list, as the other learners have theirs.
-NativeHyperparameters = dataclasses.make_dataclass(
-    "NativeHyperparameters",
-    [(name, type(value), value) for name, value in hyperparameters().items()],
-    frozen=True,
-    namespace={"check": _check_native},
-)
+    fields = [(name, type(value), value) for name, value in hyperparameters(algorithm).items()]
+    return dataclasses.make_dataclass(
+        "NativeHyperparameters", fields, frozen=True, namespace={"check": check}
+    )()
 
 
 # What differs from the defaults above: first an algorithm's own ("*"), then a scenario's besides.
@@ -131,7 +133,7 @@ def preset(scenario: str, algorithm: str) -> Hyperparameters:
 
 
 def _defaults(algorithm: str) -> Any:
-    return NativeHyperparameters() if algorithm in NATIVE else Hyperparameters()
+    return _native(algorithm) if algorithm in NATIVE else Hyperparameters()
 
 
 def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparameters:

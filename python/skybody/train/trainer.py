@@ -53,9 +53,13 @@ def make_learner(config: Config, compiled: CompiledScenario, slices: object = No
 
         return Sb3Ppo(*arguments)
     if config.algorithm == "fast-ppo":
-        from skybody.train.fast_ppo import FastPpo
+        from skybody.train.native_learners import FastPpo
 
         return FastPpo(*arguments, slices)
+    if config.algorithm == "gradient":
+        from skybody.train.native_learners import GradientLearner
+
+        return GradientLearner(*arguments)
     from skybody.train.lean_ppo import LeanPpo
 
     return LeanPpo(*arguments)

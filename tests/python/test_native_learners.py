@@ -1,4 +1,4 @@
-"""fast-ppo from Python: slices that Python objects hold, and the trainer's view of the learner."""
+"""Learners in C++, from Python: slices that Python objects hold, and the trainer's view of them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from skybody._native import CompiledScenario, Error, PpoSlices, SlicesLost
-from skybody.train.fast_ppo import FastPpo
+from skybody.train.native_learners import FastPpo, GradientLearner
 from skybody.train.presets import UsageError, preset, with_settings
 
 SETTINGS = ["envs=20", "rollout_steps=16", "minibatch=100"]
@@ -107,3 +107,19 @@ def test_slices_that_there_are_not_are_refused(compiled: CompiledScenario) -> No
 def test_a_value_out_of_range_is_refused_with_the_range() -> None:
     with pytest.raises(UsageError, match="hyper-parameter discount = 2: allowed is 0 to 1"):
         with_settings(HYPER, ["discount=2"]).check()
+
+
+def test_gradient_has_the_same_bits_on_any_number_of_threads_and_after_a_restore(
+    compiled: CompiledScenario,
+) -> None:
+    hyper = with_settings(preset("hover_learn", "gradient"), ["envs=16", "rollout_steps=8"])
+    one, two, restored = (
+        GradientLearner(compiled, hyper, 1, threads, TOTAL) for threads in (1, 2, 1)
+    )
+    one.iterate()
+    restored.restore(one.state(), one.environments())
+    one.iterate()
+    restored.iterate()
+    two.iterate()
+    two.iterate()
+    assert one.native_hash == two.native_hash == restored.native_hash

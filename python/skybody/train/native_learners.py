@@ -1,4 +1,4 @@
-"""The learner `fast-ppo`, which is C++ (learn/ppo), as the trainer knows learners."""
+"""The learners `fast-ppo` and `gradient`, which are C++ (learn/), as the trainer knows learners."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skybody._native import CompiledScenario, Diverged, Ppo
+from skybody._native import CompiledScenario, Diverged, Gradient, Ppo
 from skybody.train.learner import Report
 from skybody.train.policy_file import Layer, Policy, policy_of_values
 from skybody.train.presets import Hyperparameters
@@ -15,11 +15,64 @@ from skybody.train.presets import Hyperparameters
 if TYPE_CHECKING:
     import torch
 
-PARAMETERS = ("policy", "value")  # blocks of the state
+PARAMETERS = ("policy", "value")  # blocks of the state; `gradient` has the first
 
 
-class FastPpo:
+class NativeLearner:
     """learner.Learner says what its methods do. Bits depend on no number of threads."""
+
+    def __init__(self, native: Ppo | Gradient) -> None:
+        self._native = native
+
+    @property
+    def steps(self) -> int:
+        return self._native.steps
+
+    @property
+    def native_hash(self) -> int:
+        """Over all parameters, as the program `skybody train` gives it."""
+        return self._native.parameter_hash
+
+    def iterate(self) -> Report:
+        try:
+            report = self._native.iterate()
+        except Diverged as error:
+            raise FloatingPointError(str(error)) from error
+        del report["steps"]
+        report["episode_returns"] = report["episode_returns"].tolist()
+        return Report(**report)
+
+    def parameters(self) -> dict[str, torch.Tensor]:
+        """Their bits, two floats a word."""
+        blocks = self.state()
+        return {name: blocks[name] for name in PARAMETERS if name in blocks}
+
+    def policy(self) -> Policy:
+        policy = policy_of_values(self._native.policy())
+        layers = [Layer(*map(_single, dataclasses.astuple(layer))) for layer in policy.layers]
+        return dataclasses.replace(policy, layers=layers)
+
+    def state(self) -> dict[str, Any]:
+        import torch
+
+        blocks, _ = self._native.save()
+        return {name: torch.from_numpy(words.view(np.int64)) for name, words in blocks.items()}
+
+    def environments(self) -> bytes:
+        _, words = self._native.save()
+        content: bytes = words.tobytes()
+        return content
+
+    def restore(self, state: dict[str, Any], environments: bytes) -> None:
+        blocks = {name: words.numpy().view(np.uint64) for name, words in state.items()}
+        self._native.restore((blocks, np.frombuffer(environments, np.uint64)))
+
+    def close(self) -> None:
+        """Nothing: its environments run only while it iterates."""
+
+
+class FastPpo(NativeLearner):
+    """Proximal policy optimisation."""
 
     def __init__(
         self,
@@ -31,53 +84,21 @@ class FastPpo:
         slices: object = None,
     ) -> None:
         """`slices`: None, or the object that holds them, as `skybody.ray.slices` has it."""
-        self._ppo = Ppo(compiled, vars(hyper), seed, total_steps, threads, slices)
+        super().__init__(Ppo(compiled, vars(hyper), seed, total_steps, threads, slices))
 
-    @property
-    def steps(self) -> int:
-        return self._ppo.steps
 
-    @property
-    def native_hash(self) -> int:
-        """Over all parameters, as the program `skybody train` gives it."""
-        return self._ppo.parameter_hash
+class GradientLearner(NativeLearner):
+    """Learning through the dynamics."""
 
-    def iterate(self) -> Report:
-        try:
-            report = self._ppo.iterate()
-        except Diverged as error:
-            raise FloatingPointError(str(error)) from error
-        del report["steps"]
-        report["episode_returns"] = report["episode_returns"].tolist()
-        return Report(**report)
-
-    def parameters(self) -> dict[str, torch.Tensor]:
-        """Their bits, two floats a word."""
-        blocks = self.state()
-        return {name: blocks[name] for name in PARAMETERS}
-
-    def policy(self) -> Policy:
-        policy = policy_of_values(self._ppo.policy())
-        layers = [Layer(*map(_single, dataclasses.astuple(layer))) for layer in policy.layers]
-        return dataclasses.replace(policy, layers=layers)
-
-    def state(self) -> dict[str, Any]:
-        import torch
-
-        blocks, _ = self._ppo.save()
-        return {name: torch.from_numpy(words.view(np.int64)) for name, words in blocks.items()}
-
-    def environments(self) -> bytes:
-        _, words = self._ppo.save()
-        content: bytes = words.tobytes()
-        return content
-
-    def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        blocks = {name: words.numpy().view(np.uint64) for name, words in state.items()}
-        self._ppo.restore((blocks, np.frombuffer(environments, np.uint64)))
-
-    def close(self) -> None:
-        """Nothing: its environments run only while it iterates."""
+    def __init__(
+        self,
+        compiled: CompiledScenario,
+        hyper: Hyperparameters,
+        seed: int,
+        threads: int,
+        total_steps: int,
+    ) -> None:
+        super().__init__(Gradient(compiled, vars(hyper), seed, total_steps, threads))
 
 
 def _single(value: Any) -> Any:
