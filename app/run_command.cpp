@@ -171,7 +171,8 @@ void add_run_command(CLI::App& app, Action& chosen) {
                    "zero, random, hold, or a trained policy: policy.h5, a checkpoint or a training "
                    "run (hold)")
       ->type_name("NAME|PATH")
-      ->check(policy_argument());
+      ->check(policy_argument())
+      ->excludes("--reference");
   command->add_option("--out", options->out, "Folder of log and pictures")->type_name("DIR");
   command->add_flag("--no-picture", options->no_picture, "Draw no picture");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
