@@ -37,8 +37,9 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       seen_(compiled_->observation_size()),
       stride_(padded(seen_)),
       weight_(1.0 / (static_cast<double>(hyper.envs) * hyper.rollout_steps)),
+      reward_weight_(hyper.reward_weight * weight_),
       work_(compiled_->make_work(kGroupLanes)),
-      adjoint_(*compiled_, hyper.rollout_steps) {
+      adjoint_(*compiled_, hyper.rollout_steps, hyper.reward_weight > 0.0) {
   const FpEnvironment guard;
   const auto steps = static_cast<std::size_t>(horizon_);
   const auto rows = steps * kGroupLanes;
@@ -203,6 +204,7 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
       const FpEnvironment guard;
       cost_.add(lanes, weight_, adjoint_.coordinates(t), goal_at(t), motion, cost_row_.data(),
                 distance_.data(), isa_);
+      set_reward(lanes);
       adjoint_.pull_back(group.state, t, lanes, adjoints_.data(), to_action_.data());
     }
     each_lane(lanes, [&](int l) { sums_[kSumDistance] += distance_[static_cast<std::size_t>(l)]; });
@@ -213,6 +215,13 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
     add_observations(t, lanes, *inputs.moments);
   }
   each_lane(group.lanes, [&](int l) { sums_[kSumCost] += cost_row_[static_cast<std::size_t>(l)]; });
+}
+
+void GradientSlice::set_reward(std::uint32_t lanes) {
+  if (reward_weight_ == 0.0) return;
+  double* const to =
+      adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.reward_row()) * kGroupLanes;
+  each_lane(lanes, [&](int l) { to[l] = -reward_weight_; });
 }
 
 /// Gradients at the network's outputs, from those at the actions and the actions' changes.

@@ -30,7 +30,7 @@ class Flights {
         seen(compiled->observation_size()),
         state(compiled->make_state(kGroupLanes)),
         work(compiled->make_work(kGroupLanes)),
-        adjoint(*compiled, kSteps),
+        adjoint(*compiled, kSteps, true),
         observation(static_cast<std::size_t>(kGroupLanes * seen)),
         reward(kGroupLanes),
         status(kGroupLanes) {
