@@ -238,6 +238,7 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
         to += smooth * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
       }
       to *= 1.0 - a * a;
+      // A flight whose derivatives overflow teaches nothing, and spoils no other's.
       dy_[static_cast<std::size_t>(l * actions_ + k)] =
           static_cast<float>(is_finite(to) ? to : 0.0);
     }

@@ -207,6 +207,12 @@ TEST(Gradient, GivesTheSameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(one.state().environments, three.state().environments);
 }
 
+TEST(Gradient, GivesTheSameBitsOnEveryProcessorWithFusedMultiplyAdd) {
+  if (best_isa() == kIsas[0]) GTEST_SKIP() << "v2 has other last bits";
+  Gradient learner(options(2));
+  EXPECT_EQ(hash_after(learner, 12), 13363219139739832116ull);
+}
+
 TEST(Gradient, GoesOnFromItsStateWithTheSameBits) {
   Gradient whole(options(2));
   whole.iterate();
