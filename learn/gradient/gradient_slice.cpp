@@ -61,8 +61,8 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   gradient_ = AlignedArray<float>(network.parameter_count());
   sums_.resize(static_cast<std::size_t>(kGradientSums + 2 * seen_));
   for (int first = 0; first < envs; first += kGroupLanes) {
-    groups_.push_back(
-        {compiled_->make_state(kGroupLanes), first_lanes(std::min(envs - first, 32)), first});
+    const int count = std::min(envs - first, kGroupLanes);
+    groups_.push_back({compiled_->make_state(kGroupLanes), first_lanes(count), count, first});
   }
   observations_ =
       AlignedArray<float>(groups_.size() * kGroupLanes * static_cast<std::size_t>(seen_));
@@ -163,9 +163,9 @@ void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t)
     }
   });
   float* const y = row(action_, t, 0, actions_);
-  network_.forward(inputs.parameters, x, stride_, kGroupLanes, memory_[static_cast<std::size_t>(t)],
+  network_.forward(inputs.parameters, x, stride_, group.count, memory_[static_cast<std::size_t>(t)],
                    y, actions_);
-  kernels_of(isa_).tanh(y, y, static_cast<std::size_t>(kGroupLanes * actions_));
+  kernels_of(isa_).tanh(y, y, static_cast<std::size_t>(group.count * actions_));
 }
 
 void GradientSlice::take_outcome(const Group& group, int t) {

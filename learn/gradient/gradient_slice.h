@@ -57,7 +57,8 @@ class GradientSlice {
  private:
   struct Group {
     StateGroup state;
-    std::uint32_t lanes;  ///< that hold environments
+    std::uint32_t lanes;  ///< that hold environments: the first
+    int count;            ///< of them
     int first;            ///< environment, within the slice
   };
   void look();
