@@ -108,13 +108,12 @@ double seconds(Clock::time_point begin) {
 
 int main(int argc, char** argv) {
   const Clock::time_point start = Clock::now();
-  std::map<std::string, double> set = {{"seed", 1},           {"updates", 100},
-                                       {"threads", 2},        {"every", 20},
-                                       {"held_out", 777},     {"envs", 256},
-                                       {"rollout_steps", 32}, {"learning_rate", 3e-3},
-                                       {"max_grad_norm", 1},  {"physics_steps", 4},
-                                       {"approach_speed", 3}, {"approach_rate", 2},
-                                       {"hidden", 64},        {"final_learning_rate", 0.05}};
+  std::map<std::string, double> set = {
+      {"seed", 1},           {"updates", 100},        {"threads", 2},
+      {"every", 20},         {"held_out", 777},       {"envs", 256},
+      {"rollout_steps", 32}, {"learning_rate", 3e-3}, {"max_grad_norm", 1},
+      {"physics_steps", 4},  {"approach_speed", 3},   {"approach_rate", 2},
+      {"hidden", 64},        {"reward_weight", 0},    {"final_learning_rate", 0.05}};
   LoadOptions load;
   load.scenario = "hover_learn";
   for (int i = 1; i < argc; ++i) {
@@ -137,6 +136,7 @@ int main(int argc, char** argv) {
   options.hyper.final_learning_rate = set["final_learning_rate"];
   options.hyper.max_grad_norm = set["max_grad_norm"];
   options.hyper.physics_steps = static_cast<int>(set["physics_steps"]);
+  options.hyper.reward_weight = set["reward_weight"];
   options.hyper.approach_speed = set["approach_speed"];
   options.hyper.approach_rate = set["approach_rate"];
   options.hyper.hidden = {static_cast<int>(set["hidden"]), static_cast<int>(set["hidden"])};

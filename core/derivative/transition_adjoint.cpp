@@ -29,7 +29,7 @@ std::vector<int> motion_rows(const Layout& l) {
   return rows;
 }
 
-LinearMap task_map(const CompiledScenario& c, const DualGroup& dual) {
+LinearMap task_map(const CompiledScenario& c, const DualGroup& dual, bool with_reward) {
   const Layout& l = c.layout();
   std::vector<int> inputs = motion_rows(l), outputs;
   add_block(inputs, l.action);
@@ -37,7 +37,7 @@ LinearMap task_map(const CompiledScenario& c, const DualGroup& dual) {
   add_state(inputs, l, c.task());
   add_state(outputs, l, c.task());
   add_rows(outputs, dual.observation(), c.task().channel_count());
-  outputs.push_back(dual.reward());
+  if (with_reward) outputs.push_back(dual.reward());
   return {inputs, outputs};
 }
 
@@ -58,7 +58,7 @@ LinearMap chain_map(const CompiledScenario& c) {
 
 }  // namespace
 
-TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps)
+TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps, bool with_reward)
     : compiled_(compiled),
       layout_(compiled.layout()),
       repeat_(compiled.scenario().stepping.action_repeat),
@@ -68,7 +68,7 @@ TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps
       record_size_(static_cast<std::ptrdiff_t>(early_rows_ + late_rows_) * kGroupLanes),
       step_adjoint_(compiled.world()),
       dual_(compiled),
-      task_(task_map(compiled, dual_)),
+      task_(task_map(compiled, dual_, with_reward)),
       chain_(chain_map(compiled)),
       records_(static_cast<std::size_t>(record_size_) *
                static_cast<std::size_t>(steps * (repeat_ + 1))),

@@ -22,9 +22,10 @@ class TransitionAdjoint {
  public:
   /// @param compiled  must outlive it
   /// @param steps     transitions that it remembers, at most
+  /// @param with_reward  rewards have adjoints, too: they depend on much, which takes time
   /// @throws Error (naming what) if derivatives are not known: another world than StepAdjoint has,
   ///         plugins that are not smooth, sensors, effects, draws within an episode
-  TransitionAdjoint(const CompiledScenario& compiled, int steps);
+  TransitionAdjoint(const CompiledScenario& compiled, int steps, bool with_reward);
 
   /// Transition `t` of the lanes in `mask`, as CompiledScenario::step, remembered.
   void step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,

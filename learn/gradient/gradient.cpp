@@ -5,6 +5,7 @@
 
 #include "core/base/hash.h"
 #include "core/base/number_text.h"
+#include "learn/ppo/flushed_denormals.h"
 #include "learn/ppo/slice_plan.h"
 #include "learn/ppo/state_blocks.h"
 
@@ -73,6 +74,7 @@ double Gradient::learning_rate() const {
 
 Report Gradient::iterate() {
   const Clock::time_point begin = Clock::now();
+  const FlushedDenormals guard;  // as on the threads of the crew
   const std::span<float> parameters{parameters_.data(), parameters_.size()};
   network_.transpose(parameters, transposed_);
   const GradientInputs inputs{parameters, &transposed_, &moments_, counters_.iteration};

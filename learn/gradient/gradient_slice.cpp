@@ -37,8 +37,9 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       seen_(compiled_->observation_size()),
       stride_(padded(seen_)),
       weight_(1.0 / (static_cast<double>(hyper.envs) * hyper.rollout_steps)),
+      reward_weight_(hyper.reward_weight * weight_),
       work_(compiled_->make_work(kGroupLanes)),
-      adjoint_(*compiled_, hyper.rollout_steps) {
+      adjoint_(*compiled_, hyper.rollout_steps, hyper.reward_weight > 0.0) {
   const FpEnvironment guard;
   const auto steps = static_cast<std::size_t>(horizon_);
   const auto rows = steps * kGroupLanes;
@@ -60,8 +61,8 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   gradient_ = AlignedArray<float>(network.parameter_count());
   sums_.resize(static_cast<std::size_t>(kGradientSums + 2 * seen_));
   for (int first = 0; first < envs; first += kGroupLanes) {
-    groups_.push_back(
-        {compiled_->make_state(kGroupLanes), first_lanes(std::min(envs - first, 32)), first});
+    const int count = std::min(envs - first, kGroupLanes);
+    groups_.push_back({compiled_->make_state(kGroupLanes), first_lanes(count), count, first});
   }
   observations_ =
       AlignedArray<float>(groups_.size() * kGroupLanes * static_cast<std::size_t>(seen_));
@@ -162,9 +163,9 @@ void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t)
     }
   });
   float* const y = row(action_, t, 0, actions_);
-  network_.forward(inputs.parameters, x, stride_, kGroupLanes, memory_[static_cast<std::size_t>(t)],
+  network_.forward(inputs.parameters, x, stride_, group.count, memory_[static_cast<std::size_t>(t)],
                    y, actions_);
-  kernels_of(isa_).tanh(y, y, static_cast<std::size_t>(kGroupLanes * actions_));
+  kernels_of(isa_).tanh(y, y, static_cast<std::size_t>(group.count * actions_));
 }
 
 void GradientSlice::take_outcome(const Group& group, int t) {
@@ -203,6 +204,7 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
       const FpEnvironment guard;
       cost_.add(lanes, weight_, adjoint_.coordinates(t), goal_at(t), motion, cost_row_.data(),
                 distance_.data(), isa_);
+      set_reward(lanes);
       adjoint_.pull_back(group.state, t, lanes, adjoints_.data(), to_action_.data());
     }
     each_lane(lanes, [&](int l) { sums_[kSumDistance] += distance_[static_cast<std::size_t>(l)]; });
@@ -213,6 +215,13 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
     add_observations(t, lanes, *inputs.moments);
   }
   each_lane(group.lanes, [&](int l) { sums_[kSumCost] += cost_row_[static_cast<std::size_t>(l)]; });
+}
+
+void GradientSlice::set_reward(std::uint32_t lanes) {
+  if (reward_weight_ == 0.0) return;
+  double* const to =
+      adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.reward_row()) * kGroupLanes;
+  each_lane(lanes, [&](int l) { to[l] = -reward_weight_; });
 }
 
 /// Gradients at the network's outputs, from those at the actions and the actions' changes.
@@ -229,6 +238,7 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
         to += smooth * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
       }
       to *= 1.0 - a * a;
+      // A flight whose derivatives overflow teaches nothing, and spoils no other's.
       dy_[static_cast<std::size_t>(l * actions_ + k)] =
           static_cast<float>(is_finite(to) ? to : 0.0);
     }

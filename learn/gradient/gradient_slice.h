@@ -57,7 +57,8 @@ class GradientSlice {
  private:
   struct Group {
     StateGroup state;
-    std::uint32_t lanes;  ///< that hold environments
+    std::uint32_t lanes;  ///< that hold environments: the first
+    int count;            ///< of them
     int first;            ///< environment, within the slice
   };
   void look();
@@ -66,6 +67,7 @@ class GradientSlice {
   void act(const Group& group, const GradientInputs& inputs, int t);
   void take_outcome(const Group& group, int t);
   void go_back(Group& group, const GradientInputs& inputs);
+  void set_reward(std::uint32_t lanes);
   void add_actions(int t, std::uint32_t lanes);
   void add_observations(int t, std::uint32_t lanes, const RunningMoments& moments);
   void begin_anew(Group& group, std::int64_t iteration);
@@ -80,7 +82,8 @@ class GradientSlice {
   Isa isa_;
   std::uint64_t seed_;
   int first_env_, envs_, horizon_, actions_, seen_, stride_;
-  double weight_;  ///< of one transition in the mean of an iteration
+  double weight_;         ///< of one transition in the mean of an iteration
+  double reward_weight_;  ///< likewise of its reward
   std::unique_ptr<GroupWork> work_;
   TransitionAdjoint adjoint_;
   std::vector<Group> groups_;

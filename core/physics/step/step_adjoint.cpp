@@ -6,22 +6,8 @@
 #include "core/physics/step/group_stepper.h"
 
 namespace skybody {
-namespace {
-
-bool bodies_are_coordinates(const World& world) {
-  const Layout& l = world.layout;
-  return FreeRobots::is_possible(world) && world.bodies.size() == 1 &&
-         l.u.offset == l.q.offset + l.q.size;
-}
-
-}  // namespace
-
-StepRows::StepRows(const World& world)
-    : words(world.layout.bodies_before.offset - world.layout.q.offset),
-      bodies(bodies_are_coordinates(world) ? 0 : 13 * static_cast<int>(world.bodies.size())) {}
-
 StepAdjoint::StepAdjoint(const World& world)
-    : plan_(world, chosen_dynamics(world)), rows_(world), kernel_(free_adjoint_kernel(best_isa())) {
+    : plan_(world, chosen_dynamics(world)), kernel_(free_adjoint_kernel(best_isa())) {
   if (has_free_adjoint(plan_)) return;
   throw Error(
       "derivatives of steps are known of worlds of one robot, a free body with rotors along its z "
@@ -29,23 +15,28 @@ StepAdjoint::StepAdjoint(const World& world)
 }
 
 AlignedArray<double> StepAdjoint::make_derived() const {
-  return AlignedArray<double>(static_cast<std::size_t>(plan_.derived.size) * kGroupLanes);
+  const World& world = plan_.world;
+  return AlignedArray<double>(static_cast<std::size_t>(plan_.derived.size) * kGroupLanes +
+                              static_cast<std::size_t>(world.layout.physics_params) +
+                              kBodyConstantCount *
+                                  world.bodies.size());  // the rest for one lane's own
 }
 
 void StepAdjoint::derive(const double* params, std::uint32_t lanes,
                          AlignedArray<double>& all) const {
-  std::vector<double> own(static_cast<std::size_t>(plan_.world.layout.physics_params));
-  std::vector<double> bodies(kBodyConstantCount * plan_.world.bodies.size());
+  const int params_count = plan_.world.layout.physics_params;
+  const int constants = kBodyConstantCount * static_cast<int>(plan_.world.bodies.size());
+  double* const own = all.data() + static_cast<std::ptrdiff_t>(plan_.derived.size) * kGroupLanes;
+  double* const bodies = own + params_count;
   each_lane(lanes, [&](int lane) {
     double* const derived = all.data() + lane;
-    for (std::size_t k = 0; k < own.size(); ++k)
-      own[k] = params[k * kGroupLanes + static_cast<std::size_t>(lane)];
-    const double* const values = own.data();
+    for (int k = 0; k < params_count; ++k) own[k] = params[k * kGroupLanes + lane];
+    const double* const values = own;
     derive_rotors(plan_.world, plan_.derived, values,
                   [&](int k, double value) { derived[k * kGroupLanes] = value; });
-    make_body_constants(plan_.world, values, bodies.data());
-    for (std::size_t k = 0; k < bodies.size(); ++k) {
-      derived[(static_cast<std::size_t>(plan_.derived.bodies) + k) * kGroupLanes] = bodies[k];
+    make_body_constants(plan_.world, values, bodies);
+    for (int k = 0; k < constants; ++k) {
+      derived[(plan_.derived.bodies + k) * kGroupLanes] = bodies[k];
     }
   });
 }
@@ -64,11 +55,7 @@ void StepAdjoint::pull_back(const double* values, const double* params,
   for (const StateBlock& b : kStateBlocks) group.*b.values = place(layout.*b.place);
   for (const InputBlock& b : kInputBlocks) group.*b.values = place(layout.*b.place);
   group.params = params;
-  group.bodies =
-      rows_.bodies == 0 ? group.q : run + static_cast<std::ptrdiff_t>(rows_.words) * kGroupLanes;
-  for (std::size_t i = 0; i < layout.held.size(); ++i) {
-    if (layout.held[i].size > 0) group.held[i] = place(layout.held[i]);
-  }
+  group.bodies = group.q;  // of one free body
   const StepCall call{&plan_, &group, nullptr, const_cast<double*>(derived.data()), nullptr};
   kernel_(call, lanes, adjoints);
 }

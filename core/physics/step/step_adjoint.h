@@ -8,15 +8,6 @@
 
 namespace skybody {
 
-/// The rows of a group that a physics step reads or changes: the state words from `q` to the last
-/// held input, in their order, then the bodies' (13 each) unless they are q and u.
-struct StepRows {
-  explicit StepRows(const World& world);
-  int words = 0;
-  int bodies = 0;
-  int count() const { return words + bodies; }
-};
-
 /// Goes back through steps of groups of kGroupLanes lanes. Immutable, thread-safe.
 class StepAdjoint {
  public:
@@ -28,22 +19,20 @@ class StepAdjoint {
   /// Room for what derives from the parameters of a group.
   AlignedArray<double> make_derived() const;
 
-  const StepRows& rows() const { return rows_; }
-
   /// Makes ready for the parameters of a group. Before pull_back() wherever they may be others.
   /// @param params  the parameter block, in lanes
   void derive(const double* params, std::uint32_t lanes, AlignedArray<double>& derived) const;
 
-  /// @param values    rows() as they were before the step, commands and held inputs as in it
+  /// @param values    state words from `q` on, up to the parameters, as they were before the step,
+  ///                  commands as in it, in lanes
   /// @param params    the parameter block, in lanes
-  /// @param adjoints  of rows(): derivatives of a sum by what they are after the step; overwritten
-  ///                  by those by what they were before it. Lanes beyond `lanes` stay
+  /// @param adjoints  of the same words: derivatives of a sum by what they are after the step;
+  ///                  overwritten by those by what they were before it. Lanes beyond `lanes` stay
   void pull_back(const double* values, const double* params, const AlignedArray<double>& derived,
                  std::uint32_t lanes, double* adjoints) const;
 
  private:
   StepPlan plan_;
-  StepRows rows_;
   AdjointKernel* kernel_;
 };
 
