@@ -19,7 +19,7 @@ void add_plugins_command(CLI::App& app, Action& chosen);
 void add_modes_command(CLI::App& app, Action& chosen);
 void add_plan_command(CLI::App& app, Action& chosen);
 void add_schema_command(CLI::App& app, Action& chosen);
-void add_tune_command(CLI::App& app, Action& chosen);
+void add_python_commands(CLI::App& app, Action& chosen);
 void add_new_command(CLI::App& app, Action& chosen);
 
 }  // namespace skybody

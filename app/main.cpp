@@ -41,7 +41,7 @@ void declare_commands(CLI::App& app, Action& chosen) {
   add_modes_command(app, chosen);
   add_plan_command(app, chosen);
   add_schema_command(app, chosen);
-  add_tune_command(app, chosen);
+  add_python_commands(app, chosen);
   add_new_command(app, chosen);
 }
 

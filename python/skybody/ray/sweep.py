@@ -21,7 +21,7 @@ from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
 from skybody.train.__main__ import number
 from skybody.train.evaluate import check_option, in_our_words
-from skybody.train.presets import ALGORITHMS, UsageError, preset, with_settings
+from skybody.train.presets import ALGORITHMS, DEFAULT_ALGORITHM, UsageError, preset, with_settings
 from skybody.train.requirements import TRAINING, demand_packages
 
 EPILOG = """\
@@ -44,7 +44,12 @@ def parser() -> argparse.ArgumentParser:
     add = made.add_argument
     add("scenarios", nargs="+", metavar="SCENARIO", help="shipped scenarios' names, or YAML files")
     add("--out", type=Path, required=True, metavar="DIR", help="folder of the runs")
-    add("--algo", choices=ALGORITHMS, default="lean-ppo", help="the learner; default: lean-ppo")
+    add(
+        "--algo",
+        choices=ALGORITHMS,
+        default=DEFAULT_ALGORITHM,
+        help=f"the learner; default: {DEFAULT_ALGORITHM}",
+    )
     add("--seeds", type=seeds, default=[0], metavar="S,S", help="default: 0")
     add(
         "--set",

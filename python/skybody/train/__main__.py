@@ -1,7 +1,9 @@
 """Trains a policy in a scenario; see docs/training.md.
 
-python -m skybody.train SCENARIO --algo ALGO --seed S --total-steps N --out DIR
-python -m skybody.train --resume --out DIR
+skybody train SCENARIO --algo ALGO --seed S --total-steps N --out DIR
+skybody train --resume --out DIR
+
+`python -m skybody.train` is the same.
 """
 
 from __future__ import annotations
@@ -21,7 +23,14 @@ from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.program import INTERRUPTED, run_program
 from skybody.train import evaluate, files
 from skybody.train.checkpoint import checkpoint_folders, read_meta
-from skybody.train.presets import ALGORITHMS, UsageError, preset, with_settings
+from skybody.train.presets import (
+    ALGORITHMS,
+    DEFAULT_ALGORITHM,
+    UsageError,
+    preset,
+    total_steps,
+    with_settings,
+)
 from skybody.train.requirements import REMEDY, TRAINING, demand_packages
 from skybody.train.run_folder import Config
 
@@ -37,7 +46,7 @@ that cannot be written (resumable), 130 interrupted (resumable)."""
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     made = argparse.ArgumentParser(
-        prog="python -m skybody.train",
+        prog="skybody train",
         description="Trains a policy in a scenario, reproducibly. docs/training.md says more.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -47,7 +56,7 @@ def parser() -> argparse.ArgumentParser:
     add(
         "--algo",
         choices=ALGORITHMS,
-        help="fast-ppo: ours in C++; gradient: through the dynamics, in C++; lean-ppo (default): "
+        help="fast-ppo (default): ours in C++; gradient: through the dynamics, in C++; lean-ppo: "
         "ours in Python; ppo: Stable-Baselines3's",
     )
     add("--seed", type=int, help="of environments, networks and exploration; default: 0")
@@ -55,9 +64,14 @@ def parser() -> argparse.ArgumentParser:
         "--total-steps",
         type=number,
         metavar="N",
-        help="steps over all environments, 2e6 is fine; default: 1e6",
+        help="steps over all environments, 2e6 is fine; default: the preset's, else 1e6",
     )
-    add("--out", type=Path, required=True, metavar="DIR", help="run folder; must be new or empty")
+    add(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="run folder; must be new or empty; default: flights/SCENARIO_ALGO",
+    )
     add("--resume", action="store_true", help="go on from the newest checkpoint in --out")
     add("--envs", type=int, metavar="N", help="environments; default: the preset's")
     add(
@@ -116,8 +130,8 @@ def new_config(options: argparse.Namespace) -> Config:
     """The configuration of a new run, not yet stamped with its scenario."""
     if options.scenario is None:
         raise UsageError("which scenario? Give its name or file, or --resume")
-    algorithm = options.algo or "lean-ppo"
-    total = given(options.total_steps, 1_000_000)
+    algorithm = options.algo or DEFAULT_ALGORITHM
+    total = given(options.total_steps, total_steps("*", algorithm))
     return Config(
         scenario=options.scenario,
         overrides=options.override or [],
@@ -235,7 +249,14 @@ def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
         hyper = with_settings(preset(compiled.name, config.algorithm), options.set)
         if options.envs is not None:
             hyper = dataclasses.replace(hyper, envs=options.envs)
-        config = stamped(dataclasses.replace(config, hyper=hyper), compiled)
+        total = given(options.total_steps, total_steps(compiled.name, config.algorithm))
+        config = dataclasses.replace(
+            config,
+            hyper=hyper,
+            total_steps=total,
+            checkpoint_every=given(options.checkpoint_every, max(1, total // 10)),
+        )
+        config = stamped(config, compiled)
     check(config)
     if config.eval_episodes > 0 and compiled.horizon == 0:
         raise UsageError(
@@ -248,6 +269,7 @@ def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
 def main(arguments: list[str] | None = None) -> int:
     """Trains; returns the exit code."""
     options = parser().parse_args(arguments)
+    options.out = options.out or default_folder(options)
     with contextlib.ExitStack() as locks:
         try:
             trainer = make_trainer(options, locks)
@@ -265,6 +287,12 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"train: needs {error.name}, not installed here: {REMEDY}", file=sys.stderr)
             return 2
         return train(trainer)
+
+
+def default_folder(options: argparse.Namespace) -> Path:
+    """Where a run goes that was told no folder."""
+    scenario = Path(options.scenario or "").stem
+    return Path("flights") / f"{scenario}_{options.algo or DEFAULT_ALGORITHM}"
 
 
 def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Trainer:
@@ -326,6 +354,8 @@ def run_to_end(trainer: Trainer) -> int:
         return 1
     trainer.finish(complete)
     print(trainer.summary())
+    if complete:
+        print(f"fly it  skybody run {trainer.config.scenario} --policy {trainer.run}")
     return 0 if complete else INTERRUPTED
 
 

@@ -12,10 +12,8 @@ from skybody._native import hyperparameters
 from skybody.arguments import MOST_ENVS, allowed_words
 
 ALGORITHMS = ("fast-ppo", "gradient", "lean-ppo", "ppo")
-NATIVE = (
-    "fast-ppo",
-    "gradient",
-)  # learners in C++: they have the engine's list of hyper-parameters
+NATIVE = ("fast-ppo", "gradient")  # in C++: they have the engine's list of hyper-parameters
+DEFAULT_ALGORITHM = "fast-ppo"
 
 
 class UsageError(ValueError):
@@ -119,9 +117,27 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
     # One pass: a second one fits noise of the first one's advantages, and in the end little else.
     ("*", "lean-ppo"): {"envs": 256, "rollout_steps": 32, "epochs": 1},
     ("hover_learn", "fast-ppo"): _HOVER_LEARN,
+    ("hover_learn", "gradient"): {
+        "envs": 128,
+        "rollout_steps": 32,
+        "learning_rate": 6e-3,
+        "max_grad_norm": 1.0,
+        "physics_steps": 4,
+    },
     ("hover_learn", "lean-ppo"): _HOVER_LEARN,
     ("hover_learn", "ppo"): {"minibatch": 512, "epochs": 2, **_HOVER_LEARN},
 }
+
+# Environment steps of a run that was told no number.
+TOTAL_STEPS: dict[tuple[str, str], int] = {
+    ("hover_learn", "fast-ppo"): 9_000_000,
+    ("hover_learn", "gradient"): 880_000,
+}
+
+
+def total_steps(scenario: str, algorithm: str) -> int:
+    """Environment steps of a scenario (its name) and an algorithm, where nobody says."""
+    return TOTAL_STEPS.get((scenario, algorithm), 1_000_000)
 
 
 def preset(scenario: str, algorithm: str) -> Hyperparameters:

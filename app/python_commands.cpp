@@ -1,0 +1,52 @@
+// Commands that the Python package does: each hands its arguments over.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "app/command.h"
+#include "app/python.h"
+#include "core/base/error.h"
+
+namespace skybody {
+namespace {
+
+struct PythonCommand {
+  const char *name, *module, *help;
+};
+
+constexpr PythonCommand kCommands[] = {
+    {"train", "skybody.train", "Train a policy in a scenario, reproducibly"},
+    {"tune", "skybody.tune", "Fit gains of a chain of controllers to a vehicle"},
+};
+
+/// Becomes `python -m MODULE ARGUMENTS`, whose exit status is the program's.
+int become_python(const char* module, const std::vector<std::string>& arguments) {
+  std::vector<std::string> command = {python_interpreter(), "-m", module};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  std::vector<char*> words;
+  for (std::string& word : command) words.push_back(word.data());
+  words.push_back(nullptr);
+  find_python_package();
+  execvp(words[0], words.data());
+  throw Error("cannot start " + command[0] + ": " + std::strerror(errno) +
+              "; name a Python that has the package skybody in SKYBODY_PYTHON");
+}
+
+}  // namespace
+
+void add_python_commands(CLI::App& app, Action& chosen) {
+  for (const PythonCommand& row : kCommands) {
+    CLI::App* command = app.add_subcommand(row.name, row.help);
+    command->prefix_command();   // all that follows is Python's to read,
+    command->set_help_flag("");  // --help too
+    command->callback([command, module = row.module, &chosen] {
+      chosen = [command, module] { return become_python(module, command->remaining()); };
+    });
+  }
+}
+
+}  // namespace skybody

@@ -1,0 +1,14 @@
+// Files that are there whole or not at all, also after a power cut or kill -9.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace skybody {
+
+/// Replaces `file`: the bytes are written under another name in its folder, brought to the disk,
+/// and get the file's name last.
+/// @throws Error with the file and the operating system's reason; the file is then as it was
+void write_whole_file(const std::filesystem::path& file, std::string_view bytes);
+
+}  // namespace skybody
