@@ -119,13 +119,13 @@ void TransitionAdjoint::step(StateGroup& group, GroupWork& work, std::uint32_t m
   c.act(group, work, lanes, actions, action_stride);
   c.make_command(group, work, lanes);
   for (int k = 0; k < repeat_ && lanes.active != 0; ++k) {
-    remember(group, record(t, k), true);
+    remember(group, record(t, k), k == 0 || !is_chain_constant_ ? Part::kAll : Part::kMotion);
     c.control(group, work, lanes);
-    remember(group, record(t, k), false);
+    remember(group, record(t, k), Part::kCommands);
     lanes.active = c.advance(group, work, lanes.active);
   }
   count(group, kStep, mask);
-  remember(group, record(t, repeat_), true);
+  remember(group, record(t, repeat_), Part::kAll);
   c.evaluate(group, work, lanes, rows.info != nullptr);
   c.conclude(group, work, mask, false, rows);
 }
@@ -137,18 +137,21 @@ void TransitionAdjoint::goal(StateGroup& group, GroupWork& work, std::uint32_t m
   call_plugin(task.kernels.goal, task, group, v, no_sizes, out);
 }
 
-/// @param with_plugins  what plugins hold, too; else only what controllers have just given
-void TransitionAdjoint::remember(const StateGroup& group, double* record, bool with_plugins) const {
-  const auto copy = [&](int first, int count, double* to) {
-    std::memcpy(to, group.reals(first),
+void TransitionAdjoint::remember(const StateGroup& group, double* record, Part part) const {
+  const auto copy = [&](int first, int count, std::ptrdiff_t to) {
+    std::memcpy(record + to * kGroupLanes, group.reals(first),
                 static_cast<std::size_t>(count) * kGroupLanes * sizeof(double));
   };
-  if (!with_plugins) {
-    const Block& b = layout_.rotor_command;
-    return copy(b.offset, b.size, record + static_cast<std::ptrdiff_t>(b.offset) * kGroupLanes);
+  const int q = layout_.q.offset, commands = layout_.rotor_command.offset;
+  switch (part) {
+    case Part::kMotion:
+      return copy(q, commands - q, q);
+    case Part::kCommands:
+      return copy(commands, layout_.rotor_command.size, commands);
+    case Part::kAll:
+      copy(0, early_rows_, 0);
+      copy(late_first_, late_rows_, early_rows_);
   }
-  copy(0, early_rows_, record);
-  copy(late_first_, late_rows_, record + static_cast<std::ptrdiff_t>(early_rows_) * kGroupLanes);
 }
 
 const double* TransitionAdjoint::coordinates(int t) const {

@@ -61,7 +61,13 @@ class TransitionAdjoint {
  private:
   void require_smooth() const;
   void require(const PluginInstance& plugin, bool is_there, const char* remedy) const;
-  void remember(const StateGroup& group, double* record, bool with_plugins) const;
+  /// What of a group is remembered.
+  enum class Part {
+    kAll,
+    kMotion,   ///< coordinates and rotors' speeds
+    kCommands  ///< what controllers have just given
+  };
+  void remember(const StateGroup& group, double* record, Part part) const;
   void show(const double* record);
   void call_chains(std::uint32_t lanes, const double* record);
   void call_chain(const ControllerChain& chain, const SkybodyLanes& view);

@@ -19,7 +19,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kRemembered = 10.0;
 /// The share of the training after which what the policy sees stays as it is.
 constexpr double kNormalizedShare = 0.5;
-constexpr double kLeastVariance = 0.01;  // as gradient_slice.cpp has it
 constexpr double kLastLayerGain = 0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
 

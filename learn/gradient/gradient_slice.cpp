@@ -14,7 +14,6 @@ namespace skybody::learn {
 namespace {
 
 constexpr std::uint32_t kAllLanes = ~0u;
-constexpr double kLeastVariance = 0.01;  // observations that hardly vary are not blown up
 
 std::uint32_t first_lanes(int count) { return count >= 32 ? kAllLanes : (1u << count) - 1u; }
 

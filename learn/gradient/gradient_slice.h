@@ -16,6 +16,10 @@
 
 namespace skybody::learn {
 
+/// Added to the variance that observations are normalised by: those that hardly vary are not blown
+/// up.
+inline constexpr double kLeastVariance = 0.01;
+
 /// What all slices are given.
 struct GradientInputs {
   std::span<const float> parameters;

@@ -24,13 +24,13 @@ std::shared_ptr<const CompiledScenario> load(const std::vector<std::string>& ove
 /// 32 flights of a few transitions, with something to weigh at their end.
 class Flights {
  public:
-  explicit Flights(std::shared_ptr<const CompiledScenario> scenario)
+  explicit Flights(std::shared_ptr<const CompiledScenario> scenario, bool with_reward = true)
       : compiled(std::move(scenario)),
         actions(compiled->action_size()),
         seen(compiled->observation_size()),
         state(compiled->make_state(kGroupLanes)),
         work(compiled->make_work(kGroupLanes)),
-        adjoint(*compiled, kSteps, true),
+        adjoint(*compiled, kSteps, with_reward),
         observation(static_cast<std::size_t>(kGroupLanes * seen)),
         reward(kGroupLanes),
         status(kGroupLanes) {
@@ -180,6 +180,17 @@ TEST(TransitionAdjoint, GivesDifferencesOfTheMotionWithLongSteps) {
 // Rows are floats: differences of theirs are good to 1e-7 of values of about 10, over 2^-8.
 TEST(TransitionAdjoint, GivesDifferencesOfObservationsAndReward) {
   expect_derivatives({}, false, 0x1p-8f, 2e-3, 0.01);
+}
+
+/// Observations of `hover` are the values themselves, but for four of the quaternion that meet in
+/// the heading; the controller hands on what it gets.
+TEST(TransitionAdjoint, AsksPluginsAsSeldomAsTheirDependencesAllow) {
+  const FpEnvironment guard;
+  Flights flights(load(), false);
+  flights.fly();
+  flights.adjoint.look(flights.state, ~0u, kSteps);
+  flights.adjoint.arrange();
+  EXPECT_EQ(flights.adjoint.evaluations(), std::make_pair(4, 1));
 }
 
 LearnerOptions options(int threads) {
