@@ -1,7 +1,7 @@
 // The policy's distribution, independent normals about the network's outputs, and draws from it.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -9,19 +9,8 @@
 
 namespace skybody::learn {
 
-/// x becomes tanh x, value by value, computed in double.
+/// x becomes tanh x, value by value, as units of networks compute it.
 void apply_tanh(float* values, std::size_t count, Isa isa);
-
-/// What random numbers of some rows follow from, and nothing else.
-struct NoiseKey {
-  std::uint64_t seed = 0;
-  std::uint64_t first_row = 0;  ///< of all rows of a step; every row has a stream of its own
-  std::uint64_t iteration = 0;
-  std::uint64_t step = 0;  ///< of the rollout
-};
-
-/// Standard normals. @param noise  rows x actions
-void draw_noise(const NoiseKey& key, int rows, int actions, float* noise, Isa isa);
 
 /// The actions' standard deviations, from the logarithms that are learned.
 struct Deviations {

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/random.h"
+#include "learn/network/noise.h"
+
 namespace skybody::learn {
 namespace {
 
@@ -182,10 +185,12 @@ PolicySteps PpoSlice::recall(int step, int first, int count) {
 
 void PpoSlice::choose_actions(int step, const PpoNetworks& networks, SliceScratch& scratch) {
   const int actions = setup_->row.actions;
-  const auto first_row = product(setup_->plan.first_env(index_), setup_->agents.rows());
-  draw_noise({setup_->seed, first_row, static_cast<std::uint64_t>(inputs_->iteration),
-              static_cast<std::uint64_t>(step)},
-             step_rows_, actions, noise_.data(), setup_->isa);
+  constexpr std::uint64_t kNoiseStream = derive_stream("learn.noise");
+  draw_normals({{setup_->seed, static_cast<std::uint64_t>(index_)},
+                static_cast<std::uint64_t>(inputs_->iteration),
+                kNoiseStream,
+                static_cast<std::uint64_t>(step)},
+               noise_, setup_->isa);
   for (int r = 0; r < step_rows_; r += SliceScratch::kRows) {
     const int count = std::min(SliceScratch::kRows, step_rows_ - r);
     networks.policy().forward(networks.policy_weights(), row(step, r), stride_,

@@ -39,9 +39,10 @@ class PpoSlices : public SliceHolder {
   void restore(int k, const StateBlocks& blocks,
                std::span<const std::uint64_t> environments) override;
 
- private:
+  /// @param k  0 ... count() - 1
   const PpoSlice& slice(int k) const { return *slices_[static_cast<std::size_t>(k)]; }
 
+ private:
   int first_;
   TaskCrew& crew_;
   std::vector<std::unique_ptr<PpoSlice>> slices_;

@@ -1,0 +1,7 @@
+// Everything that lab code includes to train in its own process: a learner on a scenario, one
+// rollout and its update at a time, and the policy file that `skybody run --policy` flies.
+#pragma once
+
+#include "core/assemble/load.h"
+#include "learn/learner.h"
+#include "learn/ppo/ppo.h"

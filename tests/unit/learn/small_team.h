@@ -1,0 +1,118 @@
+// A small scenario for learners' tests: two quadrotors in the air, whose speeds the actions are,
+// with columns of each, one of nobody's, and a privileged one.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "core/base/random.h"
+#include "learn/learner.h"
+#include "tests/unit/env/in_process_factory.h"
+
+namespace skybody::test {
+
+/// Collective thrust: all four rotors turn at one speed, 0 to 3400 rad/s.
+class Lift : public Controller {
+ public:
+  void configure(const Setup& setup) override {
+    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {3400, 3400, 3400, 3400});
+    setup.output(Signal::kRotorSpeed, 4);
+  }
+  template <class Real>
+  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
+    for (int i = 0; i < 4; ++i) out.set(i, in[i]);
+  }
+};
+
+/// Each robot is to keep a height that is drawn for both; robot k is paid k + 1 times as much.
+/// @tparam kSpoils  episodes whose height is drawn below a quarter have a reward that is no number,
+///                  now and then
+template <bool kSpoils>
+class KeepHeight : public Task {
+ public:
+  struct State {
+    double target;
+  };
+
+  void configure(const Setup& setup) override {
+    setup.channel("target", "m", 1, 0.0, 2.0);
+    for (int r = 0; r < 2; ++r) {
+      const std::string self = "robot" + std::to_string(r) + ".";
+      setup.channel(self + "height", "m", 1, -kInfinity, kInfinity, r);
+      setup.channel(self + "speed", "m/s", 1, -kInfinity, kInfinity, r);
+      setup.privileged_channel(self + "spin", "rad/s", 3, -kInfinity, kInfinity, r);
+    }
+    setup.info("position_error", "m", 1);
+    setup.robot_rewards();
+  }
+  void reset(const EnvView<double>& env, State& s) const {
+    auto rng = random(env);
+    s.target = rng.uniform(0.5, 1.5);
+  }
+  void evaluate(const EnvView<double>& env, State& s, Evaluation<double>& out) const {
+    const bool spoils = kSpoils && s.target < 0.75 && env.step() == 3;
+    double worst = 0.0, sum = 0.0;
+    out.observation.set(0, s.target);
+    for (int r = 0; r < 2; ++r) {
+      const BodyMotion<double> b = env.body(r);
+      out.observation.set(1 + 2 * r, b.position.z);
+      out.observation.set(2 + 2 * r, b.velocity.z);
+      out.observation.set(5 + 3 * r, b.angular_velocity.x);
+      out.observation.set(6 + 3 * r, b.angular_velocity.y);
+      out.observation.set(7 + 3 * r, b.angular_velocity.z);
+      const double error = std::abs(b.position.z - s.target);
+      worst = std::max(worst, error);
+      out.set_reward(r, -error * (r + 1));
+      sum -= error * (r + 1);
+    }
+    out.info.set(0, worst);
+    out.set_reward(spoils ? std::numeric_limits<double>::quiet_NaN() : sum);
+    out.terminate(worst > 1.0);
+  }
+};
+
+/// 40 ms a transition, at most 12 an episode.
+template <bool kSpoils = false>
+std::shared_ptr<const CompiledScenario> small_team() {
+  InProcessFactory factory;
+  factory.add<Lift>("lift");
+  factory.add<KeepHeight<kSpoils>>("keep_height");
+  Scenario s;
+  s.name = "small_team";
+  s.file = "small_team.yaml";
+  s.hash = 1;
+  s.stepping.dt = 0.004;
+  s.stepping.action_repeat = 10;
+  s.stepping.horizon = 12;
+  s.contact.ground = false;
+  for (int r = 0; r < 2; ++r) {
+    RobotUse robot;
+    robot.name = "quad" + std::to_string(r);
+    robot.model = quadrotor();
+    robot.pose.position = {5.0 * r, 0.0, 1.0};
+    robot.controllers.push_back(factory.use("lift", "lift" + std::to_string(r)));
+    s.robots.push_back(robot);
+  }
+  s.task = factory.use("keep_height", "task");
+  return std::make_shared<CompiledScenario>(s, factory);
+}
+
+/// A quick learner on it: 19 environments, minibatches that divide nothing.
+inline learn::LearnerOptions small_options(std::shared_ptr<const CompiledScenario> compiled) {
+  learn::LearnerOptions options;
+  options.compiled = std::move(compiled);
+  options.seed = 7;
+  options.total_steps = 4000;
+  options.threads = 1;
+  options.hyper.envs = 19;
+  options.hyper.rollout_steps = 10;
+  options.hyper.minibatch = 48;
+  options.hyper.value_epochs = 2;
+  options.hyper.hidden = {16, 16};
+  options.hyper.final_log_std = -2.0;
+  options.hyper.averaging_steps = 600.0;
+  return options;
+}
+
+}  // namespace skybody::test
