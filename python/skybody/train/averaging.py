@@ -51,6 +51,8 @@ class PolicyAverage:
 
     def state(self) -> dict[str, Any]:
         """Everything, as tensors and plain values."""
+        if not self.values:
+            return {"count": self.count, "values": []}
         import torch
 
         values = [torch.from_numpy(value.copy()) for value in self.values]

@@ -1,6 +1,7 @@
 """Checkpoints: everything that training goes on from, bit for bit, in one folder.
 
-step_NNNNNNNNNNNN/state.pt           networks, optimizer, statistics, generators, bookkeeping
+step_NNNNNNNNNNNN/state.pt           networks, optimizer, statistics, generators, bookkeeping;
+                                     of learners in C++ state.npz
                   environments.bin   every word of every environment
                   policy.h5          the policy for `skybody run --policy` and evaluation
                   meta.json          stamps, and the SHA-256 of the files above
@@ -9,7 +10,6 @@ step_NNNNNNNNNNNN/state.pt           networks, optimizer, statistics, generators
 
 from __future__ import annotations
 
-import io
 import json
 import shutil
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ from typing import Any
 
 from skybody.train import files
 from skybody.train.policy_file import Policy, write_policy
+from skybody.train.state_file import pack_state, state_file, unpack_state
 
-FILES = ("state.pt", "environments.bin", "policy.h5")
 STAMPS: dict[str, type | tuple[type, ...]] = {  # of meta.json that something reads
     "steps": int,
     "parameter_hash": str,
@@ -75,13 +75,10 @@ def write_checkpoint(
 def _write_files(
     folder: Path, meta: dict[str, Any], state: dict[str, Any], environments: bytes, policy: Policy
 ) -> None:
-    import torch
-
     with files.naming(folder):
         folder.mkdir(parents=True)
-    buffer = io.BytesIO()
-    torch.save(state, buffer)
-    files.write_file(folder / "state.pt", buffer.getvalue())
+    algorithm = meta["algorithm"]
+    files.write_file(folder / state_file(algorithm), pack_state(algorithm, state))
     files.write_file(folder / "environments.bin", environments)
     write_policy(folder / "policy.h5", policy)
     hashes = {path.name: files.file_hash(path) for path in sorted(folder.iterdir())}
@@ -99,10 +96,16 @@ def read_meta(folder: Path) -> dict[str, Any]:
     if not isinstance(meta, dict):
         raise ValueError(f"{path} is damaged (no map of stamps): {REMEDY}")
     wrong = [name for name, kind in STAMPS.items() if not isinstance(meta.get(name), kind)]
-    wrong += [f"files.{name}" for name in FILES if not wrong and name not in meta["files"]]
+    if not wrong:
+        wrong = [f"files.{name}" for name in file_names(meta) if name not in meta["files"]]
     if wrong:
         raise ValueError(f"{path} is damaged (no good {', '.join(wrong)}): {REMEDY}")
     return meta
+
+
+def file_names(meta: dict[str, Any]) -> tuple[str, ...]:
+    """Of a checkpoint's files beside meta.json."""
+    return (state_file(meta["algorithm"]), "environments.bin", "policy.h5")
 
 
 def check_file(folder: Path, meta: dict[str, Any], name: str) -> Path:
@@ -117,12 +120,10 @@ def check_file(folder: Path, meta: dict[str, Any], name: str) -> Path:
 
 def read_checkpoint(folder: Path) -> Checkpoint:
     """Reads a checkpoint. Raises ValueError where a file is not what was written."""
-    import torch
-
     meta = read_meta(folder)
-    for name in FILES:
+    for name in file_names(meta):
         check_file(folder, meta, name)
-    state = torch.load(folder / "state.pt", weights_only=True)
+    state = unpack_state(folder / state_file(meta["algorithm"]))
     return Checkpoint(folder, meta, state, (folder / "environments.bin").read_bytes())
 
 

@@ -277,7 +277,7 @@ class LeanPpo:
         fit = self.helper.submit(self._fit_value, returns, passes, full)
         losses = self._improve_policy(advantage, orders[: self.hyper.epochs], rate)
         losses["value_loss"] = fit.result()
-        check_finite("lean-ppo", self)
+        check_finite("lean-ppo", self.parameters(), self.steps)
         error = advantage  # of what the value function said before the update
         losses["explained_variance"] = float(1 - error.var() / (returns.var() + EPSILON))
         losses["action_std"] = float(self.log_std.detach().exp().mean())

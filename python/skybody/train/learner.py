@@ -44,7 +44,7 @@ class Learner(Protocol):
     def iterate(self) -> Report:
         """One rollout and its update."""
 
-    def parameters(self) -> dict[str, torch.Tensor]:
+    def parameters(self) -> Mapping[str, torch.Tensor | NDArray[Any]]:
         """All trained parameters by name."""
 
     def policy(self) -> Policy:
@@ -63,12 +63,12 @@ class Learner(Protocol):
         """Ends the environments."""
 
 
-def check_finite(name: str, learner: Learner) -> None:
-    """Raises FloatingPointError where a parameter is no number any more."""
-    for parameter, value in learner.parameters().items():
+def check_finite(name: str, parameters: Mapping[str, torch.Tensor], steps: int) -> None:
+    """Raises FloatingPointError where a parameter is no number any more, after so many steps."""
+    for parameter, value in parameters.items():
         if not bool(value.isfinite().all()):
             raise FloatingPointError(
-                f"{name} diverged: {parameter} is not finite after {learner.steps} steps; "
+                f"{name} diverged: {parameter} is not finite after {steps} steps; "
                 "try a smaller learning_rate (--set learning_rate=...)"
             )
 

@@ -13,7 +13,7 @@ from skybody.train.policy_file import Layer, Policy, policy_of_values
 from skybody.train.presets import Hyperparameters
 
 if TYPE_CHECKING:
-    import torch
+    from numpy.typing import NDArray
 
 PARAMETERS = ("policy", "value")  # blocks of the state; `gradient` has the first
 
@@ -42,7 +42,7 @@ class NativeLearner:
         report["episode_returns"] = report["episode_returns"].tolist()
         return Report(**report)
 
-    def parameters(self) -> dict[str, torch.Tensor]:
+    def parameters(self) -> dict[str, NDArray[np.int64]]:
         """Their bits, two floats a word."""
         blocks = self.state()
         return {name: blocks[name] for name in PARAMETERS if name in blocks}
@@ -53,10 +53,8 @@ class NativeLearner:
         return dataclasses.replace(policy, layers=layers)
 
     def state(self) -> dict[str, Any]:
-        import torch
-
         blocks, _ = self._native.save()
-        return {name: torch.from_numpy(words.view(np.int64)) for name, words in blocks.items()}
+        return {name: words.view(np.int64) for name, words in blocks.items()}
 
     def environments(self) -> bytes:
         _, words = self._native.save()
@@ -64,7 +62,7 @@ class NativeLearner:
         return content
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        blocks = {name: words.numpy().view(np.uint64) for name, words in state.items()}
+        blocks = {name: words.view(np.uint64) for name, words in state.items()}
         self._native.restore((blocks, np.frombuffer(environments, np.uint64)))
 
     def close(self) -> None:

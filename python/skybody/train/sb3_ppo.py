@@ -150,7 +150,7 @@ class Sb3Ppo:
         report.inference_seconds = middle - begin - report.environment_seconds
         values = model.logger.name_to_value
         report.losses = {ours: float(values[theirs]) for theirs, ours in LOSSES.items()}
-        check_finite("ppo", self)
+        check_finite("ppo", self.parameters(), self.steps)
         return report
 
     def parameters(self) -> dict[str, torch.Tensor]:
