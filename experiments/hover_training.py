@@ -80,10 +80,10 @@ def measure(run: Run) -> dict[str, float]:
     path = run.folder / "measured.json"
     if not path.exists():
         shutil.rmtree(run.folder, ignore_errors=True)
-        load, begin = os.getloadavg()[0], time.perf_counter()
+        load, begun = os.getloadavg()[0], time.time()
         run.train()
-        seconds = time.perf_counter() - begin
-        write_json(path, {"wall_clock": seconds, "load_before": load})
+        seconds = time.time() - begun
+        write_json(path, {"wall_clock": seconds, "load_before": load, "begun": begun})
     measured: dict[str, float] = json.loads(path.read_text())
     return measured
 

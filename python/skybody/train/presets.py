@@ -132,6 +132,8 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
 TOTAL_STEPS: dict[tuple[str, str], int] = {
     ("hover_learn", "fast-ppo"): 9_000_000,
     ("hover_learn", "gradient"): 880_000,
+    ("hover_learn", "lean-ppo"): 9_000_000,
+    ("hover_learn", "ppo"): 15_000_000,
 }
 
 
