@@ -6,8 +6,8 @@
 Three seeds of each learner (ten of `gradient`), one after another, with the shipped
 hyper-parameters and nothing beside them. Seconds go from the command to the policy file of a
 checkpoint. Then every checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON
-and the picture of error over seconds. Finished runs are not repeated; one that was interrupted begins anew, because its time
-counts. Run it on a machine that does nothing else.
+and the picture of error over seconds. Finished runs are not repeated; one that was interrupted
+begins anew, because its time counts. Run it on a machine that does nothing else.
 """
 
 from __future__ import annotations
