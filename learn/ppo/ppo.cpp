@@ -82,6 +82,9 @@ SliceGradients Ppo::gradients_of(std::span<const float> SliceOutputs::*gradient,
 }
 
 void Ppo::add_episodes(Report& report) const {
+  std::size_t count = 0;
+  for (int k = 0; k < slices_->count(); ++k) count += slices_->outputs(k).episode_returns.size();
+  report.episode_returns.reserve(count);
   for (int k = 0; k < slices_->count(); ++k) {
     const std::span<const float> returns = slices_->outputs(k).episode_returns;
     report.episode_returns.insert(report.episode_returns.end(), returns.begin(), returns.end());

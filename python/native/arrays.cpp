@@ -163,5 +163,6 @@ template nb::object copy_of(std::span<const float>, std::span<const std::size_t>
 template nb::object copy_of(std::span<const double>, std::span<const std::size_t>);
 template nb::object copy_of(std::span<const std::uint8_t>, std::span<const std::size_t>);
 template nb::object copy_of(std::span<const std::uint64_t>, std::span<const std::size_t>);
+template nb::object copy_of(std::span<const int>, std::span<const std::size_t>);
 
 }  // namespace skybody::python

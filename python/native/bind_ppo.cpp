@@ -68,6 +68,12 @@ class HeldSlices {
     });
   }
 
+  nb::list rollout() const {
+    nb::list made;
+    for (int k = 0; k < slices_.count(); ++k) made.append(dict_of(slices_.slice(k).rollout()));
+    return made;
+  }
+
   void spread_starts(std::int64_t iteration) {
     released([&] { slices_.spread_starts(iteration); });
   }
@@ -92,6 +98,30 @@ class HeldSlices {
   }
 
  private:
+  nb::dict dict_of(const learn::PpoSlice::Rollout& rollout) const {
+    const learn::RowLayout& row = setup_->row;
+    nb::dict columns;
+    columns["inputs"] = columns_of(rollout, 0, row.inputs);
+    columns["action"] = columns_of(rollout, row.action(), row.actions);
+    columns["log_probability"] = columns_of(rollout, row.log_probability(), 1);
+    columns["advantage"] = columns_of(rollout, row.advantage(), 1);
+    columns["value_target"] = columns_of(rollout, row.value_target(), 1);
+    columns["order"] = array_of(rollout.order);
+    return columns;
+  }
+
+  /// `count` values of each row, (rows, count).
+  nb::object columns_of(const learn::PpoSlice::Rollout& rollout, int first, int count) const {
+    const std::size_t rows = rollout.reward.size(), width = static_cast<std::size_t>(count);
+    const auto stride = static_cast<std::size_t>(setup_->row.stride());
+    std::vector<float> values;
+    for (std::size_t r = 0; r < rows; ++r) {
+      const float* from = rollout.rows.data() + r * stride + first;
+      values.insert(values.end(), from, from + count);
+    }
+    return copy_of<float>(values, {rows, width});
+  }
+
   void set_parameters(nb::handle policy, nb::handle value) {
     const Values<float> policies = read_array<float>(policy, "policy", {-1});
     const Values<float> values = read_array<float>(value, "value", {-1});
@@ -219,6 +249,10 @@ void bind_ppo(nb::module_& m) {
            nb::arg("advantage_scale"),
            "Of a minibatch: (sums, gradient of the policy, of the value function); gradients "
            "that are not wanted are empty.")
+      .def("rollout", &HeldSlices::rollout, nb::sig("def rollout(self) -> list[typing.Any]"),
+           "What is learned from: normalized inputs, actions, log-probabilities, advantages and "
+           "targets of the value function, (rows, values) each, and the rows' order in the last "
+           "epoch.")
       .def("spread_starts", &HeldSlices::spread_starts, nb::arg("iteration"))
       .def("save", &HeldSlices::save, nb::sig("def save(self) -> list[typing.Any]"),
            "(blocks by name, the environments' words).")

@@ -23,6 +23,7 @@
 #include "learn/network/adam.h"
 #include "learn/network/noise.h"
 #include "learn/network/recurrent_network.h"
+#include "learn/ppo/ppo.h"
 
 namespace {
 
@@ -155,6 +156,25 @@ TEST(Allocation, DoesNotHappenInAnUpdateOfANetworkAfterTheFirst) {
   for (const int sequences : {kSequences - 2, kSequences, 1}) update(sequences);
   counting = false;
   EXPECT_EQ(all_counted.load(), 0);
+}
+
+/// Both vectors of a report, and the names of losses that are longer than a string holds by itself.
+TEST(Allocation, OfAnIterationIsItsReportAlone) {
+  learn::LearnerOptions options;
+  options.compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover_learn.yaml", {}, {}});
+  options.total_steps = 1000000;
+  options.threads = 2;
+  options.hyper.envs = 64;
+  options.hyper.rollout_steps = 16;
+  options.hyper.minibatch = 100;
+  learn::Ppo ppo(options);
+  for (int k = 0; k < 24; ++k) ppo.iterate();  // 384 steps: all environments began anew
+  ours_counted = 0;
+  counting = true;
+  constexpr int kIterations = 5;
+  for (int k = 0; k < kIterations; ++k) ppo.iterate();
+  counting = false;
+  EXPECT_LE(ours_counted.load(), 6 * kIterations);
 }
 
 /// Ids beyond 999: numbers that no longer fit into a short string.

@@ -1,0 +1,28 @@
+// Trains a quadrotor to hover, on all processors, and prints how far it is from its goal.
+// Usage: example_learn [STEPS] [SEED]
+#include <skybody/learn.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+int main(int argc, char** argv) {
+  skybody::learn::LearnerOptions options;
+  options.compiled = skybody::compile_scenario({"hover_learn", {}, {}});
+  options.total_steps = argc > 1 ? std::atoll(argv[1]) : 3'000'000;
+  options.seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  options.hyper.discount = 0.98;
+  options.hyper.bounded_mean = true;
+  options.hyper.final_log_std = -2.7;
+
+  skybody::learn::Ppo learner(options);
+  for (int iteration = 0; learner.steps() < options.total_steps; ++iteration) {
+    const skybody::learn::Report report = learner.iterate();
+    if (iteration % 50 == 0 || report.steps >= options.total_steps) {
+      std::printf("%9lld steps: %.2f m from the goal\n", static_cast<long long>(report.steps),
+                  report.position_error);
+    }
+  }
+  const skybody::PolicyFile policy = learner.policy();
+  std::printf("a policy of %zu layers for %s, parameters %016llx\n", policy.layers.size(),
+              policy.scenario.c_str(), static_cast<unsigned long long>(learner.parameter_hash()));
+}
