@@ -1,4 +1,4 @@
-// Trains a quadrotor to hover, on all processors, and prints how far it is from its goal.
+// Trains a quadrotor to hover, on all processors, and writes policy.h5 for `skybody run --policy`.
 // Usage: example_learn [STEPS] [SEED]
 #include <skybody/learn.h>
 
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
                   report.position_error);
     }
   }
-  const skybody::PolicyFile policy = learner.policy();
-  std::printf("a policy of %zu layers for %s, parameters %016llx\n", policy.layers.size(),
-              policy.scenario.c_str(), static_cast<unsigned long long>(learner.parameter_hash()));
+  skybody::write_policy("policy.h5", learner.policy(), options.seed);
+  std::printf("policy.h5, parameters %016llx\n",
+              static_cast<unsigned long long>(learner.parameter_hash()));
 }

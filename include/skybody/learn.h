@@ -3,5 +3,6 @@
 #pragma once
 
 #include "core/assemble/load.h"
+#include "core/io/policy_writer.h"
 #include "learn/learner.h"
 #include "learn/ppo/ppo.h"

@@ -16,4 +16,4 @@ cmake -S "$source_tree/tests/consumer/project" -B "$work/build" -G Ninja -DCMAKE
 cmake --build "$work/build" >"$work/build.log" || { cat "$work/build.log"; exit 1; }
 "$work/build/consumer" "$scenario"
 "$work/build/pool" "$scenario"
-"$work/build/learn" 20000
+(cd "$work" && build/learn 20000 && test -s policy.h5)
