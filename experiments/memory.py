@@ -2,11 +2,12 @@
 
     .venv/bin/python experiments/memory.py [--steps N] [--cycles N]
 
-Three processes, one after another. Two take 10^7 environment steps of `hover` in 1,024
+Four processes, one after another. Two take 10^7 environment steps of `hover` in 1,024
 environments, with random actions (a few of them not finite) and random resets by mask: one through
 `make_pool`, in batches of a third, one through `make_vec`. They print the resident memory ten times
-on the way. The third makes, uses and closes 1,000 pools and vector environments. Exit status 0:
-resident memory is flat, and open files and threads are as many as before; 1: they are not.
+on the way. The third learns from 10^8 steps of `hover_learn` by `fast-ppo`. The fourth makes, uses
+and closes 1,000 pools and vector environments. Exit status 0: resident memory is flat, and open
+files and threads are as many as before; 1: they are not.
 """
 
 from __future__ import annotations
@@ -23,10 +24,13 @@ import numpy as np
 import skybody
 from numpy.typing import NDArray
 from skybody.program import run_program
+from skybody.train.native_learners import FastPpo
+from skybody.train.presets import preset
 
 ENVS = 1024
 STEPS = 10_000_000
 CYCLES = 1000
+LEARNER_STEPS = 10  # times as many as those of the environments alone
 REPORTS = 10
 FAULT_SHARE = 1e-4  # of the actions are not finite
 RESET_SHARE = 0.01  # of the environments are reset instead of being stepped
@@ -137,6 +141,20 @@ def step_vector(steps: int) -> bool:
     return memory.flat()
 
 
+def learn(steps: int) -> bool:
+    """`fast-ppo` on `hover_learn`, with its policy looked at after every rollout."""
+    total = LEARNER_STEPS * steps
+    hyper = preset("hover_learn", "fast-ppo")
+    compiled = skybody.CompiledScenario("hover_learn")
+    learner = FastPpo(compiled, hyper, seed=1, threads=0, total_steps=total)
+    memory = Memory(total, "steps")
+    while learner.steps < total:
+        learner.iterate()
+        learner.policy()
+        memory.report(learner.steps)
+    return memory.flat()
+
+
 def use_and_close(compiled: skybody.CompiledScenario, number: int) -> None:
     """A pool in flight and a vector environment; each second one is left to the collector."""
     actions = np.zeros((CYCLE_ENVS, compiled.action_size), np.float32)
@@ -174,6 +192,7 @@ def open_and_close(cycles: int) -> bool:
 PARTS = {
     "pool": (step_pool, "make_pool, batches of a third in order of arrival"),
     "vector": (step_vector, "make_vec"),
+    "learner": (learn, "fast-ppo, ten times as many steps"),
     "cycles": (open_and_close, "a scenario, a pool and a vector environment, made and closed"),
 }
 
