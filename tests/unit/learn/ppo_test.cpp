@@ -4,12 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <set>
 
 #include "core/assemble/load.h"
 #include "core/base/hash.h"
+#include "core/policy/network_policy.h"
 #include "tests/unit/learn/isas.h"
 #include "tests/unit/learn/small_team.h"
 
@@ -230,6 +232,25 @@ TEST(Ppo, RefusesWhatDoesNotFitTogether) {
               testing::HasSubstr("minibatch = 191: allowed is 2 to the rows of a rollout, 190"));
   EXPECT_THAT(refusal([](Hyperparameters& h) { h.squashed = h.bounded_mean = true; }),
               testing::HasSubstr("squashed and bounded_mean exclude one another"));
+}
+
+TEST(Ppo, GivesASharedPolicyThatFliesEachRobotByItsOwnColumns) {
+  LearnerOptions options = small_options(small_team());
+  options.hyper.shared_policy = true;
+  Ppo ppo(options);
+  ppo.iterate();
+  NetworkPolicy policy(ppo.policy());
+  EXPECT_EQ(policy.check_fits(*options.compiled), "");
+  // Target, then height and speed of each robot.
+  const std::vector<float> seen = {1.2f, 0.8f, 0.1f, 1.4f, -0.3f};
+  const std::vector<float> swapped = {1.2f, 1.4f, -0.3f, 0.8f, 0.1f};
+  std::vector<float> action(8), after_swap(8);
+  policy.act(seen, action);
+  policy.act(swapped, after_swap);
+  std::rotate(after_swap.begin(), after_swap.begin() + 4, after_swap.end());
+  EXPECT_EQ(action, after_swap);
+  EXPECT_NE(std::vector(action.begin(), action.begin() + 4),
+            std::vector(action.begin() + 4, action.end()));
 }
 
 TEST(Ppo, KeepsActionsWithinBoundsWhereTheyAreSquashed) {
