@@ -1,14 +1,10 @@
-// Needs: the bytes that HDF5 writes, because the seal is a hash of them. HDF5 gives the image of a
-// file in memory with a superblock that it does not read again (its mark of being open is in it),
-// so the file is written to anonymous memory of Linux and closed. The seed is written as a text
-// where it does not fit HDF5's signed integers: readers pass over it.
+// Needs: the bytes that HDF5 writes, because the seal is a hash of them. The file is one in memory
+// (HDF5's driver `core`), and its memory is ours: HDF5 gives it back when the file has been closed.
+// H5Fget_file_image is no way to them, since an open file has a superblock that cannot be read
+// again. The seed is written as a text where it does not fit HDF5's signed integers: readers pass
+// over it.
 #include "core/io/policy_writer.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -21,39 +17,61 @@
 namespace skybody {
 namespace {
 
-/// Memory with a file descriptor, and a name for HDF5 to open.
-class AnonymousFile {
- public:
-  AnonymousFile() : descriptor_(memfd_create("policy.h5", MFD_CLOEXEC)) {
-    if (descriptor_ < 0) throw Error(std::string("no memory for a policy: ") + strerror(errno));
-  }
-  ~AnonymousFile() { close(descriptor_); }
-  AnonymousFile(const AnonymousFile&) = delete;
-  AnonymousFile& operator=(const AnonymousFile&) = delete;
+constexpr std::size_t kMemoryStep = 64 << 10;  // [bytes] by which the file in memory grows
 
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-  std::string bytes() const {
-    std::string text(static_cast<std::size_t>(lseek(descriptor_, 0, SEEK_END)), '\0');
-    for (std::size_t done = 0; done < text.size();) {
-      const ssize_t count =
-          pread(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
-      SKYBODY_DEMAND(count > 0, "memory of a policy file cannot be read");
-      done += static_cast<std::size_t>(count);
-    }
-    return text;
+/// Properties of a file or a group, which then has no times: equal policies give equal bytes.
+Hdf5Id timeless(const Hdf5Writer& writer, hid_t kind) {
+  Hdf5Id creation(writer.check(H5Pcreate(kind)), H5Pclose);
+  writer.check(H5Pset_obj_track_times(creation, 0));
+  return creation;
+}
+
+/// The bytes of a file in memory, whose functions HDF5 calls.
+class FileMemory {
+ public:
+  /// Has the file that is made with `access` lie here. This must outlive it.
+  void serve(const Hdf5Writer& writer, hid_t access) {
+    H5FD_file_image_callbacks_t callbacks{};
+    callbacks.image_malloc = [](std::size_t size, H5FD_file_image_op_t, void* self) {
+      return resize(self, size);
+    };
+    callbacks.image_realloc = [](void*, std::size_t size, H5FD_file_image_op_t, void* self) {
+      return resize(self, size);
+    };
+    callbacks.image_free = [](void*, H5FD_file_image_op_t, void*) -> herr_t { return 0; };
+    callbacks.udata_copy = [](void* self) { return self; };
+    callbacks.udata_free = [](void*) -> herr_t { return 0; };
+    callbacks.udata = this;
+    writer.check(H5Pset_fapl_core(access, kMemoryStep, 0));
+    writer.check(H5Pset_file_image_callbacks(access, &callbacks));
   }
+  /// Complete once the file is closed.
+  const std::string& bytes() const { return bytes_; }
 
  private:
-  int descriptor_;
+  static void* resize(void* self, std::size_t size) {
+    std::string& bytes = static_cast<FileMemory*>(self)->bytes_;
+    bytes.resize(size);
+    return bytes.data();
+  }
+
+  std::string bytes_;
 };
 
 /// A file of HDF5 1.10's format, behind room for the seal. Metadata has checksums.
-Hdf5Id create(const Hdf5Writer& writer, const std::string& path) {
-  const Hdf5Id creation(writer.check(H5Pcreate(H5P_FILE_CREATE)), H5Pclose);
+Hdf5Id create(const Hdf5Writer& writer, FileMemory& memory) {
+  const Hdf5Id creation = timeless(writer, H5P_FILE_CREATE);
   writer.check(H5Pset_userblock(creation, kPolicySealBytes));
   const Hdf5Id access(writer.check(H5Pcreate(H5P_FILE_ACCESS)), H5Pclose);
   writer.check(H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110));
-  return {writer.check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access)), H5Fclose};
+  memory.serve(writer, access);
+  return {writer.check(H5Fcreate("policy.h5", H5F_ACC_TRUNC, creation, access)), H5Fclose};
+}
+
+Hdf5Id create_group(const Hdf5Writer& writer, hid_t parent, const std::string& name) {
+  const Hdf5Id creation = timeless(writer, H5P_GROUP_CREATE);
+  return {writer.check(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT)),
+          H5Gclose};
 }
 
 /// A dataset in one chunk, with Fletcher's checksum, which HDF5 checks whenever it is read.
@@ -62,10 +80,9 @@ void put(const Hdf5Writer& writer, hid_t parent, const char* name, hid_t type,
          const std::vector<T>& values, const std::vector<hsize_t>& extent) {
   const int rank = static_cast<int>(extent.size());
   const Hdf5Id space(writer.check(H5Screate_simple(rank, extent.data(), nullptr)), H5Sclose);
-  const Hdf5Id properties(writer.check(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
+  const Hdf5Id properties = timeless(writer, H5P_DATASET_CREATE);
   writer.check(H5Pset_chunk(properties, rank, extent.data()));
   writer.check(H5Pset_fletcher32(properties));
-  writer.check(H5Pset_obj_track_times(properties, 0));  // equal policies give equal bytes
   const Hdf5Id set(
       writer.check(H5Dcreate2(parent, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT)),
       H5Dclose);
@@ -116,7 +133,7 @@ void write_header(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy
 
 void write_normalization(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy) {
   if (policy.mean.empty()) return;
-  const Hdf5Id group = writer.create_group(file, "normalization");
+  const Hdf5Id group = create_group(writer, file, "normalization");
   put_doubles(writer, group, "mean", policy.mean);
   put_doubles(writer, group, "scale", policy.scale);
   writer.write_attribute(group, "clip", policy.clip);
@@ -124,7 +141,7 @@ void write_normalization(const Hdf5Writer& writer, hid_t file, const PolicyFile&
 
 void write_agents(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy) {
   if (policy.agents.empty()) return;
-  const Hdf5Id group = writer.create_group(file, "agents");
+  const Hdf5Id group = create_group(writer, file, "agents");
   put_entries(writer, group, "observation", policy.agents, &PolicyAgent::observation);
   put_entries(writer, group, "action", policy.agents, &PolicyAgent::action);
 }
@@ -143,9 +160,9 @@ void write_layer(const Hdf5Writer& writer, hid_t group, const PolicyLayer& layer
 }
 
 void write_layers(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy) {
-  const Hdf5Id layers = writer.create_group(file, "layers");
+  const Hdf5Id layers = create_group(writer, file, "layers");
   for (std::size_t k = 0; k < policy.layers.size(); ++k) {
-    write_layer(writer, writer.create_group(layers, std::to_string(k)), policy.layers[k]);
+    write_layer(writer, create_group(writer, layers, std::to_string(k)), policy.layers[k]);
   }
 }
 
@@ -153,16 +170,15 @@ void write_layers(const Hdf5Writer& writer, hid_t file, const PolicyFile& policy
 
 std::string policy_bytes(const PolicyFile& policy, std::uint64_t seed) {
   const QuietHdf5 quiet;
-  const AnonymousFile memory;
   const Hdf5Writer writer("in memory", "policy");
-  Hdf5Id file = create(writer, memory.path());
+  FileMemory memory;
+  Hdf5Id file = create(writer, memory);
   write_header(writer, file, policy, seed);
   write_agents(writer, file, policy);
   write_normalization(writer, file, policy);
   write_layers(writer, file, policy);
   writer.check(file.reset() ? 0 : -1);
-  const std::string bytes = memory.bytes();
-  const std::string content = bytes.substr(kPolicySealBytes);
+  const std::string content = memory.bytes().substr(kPolicySealBytes);
   return policy_seal(content) + content;
 }
 
