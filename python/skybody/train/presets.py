@@ -122,7 +122,6 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
         "rollout_steps": 32,
         "learning_rate": 6e-3,
         "max_grad_norm": 1.0,
-        "physics_steps": 4,
     },
     ("hover_learn", "lean-ppo"): _HOVER_LEARN,
     ("hover_learn", "ppo"): {"minibatch": 512, "epochs": 2, **_HOVER_LEARN},
