@@ -47,7 +47,7 @@ class Learner {
   virtual ~Learner() = default;
   /// Environment steps so far, over all environments.
   virtual std::int64_t steps() const = 0;
-  /// One rollout and its update. Allocates nothing after the first.
+  /// One rollout and its update. After the first it allocates nothing but the report.
   /// @throws Diverged
   virtual Report iterate() = 0;
   /// The deterministic policy as of now; with `averaging_steps` the mean over the last updates.
