@@ -17,7 +17,7 @@
 namespace skybody {
 namespace {
 
-constexpr std::size_t kMemoryStep = 64 << 10;  // [bytes] by which the file in memory grows
+constexpr std::size_t kMemoryStep = 1 << 10;  // [bytes] that the size of the file is a multiple of
 
 /// Properties of a file or a group, which then has no times: equal policies give equal bytes.
 Hdf5Id timeless(const Hdf5Writer& writer, hid_t kind) {

@@ -15,6 +15,7 @@ import platform
 import shutil
 import sys
 from importlib import metadata
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -70,7 +71,7 @@ def parser() -> argparse.ArgumentParser:
         "--out",
         type=Path,
         metavar="DIR",
-        help="run folder; must be new or empty; default: flights/SCENARIO_ALGO",
+        help="run folder; must be new or empty; default: a new one, flights/SCENARIO_ALGO",
     )
     add("--resume", action="store_true", help="go on from the newest checkpoint in --out")
     add("--envs", type=int, metavar="N", help="environments; default: the preset's")
@@ -220,7 +221,8 @@ def all_versions(compiled: CompiledScenario) -> dict[str, str]:
 
 
 def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
-    """The run's configuration, checked, and its scenario, loaded."""
+    """The run's configuration, checked, and its scenario, loaded. Sets `options.out`."""
+    options.out = options.out or default_folder(options)
     run: Path = options.out
     if options.resume:
         config = resumed_config(options)
@@ -269,7 +271,6 @@ def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
 def main(arguments: list[str] | None = None) -> int:
     """Trains; returns the exit code."""
     options = parser().parse_args(arguments)
-    options.out = options.out or default_folder(options)
     with contextlib.ExitStack() as locks:
         try:
             trainer = make_trainer(options, locks)
@@ -290,9 +291,15 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def default_folder(options: argparse.Namespace) -> Path:
-    """Where a run goes that was told no folder."""
-    scenario = Path(options.scenario or "").stem
-    return Path("flights") / f"{scenario}_{options.algo or DEFAULT_ALGORITHM}"
+    """A new folder for a run that was told none: flights/SCENARIO_ALGO, or -2, -3, ... behind it.
+
+    Raises UsageError for a run that is to be resumed: which of them is not for us to guess.
+    """
+    if options.resume:
+        raise UsageError("--resume: which run? Name its folder with --out DIR")
+    name = f"{Path(options.scenario or '').stem}_{options.algo or DEFAULT_ALGORITHM}"
+    names = (name if k == 1 else f"{name}-{k}" for k in count(1))
+    return next(folder for folder in map(Path("flights").joinpath, names) if not folder.exists())
 
 
 def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Trainer:
