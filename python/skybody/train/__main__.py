@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 
 EPILOG = """\
 A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
-run that was never interrupted. Exit codes: 0 done, 1 diverged, 2 wrong input or a file
-that cannot be written (resumable), 130 interrupted (resumable)."""
+run that was never interrupted. Exit codes: 0 done, 2 wrong input, a file that cannot be written
+(resumable) or a run that diverged, 130 interrupted (resumable)."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -358,7 +358,7 @@ def run_to_end(trainer: Trainer) -> int:
     except FloatingPointError as error:
         trainer.finish(complete=False)
         print(f"train: {error}", file=sys.stderr)
-        return 1
+        return 2
     trainer.finish(complete)
     print(trainer.summary())
     if complete:
