@@ -155,7 +155,7 @@ class PluginFactory {
     std::shared_ptr<const void> self;
     SkybodyKernels kernels{};
     int state_words = 0;
-    std::string file = {};  ///< its library; empty: a test's own
+    std::string file = {};          ///< its library; empty: a test's own
     SkybodyKernels dual_kernels{};  ///< on dual numbers; null: it is not smooth
   };
   /// @throws Error with the plugin's own text if it refuses

@@ -95,7 +95,7 @@ Report Gradient::iterate() {
   Report report;
   report.steps = static_cast<std::int64_t>(sums_[kSumSteps]);
   report.position_error = sums_[kSumDistance] / std::max(sums_[kSumSteps], 1.0);
-  report.faults = static_cast<std::int64_t>(sums_[kSumFaults]);
+  report.faults = static_cast<std::int64_t>(sums_[kSumFaulted]);
   for (const auto& slice : slices_) {
     const std::span<const float> returns = slice->episode_returns();
     report.episode_returns.insert(report.episode_returns.end(), returns.begin(), returns.end());

@@ -181,7 +181,7 @@ void GradientSlice::take_outcome(const Group& group, int t) {
     episode_returns_.push_back(static_cast<float>(returns_[env]));
     if ((status_[lane] & kFault) == 0) return;
     sound &= ~(1u << l);
-    sums_[kSumFaults] += 1.0;
+    sums_[kSumFaulted] += 1.0;
   });
   sound_[static_cast<std::size_t>(t)] = sound;
 }

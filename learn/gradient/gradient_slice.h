@@ -30,7 +30,7 @@ struct GradientInputs {
 
 /// What a slice adds up in an iteration, in this order; behind them, of each observation, the sum
 /// of its difference from the moments' mean, and of that squared.
-enum GradientSum : int { kSumCost, kSumDistance, kSumSteps, kSumFaults, kGradientSums };
+enum GradientSum : int { kSumCost, kSumDistance, kSumSteps, kSumFaulted, kGradientSums };
 
 /// A slice's environments are groups of lanes that it steps itself. What it gives does not depend
 /// on the thread that runs it.
