@@ -1,6 +1,5 @@
 // What a learner is told, and its list: one row a hyper-parameter, from which come the struct, the
-// checks, presets in YAML,
-// `--set`, help, config.json, the Python binding and the table in docs/training.md.
+// checks, `--set`, config.json and the Python binding.
 #pragma once
 
 #include <span>
@@ -26,7 +25,7 @@ enum class Algorithm { kFastPpo, kGradient };
   X(int, value_epochs, 5, 1, 1000, P, "the value function's passes") \
   X(double, learning_rate, 1e-3, 0, 1, B, "of Adam, at the beginning") \
   X(double, final_learning_rate, 0.05, 0, 1, B, "at the end, as a share of `learning_rate`; linear between. The value function keeps the first") \
-  X(double, discount, 0.99, 0, 1, B, "gamma") \
+  X(double, discount, 0.99, 0, 1, P, "gamma") \
   X(double, gae_lambda, 0.95, 0, 1, P, "lambda of generalized advantage estimation") \
   X(double, clip_range, 0.2, 0, 10, P, "of the ratio of probabilities") \
   X(double, target_kl, 0, 0, 100, P, "a rollout's updates of the policy stop beyond 1.5 times this KL divergence; 0: never") \
@@ -46,7 +45,7 @@ enum class Algorithm { kFastPpo, kGradient };
   X(double, approach_speed, 3, 1e-3, 1e3, G, "largest speed towards the goal that is asked for [m/s]") \
   X(double, approach_rate, 2, 1e-3, 1e3, G, "close to the goal that speed is the distance times this [1/s]") \
   X(double, reward_weight, 0, 0, 1e6, G, "of the task's own reward, which is taken off the cost; 0 is quicker") \
-  X(double, observation_clip, 10, 0, 1e6, P, "bound of normalized observations") \
+  X(double, observation_clip, 10, 1e-3, 1e6, P, "bound of normalized observations") \
   X(double, normalization_steps, 0, 0, 1e18, P, "after which observations' statistics stay; 0: they never do") \
   X(double, averaging_steps, 0, 0, 1e18, P, "the policy that is kept is a mean over about so many steps; 0: the last")
 // clang-format on

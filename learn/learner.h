@@ -24,7 +24,7 @@ class Diverged : public Error {
 
 /// One rollout and its update.
 struct Report {
-  std::int64_t steps = 0;                ///< environment steps, over all environments
+  std::int64_t steps = 0;                ///< environment steps so far, over all environments
   std::vector<float> episode_returns;    ///< of episodes that ended
   double position_error = std::nan("");  ///< [m], mean over the rollout; NaN: the task does not say
   std::int64_t faults = 0;               ///< transitions that faulted

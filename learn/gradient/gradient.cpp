@@ -93,7 +93,7 @@ Report Gradient::iterate() {
   counters_.steps += static_cast<std::int64_t>(sums_[kSumSteps]);
   ++counters_.iteration;
   Report report;
-  report.steps = static_cast<std::int64_t>(sums_[kSumSteps]);
+  report.steps = counters_.steps;
   report.position_error = sums_[kSumDistance] / std::max(sums_[kSumSteps], 1.0);
   report.faults = static_cast<std::int64_t>(sums_[kSumFaulted]);
   for (const auto& slice : slices_) {
@@ -125,6 +125,7 @@ void Gradient::normalize() {
 PolicyFile Gradient::policy() const {
   PolicyFile file;
   file.scenario = compiled_->scenario().name;
+  file.scenario_hash = to_hex(compiled_->scenario().hash);
   file.algorithm = "gradient";
   file.steps = counters_.steps;
   file.observation_size = compiled_->observation_size();

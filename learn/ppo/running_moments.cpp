@@ -1,5 +1,6 @@
 #include "learn/ppo/running_moments.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace skybody::learn {
@@ -10,7 +11,8 @@ void RunningMoments::add(double rows, std::span<const double> sum,
   const double total = count + rows;
   for (std::size_t k = 0; k < mean.size(); ++k) {
     const double delta = sum[k] / rows;
-    const double spread = squares[k] / rows - delta * delta;
+    // Never below zero, which rounding makes of a column that hardly changes.
+    const double spread = std::max(squares[k] / rows - delta * delta, 0.0);
     variance[k] =
         (count * variance[k] + rows * spread + delta * delta * (count * rows / total)) / total;
     mean[k] += delta * (rows / total);

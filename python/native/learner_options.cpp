@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <typeinfo>
 
 #include "core/base/error.h"
 
@@ -58,6 +59,20 @@ void check(const char* name, const Sizes& value, double least, double largest) {
   for (const int size : value) check(name, size, least, largest);
 }
 
+/// @throws ValueError for another type, a number that is too large for it, or one beyond the range
+template <class T>
+void read_checked(const char* name, nb::handle value, T& to, double least, double largest) {
+  try {
+    read(value, to);
+  } catch (const std::bad_cast&) {
+    char text[160];
+    std::snprintf(text, sizeof(text), "hyper-parameter %s = %.60s: allowed is %g to %g", name,
+                  nb::str(value).c_str(), least, largest);
+    throw nb::value_error(text);
+  }
+  check(name, to, least, largest);
+}
+
 nb::object shown(double value) { return nb::float_(value); }
 nb::object shown(int value) { return nb::int_(value); }
 nb::object shown(bool value) { return nb::bool_(value); }
@@ -76,8 +91,7 @@ learn::Hyperparameters hyperparameters_of(const nb::dict& values) {
 #define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \
   if (name == #NAME) {                                                        \
     is_known = true;                                                          \
-    read(value, hyper.NAME);                                                  \
-    check(#NAME, hyper.NAME, LEAST, LARGEST);                                 \
+    read_checked(#NAME, value, hyper.NAME, LEAST, LARGEST);                   \
   }
     SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW

@@ -284,6 +284,9 @@ def main(arguments: list[str] | None = None) -> int:
         except (UsageError, InputError, Error, OSError, ValueError) as error:
             print(f"train: {evaluate.in_our_words(error)}", file=sys.stderr)
             return 2
+        except MemoryError:
+            print("train: not enough memory: take fewer envs or rollout_steps", file=sys.stderr)
+            return 2
         except ModuleNotFoundError as error:
             print(f"train: needs {error.name}, not installed here: {REMEDY}", file=sys.stderr)
             return 2
@@ -341,7 +344,7 @@ def train(trainer: Trainer) -> int:
         trainer.abandon()
         print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
         return INTERRUPTED
-    except OSError as error:
+    except (OSError, Error) as error:
         trainer.abandon()
         print(
             f"train: {evaluate.in_our_words(error)}; once that is mended, --resume goes on from "
