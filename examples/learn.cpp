@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
   options.hyper.discount = 0.98;
   options.hyper.bounded_mean = true;
   options.hyper.final_log_std = -2.7;
+  options.hyper.normalization_steps = 1.5e6;
+  options.hyper.averaging_steps = 3e5;
 
   skybody::learn::Ppo learner(options);
   for (int iteration = 0; learner.steps() < options.total_steps; ++iteration) {

@@ -23,15 +23,15 @@ enum class Algorithm { kFastPpo, kGradient };
   X(int, minibatch, 1024, 2, 1e9, P, "transitions per gradient step") \
   X(int, epochs, 1, 1, 1000, P, "passes over a rollout; a second one fits noise of the first one's advantages") \
   X(int, value_epochs, 5, 1, 1000, P, "the value function's passes") \
-  X(double, learning_rate, 1e-3, 0, 1, B, "of Adam, at the beginning") \
+  X(double, learning_rate, 1e-3, 1e-12, 1, B, "of Adam, at the beginning") \
   X(double, final_learning_rate, 0.05, 0, 1, B, "at the end, as a share of `learning_rate`; linear between. The value function keeps the first") \
   X(double, discount, 0.99, 0, 1, P, "gamma") \
   X(double, gae_lambda, 0.95, 0, 1, P, "lambda of generalized advantage estimation") \
-  X(double, clip_range, 0.2, 0, 10, P, "of the ratio of probabilities") \
-  X(double, target_kl, 0, 0, 100, P, "a rollout's updates of the policy stop beyond 1.5 times this KL divergence; 0: never") \
+  X(double, clip_range, 0.2, 1e-6, 10, P, "of the ratio of probabilities") \
+  X(double, target_kl, 0, 0, 100, P, "a rollout's updates of the policy stop after a pass beyond 1.5 times this KL divergence; 0: never. With one of `epochs` there is nothing to stop") \
   X(double, entropy_weight, 0, 0, 100, P, "of this term in the loss") \
   X(double, value_weight, 0.5, 0, 100, P, "of this term in the loss") \
-  X(double, max_grad_norm, 0.5, 0, 1e6, B, "gradients are scaled down to this norm") \
+  X(double, max_grad_norm, 0.5, 0, 1e6, B, "gradients are scaled down to this norm; 0: never") \
   X(double, log_std, -1, -20, 2, P, "logarithm of the actions' standard deviation, at the beginning") \
   X(double, final_log_std, 0, -20, 2, P, "at the end: learned below the line of the two; 0: learned freely") \
   X(bool, bounded_mean, false, 0, 1, P, "actions' mean through a tanh, so that noise always tells about actions") \
@@ -62,13 +62,21 @@ struct Hyperparameters {
 /// A row of the list.
 struct HyperparameterRow {
   const char* name;
-  const char* type;  ///< int, double, bool, Sizes, Activation
-  double least, largest;
+  double least, largest;    ///< of a number, or of each of Sizes
   bool fast_ppo, gradient;  ///< which algorithms have it
   const char* meaning;
 };
 
 /// The list, in its order.
 std::span<const HyperparameterRow> hyperparameter_rows();
+
+/// Whether an algorithm has the hyper-parameter of a row.
+inline bool has(const HyperparameterRow& row, Algorithm algorithm) {
+  return algorithm == Algorithm::kGradient ? row.gradient : row.fast_ppo;
+}
+
+/// @throws Error where one that the algorithm has is beyond its range: the message has its name,
+///         the value and the range
+void check(const Hyperparameters& hyper, Algorithm algorithm);
 
 }  // namespace skybody::learn

@@ -44,7 +44,7 @@ std::vector<std::string> training_overrides(const CompiledScenario& compiled,
 Gradient::Gradient(const LearnerOptions& options)
     : compiled_(options.compiled),
       training_(options.training != nullptr ? options.training : options.compiled),
-      hyper_(options.hyper),
+      hyper_((check(options.hyper, Algorithm::kGradient), options.hyper)),
       total_steps_(options.total_steps),
       network_(shape_of(*compiled_, hyper_), best_isa()),
       parameters_(network_.parameter_count()),
@@ -100,8 +100,14 @@ Report Gradient::iterate() {
     const std::span<const float> returns = slice->episode_returns();
     report.episode_returns.insert(report.episode_returns.end(), returns.begin(), returns.end());
   }
-  report.environment_seconds = seconds_between(begin, middle);
-  report.update_seconds = seconds_between(middle, Clock::now());
+  // Slices run side by side: the time of all is shared out as their own is.
+  const double flight = sums_[kSumFlightSeconds], inference = sums_[kSumInferenceSeconds];
+  const double share =
+      seconds_between(begin, middle) / (flight + inference + sums_[kSumReturnSeconds]);
+  report.environment_seconds = share * flight;
+  report.inference_seconds = share * inference;
+  report.update_seconds =
+      seconds_between(begin, Clock::now()) - report.environment_seconds - report.inference_seconds;
   report.losses = {{"cost", sums_[kSumCost]}, {"gradient_norm", norm}};
   return report;
 }

@@ -13,7 +13,10 @@
 namespace skybody::learn {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::uint32_t kAllLanes = ~0u;
+constexpr double kMostGradient = 1e15;  // of a cost at an action, whose range is 2
 
 std::uint32_t first_lanes(int count) { return count >= 32 ? kAllLanes : (1u << count) - 1u; }
 
@@ -119,9 +122,16 @@ void GradientSlice::run(const GradientInputs& inputs) {
   episode_returns_.clear();
   for (Group& group : groups_) {
     fly(group, inputs);
+    const Clock::time_point begin = Clock::now();
     go_back(group, inputs);
+    add_seconds(kSumReturnSeconds, begin);
     begin_anew(group, inputs.iteration);
   }
+}
+
+void GradientSlice::add_seconds(GradientSum sum, Clock::time_point begin) {
+  sums_[static_cast<std::size_t>(sum)] +=
+      std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
 // --- forward ------------------------------------------------------------------------------------
@@ -130,13 +140,17 @@ void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
   std::uint32_t flying = group.lanes;
   for (int t = 0; t < horizon_; ++t) {
     flying_[static_cast<std::size_t>(t)] = flying;
+    const Clock::time_point begin = Clock::now();
     act(group, inputs, t);
+    add_seconds(kSumInferenceSeconds, begin);
+    const Clock::time_point middle = Clock::now();
     {
       const FpEnvironment guard;
       const Rows rows{next_observation_.data(), reward_.data(), status_.data()};
       adjoint_.step(group.state, *work_, flying, row(action_, t, 0, actions_), actions_, rows, t);
       adjoint_.goal(group.state, *work_, flying, goal_at(t));
     }
+    add_seconds(kSumFlightSeconds, middle);
     take_outcome(group, t);
     flying = sound_[static_cast<std::size_t>(t)];
     each_lane(flying, [&](int l) {
@@ -237,9 +251,10 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
         to += smooth * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
       }
       to *= 1.0 - a * a;
-      // A flight whose derivatives overflow teaches nothing, and spoils no other's.
+      // A flight whose derivatives blow up teaches nothing, and spoils no other's: sums of squares
+      // are floats. NaN is not below the bound.
       dy_[static_cast<std::size_t>(l * actions_ + k)] =
-          static_cast<float>(is_finite(to) ? to : 0.0);
+          static_cast<float>(std::abs(to) < kMostGradient ? to : 0.0);
     }
   });
 }

@@ -30,7 +30,16 @@ struct GradientInputs {
 
 /// What a slice adds up in an iteration, in this order; behind them, of each observation, the sum
 /// of its difference from the moments' mean, and of that squared.
-enum GradientSum : int { kSumCost, kSumDistance, kSumSteps, kSumFaulted, kGradientSums };
+enum GradientSum : int {
+  kSumCost,
+  kSumDistance,
+  kSumSteps,
+  kSumFaulted,
+  kSumFlightSeconds,     ///< in transitions; figures alone, no bits follow from them
+  kSumInferenceSeconds,  ///< in the network, forwards
+  kSumReturnSeconds,     ///< from the horizon's end to its beginning
+  kGradientSums
+};
 
 /// A slice's environments are groups of lanes that it steps itself. What it gives does not depend
 /// on the thread that runs it.
@@ -75,6 +84,7 @@ class GradientSlice {
   void add_actions(int t, std::uint32_t lanes);
   void add_observations(int t, std::uint32_t lanes, const RunningMoments& moments);
   void begin_anew(Group& group, std::int64_t iteration);
+  void add_seconds(GradientSum sum, std::chrono::steady_clock::time_point begin);
   double* goal_at(int t) { return goal_.data() + std::ptrdiff_t{4} * t * kGroupLanes; }
   float* row(AlignedArray<float>& rows, int t, int lane, int width) const {
     return rows.data() + (static_cast<std::ptrdiff_t>(t) * kGroupLanes + lane) * width;

@@ -1,5 +1,6 @@
 #include "learn/ppo/ppo_setup.h"
 
+#include <limits>
 #include <string>
 
 #include "core/base/error.h"
@@ -25,9 +26,14 @@ void refuse_no_actions(const CompiledScenario& compiled, const AgentTable& agent
               "that decides, such as `reference`");
 }
 
-void check_together(const Hyperparameters& hyper, int rows_per_env) {
-  const std::int64_t rows = std::int64_t{hyper.envs} * rows_per_env;
-  if (hyper.minibatch < 2 || hyper.minibatch > rows) {
+void check_together(const Hyperparameters& hyper, int agent_rows) {
+  const std::int64_t rows = std::int64_t{hyper.envs} * hyper.rollout_steps * agent_rows;
+  if (rows > std::numeric_limits<int>::max()) {
+    throw Error("a rollout has " + std::to_string(rows) +
+                " rows (envs * rollout_steps, with shared_policy times the robots): allowed are " +
+                std::to_string(std::numeric_limits<int>::max()) + "; take fewer");
+  }
+  if (hyper.minibatch > rows) {
     throw Error("hyper-parameter minibatch = " + std::to_string(hyper.minibatch) +
                 ": allowed is 2 to the rows of a rollout, " + std::to_string(rows) +
                 " (envs * rollout_steps, with shared_policy times the robots)");
@@ -44,16 +50,15 @@ constexpr const char* kErrors[] = {"position_error", "payload_error", "formation
 
 PpoSetup::PpoSetup(const LearnerOptions& options)
     : compiled(options.compiled),
-      hyper(options.hyper),
+      hyper((check(options.hyper, Algorithm::kFastPpo), options.hyper)),
       seed(options.seed),
       total_steps(options.total_steps),
       isa(best_isa()),
       agents((refuse_images(*compiled), make_agent_table(*compiled, hyper.shared_policy))),
-      plan(hyper.envs, hyper.rollout_steps * agents.rows(), hyper.minibatch,
-           hyper.recurrent_units > 0 ? hyper.rollout_steps : 1),
+      plan((check_together(hyper, agents.rows()), hyper.envs), hyper.rollout_steps * agents.rows(),
+           hyper.minibatch, hyper.recurrent_units > 0 ? hyper.rollout_steps : 1),
       row{agents.observation_size() + agents.privileged_size(), agents.action_size()} {
   refuse_no_actions(*compiled, agents);
-  check_together(hyper, hyper.rollout_steps * agents.rows());
   for (const char* name : kErrors) {
     int first = 0;
     for (const Channel& channel : compiled->info_channels()) {

@@ -28,7 +28,7 @@ struct RowLayout {
 /// Immutable.
 struct PpoSetup {
   /// @throws Error if the scenario observes images, if robots that are to share a policy are not
-  ///         alike, or if hyper-parameters exclude one another
+  ///         alike, or if hyper-parameters are beyond their range or exclude one another
   explicit PpoSetup(const LearnerOptions& options);
 
   std::shared_ptr<const CompiledScenario> compiled;

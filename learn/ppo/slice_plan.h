@@ -25,8 +25,9 @@ class SlicePlan {
         rows_per_env_(rows_per_env),
         together_(together),
         slices_(std::min(envs, kSlices)),
-        minibatches_(static_cast<int>(std::min<std::int64_t>(
-            (rows() + minibatch - 1) / minibatch, envs / slices_ * rows_per_env / together))) {}
+        minibatches_(static_cast<int>(
+            std::min<std::int64_t>((rows() + minibatch - 1) / minibatch,
+                                   std::int64_t{envs / slices_} * rows_per_env / together))) {}
 
   int slices() const { return slices_; }
   /// Environments first_env(s) ... first_env(s + 1) - 1 are slice s's.

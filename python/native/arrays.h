@@ -57,6 +57,11 @@ template <class T>
 nb::object copy_of(std::span<const T> values, std::initializer_list<std::size_t> shape) {
   return copy_of(values, std::span(shape.begin(), shape.size()));
 }
+/// The same as one row.
+template <class T>
+nb::object array_of(std::span<const T> values) {
+  return copy_of<T>(values, {values.size()});
+}
 
 /// The same for a vector: (3,) float64.
 inline nb::object vector3(const Vec3<double>& v) {

@@ -20,11 +20,6 @@ namespace {
 
 using learn::LearnerState;
 
-template <class T>
-nb::object array_of(std::span<const T> values) {
-  return copy_of<T>(values, {values.size()});
-}
-
 /// Some slices with networks of their own, which are told parameters before they compute.
 class HeldSlices {
  public:
@@ -162,7 +157,7 @@ std::unique_ptr<learn::Learner> make_ppo(const learn::LearnerOptions& options,
   auto holder = std::make_unique<RemoteSlices>(slices, setup->plan.slices());
   const auto replace = [slices] {
     const nb::gil_scoped_acquire gil;
-    slices.attr("replace")();
+    calling([&] { slices.attr("replace")(); });
   };
   return std::make_unique<learn::RecoveringPpo>(std::move(setup), std::move(holder),
                                                 options.threads, replace);
@@ -211,12 +206,28 @@ void bind_ppo(nb::module_& m) {
   m.def(
       "hyperparameters",
       [](const std::string& algorithm, const nb::dict& values) {
-        return dict_of(hyperparameters_of(values), algorithm);
+        const learn::Algorithm which = algorithm_of(algorithm);
+        return dict_of(hyperparameters_of(values, which), which);
       },
       nb::arg("algorithm"), nb::arg("values") = nb::dict(),
       nb::sig("def hyperparameters(algorithm: str, values: dict[str, typing.Any] = {}) -> "
               "dict[str, typing.Any]"),
       "All hyper-parameters of a learner in C++: those given, and the defaults of the others.");
+  m.def(
+      "hyperparameter_rows",
+      [](const std::string& algorithm) {
+        const learn::Algorithm which = algorithm_of(algorithm);
+        nb::list rows;
+        for (const learn::HyperparameterRow& row : learn::hyperparameter_rows()) {
+          if (!learn::has(row, which)) continue;
+          rows.append(nb::make_tuple(row.name, row.least, row.largest, row.meaning));
+        }
+        return rows;
+      },
+      nb::arg("algorithm"),
+      nb::sig("def hyperparameter_rows(algorithm: str) -> "
+              "list[tuple[str, float, float, str]]"),
+      "The list of a learner in C++: (name, least value, largest value, meaning).");
   nb::class_<HeldSlices>(m, "PpoSlices",
                          "Consecutive slices of the environments of a `Ppo`, for a worker. What a "
                          "method gives is a list with an entry a slice.")
@@ -224,7 +235,8 @@ void bind_ppo(nb::module_& m) {
           "__init__",
           [](HeldSlices* self, const LoadedScenario& scenario, const nb::dict& hyper,
              std::uint64_t seed, std::int64_t total_steps, int first, int count, int threads) {
-            new (self) HeldSlices(learner_options(scenario, hyper, seed, total_steps, threads),
+            new (self) HeldSlices(learner_options(scenario, learn::Algorithm::kFastPpo, hyper, seed,
+                                                  total_steps, threads),
                                   first, count);
           },
           nb::sig("def __init__(self, compiled: CompiledScenario, hyper: dict[str, typing.Any], "
@@ -277,8 +289,9 @@ void bind_ppo(nb::module_& m) {
           "__init__",
           [](AnyPpo* self, const LoadedScenario& scenario, const nb::dict& hyper,
              std::uint64_t seed, std::int64_t total_steps, int threads, const nb::object& slices) {
-            new (self) AnyPpo{
-                make_ppo(learner_options(scenario, hyper, seed, total_steps, threads), slices)};
+            new (self) AnyPpo{make_ppo(learner_options(scenario, learn::Algorithm::kFastPpo, hyper,
+                                                       seed, total_steps, threads),
+                                       slices)};
           },
           nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
           nb::arg("threads") = 0, nb::arg("slices") = nb::none(),
@@ -290,8 +303,9 @@ void bind_ppo(nb::module_& m) {
           "__init__",
           [](AnyGradient* self, const LoadedScenario& scenario, const nb::dict& hyper,
              std::uint64_t seed, std::int64_t total_steps, int threads) {
-            new (self) AnyGradient{make_gradient(
-                scenario, learner_options(scenario, hyper, seed, total_steps, threads))};
+            new (self) AnyGradient{
+                make_gradient(scenario, learner_options(scenario, learn::Algorithm::kGradient,
+                                                        hyper, seed, total_steps, threads))};
           },
           nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
           nb::arg("threads") = 0,

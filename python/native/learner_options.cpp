@@ -3,14 +3,14 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iterator>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <typeinfo>
 
 #include "core/base/error.h"
+#include "core/base/suggestion.h"
 
 namespace skybody::python {
 namespace nb = nanobind;
@@ -42,26 +42,9 @@ void read(nb::handle value, Activation& to) {
       ("hyper-parameter activation = " + word + ": allowed is tanh, relu or elu").c_str());
 }
 
-/// @throws ValueError beyond the list's range
+/// @throws ValueError for another type, or a number that is too large for it
 template <class T>
-void check(const char* name, const T& value, double least, double largest) {
-  if constexpr (std::is_arithmetic_v<T>) {
-    const auto number = static_cast<double>(value);
-    if (number >= least && number <= largest) return;
-    char text[160];
-    std::snprintf(text, sizeof(text), "hyper-parameter %s = %g: allowed is %g to %g", name, number,
-                  least, largest);
-    throw nb::value_error(text);
-  }
-}
-
-void check(const char* name, const Sizes& value, double least, double largest) {
-  for (const int size : value) check(name, size, least, largest);
-}
-
-/// @throws ValueError for another type, a number that is too large for it, or one beyond the range
-template <class T>
-void read_checked(const char* name, nb::handle value, T& to, double least, double largest) {
+void read_named(const char* name, nb::handle value, T& to, double least, double largest) {
   try {
     read(value, to);
   } catch (const std::bad_cast&) {
@@ -70,7 +53,6 @@ void read_checked(const char* name, nb::handle value, T& to, double least, doubl
                   nb::str(value).c_str(), least, largest);
     throw nb::value_error(text);
   }
-  check(name, to, least, largest);
 }
 
 nb::object shown(double value) { return nb::float_(value); }
@@ -83,46 +65,53 @@ nb::object shown(Activation value) {
 
 }  // namespace
 
-learn::Hyperparameters hyperparameters_of(const nb::dict& values) {
+learn::Algorithm algorithm_of(const std::string& name) {
+  if (name == "fast-ppo") return learn::Algorithm::kFastPpo;
+  if (name == "gradient") return learn::Algorithm::kGradient;
+  throw nb::value_error(("no learner `" + name + "`: fast-ppo, gradient").c_str());
+}
+
+learn::Hyperparameters hyperparameters_of(const nb::dict& values, learn::Algorithm algorithm) {
+  std::vector<std::string> names;
+  for (const learn::HyperparameterRow& row : learn::hyperparameter_rows()) {
+    if (learn::has(row, algorithm)) names.emplace_back(row.name);
+  }
   learn::Hyperparameters hyper;
   for (const auto [key, value] : values) {
     const auto name = nb::cast<std::string>(key);
-    bool is_known = false;
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      throw nb::value_error(
+          ("no hyper-parameter `" + name + "`" + suggestion(name, names)).c_str());
+    }
 #define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \
-  if (name == #NAME) {                                                        \
-    is_known = true;                                                          \
-    read_checked(#NAME, value, hyper.NAME, LEAST, LARGEST);                   \
-  }
+  if (name == #NAME) read_named(#NAME, value, hyper.NAME, LEAST, LARGEST);
     SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW
-    if (!is_known) throw nb::value_error(("no hyper-parameter `" + name + "`").c_str());
+  }
+  try {
+    learn::check(hyper, algorithm);
+  } catch (const Error& error) {
+    throw nb::value_error(error.what());
   }
   return hyper;
 }
 
-nb::dict dict_of(const learn::Hyperparameters& hyper, const std::string& algorithm) {
-  const bool is_gradient = algorithm == "gradient";
-  if (!is_gradient && algorithm != "fast-ppo") {
-    throw nb::value_error(("no learner `" + algorithm + "`: fast-ppo, gradient").c_str());
-  }
+nb::dict dict_of(const learn::Hyperparameters& hyper, learn::Algorithm algorithm) {
   nb::dict values;
-  const auto has = [&](const char* name) {
-    for (const learn::HyperparameterRow& row : learn::hyperparameter_rows()) {
-      if (std::string_view(row.name) == name) return is_gradient ? row.gradient : row.fast_ppo;
-    }
-    return false;
-  };
+  const learn::HyperparameterRow* row = learn::hyperparameter_rows().data();
 #define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \
-  if (has(#NAME)) values[#NAME] = shown(hyper.NAME);
+  if (learn::has(*row, algorithm)) values[#NAME] = shown(hyper.NAME);         \
+  ++row;
   SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW
   return values;
 }
 
-learn::LearnerOptions learner_options(const LoadedScenario& scenario, const nb::dict& hyper,
-                                      std::uint64_t seed, std::int64_t total_steps, int threads) {
+learn::LearnerOptions learner_options(const LoadedScenario& scenario, learn::Algorithm algorithm,
+                                      const nb::dict& hyper, std::uint64_t seed,
+                                      std::int64_t total_steps, int threads) {
   return {.compiled = scenario.shared(),
-          .hyper = hyperparameters_of(hyper),
+          .hyper = hyperparameters_of(hyper, algorithm),
           .seed = seed,
           .total_steps = total_steps,
           .threads = threads};

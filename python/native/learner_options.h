@@ -11,16 +11,21 @@
 
 namespace skybody::python {
 
+/// @throws ValueError for an unknown name
+learn::Algorithm algorithm_of(const std::string& name);
+
 /// Hyper-parameters by name; those that are not named have their defaults.
-/// @throws ValueError for an unknown name or a value of another type, which it names
-learn::Hyperparameters hyperparameters_of(const nanobind::dict& values);
+/// @throws ValueError for a name that the algorithm does not have (with the nearest one), a value
+/// of
+///         another type, or one beyond its range
+learn::Hyperparameters hyperparameters_of(const nanobind::dict& values, learn::Algorithm algorithm);
 
 /// Those that an algorithm has, by name, as Python's numbers, bools, tuples and words.
-/// @throws ValueError for an unknown algorithm
-nanobind::dict dict_of(const learn::Hyperparameters& hyper, const std::string& algorithm);
+nanobind::dict dict_of(const learn::Hyperparameters& hyper, learn::Algorithm algorithm);
 
-learn::LearnerOptions learner_options(const LoadedScenario& scenario, const nanobind::dict& hyper,
-                                      std::uint64_t seed, std::int64_t total_steps, int threads);
+learn::LearnerOptions learner_options(const LoadedScenario& scenario, learn::Algorithm algorithm,
+                                      const nanobind::dict& hyper, std::uint64_t seed,
+                                      std::int64_t total_steps, int threads);
 
 /// The learner `gradient`, with the scenario as it is trained in, whose physics steps are longer.
 std::unique_ptr<learn::Learner> make_gradient(const LoadedScenario& scenario,

@@ -12,26 +12,9 @@ namespace skybody::python {
 namespace {
 
 template <class T>
-nb::object array_of(std::span<const T> values) {
-  return copy_of<T>(values, {values.size()});
-}
-
-template <class T>
-void read(nb::handle array, const char* name, std::vector<T>& to) {
-  const Values<T> values = read_array<T>(array, name, {-1});
+void read(nb::handle array, const char* name, std::vector<T>& to, std::int64_t count = -1) {
+  const Values<T> values = read_array<T>(array, name, {count});
   to.assign(values.span().begin(), values.span().end());
-}
-
-/// Calls, and passes a loss of workers on as C++ knows it.
-template <class Call>
-auto calling(Call&& call) {
-  try {
-    return call();
-  } catch (nb::python_error& error) {
-    const nb::object lost = nb::module_::import_("skybody._native").attr("SlicesLost");
-    if (error.matches(lost)) throw learn::SlicesLost(error.what());
-    throw;
-  }
 }
 
 /// "slice3." is what the blocks of slice 3 begin with.
@@ -78,9 +61,10 @@ void RemoteSlices::collect(const learn::RolloutInputs& inputs, const learn::PpoN
                                    array_of<double>(inputs.mean), array_of<double>(inputs.scale),
                                    inputs.return_mean);
   });
+  const auto sums = static_cast<std::int64_t>(learn::kRolloutSums + 2 * inputs.mean.size());
   for (std::size_t k = 0; k < outputs_.size(); ++k) {
     const nb::tuple slice = nb::cast<nb::tuple>(nb::object(found[k]));
-    read(slice[0], "sums of a rollout", outputs_[k].rollout_sums);
+    read(slice[0], "sums of a rollout", outputs_[k].rollout_sums, sums);
     read(slice[1], "returns of episodes", outputs_[k].episode_returns);
   }
 }
@@ -89,7 +73,8 @@ void RemoteSlices::find_advantages(double reward_scale, const learn::PpoNetworks
   const nb::gil_scoped_acquire gil;
   const auto found = calling([&] { return holder_.attr("find_advantages")(reward_scale); });
   for (std::size_t k = 0; k < outputs_.size(); ++k) {
-    read(nb::object(found[k]), "sums of advantages", outputs_[k].advantage_sums);
+    read(nb::object(found[k]), "sums of advantages", outputs_[k].advantage_sums,
+         learn::kAdvantageSums);
   }
 }
 
@@ -102,11 +87,16 @@ void RemoteSlices::find_gradients(const learn::Minibatch& minibatch,
                                           minibatch.index, minibatch.policy, minibatch.value,
                                           minibatch.advantage_mean, minibatch.advantage_scale);
   });
+  const auto wanted = [](bool is_wanted, std::span<const float> parameters) {
+    return is_wanted ? static_cast<std::int64_t>(parameters.size()) : std::int64_t{0};
+  };
+  const std::int64_t policy = wanted(minibatch.policy, networks.policy_parameters());
+  const std::int64_t value = wanted(minibatch.value, networks.value_parameters());
   for (std::size_t k = 0; k < outputs_.size(); ++k) {
     const nb::tuple slice = nb::cast<nb::tuple>(nb::object(found[k]));
-    read(slice[0], "sums of a minibatch", outputs_[k].minibatch_sums);
-    read(slice[1], "a gradient of the policy", outputs_[k].policy_gradient);
-    read(slice[2], "a gradient of the value function", outputs_[k].value_gradient);
+    read(slice[0], "sums of a minibatch", outputs_[k].minibatch_sums, learn::kMinibatchSums);
+    read(slice[1], "a gradient of the policy", outputs_[k].policy_gradient, policy);
+    read(slice[2], "a gradient of the value function", outputs_[k].value_gradient, value);
   }
 }
 

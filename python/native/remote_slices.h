@@ -50,6 +50,18 @@ class RemoteSlices : public learn::SliceHolder {
   nanobind::list restored_;         ///< of the slices before
 };
 
+/// Calls Python, and passes a loss of workers on as C++ knows it. With the GIL.
+template <class Call>
+auto calling(Call&& call) {
+  try {
+    return call();
+  } catch (nanobind::python_error& error) {
+    const nanobind::object lost = nanobind::module_::import_("skybody._native").attr("SlicesLost");
+    if (error.matches(lost)) throw learn::SlicesLost(error.what());
+    throw;
+  }
+}
+
 /// A slice's state as Python has it: a dictionary of blocks, and the environments' words.
 nanobind::tuple state_of(const learn::StateBlocks& blocks,
                          std::span<const std::uint64_t> environments);

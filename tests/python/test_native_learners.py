@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import importlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from skybody._native import CompiledScenario, Error, PpoSlices, SlicesLost
+from skybody._native import (
+    CompiledScenario,
+    Error,
+    Gradient,
+    Ppo,
+    PpoSlices,
+    SlicesLost,
+    hyperparameters,
+)
 from skybody.train.native_learners import FastPpo, GradientLearner
 from skybody.train.presets import UsageError, preset, with_settings
 
+ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = ["envs=20", "rollout_steps=16", "minibatch=100"]
 HYPER = with_settings(preset("hover_learn", "fast-ppo"), SETTINGS)
 TOTAL = 100_000
@@ -79,6 +90,40 @@ def test_an_iteration_whose_slices_are_lost_is_done_again_with_the_same_bits(
     assert held.replaced == 1
 
 
+def test_a_part_that_dies_while_it_is_replaced_is_replaced_again(
+    compiled: CompiledScenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held = HeldHere(compiled, [4, 4], HYPER, dies_at=9)
+    replace = held.replace
+
+    def replace_or_die() -> None:
+        replace()
+        if held.replaced == 1:
+            raise SlicesLost("it is dead again")
+
+    monkeypatch.setattr(held, "replace", replace_or_die)
+    assert hash_of(compiled, held) == hash_of(compiled)
+    assert held.replaced == 2
+
+
+def test_gradients_of_another_size_are_refused(compiled: CompiledScenario) -> None:
+    held = HeldHere(compiled, [8], HYPER)
+
+    class Short:
+        def __getattr__(self, method: str) -> Any:
+            def call(*arguments: Any) -> list[Any]:
+                found = getattr(held, method)(*arguments)
+                if method != "find_gradients":
+                    return found
+                return [(sums, policy[:-1], value) for sums, policy, value in found]
+
+            return call
+
+    learner = FastPpo(compiled, HYPER, 1, 1, TOTAL, Short())
+    with pytest.raises(ValueError, match="a gradient of the policy"):
+        learner.iterate()
+
+
 def test_a_restored_learner_goes_on_with_the_same_bits(compiled: CompiledScenario) -> None:
     first = FastPpo(compiled, HYPER, 1, 1, TOTAL)
     first.iterate()
@@ -107,6 +152,58 @@ def test_slices_that_there_are_not_are_refused(compiled: CompiledScenario) -> No
 def test_a_value_out_of_range_is_refused_with_the_range() -> None:
     with pytest.raises(UsageError, match="hyper-parameter discount = 2: allowed is 0 to 1"):
         with_settings(HYPER, ["discount=2"]).check()
+
+
+@pytest.mark.parametrize(
+    "algorithm, values, message",
+    [
+        ("fast-ppo", {"physics_steps": 3}, "no hyper-parameter `physics_steps`"),
+        ("gradient", {"clip_range": 0.1}, "no hyper-parameter `clip_range`"),
+        ("gradient", {"learning_rat": 0.1}, "did you mean `learning_rate`"),
+        ("fast-ppo", {"minibatch": 3_000_000_000}, "minibatch = 3000000000: allowed is 2 to 1e"),
+        ("fast-ppo", {"envs": "many"}, "envs = many: allowed is 1 to"),
+        ("fast-ppo", {"observation_clip": 0.0}, "observation_clip = 0: allowed is 0.001 to"),
+    ],
+)
+def test_a_value_that_a_learner_does_not_take_is_named(
+    algorithm: str, values: dict[str, object], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        hyperparameters(algorithm, values)
+
+
+def test_a_rollout_with_more_rows_than_can_be_counted_is_refused(
+    compiled: CompiledScenario,
+) -> None:
+    hyper = with_settings(HYPER, ["envs=16000000", "rollout_steps=100000"])
+    with pytest.raises(Error, match="a rollout has 1600000000000 rows"):
+        FastPpo(compiled, hyper, 1, 1, TOTAL)
+
+
+def test_the_manual_has_the_list_of_hyper_parameters_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    script = importlib.import_module("hyperparameters")
+    assert script.page() == script.PAGE.read_text(), "scripts/update_docs.sh writes it anew"
+
+
+def test_both_learners_stamp_their_policies_and_count_their_steps(
+    compiled: CompiledScenario,
+) -> None:
+    small = ["envs=16", "rollout_steps=8"]
+    learners = (
+        Ppo(compiled, vars(with_settings(HYPER, ["minibatch=64", *small])), 1, TOTAL, 1),
+        Gradient(
+            compiled, vars(with_settings(preset("hover_learn", "gradient"), small)), 1, TOTAL, 1
+        ),
+    )
+    for learner in learners:
+        reports = [learner.iterate() for _ in range(2)]
+        assert reports[1]["steps"] == learner.steps > reports[0]["steps"]
+        parts = ("environment_seconds", "inference_seconds", "update_seconds")
+        assert all(reports[1][part] > 0.0 for part in parts)
+        assert learner.policy()["scenario_hash"] == f"{compiled.scenario_hash:016x}"
 
 
 def test_gradient_has_the_same_bits_on_any_number_of_threads_and_after_a_restore(

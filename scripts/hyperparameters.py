@@ -1,0 +1,56 @@
+"""Writes the table of hyper-parameters in docs/training.md from the list of the learners in C++.
+
+.venv/bin/python scripts/hyperparameters.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from skybody._native import hyperparameter_rows, hyperparameters
+from skybody.train.presets import NATIVE
+
+PAGE = Path(__file__).resolve().parents[1] / "docs/training.md"
+BEGIN, END = (
+    "<!-- written by scripts/hyperparameters.py -->\n",
+    "<!-- end of hyper-parameters -->\n",
+)
+
+
+def table() -> str:
+    """A row for each, with the learners that have it."""
+    having: dict[tuple[str, float, float, str], list[str]] = {}
+    defaults: dict[str, Any] = {}
+    for algorithm in NATIVE:
+        defaults.update(hyperparameters(algorithm))
+        for row in hyperparameter_rows(algorithm):
+            having.setdefault(row, []).append(algorithm)
+    rows = ["| key | of | range | meaning |", "| --- | --- | --- | --- |"]
+    for (name, least, largest, meaning), algorithms in having.items():
+        of = "both" if len(algorithms) == len(NATIVE) else f"`{algorithms[0]}`"
+        extent = spoken_range(defaults[name], least, largest)
+        rows.append(f"| `{name}={spoken(defaults[name])}` | {of} | {extent} | {meaning} |")
+    return "\n".join(rows) + "\n"
+
+
+def spoken(value: Any) -> str:
+    """As `--set` takes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def spoken_range(default: Any, least: float, largest: float) -> str:
+    """Empty for words and truths, whose meaning lists them."""
+    return "" if isinstance(default, (bool, str)) else f"{least:g} to {largest:g}"
+
+
+def page() -> str:
+    """docs/training.md with the table as it should be."""
+    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+    return before + BEGIN + table() + END + rest.split(END)[1]
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
