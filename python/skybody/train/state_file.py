@@ -29,7 +29,8 @@ def pack_state(algorithm: str, state: dict[str, Any]) -> bytes:
     if algorithm in NATIVE:
         plain = {name: value for name, value in state.items() if name != "learner"}
         text = np.frombuffer(json.dumps(plain).encode(), np.uint8)
-        np.savez(buffer, **{PLAIN: text}, **state["learner"])
+        entries: dict[str, Any] = {PLAIN: text, **state["learner"]}
+        np.savez(buffer, **entries)
     else:
         import torch
 
