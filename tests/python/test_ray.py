@@ -15,15 +15,17 @@ import pytest
 ray = pytest.importorskip("ray", reason="`pip install '.[ray]'`")
 
 from skybody._native import CompiledScenario  # noqa: E402
-from skybody.ray import sweep, train  # noqa: E402
+from skybody.ray import sweep  # noqa: E402
 from skybody.ray.cluster import cluster  # noqa: E402
 from skybody.ray.slices import RaySlices, Setup  # noqa: E402
+from skybody.train import __main__ as train  # noqa: E402
+from skybody.train.hyperparameters import with_settings  # noqa: E402
 from skybody.train.native_learners import FastPpo  # noqa: E402
-from skybody.train.presets import preset, with_settings  # noqa: E402
+from skybody.train.presets import preset  # noqa: E402
 
 HORIZON = "stepping.horizon=40"  # so that episodes end within a rollout
 HYPER = with_settings(
-    preset("hover_learn", "fast-ppo"), ["envs=20", "rollout_steps=16", "minibatch=100"]
+    preset("hover_learn", "fast-ppo").hyper, ["envs=20", "rollout_steps=16", "minibatch=100"]
 )
 TOTAL, ITERATIONS = 100_000, 5
 
@@ -136,11 +138,11 @@ def test_a_sweep_trains_all_combinations_and_goes_on_with_new_seeds(
 @pytest.mark.parametrize(
     ("program", "options", "said"),
     [
-        (train, ["--workers", "9"], "--workers 9: 1 to 8"),
-        (train, ["--address", "127.0.0.1:1"], "no Ray cluster there"),
-        (train, ["--address", "here"], "write HOST:PORT"),
-        (train, ["--set", "lerning_rate=1"], "did you mean `learning_rate`"),
-        (train, ["--algo", "lean-ppo"], "on a cluster there is fast-ppo"),
+        (train, ["--ray", "local", "--workers", "9"], "--workers 9: 1 to 8"),
+        (train, ["--ray", "127.0.0.1:1"], "--ray 127.0.0.1:1: no Ray cluster there"),
+        (train, ["--ray", "here"], "--ray here: write HOST:PORT"),
+        (train, ["--ray", "local", "--set", "lerning_rate=1"], "did you mean `learning_rate`"),
+        (train, ["--ray", "local", "--algo", "ppo"], "with --ray there is fast-ppo alone"),
         (sweep, ["--set", "lerning_rate=1,2"], "did you mean `learning_rate`"),
         (sweep, ["--set", "envs=16,16"], "two trials of this sweep are the same"),
         (sweep, ["--address", "127.0.0.1:1"], "no Ray cluster there"),

@@ -9,21 +9,19 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
+from skybody.train.hyperparameters import UsageError
+
 LOCAL = "local"
-ADDRESS_HELP = (
-    "of the cluster: HOST:PORT of its head, `auto` for the one that this machine belongs to, or "
-    "`local` (default) for one that lives as long as this command"
-)
 REMEDY = "`pip install '.[ray]'` in Skybody's source folder"
 ANSWER_SECONDS = 5.0  # that a head has for accepting a connection
 
 
-class ClusterError(RuntimeError):
+class ClusterError(UsageError):
     """No Ray, no cluster, or not enough of it; the text is the whole message."""
 
 
 @contextlib.contextmanager
-def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
+def cluster(address: str, cpus: int | None = None, option: str = "--address") -> Iterator[Any]:
     """Connects to a cluster for a scope; gives the module `ray`.
 
     A connection that the process has already is taken as it is, and stays.
@@ -31,12 +29,13 @@ def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
     Args:
         address: "local", "auto" or HOST:PORT.
         cpus: processors that a local cluster says it has; None: all of this machine.
+        option: of the command line that gave the address, for messages.
 
     Raises:
         ClusterError: Ray is not installed, or there is no cluster at the address.
     """
     ray = import_ray()
-    _check_answers(address)
+    _check_answers(address, option)
     if ray.is_initialized():
         yield ray
         return
@@ -50,7 +49,7 @@ def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
     try:
         ray.init(logging_level="ERROR", log_to_driver=False, **options)
     except (ConnectionError, RuntimeError, ValueError) as error:
-        raise ClusterError(_no_cluster(address, _first_sentence(error))) from error
+        raise ClusterError(_no_cluster(option, address, _first_sentence(error))) from error
     try:
         yield ray
     finally:
@@ -76,25 +75,25 @@ def check_cpus(ray: Any, wanted: float, what: str) -> None:
         )
 
 
-def _check_answers(address: str) -> None:
+def _check_answers(address: str, option: str) -> None:
     """Ray itself would try for two minutes and then end the process."""
     if address in (LOCAL, "auto"):
         return
     host, colon, port = address.rpartition(":")
     if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise ClusterError(f"--address {address}: write HOST:PORT, `auto` or `local`")
+        raise ClusterError(f"{option} {address}: write HOST:PORT, `auto` or `local`")
     try:
         socket.create_connection((host, int(port)), ANSWER_SECONDS).close()
     except OSError as error:
-        raise ClusterError(_no_cluster(address, error.strerror or str(error))) from error
+        raise ClusterError(_no_cluster(option, address, error.strerror or str(error))) from error
 
 
 def _first_sentence(error: Exception) -> str:
     return str(error).splitlines()[0].partition(". ")[0]
 
 
-def _no_cluster(address: str, reason: str) -> str:
+def _no_cluster(option: str, address: str, reason: str) -> str:
     return (
-        f"--address {address}: no Ray cluster there ({reason}); `ray start --head` starts one, "
-        "`--address local` needs none"
+        f"{option} {address}: no Ray cluster there ({reason}); `ray start --head` starts one, "
+        f"`{option} local` needs none"
     )
