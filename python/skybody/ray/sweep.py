@@ -16,10 +16,10 @@ from skybody._native import CompiledScenario, Error, InputError
 from skybody.arguments import check_plugin_path
 from skybody.program import run_program
 from skybody.ray import sweep_table
-from skybody.ray.cluster import LOCAL, check_cpus, cluster
+from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
-from skybody.train.__main__ import ADDRESSES, number
+from skybody.train.__main__ import number
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.evaluate import check_option, in_our_words
 from skybody.train.hyperparameters import UsageError, with_settings
@@ -61,7 +61,7 @@ def parser() -> argparse.ArgumentParser:
     add("--eval-episodes", type=int, default=20, metavar="N", help="default: 20")
     add("--override", action="append", default=[], metavar="PATH=VALUE", help="of the scenarios")
     add("--plugin-path", action="append", default=[], metavar="DIR", help="with plugins")
-    add("--address", default=LOCAL, help=f"of the cluster: {ADDRESSES}; default: {LOCAL}")
+    add("--address", default=LOCAL, help=ADDRESS_HELP)
     add(
         "--cpus",
         type=int,

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 from skybody._native import CompiledScenario, Error, InputError, versions
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.program import INTERRUPTED, run_program
+from skybody.ray.cluster import ADDRESSES
 from skybody.train import evaluate, files
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.checkpoint import checkpoint_folders, read_meta
@@ -34,10 +35,6 @@ from skybody.train.run_folder import Config
 if TYPE_CHECKING:
     from skybody.train.trainer import Trainer
 
-ADDRESSES = (
-    "HOST:PORT of its head, `auto` for the one that this machine belongs to, or `local` for one "
-    "that lives as long as this command"
-)
 EPILOG = """\
 A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
 run that was never interrupted. Exit codes: 0 done, 2 wrong input, a file that cannot be written
