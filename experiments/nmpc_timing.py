@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import skybody
 from skybody.program import run_program
-from throughput import arguments, facts, machine_line, markdown_table, output_folder
+from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_report
 
 PERIOD = 10  # physics steps of 1 ms between two calls: 100 Hz
 NODE_STEP = 0.05  # [s]
