@@ -21,6 +21,7 @@ from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.evaluation_file import read_evaluation
 from skybody.train.presets import preset, with_settings
 
+LEARNER_COLORS = {"fast-ppo": "C0", "lean-ppo": "C1", "gradient": "C2", "ppo": "C3"}
 ROOT = Path(__file__).resolve().parent.parent
 
 
