@@ -93,15 +93,19 @@ def measure(run: Run) -> dict[str, float]:
 def evaluate(run: Run) -> None:
     """Flies every checkpoint that has not been, each in a new process."""
     for checkpoint in checkpoint_folders(run.folder):
-        result = checkpoint / "evaluation.json"
-        found = read_evaluation(checkpoint)
-        if found is not None and found["episodes"] == EPISODES:
-            continue
-        command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
-        command += ["--episodes", str(EPISODES), "--json", str(result)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise RunError(f"{' '.join(command)}\n{done.stderr}")
+        evaluate_checkpoint(checkpoint)
+
+
+def evaluate_checkpoint(checkpoint: Path) -> None:
+    """Flies EPISODES in a new process, unless that was done before."""
+    found = read_evaluation(checkpoint)
+    if found is not None and found["episodes"] == EPISODES:
+        return
+    command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+    command += ["--episodes", str(EPISODES), "--json", str(checkpoint / "evaluation.json")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RunError(f"{' '.join(command)}\n{done.stderr}")
 
 
 def curve(run: Run) -> dict[str, Any]:
