@@ -31,7 +31,7 @@ from typing import Any
 from skybody import CompiledScenario
 from skybody.program import deaf_to_interrupts, run_program
 from skybody.train.learner import Learner
-from skybody.train.presets import preset, with_settings
+from skybody.train.presets import preset, total_steps, with_settings
 from training_runs import (
     ROOT,
     RunError,
@@ -43,8 +43,7 @@ from training_runs import (
 )
 
 SCENARIO = "hover_learn"
-ITERATIONS = {"fast-ppo": 40, "gradient": 40}  # that are measured, after a first one
-ENDLESS = 10**9  # steps: schedules stay at their beginning
+LEARNERS = ("fast-ppo", "gradient")
 PATIENCE = 300.0  # s, for one process
 
 # 22 observations and 113 times 6 are 700.
@@ -56,7 +55,6 @@ WIDE_OVERRIDES = (
     + "]",
     "observe=[" + ", ".join(f"{name}.angular_rate, {name}.specific_force" for name in _NAMES) + "]",
 )
-WIDE_ITERATIONS = 4
 WIDE = {
     "envs": 64,
     "rollout_steps": 32,
@@ -65,6 +63,7 @@ WIDE = {
     "value_epochs": 5,
     "hidden": "512,512",
 }
+WIDE_STEPS = 5 * 64 * 32  # five iterations
 LEAST_AGAINST_SB3, LEAST_OF_PRODUCTS = 1.2, 0.8
 
 
@@ -81,10 +80,11 @@ def learn(wanted: dict[str, Any], results: multiprocessing.Queue[dict[str, Any]]
     base = preset(SCENARIO if wanted["preset"] else "*", algorithm)
     hyper = with_settings(base, wanted["settings"])
     compiled = CompiledScenario(SCENARIO, overrides)
-    learner: Learner = learners[algorithm](compiled, hyper, 1, wanted["threads"], ENDLESS)
+    total = wanted["steps"]
+    learner: Learner = learners[algorithm](compiled, hyper, 1, wanted["threads"], total)
     learner.iterate()
     before, begun, reports = learner.steps, time.perf_counter(), []
-    for _ in range(wanted["iterations"]):
+    while learner.steps < total:
         reports.append(learner.iterate())
     seconds, steps = time.perf_counter() - begun, learner.steps - before
     parts = {
@@ -103,10 +103,10 @@ def learn(wanted: dict[str, Any], results: multiprocessing.Queue[dict[str, Any]]
     learner.close()
 
 
-def measure(algorithm: str, threads: int, iterations: int, **more: Any) -> dict[str, Any]:
-    """The result of learn() in a new process."""
+def measure(algorithm: str, threads: int, steps: int, **more: Any) -> dict[str, Any]:
+    """The result of learn() in a new process, from the second iteration to `steps`."""
     wanted = {"preset": True, "overrides": (), "settings": (), **more}
-    wanted |= {"algorithm": algorithm, "threads": threads, "iterations": iterations}
+    wanted |= {"algorithm": algorithm, "threads": threads, "steps": steps}
     context = multiprocessing.get_context("spawn")
     results = context.Queue()
     process = context.Process(target=learn, args=(wanted, results))
@@ -159,9 +159,10 @@ def bare_products(program: Path) -> dict[str, dict[str, float]]:
 def shares(turns: int) -> list[dict[str, Any]]:
     """A row a learner and number of threads; medians over the turns."""
     rows = []
-    for algorithm, iterations in ITERATIONS.items():
+    for algorithm in LEARNERS:
         for threads in (1, 2):
-            found = [measure(algorithm, threads, iterations) for _ in range(turns)]
+            steps = total_steps(SCENARIO, algorithm)
+            found = [measure(algorithm, threads, steps) for _ in range(turns)]
             row = {"learner": algorithm, "threads": threads, **median(found)}
             if algorithm == "fast-ppo":
                 count = update_operations(
@@ -184,7 +185,7 @@ def wide(turns: int) -> list[dict[str, Any]]:
         for name, (algorithm, more) in contestants.items():
             settings = tuple(f"{key}={value}" for key, value in {**WIDE, **more}.items())
             options = {"preset": False, "overrides": WIDE_OVERRIDES, "settings": settings}
-            found[name].append(measure(algorithm, 2, WIDE_ITERATIONS, **options))
+            found[name].append(measure(algorithm, 2, WIDE_STEPS, **options))
     hyper = with_settings(preset("*", "fast-ppo"), [f"{k}={v}" for k, v in WIDE.items()])
     rows = []
     for name, results in found.items():
@@ -214,6 +215,8 @@ def ratios(content: dict[str, Any]) -> dict[str, float]:
     return {
         "against_sb3": ours["steps_per_second"] / max(o["steps_per_second"] for o in others),
         "of_products": products[best] / products["Eigen, products alone"],
+        "update_of_products": content["shares"][0]["update_gflops"]
+        / content["products"]["22-64-64-4"]["Eigen, products alone"],
     }
 
 
@@ -232,7 +235,7 @@ on {machine_line(content["machine"])}; medians of {content["turns"]} turns.
 
 ## Shares
 
-`{SCENARIO}` with the shipped hyper-parameters. Environment: steps of physics, observations, rewards
+`{SCENARIO}` to the end with the shipped hyper-parameters. Environment: steps of physics, rewards
 and ends. Inference: the policy's and the value function's forward passes and noise in a rollout,
 and advantages. Update: all passes over the rollout. GFLOP/s of the update: the floating-point
 operations of the networks' matrix products (forward, and both backward ones), by the seconds of the
@@ -247,11 +250,14 @@ GEMM on the same shapes, without biases and activations.
 
 {_products_table(content["products"])}
 
+On one thread fast-ppo's whole update of `{SCENARIO}` does {found["update_of_products"]:.2f} of what
+these products alone do (22-64-64-4).
+
 ## Wide networks: [512, 512] on 700 observations
 
 `{SCENARIO}` with {UNITS} inertial measurement units, all observed: 22 + {UNITS} x 6 = 700. Both
-learners have {", ".join(f"{key} {value}" for key, value in WIDE.items())}, and two threads for the
-environments (fast-ppo's also learn).
+learners have {", ".join(f"{key} {value}" for key, value in WIDE.items())},
+and two threads for the environments (fast-ppo's also learn).
 
 {_shares_table(content["wide"])}
 
