@@ -156,7 +156,7 @@ def markdown(content: dict[str, Any]) -> str:
     return f"""\
 # One policy for {FLEET:,} vehicles
 
-How well does one policy hover quadrotors of {1e3 * LIGHTEST:.0f} g to {HEAVIEST:.0f} kg after a
+How well does one policy hover quadrotors of {1e3 * LIGHTEST:.0f} g to {HEAVIEST:.0f} kg within a
 minute of training? By
 
     {content["command"]}
