@@ -5,10 +5,10 @@
 
 The runs come one after another, with the shipped hyper-parameters and nothing beside them: wall
 clock is that of the whole command `python -m skybody.train`, from its start to its exit. Then every
-checkpoint flies 100 episodes in a new process. `lean-ppo`, which is PyTorch, is the yardstick for
-the learners in C++. Beside them stands fast-ppo on hover.yaml (K = 1, the paper's), a run that
-training_reproducibility.py shares. At last fast-ppo's policy of the first seed is flown by `skybody
-run`, and its actions are compared with those that PyTorch computes.
+checkpoint flies 100 episodes in a new process. `lean-ppo` (experiments/yardstick), in PyTorch, is
+the yardstick for the learners in C++. Beside them stands fast-ppo on hover.yaml (K = 1, the
+paper's), a run that training_reproducibility.py shares. At last fast-ppo's policy of the first seed
+is flown by `skybody run`, and its actions are compared with those that PyTorch computes.
 
 Finished runs are not repeated; one that was interrupted begins anew, because its time counts. Run
 it on a machine that does nothing else. Exit code 1 where a run misses a limit.
@@ -35,7 +35,7 @@ from skybody import CompiledScenario
 from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
-from skybody.train.presets import total_steps
+from skybody.train.presets import preset
 from training_runs import (
     ROOT,
     Run,
@@ -46,14 +46,29 @@ from training_runs import (
     train_all,
     write_json,
 )
+from yardstick import command as yardstick
 
 SCENARIO = "hover_learn"
 SEEDS = (1, 2, 3)
+YARDSTICK = (str(Path(yardstick.__file__)),)
 SECONDS = {"fast-ppo": 30.0, "gradient": 5.0, "lean-ppo": 180.0}  # of wall clock, at most
-STEPS = {algorithm: total_steps(SCENARIO, algorithm) for algorithm in SECONDS}
 MOST_ERROR, LEAST_SUCCESS = 0.05, 0.98  # median [m]; share of episodes without failure
 CHECKPOINTS = 20  # points of a curve
 EPISODES = 100
+
+
+def shipped_steps(algorithm: str) -> int:
+    """Environment steps of a whole run."""
+    if algorithm == yardstick.NAME:
+        return yardstick.TOTAL_STEPS
+    return preset(SCENARIO, algorithm).total_steps
+
+
+def shipped(algorithm: str) -> dict[str, Any]:
+    """What Run is to be told besides; the yardstick is a program of its own."""
+    if algorithm == yardstick.NAME:
+        return {"settings": yardstick.SETTINGS, "program": YARDSTICK}
+    return {}
 
 
 def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Run]:
@@ -67,6 +82,7 @@ def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Ru
             total_steps=steps[algorithm],
             checkpoints=CHECKPOINTS,
             eval_episodes=0,
+            **shipped(algorithm),
         )
         for algorithm in steps
         for seed in seeds
@@ -178,7 +194,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    defaults = ", ".join(f"{name} {steps:,}" for name, steps in STEPS.items())
+    steps = {algorithm: shipped_steps(algorithm) for algorithm in SECONDS}
+    defaults = ", ".join(f"{name} {number:,}" for name, number in steps.items())
     add("--steps", type=float, help=f"of all runs, for a trial; default: {defaults}")
     add("--seeds", type=int, nargs="+", default=list(SEEDS), help="default: 1 2 3")
     add("--out", type=Path, default=ROOT / "flights/hover_training", help="folder of the runs")
@@ -207,7 +224,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         help="evaluate and write in a later call, for which the machine need not be quiet",
     )
     options = parser.parse_args(arguments)
-    options.steps = STEPS if options.steps is None else dict.fromkeys(STEPS, int(options.steps))
+    options.steps = steps if options.steps is None else dict.fromkeys(steps, int(options.steps))
     options.hover_steps = int(options.hover_steps)
     if not options.program.exists():
         parser.error(f"--program {options.program} does not exist; ./dev build makes it")

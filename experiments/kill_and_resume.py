@@ -3,12 +3,11 @@
 
     .venv/bin/python experiments/kill_and_resume.py [--kills 20] [--seed 1] [--out DIR]
 
-For each learner (fast-ppo, gradient, lean-ppo, and PPO of Stable-Baselines3), a small run is
-trained once to its end. A second one gets SIGKILL at a random moment after it has begun to train,
-and is resumed, again and again; after the last kill it is resumed to its end. Moments come from the
-seed. Prints a table and writes it to kill_and_resume.md with its figures as JSON. Exit code 1 where
-the two runs differ in a bit of their parameters, in the environments' state or in the table of
-progress.
+For each learner (fast-ppo, gradient, and PPO of Stable-Baselines3), a small run is trained once to
+its end. A second one gets SIGKILL at a random moment after it has begun to train, and is resumed,
+again and again; after the last kill it is resumed to its end. Moments come from the seed. Prints a
+table and writes it to kill_and_resume.md with its figures as JSON. Exit code 1 where the two runs
+differ in a bit of their parameters, in the environments' state or in the table of progress.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ from pathlib import Path
 from typing import Any
 
 from skybody.program import run_program
+from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
-from skybody.train.presets import ALGORITHMS, preset
 from skybody.train.run_folder import read_table
 from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
 
@@ -39,7 +38,7 @@ ROLLOUT = ENVS * ROLLOUT_STEPS
 SETTINGS = {"rollout_steps": ROLLOUT_STEPS, "minibatch": 100, "epochs": 2, "hidden": "8,8"}
 # One checkpoint a rollout. A part of a run lasts a few of them (learners in C++ do many in the time
 # of one of the others), so that kills fall into rollouts, updates and checkpoints alike.
-ROLLOUTS_PER_KILL = {"fast-ppo": 40, "gradient": 40, "lean-ppo": 6, "ppo": 6}
+ROLLOUTS_PER_KILL = {"fast-ppo": 40, "gradient": 40, "ppo": 6}
 LATEST = 0.6  # s from the first new checkpoint of a part to its kill
 EVERY_FIFTH = 5  # kill falls between the start of a part and the end of its start
 STARTING = 4.0  # s
@@ -71,7 +70,7 @@ def command(algorithm: str, folder: Path, steps: int) -> list[str]:
     words += ["--total-steps", str(steps), "--checkpoint-every", str(ROLLOUT)]
     words += ["--override", "stepping.horizon=40", "--eval-episodes", "0", "--threads", "1"]
     words += ["--envs", str(ENVS)]
-    known = vars(preset(SCENARIO, algorithm))
+    known = vars(algorithm_of(algorithm).defaults())
     for key, value in SETTINGS.items():
         if key in known:
             words += ["--set", f"{key}={value}"]

@@ -4,9 +4,10 @@
     .venv/bin/python experiments/learn_table.py [--algo fast-ppo lean-ppo ppo] [--out DIR] [--quick]
 
 Three seeds of each learner (ten of `gradient`, one of `ppo`, which is cut), one after another, with
-the shipped hyper-parameters and nothing beside them. Seconds go from the command to the policy file
-of a checkpoint. Then every checkpoint flies 100 held-out episodes. Writes learning_speed.md, its
-JSON and the picture of error over seconds. Finished runs are not repeated; one that was interrupted
+the shipped hyper-parameters and nothing beside them. `lean-ppo` is a yardstick in Python, which
+does not change (experiments/yardstick). Seconds go from the command to the policy file of a
+checkpoint. Then every checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON
+and the picture of error over seconds. Finished runs are not repeated; one that was interrupted
 begins anew, because its time counts. Run it on a machine that does nothing else; with --train-only
 it evaluates and writes in a later call, for which that does not matter.
 
@@ -24,13 +25,13 @@ from pathlib import Path
 from typing import Any
 
 import rl_tools
-from hover_training import EPISODES, SCENARIO, evaluate, measure
+from hover_training import EPISODES, SCENARIO, evaluate, measure, shipped, shipped_steps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator
 from skybody.program import run_program
+from skybody.train.algorithms import ALGORITHMS
 from skybody.train.checkpoint import checkpoint_folders
-from skybody.train.presets import ALGORITHMS, total_steps
 from skybody.train.run_folder import read_table
 from training_runs import (
     LEARNER_COLORS,
@@ -59,7 +60,7 @@ def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
     """All runs, in the order in which they are done."""
     runs = []
     for algorithm in algorithms:
-        whole = STEPS.get(algorithm, total_steps(SCENARIO, algorithm))
+        whole = STEPS.get(algorithm, shipped_steps(algorithm))
         steps = QUICK_STEPS if quick else whole
         every = CHECKPOINT_STEPS.get(algorithm, MOST_CHECKPOINT_STEPS)
         seeds = [1] if quick else SEEDS.get(algorithm, MOST_SEEDS)
@@ -73,6 +74,7 @@ def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
                     total_steps=steps,
                     checkpoints=max(2, steps // every),
                     eval_episodes=0,
+                    **shipped(algorithm),
                 )
             )
     return runs
@@ -212,7 +214,7 @@ def _notes(content: dict[str, Any]) -> list[str]:
     if "ppo" in there:
         notes.append(
             f"`ppo` is that of Stable-Baselines3: one seed, and {STEPS['ppo']:,} of the "
-            f"{total_steps(SCENARIO, 'ppo'):,}\nsteps that it is shipped with, its schedules "
+            f"{shipped_steps('ppo'):,}\nsteps that it is shipped with, its schedules "
             "shortened likewise.\n"
         )
     if rl_tools.LEARNER in there:

@@ -30,8 +30,10 @@ from typing import Any
 
 from skybody import CompiledScenario
 from skybody.program import deaf_to_interrupts, run_program
+from skybody.train.algorithms import algorithm_of
+from skybody.train.hyperparameters import with_settings
 from skybody.train.learner import Learner
-from skybody.train.presets import preset, total_steps, with_settings
+from skybody.train.presets import preset
 from training_runs import (
     ROOT,
     RunError,
@@ -72,16 +74,13 @@ LEAST_AGAINST_SB3, LEAST_OF_PRODUCTS = 1.2, 0.8
 
 def learn(wanted: dict[str, Any], results: multiprocessing.Queue[dict[str, Any]]) -> None:
     """Iterates a learner; puts its rate, its shares of time and its update's seconds a step."""
-    from skybody.train.native_learners import FastPpo, GradientLearner
-    from skybody.train.sb3_ppo import Sb3Ppo
-
-    learners = {"fast-ppo": FastPpo, "gradient": GradientLearner, "ppo": Sb3Ppo}
     algorithm, overrides = wanted["algorithm"], list(wanted["overrides"])
-    base = preset(SCENARIO if wanted["preset"] else "*", algorithm)
+    row = algorithm_of(algorithm)
+    base = preset(SCENARIO, algorithm).hyper if wanted["preset"] else row.defaults()
     hyper = with_settings(base, wanted["settings"])
     compiled = CompiledScenario(SCENARIO, overrides)
     total = wanted["steps"]
-    learner: Learner = learners[algorithm](compiled, hyper, 1, wanted["threads"], total)
+    learner: Learner = row.make(compiled, hyper, 1, wanted["threads"], total)
     learner.iterate()
     before, begun, reports = learner.steps, time.perf_counter(), []
     while learner.steps < total:
@@ -161,12 +160,12 @@ def shares(turns: int) -> list[dict[str, Any]]:
     rows = []
     for algorithm in LEARNERS:
         for threads in (1, 2):
-            steps = total_steps(SCENARIO, algorithm)
+            steps = preset(SCENARIO, algorithm).total_steps
             found = [measure(algorithm, threads, steps) for _ in range(turns)]
             row = {"learner": algorithm, "threads": threads, **median(found)}
             if algorithm == "fast-ppo":
                 count = update_operations(
-                    found[0]["observations"], found[0]["actions"], preset(SCENARIO, algorithm)
+                    found[0]["observations"], found[0]["actions"], preset(SCENARIO, algorithm).hyper
                 )
                 row["update_gflops"] = 1e-9 * count / row["update_seconds_per_step"]
             rows.append(row)
@@ -183,10 +182,14 @@ def wide(turns: int) -> list[dict[str, Any]]:
     found: dict[str, list[dict[str, Any]]] = {name: [] for name in contestants}
     for _ in range(turns):
         for name, (algorithm, more) in contestants.items():
-            settings = tuple(f"{key}={value}" for key, value in {**WIDE, **more}.items())
+            known = vars(algorithm_of(algorithm).defaults())
+            values = {key: value for key, value in {**WIDE, **more}.items() if key in known}
+            settings = tuple(f"{key}={value}" for key, value in values.items())
             options = {"preset": False, "overrides": WIDE_OVERRIDES, "settings": settings}
             found[name].append(measure(algorithm, 2, WIDE_STEPS, **options))
-    hyper = with_settings(preset("*", "fast-ppo"), [f"{k}={v}" for k, v in WIDE.items()])
+    hyper = with_settings(
+        algorithm_of("fast-ppo").defaults(), [f"{k}={v}" for k, v in WIDE.items()]
+    )
     rows = []
     for name, results in found.items():
         row = {"learner": name, "threads": 2, **median(results)}

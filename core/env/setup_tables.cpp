@@ -152,6 +152,7 @@ Channel to_channel(const SkybodyChannel& c) {
   Channel channel{c.name, c.unit, c.count, c.low, c.high, c.robot, c.privileged != 0};
   channel.type = static_cast<ColumnType>(c.type);
   channel.shape.assign(c.shape, c.shape + std::clamp(c.rank, 0, 3));
+  channel.doc = c.doc;
   return channel;
 }
 
@@ -306,6 +307,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
     if (input < 0 || input >= SKYBODY_HELD_COUNT) return;
     instance_of(host).holds[static_cast<std::size_t>(input)] = true;
   };
+  d.steady = [](void* host) { instance_of(host).is_steady = true; };
   d.report = [](void* host, const SkybodyChannel* c, int32_t word) {
     instance_of(host).reports.push_back({to_channel(*c), word});
   };

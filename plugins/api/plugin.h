@@ -167,9 +167,10 @@ class Randomizer : public Plugin {
 template <class Real>
 class Held {
  public:
-  Held(const SkybodyHeld& held, const SkybodyLanes& lanes, std::uint32_t first,
+  /// @param lanes  of the group, as for EnvView
+  Held(const SkybodyHeld& held, const SkybodyLanes& raw, std::uint32_t lanes, std::uint32_t first,
        const MaskOf<Real>& served)
-      : held_(held), lanes_(lanes.lanes), first_(first), checks_(lanes.checks), mask_(served) {}
+      : held_(held), lanes_(lanes), first_(first), checks_(raw.checks), mask_(served) {}
 
   /// Velocity of the air around a world body, W [m/s]; for rotor drag, rolling moment, body drag.
   void add_wind(int body, const Vec3<Real>& velocity) { add(SKYBODY_HELD_WIND, body, 0, velocity); }
@@ -257,7 +258,7 @@ class Held {
 /// announces what it holds by Setup::holds().
 ///
 /// Required; called after the controllers before every physics step, or every Setup::period() of
-/// them. What it adds holds until its next call:
+/// them, or where parameters change (Setup::steady()). What it adds holds until its next call:
 ///   template <class Real>
 ///   void apply(const EnvView<Real>& env, State<Real>& state, Held<Real>& held) const;
 ///
@@ -336,6 +337,11 @@ class Evaluation {
 /// Required after Setup::goal(); position (W) [m] and yaw [rad], four values for each goal in
 /// order, for tables and the `hold` baseline. For plain double:
 ///   void goal(const EnvView<double>& env, const State<double>& state, Values<double> goal) const;
+///
+/// Optional where goals move; velocity (W) [m/s] and acceleration (W) [m/s^2], six values for each
+/// goal in order, which the `hold` baseline feeds forward. For plain double:
+///   void goal_motion(const EnvView<double>& env, const State<double>& state,
+///                    Values<double> motion) const;
 class Task : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_TASK;
