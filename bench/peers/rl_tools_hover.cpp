@@ -14,22 +14,22 @@
 #include <cstdio>
 #include <cstdlib>
 
-// clang-format off: each of these needs those above it
-#include <rl_tools/containers/tensor/persist_code.h>
-#include <rl_tools/nn/layers/dense/persist_code.h>
+// Each of these needs those above it.
+// clang-format off
+#include <rl_tools/operations/cpu_mux.h>
+#include <rl_tools/nn/optimizers/adam/instance/operations_generic.h>
+#include <rl_tools/nn/operations_cpu_mux.h>
 #include <rl_tools/nn/layers/sample_and_squash/operations_generic.h>
 #include <rl_tools/nn/layers/standardize/operations_generic.h>
-#include <rl_tools/nn/operations_cpu_mux.h>
-#include <rl_tools/nn/optimizers/adam/instance/operations_generic.h>
-#include <rl_tools/nn/optimizers/adam/operations_generic.h>
 #include <rl_tools/nn_models/mlp/operations_generic.h>
 #include <rl_tools/nn_models/random_uniform/operations_generic.h>
 #include <rl_tools/nn_models/sequential/operations_generic.h>
-#include <rl_tools/operations/cpu_mux.h>
+#include <rl_tools/nn/optimizers/adam/operations_generic.h>
+#include <rl_tools/containers/tensor/persist_code.h>
+#include <rl_tools/nn/layers/dense/persist_code.h>
+#include "l2f/sac_tiny.h"
 #include <rl_tools/rl/algorithms/sac/loop/core/operations_generic.h>
 #include <rl_tools/rl/utils/evaluation/operations_cpu.h>
-
-#include "l2f/sac_tiny.h"
 // clang-format on
 
 namespace rlt = RL_TOOLS_NAMESPACE_WRAPPER ::rl_tools;
