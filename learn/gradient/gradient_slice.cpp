@@ -210,12 +210,12 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
   adjoints_.fill_zero();
   cost_row_.fill_zero();
   double* const motion =
-      adjoints_.data() + static_cast<std::ptrdiff_t>(compiled_->layout().q.offset) * kGroupLanes;
+      adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.goal_motion_row()) * kGroupLanes;
   for (int t = horizon_; t-- > 0;) {
     const std::uint32_t lanes = sound_[static_cast<std::size_t>(t)];
     {
       const FpEnvironment guard;
-      cost_.add(lanes, weight_, adjoint_.coordinates(t), goal_at(t), motion, cost_row_.data(),
+      cost_.add(lanes, weight_, adjoint_.goal_motion(t), goal_at(t), motion, cost_row_.data(),
                 distance_.data(), isa_);
       set_reward(lanes);
       adjoint_.pull_back(group.state, t, lanes, adjoints_.data(), to_action_.data());
