@@ -72,11 +72,11 @@ std::string parameter_table(const CompiledScenario& compiled) {
 }
 
 std::string column_table(const CompiledScenario& compiled) {
-  TextTable table({"column", "unit", "type", "shape", "low", "high", "from", "for"});
+  TextTable table({"column", "unit", "type", "shape", "low", "high", "from", "for", "meaning"});
   for (const ObservationColumn& column : compiled.columns()) {
     table.add({column.name, column.unit, info_of(column.type).name, shape_text(column.shape),
                format_number(column.low), format_number(column.high), source_of(compiled, column),
-               owner_text(compiled, column)});
+               owner_text(compiled, column), column.doc});
   }
   return table.to_string();
 }
@@ -114,8 +114,9 @@ void add_check_command(CLI::App& app, Action& chosen) {
   add_reference(*command, options->load);
   command->add_flag("--parameters", options->parameters,
                     "List all randomizable values: path, unit, nominal, least, greatest");
-  command->add_flag("--columns", options->columns,
-                    "List the observation's columns: name, unit, type, shape, bounds, source");
+  command->add_flag(
+      "--columns", options->columns,
+      "List the observation's columns: name, unit, type, shape, bounds, source, whose, meaning");
   command->add_flag("--states", options->states,
                     "List what can be read of the state: path, unit, shape, frame, meaning");
   command->callback([options, &chosen] {

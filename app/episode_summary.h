@@ -11,6 +11,11 @@
 
 namespace skybody {
 
+/// Infos by which a task tells success, and the reasons of failures, from one another
+/// (plugins/task_kit/ends.h): 1 where it is so, else 0.
+inline constexpr const char* kSuccessInfo = "success";
+inline constexpr const char* kFailureInfoPrefix = "failed.";
+
 /// How far a goal's body was from its goal in the last second of an episode.
 struct GoalError {
   double mean = 0.0;  ///< distance of the body's origin [m]

@@ -12,11 +12,27 @@
 namespace skybody {
 namespace {
 
+/// Why the task has ended the episode, of tasks that say so by the infos `success` and `failed.*`:
+/// ": success", ": tilt"; empty: unsaid.
+std::string reason_of(const Simulation& simulation) {
+  const std::span<const float> values = simulation.info();
+  std::size_t k = 0;
+  for (const Channel& channel : simulation.compiled().info_channels()) {
+    const bool is_reason =
+        channel.name == kSuccessInfo || channel.name.starts_with(kFailureInfoPrefix);
+    if (is_reason && values[k] > 0.5F) {
+      return ": " + channel.name.substr(channel.name.find('.') + 1);
+    }
+    k += static_cast<std::size_t>(channel.count);
+  }
+  return "";
+}
+
 /// Why the episode is over; empty: it goes on.
 std::string end_of(const FlightPlan& plan, const Simulation& simulation) {
   if (simulation.fault())
     return "fault: " + simulation.compiled().fault_reason(simulation.status());
-  if (simulation.terminated()) return "terminated";
+  if (simulation.terminated()) return "terminated" + reason_of(simulation);
   if (simulation.truncated()) return "truncated";
   if (InterruptGuard::signal() != 0) return "interrupted";
   if (simulation.steps() >= plan.most_steps) return "stopped";

@@ -111,6 +111,24 @@ void add_total(TextTable& table, const std::vector<std::string>& goals,
            goals, total.goals);
 }
 
+/// "success: 97 of 100 episodes" of a task that has the info; counted at the end of each episode.
+std::string success_line(const CompiledScenario& compiled,
+                         const std::vector<EpisodeSummary>& episodes) {
+  std::size_t k = 0;
+  for (const Channel& channel : compiled.info_channels()) {
+    if (channel.name != kSuccessInfo) {
+      k += static_cast<std::size_t>(channel.count);
+      continue;
+    }
+    const auto succeeded = std::count_if(episodes.begin(), episodes.end(), [&](const auto& e) {
+      return k < e.infos.size() && e.infos[k].last > 0.5;
+    });
+    return "success: " + std::to_string(succeeded) + " of " + std::to_string(episodes.size()) +
+           " episodes\n";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string summary_table(const CompiledScenario& compiled,
@@ -132,7 +150,7 @@ std::string summary_table(const CompiledScenario& compiled,
              goals, episode.goals);
   }
   if (!episodes.empty()) add_total(table, goals, episodes);
-  return table.to_string() +
+  return table.to_string() + success_line(compiled, episodes) +
          (goals.empty() ? "" : "errors: mean and greatest of the last second\n") +
          whole_ends(episodes);
 }

@@ -172,11 +172,11 @@ CASES = (
             left=("run",),
             check=check_training(algorithm),
         )
-        for algorithm, free in (("ppo", 160 << 10), ("lean-ppo", 160 << 10))
+        for algorithm, free in (("ppo", 160 << 10), ("fast-ppo", 160 << 10))
     ),
     Case(
         "train, no space at all",
-        lambda disk: train_command("lean-ppo", disk / "run"),
+        lambda disk: train_command("fast-ppo", disk / "run"),
         free=0,
     ),
 )

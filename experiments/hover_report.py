@@ -12,7 +12,7 @@ from matplotlib.ticker import EngFormatter, FormatStrFormatter, LogLocator, Null
 from numpy.typing import NDArray
 from training_runs import machine_line, versions_line
 
-COLORS = {"lean-ppo": "C0", "ppo": "C1"}
+COLORS = {"fast-ppo": "C0", "ppo": "C1"}
 STYLES = ("-", "--", ":", "-.")  # by seed
 
 HEAD = """\

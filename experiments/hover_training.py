@@ -6,7 +6,7 @@
 The runs come one after another, with the shipped hyper-parameters and nothing beside them: wall
 clock is that of the whole command `python -m skybody.train`, from its start to its exit. Then every
 checkpoint flies 100 episodes in a new process. Beside them stands PPO on hover.yaml (K = 1, the
-paper's), a run that training_reproducibility.py shares. At last the lean learner's policy of the
+paper's), a run that training_reproducibility.py shares. At last fast-ppo's policy of the
 first seed is flown by `skybody run`, and its actions are compared with those that PyTorch computes.
 
 Finished runs are not repeated; one that was interrupted begins anew, because its time counts. Run
@@ -47,8 +47,8 @@ from training_runs import (
 
 SCENARIO = "hover_learn"
 SEEDS = (1, 2, 3)
-STEPS = {"lean-ppo": 9_000_000, "ppo": 15_000_000}
-MINUTES = {"lean-ppo": 3.0, "ppo": 15.0}  # of wall clock, at most
+STEPS = {"fast-ppo": 9_000_000, "ppo": 15_000_000}
+MINUTES = {"fast-ppo": 1.0, "ppo": 15.0}  # of wall clock, at most
 MOST_ERROR, LEAST_SUCCESS = 0.05, 0.98  # median [m]; share of episodes without failure
 CHECKPOINTS = 20  # points of a curve
 EPISODES = 100

@@ -3,7 +3,7 @@
 
     .venv/bin/python experiments/kill_and_resume.py [--kills 20] [--seed 1] [--out DIR]
 
-For each learner (fast-ppo, lean-ppo, and PPO of Stable-Baselines3), a small run is trained once to
+For each learner (fast-ppo, gradient, and PPO of Stable-Baselines3), a small run is trained once to
 its end. A second one gets SIGKILL at a random moment after it has begun to train, and is resumed,
 again and again; after the last kill it is resumed to its end. Moments come from the seed. Prints a
 table and writes it to kill_and_resume.md with its figures as JSON. Exit code 1 where the two runs
@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any
 
 from skybody.program import run_program
+from skybody.train.algorithms import ALGORITHMS
 from skybody.train.checkpoint import checkpoint_folders, read_meta
-from skybody.train.presets import ALGORITHMS
 from skybody.train.run_folder import read_table
 from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
 

@@ -4,10 +4,11 @@
     .venv/bin/python experiments/learn_table.py [--algo fast-ppo lean-ppo ppo] [--out DIR] [--quick]
 
 Three seeds of each learner (ten of `gradient`), one after another, with the shipped
-hyper-parameters and nothing beside them. Seconds go from the command to the policy file of a
-checkpoint. Then every checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON
-and the picture of error over seconds. Finished runs are not repeated; one that was interrupted
-begins anew, because its time counts. Run it on a machine that does nothing else.
+hyper-parameters and nothing beside them. `lean-ppo` is a yardstick in Python, which does not change
+(experiments/yardstick). Seconds go from the command to the policy file of a checkpoint. Then every
+checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON and the picture of error
+over seconds. Finished runs are not repeated; one that was interrupted begins anew, because its time
+counts. Run it on a machine that does nothing else.
 """
 
 from __future__ import annotations
@@ -24,8 +25,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator
 from skybody.program import run_program
+from skybody.train.algorithms import ALGORITHMS
 from skybody.train.checkpoint import checkpoint_folders
-from skybody.train.presets import ALGORITHMS, total_steps
+from skybody.train.presets import preset
 from skybody.train.run_folder import read_table
 from training_runs import (
     ROOT,
@@ -38,7 +40,9 @@ from training_runs import (
     versions_line,
     write_json,
 )
+from yardstick import command as yardstick
 
+YARDSTICK = (str(Path(yardstick.__file__)),)
 SEEDS = {"gradient": range(1, 11)}  # others: three
 QUICK_STEPS = 100_000
 CHECKPOINT_STEPS = {"gradient": 220_000}  # between two points of a curve; others:
@@ -52,7 +56,9 @@ def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
     """All runs, in the order in which they are done."""
     runs = []
     for algorithm in algorithms:
-        steps = QUICK_STEPS if quick else total_steps(SCENARIO, algorithm)
+        is_yardstick = algorithm == yardstick.NAME
+        whole = yardstick.TOTAL_STEPS if is_yardstick else preset(SCENARIO, algorithm).total_steps
+        steps = QUICK_STEPS if quick else whole
         every = CHECKPOINT_STEPS.get(algorithm, MOST_CHECKPOINT_STEPS)
         seeds = [1] if quick else SEEDS.get(algorithm, (1, 2, 3))
         for seed in seeds:
@@ -65,6 +71,8 @@ def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
                     total_steps=steps,
                     checkpoints=max(2, steps // every),
                     eval_episodes=0,
+                    settings=yardstick.SETTINGS if is_yardstick else (),
+                    program=YARDSTICK if is_yardstick else Run.program,
                 )
             )
     return runs

@@ -144,7 +144,7 @@ def step_vector(steps: int) -> bool:
 def learn(steps: int) -> bool:
     """`fast-ppo` on `hover_learn`, with its policy looked at after every rollout."""
     total = LEARNER_STEPS * steps
-    hyper = preset("hover_learn", "fast-ppo")
+    hyper = preset("hover_learn", "fast-ppo").hyper
     compiled = skybody.CompiledScenario("hover_learn")
     learner = FastPpo(compiled, hyper, seed=1, threads=0, total_steps=total)
     memory = Memory(total, "steps")

@@ -24,8 +24,8 @@ from typing import Any
 
 from skybody import CompiledScenario, InputError
 from skybody.program import run_program
+from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
-from skybody.train.presets import preset
 from training_runs import (
     ROOT,
     Run,
@@ -64,7 +64,7 @@ SIZES = {
 
 def settings(algorithm: str) -> tuple[str, ...]:
     """SIZES as --set takes them, without what the learner does not have."""
-    known = vars(preset("*", algorithm))
+    known = vars(algorithm_of(algorithm).defaults())
     return tuple(f"{name}={value}" for name, value in SIZES.items() if name in known)
 
 

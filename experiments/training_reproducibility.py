@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from reproducibility_report import draw, markdown
 from skybody.program import run_program
-from skybody.train.presets import preset
+from skybody.train.algorithms import algorithm_of
 from training_runs import (
     ROOT,
     Run,
@@ -92,7 +92,7 @@ class Setup:
 
     def settings(self, algorithm: str) -> tuple[str, ...]:
         """`hyper` as --set takes it, without what the learner does not have."""
-        known = vars(preset("*", algorithm))
+        known = vars(algorithm_of(algorithm).defaults())
         return tuple(f"{name}={value}" for name, value in self.hyper.items() if name in known)
 
 

@@ -19,7 +19,8 @@ from skybody import CompiledScenario
 from skybody.program import INTERRUPTED
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.evaluation_file import read_evaluation
-from skybody.train.presets import preset, with_settings
+from skybody.train.hyperparameters import with_settings
+from skybody.train.presets import preset
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -42,6 +43,7 @@ class Run:
     settings: tuple[str, ...] = ()  # hyper-parameters, KEY=VALUE
     checkpoints: int = 10
     eval_episodes: int = 20  # beside training, per checkpoint; 0: none
+    program: tuple[str, ...] = ("-m", "skybody.train")  # that trains
 
     @property
     def log(self) -> Path:
@@ -50,7 +52,7 @@ class Run:
 
     def command(self) -> list[str]:
         """That begins the run, or goes on with it."""
-        made = [sys.executable, "-m", "skybody.train", "--out", str(self.folder)]
+        made = [sys.executable, *self.program, "--out", str(self.folder)]
         if (self.folder / "config.json").exists():
             return [*made, "--resume"]
         made += [self.scenario, "--algo", self.algorithm, "--seed", str(self.seed)]
@@ -78,7 +80,7 @@ class Run:
             "eval_episodes": self.eval_episodes,
         }
         hyper = dataclasses.asdict(
-            with_settings(preset(self.scenario, self.algorithm), self.settings)
+            with_settings(preset(self.scenario, self.algorithm).hyper, self.settings)
         )
         wanted |= {name: json.loads(json.dumps(value)) for name, value in hyper.items()}
         compiled = CompiledScenario(self.scenario, list(self.overrides))

@@ -55,7 +55,8 @@ class Learner {
   /// Over all trained parameters, in a fixed order.
   virtual std::uint64_t parameter_hash() const = 0;
   virtual LearnerState state() const = 0;
-  /// Goes on from where state() was taken. @throws Error if the state is another learner's
+  /// Goes on from where state() was taken.
+  /// @throws Error if the state is another learner's or damaged; then nothing has changed
   virtual void restore(const LearnerState& state) = 0;
 };
 

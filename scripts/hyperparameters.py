@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from skybody._native import hyperparameter_rows, hyperparameters
-from skybody.train.presets import NATIVE
+from skybody.train.algorithms import NATIVE
 
 PAGE = Path(__file__).resolve().parents[1] / "docs/training.md"
 BEGIN, END = (

@@ -93,17 +93,6 @@ class RegistryFactory : public PluginFactory {
   const PluginRegistry& registry_;
 };
 
-/// The file that `scenario` means: itself, or a shipped scenario's name, which a folder does not
-/// hide (`--out boom` makes one).
-std::string scenario_file(const std::string& scenario) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(scenario, ignored) ||
-      std::filesystem::is_directory(scenario, ignored)) {
-    if (const auto shipped = find_shipped_scenario(scenario)) return shipped->string();
-  }
-  return scenario;
-}
-
 /// Whether `scenario` is there; if not, and it looks like a name, the error says which names are.
 bool check_name(const std::string& scenario, Diagnostics& diagnostics) {
   if (scenario.empty()) {
@@ -171,6 +160,15 @@ std::string bridge(const ChainGap& gap, const PluginRegistry& registry) {
 }
 
 }  // namespace
+
+std::string scenario_file(const std::string& scenario) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(scenario, ignored) ||
+      std::filesystem::is_directory(scenario, ignored)) {
+    if (const auto shipped = find_shipped_scenario(scenario)) return shipped->string();
+  }
+  return scenario;
+}
 
 bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics) {
   const int errors_before = diagnostics.error_count();

@@ -26,6 +26,10 @@ struct LoadOptions {
   std::string reference = {};  ///< a reference that flies it, see reference_use.h; empty: none
 };
 
+/// The file that `scenario` means: itself, or that of a shipped scenario of this name, which a
+/// folder does not hide (`--out boom` makes one). Whether it is there is not looked at.
+std::string scenario_file(const std::string& scenario);
+
 /// Says which folders for plugins, of those that the options and the environment name, are not
 /// there. @returns whether all are
 bool check_plugin_path(const LoadOptions& options, Diagnostics& diagnostics);

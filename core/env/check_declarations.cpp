@@ -239,6 +239,9 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   if (!p.goals.empty() && p.kernels.goal == nullptr) {
     refuse(p, "declares a goal, but has no goal() that says where it is");
   }
+  if (p.goals.empty() && p.kernels.goal_motion != nullptr) {
+    refuse(p, "says by goal_motion() how goals move, but declares none by Setup::goal()");
+  }
   if (p.kind == SKYBODY_TASK && !p.writes.empty() && p.kernels.randomize == nullptr) {
     refuse(p, "announces that it draws parameters, but has no randomize() that does");
   }

@@ -151,6 +151,9 @@ class CompiledScenario {
 
   /// Where the task wants its goal bodies: 4 values per declared goal, one lane.
   void goal(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
+  /// How they move: 6 values per declared goal, velocity [m/s] and acceleration [m/s^2], W axes; 0
+  /// where the task does not say.
+  void goal_motion(StateGroup& group, GroupWork& work, int lane, std::vector<double>& out) const;
 
   /// Why an episode ended as a fault, in words. @param status  EpisodeStatus bits
   /// @returns the reasons, separated by "; "; empty: no fault
@@ -161,6 +164,10 @@ class CompiledScenario {
   void hash(const StateGroup& group, int lane, const Rows& rows, HashChain& chain) const;
 
  private:
+  /// goal() or goal_motion() of the task, `size` values per declared goal; null: zeros.
+  template <class Function>
+  void ask_goals(StateGroup& group, GroupWork& work, int lane, Function function, int size,
+                 const char* what, std::vector<double>& out) const;
   friend class TransitionAdjoint;  // takes steps phase by phase, to go back through them
   friend class DualTransition;     // goes through the same phases
   struct Builder;

@@ -317,24 +317,35 @@ void CompiledScenario::gather_observation(const StateGroup& group, GroupWork& wo
   }
 }
 
-void CompiledScenario::goal(StateGroup& group, GroupWork& work, int lane,
-                            std::vector<double>& out) const {
+template <class Function>
+void CompiledScenario::ask_goals(StateGroup& group, GroupWork& work, int lane, Function function,
+                                 int size, const char* what, std::vector<double>& out) const {
   const FpEnvironment guard;
   update(group, work, 1u << lane);
-  out.assign(task().goals.size() * 4, 0.0);
-  if (task().kernels.goal == nullptr || out.empty()) return;
+  out.assign(task().goals.size() * static_cast<std::size_t>(size), 0.0);
+  if (function == nullptr || out.empty()) return;
   const auto lanes = static_cast<std::size_t>(group.lanes());
   std::vector<double> values(out.size() * lanes);
   const SkybodyLanes v = view(group, work, 1u << lane);
   call_plugin(
-      task().kernels.goal, task(), group, v,
+      function, task(), group, v,
       [&] {
-        return CallSizes{0, static_cast<int>(out.size()), 0, "goal", values.data()};
+        return CallSizes{0, static_cast<int>(out.size()), 0, what, values.data()};
       },
       values.data());
   for (std::size_t k = 0; k < out.size(); ++k) {
     out[k] = values[k * lanes + static_cast<std::size_t>(lane)];
   }
+}
+
+void CompiledScenario::goal(StateGroup& group, GroupWork& work, int lane,
+                            std::vector<double>& out) const {
+  ask_goals(group, work, lane, task().kernels.goal, 4, "goal", out);
+}
+
+void CompiledScenario::goal_motion(StateGroup& group, GroupWork& work, int lane,
+                                   std::vector<double>& out) const {
+  ask_goals(group, work, lane, task().kernels.goal_motion, 6, "goal motion", out);
 }
 
 void CompiledScenario::hash(const StateGroup& group, int lane, const Rows& rows,

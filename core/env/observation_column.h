@@ -19,6 +19,7 @@ struct ColumnSource {
 struct ObservationColumn {
   std::string name;  ///< unique within the observation
   std::string unit;  ///< SI; empty for a pure number
+  std::string doc;   ///< what the values are; empty: unsaid
   ColumnType type = ColumnType::kFloat32;
   std::vector<int> shape;  ///< {3}: a vector of three values; {48, 64, 3}: an image
   double low = 0.0;        ///< bounds of the values, may be infinite

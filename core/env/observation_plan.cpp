@@ -13,6 +13,7 @@ ObservationColumn to_column(const Channel& channel, ColumnSource source) {
   ObservationColumn column;
   column.name = channel.name;
   column.unit = channel.unit;
+  column.doc = channel.doc;
   column.type = channel.type;
   column.shape = channel.is_image() ? channel.shape : std::vector<int>{channel.count};
   column.low = channel.low;

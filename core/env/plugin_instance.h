@@ -27,6 +27,7 @@ struct Channel {
   bool privileged = false;  ///< of an observation: for a critic only
   ColumnType type = ColumnType::kFloat32;
   std::vector<int> shape = {};  ///< of an image; empty: a vector, whose values lie in lanes
+  std::string doc = {};         ///< what the values are; empty: unsaid
 
   bool is_image() const { return !shape.empty(); }
   int bytes() const { return count * info_of(type).bytes; }

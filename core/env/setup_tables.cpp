@@ -152,6 +152,7 @@ Channel to_channel(const SkybodyChannel& c) {
   Channel channel{c.name, c.unit, c.count, c.low, c.high, c.robot, c.privileged != 0};
   channel.type = static_cast<ColumnType>(c.type);
   channel.shape.assign(c.shape, c.shape + std::clamp(c.rank, 0, 3));
+  channel.doc = c.doc;
   return channel;
 }
 

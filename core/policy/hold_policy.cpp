@@ -64,6 +64,8 @@ std::vector<double> joints_at_reset(const World& world, const CompiledScenario& 
 /// What the loops want, before it is put in the mode's words.
 struct HoldPolicy::Wish {
   V position;           // of the goal, W [m]
+  V velocity;           // of the goal, W [m/s]
+  V acceleration;       // of the goal, W [m/s^2]
   double yaw = 0.0;     // of the goal [rad]
   V force;              // on the whole robot, W [N]
   double thrust = 0.0;  // collective, along the body's z [N]
@@ -76,6 +78,7 @@ struct HoldPolicy::Wish {
 /// One robot's present state and true constants.
 struct HoldPolicy::View : KnownState {
   const std::vector<double>& goals;
+  const std::vector<double>& motions;  // of the goals
   const BodyState& base;
   double mass;              // of the whole robot [kg]
   double base_mass;         // [kg]
@@ -172,12 +175,14 @@ void HoldPolicy::share_loads() {
 void HoldPolicy::act(const Simulation& simulation, std::span<float> action) {
   const std::vector<double> params = simulation.params();
   const std::vector<double> goals = simulation.goals();
+  const std::vector<double> motions = simulation.goal_motions();
   const std::vector<BodyState>& bodies = simulation.bodies();
   const std::vector<int>& first = compiled_.layout().body_params;
   for (const Robot& robot : robots_) {
     const double* base = params.data() + first[static_cast<std::size_t>(robot.base)];
     View view{{compiled_.world(), bodies, params, gravity_of(params)},
               goals,
+              motions,
               bodies[static_cast<std::size_t>(robot.base)],
               0.0,
               base[kMass],
@@ -220,6 +225,9 @@ HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
     const double* g = view.goals.data() + 4 * robot.goal;
     wish.position = {g[0], g[1], g[2]};
     wish.yaw = g[3];
+    const double* m = view.motions.data() + 6 * robot.goal;
+    wish.velocity = {m[0], m[1], m[2]};
+    wish.acceleration = {m[3], m[4], m[5]};
     if (robot.arm.can_reach()) share_reach(robot, view, wish);
   }
   // Thrust carries weight, the wanted acceleration, and what disturbs.
@@ -275,7 +283,8 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
     a.z = -omega * omega * error.z - 2.0 * omega * base.velocity.z;
   } else {
     const V error = limited(wish.position - base.position, kMaxError);
-    a = (omega * omega) * error - (2.0 * omega) * base.velocity;
+    a = (omega * omega) * error + (2.0 * omega) * (wish.velocity - base.velocity) +
+        wish.acceleration;
   }
   const V lateral = limited({a.x, a.y, 0.0}, kMaxLateral);
   return {lateral.x, lateral.y, std::clamp(a.z, -kMaxVertical, kMaxVertical)};
@@ -298,8 +307,9 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
     case SKYBODY_WRENCH:
       return wrench(robot, view, wish);
     case SKYBODY_VELOCITY: {
-      const V v = rotate_inverse(view.base.rotation,
-                                 kPositionBandwidth * limited(p - view.base.position, kMaxError));
+      const V v = rotate_inverse(
+          view.base.rotation,
+          kPositionBandwidth * limited(p - view.base.position, kMaxError) + wish.velocity);
       const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation,
                                 BandwidthScale());
       return {v.x, v.y, v.z, r.x, r.y, r.z};
@@ -324,7 +334,8 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return {a.x, a.y, a.z, wish.yaw};
     }
     case SKYBODY_VELOCITY_TRACKING: {
-      const V v = view.scale.all * kPositionBandwidth * limited(p - view.base.position, kMaxError);
+      const V v = view.scale.all * kPositionBandwidth * limited(p - view.base.position, kMaxError) +
+                  wish.velocity;
       const V r =
           rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, view.scale);
       return {v.x, v.y, v.z, r.z};

@@ -14,7 +14,8 @@ namespace skybody {
 /// Chooses actions for a whole environment; stateless, so it may serve any number of Simulations of
 /// the same environment.
 ///
-/// Position error -> desired acceleration (PD, critically damped) -> thrust direction -> body rates
+/// Position error -> desired acceleration (PD, critically damped, with the goal's own velocity and
+/// acceleration where the task says them) -> thrust direction -> body rates
 /// (proportional on the attitude error) -> collective thrust and body rates (ctbr), which are
 /// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
 /// thrusts, rotor speeds and throttles by the pseudo-inverse of the rotors' geometry, a wrench by

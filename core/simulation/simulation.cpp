@@ -135,6 +135,13 @@ std::vector<double> Simulation::goals() const {
   return out;
 }
 
+std::vector<double> Simulation::goal_motions() const {
+  touch();
+  std::vector<double> out;
+  compiled_->goal_motion(data_->group, *data_->work, 0, out);
+  return out;
+}
+
 std::vector<double> Simulation::state(std::string_view path) const {
   const StateValue& value = compiled_->state_values().at(path);
   std::vector<double> values(static_cast<std::size_t>(value.count()));

@@ -148,6 +148,9 @@ class Simulation {
   std::vector<Contact> contacts() const;
   /// Where the task wants its goals: 4 values each, position (W) [m], yaw [rad].
   std::vector<double> goals() const;
+  /// How they move: 6 values each, velocity (W) [m/s], acceleration (W) [m/s^2]; 0 where the task
+  /// does not say.
+  std::vector<double> goal_motions() const;
 
   /// A value of the state, such as robots.quad.base.position: see CompiledScenario::state_values().
   /// @throws Error with the nearest paths if there is none at `path`

@@ -5,9 +5,9 @@
 
 #include "core/base/hash.h"
 #include "core/base/number_text.h"
-#include "learn/ppo/flushed_denormals.h"
-#include "learn/ppo/slice_plan.h"
-#include "learn/ppo/state_blocks.h"
+#include "learn/common/flushed_denormals.h"
+#include "learn/common/slice_plan.h"
+#include "learn/common/state_blocks.h"
 
 namespace skybody::learn {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "learn/common/task_crew.h"
 #include "learn/gradient/gradient_slice.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
-#include "learn/ppo/task_crew.h"
 
 namespace skybody::learn {
 

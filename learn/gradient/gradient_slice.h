@@ -9,10 +9,10 @@
 
 #include "core/derivative/transition_adjoint.h"
 #include "core/env/group_work.h"
+#include "learn/common/running_moments.h"
 #include "learn/gradient/goal_cost.h"
 #include "learn/learner.h"
 #include "learn/network/network.h"
-#include "learn/ppo/running_moments.h"
 
 namespace skybody::learn {
 

@@ -18,11 +18,6 @@ std::size_t PolicyNetwork::parameter_count() const {
   return std::visit([](const auto& network) { return network.parameter_count(); }, network_);
 }
 
-int PolicyNetwork::state_stride() const {
-  const auto* recurrent = std::get_if<RecurrentNetwork>(&network_);
-  return recurrent == nullptr ? 0 : recurrent->state_stride();
-}
-
 void PolicyNetwork::initialize(std::span<float> parameters, double last_gain, std::uint64_t key,
                                std::uint64_t stream) const {
   std::visit([&](const auto& network) { network.initialize(parameters, last_gain, key, stream); },

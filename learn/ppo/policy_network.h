@@ -38,8 +38,6 @@ class PolicyNetwork {
   /// Without a memory: of 0 units.
   const RecurrentShape& shape() const { return shape_; }
   std::size_t parameter_count() const;
-  /// Floats that are remembered of each row of a step; 0: there is no memory.
-  int state_stride() const;
   void initialize(std::span<float> parameters, double last_gain, std::uint64_t key,
                   std::uint64_t stream) const;
   void transpose(std::span<const float> parameters, Transposed& transposed) const;

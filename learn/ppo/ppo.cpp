@@ -105,20 +105,46 @@ LearnerState Ppo::state() const {
   return state;
 }
 
+/// Sizes are checked before anything changes. What environments' words mean is known to those who
+/// hold them alone: where one refuses, the others get back what they had.
 void Ppo::restore(const LearnerState& state) {
   driver_.check(state.blocks);
   for (int k = 0; k < slices_->count(); ++k) slices_->check(k, state.blocks);
-  std::span<const std::uint64_t> words = state.environments;
-  for (int k = 0; k < slices_->count(); ++k) {
+  check_environments(state.environments);
+  const LearnerState before = this->state();
+  try {
+    restore_slices(state);
+  } catch (...) {
+    restore_slices(before);
+    throw;
+  }
+  driver_.restore(state.blocks);
+}
+
+/// Whether the words are those of as many slices as there are.
+void Ppo::check_environments(std::span<const std::uint64_t> words) const {
+  const int slices = slices_->count();
+  for (int k = 0; k < slices; ++k) {
     if (words.empty() || words[0] > words.size() - 1) {
       throw Error("the checkpoint's environments end after slice " + std::to_string(k) + " of " +
-                  std::to_string(slices_->count()) + ": it is damaged, or another learner's");
+                  std::to_string(slices) + ": it is damaged, or another learner's");
     }
+    words = words.subspan(1 + words[0]);
+  }
+  if (!words.empty()) {
+    throw Error("the checkpoint's environments go on for " + std::to_string(words.size()) +
+                " words after the last of " + std::to_string(slices) +
+                " slices: it is damaged, or another learner's");
+  }
+}
+
+void Ppo::restore_slices(const LearnerState& state) {
+  std::span<const std::uint64_t> words = state.environments;
+  for (int k = 0; k < slices_->count(); ++k) {
     const std::size_t count = words[0];
     slices_->restore(k, state.blocks, words.subspan(1, count));
     words = words.subspan(1 + count);
   }
-  driver_.restore(state.blocks);
 }
 
 }  // namespace skybody::learn

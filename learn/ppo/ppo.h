@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "learn/common/task_crew.h"
 #include "learn/learner.h"
 #include "learn/ppo/ppo_driver.h"
 #include "learn/ppo/slice_holder.h"
-#include "learn/ppo/task_crew.h"
 
 namespace skybody::learn {
 
@@ -36,6 +36,8 @@ class Ppo : public Learner {
 
  private:
   void update();
+  void check_environments(std::span<const std::uint64_t> words) const;
+  void restore_slices(const LearnerState& state);
   void add_episodes(Report& report) const;
   SliceSums sums_of(std::span<const double> SliceOutputs::*sums);
   SliceGradients gradients_of(std::span<const float> SliceOutputs::*gradient,

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "core/io/policy_file.h"
+#include "learn/common/running_moments.h"
+#include "learn/common/state_blocks.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
-#include "learn/ppo/running_moments.h"
-#include "learn/ppo/state_blocks.h"
 
 namespace skybody::learn {
 

@@ -7,10 +7,10 @@
 
 #include "core/base/isa.h"
 #include "core/env/compiled_scenario.h"
+#include "learn/common/slice_plan.h"
 #include "learn/hyperparameters.h"
 #include "learn/learner.h"
 #include "learn/ppo/agent_table.h"
-#include "learn/ppo/slice_plan.h"
 
 namespace skybody::learn {
 

@@ -9,13 +9,13 @@
 
 #include "core/base/aligned_array.h"
 #include "core/batch/pool.h"
+#include "learn/common/state_blocks.h"
 #include "learn/ppo/gaussian.h"
 #include "learn/ppo/normalizer.h"
 #include "learn/ppo/policy_loss.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
-#include "learn/ppo/state_blocks.h"
 
 namespace skybody::learn {
 

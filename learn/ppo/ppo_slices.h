@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
+#include "learn/common/state_blocks.h"
+#include "learn/common/task_crew.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
 #include "learn/ppo/ppo_slice.h"
 #include "learn/ppo/slice_holder.h"
-#include "learn/ppo/state_blocks.h"
-#include "learn/ppo/task_crew.h"
 
 namespace skybody::learn {
 
@@ -27,7 +27,6 @@ class PpoSlices : public SliceHolder {
   /// @param crew  outlives this; may serve others between calls
   PpoSlices(std::shared_ptr<const PpoSetup> setup, int first, int count, TaskCrew& crew);
 
-  int first() const { return first_; }
   int count() const override { return static_cast<int>(slices_.size()); }
   void collect(const RolloutInputs& inputs, const PpoNetworks& networks) override;
   void find_advantages(double reward_scale, const PpoNetworks& networks) override;
@@ -43,7 +42,6 @@ class PpoSlices : public SliceHolder {
   const PpoSlice& slice(int k) const { return *slices_[static_cast<std::size_t>(k)]; }
 
  private:
-  int first_;
   TaskCrew& crew_;
   std::vector<std::unique_ptr<PpoSlice>> slices_;
   std::vector<std::unique_ptr<SliceScratch>> scratch_;  ///< of each thread of the crew

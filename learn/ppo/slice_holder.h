@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "learn/common/state_blocks.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
-#include "learn/ppo/state_blocks.h"
 
 namespace skybody::learn {
 

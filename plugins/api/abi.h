@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 #define SKYBODY_ABI_MAGIC UINT64_C(0x59444f4259424b53) /* "SKBYBODY", little endian */
-#define SKYBODY_ABI_VERSION 4u
+#define SKYBODY_ABI_VERSION 5u
 #define SKYBODY_GROUP_LANES 32u   /* lanes of a full group; the only other number of lanes is 1 */
 #define SKYBODY_CONTACT_VALUES 7  /* per body in SkybodyLanes::contacts */
 #define SKYBODY_REACTION_VALUES 6 /* per joint in SkybodyLanes::joint_reactions */
@@ -255,6 +255,7 @@ typedef struct SkybodyChannel {
   uint32_t type;       /* SkybodyColumnType; of a vector SKYBODY_FLOAT32 */
   int32_t rank;        /* 0: a vector; 1 to 3: an image of `count` values, the product of extents */
   int32_t shape[3];    /* its first `rank` are the extents, the last one varies fastest */
+  const char* doc;     /* what the values are, for tables of observations and infos; "": unsaid */
 } SkybodyChannel;
 
 /* What a body may touch. */
@@ -464,6 +465,9 @@ typedef struct SkybodyKernels {
   /* tasks: optional; 4 values per declared goal: position (W) [m], yaw [rad] */
   void (*goal)(const void* self, const SkybodyLanes* lanes, const uint64_t* state,
                const double* buffer, double* goal);
+  /* tasks: optional; how the goals move: 6 values each: velocity (W) [m/s], acceleration [m/s^2] */
+  void (*goal_motion)(const void* self, const SkybodyLanes* lanes, const uint64_t* state,
+                      const double* buffer, double* motion);
 } SkybodyKernels;
 
 typedef struct SkybodyPlugin {

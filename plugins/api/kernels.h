@@ -200,9 +200,9 @@ struct Evaluate {
   }
 };
 
-/// Lane by lane on every instruction set. Reads the state only: a goal can be asked for at any
-/// time.
-template <class T>
+/// goal() or goal_motion(): lane by lane on every instruction set. Reads the state only: a goal can
+/// be asked for at any time.
+template <class Method, class T>
 void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const double* buffer,
           double* goal) {
   for (std::uint32_t first = 0; first < l->lanes; ++first) {
@@ -210,9 +210,9 @@ void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const do
     const EnvView<double> env(*l, first, true);
     StateOf<T, double> state;
     load_state<T, double>(state, s, first, l->lanes);
-    call<GoalMethod>(self<T>(p), env, std::as_const(state),
-                     Views::buffer(env, const_cast<double*>(buffer), first, false),
-                     Views::output(env, goal, first, true));
+    call<Method>(self<T>(p), env, std::as_const(state),
+                 Views::buffer(env, const_cast<double*>(buffer), first, false),
+                 Views::output(env, goal, first, true));
   }
 }
 
@@ -233,7 +233,11 @@ constexpr SkybodyKernels kernels_of(Isa isa) {
       if constexpr (N == SKYBODY_NUMBER_REAL && kHas<RandomizeMethod, T, double>) {
         k.randomize = kernel<Randomize<T, N>>(isa);
       }
-      if constexpr (N == SKYBODY_NUMBER_REAL && kHas<GoalMethod, T, double>) k.goal = &goal<T>;
+      if constexpr (N == SKYBODY_NUMBER_REAL && kHas<GoalMethod, T, double>)
+        k.goal = &goal<GoalMethod, T>;
+      if constexpr (N == SKYBODY_NUMBER_REAL && kHas<GoalMotionMethod, T, double>) {
+        k.goal_motion = &goal<GoalMotionMethod, T>;
+      }
     }
   }
   return k;

@@ -56,6 +56,7 @@ SKYBODY_PLUGIN_METHOD(ApplyMethod, apply, SKYBODY_STATE, Held<Real>&);
 SKYBODY_PLUGIN_METHOD(ProcessMethod, process, SKYBODY_STATE, ConstValues<Real>, Values<Real>);
 SKYBODY_PLUGIN_METHOD(EvaluateMethod, evaluate, SKYBODY_STATE, Evaluation<Real>&);
 SKYBODY_PLUGIN_METHOD(GoalMethod, goal, SKYBODY_CONST_STATE, Values<Real>);
+SKYBODY_PLUGIN_METHOD(GoalMotionMethod, goal_motion, SKYBODY_CONST_STATE, Values<Real>);
 #undef SKYBODY_CONST_STATE
 #undef SKYBODY_STATE
 #undef SKYBODY_PLUGIN_METHOD
@@ -203,6 +204,9 @@ constexpr void check_class() {
     static_assert(is_sound<GoalMethod, T, false>(),
                   "goal() must be `void goal(const EnvView<double>&, const State<double>&, "
                   "Values<double> goal) const`, public and const");
+    static_assert(is_sound<GoalMotionMethod, T, false>(),
+                  "goal_motion() must be `void goal_motion(const EnvView<double>&, const "
+                  "State<double>&, Values<double> motion) const`, public and const");
   }
 }
 

@@ -336,6 +336,11 @@ class Evaluation {
 /// Required after Setup::goal(); position (W) [m] and yaw [rad], four values for each goal in
 /// order, for tables and the `hold` baseline. For plain double:
 ///   void goal(const EnvView<double>& env, const State<double>& state, Values<double> goal) const;
+///
+/// Optional where goals move; velocity (W) [m/s] and acceleration (W) [m/s^2], six values for each
+/// goal in order, which the `hold` baseline feeds forward. For plain double:
+///   void goal_motion(const EnvView<double>& env, const State<double>& state,
+///                    Values<double> motion) const;
 class Task : public Plugin {
  public:
   static constexpr SkybodyKind kKind = SKYBODY_TASK;

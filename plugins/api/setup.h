@@ -144,11 +144,12 @@ class Setup {
   /// Sensors and tasks: a part of the output or observation, in order: `count` values in `unit`,
   /// with bounds for the space (infinite where there are none).
   /// @param robot  whose own observation it belongs to, -1: every robot's
+  /// @param doc    what the values are, for tables of columns
   void channel(const std::string& name, const std::string& unit, int count, double low, double high,
-               int robot = -1) const;
+               int robot = -1, const std::string& doc = "") const;
   /// The same for a critic only: an observed value that the policy does not see.
   void privileged_channel(const std::string& name, const std::string& unit, int count, double low,
-                          double high, int robot = -1) const;
+                          double high, int robot = -1, const std::string& doc = "") const;
   /// Sensors: an image, which is written through EnvView::pixels(). It is no value of
   /// EnvView::sensor().
   /// @tparam T     std::uint8_t, std::uint16_t or float
@@ -159,7 +160,8 @@ class Setup {
                  double low = kLeast<T>, double high = kGreatest<T>) const;
   /// Tasks: `count` values beside the observation (Evaluation::info), in order: what an evaluation
   /// asks for, such as a position error.
-  void info(const std::string& name, const std::string& unit, int count) const;
+  void info(const std::string& name, const std::string& unit, int count,
+            const std::string& doc = "") const;
   /// Controllers, sensors, effects: likewise; the values are words `first` to `first + count - 1`
   /// of the buffer. Their name becomes INSTANCE.NAME.
   void report(const std::string& name, const std::string& unit, int count, int first) const;

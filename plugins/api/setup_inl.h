@@ -109,21 +109,24 @@ inline void Setup::output(Signal signal, int count, int robot) const {
 }
 
 inline void Setup::channel(const std::string& name, const std::string& unit, int count, double low,
-                           double high, int robot) const {
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 0, 0, 0, {}};
+                           double high, int robot, const std::string& doc) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 0, 0, 0,
+                               {},           doc.c_str()};
   declare_.channel(declare_.host, &channel);
 }
 
 inline void Setup::privileged_channel(const std::string& name, const std::string& unit, int count,
-                                      double low, double high, int robot) const {
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 1, 0, 0, {}};
+                                      double low, double high, int robot,
+                                      const std::string& doc) const {
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 1, 0, 0,
+                               {},           doc.c_str()};
   declare_.channel(declare_.host, &channel);
 }
 
 template <class T>
 Image<T> Setup::image(const std::string& name, const std::vector<int>& shape, int robot, double low,
                       double high) const {
-  SkybodyChannel channel{name.c_str(), "", 1, low, high, robot, 0, 0, 0, {}};
+  SkybodyChannel channel{name.c_str(), "", 1, low, high, robot, 0, 0, 0, {}, ""};
   if (shape.empty() || shape.size() > std::size(channel.shape)) {
     throw std::logic_error("image(): `" + name + "` needs one to three extents");
   }
@@ -138,10 +141,11 @@ Image<T> Setup::image(const std::string& name, const std::vector<int>& shape, in
   return {offset, channel.count};
 }
 
-inline void Setup::info(const std::string& name, const std::string& unit, int count) const {
+inline void Setup::info(const std::string& name, const std::string& unit, int count,
+                        const std::string& doc) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const SkybodyChannel channel{
-      name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0, 0, 0, {}};
+  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0, 0, 0,
+                               {},           doc.c_str()};
   declare_.info(declare_.host, &channel);
 }
 
@@ -149,13 +153,14 @@ inline void Setup::report(const std::string& name, const std::string& unit, int 
                           int first) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const SkybodyChannel channel{
-      name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0, 0, 0, {}};
+      name.c_str(), unit.c_str(), count, -infinity, infinity, -1, 0, 0, 0, {}, ""};
   declare_.report(declare_.host, &channel, first);
 }
 
 inline void Setup::action(const std::string& name, const std::string& unit, int count, double low,
                           double high, int robot) const {
-  const SkybodyChannel channel{name.c_str(), unit.c_str(), count, low, high, robot, 0, 0, 0, {}};
+  const SkybodyChannel channel{
+      name.c_str(), unit.c_str(), count, low, high, robot, 0, 0, 0, {}, ""};
   declare_.action(declare_.host, &channel);
 }
 

@@ -119,7 +119,8 @@ std::string kernels_problem(const SkybodyPlugin& plugin) {
     if ((k.reset == nullptr) != (first.reset == nullptr) ||
         (k.process == nullptr) != (first.process == nullptr) ||
         (k.randomize == nullptr) != (first.randomize == nullptr) ||
-        (k.goal == nullptr) != (first.goal == nullptr)) {
+        (k.goal == nullptr) != (first.goal == nullptr) ||
+        (k.goal_motion == nullptr) != (first.goal_motion == nullptr)) {
       return "has other functions for " + isa + " than for " + name(kIsas[0]);
     }
   }
@@ -129,7 +130,7 @@ std::string kernels_problem(const SkybodyPlugin& plugin) {
 bool has_any_function(const SkybodyKernels& k) {
   return k.reset != nullptr || k.control != nullptr || k.sense != nullptr ||
          k.randomize != nullptr || k.process != nullptr || k.apply != nullptr ||
-         k.evaluate != nullptr || k.goal != nullptr;
+         k.evaluate != nullptr || k.goal != nullptr || k.goal_motion != nullptr;
 }
 
 /// Functions on dual numbers: none at all, or for every instruction set the same as on real
@@ -141,7 +142,8 @@ std::string dual_kernels_problem(const SkybodyPlugin& plugin) {
   for (int i = 0; i < kIsaCount; ++i) {
     const SkybodyKernels& k = duals[i];
     const std::string what = " on dual numbers for " + std::string(name(kIsas[i]));
-    if (k.sense != nullptr || k.randomize != nullptr || k.goal != nullptr) {
+    if (k.sense != nullptr || k.randomize != nullptr || k.goal != nullptr ||
+        k.goal_motion != nullptr) {
       return "has a sense, randomize or goal function" + what + ", which nobody calls";
     }
     if (!has_step_function(k, plugin.kind)) return no_step_function(plugin) + what;

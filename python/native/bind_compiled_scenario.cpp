@@ -24,13 +24,14 @@ struct PlacedChannel {
   int first = 0, count = 0;
   double low = 0.0, high = 0.0;
   int robot = -1;
+  std::string doc;
 };
 
 std::vector<PlacedChannel> placed(const std::vector<Channel>& channels) {
   std::vector<PlacedChannel> list;
   int first = 0;
   for (const Channel& c : channels) {
-    list.push_back({c.name, c.unit, first, c.count, c.low, c.high, c.robot});
+    list.push_back({c.name, c.unit, first, c.count, c.low, c.high, c.robot, c.doc});
     first += c.count;
   }
   return list;
@@ -41,7 +42,7 @@ std::vector<PlacedChannel> observation_channels(const CompiledScenario& compiled
   std::vector<PlacedChannel> list;
   for (const ObservationColumn& c : compiled.columns()) {
     if (c.privileged || c.image >= 0) continue;
-    list.push_back({c.name, c.unit, c.first, c.count(), c.low, c.high, c.robot});
+    list.push_back({c.name, c.unit, c.first, c.count(), c.low, c.high, c.robot, c.doc});
   }
   return list;
 }
@@ -79,6 +80,8 @@ void bind_column(nb::module_& m) {
           "name", [](const C& c) { return c.column.name; }, "Name, such as `velocity`.")
       .def_prop_ro(
           "unit", [](const C& c) { return c.column.unit; }, "SI unit; empty for a pure number.")
+      .def_prop_ro(
+          "doc", [](const C& c) { return c.column.doc; }, "What the values are; empty: unsaid.")
       .def_prop_ro(
           "dtype", [](const C& c) { return info_of(c.column.type).name; },
           "NumPy's name of the type: `float32`, or of an image `uint8`, `uint16` as well.")
@@ -118,6 +121,7 @@ void bind_channels(nb::module_& m) {
       .def_ro("high", &PlacedChannel::high, "Greatest value that it takes; may be inf.")
       .def_ro("robot", &PlacedChannel::robot,
               "Index of the robot whose own observation it belongs to; -1: every robot's.")
+      .def_ro("doc", &PlacedChannel::doc, "What the values are; empty: unsaid.")
       .def("__repr__", [](const PlacedChannel& c) {
         return "Channel(" + c.name + "[" + std::to_string(c.count) + "] from " +
                std::to_string(c.first) + (c.unit.empty() ? "" : ", " + c.unit) + ")";

@@ -194,6 +194,13 @@ void bind_motion(Class& c) {
       nb::sig("def goals(self) -> numpy.typing.NDArray[numpy.float64]"),
       "(4 * goals,) float64, a copy: where the task wants its bodies, position (world) "
       "[m] and yaw [rad] each.");
+  c.def_prop_ro(
+      "goal_motions",
+      [](S& s) { return s.look([](Simulation& sim) { return row(sim.goal_motions()); }); },
+      nb::sig("def goal_motions(self) -> numpy.typing.NDArray[numpy.float64]"),
+      "(6 * goals,) float64, a copy: how these places move, velocity (world) [m/s] and "
+      "acceleration "
+      "(world) [m/s^2] each; 0 where the task does not say.");
 }
 
 void bind_params(Class& c) {

@@ -5,6 +5,7 @@ namespace skybody::python {
 NB_MODULE(_native, m) {
   m.doc() = "Skybody's engine. Use it through the package `skybody`.";
   bind_errors(m);
+  bind_settings(m);
   bind_shapes(m);
   bind_compiled_scenario(m);
   bind_batch(m);

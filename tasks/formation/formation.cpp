@@ -1,28 +1,38 @@
 // The paper's formation task: N robots stand on a polygon about a target, level and facing forward.
-#include <vector>
+#include <skybody/task_kit.h>
 
-#include "tasks/common/flight.h"
+#include <vector>
 
 namespace skybody {
 namespace {
+
+using namespace task_kit;
 
 class Formation : public Task {
  public:
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    flight::require_box(target_min_, target_max_);
-    drawn_target_ = flight::announce_drawn(setup, target_);
+    require_box(target_min_, target_max_, "target");
+    drawn_target_ = announce_drawn(setup, target_);
     add_robots(setup);
     set_places();
-    tilt_cosine_ = flight::tilt_cosine_limit(tilt_max_.value());
+    tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
     farthest_ = distance_max_.value() > 0.0 ? distance_max_.value() : kInfinity;
     for (int i = 0; i < count(); ++i) declare_observation(setup, i);
     for (const Robot& robot : robots_) setup.goal(robot.index, robot.body);
     setup.robot_rewards();
-    setup.info("formation_error", "m", 1);
-    setup.info("centroid_error", "m", 1);
-    setup.info("nearest_distance", "m", 1);
+    error_info_ =
+        infos_.add(setup, "formation_error", "m",
+                   "Hausdorff distance of the robots from the places about their centroid");
+    centroid_info_ =
+        infos_.add(setup, "centroid_error", "m", "distance of the centroid from the target");
+    nearest_info_ = infos_.add(setup, "nearest_distance", "m", "of any two robots");
+    tilt_failure_ = declare_failure(setup, infos_, "tilt", "a robot beyond `tilt_max`");
+    distance_failure_ = declare_failure(setup, infos_, "distance", "a robot beyond `distance_max`");
+    separation_failure_ =
+        declare_failure(setup, infos_, "separation", "two robots closer than `separation_min`");
+    success_ = declare_success(setup, infos_, "`formation_error` is below `success_error`");
   }
 
   /// A target in the box, unless the scenario gives one.
@@ -30,10 +40,7 @@ class Formation : public Task {
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     if (drawn_target_ < 0) return;
     Random<Real> draw = random(env);
-    Real drawn[3];
-    for (int k = 0; k < 3; ++k)
-      drawn[k] = draw.uniform(Real(target_min_.value(k)), Real(target_max_.value(k)));
-    Vec3<Real> target{drawn[0], drawn[1], drawn[2]};
+    Vec3<Real> target = draw_in_box(draw, target_min_, target_max_);
     if (relative_.value()) target += env.body(robots_[0].body).position;
     target.z = max(target.z, Real(min_height_.value()));
     start.params.set(drawn_target_, target);
@@ -47,7 +54,7 @@ class Formation : public Task {
     const Real centroid_error = norm(centroid - target);
     const Real arrival = exp(-centroid_error);
     Real nearest(kInfinity), forward(0.0);
-    MaskOf<Real> failed(false);
+    MaskOf<Real> tilted(false), away(false);
     for (int i = 0; i < count(); ++i) {
       const BodyMotion<Real> body = motion(env, i);
       const Real own_nearest = nearest_distance<Real>(out.observation, i);
@@ -56,14 +63,20 @@ class Formation : public Task {
       out.set_reward(at(i).index, reward(own_nearest, own_error, arrival, own_forward));
       nearest = min(nearest, own_nearest);
       forward += own_forward;
-      failed = logical_or(failed, left(body, target));
+      tilted = logical_or(tilted, tilt_cosine(body.rotation) < tilt_cosine_);
+      away = logical_or(away, norm(body.position - target) > farthest_);
     }
     const Real error = hausdorff_distance(env, centroid);
     out.set_reward(reward(nearest, error, arrival, forward / static_cast<double>(count())));
-    out.terminate(logical_or(failed, nearest < separation_min_.value()));
-    out.info.set(0, error);
-    out.info.set(1, centroid_error);
-    out.info.set(2, nearest);
+    Verdict<Real> verdict(out);
+    verdict.fail(tilt_failure_, tilted);
+    verdict.fail(distance_failure_, away);
+    verdict.fail(separation_failure_, nearest < separation_min_.value());
+    verdict.succeed(success_, error < success_error_.value());
+    verdict.close();
+    error_info_.set(out.info, error);
+    centroid_info_.set(out.info, centroid_error);
+    nearest_info_.set(out.info, nearest);
   }
 
   template <class Real>
@@ -75,23 +88,27 @@ class Formation : public Task {
   }
 
  private:
-  static constexpr int kSelf = 18, kOther = 16;  // values of the observation
-  static constexpr int kDistance = 3;            // among those of another robot
   static constexpr int kCentered = 5;            // robots from which on one stands in the centre
   static constexpr double kErrorWeight = 2.56;   // (1.6)^2 [1/m^2]
   static constexpr double kSafeDistance = 0.5;   // [m] below, neighbours cost reward
   static constexpr double kArrivalReward = 0.4;  // for being near without the formation
 
+  /// What a robot sees of another one.
+  struct Sight {
+    Part offset, distance, velocity, rotation;
+  };
   struct Robot {
     int index, body;
     std::string name;
-    Vec3<double> place;  ///< from the target [m]
+    Vec3<double> place = {};  ///< from the target [m]
+    Part target_error = {}, velocity = {}, rotation = {}, angular_velocity = {};
+    std::vector<Sight> others = {};  ///< in the order of robots_, itself left out
   };
 
   int count() const { return static_cast<int>(robots_.size()); }
-  /// Where the observation has what robot i sees of its n-th other one.
-  int seen_by(int i, int n) const {
-    return (kSelf + kOther * (count() - 1)) * i + kSelf + kOther * n;
+  /// What robot i sees of robot j.
+  const Sight& sight(int i, int j) const {
+    return at(i).others[static_cast<std::size_t>(j < i ? j : j - 1)];
   }
   const Robot& at(int i) const { return robots_[static_cast<std::size_t>(i)]; }
 
@@ -108,7 +125,7 @@ class Formation : public Task {
                                  "` takes no action, so that it cannot fly to its place: give it a "
                                  "controller, such as `rotor_speed`, that no team feeds");
       }
-      robots_.push_back({r, info.first_body, info.name, {}});
+      robots_.push_back({r, info.first_body, info.name});
     }
   }
 
@@ -124,20 +141,24 @@ class Formation : public Task {
     }
   }
 
-  void declare_observation(const Setup& setup, int i) const {
-    const std::string self = at(i).name + ".";
-    const int r = at(i).index;
-    setup.channel(self + "target_error", "m", 3, -kInfinity, kInfinity, r);
-    setup.channel(self + "velocity", "m/s", 3, -kInfinity, kInfinity, r);
-    setup.channel(self + "rotation", "", 9, -1.0, 1.0, r);
-    setup.channel(self + "angular_velocity", "rad/s", 3, -kInfinity, kInfinity, r);
+  void declare_observation(const Setup& setup, int i) {
+    Robot& robot = robots_[static_cast<std::size_t>(i)];
+    const auto part = [&](const std::string& name, const char* unit, int count, const char* doc,
+                          double low = -kInfinity, double high = kInfinity) {
+      return observation_.add(setup,
+                              {robot.name + "." + name, unit, count, doc, low, high, robot.index});
+    };
+    robot.target_error = part("target_error", "m", 3, "target - p, W");
+    robot.velocity = part("velocity", "m/s", 3, "of the base's frame, W");
+    robot.rotation = part("rotation", "", 9, "matrix W from B, row by row", -1.0, 1.0);
+    robot.angular_velocity = part("angular_velocity", "rad/s", 3, "B");
     for (const Robot& other : robots_) {
-      if (other.index == r) continue;
-      const std::string prefix = self + other.name + ".";
-      setup.channel(prefix + "offset", "m", 3, -kInfinity, kInfinity, r);
-      setup.channel(prefix + "distance", "m", 1, 0.0, kInfinity, r);
-      setup.channel(prefix + "velocity", "m/s", 3, -kInfinity, kInfinity, r);
-      setup.channel(prefix + "rotation", "", 9, -1.0, 1.0, r);
+      if (other.index == robot.index) continue;
+      const std::string of = other.name + ".";
+      robot.others.push_back({part(of + "offset", "m", 3, "p of the other - p, W"),
+                              part(of + "distance", "m", 1, "its length", 0.0),
+                              part(of + "velocity", "m/s", 3, "of the other, W"),
+                              part(of + "rotation", "", 9, "of the other, as above", -1.0, 1.0)});
     }
   }
 
@@ -153,31 +174,24 @@ class Formation : public Task {
   }
 
   template <class Real>
-  void observe(const EnvView<Real>& env, const Vec3<Real>& target, Values<Real> observation) const {
+  void observe(const EnvView<Real>& env, const Vec3<Real>& target, Values<Real> row) const {
     for (int j = 0; j < count(); ++j) {  // what all others see of it is the same
       const BodyMotion<Real> seen = motion(env, j);
       const Mat3<Real> rotation = to_mat3(seen.rotation);
-      const int self = seen_by(j, 0) - kSelf;
-      observation.set(self, target - seen.position);
-      observation.set(self + 3, seen.velocity);
-      set_rotation(observation, self + 6, rotation);
-      observation.set(self + 15, seen.angular_velocity);
+      at(j).target_error.set(row, target - seen.position);
+      at(j).velocity.set(row, seen.velocity);
+      at(j).rotation.set(row, rotation);
+      at(j).angular_velocity.set(row, seen.angular_velocity);
       for (int i = 0; i < count(); ++i) {
         if (i == j) continue;
-        const int k = seen_by(i, j < i ? j : j - 1);
+        const Sight& to = sight(i, j);
         const Vec3<Real> offset = seen.position - motion(env, i).position;
-        observation.set(k, offset);
-        observation.set(k + kDistance, norm(offset));
-        observation.set(k + 4, seen.velocity);
-        set_rotation(observation, k + 7, rotation);
+        to.offset.set(row, offset);
+        to.distance.set(row, norm(offset));
+        to.velocity.set(row, seen.velocity);
+        to.rotation.set(row, rotation);
       }
     }
-  }
-
-  template <class Real>
-  static SKYBODY_INLINE void set_rotation(Values<Real> observation, int k,
-                                          const Mat3<Real>& rotation) {
-    for (int n = 0; n < 9; ++n) observation.set(k + n, rotation.m[n]);
   }
 
   /// x of the body's x axis: 1 facing along W's x, level.
@@ -197,8 +211,8 @@ class Formation : public Task {
   template <class Real>
   SKYBODY_INLINE Real nearest_distance(const Values<Real>& observation, int i) const {
     Real nearest(kInfinity);
-    for (int n = 0; n < count() - 1; ++n) {
-      nearest = min(nearest, observation[seen_by(i, n) + kDistance]);
+    for (const Sight& other : at(i).others) {
+      nearest = min(nearest, observation[other.distance.first()]);
     }
     return nearest;
   }
@@ -227,14 +241,8 @@ class Formation : public Task {
                                     const Real& forward) {
     const Real ratio = nearest / kSafeDistance;
     const Real separation = min(ratio * ratio, Real(1.0));
-    const Real formation = flight::closeness(error * error, kErrorWeight);
+    const Real formation = closeness(error * error, kErrorWeight);
     return separation * (formation + formation * (arrival + forward) + kArrivalReward * arrival);
-  }
-
-  template <class Real>
-  SKYBODY_INLINE MaskOf<Real> left(const BodyMotion<Real>& body, const Vec3<Real>& target) const {
-    return logical_or(tilt_cosine(body.rotation) < tilt_cosine_,
-                      norm(body.position - target) > farthest_);
   }
 
   RealParameter radius_{this,
@@ -290,7 +298,18 @@ class Formation : public Task {
                                .value = 0.0,
                                .min = 0.0,
                                .doc = "or is farther than this from the target; 0: never"}};
+  RealParameter success_error_{
+      this,
+      {.name = "success_error",
+       .unit = "m",
+       .value = 0.3,
+       .min = 0.0,
+       .doc = "below this `formation_error` the formation stands (info `success`)"}};
 
+  ObservationParts observation_;
+  InfoParts infos_;
+  Part error_info_, centroid_info_, nearest_info_;
+  Part tilt_failure_, distance_failure_, separation_failure_, success_;
   std::vector<Robot> robots_;
   int drawn_target_ = -1;  ///< first EnvParam of a target that is drawn; -1: the scenario's
   double tilt_cosine_ = -2.0, farthest_ = kInfinity;

@@ -1,19 +1,20 @@
 // The paper's hover task for one robot, or for a team that holds a formation.
-#include <vector>
+#include <skybody/task_kit.h>
 
-#include "tasks/common/flight.h"
+#include <vector>
 
 namespace skybody {
 namespace {
+
+using namespace task_kit;
 
 class Hover : public Task {
  public:
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    flight::require_box(target_min_, target_max_);
-    drawn_target_ = flight::announce_drawn(setup, target_);
-    limits_ = limit_parameters_.limits();
+    require_box(target_min_, target_max_, "target");
+    drawn_target_ = announce_drawn(setup, target_);
     is_shaped_ = approach_reward_.value() != 0.0 || precision_reward_.value() != 0.0 ||
                  heading_reward_.value() != 0.0 || tilt_cost_.value() != 0.0 ||
                  failure_reward_.value() != 0.0;
@@ -31,7 +32,10 @@ class Hover : public Task {
     }
     set_offsets();
     if (team) setup.robot_rewards();
-    setup.buffer(history_);
+    limits_.configure(setup, infos_);
+    success_ =
+        declare_success(setup, infos_, "every robot is within `success_distance` of its place");
+    setup.buffer(memory_.size());
   }
 
   /// A target in the box, unless the scenario gives one.
@@ -39,58 +43,50 @@ class Hover : public Task {
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
     if (drawn_target_ < 0) return;
     Random<Real> draw = random(env);
-    for (int k = 0; k < 4; ++k) {
-      const double low = k < 3 ? target_min_.value(k) : -target_yaw_.value();
-      const double high = k < 3 ? target_max_.value(k) : target_yaw_.value();
-      start.params.set(drawn_target_ + k, draw.uniform(Real(low), Real(high)));
-    }
+    start.params.set(drawn_target_, draw_in_box(draw, target_min_, target_max_));
+    const Real yaw_limit(target_yaw_.value());
+    start.params.set(drawn_target_ + 3, draw.uniform(-yaw_limit, yaw_limit));
   }
 
   template <class Real>
   void reset(const EnvView<Real>&, State<Real>&, Values<Real> buffer) const {
-    for (int k = 0; k < history_; ++k) buffer.set(k, Real(-1.0));
+    for (const Robot& robot : robots_) {
+      robot.past_actions.fill(buffer, [](int) { return Real(-1.0); });
+    }
   }
 
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out,
                 Values<Real> buffer) const {
-    remember(env, buffer);
     const Real target_yaw = target_(env, 3);
-    Real reward(0.0);
-    MaskOf<Real> failed(false);
-    int at = 0, info = 0;
+    Real reward(0.0), farthest(0.0);
+    PassedLimits<Real> passed;
     for (const Robot& robot : robots_) {
       const BodyMotion<Real> body = env.body(robot.body);
       const Vec3<Real> error = target_of(robot, env) - body.position;
       const Real yaw_error = wrap_angle(target_yaw - yaw(body.rotation));
-      out.observation.set(at, error);
-      out.observation.set(at + 3, yaw_error);
-      out.observation.set(at + 4, body.velocity);
-      out.observation.set(at + 7, flight::canonical(body.rotation));
-      out.observation.set(at + 11, body.angular_velocity);
-      at += 14;
-      for (int k = 0; k < 2 * robot.actions; ++k)
-        out.observation.set(at++, buffer[robot.history + k]);
+      remember(env, robot, buffer);
+      observe(robot, body, error, yaw_error, buffer, out.observation);
       if (out.wants_info()) {
-        out.info.set(info++, norm(error));
-        out.info.set(info++, abs(yaw_error));
-        out.info.set(info++, flight::tilt(body.rotation));
-        out.info.set(info++, norm(body.velocity));
+        const Real distance = norm(error);
+        farthest = max(farthest, distance);
+        robot.distance_info.set(out.info, distance);
+        robot.yaw_info.set(out.info, abs(yaw_error));
+        robot.tilt_info.set(out.info, tilt(body.rotation));
+        robot.speed_info.set(out.info, norm(body.velocity));
       }
-      const MaskOf<Real> robot_failed = flight::failed(body, limits_);
-      Real own = flight::closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
-                 kRateReward * flight::closeness(squared_norm(body.angular_velocity), 1.0);
-      if (is_shaped_) {
-        own = own + shaping(norm(error), yaw_error) - tilt_cost(body.rotation) +
-              select(robot_failed, Real(failure_reward_.value()), Real(0.0));
-      }
+      const PassedLimits<Real> own_passed = limits_.passed(body);
+      const Real own = reward_of(body, error, yaw_error, own_passed.any());
       if (robots_.size() > 1) out.set_reward(robot.index, own);
       reward += own;
-      failed = logical_or(failed, robot_failed);
+      passed.add(own_passed);
     }
     if (robots_.size() > 1) reward = reward / static_cast<double>(robots_.size());
     out.set_reward(reward);
-    out.terminate(failed);
+    Verdict<Real> verdict(out);
+    limits_.judge(verdict, passed);
+    verdict.succeed(success_, farthest < success_distance_.value());
+    verdict.close();
   }
 
   template <class Real>
@@ -109,50 +105,76 @@ class Hover : public Task {
   static constexpr double kHeadingWeight = 4.0;    // (1 / 0.5 rad)^2
   static constexpr double kLeastCosine = 0.1;      // where the wall of the tilt ends, at 84 degrees
 
-  /// What the paper's reward lacks for a learner: a slope far from the target, and one close by.
-  template <class Real>
-  SKYBODY_INLINE Real shaping(const Real& distance, const Real& yaw_error) const {
-    const Real approach = max(Real(0.0), 1.0 - distance / kApproachRange);
-    return approach_reward_.value() * approach +
-           precision_reward_.value() * flight::closeness(distance, kPrecisionWeight) +
-           heading_reward_.value() * flight::closeness(yaw_error * yaw_error, kHeadingWeight);
-  }
-
-  /// A wall before the tilt that ends an episode: its slope is felt where a failure is not yet.
-  template <class Real>
-  SKYBODY_INLINE Real tilt_cost(const Quat<Real>& rotation) const {
-    return tilt_cost_.value() * (1.0 / max(tilt_cosine(rotation), Real(kLeastCosine)) - 1.0);
-  }
-
   struct Robot {
     int index;
     int body;
-    int first_action, actions;
-    int history;          ///< within the buffer: this action, then the one before
+    int first_action;
     Vec3<double> offset;  ///< from the team's centre [m]
+    Part position_error = {}, yaw_error = {}, velocity = {}, attitude = {}, angular_velocity = {},
+         actions = {};
+    Part distance_info = {}, yaw_info = {}, tilt_info = {}, speed_info = {};
+    History past_actions = {};  ///< this step's, then the one before
   };
+
+  template <class Real>
+  SKYBODY_INLINE void observe(const Robot& robot, const BodyMotion<Real>& body,
+                              const Vec3<Real>& error, const Real& yaw_error,
+                              const Values<Real>& buffer, const Values<Real>& row) const {
+    robot.position_error.set(row, error);
+    robot.yaw_error.set(row, yaw_error);
+    robot.velocity.set(row, body.velocity);
+    robot.attitude.set(row, canonical(body.rotation));
+    robot.angular_velocity.set(row, body.angular_velocity);
+    robot.past_actions.observe(buffer, robot.actions, row);
+  }
+
+  /// One robot's: the paper's, and what it lacks for a learner where the scenario asks for it.
+  template <class Real>
+  SKYBODY_INLINE Real reward_of(const BodyMotion<Real>& body, const Vec3<Real>& error,
+                                const Real& yaw_error, const MaskOf<Real>& failed) const {
+    const Real paper = closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
+                       kRateReward * closeness(squared_norm(body.angular_velocity), 1.0);
+    if (!is_shaped_) return paper;
+    return paper + shaping(norm(error), yaw_error) -
+           tilt_cost_.value() * tilt_wall(body.rotation, kLeastCosine) +
+           select(failed, Real(failure_reward_.value()), Real(0.0));
+  }
+
+  /// A slope far from the target, and one close by.
+  template <class Real>
+  SKYBODY_INLINE Real shaping(const Real& distance, const Real& yaw_error) const {
+    return approach_reward_.value() * approach(distance, kApproachRange) +
+           precision_reward_.value() * closeness(distance, kPrecisionWeight) +
+           heading_reward_.value() * closeness(yaw_error * yaw_error, kHeadingWeight);
+  }
 
   void add_robot(const Setup& setup, int index, bool team) {
     const RobotInfo& info = setup.robots()[index];
-    const int actions = flight::action_count(info, "hover");
+    const int actions = action_count(info, "hover");
     const std::string prefix = team ? std::string(info.name) + "." : "";
-    robots_.push_back({index,
-                       info.first_body,
-                       info.first_action,
-                       actions,
-                       history_,
-                       {info.position[0], info.position[1], info.position[2]}});
-    history_ += 2 * actions;
-    setup.channel(prefix + "position_error", "m", 3, -kInfinity, kInfinity, index);
-    setup.channel(prefix + "yaw_error", "rad", 1, -kPi, kPi, index);
-    setup.channel(prefix + "velocity", "m/s", 3, -kInfinity, kInfinity, index);
-    setup.channel(prefix + "attitude", "", 4, -1.0, 1.0, index);
-    setup.channel(prefix + "angular_velocity", "rad/s", 3, -kInfinity, kInfinity, index);
-    setup.channel(prefix + "actions", "", 2 * actions, -1.0, 1.0, index);
-    setup.info(prefix + "position_error", "m", 1);
-    setup.info(prefix + "yaw_error", "rad", 1);
-    setup.info(prefix + "tilt", "rad", 1);
-    setup.info(prefix + "speed", "m/s", 1);
+    const auto part = [&](const char* name, const char* unit, int count, double bound,
+                          const char* doc) {
+      return observation_.add(setup, {prefix + name, unit, count, doc, -bound, bound, index});
+    };
+    Robot robot{index,
+                info.first_body,
+                info.first_action,
+                {info.position[0], info.position[1], info.position[2]}};
+    robot.position_error = part("position_error", "m", 3, kInfinity, "target - p, W");
+    robot.yaw_error = part("yaw_error", "rad", 1, kPi, "target yaw - yaw, wrapped to [-pi, pi]");
+    robot.velocity = part("velocity", "m/s", 3, kInfinity, "of the base's frame, W");
+    robot.attitude = part("attitude", "", 4, 1.0, "quaternion w x y z, W from B, with w >= 0");
+    robot.angular_velocity = part("angular_velocity", "rad/s", 3, kInfinity, "B");
+    robot.actions = part("actions", "", 2 * actions, 1.0,
+                         "this step's action, then the one before, in [-1, 1]; -1 at a reset");
+    robot.distance_info =
+        infos_.add(setup, prefix + "position_error", "m", "distance from the target");
+    robot.yaw_info = infos_.add(setup, prefix + "yaw_error", "rad", "magnitude, 0 .. pi");
+    robot.tilt_info = infos_.add(setup, prefix + "tilt", "rad",
+                                 "angle between the body's z axis and the world's, 0 .. pi");
+    robot.speed_info = infos_.add(setup, prefix + "speed", "m/s", "of the base's frame");
+    robot.past_actions = History(memory_, 2, actions);
+    robots_.push_back(robot);
     setup.goal(index, info.first_body);
   }
 
@@ -185,15 +207,10 @@ class Hover : public Task {
 
   /// Shifts the action of this step in; there is none at a reset.
   template <class Real>
-  SKYBODY_INLINE void remember(const EnvView<Real>& env, Values<Real> buffer) const {
-    const auto stepped = env.step() > Word<Real>(0);
-    for (const Robot& robot : robots_) {
-      for (int k = 0; k < robot.actions; ++k) {
-        const int now = robot.history + k, before = now + robot.actions;
-        buffer.set(before, select(stepped, buffer[now], buffer[before]));
-        buffer.set(now, select(stepped, env.action(robot.first_action + k), buffer[now]));
-      }
-    }
+  SKYBODY_INLINE void remember(const EnvView<Real>& env, const Robot& robot,
+                               const Values<Real>& buffer) const {
+    robot.past_actions.push(buffer, env.step() > Word<Real>(0),
+                            [&](int k) { return env.action(robot.first_action + k); });
   }
 
   TextParameter robot_{
@@ -232,7 +249,7 @@ class Hover : public Task {
                              .count = -1,
                              .doc = "x, y, z of each robot from the target; none: as the scenario "
                                     "places them about their mean"}};
-  flight::LimitParameters limit_parameters_{this};
+  FlightLimits limits_{this};
 
   RealParameter approach_reward_{
       this,
@@ -264,12 +281,21 @@ class Hover : public Task {
                                  .value = 0.0,
                                  .max = 0.0,
                                  .doc = "added where an episode terminates"}};
+  RealParameter success_distance_{
+      this,
+      {.name = "success_distance",
+       .unit = "m",
+       .value = 0.1,
+       .min = 0.0,
+       .doc = "closer than this to its place a robot counts as arrived (info `success`)"}};
 
-  flight::Limits limits_{};
+  ObservationParts observation_;
+  InfoParts infos_;
+  BufferPlan memory_;
+  Part success_;
   int drawn_target_ = -1;   ///< first EnvParam of a target that is drawn; -1: the scenario's
   bool is_shaped_ = false;  ///< by anything that the paper's reward has not
   std::vector<Robot> robots_;
-  int history_ = 0;
 };
 
 }  // namespace

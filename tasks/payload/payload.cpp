@@ -1,10 +1,10 @@
 // The paper's payload task: bring what hangs below the robot to a point and keep it there.
-#include <vector>
-
-#include "tasks/common/flight.h"
+#include <skybody/task_kit.h>
 
 namespace skybody {
 namespace {
+
+using namespace task_kit;
 
 class Payload : public Task {
  public:
@@ -22,19 +22,26 @@ class Payload : public Task {
                                std::string(info.name) + "`: name one that hangs on a joint");
     }
     first_action_ = info.first_action;
-    actions_ = flight::action_count(info, "payload");
-    limits_ = limit_parameters_.limits();
-    setup.channel("payload_error", "m", 3, -kInfinity, kInfinity, robot);
-    setup.channel("payload_offset", "m", 3, -kInfinity, kInfinity, robot);
-    setup.channel("attitude", "", 4, -1.0, 1.0, robot);
-    setup.channel("velocity", "m/s", 3, -kInfinity, kInfinity, robot);
-    setup.channel("angular_velocity", "rad/s", 3, -kInfinity, kInfinity, robot);
-    setup.channel("payload_velocity", "m/s", 3, -kInfinity, kInfinity, robot);
-    setup.channel("payload_angular_velocity", "rad/s", 3, -kInfinity, kInfinity, robot);
-    setup.channel("action", "", actions_, -1.0, 1.0, robot);
-    setup.info("payload_error", "m", 1);
-    setup.info("tilt", "rad", 1);
-    setup.info("speed", "m/s", 1);
+    actions_ = action_count(info, "payload");
+    const auto part = [&](const char* name, const char* unit, int count, const char* doc,
+                          double bound = kInfinity) {
+      return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
+    };
+    payload_error_ = part("payload_error", "m", 3, "payload - target, W");
+    payload_offset_ = part("payload_offset", "m", 3, "payload - p of the base, W");
+    attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
+    velocity_ = part("velocity", "m/s", 3, "of the base's frame, W");
+    angular_velocity_ = part("angular_velocity", "rad/s", 3, "of the base, B");
+    payload_velocity_ = part("payload_velocity", "m/s", 3, "of its centre of mass, W");
+    payload_rates_ = part("payload_angular_velocity", "rad/s", 3, "in the payload's own axes");
+    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", 1.0);
+    error_info_ =
+        infos_.add(setup, "payload_error", "m", "distance of the payload from the target");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "of the base, 0 .. pi");
+    speed_info_ = infos_.add(setup, "speed", "m/s", "of the base's frame");
+    limits_.configure(setup, infos_);
+    success_ =
+        declare_success(setup, infos_, "the payload is within `success_distance` of the target");
     setup.goal(robot, payload_);
   }
 
@@ -46,26 +53,33 @@ class Payload : public Task {
     const Vec3<Real> velocity =
         load.velocity + rotate(load.rotation, cross(load.angular_velocity, center<Real>()));
     const Vec3<Real> error = position - target_.vec3(env);
-    out.observation.set(0, error);
-    out.observation.set(3, position - robot.position);
-    out.observation.set(6, flight::canonical(robot.rotation));
-    out.observation.set(10, robot.velocity);
-    out.observation.set(13, robot.angular_velocity);
-    out.observation.set(16, velocity);
-    out.observation.set(19, load.angular_velocity);
+    const Values<Real>& row = out.observation;
+    payload_error_.set(row, error);
+    payload_offset_.set(row, position - robot.position);
+    attitude_.set(row, canonical(robot.rotation));
+    velocity_.set(row, robot.velocity);
+    angular_velocity_.set(row, robot.angular_velocity);
+    payload_velocity_.set(row, velocity);
+    payload_rates_.set(row, load.angular_velocity);
     const auto stepped = env.step() > Word<Real>(0);
     for (int k = 0; k < actions_; ++k) {
-      out.observation.set(22 + k, select(stepped, env.action(first_action_ + k), Real(-1.0)));
+      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
     }
     const Real turning = squared_norm(load.angular_velocity) + squared_norm(robot.angular_velocity);
-    const Real reward = flight::closeness(squared_norm(error), kDistanceWeight) +
-                        kRateReward * flight::closeness(turning, 1.0);
-    const auto failed = flight::failed(robot, limits_);
-    out.set_reward(select(failed, Real(failure_reward_.value()), reward));
-    out.terminate(failed);
-    out.info.set(0, norm(error));
-    out.info.set(1, flight::tilt(robot.rotation));
-    out.info.set(2, norm(robot.velocity));
+    const Real reward =
+        closeness(squared_norm(error), kDistanceWeight) + kRateReward * closeness(turning, 1.0);
+    const PassedLimits<Real> passed = limits_.passed(robot);
+    out.set_reward(select(passed.any(), Real(failure_reward_.value()), reward));
+    Verdict<Real> verdict(out);
+    limits_.judge(verdict, passed);
+    if (out.wants_info()) {
+      const Real distance = norm(error);
+      error_info_.set(out.info, distance);
+      tilt_info_.set(out.info, tilt(robot.rotation));
+      speed_info_.set(out.info, norm(robot.velocity));
+      verdict.succeed(success_, distance < success_distance_.value());
+    }
+    verdict.close();
   }
 
   /// Where the payload's frame belongs, turned as it is now.
@@ -99,9 +113,20 @@ class Payload : public Task {
                                 {.name = "failure_reward",
                                  .value = -50.0,
                                  .doc = "reward of the step in which the robot fails"}};
-  flight::LimitParameters limit_parameters_{this};
+  RealParameter success_distance_{
+      this,
+      {.name = "success_distance",
+       .unit = "m",
+       .value = 0.1,
+       .min = 0.0,
+       .doc = "closer than this to the target the payload counts as arrived (info `success`)"}};
+  FlightLimits limits_{this};
 
-  flight::Limits limits_{};
+  ObservationParts observation_;
+  InfoParts infos_;
+  Part payload_error_, payload_offset_, attitude_, velocity_, angular_velocity_, payload_velocity_,
+      payload_rates_, action_;
+  Part error_info_, tilt_info_, speed_info_, success_;
   int base_ = 0, payload_ = 0;
   int first_action_ = 0, actions_ = 0;
   Vec3<double> center_{};  ///< of mass, in the payload body's frame [m]

@@ -1,11 +1,13 @@
 // A vehicle holds its place while its arm brings a tool to a point.
+#include <skybody/task_kit.h>
+
 #include <algorithm>
 #include <vector>
 
-#include "tasks/common/flight.h"
-
 namespace skybody {
 namespace {
+
+using namespace task_kit;
 
 class Reach : public Task {
  public:
@@ -21,24 +23,31 @@ class Reach : public Task {
     home_ = {info.position[0], info.position[1], info.position[2]};
     heading_ =
         yaw(Quat<double>{info.rotation[0], info.rotation[1], info.rotation[2], info.rotation[3]});
-    limits_ = limit_parameters_.limits();
     first_action_ = info.first_action;
-    actions_ = flight::action_count(info, "reach");
+    actions_ = action_count(info, "reach");
     find_joints(setup, info);
     const int joints = static_cast<int>(joints_.size());
-    setup.channel("tool_error", "m", 3, -kInfinity, kInfinity, robot);
-    setup.channel("tool_velocity", "m/s", 3, -kInfinity, kInfinity, robot);
-    setup.channel("position_error", "m", 3, -kInfinity, kInfinity, robot);
-    setup.channel("yaw_error", "rad", 1, -kPi, kPi, robot);
-    setup.channel("velocity", "m/s", 3, -kInfinity, kInfinity, robot);
-    setup.channel("attitude", "", 4, -1.0, 1.0, robot);
-    setup.channel("angular_velocity", "rad/s", 3, -kInfinity, kInfinity, robot);
-    setup.channel("joint_positions", "", joints, -kInfinity, kInfinity, robot);
-    setup.channel("joint_rates", "", joints, -kInfinity, kInfinity, robot);
-    setup.channel("action", "", actions_, -1.0, 1.0, robot);
-    setup.info("tool_error", "m", 1);
-    setup.info("position_error", "m", 1);
-    setup.info("tilt", "rad", 1);
+    const auto part = [&](const char* name, const char* unit, int count, const char* doc,
+                          double bound = kInfinity) {
+      return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
+    };
+    tool_error_ = part("tool_error", "m", 3, "place - tool, W");
+    tool_velocity_ = part("tool_velocity", "m/s", 3, "W");
+    position_error_ = part("position_error", "m", 3, "the scenario's place - p of the base, W");
+    yaw_error_ = part("yaw_error", "rad", 1, "the scenario's yaw - yaw, wrapped to [-pi, pi]", kPi);
+    velocity_ = part("velocity", "m/s", 3, "of the base's frame, W");
+    attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
+    angular_velocity_ = part("angular_velocity", "rad/s", 3, "of the base, B");
+    joint_positions_ =
+        part("joint_positions", "", joints, "of the arm, the one at the base first [rad] or [m]");
+    joint_rates_ = part("joint_rates", "", joints, "their rates [rad/s] or [m/s]");
+    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", 1.0);
+    tool_info_ = infos_.add(setup, "tool_error", "m", "distance of the tool from its place");
+    position_info_ =
+        infos_.add(setup, "position_error", "m", "distance of the base from its place");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "of the base, 0 .. pi");
+    limits_.configure(setup, infos_);
+    success_ = declare_success(setup, infos_, "the tool is within `success_distance` of its place");
     setup.goal(robot, carrier_, lever_);
   }
 
@@ -51,30 +60,39 @@ class Reach : public Task {
         carrier.velocity + rotate(carrier.rotation, cross(carrier.angular_velocity, lever<Real>()));
     const Vec3<Real> error = home<Real>() - base.position;
     const Real yaw_error = wrap_angle(Real(heading_) - yaw(base.rotation));
-    out.observation.set(0, tool_error);
-    out.observation.set(3, tool_velocity);
-    out.observation.set(6, error);
-    out.observation.set(9, yaw_error);
-    out.observation.set(10, base.velocity);
-    out.observation.set(13, flight::canonical(base.rotation));
-    out.observation.set(17, base.angular_velocity);
-    int at = 20;
-    for (const Coordinate& joint : joints_) out.observation.set(at++, env.q(joint.q));
-    for (const Coordinate& joint : joints_) out.observation.set(at++, env.u(joint.u));
+    const Values<Real>& row = out.observation;
+    tool_error_.set(row, tool_error);
+    tool_velocity_.set(row, tool_velocity);
+    position_error_.set(row, error);
+    yaw_error_.set(row, yaw_error);
+    velocity_.set(row, base.velocity);
+    attitude_.set(row, canonical(base.rotation));
+    angular_velocity_.set(row, base.angular_velocity);
+    for (int k = 0; k < static_cast<int>(joints_.size()); ++k) {
+      const Coordinate& joint = joints_[static_cast<std::size_t>(k)];
+      joint_positions_.set(row, env.q(joint.q), k);
+      joint_rates_.set(row, env.u(joint.u), k);
+    }
     const auto stepped = env.step() > Word<Real>(0);
     for (int k = 0; k < actions_; ++k) {
-      out.observation.set(at++, select(stepped, env.action(first_action_ + k), Real(-1.0)));
+      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
     }
-    const auto failed = flight::failed(base, yaw_error, limits_);
+    const PassedLimits<Real> passed = limits_.passed(base, yaw_error);
     const Real vehicle = squared_norm(error) + yaw_error * yaw_error;
-    const Real reward = flight::closeness(squared_norm(tool_error), kToolWeight) *
-                            flight::closeness(vehicle, kVehicleWeight) +
-                        kRateReward * flight::closeness(squared_norm(base.angular_velocity), 1.0);
-    out.set_reward(select(failed, Real(failure_reward_.value()), reward));
-    out.terminate(failed);
-    out.info.set(0, norm(tool_error));
-    out.info.set(1, norm(error));
-    out.info.set(2, flight::tilt(base.rotation));
+    const Real reward =
+        closeness(squared_norm(tool_error), kToolWeight) * closeness(vehicle, kVehicleWeight) +
+        kRateReward * closeness(squared_norm(base.angular_velocity), 1.0);
+    out.set_reward(select(passed.any(), Real(failure_reward_.value()), reward));
+    Verdict<Real> verdict(out);
+    limits_.judge(verdict, passed);
+    if (out.wants_info()) {
+      const Real distance = norm(tool_error);
+      tool_info_.set(out.info, distance);
+      position_info_.set(out.info, norm(error));
+      tilt_info_.set(out.info, tilt(base.rotation));
+      verdict.succeed(success_, distance < success_distance_.value());
+    }
+    verdict.close();
   }
 
   /// Where the frame of the body that has the tool belongs, turned as it is now; the vehicle's yaw.
@@ -144,9 +162,20 @@ class Reach : public Task {
                                 {.name = "failure_reward",
                                  .value = -50.0,
                                  .doc = "reward of the step in which the robot fails"}};
-  flight::LimitParameters limit_parameters_{this};
+  RealParameter success_distance_{
+      this,
+      {.name = "success_distance",
+       .unit = "m",
+       .value = 0.02,
+       .min = 0.0,
+       .doc = "closer than this to its place the tool counts as arrived (info `success`)"}};
+  FlightLimits limits_{this};
 
-  flight::Limits limits_{};
+  ObservationParts observation_;
+  InfoParts infos_;
+  Part tool_error_, tool_velocity_, position_error_, yaw_error_, velocity_, attitude_,
+      angular_velocity_, joint_positions_, joint_rates_, action_;
+  Part tool_info_, position_info_, tilt_info_, success_;
   int base_ = 0, carrier_ = 0;
   int first_action_ = 0, actions_ = 0;
   std::vector<Coordinate> joints_;

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from skybody import _native
 from skybody._native import CompiledScenario, PpoSlices
+from skybody.train.hyperparameters import with_settings
 from skybody.train.native_learners import FastPpo
-from skybody.train.presets import preset, with_settings
+from skybody.train.presets import preset
 from test_networks import torch_dense
 
 torch = pytest.importorskip("torch")
@@ -151,7 +152,7 @@ def test_an_update_is_that_of_pytorch(settings: list[str]) -> None:
     # The learning rate stays, and the noise is learned freely: nothing moves between the steps.
     common = ["envs=20", "rollout_steps=16", "minibatch=64", "hidden=24,16"]
     common += ["final_learning_rate=1", "final_log_std=0", "normalize_rewards=true"]
-    hyper = with_settings(preset("hover_learn", "fast-ppo"), [*common, *settings])
+    hyper = with_settings(preset("hover_learn", "fast-ppo").hyper, [*common, *settings])
     watched = Watched(compiled, hyper)
     learner = FastPpo(compiled, hyper, 1, 1, TOTAL, watched)
     learner.iterate()

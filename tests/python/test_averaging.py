@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from skybody.train.averaging import PolicyAverage
 from skybody.train.policy_file import Layer, Policy
 
@@ -43,23 +42,3 @@ def test_restored_it_goes_on_as_if_it_had_not_stopped() -> None:
     for average in (first, second):
         average.add(policy(2.0), steps=10)
     assert weight(first) == weight(second) == 1.5
-
-
-@pytest.mark.parametrize("algorithm", ["lean-ppo", "ppo"])
-def test_exploration_noise_falls_along_its_line(algorithm: str) -> None:
-    from skybody import CompiledScenario
-    from skybody.train.presets import Hyperparameters
-
-    hyper = Hyperparameters(envs=4, rollout_steps=8, minibatch=16, log_std=-1.0, final_log_std=-3.0)
-    compiled = CompiledScenario("hover_learn")
-    if algorithm == "ppo":
-        from skybody.train.sb3_ppo import Sb3Ppo as Learner
-    else:
-        from skybody.train.lean_ppo import LeanPpo as Learner  # type: ignore[assignment]
-    learner = Learner(compiled, hyper, 1, 1, total_steps=64)  # two rollouts
-    for line in (-1.0, -2.0):
-        learner.iterate()
-        log_std = learner.parameters()["log_std"].numpy()
-        # One update after the rollout's start moves it by some learning rates (1e-3) from the line.
-        assert np.abs(log_std - line).max() < 0.1
-    learner.close()

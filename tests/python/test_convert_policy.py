@@ -23,7 +23,7 @@ def write_old(path: Path) -> Path:
                 "action_squash": "clip",
                 "scenario": "hover",
                 "scenario_hash": "0123456789abcdef",
-                "algorithm": "lean-ppo",
+                "algorithm": "ppo",
                 "seed": 4,
                 "steps": 1200,
                 "observation_size": 3,

@@ -18,7 +18,7 @@ def read_table() -> dict[str, set[str]]:
         re.split(r"\s*\|\s*", line)[1:4] for line in text.splitlines() if line.startswith("| `")
     ]
     named = {
-        folder: set(re.findall(r"[a-z]+(?:/[a-z]+)?", words))
+        folder: set(re.findall(r"[a-z_]+(?:/[a-z_]+)?", words))
         for folders, _, words in rows
         for folder in re.findall(r"`([\w/]+)`", folders)
         if any((ROOT / folder).rglob("*.cpp")) or any((ROOT / folder).rglob("*.h"))

@@ -17,12 +17,14 @@ from skybody._native import (
     SlicesLost,
     hyperparameters,
 )
+from skybody.train.hyperparameters import UsageError, with_settings
 from skybody.train.native_learners import FastPpo, GradientLearner
-from skybody.train.presets import UsageError, preset, with_settings
+from skybody.train.presets import preset
 
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = ["envs=20", "rollout_steps=16", "minibatch=100"]
-HYPER = with_settings(preset("hover_learn", "fast-ppo"), SETTINGS)
+HYPER = with_settings(preset("hover_learn", "fast-ppo").hyper, SETTINGS)
+GRADIENT = preset("hover_learn", "gradient").hyper
 TOTAL = 100_000
 
 
@@ -195,7 +197,11 @@ def test_both_learners_stamp_their_policies_and_count_their_steps(
     learners = (
         Ppo(compiled, vars(with_settings(HYPER, ["minibatch=64", *small])), 1, TOTAL, 1),
         Gradient(
-            compiled, vars(with_settings(preset("hover_learn", "gradient"), small)), 1, TOTAL, 1
+            compiled,
+            vars(with_settings(preset("hover_learn", "gradient").hyper, small)),
+            1,
+            TOTAL,
+            1,
         ),
     )
     for learner in learners:
@@ -209,7 +215,7 @@ def test_both_learners_stamp_their_policies_and_count_their_steps(
 def test_gradient_has_the_same_bits_on_any_number_of_threads_and_after_a_restore(
     compiled: CompiledScenario,
 ) -> None:
-    hyper = with_settings(preset("hover_learn", "gradient"), ["envs=16", "rollout_steps=8"])
+    hyper = with_settings(GRADIENT, ["envs=16", "rollout_steps=8"])
     one, two, restored = (
         GradientLearner(compiled, hyper, 1, threads, TOTAL) for threads in (1, 2, 1)
     )

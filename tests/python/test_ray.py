@@ -6,6 +6,8 @@ import csv
 import importlib.util
 import math
 import os
+import socket
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,15 +17,18 @@ import pytest
 ray = pytest.importorskip("ray", reason="`pip install '.[ray]'`")
 
 from skybody._native import CompiledScenario  # noqa: E402
-from skybody.ray import sweep, train  # noqa: E402
-from skybody.ray.cluster import cluster  # noqa: E402
+from skybody.ray import sweep  # noqa: E402
+from skybody.ray.cluster import ClusterError, cluster  # noqa: E402
 from skybody.ray.slices import RaySlices, Setup  # noqa: E402
+from skybody.train import __main__ as train  # noqa: E402
+from skybody.train.checkpoint import checkpoint_folders, read_meta  # noqa: E402
+from skybody.train.hyperparameters import with_settings  # noqa: E402
 from skybody.train.native_learners import FastPpo  # noqa: E402
-from skybody.train.presets import preset, with_settings  # noqa: E402
+from skybody.train.presets import preset  # noqa: E402
 
 HORIZON = "stepping.horizon=40"  # so that episodes end within a rollout
 HYPER = with_settings(
-    preset("hover_learn", "fast-ppo"), ["envs=20", "rollout_steps=16", "minibatch=100"]
+    preset("hover_learn", "fast-ppo").hyper, ["envs=20", "rollout_steps=16", "minibatch=100"]
 )
 TOTAL, ITERATIONS = 100_000, 5
 
@@ -103,6 +108,27 @@ def test_a_worker_that_dies_is_replaced_and_the_bits_are_the_same(
     end(slices)
 
 
+def test_runs_move_between_a_cluster_and_one_process_with_the_same_bits(
+    connected: Any, address: str, tmp_path: Path
+) -> None:
+    settings = ["envs=20", "rollout_steps=16", "minibatch=100"]
+    words = ["hover_learn", "--override", HORIZON, "--seed", "1", "--eval-episodes", "0"]
+    words += [word for setting in settings for word in ("--set", setting)]
+    on_cluster = ["--ray", address, "--workers", "2"]
+    home, away = tmp_path / "home", tmp_path / "away"
+    begin, go_on = [*words, "--total-steps", "640"], ["--resume", "--total-steps", "1280"]
+    assert train.main([*begin, "--out", str(home)]) == 0
+    assert train.main([*begin, "--out", str(away), *on_cluster]) == 0
+    assert train.main([*go_on, "--out", str(home), *on_cluster]) == 0
+    assert train.main([*go_on, "--out", str(away)]) == 0
+    found = [
+        [read_meta(folder)["parameter_hash"] for folder in checkpoint_folders(run)]
+        for run in (home, away)
+    ]
+    assert found[0] == found[1]
+    assert len(found[0]) > 2
+
+
 def test_rllib_learns_with_environments_of_ours(connected: Any) -> None:
     path = Path(__file__).resolve().parents[2] / "examples/rllib_ppo.py"
     spec = importlib.util.spec_from_file_location("rllib_ppo", path)
@@ -115,6 +141,21 @@ def test_rllib_learns_with_environments_of_ours(connected: Any) -> None:
     assert 0 < first["steps"] < second["steps"]
     assert math.isfinite(second["return"])
     algorithm.stop()
+
+
+@pytest.mark.parametrize("answer", [b"HTTP/1.1 400 Bad Request\r\n\r\n", b"SSH-2.0-x\r\n", b""])
+def test_a_port_where_something_else_answers_is_no_cluster(answer: bytes) -> None:
+    def answer_one(server: socket.socket) -> None:
+        connection, _ = server.accept()
+        with connection:
+            connection.recv(100)
+            connection.sendall(answer)
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=answer_one, args=(server,), daemon=True).start()
+        address = f"127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(ClusterError, match="something else answers"), cluster(address):
+            pass
 
 
 def test_a_sweep_trains_all_combinations_and_goes_on_with_new_seeds(
@@ -136,11 +177,11 @@ def test_a_sweep_trains_all_combinations_and_goes_on_with_new_seeds(
 @pytest.mark.parametrize(
     ("program", "options", "said"),
     [
-        (train, ["--workers", "9"], "--workers 9: 1 to 8"),
-        (train, ["--address", "127.0.0.1:1"], "no Ray cluster there"),
-        (train, ["--address", "here"], "write HOST:PORT"),
-        (train, ["--set", "lerning_rate=1"], "did you mean `learning_rate`"),
-        (train, ["--algo", "lean-ppo"], "on a cluster there is fast-ppo"),
+        (train, ["--ray", "local", "--workers", "9"], "--workers 9: 1 to 8"),
+        (train, ["--ray", "127.0.0.1:1"], "--ray 127.0.0.1:1: no Ray cluster there"),
+        (train, ["--ray", "here"], "--ray here: write HOST:PORT"),
+        (train, ["--ray", "local", "--set", "lerning_rate=1"], "did you mean `learning_rate`"),
+        (train, ["--ray", "local", "--algo", "ppo"], "with --ray there is fast-ppo alone"),
         (sweep, ["--set", "lerning_rate=1,2"], "did you mean `learning_rate`"),
         (sweep, ["--set", "envs=16,16"], "two trials of this sweep are the same"),
         (sweep, ["--address", "127.0.0.1:1"], "no Ray cluster there"),

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from skybody.train.presets import Hyperparameters
+from skybody.train.hyperparameters import Hyperparameters
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "experiments/training_reproducibility.py"

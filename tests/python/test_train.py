@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +17,15 @@ import h5py
 import numpy as np
 import pytest
 import torch
-from skybody._native import CompiledScenario
+from skybody._native import CompiledScenario, Network
 from skybody.train import evaluate, parameter_hash
 from skybody.train.__main__ import main
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, read_meta
-from skybody.train.lean_ppo import LeanPpo
+from skybody.train.native_learners import PARAMETERS
 from skybody.train.policy_file import read_policy, write_policy
 from skybody.train.run_folder import read_table
-from training import HORIZON, ROLLOUTS, SCENARIO, SMALL, arguments, both, finished_run, learner_of
+from skybody.train.sb3_ppo import Sb3Ppo
+from training import HORIZON, ROLLOUTS, SCENARIO, arguments, both, finished_run, learner_of
 
 pytestmark = pytest.mark.timeout(120)
 
@@ -36,17 +36,11 @@ def compiled() -> CompiledScenario:
 
 
 @pytest.fixture(scope="module")
-def whole_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """A run of an algorithm that was not interrupted, made once."""
-    made: dict[str, Path] = {}
-
-    def run_of(algorithm: str) -> Path:
-        if algorithm not in made:
-            made[algorithm] = tmp_path_factory.mktemp("whole") / algorithm
-            assert main(arguments(algorithm, made[algorithm])) == 0
-        return made[algorithm]
-
-    return run_of
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of `ppo` that was not interrupted; test_train_command.py has those in C++."""
+    run = tmp_path_factory.mktemp("whole") / "ppo"
+    assert main(arguments("ppo", run)) == 0
+    return run
 
 
 def final_hash(run: Path) -> str:
@@ -75,11 +69,11 @@ def test_one_seed_gives_the_same_parameters_for_any_number_of_threads(
 @both
 def test_training_changes_every_parameter(algorithm: str, compiled: CompiledScenario) -> None:
     with learner_of(algorithm, compiled) as learner:
-        before = {name: value.clone() for name, value in learner.parameters().items()}
+        before = {name: np.asarray(value).copy() for name, value in learner.parameters().items()}
         learner.iterate()
         assert learner.steps == 300
         for name, value in learner.parameters().items():
-            assert not torch.equal(value, before[name]), name
+            assert (np.asarray(value) != before[name]).any(), name
 
 
 def test_parameter_hash_sees_every_bit_and_no_order() -> None:
@@ -90,15 +84,14 @@ def test_parameter_hash_sees_every_bit_and_no_order() -> None:
     assert parameter_hash({"a": a, "b": b}) != parameter_hash({"a": nearly, "b": b})
 
 
-@both
 def test_a_run_killed_at_a_random_moment_ends_with_the_bits_of_one_that_was_not(
-    algorithm: str, whole_run: Callable[[str], Path], tmp_path: Path
+    whole: Path, tmp_path: Path
 ) -> None:
-    whole, killed = whole_run(algorithm), tmp_path / "killed"
+    killed = tmp_path / "killed"
     moment = random.Random()
     wanted, pause = moment.randint(1, ROLLOUTS // 4), moment.uniform(0.0, 0.02)
     print(f"killed {pause:.4f} s after checkpoint {wanted}")
-    command = [sys.executable, "-m", "skybody.train", *arguments(algorithm, killed)]
+    command = [sys.executable, "-m", "skybody.train", *arguments("ppo", killed)]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
         while len(checkpoint_folders(killed)) < wanted and process.poll() is None:
@@ -118,26 +111,26 @@ def test_a_run_killed_at_a_random_moment_ends_with_the_bits_of_one_that_was_not(
 
 
 def test_an_interrupt_writes_a_checkpoint_that_goes_on_with_the_same_bits(
-    whole_run: Callable[[str], Path],
+    whole: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     stopped = tmp_path / "stopped"
-    iterate = LeanPpo.iterate
+    iterate = Sb3Ppo.iterate
 
-    def interrupted(self: LeanPpo) -> Any:
+    def interrupted(self: Sb3Ppo) -> Any:
         if self.steps == 300 * 4:
             signal.raise_signal(signal.SIGINT)
         return iterate(self)
 
     with monkeypatch.context() as patch:
-        patch.setattr(LeanPpo, "iterate", interrupted)
-        assert main(arguments("lean-ppo", stopped)) == 130
+        patch.setattr(Sb3Ppo, "iterate", interrupted)
+        assert main(arguments("ppo", stopped)) == 130
     assert "stopping after this rollout" in capsys.readouterr().err
     assert read_meta(checkpoint_folders(stopped)[-1])["steps"] == 300 * 5
     assert main(["--resume", "--out", str(stopped)]) == 0
-    assert final_hash(stopped) == final_hash(whole_run("lean-ppo"))
+    assert final_hash(stopped) == final_hash(whole)
 
 
 def test_an_interrupt_while_the_curve_is_drawn_is_one_line_and_leaves_checkpoints_whole(
@@ -148,7 +141,7 @@ def test_an_interrupt_while_the_curve_is_drawn_is_one_line_and_leaves_checkpoint
 
     with monkeypatch.context() as patch:
         patch.setattr("skybody.train.curve.draw_curve", interrupted)
-        command = arguments("lean-ppo", tmp_path)
+        command = arguments("fast-ppo", tmp_path)
         command[command.index("--total-steps") + 1] = "600"
         assert main(command) == 130
     said = capsys.readouterr().err
@@ -176,11 +169,11 @@ def test_checkpoints_are_stamped_with_scenario_versions_and_seed(
     assert [folder.name for folder in folders] == ["step_000000000600", "step_000000001200"]
     for folder in folders:
         meta = read_meta(folder)
-        assert (meta["seed"], meta["scenario_name"], meta["algorithm"]) == (3, SCENARIO, "lean-ppo")
+        assert (meta["seed"], meta["scenario_name"], meta["algorithm"]) == (3, SCENARIO, "fast-ppo")
         assert meta["scenario_hash"] == expected_hash
         assert {"skybody", "torch", "numpy", "python"} <= meta["versions"].keys()
         state = read_checkpoint(folder).state["learner"]
-        assert meta["parameter_hash"] == parameter_hash(state["parameters"])
+        assert meta["parameter_hash"] == parameter_hash({name: state[name] for name in PARAMETERS})
         with h5py.File(folder / "policy.h5") as file:
             assert file.attrs["scenario_hash"].decode() == expected_hash
             assert (file.attrs["seed"], file.attrs["steps"]) == (3, meta["steps"])
@@ -204,27 +197,34 @@ def test_a_run_has_its_tables_its_picture_and_an_evaluation_of_each_checkpoint(r
     assert list(run.glob("events.out.tfevents.*"))
 
 
+def network_actions(learner: Any, observation: np.ndarray) -> np.ndarray:
+    """What the learner itself computes, in single precision."""
+    if isinstance(learner, Sb3Ppo):
+        rows = learner.normalize.normalize_obs(observation)
+        actions, _ = learner.model.predict(rows, deterministic=True)
+        return actions
+    state, bounded = learner.state(), learner.policy().layers[-1].activation == "tanh"
+    mean, variance = (state[f"moments.{name}"].view(np.float64) for name in ("mean", "variance"))
+    rows = ((observation - mean) / np.sqrt(variance + 1e-8)).clip(-10.0, 10.0)
+    network = Network(observation.shape[1], [8, 8], 4)
+    weights = state["policy"].view(np.float32)[: network.parameter_count]
+    actions = network.forward(weights, rows.astype(np.float32))
+    return np.tanh(actions) if bounded else actions.clip(-1.0, 1.0)
+
+
 @both
 @pytest.mark.parametrize("bounded_mean", [False, True])
 def test_policy_files_give_the_actions_of_the_network(
     algorithm: str, bounded_mean: bool, compiled: CompiledScenario, tmp_path: Path
 ) -> None:
-    hyper = dataclasses.replace(SMALL, bounded_mean=bounded_mean)
-    with learner_of(algorithm, compiled, hyper=hyper) as learner:
+    with learner_of(algorithm, compiled, bounded_mean=bounded_mean) as learner:
         for _ in range(3):
             learner.iterate()
         attributes = {"scenario": "", "scenario_hash": "", "algorithm": algorithm, "steps": 300}
         policy = dataclasses.replace(learner.policy(), attributes=attributes)
         write_policy(tmp_path / "policy.h5", policy)
         observation = np.random.default_rng(0).normal(0.0, 2.0, (200, 22)).astype(np.float32)
-        with torch.no_grad():
-            if algorithm == "ppo":
-                rows = learner.normalize.normalize_obs(observation)
-                expected, _ = learner.model.predict(rows, deterministic=True)
-            else:
-                learner.mean, learner.scale = learner.moments.mean, learner.moments.scale()
-                rows = learner._normalized(torch.from_numpy(observation))
-                expected = learner.actor(rows).clamp(-1.0, 1.0).numpy()
+        expected = network_actions(learner, observation)
     actions = read_policy(tmp_path / "policy.h5")(observation)
     # float32 against float64 on the same float32 weights and inputs
     np.testing.assert_allclose(actions, expected, rtol=0, atol=1e-6)

@@ -16,11 +16,13 @@ from conftest import Finished
 from skybody._native import CompiledScenario
 from skybody.train import curve, evaluate
 from skybody.train.__main__ import main
+from skybody.train.algorithms import ALGORITHMS
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
 from skybody.train.evaluation_file import read_evaluation
+from skybody.train.hyperparameters import UsageError, with_settings
 from skybody.train.policy_file import Layer, Policy, write_policy
-from skybody.train.presets import UsageError, preset, with_settings
-from training import LEARNERS, SCENARIO, arguments, finished_run
+from skybody.train.presets import preset
+from training import SCENARIO, arguments, finished_run
 
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
 
@@ -61,7 +63,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_wrong_options_are_one_clear_message(
     changes: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main([*arguments("lean-ppo", tmp_path / "run"), *changes]) == 2
+    assert main([*arguments("ppo", tmp_path / "run"), *changes]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
 
@@ -76,7 +78,7 @@ def test_an_unknown_scenario_is_an_error(
 def test_a_folder_that_holds_something_is_not_overwritten(
     run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(arguments("lean-ppo", run)) == 2
+    assert main(arguments("ppo", run)) == 2
     assert "not empty" in capsys.readouterr().err
 
 
@@ -84,7 +86,7 @@ def test_a_folder_that_holds_something_is_not_overwritten(
     ("options", "message"),
     [
         (["--seed", "4"], "begun with seed 3, not 4"),
-        (["--algo", "ppo"], "begun with algorithm lean-ppo, not ppo"),
+        (["--algo", "ppo"], "begun with algorithm fast-ppo, not ppo"),
         (["--set", "epochs=3"], "leave --set and --envs out"),
     ],
 )
@@ -178,7 +180,7 @@ def test_damaged_stamps_of_a_checkpoint_are_named_with_the_remedy(
     assert "remove this checkpoint's folder to go on from the one before" in said
 
 
-@pytest.mark.parametrize("name", ["state.pt", "environments.bin", "policy.h5"])
+@pytest.mark.parametrize("name", ["state.npz", "environments.bin", "policy.h5"])
 def test_a_file_that_a_checkpoint_lacks_is_named(
     name: str, run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -267,7 +269,6 @@ def test_a_resumed_run_evaluates_anew_what_is_damaged(run: Path) -> None:
         (lambda c: c["hyper"].update(discount=0.5), "hyper.discount (0.98 then, 0.5 now)"),
         (lambda c: c["hyper"].update(hidden=[16, 8]), "hyper.hidden ([8, 8] then, [16, 8] now)"),
         (lambda c: c.update(seed=4), "seed (3 then, 4 now)"),
-        (lambda c: c.update(algorithm="ppo"), "algorithm (lean-ppo then, ppo now)"),
     ],
 )
 def test_a_run_whose_configuration_was_changed_by_hand_is_not_resumed(
@@ -284,6 +285,45 @@ def test_a_run_whose_configuration_was_changed_by_hand_is_not_resumed(
     said = capsys.readouterr().err
     newest = checkpoint_folders(run)[-1] / "meta.json"
     assert f"config.json is not what {newest} was trained with: {message}; put the old" in said
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "message"),
+    [
+        ("ppo", "hyper-parameters of another learner or version: activation, recurrent_units"),
+        ("lean-ppo", "the learner `lean-ppo` has gone: `fast-ppo` learns by the same method"),
+    ],
+)
+def test_a_run_of_a_learner_that_does_not_fit_is_not_resumed(
+    algorithm: str, message: str, run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = run / "config.json"
+    content = path.read_text().replace('"algorithm": "fast-ppo"', f'"algorithm": "{algorithm}"')
+    with replaced(path, content.encode()):
+        assert main(["--resume", "--out", str(run)]) == 2
+    said = capsys.readouterr().err
+    assert f"{path} is damaged or of another version ({message}" in said
+    assert len(said.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (["--algo", "lean-ppo"], "the learner `lean-ppo` has gone: `fast-ppo` learns by the same"),
+        (["--algo", "fast-pp"], "no learner `fast-pp`; did you mean `fast-ppo`?"),
+        (["--workers", "4"], "--workers 4 is of a cluster: give --ray ADDRESS, too"),
+        (["--ray", "local"], "--algo gradient: with --ray there is fast-ppo alone"),
+    ],
+)
+def test_a_learner_that_there_is_not_is_one_message(
+    changes: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = [SCENARIO, "--algo", "gradient", "--out", str(tmp_path / "run"), *changes]
+    assert main(command) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"train: {message}")
+    assert len(said.splitlines()) == 1
+    assert not (tmp_path / "run").exists()
 
 
 @pytest.mark.parametrize(
@@ -362,10 +402,10 @@ with files.folder_lock(Path(sys.argv[1])):
 
 
 def test_presets_are_consistent() -> None:
-    for algorithm in LEARNERS:
-        preset(SCENARIO, algorithm).check()
+    for algorithm in ALGORITHMS:
+        preset(SCENARIO, algorithm).hyper.check()
     with pytest.raises(UsageError, match="minibatch"):
-        with_settings(preset(SCENARIO, "ppo"), ["minibatch=1"]).check()
+        with_settings(preset(SCENARIO, "ppo").hyper, ["minibatch=1"]).check()
 
 
 def test_a_run_that_goes_on_under_other_versions_says_so(

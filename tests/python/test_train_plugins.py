@@ -29,7 +29,7 @@ def test_recorded_plugin_folders_are_named_and_not_searched(
     tmp_path: Path, mark: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run, given = tmp_path / "run", ["--plugin-path", str(PLUGINS)]
-    command = arguments("lean-ppo", run)
+    command = arguments("fast-ppo", run)
     command[command.index("--total-steps") + 1] = "600"
     command[command.index("--eval-episodes") + 1] = "1"
     command += ["--override", "robots.quad.controllers=[{plugin: leaves_a_mark}, {plugin: ctbt}]"]
@@ -59,7 +59,7 @@ def test_a_resume_without_the_recorded_folder_keeps_it_on_the_list(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = tmp_path / "run"
-    command = arguments("lean-ppo", run)
+    command = arguments("fast-ppo", run)
     command[command.index("--total-steps") + 1] = "600"
     assert main([*command, "--plugin-path", str(PLUGINS)]) == 0
     for steps in ("1200", "1800"):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import dataclasses
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -10,17 +11,14 @@ from typing import Any
 import pytest
 from skybody._native import CompiledScenario
 from skybody.train.__main__ import main
-from skybody.train.lean_ppo import LeanPpo
-from skybody.train.presets import Hyperparameters
-from skybody.train.sb3_ppo import Sb3Ppo
+from skybody.train.algorithms import algorithm_of
 
 SCENARIO = "hover_learn"
 HORIZON = "stepping.horizon=40"  # so that episodes are truncated within a rollout
-SMALL = Hyperparameters(envs=6, rollout_steps=50, minibatch=100, epochs=2, hidden=(8, 8))
-LEARNERS: dict[str, Callable[..., Any]] = {"ppo": Sb3Ppo, "lean-ppo": LeanPpo}
+SMALL = {"envs": 6, "rollout_steps": 50, "minibatch": 100, "epochs": 2, "hidden": (8, 8)}
 ROLLOUTS = 30
 
-both = pytest.mark.parametrize("algorithm", LEARNERS)
+both = pytest.mark.parametrize("algorithm", ["ppo", "fast-ppo"])
 
 
 @contextmanager
@@ -29,9 +27,13 @@ def learner_of(
     compiled: CompiledScenario,
     seed: int = 1,
     threads: int = 1,
-    hyper: Hyperparameters = SMALL,
+    total_steps: int = 10_000,
+    **changes: Any,
 ) -> Iterator[Any]:
-    made = LEARNERS[algorithm](compiled, hyper, seed, threads, 10_000)
+    """A learner with SMALL hyper-parameters, of which `changes` are others."""
+    row = algorithm_of(algorithm)
+    hyper = dataclasses.replace(row.defaults(), **{**SMALL, **changes})
+    made: Any = row.make(compiled, hyper, seed, threads, total_steps)
     try:
         yield made
     finally:
@@ -59,8 +61,8 @@ def arguments(algorithm: str, out: Path) -> list[str]:
 
 
 def finished_run(out: Path) -> Path:
-    """A short run of lean-ppo with evaluations."""
-    command = arguments("lean-ppo", out)
+    """A short run of fast-ppo with evaluations."""
+    command = arguments("fast-ppo", out)
     command[command.index("--total-steps") + 1] = "1200"
     command[command.index("--eval-episodes") + 1] = "3"
     assert main(command) == 0

@@ -96,8 +96,6 @@ struct KernelTable {
   /// sum += addend
   void (*add)(const float* addend, float* sum, size_t count);
   void (*tanh)(const float* x, float* y, size_t count);
-  void (*exp)(const float* x, float* y, size_t count);
-  void (*log)(const float* x, float* y, size_t count);
   /// Standard normals from `count` random words each (of 32 bits; `count` a multiple of 16): of
   /// every 16, first 16 cosines, then 16 sines, into 2 * count values.
   void (*normals)(const uint32_t* radius, const uint32_t* angle, float* y, size_t count);

@@ -15,8 +15,6 @@ const KernelTable kTable = {
     .square_sum = square_sum,
     .add = add,
     .tanh = map_tanh,
-    .exp = map_exp,
-    .log = map_log,
     .normals = normals,
 };
 

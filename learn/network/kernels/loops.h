@@ -38,12 +38,6 @@ SKYBODY_KERNEL void map(const float* x, float* y, size_t count, float fill,
 inline void map_tanh(const float* x, float* y, size_t count) {
   map(x, y, count, 0.0f, [](const Floats& a) { return tanh(a); });
 }
-inline void map_exp(const float* x, float* y, size_t count) {
-  map(x, y, count, 0.0f, [](const Floats& a) { return exp(a); });
-}
-inline void map_log(const float* x, float* y, size_t count) {
-  map(x, y, count, 1.0f, [](const Floats& a) { return log(a); });
-}
 
 inline void add(const float* addend, float* sum, size_t count) {
   size_t i = 0;

@@ -9,21 +9,24 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
+from skybody.train.hyperparameters import UsageError
+
 LOCAL = "local"
-ADDRESS_HELP = (
-    "of the cluster: HOST:PORT of its head, `auto` for the one that this machine belongs to, or "
-    "`local` (default) for one that lives as long as this command"
+ADDRESSES = (
+    "HOST:PORT of its head, `auto` for the one that this machine belongs to, or `local` for one "
+    "that lives as long as this command"
 )
+ADDRESS_HELP = f"of the cluster: {ADDRESSES}; default: {LOCAL}"
 REMEDY = "`pip install '.[ray]'` in Skybody's source folder"
 ANSWER_SECONDS = 5.0  # that a head has for accepting a connection
 
 
-class ClusterError(RuntimeError):
+class ClusterError(UsageError):
     """No Ray, no cluster, or not enough of it; the text is the whole message."""
 
 
 @contextlib.contextmanager
-def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
+def cluster(address: str, cpus: int | None = None, option: str = "--address") -> Iterator[Any]:
     """Connects to a cluster for a scope; gives the module `ray`.
 
     A connection that the process has already is taken as it is, and stays.
@@ -31,12 +34,15 @@ def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
     Args:
         address: "local", "auto" or HOST:PORT.
         cpus: processors that a local cluster says it has; None: all of this machine.
+        option: of the command line that gave the address, for messages.
 
     Raises:
         ClusterError: Ray is not installed, or there is no cluster at the address.
     """
+    # What is no cluster gets a line a second from Ray's own log, for as long as it tries.
+    os.environ.setdefault("RAY_BACKEND_LOG_LEVEL", "error")
     ray = import_ray()
-    _check_answers(address)
+    _check_answers(address, option)
     if ray.is_initialized():
         yield ray
         return
@@ -50,7 +56,7 @@ def cluster(address: str, cpus: int | None = None) -> Iterator[Any]:
     try:
         ray.init(logging_level="ERROR", log_to_driver=False, **options)
     except (ConnectionError, RuntimeError, ValueError) as error:
-        raise ClusterError(_no_cluster(address, _first_sentence(error))) from error
+        raise ClusterError(_no_cluster(option, address, _first_sentence(error))) from error
     try:
         yield ray
     finally:
@@ -76,25 +82,46 @@ def check_cpus(ray: Any, wanted: float, what: str) -> None:
         )
 
 
-def _check_answers(address: str) -> None:
+def _check_answers(address: str, option: str) -> None:
     """Ray itself would try for two minutes and then end the process."""
     if address in (LOCAL, "auto"):
         return
     host, colon, port = address.rpartition(":")
     if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise ClusterError(f"--address {address}: write HOST:PORT, `auto` or `local`")
+        raise ClusterError(f"{option} {address}: write HOST:PORT, `auto` or `local`")
     try:
-        socket.create_connection((host, int(port)), ANSWER_SECONDS).close()
+        with socket.create_connection((host, int(port)), ANSWER_SECONDS) as connection:
+            is_head = os.environ.get("RAY_USE_TLS", "0") != "0" or _speaks_http2(connection)
     except OSError as error:
-        raise ClusterError(_no_cluster(address, error.strerror or str(error))) from error
+        raise ClusterError(_no_cluster(option, address, error.strerror or str(error))) from error
+    if not is_head:
+        reason = "something else answers; a head's own port is 6379 where nobody chose another"
+        raise ClusterError(_no_cluster(option, address, reason))
+
+
+def _speaks_http2(connection: socket.socket) -> bool:
+    """Whether a settings frame answers ours (RFC 9113, sections 3.4 and 4.1), as a head's does.
+
+    A dashboard, a client server or whatever else may be at that port would leave Ray waiting.
+    """
+    settings = 4
+    connection.settimeout(ANSWER_SECONDS)
+    connection.sendall(
+        b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, settings, 0, 0, 0, 0, 0])
+    )
+    try:
+        answer = connection.recv(9)
+    except TimeoutError:
+        return False
+    return len(answer) >= 4 and answer[3] == settings
 
 
 def _first_sentence(error: Exception) -> str:
     return str(error).splitlines()[0].partition(". ")[0]
 
 
-def _no_cluster(address: str, reason: str) -> str:
+def _no_cluster(option: str, address: str, reason: str) -> str:
     return (
-        f"--address {address}: no Ray cluster there ({reason}); `ray start --head` starts one, "
-        "`--address local` needs none"
+        f"{option} {address}: no Ray cluster there ({reason}); `ray start --head` starts one, "
+        f"`{option} local` needs none"
     )

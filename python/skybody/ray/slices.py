@@ -15,7 +15,7 @@ from typing import Any
 from skybody._native import CompiledScenario, Error, PpoSlices, SlicesLost, versions
 from skybody.ray.cluster import ClusterError
 
-MOST_SLICES = 8  # that a learner has; as learn/ppo/slice_plan.h
+MOST_SLICES = 8  # that a learner has; as learn/common/slice_plan.h
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,14 @@ from skybody._native import CompiledScenario, Error, InputError
 from skybody.arguments import check_plugin_path
 from skybody.program import run_program
 from skybody.ray import sweep_table
-from skybody.ray.cluster import ADDRESS_HELP, LOCAL, ClusterError, check_cpus, cluster
+from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
 from skybody.train.__main__ import number
+from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.evaluate import check_option, in_our_words
-from skybody.train.presets import ALGORITHMS, DEFAULT_ALGORITHM, UsageError, preset, with_settings
+from skybody.train.hyperparameters import UsageError, with_settings
+from skybody.train.presets import preset
 from skybody.train.requirements import TRAINING, demand_packages
 
 EPILOG = """\
@@ -44,12 +46,7 @@ def parser() -> argparse.ArgumentParser:
     add = made.add_argument
     add("scenarios", nargs="+", metavar="SCENARIO", help="shipped scenarios' names, or YAML files")
     add("--out", type=Path, required=True, metavar="DIR", help="folder of the runs")
-    add(
-        "--algo",
-        choices=ALGORITHMS,
-        default=DEFAULT_ALGORITHM,
-        help=f"the learner; default: {DEFAULT_ALGORITHM}",
-    )
+    add("--algo", default=DEFAULT_ALGORITHM, metavar="LEARNER", help=summaries())
     add("--seeds", type=seeds, default=[0], metavar="S,S", help="default: 0")
     add(
         "--set",
@@ -88,6 +85,7 @@ def seeds(text: str) -> list[int]:
 
 def trials_of(options: argparse.Namespace) -> list[Trial]:
     """All trials; whatever is wrong with one is said here, before anything is begun."""
+    algorithm_of(options.algo)
     check_option("--cpus", options.cpus, 1, 1024)
     check_option("--total-steps", options.total_steps, 1, 2**63 - 1)
     check_option("--eval-episodes", options.eval_episodes, 0, 2**24)
@@ -126,7 +124,7 @@ def _check_scenarios(options: argparse.Namespace, trials: list[Trial]) -> None:
             raise UsageError(f"scenario {scenario} has no horizon: --eval-episodes 0")
         for trial in trials:
             if trial.scenario == scenario:
-                with_settings(preset(compiled.name, trial.algorithm), trial.settings).check()
+                with_settings(preset(scenario, trial.algorithm).hyper, trial.settings).check()
 
 
 def spec_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -209,7 +207,7 @@ def main(arguments: list[str] | None = None) -> int:
         errors = sweep(options, [trial for trial in trials if not trial.finished()])
         rows = sweep_table.rows_of(trials, errors)
         sweep_table.write(options.out, rows)
-    except (UsageError, InputError, Error, ClusterError, OSError, ValueError) as error:
+    except (UsageError, InputError, Error, OSError, ValueError) as error:
         print(f"sweep: {in_our_words(error)}", file=sys.stderr)
         return 2
     print(sweep_table.text(rows))

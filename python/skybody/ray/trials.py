@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.evaluation_file import read_evaluation
-from skybody.train.presets import UsageError, preset
+from skybody.train.hyperparameters import UsageError
 
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of prctl(2)
 
@@ -126,7 +127,7 @@ def parse_grid(settings: Sequence[str], algorithm: str) -> dict[str, list[str]]:
     Raises:
         UsageError: no `=`, or one key twice. Unknown keys are left to the check of a run.
     """
-    like = vars(preset("*", algorithm))
+    like = vars(algorithm_of(algorithm).defaults())
     grid: dict[str, list[str]] = {}
     for setting in settings:
         key, equals, text = setting.partition("=")

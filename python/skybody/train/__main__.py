@@ -1,7 +1,8 @@
 """Trains a policy in a scenario; see docs/training.md.
 
-skybody train SCENARIO --algo ALGO --seed S --total-steps N --out DIR
+skybody train SCENARIO --algo LEARNER --seed S --total-steps N --out DIR
 skybody train --resume --out DIR
+skybody train SCENARIO --ray HOST:PORT --workers N
 
 `python -m skybody.train` is the same.
 """
@@ -22,16 +23,12 @@ from typing import TYPE_CHECKING
 from skybody._native import CompiledScenario, Error, InputError, versions
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.program import INTERRUPTED, run_program
+from skybody.ray.cluster import ADDRESSES
 from skybody.train import evaluate, files
+from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.checkpoint import checkpoint_folders, read_meta
-from skybody.train.presets import (
-    ALGORITHMS,
-    DEFAULT_ALGORITHM,
-    UsageError,
-    preset,
-    total_steps,
-    with_settings,
-)
+from skybody.train.hyperparameters import UsageError, whole_number, with_settings
+from skybody.train.presets import preset, presets_file
 from skybody.train.requirements import REMEDY, TRAINING, demand_packages
 from skybody.train.run_folder import Config
 
@@ -54,12 +51,7 @@ def parser() -> argparse.ArgumentParser:
     )
     add = made.add_argument
     add("scenario", nargs="?", help="name of a shipped scenario, or a YAML file")
-    add(
-        "--algo",
-        choices=ALGORITHMS,
-        help="fast-ppo (default): ours in C++; gradient: through the dynamics, in C++; lean-ppo: "
-        "ours in Python; ppo: Stable-Baselines3's",
-    )
+    add("--algo", metavar="LEARNER", help=summaries())
     add("--seed", type=int, help="of environments, networks and exploration; default: 0")
     add(
         "--total-steps",
@@ -111,15 +103,24 @@ def parser() -> argparse.ArgumentParser:
         help="per checkpoint, in a process of its own; default: 20, 0: none",
     )
     add("--eval-seed", type=int, metavar="S", help=f"of their episodes; default: {evaluate.SEED}")
+    cluster = made.add_argument_group("several machines (docs/ray.md)").add_argument
+    cluster("--ray", metavar="ADDRESS", help=f"train with fast-ppo on a Ray cluster: {ADDRESSES}")
+    cluster(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes that hold its environments, 1 to 8; default: 2. Changes no bits",
+    )
+    cluster("--worker-threads", type=int, metavar="T", help="of each of them; default: 1")
     return made
 
 
 def number(text: str) -> int:
     """A whole number, also as 2e6."""
-    value = float(text)
-    if not value.is_integer():
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number")
-    return int(value)
+    try:
+        return whole_number(text, "a number of steps")
+    except UsageError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def given(value: int | None, default: int) -> int:
@@ -127,12 +128,16 @@ def given(value: int | None, default: int) -> int:
     return default if value is None else value
 
 
-def new_config(options: argparse.Namespace) -> Config:
-    """The configuration of a new run, not yet stamped with its scenario."""
-    if options.scenario is None:
-        raise UsageError("which scenario? Give its name or file, or --resume")
+def new_config(options: argparse.Namespace, compiled: CompiledScenario) -> Config:
+    """The configuration of a new run."""
+    if options.envs is not None and any(s.startswith("envs=") for s in options.set):
+        raise UsageError("--envs and --set envs=...: give one of them")
     algorithm = options.algo or DEFAULT_ALGORITHM
-    total = given(options.total_steps, total_steps("*", algorithm))
+    found = preset(options.scenario, algorithm)
+    hyper = with_settings(found.hyper, options.set)
+    if options.envs is not None:
+        hyper = dataclasses.replace(hyper, envs=options.envs)
+    total = given(options.total_steps, found.total_steps)
     return Config(
         scenario=options.scenario,
         overrides=options.override or [],
@@ -145,7 +150,11 @@ def new_config(options: argparse.Namespace) -> Config:
         threads=given(options.threads, 0),
         eval_episodes=given(options.eval_episodes, 20),
         eval_seed=given(options.eval_seed, evaluate.SEED),
-        hyper=preset("*", algorithm),
+        hyper=hyper,
+        scenario_name=compiled.name,
+        scenario_hash=f"{compiled.scenario_hash:016x}",
+        scenario_text=compiled.scenario_text,
+        versions=all_versions(compiled),
     )
 
 
@@ -198,17 +207,6 @@ def check(config: Config) -> None:
     config.hyper.check()
 
 
-def stamped(config: Config, compiled: CompiledScenario) -> Config:
-    """With what the scenario is now and which versions run it."""
-    return dataclasses.replace(
-        config,
-        scenario_name=compiled.name,
-        scenario_hash=f"{compiled.scenario_hash:016x}",
-        scenario_text=compiled.scenario_text,
-        versions=all_versions(compiled),
-    )
-
-
 def all_versions(compiled: CompiledScenario) -> dict[str, str]:
     """Of everything that the result may depend on."""
     packages = ("torch", "numpy", "stable-baselines3", "gymnasium")
@@ -222,43 +220,9 @@ def all_versions(compiled: CompiledScenario) -> dict[str, str]:
 
 def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     """The run's configuration, checked, and its scenario, loaded. Sets `options.out`."""
+    algorithm_of(options.algo or DEFAULT_ALGORITHM)
     options.out = options.out or default_folder(options)
-    run: Path = options.out
-    if options.resume:
-        config = resumed_config(options)
-    else:
-        if run.exists() and (not run.is_dir() or any(run.iterdir())):
-            raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
-        config = new_config(options)
-    check_plugin_path(config.searched, "--plugin-path")
-    compiled = CompiledScenario(config.scenario, config.overrides, config.searched)
-    if options.resume:
-        found = f"{compiled.scenario_hash:016x}"
-        if found != config.scenario_hash:
-            raise UsageError(
-                f"--resume: scenario {config.scenario} has changed since this run began "
-                f"(hash {config.scenario_hash} then, {found} now; its text then is in config.json)"
-            )
-        now = all_versions(compiled)
-        changed = [n for n, v in now.items() if config.versions.get(n) != v]
-        if changed:
-            was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)
-            print(f"train: warning: versions differ, and so may bits: {was}", file=sys.stderr)
-        config = dataclasses.replace(config, versions=now)
-    else:
-        if options.envs is not None and any(s.startswith("envs=") for s in options.set):
-            raise UsageError("--envs and --set envs=...: give one of them")
-        hyper = with_settings(preset(compiled.name, config.algorithm), options.set)
-        if options.envs is not None:
-            hyper = dataclasses.replace(hyper, envs=options.envs)
-        total = given(options.total_steps, total_steps(compiled.name, config.algorithm))
-        config = dataclasses.replace(
-            config,
-            hyper=hyper,
-            total_steps=total,
-            checkpoint_every=given(options.checkpoint_every, max(1, total // 10)),
-        )
-        config = stamped(config, compiled)
+    config, compiled = resumed_run(options) if options.resume else new_run(options)
     check(config)
     if config.eval_episodes > 0 and compiled.horizon == 0:
         raise UsageError(
@@ -268,12 +232,44 @@ def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     return config, compiled
 
 
+def new_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
+    """What the command line says."""
+    run: Path = options.out
+    if options.scenario is None:
+        raise UsageError("which scenario? Give its name or file, or --resume")
+    if run.exists() and (not run.is_dir() or any(run.iterdir())):
+        raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
+    plugin_path = options.plugin_path or []
+    check_plugin_path(plugin_path, "--plugin-path")
+    compiled = CompiledScenario(options.scenario, options.override or [], plugin_path)
+    return new_config(options, compiled), compiled
+
+
+def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
+    """What the run folder says, and that the scenario is still the same."""
+    config = resumed_config(options)
+    check_plugin_path(config.searched, "--plugin-path")
+    compiled = CompiledScenario(config.scenario, config.overrides, config.searched)
+    found = f"{compiled.scenario_hash:016x}"
+    if found != config.scenario_hash:
+        raise UsageError(
+            f"--resume: scenario {config.scenario} has changed since this run began "
+            f"(hash {config.scenario_hash} then, {found} now; its text then is in config.json)"
+        )
+    now = all_versions(compiled)
+    changed = [n for n, v in now.items() if config.versions.get(n) != v]
+    if changed:
+        was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)
+        print(f"train: warning: versions differ, and so may bits: {was}", file=sys.stderr)
+    return dataclasses.replace(config, versions=now), compiled
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Trains; returns the exit code."""
     options = parser().parse_args(arguments)
-    with contextlib.ExitStack() as locks:
+    with contextlib.ExitStack() as scope:
         try:
-            trainer = make_trainer(options, locks)
+            trainer = make_trainer(options, scope)
         except BlockingIOError:
             print(
                 f"train: --out {options.out}: another process trains there; wait for it, or stop "
@@ -290,7 +286,18 @@ def main(arguments: list[str] | None = None) -> int:
         except ModuleNotFoundError as error:
             print(f"train: needs {error.name}, not installed here: {REMEDY}", file=sys.stderr)
             return 2
+        print(opening(options, trainer.config, trainer.first_step), flush=True)
         return train(trainer)
+
+
+def opening(options: argparse.Namespace, config: Config, first_step: int) -> str:
+    """What begins, where it is written, and where its hyper-parameters are from."""
+    run = f"{config.scenario_name}, {config.algorithm}, seed {config.seed}, in {options.out}"
+    if options.resume:
+        return f"{run}: goes on at {first_step:,} of {config.total_steps:,} steps"
+    file = presets_file(config.scenario)
+    origin = f"presets of {file}" if file.is_file() else f"defaults, since there is no {file}"
+    return f"{run}: {config.total_steps:,} steps; {origin}"
 
 
 def default_folder(options: argparse.Namespace) -> Path:
@@ -305,27 +312,51 @@ def default_folder(options: argparse.Namespace) -> Path:
     return next(folder for folder in map(Path("flights").joinpath, names) if not folder.exists())
 
 
-def make_trainer(options: argparse.Namespace, locks: contextlib.ExitStack) -> Trainer:
-    """Writes the configuration to the run folder, which is then this process's."""
+def make_trainer(options: argparse.Namespace, scope: contextlib.ExitStack) -> Trainer:
+    """Checks everything, then writes the configuration to the run folder.
+
+    The folder, and on a cluster its workers, are this process's until `scope` ends.
+    """
     demand_packages(TRAINING)
+    check_cluster_options(options)
     config, compiled = prepare(options)
-    return open_trainer(options, config, compiled, locks)
+    slices = None
+    if options.ray is not None:
+        from skybody.ray.train import hold_slices
+
+        slices = hold_slices(options, config, scope)
+    return open_trainer(options, config, compiled, scope, slices)
+
+
+def check_cluster_options(options: argparse.Namespace) -> None:
+    """Raises UsageError for --workers without a cluster, and for learners that have no slices."""
+    if options.ray is None:
+        for name in ("workers", "worker_threads"):
+            if (value := getattr(options, name)) is not None:
+                raise UsageError(
+                    f"--{name.replace('_', '-')} {value} is of a cluster: give --ray ADDRESS, too "
+                    "(--threads says how many threads train in this process)"
+                )
+        return
+    from skybody.ray.train import check_options
+
+    check_options(options)
 
 
 def open_trainer(
     options: argparse.Namespace,
     config: Config,
     compiled: CompiledScenario,
-    locks: contextlib.ExitStack,
-    slices: object = None,
+    scope: contextlib.ExitStack,
+    slices: object,
 ) -> Trainer:
-    """make_trainer(), of what is checked; `slices` as make_learner() has them."""
+    """Opens the run folder; `slices` as make_learner() has them."""
     from skybody.train.trainer import Trainer
 
     run: Path = options.out
     is_new = not run.exists()
     (run / "checkpoints").mkdir(parents=True, exist_ok=True)
-    locks.enter_context(files.folder_lock(run))
+    scope.enter_context(files.folder_lock(run))
     try:
         trainer = Trainer(run, config, compiled, slices)
         config.write(run)
@@ -344,7 +375,7 @@ def train(trainer: Trainer) -> int:
         trainer.abandon()
         print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
         return INTERRUPTED
-    except (OSError, Error) as error:
+    except (OSError, Error, UsageError) as error:
         trainer.abandon()
         print(
             f"train: {evaluate.in_our_words(error)}; once that is mended, --resume goes on from "

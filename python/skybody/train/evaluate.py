@@ -25,9 +25,9 @@ from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.program import run_program
 from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
+from skybody.train.hyperparameters import UsageError
 from skybody.train.learner import columns_of, goal_distance
 from skybody.train.policy_file import Policy, read_policy
-from skybody.train.presets import UsageError
 from skybody.train.requirements import demand_packages
 
 SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds draw other episodes

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skybody._native import CompiledScenario, Diverged, Gradient, Ppo
+from skybody.train.hyperparameters import Hyperparameters
 from skybody.train.learner import Report
 from skybody.train.policy_file import Layer, Policy, policy_of_values
-from skybody.train.presets import Hyperparameters
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,8 +21,18 @@ PARAMETERS = ("policy", "value")  # blocks of the state; `gradient` has the firs
 class NativeLearner:
     """learner.Learner says what its methods do. Bits depend on no number of threads."""
 
-    def __init__(self, native: Ppo | Gradient) -> None:
-        self._native = native
+    _kind: type[Ppo | Gradient]
+
+    def __init__(
+        self,
+        compiled: CompiledScenario,
+        hyper: Hyperparameters,
+        seed: int,
+        threads: int,
+        total_steps: int,
+        *slices: object,
+    ) -> None:
+        self._native = self._kind(compiled, vars(hyper), seed, total_steps, threads, *slices)
 
     @property
     def steps(self) -> int:
@@ -70,33 +80,16 @@ class NativeLearner:
 
 
 class FastPpo(NativeLearner):
-    """Proximal policy optimisation."""
+    """Proximal policy optimisation. `slices`: None, or the object that holds them, as
+    `skybody.ray.slices` has it."""
 
-    def __init__(
-        self,
-        compiled: CompiledScenario,
-        hyper: Hyperparameters,
-        seed: int,
-        threads: int,
-        total_steps: int,
-        slices: object = None,
-    ) -> None:
-        """`slices`: None, or the object that holds them, as `skybody.ray.slices` has it."""
-        super().__init__(Ppo(compiled, vars(hyper), seed, total_steps, threads, slices))
+    _kind = Ppo
 
 
 class GradientLearner(NativeLearner):
     """Learning through the dynamics."""
 
-    def __init__(
-        self,
-        compiled: CompiledScenario,
-        hyper: Hyperparameters,
-        seed: int,
-        threads: int,
-        total_steps: int,
-    ) -> None:
-        super().__init__(Gradient(compiled, vars(hyper), seed, total_steps, threads))
+    _kind = Gradient
 
 
 def _single(value: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Iterable
 
-from skybody.train.presets import UsageError
+from skybody.train.hyperparameters import UsageError
 
 TRAINING = ("h5py", "matplotlib", "stable_baselines3", "tensorboard", "torch", "tqdm")
 REMEDY = "`pip install '.[train]'` in Skybody's source folder"

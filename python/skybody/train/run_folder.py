@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from skybody.train import files
+from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import COLUMNS, read_evaluation
-from skybody.train.presets import Hyperparameters, UsageError, from_dict
+from skybody.train.hyperparameters import Hyperparameters, UsageError, from_dict
 
 _FIXED = ("algorithm", "seed", "scenario_hash")  # beside the hyper-parameters; they decide bits
 
@@ -68,7 +69,8 @@ class Config:
             raise UsageError(f"--resume: {path} does not exist, so there is no run to go on with")
         try:
             values: dict[str, Any] = json.loads(path.read_text())
-            hyper = from_dict(values["hyper"], values["algorithm"])
+            defaults = algorithm_of(values["algorithm"]).defaults()
+            hyper = from_dict(values["hyper"], defaults)
             return Config(**{**values, "hyper": hyper, "searched": []})
         except (ValueError, TypeError, KeyError) as error:
             raise UsageError(

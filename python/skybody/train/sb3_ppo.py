@@ -24,9 +24,9 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 
 from skybody._native import CompiledScenario
 from skybody.sb3 import SkybodyVecEnv
+from skybody.train.hyperparameters import Hyperparameters
 from skybody.train.learner import Report, check_finite, goal_distance, layers_of
 from skybody.train.policy_file import Policy
-from skybody.train.presets import Hyperparameters
 
 LOSSES = {  # names in the tables, by Stable-Baselines3's
     "train/policy_gradient_loss": "policy_loss",

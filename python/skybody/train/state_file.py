@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from skybody.train.presets import NATIVE
+from skybody.train.algorithms import NATIVE
 
 PLAIN = "plain"  # the entry of state.npz that is JSON: everything but the learner's arrays
 

@@ -17,15 +17,15 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm  # type: ignore[import-untyped]
 
-from skybody._native import CompiledScenario
+from skybody._native import CompiledScenario, Error
 from skybody.train import files
+from skybody.train.algorithms import algorithm_of
 from skybody.train.averaging import PolicyAverage
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint, write_checkpoint
 from skybody.train.evaluations import Evaluations
 from skybody.train.events import EventFile
 from skybody.train.hashing import parameter_hash
 from skybody.train.learner import Learner, Report
-from skybody.train.presets import NATIVE
 from skybody.train.run_folder import Config, ProgressTable, write_evaluations
 
 RECENT_EPISODES = 100  # that the progress bar's return is the mean of
@@ -38,7 +38,7 @@ def make_learner(config: Config, compiled: CompiledScenario, slices: object = No
         slices: of fast-ppo, where somebody else holds them.
 
     Raises:
-        ValueError: the scenario observes images, which neither learner takes.
+        ValueError: the scenario observes images, which no learner takes.
     """
     images = [c.name for c in compiled.observation_columns if c.image >= 0]
     if images:
@@ -48,21 +48,8 @@ def make_learner(config: Config, compiled: CompiledScenario, slices: object = No
             "`skybody.sb3.SkybodyVecEnv` with MultiInputPolicy"
         )
     arguments = (compiled, config.hyper, config.seed, config.threads, config.total_steps)
-    if config.algorithm == "ppo":
-        from skybody.train.sb3_ppo import Sb3Ppo
-
-        return Sb3Ppo(*arguments)
-    if config.algorithm == "fast-ppo":
-        from skybody.train.native_learners import FastPpo
-
-        return FastPpo(*arguments, slices)
-    if config.algorithm == "gradient":
-        from skybody.train.native_learners import GradientLearner
-
-        return GradientLearner(*arguments)
-    from skybody.train.lean_ppo import LeanPpo
-
-    return LeanPpo(*arguments)
+    make = algorithm_of(config.algorithm).make
+    return make(*arguments) if slices is None else make(*arguments, slices)
 
 
 class Trainer:
@@ -73,7 +60,7 @@ class Trainer:
     ) -> None:
         self.run, self.config = run, config
         self.learner = make_learner(config, compiled, slices)
-        averages_itself = config.algorithm in NATIVE
+        averages_itself = algorithm_of(config.algorithm).is_native
         self.average = PolicyAverage(0 if averages_itself else config.hyper.averaging_steps)
         self.shares = {"environment": 0.0, "inference": 0.0, "update": 0.0}
         self.recent: deque[float] = deque(maxlen=RECENT_EPISODES)
@@ -93,11 +80,18 @@ class Trainer:
             return
         checkpoint = read_checkpoint(found[-1])
         state = checkpoint.state
-        self.learner.restore(state["learner"], checkpoint.environments)
-        self.average.restore(state["average"])
-        self.shares.update(state["shares"])
-        self.recent.extend(state["recent"])
-        self.faults, self.earlier_seconds = state["faults"], checkpoint.meta["wall_clock"]
+        try:
+            self.learner.restore(state["learner"], checkpoint.environments)
+            self.average.restore(state["average"])
+            self.shares.update(state["shares"])
+            self.recent.extend(state["recent"])
+            self.faults, self.earlier_seconds = state["faults"], checkpoint.meta["wall_clock"]
+        except (Error, KeyError, TypeError, RuntimeError) as error:
+            written = checkpoint.meta.get("versions", {}).get("skybody", "another version")
+            raise ValueError(
+                f"{found[-1]} was written by skybody {written} and does not fit this one "
+                f"({error}): go on with that version, or begin a new run in another folder"
+            ) from error
 
     # --- the loop -------------------------------------------------------------------------------
 

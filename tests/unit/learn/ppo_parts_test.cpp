@@ -6,11 +6,11 @@
 #include <random>
 #include <vector>
 
+#include "learn/common/running_moments.h"
+#include "learn/common/task_crew.h"
 #include "learn/ppo/gaussian.h"
 #include "learn/ppo/normalizer.h"
 #include "learn/ppo/policy_loss.h"
-#include "learn/ppo/running_moments.h"
-#include "learn/ppo/task_crew.h"
 
 namespace skybody::learn {
 namespace {

@@ -125,10 +125,35 @@ TEST(Ppo, RefusesTheStateOfAnotherLearnerAndStaysAsItWas) {
   }
   state.blocks.clear();
   EXPECT_THROW(ppo.restore(state), Error);
-  state = Ppo(options).state();
-  state.environments.pop_back();
-  EXPECT_THROW(ppo.restore(state), Error);
   EXPECT_EQ(ppo.parameter_hash(), before);
+}
+
+TEST(Ppo, RefusesDamagedEnvironmentsOfAnySliceAndStaysAsItWas) {
+  const LearnerOptions options = small_options(small_team());
+  Ppo ppo(options), twin(options);
+  ppo.iterate();
+  const LearnerState good = ppo.state();
+  twin.iterate();
+  ppo.iterate();
+  twin.iterate();
+  const auto refuses = [&](const std::vector<std::uint64_t>& environments) {
+    LearnerState state = good;
+    state.environments = environments;
+    EXPECT_THROW(ppo.restore(state), Error);
+  };
+  std::vector<std::uint64_t> damaged = good.environments;
+  damaged.back() ^= 1;  // the last slice's checksum: those before it are good
+  refuses(damaged);
+  damaged = good.environments;
+  damaged.pop_back();
+  refuses(damaged);
+  damaged = good.environments;
+  damaged.push_back(0);
+  refuses(damaged);
+  ppo.iterate();
+  twin.iterate();
+  EXPECT_EQ(ppo.parameter_hash(), twin.parameter_hash());
+  EXPECT_EQ(ppo.state().environments, twin.state().environments);
 }
 
 class Sizes15 : public testing::TestWithParam<int> {};

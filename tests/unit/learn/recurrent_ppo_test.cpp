@@ -5,8 +5,8 @@
 #include <cstdlib>
 
 #include "core/assemble/load.h"
+#include "learn/common/slice_plan.h"
 #include "learn/ppo/ppo.h"
-#include "learn/ppo/slice_plan.h"
 #include "tests/unit/learn/isas.h"
 
 namespace skybody::learn {

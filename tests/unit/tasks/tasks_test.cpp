@@ -159,7 +159,8 @@ TEST_F(HoverTask, InATeamEveryRobotHasItsOwnObservationAndReward) {
 TEST_F(HoverTask, InformsOfErrorsTiltAndSpeed) {
   const Instance task("hover", world, {{"target", Numbers{0.3, 0, 1.4, -0.2}}});
   EXPECT_EQ(channel_names(task.declared.infos),
-            (std::vector<std::string>{"position_error", "yaw_error", "tilt", "speed"}));
+            (std::vector<std::string>{"position_error", "yaw_error", "tilt", "speed", "failed.tilt",
+                                      "failed.heading", "failed.bound", "success"}));
   Group g = begin(task);
   g.bodies[3] = std::cos(0.35);
   g.bodies[4] = std::sin(0.35);
@@ -241,7 +242,8 @@ TEST_F(PayloadTask, RewardsAsThePaperDoesAndPunishesFailure) {
 TEST_F(PayloadTask, InformsOfErrorTiltAndSpeed) {
   const Instance task("payload", world);
   EXPECT_EQ(channel_names(task.declared.infos),
-            (std::vector<std::string>{"payload_error", "tilt", "speed"}));
+            (std::vector<std::string>{"payload_error", "tilt", "speed", "failed.tilt",
+                                      "failed.heading", "failed.bound", "success"}));
   EXPECT_EQ(channel_robots(task.declared.channels), std::vector<int>(8, 0));
   Group g = at_rest(task);
   g.bodies[3] = std::cos(0.1);

@@ -1,4 +1,4 @@
-#include "learn/ppo/running_moments.h"
+#include "learn/common/running_moments.h"
 
 #include <algorithm>
 #include <cmath>

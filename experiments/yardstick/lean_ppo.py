@@ -1,4 +1,4 @@
-"""A lean PPO (Schulman et al. 2017) on the native pool: large batches, little between them.
+"""A lean PPO (Schulman et al. 2017) in Python on the native pool: what `fast-ppo` is measured by.
 
 A rollout is `rollout_steps` steps of all environments, written to tensors that are made once.
 Rows come from the pool without a copy. Observations are normalized by running statistics that stay
@@ -22,16 +22,17 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import torch
-from torch import Tensor, nn
-
 from skybody._native import Batch, CompiledScenario, Pool
 from skybody.train.learner import Report, check_finite, columns_of, goal_distance, layers_of
 from skybody.train.policy_file import Policy
-from skybody.train.presets import Hyperparameters
+from torch import Tensor, nn
+
+if TYPE_CHECKING:
+    from command import LeanHyperparameters
 
 EPSILON = 1e-8
 ADAM_EPSILON = 1e-5  # steps shrink with gradients that vanish, as in most implementations of PPO
@@ -110,7 +111,7 @@ class LeanPpo:
     def __init__(
         self,
         compiled: CompiledScenario,
-        hyper: Hyperparameters,
+        hyper: LeanHyperparameters,
         seed: int,
         threads: int,
         total_steps: int,

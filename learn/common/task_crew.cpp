@@ -1,10 +1,10 @@
-#include "learn/ppo/task_crew.h"
+#include "learn/common/task_crew.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/base/processors.h"
-#include "learn/ppo/flushed_denormals.h"
+#include "learn/common/flushed_denormals.h"
 
 namespace skybody::learn {
 namespace {

@@ -1,0 +1,11 @@
+// What tasks share, for their authors: named parts of observations, histories, limits of flight,
+// verdicts, terms of rewards, draws. docs/task_kit.md builds a task with it.
+#pragma once
+
+#include "plugins/task_kit/attitude.h"
+#include "plugins/task_kit/flight_limits.h"
+#include "plugins/task_kit/history.h"
+#include "plugins/task_kit/parts.h"
+#include "plugins/task_kit/shaping.h"
+#include "plugins/task_kit/spawn.h"
+#include "plugins/task_kit/verdict.h"

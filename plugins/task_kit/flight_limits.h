@@ -1,0 +1,90 @@
+// Limits of a flight: tilt, heading, and a box about the origin. A flight that passes one has
+// failed.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include "plugins/task_kit/verdict.h"
+
+namespace skybody::task_kit {
+
+/// Cosine of the largest tilt [rad]; -2, which nothing is below, where every tilt is allowed.
+inline double tilt_cosine_limit(double tilt_max) { return tilt_max < kPi ? cos(tilt_max) : -2.0; }
+
+/// Which limits are passed.
+template <class Real>
+struct PassedLimits {
+  MaskOf<Real> tilt{false}, heading{false}, bound{false};
+
+  SKYBODY_INLINE MaskOf<Real> any() const { return logical_or(logical_or(tilt, heading), bound); }
+  /// Those of another robot, too.
+  SKYBODY_INLINE void add(const PassedLimits& other) {
+    tilt = logical_or(tilt, other.tilt);
+    heading = logical_or(heading, other.heading);
+    bound = logical_or(bound, other.bound);
+  }
+};
+
+/// The limits and their parameters: a member of a task, among its parameters.
+class FlightLimits {
+ public:
+  explicit FlightLimits(Plugin* owner) : owner_(owner) {}
+
+  /// Declares the infos of the failures: failed.tilt, failed.heading, failed.bound.
+  void configure(const Setup& setup, InfoParts& infos) {
+    tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
+    tilt_failure_ = declare_failure(setup, infos, "tilt", "tilted beyond `tilt_max`");
+    heading_failure_ = declare_failure(setup, infos, "heading", "heading beyond `yaw_max`");
+    bound_failure_ = declare_failure(setup, infos, "bound", "a coordinate beyond `bound`");
+  }
+
+  /// @param heading  what `yaw_max` limits either way [rad]
+  template <class Real>
+  SKYBODY_INLINE PassedLimits<Real> passed(const BodyMotion<Real>& body,
+                                           const Real& heading) const {
+    const Vec3<Real>& p = body.position;
+    const Real farthest = max(max(abs(p.x), abs(p.y)), abs(p.z));
+    return {tilt_cosine(body.rotation) < tilt_cosine_, abs(heading) > yaw_max_.value(),
+            farthest > bound_.value()};
+  }
+  /// The same with the body's yaw in W.
+  template <class Real>
+  SKYBODY_INLINE PassedLimits<Real> passed(const BodyMotion<Real>& body) const {
+    return passed(body, yaw(body.rotation));
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void judge(Verdict<Real>& verdict, const PassedLimits<Real>& passed) const {
+    verdict.fail(tilt_failure_, passed.tilt);
+    verdict.fail(heading_failure_, passed.heading);
+    verdict.fail(bound_failure_, passed.bound);
+  }
+
+ private:
+  Plugin* owner_;
+  RealParameter tilt_max_{owner_,
+                          {.name = "tilt_max",
+                           .unit = "rad",
+                           .value = 1.57,
+                           .min = 0.0,
+                           .max = kPi,
+                           .doc = "a robot fails beyond this tilt"}};
+  RealParameter yaw_max_{owner_,
+                         {.name = "yaw_max",
+                          .unit = "rad",
+                          .value = 1.57,
+                          .min = 0.0,
+                          .max = 4.0,
+                          .doc = "or beyond this heading, either way"}};
+  RealParameter bound_{owner_,
+                       {.name = "bound",
+                        .unit = "m",
+                        .value = 7.0,
+                        .min = 1e-3,
+                        .doc = "or where a coordinate's magnitude exceeds this (W)"}};
+
+  double tilt_cosine_ = -2.0;
+  Part tilt_failure_, heading_failure_, bound_failure_;
+};
+
+}  // namespace skybody::task_kit

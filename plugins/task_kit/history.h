@@ -1,0 +1,98 @@
+// What a task remembers: the last few actions or states, in its buffer.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include "plugins/task_kit/parts.h"
+
+namespace skybody::task_kit {
+
+/// Words of a task's buffer, given out one after another. configure() ends with
+/// `setup.buffer(plan.size())`.
+class BufferPlan {
+ public:
+  /// @returns the first of `words` words
+  int take(int words) {
+    const int first = size_;
+    size_ += words;
+    return first;
+  }
+  int size() const { return size_; }
+
+ private:
+  int size_ = 0;
+};
+
+/// The last `length` entries of `width` values each, the newest first.
+class History {
+ public:
+  History() = default;
+  History(BufferPlan& plan, int length, int width)
+      : first_(plan.take(length * width)), length_(length), width_(width) {}
+
+  int size() const { return length_ * width_; }  ///< values of all entries
+
+  /// All entries become `entry(k)`, k = 0 .. width - 1.
+  template <class Real, class Entry>
+  SKYBODY_INLINE void fill(const Values<Real>& buffer, const Entry& entry) const {
+    for (int k = 0; k < width_; ++k) {
+      const Real value = entry(k);
+      for (int age = 0; age < length_; ++age) buffer.set(place(age, k), value);
+    }
+  }
+  /// Where `due` holds the entries grow older by one, the oldest is forgotten, and `entry(k)` is
+  /// the newest.
+  template <class Real, class Entry>
+  SKYBODY_INLINE void push(const Values<Real>& buffer, const MaskOf<Real>& due,
+                           const Entry& entry) const {
+    for (int k = 0; k < width_; ++k) {
+      for (int age = length_ - 1; age > 0; --age) {
+        buffer.set(place(age, k), select(due, buffer[place(age - 1, k)], buffer[place(age, k)]));
+      }
+      buffer.set(place(0, k), select(due, entry(k), buffer[place(0, k)]));
+    }
+  }
+  /// What evaluate() does: after a step push(); at a reset, where there is no past yet, fill().
+  template <class Real, class Entry>
+  SKYBODY_INLINE void note(const EnvView<Real>& env, const Values<Real>& buffer,
+                           const Entry& entry) const {
+    const auto stepped = env.step() > Word<Real>(0);
+    for (int k = 0; k < width_; ++k) {
+      const Real value = entry(k);
+      for (int age = length_ - 1; age > 0; --age) {
+        buffer.set(place(age, k), select(stepped, buffer[place(age - 1, k)], value));
+      }
+      buffer.set(place(0, k), value);
+    }
+  }
+  /// Value k of the entry that is `age` entries old.
+  template <class Real>
+  SKYBODY_INLINE Real at(const Values<Real>& buffer, int age, int k) const {
+    return buffer[place(age, k)];
+  }
+  /// Writes all entries into an observation, the newest first.
+  template <class Real>
+  SKYBODY_INLINE void observe(const Values<Real>& buffer, const Part& part,
+                              const Values<Real>& row) const {
+    for (int k = 0; k < size(); ++k) part.set(row, buffer[first_ + k], k);
+  }
+
+ private:
+  int place(int age, int k) const { return first_ + age * width_ + k; }
+
+  int first_ = 0, length_ = 0, width_ = 0;
+};
+
+/// Moments ahead at which a task shows its reference: now, and then every `spacing`.
+struct Window {
+  int count = 0;
+  double spacing = 0.0;  ///< [s]
+
+  /// Moment i, counted from the reset [s].
+  template <class Real>
+  SKYBODY_INLINE Real time(const Real& now, int i) const {
+    return now + spacing * static_cast<double>(i);
+  }
+};
+
+}  // namespace skybody::task_kit

@@ -1,0 +1,181 @@
+"""What a learner is told: its hyper-parameters, their checks and their texts."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from skybody._native import hyperparameters
+from skybody.arguments import MOST_ENVS, allowed_words
+
+
+class UsageError(ValueError):
+    """A wrong option or input file of the user's; the text is the whole message."""
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """What a learner in PyTorch is told; `steps` are steps of one environment."""
+
+    envs: int = 64  # environments that are stepped side by side
+    rollout_steps: int = 128  # steps of each environment between two updates
+    minibatch: int = 1024  # transitions per gradient step
+    epochs: int = 5  # passes over a rollout
+    learning_rate: float = 1e-3  # of Adam, at the beginning
+    final_learning_rate: float = 0.05  # at the end, as a share of `learning_rate`; linear between
+    discount: float = 0.99  # gamma
+    gae_lambda: float = 0.95  # of generalized advantage estimation
+    clip_range: float = 0.2  # of the ratio of probabilities
+    target_kl: float = 0.0  # stop a rollout's updates beyond 1.5 times this; 0: never
+    entropy_weight: float = 0.0
+    value_weight: float = 0.5
+    max_grad_norm: float = 0.5
+    log_std: float = -1.0  # of the actions' standard deviation, at the beginning
+    final_log_std: float = 0.0  # at the end: learned below the line of the two; 0: learned freely
+    bounded_mean: bool = False  # actions' mean through a tanh: noise always tells about actions
+    hidden: tuple[int, ...] = (64, 64)  # tanh layers, of policy and value function each
+    normalize_rewards: bool = True  # divide by the deviation of the discounted return
+    observation_clip: float = 10.0  # of normalized observations
+    normalization_steps: int = 0  # after which observations' statistics stay; 0: they never do
+    averaging_steps: int = 0  # the policy that is kept is a mean over about so many; 0: the last
+    torch_threads: int = 1  # bits of the result belong to this number
+
+    def noise_limits(self, done: float) -> dict[str, float]:
+        """Least and largest log of the standard deviation after a share `done` of the steps."""
+        if self.final_log_std == 0.0:
+            return {"min": -math.inf, "max": math.inf}
+        least = min(self.log_std, self.final_log_std)
+        line = self.log_std + min(1.0, done) * (self.final_log_std - self.log_std)
+        return {"min": least, "max": line}
+
+    def normalizes(self, steps: int) -> bool:
+        """Whether observations after `steps` steps still count for their statistics."""
+        return self.normalization_steps == 0 or steps < self.normalization_steps
+
+    def check(self) -> None:
+        """Raises UsageError for values that no learner can work with."""
+        for name, value in vars(self).items():
+            finite = not isinstance(value, float) or math.isfinite(value)
+            _demand(finite, name, value, "a finite number")
+        for name in ("envs", "rollout_steps", "minibatch", "epochs", "torch_threads"):
+            _demand(getattr(self, name) >= 1, name, getattr(self, name), "at least 1")
+        _demand(self.envs <= MOST_ENVS, "envs", self.envs, f"at most {MOST_ENVS}")
+        for name in ("learning_rate", "max_grad_norm", "observation_clip", "clip_range"):
+            _demand(getattr(self, name) > 0, name, getattr(self, name), "above 0")
+        for name in ("discount", "gae_lambda", "final_learning_rate"):
+            _demand(0 <= getattr(self, name) <= 1, name, getattr(self, name), "0 to 1")
+        for name in ("target_kl", "entropy_weight", "value_weight"):
+            _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
+        for name in ("normalization_steps", "averaging_steps"):
+            _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
+        _demand(min(self.hidden, default=1) >= 1, "hidden", self.hidden, "sizes of at least 1")
+        rollout = self.envs * self.rollout_steps
+        allowed = f"2 to envs * rollout_steps = {rollout}"
+        _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
+
+
+@functools.cache
+def native_defaults(algorithm: str) -> Any:
+    """The engine's list for a learner in C++, as the others have theirs."""
+
+    def check(hyper: Any) -> None:
+        """Raises UsageError for values that the learner cannot work with."""
+        try:
+            hyperparameters(algorithm, vars(hyper))
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+
+    fields = [(name, type(value), value) for name, value in hyperparameters(algorithm).items()]
+    return dataclasses.make_dataclass(
+        "NativeHyperparameters", fields, frozen=True, namespace={"check": check}
+    )()
+
+
+def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparameters:
+    """`base` with texts `key=value` applied. Raises UsageError for what does not fit."""
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals:
+            raise UsageError(f"--set {setting}: write KEY=VALUE")
+        base = with_value(base, key, text, f"--set {setting}")
+    return base
+
+
+def with_value(
+    base: Hyperparameters, key: str, text: str, where: str, others: Sequence[str] = ()
+) -> Hyperparameters:
+    """`base` with one value, written as a text.
+
+    Args:
+        where: it is written, for messages.
+        others: keys besides hyper-parameters that are allowed there, for messages.
+
+    Raises:
+        UsageError: there is no such key, or the text is no value of it.
+    """
+    fields = {field.name: getattr(base, field.name) for field in dataclasses.fields(base)}
+    if key not in fields:
+        hint = allowed_words(key, [*fields, *others])
+        raise UsageError(f"{where}: no hyper-parameter `{key}`{hint}")
+    return dataclasses.replace(base, **{key: _parse(where, text, fields[key])})
+
+
+def from_dict(values: dict[str, Any], defaults: Any) -> Hyperparameters:
+    """The inverse of dataclasses.asdict, after a way through JSON.
+
+    Args:
+        defaults: of the learner.
+
+    Raises:
+        ValueError: these are not its hyper-parameters.
+    """
+    known = {field.name for field in dataclasses.fields(defaults)}
+    if other := known ^ set(values):
+        raise ValueError(
+            f"hyper-parameters of another learner or version: {', '.join(sorted(other))}"
+        )
+    made: Hyperparameters = dataclasses.replace(
+        defaults, **{**values, "hidden": tuple(values["hidden"])}
+    )
+    return made
+
+
+def whole_number(text: str, where: str) -> int:
+    """A whole number, also as 2e6. Raises UsageError for another text."""
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not value.is_integer():
+        raise UsageError(f"{where}: `{text}` is not an integer")
+    return int(value)
+
+
+def _parse(where: str, text: str, like: Any) -> Any:
+    try:
+        if isinstance(like, bool):
+            return {"true": True, "false": False}[text.lower()]
+        if isinstance(like, tuple):
+            return tuple(int(size) for size in text.strip("[]()").split(",") if size.strip())
+        if isinstance(like, str):
+            return text
+        return whole_number(text, where) if isinstance(like, int) else float(text)
+    except UsageError:
+        raise
+    except (ValueError, KeyError):
+        form = {bool: "true or false", tuple: "sizes as 64,64"}
+        wanted = form.get(type(like), "a number")
+        raise UsageError(f"{where}: `{text}` is not {wanted}") from None
+
+
+def _demand(good: bool, name: str, value: object, allowed: str) -> None:
+    if not good:
+        raise UsageError(f"hyper-parameter {name} = {value}: allowed is {allowed}")

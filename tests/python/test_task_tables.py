@@ -1,0 +1,26 @@
+"""Tables of observations in the READMEs of tasks are what the tasks declare."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_readmes_of_tasks_have_the_tables_that_the_tasks_declare(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    script = importlib.import_module("task_tables")
+    for readme in script.pages():
+        text = readme.read_text()
+        assert script.page(text) == text, f"{readme}: scripts/update_docs.sh writes it anew"
+
+
+def test_the_task_in_the_manual_is_the_one_that_new_projects_begin_with() -> None:
+    template = (ROOT / "plugins/template/task/NAME.cpp.in").read_text()
+    code = template.replace("@CLASS@", "Stay").replace("@NAME@", "stay")
+    assert f"```cpp\n{code}```" in (ROOT / "docs/task_kit.md").read_text()
