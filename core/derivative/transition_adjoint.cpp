@@ -119,7 +119,8 @@ TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps
       effects_(effects_map(compiled, dual_)),
       motion_(motion_map(layout_, dual_)),
       step_({}, {}),
-      derived_(step_adjoint_.make_derived()) {
+      derived_(step_adjoint_.make_derived()),
+      goal_motion_values_(6 * kGroupLanes) {
   require_smooth();
   goal_motion_ += 13 * compiled.task().goals[0].body;
 }
@@ -193,11 +194,14 @@ void TransitionAdjoint::step(StateGroup& group, GroupWork& work, std::uint32_t m
   c.conclude(group, work, mask, false, rows);
 }
 
-void TransitionAdjoint::goal(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                             double* out) const {
+void TransitionAdjoint::goal(StateGroup& group, GroupWork& work, std::uint32_t mask, double* out) {
   const PluginInstance& task = compiled_.task();
   const SkybodyLanes v = compiled_.view(group, work, mask);
   call_plugin(task.kernels.goal, task, group, v, no_sizes, out);
+  if (task.kernels.goal_motion == nullptr) return;  // at rest: the caller's zeros
+  double* const motion = goal_motion_values_.data();
+  call_plugin(task.kernels.goal_motion, task, group, v, no_sizes, motion);
+  std::copy_n(motion, 3 * kGroupLanes, out + 4 * kGroupLanes);
 }
 
 // --- dependences --------------------------------------------------------------------------------

@@ -35,9 +35,10 @@ class TransitionAdjoint {
   void step(StateGroup& group, GroupWork& work, std::uint32_t mask, const float* actions,
             int action_stride, const Rows& rows, int t);
 
-  /// Where the task wants its first goal body now.
-  /// @param out  values of all goals in lanes: position and heading of each
-  void goal(StateGroup& group, GroupWork& work, std::uint32_t mask, double* out) const;
+  /// Where the task wants its goal's body now.
+  /// @param out  7 rows in lanes: position and heading, and where the task says how its goal moves
+  ///             the velocity [m/s]; else that stays as it is
+  void goal(StateGroup& group, GroupWork& work, std::uint32_t mask, double* out);
 
   /// Learns from the remembered transitions which values of plugins depend on which.
   void look(const StateGroup& group, std::uint32_t mask, int steps);
@@ -90,7 +91,7 @@ class TransitionAdjoint {
   int goal_motion_;
   LinearMap task_, chain_, effects_, motion_, step_;
   bool is_chain_constant_ = false;  ///< over the physics steps of an action
-  AlignedArray<double> derived_;
+  AlignedArray<double> derived_, goal_motion_values_;
 };
 
 }  // namespace skybody
