@@ -41,7 +41,7 @@ from training_runs import (
 
 SEEDS = {"gradient": range(1, 11)}  # others: three
 QUICK_STEPS = 100_000
-CHECKPOINT_STEPS = {"gradient": 220_000}  # between two points of a curve; others:
+CHECKPOINT_STEPS = {"gradient": 175_000}  # between two points of a curve; others:
 MOST_CHECKPOINT_STEPS = 500_000
 LIMITS = (0.1, 0.03)  # m, median over the episodes
 LEAST_SUCCESS = 0.98

@@ -46,8 +46,8 @@ enum class Algorithm { kFastPpo, kGradient };
   X(double, approach_rate, 2, 1e-3, 1e3, G, "close to the goal that speed is the distance times this [1/s]") \
   X(double, reward_weight, 0, 0, 1e6, G, "of the task's own reward, which is taken off the cost; 0 is quicker") \
   X(double, observation_clip, 10, 1e-3, 1e6, P, "bound of normalized observations") \
-  X(double, normalization_steps, 0, 0, 1e18, P, "after which observations' statistics stay; 0: they never do") \
-  X(double, averaging_steps, 0, 0, 1e18, P, "the policy that is kept is a mean over about so many steps; 0: the last")
+  X(double, normalization_steps, 0, 0, 1e18, B, "after which observations' statistics stay; 0: they never do") \
+  X(double, averaging_steps, 0, 0, 1e18, B, "the policy that is kept is a mean over about so many steps; 0: the last")
 // clang-format on
 
 using Sizes = std::vector<int>;

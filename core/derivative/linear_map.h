@@ -35,6 +35,8 @@ class LinearMap {
       clear(group);
     }
   }
+  /// As if look() had been called as on another map of the same inputs and outputs.
+  void depend_as(const LinearMap& other) { depends_ = other.depends_; }
   /// Makes the sets. After all look(), before pull_back().
   void arrange();
 

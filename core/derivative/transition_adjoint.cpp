@@ -171,6 +171,11 @@ void TransitionAdjoint::look(const StateGroup& group, std::uint32_t mask, int st
   }
 }
 
+void TransitionAdjoint::depend_as(const TransitionAdjoint& other) {
+  task_.depend_as(other.task_);
+  chain_.depend_as(other.chain_);
+}
+
 void TransitionAdjoint::arrange() {
   task_.arrange();
   chain_.arrange();

@@ -17,8 +17,6 @@ using Clock = std::chrono::steady_clock;
 /// Observations are normalised by about the last so many rollouts: what an untrained policy sees,
 /// tumbling, says little of what it is to see.
 constexpr double kRemembered = 10.0;
-/// The share of the training after which what the policy sees stays as it is.
-constexpr double kNormalizedShare = 0.5;
 constexpr double kLastLayerGain = 0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
 
@@ -50,14 +48,17 @@ Gradient::Gradient(const LearnerOptions& options)
       parameters_(network_.parameter_count()),
       adam_(network_.parameter_count(), hyper_.max_grad_norm, best_isa()),
       moments_(static_cast<std::size_t>(compiled_->observation_size())),
+      average_(network_.parameter_count(), hyper_.averaging_steps),
       crew_(options.threads, kSlices) {
   network_.initialize({parameters_.data(), parameters_.size()}, kLastLayerGain, options.seed, 0);
   const SlicePlan plan(hyper_.envs, hyper_.rollout_steps, hyper_.envs);
   slices_.resize(static_cast<std::size_t>(plan.slices()));
-  crew_.run(plan.slices(), [&](int s, int) {
+  const auto make_slice = [&](int s, const GradientSlice* alike) {
     slices_[static_cast<std::size_t>(s)] = std::make_unique<GradientSlice>(
-        training_, hyper_, network_, options.seed, plan.first_env(s), plan.envs(s));
-  });
+        training_, hyper_, network_, options.seed, plan.first_env(s), plan.envs(s), alike);
+  };
+  make_slice(0, nullptr);
+  crew_.run(plan.slices() - 1, [&](int s, int) { make_slice(s + 1, slices_[0].get()); });
   for (const auto& slice : slices_) gradients_.push_back(slice->gradient().data());
   sums_.resize(slices_[0]->sums().size());
 }
@@ -90,6 +91,7 @@ Report Gradient::iterate() {
         "shorter rollout_steps, or --algo fast-ppo");
   }
   normalize();
+  average_.add(parameters, sums_[kSumSteps]);
   counters_.steps += static_cast<std::int64_t>(sums_[kSumSteps]);
   ++counters_.iteration;
   Report report;
@@ -120,7 +122,9 @@ void Gradient::add_up() {
 }
 
 void Gradient::normalize() {
-  if (progress() >= kNormalizedShare) return;
+  const bool is_over = hyper_.normalization_steps > 0.0 &&
+                       static_cast<double>(counters_.steps) >= hyper_.normalization_steps;
+  if (is_over) return;
   const std::size_t seen = moments_.mean.size();
   const std::span<const double> sums(sums_);
   moments_.count = std::min(moments_.count, kRemembered * sums_[kSumSteps]);
@@ -142,7 +146,7 @@ PolicyFile Gradient::policy() const {
     file.scale.push_back(1.0 / std::sqrt(variance + kLeastVariance));
   }
   file.clip = kNoClip;
-  file.layers = network_.layers({parameters_.data(), parameters_.size()});
+  file.layers = network_.layers(average_.of({parameters_.data(), parameters_.size()}));
   return file;
 }
 
@@ -162,6 +166,7 @@ void Gradient::visit(Self& self, Visitor& visitor) {
   visitor("policy", self.parameters_.data(), self.parameters_.size());
   Adam::visit(self.adam_, "policy.adam", visitor);
   RunningMoments::visit(self.moments_, "observations", visitor);
+  WeightAverage::visit(self.average_, "average", visitor);
   for (std::size_t s = 0; s < self.slices_.size(); ++s) {
     GradientSlice::visit(*self.slices_[s], "slice" + std::to_string(s), visitor);
   }

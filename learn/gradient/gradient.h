@@ -9,6 +9,7 @@
 #include "learn/gradient/gradient_slice.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
+#include "learn/network/weight_average.h"
 #include "learn/ppo/task_crew.h"
 
 namespace skybody::learn {
@@ -53,6 +54,7 @@ class Gradient : public Learner {
   TransposedWeights transposed_;
   Adam adam_;
   RunningMoments moments_;
+  WeightAverage average_;
   Counters counters_;
   TaskCrew crew_;
   std::vector<std::unique_ptr<GradientSlice>> slices_;

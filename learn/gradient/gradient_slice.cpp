@@ -26,7 +26,8 @@ int padded(int count) { return (count + 15) / 16 * 16; }
 
 GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
                              const Hyperparameters& hyper, const Network& network,
-                             std::uint64_t seed, int first_env, int envs)
+                             std::uint64_t seed, int first_env, int envs,
+                             const GradientSlice* alike)
     : compiled_(std::move(compiled)),
       network_(network),
       cost_(hyper),
@@ -70,8 +71,13 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       AlignedArray<float>(groups_.size() * kGroupLanes * static_cast<std::size_t>(seen_));
   returns_.resize(groups_.size() * kGroupLanes);
   episode_returns_.reserve(static_cast<std::size_t>(envs) * steps);
-  look();
-  for (Group& group : groups_) reset(group, group.lanes);
+  if (alike != nullptr) {
+    adjoint_.depend_as(alike->adjoint_);
+  } else {
+    look();
+  }
+  adjoint_.arrange();
+  begin();
 }
 
 /// Which values of plugins depend on which follows from some flights with random actions, the same
@@ -95,13 +101,16 @@ void GradientSlice::look() {
     }
     adjoint_.look(group.state, kAllLanes, std::min(horizon_, 8));
   }
-  adjoint_.arrange();
   group.state = compiled_->make_state(kGroupLanes);
-  for (Group& g : groups_) {
-    each_lane(g.lanes, [&](int l) {
-      compiled_->initialize(g.state, l, seed_,
-                            static_cast<std::uint64_t>(first_env_ + g.first + l));
+}
+
+void GradientSlice::begin() {
+  for (Group& group : groups_) {
+    each_lane(group.lanes, [&](int l) {
+      compiled_->initialize(group.state, l, seed_,
+                            static_cast<std::uint64_t>(first_env_ + group.first + l));
     });
+    reset(group, group.lanes);
   }
 }
 

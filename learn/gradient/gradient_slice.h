@@ -47,9 +47,12 @@ class GradientSlice {
  public:
   /// @param compiled  that is trained in
   /// @param network   outlives this
+  /// @param alike     a slice of the same scenario, which knows already which values of plugins
+  ///                  depend on which; null: this one finds out
   /// @throws Error where no derivatives are known
   GradientSlice(std::shared_ptr<const CompiledScenario> compiled, const Hyperparameters& hyper,
-                const Network& network, std::uint64_t seed, int first_env, int envs);
+                const Network& network, std::uint64_t seed, int first_env, int envs,
+                const GradientSlice* alike);
 
   /// Flies a horizon in all environments and adds up gradients.
   void run(const GradientInputs& inputs);
@@ -75,6 +78,7 @@ class GradientSlice {
     int first;            ///< environment, within the slice
   };
   void look();
+  void begin();
   void reset(Group& group, std::uint32_t lanes);
   void fly(Group& group, const GradientInputs& inputs);
   void act(const Group& group, const GradientInputs& inputs, int t);

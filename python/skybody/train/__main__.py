@@ -14,7 +14,6 @@ import dataclasses
 import platform
 import shutil
 import sys
-from importlib import metadata
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,7 +31,7 @@ from skybody.train.presets import (
     total_steps,
     with_settings,
 )
-from skybody.train.requirements import REMEDY, TRAINING, demand_packages
+from skybody.train.requirements import REMEDY, TRAINING, demand_packages, package_versions
 from skybody.train.run_folder import Config
 
 if TYPE_CHECKING:
@@ -205,18 +204,17 @@ def stamped(config: Config, compiled: CompiledScenario) -> Config:
         scenario_name=compiled.name,
         scenario_hash=f"{compiled.scenario_hash:016x}",
         scenario_text=compiled.scenario_text,
-        versions=all_versions(compiled),
+        versions=all_versions(compiled, config.algorithm),
     )
 
 
-def all_versions(compiled: CompiledScenario) -> dict[str, str]:
+def all_versions(compiled: CompiledScenario, algorithm: str) -> dict[str, str]:
     """Of everything that the result may depend on."""
-    packages = ("torch", "numpy", "stable-baselines3", "gymnasium")
     return {
         **{name: str(version) for name, version in versions().items()},
         **{f"plugin {name}": str(version) for name, version in compiled.plugins.items()},
         "python": platform.python_version(),
-        **{name: metadata.version(name) for name in packages},
+        **package_versions(algorithm),
     }
 
 
@@ -239,7 +237,7 @@ def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
                 f"--resume: scenario {config.scenario} has changed since this run began "
                 f"(hash {config.scenario_hash} then, {found} now; its text then is in config.json)"
             )
-        now = all_versions(compiled)
+        now = all_versions(compiled, config.algorithm)
         changed = [n for n, v in now.items() if config.versions.get(n) != v]
         if changed:
             was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)

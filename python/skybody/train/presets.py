@@ -122,6 +122,10 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
         "rollout_steps": 32,
         "learning_rate": 6e-3,
         "max_grad_norm": 1.0,
+        "normalization_steps": 200_000.0,
+        "averaging_steps": 80_000.0,
+        "reward_weight": 0.3,
+        "approach_speed": 3.5,
     },
     ("hover_learn", "lean-ppo"): _HOVER_LEARN,
     ("hover_learn", "ppo"): {"minibatch": 512, "epochs": 2, **_HOVER_LEARN},
@@ -130,7 +134,7 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
 # Environment steps of a run that was told no number.
 TOTAL_STEPS: dict[tuple[str, str], int] = {
     ("hover_learn", "fast-ppo"): 9_000_000,
-    ("hover_learn", "gradient"): 880_000,
+    ("hover_learn", "gradient"): 1_750_000,
     ("hover_learn", "lean-ppo"): 9_000_000,
     ("hover_learn", "ppo"): 15_000_000,
 }
