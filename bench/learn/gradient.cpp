@@ -124,7 +124,11 @@ int main(int argc, char** argv) {
                                        {"reward_weight", 0},
                                        {"final_learning_rate", 0.05},
                                        {"normalization_steps", 0},
-                                       {"averaging_steps", 0}};
+                                       {"averaging_steps", 0},
+                                       {"goal_weight", 1},
+                                       {"end_value_weight", 0},
+                                       {"value_epochs", 5},
+                                       {"discount", 0.99}};
   LoadOptions load;
   load.scenario = "hover_learn";
   for (int i = 1; i < argc; ++i) {
@@ -153,6 +157,10 @@ int main(int argc, char** argv) {
   options.hyper.hidden = {static_cast<int>(set["hidden"]), static_cast<int>(set["hidden"])};
   options.hyper.normalization_steps = set["normalization_steps"];
   options.hyper.averaging_steps = set["averaging_steps"];
+  options.hyper.goal_weight = set["goal_weight"];
+  options.hyper.end_value_weight = set["end_value_weight"];
+  options.hyper.value_epochs = static_cast<int>(set["value_epochs"]);
+  options.hyper.discount = set["discount"];
   options.seed = static_cast<std::uint64_t>(set["seed"]);
   options.threads = static_cast<int>(set["threads"]);
   options.total_steps =
