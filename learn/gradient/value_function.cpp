@@ -8,7 +8,7 @@
 namespace skybody::learn {
 namespace {
 
-constexpr double kLastLayerGain = 1.0;
+constexpr double kLastLayerGain = 0.01;  // what is not known yet is worth nothing
 /// The share of the way to the critic that its delayed copy goes in an iteration (arXiv 2204.07137,
 /// table 3: 0.2 to 0.8 of the copy stay).
 constexpr float kFollow = 0.4f;

@@ -26,6 +26,7 @@ from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.presets import (
     ALGORITHMS,
     DEFAULT_ALGORITHM,
+    Hyperparameters,
     UsageError,
     preset,
     total_steps,
@@ -218,6 +219,11 @@ def all_versions(compiled: CompiledScenario, algorithm: str) -> dict[str, str]:
     }
 
 
+def own_preset(compiled: CompiledScenario, algorithm: str) -> Hyperparameters:
+    """The preset for a scenario with its time between two actions."""
+    return preset(compiled.name, algorithm, compiled.dt * compiled.action_repeat)
+
+
 def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     """The run's configuration, checked, and its scenario, loaded. Sets `options.out`."""
     options.out = options.out or default_folder(options)
@@ -246,7 +252,7 @@ def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     else:
         if options.envs is not None and any(s.startswith("envs=") for s in options.set):
             raise UsageError("--envs and --set envs=...: give one of them")
-        hyper = with_settings(preset(compiled.name, config.algorithm), options.set)
+        hyper = with_settings(own_preset(compiled, config.algorithm), options.set)
         if options.envs is not None:
             hyper = dataclasses.replace(hyper, envs=options.envs)
         total = given(options.total_steps, total_steps(compiled.name, config.algorithm))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,9 @@ from skybody.train.presets import Hyperparameters
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+TRAINED_SHARE = 0.5  # of the steps, after which `gradient` is heard about contact
+FEWEST_ROLLOUTS = 10  # before it is said
+MOST_TOUCHING = 0.05  # share of flights in contact about which nothing is said
 PARAMETERS = ("policy", "value")  # blocks of the state; `gradient` has the first
 
 
@@ -97,6 +101,29 @@ class GradientLearner(NativeLearner):
         total_steps: int,
     ) -> None:
         super().__init__(Gradient(compiled, vars(hyper), seed, total_steps, threads))
+        self._listens_from = TRAINED_SHARE * total_steps
+        self._touching: list[float] | None = []  # shares since then; None: it has been said
+
+    def iterate(self) -> Report:
+        report = super().iterate()
+        if self._touching is not None and self.steps >= self._listens_from:
+            self._touching.append(report.losses["touching_share"])
+            self._warn_of_contact(self._touching)
+        return report
+
+    def _warn_of_contact(self, shares: list[float]) -> None:
+        """Once, where trained flights touch something."""
+        if len(shares) < FEWEST_ROLLOUTS:
+            return
+        share = sum(shares) / len(shares)
+        if share > MOST_TOUCHING:
+            print(
+                f"train: warning: {100 * share:.0f} % of the flights that `gradient` learns from "
+                "touch something, and its derivatives leave contact out; see docs/training.md, or "
+                "take --algo fast-ppo",
+                file=sys.stderr,
+            )
+            self._touching = None
 
 
 def _single(value: Any) -> Any:

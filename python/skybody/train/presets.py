@@ -116,6 +116,7 @@ _HOVER_LEARN: dict[str, Any] = {
 PRESETS: dict[tuple[str, str], dict[str, Any]] = {
     # One pass: a second one fits noise of the first one's advantages, and in the end little else.
     ("*", "lean-ppo"): {"envs": 256, "rollout_steps": 32, "epochs": 1},
+    ("*", "gradient"): {"envs": 32, "learning_rate": 6e-3, "max_grad_norm": 1.0},
     ("hover_learn", "fast-ppo"): _HOVER_LEARN,
     ("hover_learn", "gradient"): {
         "envs": 128,
@@ -131,6 +132,9 @@ PRESETS: dict[tuple[str, str], dict[str, Any]] = {
     ("hover_learn", "ppo"): {"minibatch": 512, "epochs": 2, **_HOVER_LEARN},
 }
 
+HORIZON = 0.64  # s, over which `gradient` goes back: less, and nothing has moved yet
+MOST_HORIZON = 640  # transitions, which are remembered
+
 # Environment steps of a run that was told no number.
 TOTAL_STEPS: dict[tuple[str, str], int] = {
     ("hover_learn", "fast-ppo"): 9_000_000,
@@ -145,10 +149,16 @@ def total_steps(scenario: str, algorithm: str) -> int:
     return TOTAL_STEPS.get((scenario, algorithm), 1_000_000)
 
 
-def preset(scenario: str, algorithm: str) -> Hyperparameters:
-    """The hyper-parameters for a scenario (its name) and an algorithm of ALGORITHMS."""
+def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -> Hyperparameters:
+    """The hyper-parameters for a scenario (its name) and an algorithm of ALGORITHMS.
+
+    `action_seconds`: how long an action lasts; `gradient` then looks HORIZON ahead where the
+    scenario has no preset of its own.
+    """
     layers = (PRESETS.get((name, algorithm), {}) for name in ("*", scenario))
     changes = {key: value for layer in layers for key, value in layer.items()}
+    if algorithm == "gradient" and action_seconds and (scenario, algorithm) not in PRESETS:
+        changes["rollout_steps"] = min(MOST_HORIZON, max(1, round(HORIZON / action_seconds)))
     made: Hyperparameters = dataclasses.replace(_defaults(algorithm), **changes)
     return made
 
