@@ -37,6 +37,8 @@ class LinearMap {
   }
   /// Takes every dependence for one that may show, so that each input is asked about alone.
   void take_all() { depends_.assign(inputs_.size(), std::vector<bool>(outputs_.size(), true)); }
+  /// As if look() had been called as on another map of the same inputs and outputs.
+  void depend_as(const LinearMap& other) { depends_ = other.depends_; }
   /// Makes the sets. After all look(), before pull_back().
   void arrange();
 

@@ -237,6 +237,13 @@ bool TransitionAdjoint::has_periods() const {
   return false;
 }
 
+void TransitionAdjoint::depend_as(const TransitionAdjoint& other) {
+  task_.depend_as(other.task_);
+  chain_.depend_as(other.chain_);
+  effects_.depend_as(other.effects_);
+  motion_.depend_as(other.motion_);
+}
+
 void TransitionAdjoint::arrange() {
   for (LinearMap* map : {&task_, &chain_, &effects_, &motion_}) map->arrange();
   std::vector<int> changing = motion_rows(layout_, dual_);

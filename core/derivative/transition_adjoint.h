@@ -42,6 +42,8 @@ class TransitionAdjoint {
 
   /// Learns from the remembered transitions which values of plugins depend on which.
   void look(const StateGroup& group, std::uint32_t mask, int steps);
+  /// Instead of look(): the dependences that another adjoint of the same scenario has found.
+  void depend_as(const TransitionAdjoint& other);
   /// After all look(): plugins are asked as seldom as these dependences allow.
   void arrange();
 

@@ -59,6 +59,24 @@ TEST(Gradient, GoesOnFromItsStateWithTheSameBits) {
   EXPECT_EQ(hash_after(resumed, 6), hash_after(whole, 6));
 }
 
+TEST(Gradient, WithAValueFunctionHasTheSameBitsOnAnyNumberOfThreadsAndAfterARestore) {
+  const auto with_value = [](int threads) {
+    LearnerOptions o = options(threads);
+    o.hyper.reward_weight = 0.5;
+    o.hyper.end_value_weight = 1.0;
+    o.hyper.value_epochs = 2;
+    o.hyper.averaging_steps = 1000;
+    return o;
+  };
+  Gradient one(with_value(1)), three(with_value(3)), resumed(with_value(2));
+  EXPECT_EQ(hash_after(one, 6), hash_after(three, 6));
+  resumed.restore(three.state());
+  EXPECT_EQ(hash_after(resumed, 5), hash_after(one, 5));
+  EXPECT_EQ(resumed.policy().layers[0].weight, one.policy().layers[0].weight);
+  Gradient without(options(1));
+  EXPECT_NE(hash_after(without, 11), one.parameter_hash());
+}
+
 TEST(Gradient, RefusesAnotherLearnersState) {
   Gradient learner(options(1));
   LearnerState state = learner.state();
