@@ -246,7 +246,15 @@ TEST(TransitionAdjoint, GivesDifferencesOfAPayloadOnARod) {
   expect_observations("payload", {});
 }
 
-/// Another way to the same step: dual numbers through the equations of any tree.
+/// Joints with drives, whose commands the policy gives.
+TEST(TransitionAdjoint, GivesDifferencesOfAnArm) { expect_motion("arm", {"randomization=[]"}); }
+
+/// Arms that tilt, under controllers with feedback. Their allocation has many limits: half of the
+/// largest kink that is let through.
+TEST(TransitionAdjoint, GivesDifferencesOfTiltedRotors) {
+  expect_derivatives("omav", {}, true, 0x1p-10f, 5e-4, 1e-3);
+}
+
 TEST(TransitionAdjoint, NeedsOneDirectionForEachValueOfATree) {
   const auto compiled = load("payload");
   const FpEnvironment guard;
