@@ -61,9 +61,9 @@ class Course : public Randomizer {
                         shape.first_param + SKYBODY_OBSTACLE_ROTATION});
     }
     if (gates_.size() > 1) return;
-    throw std::runtime_error(
-        "there are " + std::to_string(gates_.size()) +
-        " gates, and a course needs two or more: add obstacles of kind `gate`");
+    throw std::runtime_error("a course needs two gates or more, and there " +
+                             std::string(gates_.empty() ? "is none" : "is 1") +
+                             ": add obstacles of kind `gate`");
   }
 
   void find_robots(const Setup& setup) {

@@ -128,7 +128,8 @@ TEST_F(CourseDraws, BadConfigurationNamesValueAndRemedy) {
               HasSubstr("no robot `quat`: there are quad"));
   PluginWorld empty;
   empty.add_quad("quad");
-  EXPECT_THAT(refusal("course", empty, {}), HasSubstr("there are 0 gates"));
+  EXPECT_THAT(refusal("course", empty, {}),
+              HasSubstr("a course needs two gates or more, and there is none"));
 }
 
 }  // namespace
