@@ -55,6 +55,16 @@ def tool_in_place(episode: h5py.Group) -> bool:
     return bool(np.linalg.norm(vehicle, axis=1).max() < 0.05 and np.linalg.norm(tool) < 0.01)
 
 
+def on_the_path(most: float) -> Callable[[h5py.Group], bool]:
+    """From 3 s on the vehicle's mean distance from its moving goal is below `most` [m]."""
+
+    def is_success(episode: h5py.Group) -> bool:
+        error = episode["bodies"][:, 0, :3] - episode["goal"][:, 0, :3]
+        return bool(np.linalg.norm(error[episode["time"][:] > 3.0], axis=1).mean() < most)
+
+    return is_success
+
+
 ROPES = [f"couplings.{name}_rod.kind=rope" for name in ("alpha", "bravo", "charlie")]
 WORLDS = {
     "cooperative_payload": ([], near_the_goals(0.2)),
@@ -69,6 +79,12 @@ WORLDS = {
     "arm": ([], tool_in_place),
     "omav": ([], near_the_goals(0.05)),
     "vehicles": ([], near_the_goals(0.3)),
+    "trajectory": ([], on_the_path(0.1)),
+    "trajectory_modular": ([], on_the_path(0.1)),
+    "trajectory_ctbr": ([], on_the_path(0.1)),
+    "trajectory_compact": ([], on_the_path(0.05)),
+    "trajectory_paper": ([], on_the_path(0.1)),
+    "trajectory_modular_paper": ([], on_the_path(0.1)),
 }
 
 
