@@ -66,6 +66,7 @@ def on_the_path(most: float) -> Callable[[h5py.Group], bool]:
 
 
 ROPES = [f"couplings.{name}_rod.kind=rope" for name in ("alpha", "bravo", "charlie")]
+SHORTER = ["stepping.horizon=1000"]  # 10 s of 30: every figure once or twice
 WORLDS = {
     "cooperative_payload": ([], near_the_goals(0.2)),
     "cooperative_payload on ropes": (ROPES, near_the_goals(0.2)),
@@ -79,12 +80,12 @@ WORLDS = {
     "arm": ([], tool_in_place),
     "omav": ([], near_the_goals(0.05)),
     "vehicles": ([], near_the_goals(0.3)),
-    "trajectory": ([], on_the_path(0.1)),
-    "trajectory_modular": ([], on_the_path(0.1)),
-    "trajectory_ctbr": ([], on_the_path(0.1)),
-    "trajectory_compact": ([], on_the_path(0.05)),
-    "trajectory_paper": ([], on_the_path(0.1)),
-    "trajectory_modular_paper": ([], on_the_path(0.1)),
+    "trajectory": (SHORTER, on_the_path(0.1)),
+    "trajectory_modular": (SHORTER, on_the_path(0.1)),
+    "trajectory_ctbr": (SHORTER, on_the_path(0.1)),
+    "trajectory_compact": (SHORTER, on_the_path(0.05)),
+    "trajectory_paper": (SHORTER, on_the_path(0.1)),
+    "trajectory_modular_paper": (SHORTER, on_the_path(0.1)),
 }
 
 
