@@ -30,7 +30,7 @@ from throughput import (
     markdown_table,
     output_folder,
     thousands,
-    write_json,
+    write_report,
 )
 
 ENVS = 512
@@ -220,13 +220,8 @@ def main() -> int:
     trials, seconds = (1, 0.5) if options.quick else (3, 2.0)
     found: dict[str, Any] = {"facts": facts(), "trials": trials, "seconds": seconds}
     found |= {"rates": rates(trials, seconds), "requests": request_costs()}
-    text = page(found)
-    print(text)
-    if folder is None:
-        return 0
-    (folder / "air_speed.md").write_text(text)
-    write_json(folder / "data/air_speed.json", found)
-    if options.out is None:
+    write_report(folder, "air_speed", page(found), found)
+    if folder is not None and options.out is None:
         write_costs(found)
     return 0
 

@@ -23,7 +23,7 @@ from throughput import (
     markdown_table,
     output_folder,
     thousands,
-    write_json,
+    write_report,
 )
 
 sys.path.insert(0, str(ROOT / "bench/peers"))
@@ -178,12 +178,7 @@ def main() -> int:
     folder = output_folder(parser, options)
     trials, seconds = (1, 0.5) if options.quick else (3, 2.0)
     found = measured(trials, seconds) | {"facts": facts(), "trials": trials, "seconds": seconds}
-    text = page(found)
-    print(text)
-    if folder is None:
-        return 0
-    (folder / "contact_speed.md").write_text(text)
-    write_json(folder / "data/contact_speed.json", found)
+    write_report(folder, "contact_speed", page(found), found)
     return 0
 
 

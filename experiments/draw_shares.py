@@ -22,7 +22,7 @@ from throughput import (
     machine_line,
     markdown_table,
     output_folder,
-    write_json,
+    write_report,
 )
 
 VEHICLES = ("hover", "hover_crazyflie", "hover_hummingbird", "hover_firefly")
@@ -138,11 +138,7 @@ def main() -> int:
     options = parser.parse_args()
     folder = output_folder(parser, options)
     results = {"facts": facts(), "rows": measure(10 if options.quick else 100)}
-    text = page(results)
-    print(text)
-    if folder is not None:
-        (folder / "draw_shares.md").write_text(text)
-        write_json(folder / "data/draw_shares.json", results)
+    write_report(folder, "draw_shares", page(results), results)
     return 0 if is_good(results["rows"]) else 1
 
 

@@ -30,7 +30,7 @@ from throughput import (
     machine_line,
     markdown_table,
     output_folder,
-    write_json,
+    write_report,
 )
 
 matplotlib.use("Agg")
@@ -269,12 +269,9 @@ def main() -> int:
         "sigma": dict(zip(COMPONENTS, found["sigma"].tolist(), strict=True)),
         "bands": bands(found, segment),
     }
-    text = page(results)
-    print(text)
+    write_report(folder, "dryden", page(results), results)
     print(f"{results['seconds']:.0f} s")
     if folder is not None:
-        (folder / "dryden.md").write_text(text)
-        write_json(folder / "data/dryden.json", results)
         write_picture(results, folder / "images/dryden.png")
     return 0 if is_good(results) else 1
 

@@ -23,7 +23,7 @@ from throughput import (
     machine_line,
     markdown_table,
     output_folder,
-    write_json,
+    write_report,
 )
 
 PROGRAM = ROOT / "build/release/bin/bench_micro"
@@ -166,12 +166,7 @@ def main() -> int:
     found["ns"] = nanoseconds(trials, 0.1 if options.quick else 0.3)
     found["rounds"] = 1 if options.quick else 5
     found["pool"] = pool_nanoseconds(found["rounds"], 0.3 if options.quick else 1.0)
-    text = page(found)
-    print(text)
-    if folder is None:
-        return 0
-    (folder / "law_speed.md").write_text(text)
-    write_json(folder / "data/law_speed.json", found)
+    write_report(folder, "law_speed", page(found), found)
     return 0
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import skybody
 from skybody.program import run_program
-from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_json
+from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_report
 
 PERIOD = 10  # physics steps of 1 ms between two calls: 100 Hz
 NODE_STEP = 0.05  # [s]
@@ -255,11 +255,7 @@ def main() -> int:
     for flight in FLIGHTS:
         found["flights"].append(fly(flight, seconds))
         print(found["flights"][-1], flush=True)
-    text = page(found)
-    print(text)
-    if folder is not None:
-        (folder / "nmpc.md").write_text(text)
-        write_json(folder / "data/nmpc.json", found)
+    write_report(folder, "nmpc", page(found), found)
     return 0
 
 

@@ -244,6 +244,14 @@ def output_folder(parser: argparse.ArgumentParser, options: argparse.Namespace) 
     return folder
 
 
+def write_report(folder: Path | None, name: str, text: str, content: dict[str, Any]) -> None:
+    """Prints a page and, where there is a folder, writes it with its figures as JSON."""
+    print(text)
+    if folder is not None:
+        (folder / f"{name}.md").write_text(text)
+        write_json(folder / f"data/{name}.json", content)
+
+
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Writes `content`, a line per value."""
     path.write_text(json.dumps(content, indent=1) + "\n")

@@ -22,6 +22,7 @@ from skybody.train.evaluation_file import read_evaluation
 from skybody.train.hyperparameters import with_settings
 from skybody.train.presets import preset
 
+LEARNER_COLORS = {"fast-ppo": "C0", "lean-ppo": "C1", "gradient": "C2", "ppo": "C3"}
 ROOT = Path(__file__).resolve().parent.parent
 
 

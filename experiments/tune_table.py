@@ -23,7 +23,7 @@ from throughput import (
     machine_line,
     markdown_table,
     output_folder,
-    write_json,
+    write_report,
 )
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -187,11 +187,7 @@ def main() -> int:
     options = parser.parse_args()
     folder = output_folder(parser, options)
     results = {"facts": facts(), "rows": measure(options.quick, folder)}
-    text = page(results)
-    print(text)
-    if folder is not None:
-        (folder / "tune.md").write_text(text)
-        write_json(folder / "data/tune.json", results)
+    write_report(folder, "tune", page(results), results)
     return 0 if is_good(results["rows"]) else 1
 
 

@@ -177,6 +177,7 @@ void check_kind(const PluginInstance& p) {
   demand(!p.sites.empty() || !p.joints.empty(), is_controller, "a site or joint");
   demand(!p.channels.empty(), is_task || p.kind == SKYBODY_SENSOR, "a channel");
   demand(holds, p.kind == SKYBODY_EFFECT, "a held input");
+  demand(p.is_steady, p.kind == SKYBODY_EFFECT, "that it is steady");
   demand(!p.writes.empty(), is_task || p.kind == SKYBODY_RANDOMIZER, "what it writes");
   demand(p.period > 0, p.kind != SKYBODY_RANDOMIZER, "a period");
   demand(!p.reports.empty(), !is_task, "a report (a task has info)");
@@ -251,6 +252,11 @@ void check_declarations(const Topology& topology, const Layout& layout, const Pl
   check_names(p, p.actions);
   check_reports(p);
   if (p.scratch < 0) refuse(p, "asks for " + std::to_string(p.scratch) + " values of scratch");
+  if (p.is_steady && p.period > 0) {
+    refuse(p,
+           "declares a period and that it is steady: what is steady is called where parameters "
+           "change");
+  }
   if (p.memo < 0) refuse(p, "asks for " + std::to_string(p.memo) + " values of memo");
   if (p.kind == SKYBODY_TASK && p.period > 0 &&
       topology.scenario.stepping.action_repeat % p.period != 0) {

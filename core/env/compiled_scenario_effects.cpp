@@ -1,31 +1,15 @@
 // What effects hold over a physics step. An effect adds to inputs of its own; where several hold
-// one input, these are put together afterwards. What is not due holds what it gave last.
-#include <algorithm>
-#include <cmath>
-
+// one input, these are put together afterwards. What is not due holds what it gave last, and so
+// does what is steady while nobody writes parameters.
 #include "core/base/octets.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
-#include "core/model/held_inputs.h"
+#include "core/model/held_together.h"
 
 namespace skybody {
 namespace {
-
-/// What two effects hold together.
-double both(int input, int k, double a, double b) {
-  switch (input) {
-    case SKYBODY_HELD_ROTOR_GAIN:
-      return a * b;
-    case SKYBODY_HELD_ROTOR_LIMIT:
-      return k % 2 == 0 ? std::max(a, b) : std::min(a, b);
-    case SKYBODY_HELD_ROTOR_RATE:
-      return std::isnan(b) ? a : b;
-    default:
-      return a + b;
-  }
-}
 
 void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block) {
   const HeldInputRow& row = kHeldInputs[static_cast<std::size_t>(input)];
@@ -42,7 +26,7 @@ void CompiledScenario::apply_effects(StateGroup& group, const SkybodyLanes& view
   std::uint32_t changed[SKYBODY_HELD_COUNT] = {};
   for (const PluginInstance& e : plugins_[SKYBODY_EFFECT]) {
     SkybodyLanes v = view;
-    v.active = due(e, group, view.active);
+    v.active = e.is_steady ? view.active & ~group.settled() : due(e, group, view.active);
     if (v.active == 0) continue;
     SkybodyHeld held{};
     for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
@@ -55,6 +39,7 @@ void CompiledScenario::apply_effects(StateGroup& group, const SkybodyLanes& view
     const SkybodyHeld* const inputs = &held;
     call_plugin(e.kernels.apply, e, group, v, no_sizes, inputs);
   }
+  group.settle(view.active);
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
     if (changed[i] != 0) add_up_held(group, changed[i], i);
   }
@@ -73,7 +58,7 @@ void CompiledScenario::add_up_held(StateGroup& group, std::uint32_t mask, int in
     for (int k = 0; k < block.size; ++k) {
       each_lane(mask, [&](int lane) {
         double& value = sum[k * lanes + lane];
-        value = both(input, k % size, value, own[k * lanes + lane]);
+        value = held_together(input, k % size, value, own[k * lanes + lane]);
       });
     }
   }
@@ -81,6 +66,7 @@ void CompiledScenario::add_up_held(StateGroup& group, std::uint32_t mask, int in
 
 /// Nothing is held, until the effects speak.
 void CompiledScenario::clear_held(StateGroup& group, std::uint32_t mask) const {
+  group.unsettle(mask);
   for (int i = 0; i < SKYBODY_HELD_COUNT; ++i) {
     const Block& block = layout().held[static_cast<std::size_t>(i)];
     if (block.size > 0) fill_neutral(group, mask, i, block);

@@ -249,10 +249,12 @@ struct Fill {
   template <int W>
   static SKYBODY_INLINE void run(std::uint32_t mask, int lanes, const double* values, int size,
                                  int count, double* to) {
+    const double* const end = values + size;
+    const double* value = values;
     for (int k = 0; k < count; ++k, to += lanes) {
-      const double value = values[k % size];
       serve<W>(mask, [&]<class Real>(int l, const Real&)
-                         SKYBODY_INLINE_LAMBDA { store_lanes(to + l, Real(value)); });
+                         SKYBODY_INLINE_LAMBDA { store_lanes(to + l, Real(*value)); });
+      if (++value == end) value = values;
     }
   }
 };

@@ -98,6 +98,7 @@ struct PluginInstance {
   std::vector<WrenchSite> sites;
   std::vector<JointDrive> joints;
   std::array<bool, SKYBODY_HELD_COUNT> holds{};  ///< effects: what apply() fills
+  bool is_steady = false;                        ///< effects: it follows from EnvParams alone
   std::vector<Channel> channels;
   std::vector<Channel> infos;  ///< tasks: values beside the observation
   std::vector<Goal> goals;

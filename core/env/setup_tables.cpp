@@ -307,6 +307,7 @@ SkybodyDeclare declare_into(PluginInstance& instance) {
     if (input < 0 || input >= SKYBODY_HELD_COUNT) return;
     instance_of(host).holds[static_cast<std::size_t>(input)] = true;
   };
+  d.steady = [](void* host) { instance_of(host).is_steady = true; };
   d.report = [](void* host, const SkybodyChannel* c, int32_t word) {
     instance_of(host).reports.push_back({to_channel(*c), word});
   };

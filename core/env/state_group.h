@@ -64,6 +64,10 @@ class StateGroup {
   /// A plugin's words. @param k  place within the block plugin_state
   std::uint64_t* plugin_bits(int k) { return at(layout_->plugin_state.offset + k); }
   double* plugin_reals(int k) { return reinterpret_cast<double*>(plugin_bits(k)); }
+  /// The lanes whose parameters no one has written since settle() was called for them.
+  std::uint32_t settled() const { return settled_; }
+  void settle(std::uint32_t lanes) { settled_ |= lanes; }
+  void unsettle(std::uint32_t lanes) { settled_ &= ~lanes; }
   /// What plugins keep beside the state (SkybodyDeclare::memo): never saved, restored or hashed.
   double* memo(int k) { return memo_.data() + static_cast<std::ptrdiff_t>(k) * lanes_; }
 
@@ -127,10 +131,13 @@ class StateGroup {
   void note_write(Block block, std::uint32_t lanes) {
     const int begin = block.offset, end = block.offset + block.size;
     if (begin < layout_->rotor_command.offset) current_ &= ~lanes;  // q, u, rotor speeds
-    const int constants = layout_->params.offset + layout_->physics_params;
-    if (begin < constants && end > layout_->params.offset) forget(lanes);
+    const Block& params = layout_->params;
+    if (begin >= params.offset + params.size || end <= params.offset) return;
+    unsettle(lanes);
+    if (begin < params.offset + layout_->physics_params) forget(lanes);
   }
   void forget(std::uint32_t lanes) {
+    unsettle(lanes);
     current_ &= ~lanes;
     derived_ &= ~lanes;
   }
@@ -144,6 +151,7 @@ class StateGroup {
   std::unique_ptr<GroupStepper> stepper_;
   std::uint32_t current_ = 0;  ///< lanes whose bodies are right
   std::uint32_t derived_ = 0;  ///< lanes whose parameters the stepper knows
+  std::uint32_t settled_ = 0;
   std::uint32_t occupied_ = 0;
 };
 

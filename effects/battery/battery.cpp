@@ -72,22 +72,32 @@ class Battery : public Effect {
   struct Pack {
     std::vector<Rotor> rotors;
   };
+  /// A straight part of the curve of the open-circuit voltage.
+  struct Section {
+    double first;   ///< place at which it begins: 0, 1, ...
+    double lowest;  ///< voltage of the pack there [V]
+    double rise;    ///< up to the next section [V]
+  };
   template <class Real>
   struct Load {
     Real open;     ///< open-circuit voltage of the pack [V]
     Real current;  ///< [A]
   };
 
-  /// Voltage of the pack without current: straight lines between the given voltages, as the sum of
-  /// what each section adds. No lane looks anything up.
+  /// Voltage of the pack without current: straight lines between the given voltages. Each section
+  /// that the charge reaches takes the place of the one below it. No lane looks anything up.
   template <class Real>
   SKYBODY_INLINE Real open_circuit(const Real& charge) const {
-    const Real place = charge * static_cast<double>(rises_.size());
-    Real voltage(lowest_);
-    for (std::size_t i = 0; i < rises_.size(); ++i) {
-      voltage = voltage + rises_[i] * clamp(place - static_cast<double>(i), 0.0, 1.0);
+    const Real place = charge * static_cast<double>(sections_.size());
+    Real first(sections_[0].first), lowest(sections_[0].lowest), rise(sections_[0].rise);
+    for (std::size_t i = 1; i < sections_.size(); ++i) {
+      const Section& section = sections_[i];
+      const auto is_reached = place > section.first;
+      first = select(is_reached, Real(section.first), first);
+      lowest = select(is_reached, Real(section.lowest), lowest);
+      rise = select(is_reached, Real(section.rise), rise);
     }
-    return voltage;
+    return lowest + rise * clamp(place - first, 0.0, 1.0);
   }
 
   /// The current at which the pack gives the power that is asked of it, P = I (V - R I); beyond the
@@ -115,7 +125,7 @@ class Battery : public Effect {
     for (const Rotor& rotor : pack.rotors) {
       const Real per_volt =
           given > 0.0 ? Real(given)
-                      : env.param(rotor.first_param + SKYBODY_ROTOR_MAX_SPEED) * (1.0 / full_);
+                      : env.param(rotor.first_param + SKYBODY_ROTOR_MAX_SPEED) * per_full_;
       held.limit_speed(rotor.index, Real(0.0), per_volt * voltage);
     }
   }
@@ -128,6 +138,7 @@ class Battery : public Effect {
                                "full cell");
     }
     const auto cells = static_cast<double>(cells_.value());
+    double lowest = cells * open_circuit_.value(0);
     for (int i = 1; i < count; ++i) {
       const double from = open_circuit_.value(i - 1), to = open_circuit_.value(i);
       if (to < from) {
@@ -136,10 +147,11 @@ class Battery : public Effect {
                                  " V before it: voltages rise with the charge, from an empty cell "
                                  "to a full one");
       }
-      rises_.push_back(cells * (to - from));
+      sections_.push_back({static_cast<double>(i - 1), lowest, cells * (to - from)});
+      lowest += sections_.back().rise;
     }
-    lowest_ = cells * open_circuit_.value(0);
     full_ = cells * open_circuit_.value(count - 1);
+    per_full_ = 1.0 / full_;
   }
 
   /// A full pack that cannot feed hovering is a mistake: of cells, or of milliohms given in ohms.
@@ -221,8 +233,9 @@ class Battery : public Effect {
        .doc = "largest speed of a rotor by voltage; 0: `max_speed` by the voltage of a full pack"}};
 
   double dt_ = 0.0;
-  double lowest_ = 0.0, full_ = 0.0;  ///< of the pack without current, empty and full [V]
-  std::vector<double> rises_;         ///< of the pack's voltage, section by section [V]
+  double full_ = 0.0;              ///< voltage of the full pack without current [V]
+  double per_full_ = 0.0;          ///< its inverse [1/V]
+  std::vector<Section> sections_;  ///< from empty to full
   std::vector<Pack> packs_;
 };
 

@@ -20,6 +20,7 @@ class BladeFlapping : public Effect {
       for (int i = 0; i < robot.rotor_count; ++i) rotors_.push_back(robot.first_rotor + i);
     }
     setup.holds(HeldInput::kRotorFlow);
+    setup.steady();
   }
 
   /// The coefficients; the engine makes forces of them wherever the integrator asks for them.

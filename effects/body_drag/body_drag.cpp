@@ -18,6 +18,7 @@ class BodyDrag : public Effect {
                                               : setup.link(r, link_.value()).body);
     }
     setup.holds(HeldInput::kBodyDrag);
+    setup.steady();
   }
 
   /// The coefficients; the engine makes the force of them wherever the integrator asks for it.

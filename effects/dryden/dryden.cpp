@@ -92,7 +92,7 @@ class Dryden : public Effect {
     first_filter_ = 3 * count;
     inputs_ = kRobotWords * count;
     setup.buffer(first_filter_ + inputs_);
-    setup.memo(kKeyWords + 2 * inputs_);
+    setup.memo(kMemoInputs + 2 * inputs_);
     setup.report("velocity", "m/s", 3 * count, 0);
     setup.holds(HeldInput::kWind);
     setup.period(static_cast<int>(period_.value()));
@@ -115,9 +115,15 @@ class Dryden : public Effect {
 
   template <class Real>
   void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held, Values<Real> buffer) const {
-    const SinCos<Real> heading = sincos(heading_(env));
     [[maybe_unused]] Random<Real> draw = random(env, kApplyDraws);  // of dual numbers alone
-    if constexpr (!kIsDual<Real>) fill_memo(env, buffer);
+    SinCos<Real> heading;
+    if constexpr (kIsDual<Real>) {
+      heading = sincos(heading_(env));
+    } else {
+      fill_memo(env, buffer);
+      const Values<Real> memo = env.memo();
+      heading = {memo[kMemoSine], memo[kMemoCosine]};
+    }
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       Next<Real> next;
       if constexpr (kIsDual<Real>) {
@@ -141,9 +147,11 @@ class Dryden : public Effect {
   /// Of a robot in the buffer, behind its filter: height [m] and way through the air [m] over the
   /// period that begins.
   static constexpr int kHeight = kFilterWords, kWay = kHeight + 1, kRobotWords = kWay + 1;
-  /// Of the memo: seed, environment, episode and physics step; behind them all robots' words of the
-  /// buffer, and behind these all robots' Next.
-  static constexpr int kKeyWords = 4;
+  /// Of the memo: seed, environment, episode, physics step and heading; behind them sine and cosine
+  /// of the heading, then all robots' words of the buffer, and behind these all robots' Next.
+  static constexpr int kKeyWords = 5;
+  static constexpr int kMemoSine = kKeyWords, kMemoCosine = kMemoSine + 1;
+  static constexpr int kMemoInputs = kMemoCosine + 1;
 
   struct Robot {
     int first_body, body_count;
@@ -197,13 +205,15 @@ class Dryden : public Effect {
   SKYBODY_INLINE void fill_memo(const EnvView<Real>& env, const Values<Real>& buffer) const {
     const Values<Real> memo = env.memo();
     const Word<Real> step = due_step(env);
-    const Word<Real> key[kKeyWords] = {env.seed(), env.stream_env(), env.episode(), step};
+    const Real heading = heading_(env);
+    const Word<Real> key[kKeyWords] = {env.seed(), env.stream_env(), env.episode(), step,
+                                       bit_cast_word(heading)};
     Word<Real> other = bit_cast_word(Real(memo[0])) ^ key[0];
     for (int k = 1; k < kKeyWords; ++k) other |= bit_cast_word(Real(memo[k])) ^ key[k];
     for (int first = 0; first < inputs_; first += kRobotWords) {
 #pragma GCC unroll 7
       for (int k = first; k < first + kRobotWords; ++k) {  // else g++ gathers lane by lane
-        other |= bit_cast_word(Real(memo[kKeyWords + k])) ^
+        other |= bit_cast_word(Real(memo[kMemoInputs + k])) ^
                  bit_cast_word(Real(buffer[first_filter_ + k]));
       }
     }
@@ -211,7 +221,10 @@ class Dryden : public Effect {
     if (none(logical_and(env.served(), is_other))) return;
     Random<Real> draw = random_of_all(env, step, kApplyDraws);
     for (int k = 0; k < kKeyWords; ++k) memo.set(k, bit_cast_real(key[k]));
-    for (int k = 0; k < inputs_; ++k) memo.set(kKeyWords + k, buffer[first_filter_ + k]);
+    const SinCos<Real> turn = sincos(heading);
+    memo.set(kMemoSine, turn.sin);
+    memo.set(kMemoCosine, turn.cos);
+    for (int k = 0; k < inputs_; ++k) memo.set(kMemoInputs + k, buffer[first_filter_ + k]);
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       const Next<Real> next = next_of(r, draw, buffer);
       const int first = memo_of(r);
@@ -233,7 +246,7 @@ class Dryden : public Effect {
   }
 
   int memo_of(std::size_t robot) const {
-    return kKeyWords + inputs_ + kRobotWords * static_cast<int>(robot);
+    return kMemoInputs + inputs_ + kRobotWords * static_cast<int>(robot);
   }
 
   /// The physics step at which each lane is due: of those that are served, this one.

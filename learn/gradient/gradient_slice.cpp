@@ -20,6 +20,12 @@ constexpr double kMostGradient = 1e15;  // of a cost at an action, whose range i
 
 std::uint32_t first_lanes(int count) { return count >= 32 ? kAllLanes : (1u << count) - 1u; }
 
+/// The adjoint refuses tasks without a goal.
+Vec3<double> goal_point(const CompiledScenario& compiled) {
+  const std::vector<Goal>& goals = compiled.task().goals;
+  return goals.empty() ? Vec3<double>{0.0, 0.0, 0.0} : goals[0].point;
+}
+
 int padded(int count) { return (count + 15) / 16 * 16; }
 
 }  // namespace
@@ -29,7 +35,7 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
                              std::uint64_t seed, int first_env, int envs)
     : compiled_(std::move(compiled)),
       network_(network),
-      cost_(hyper),
+      cost_(hyper, goal_point(*compiled_)),
       isa_(best_isa()),
       seed_(seed),
       first_env_(first_env),
@@ -47,7 +53,7 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   const auto rows = steps * kGroupLanes;
   flying_.resize(steps);
   sound_.resize(steps);
-  goal_ = AlignedArray<double>(4 * kGroupLanes * steps);
+  goal_ = AlignedArray<double>(GoalCost::kGoalRows * kGroupLanes * steps);
   adjoints_ = AlignedArray<double>(static_cast<std::size_t>(adjoint_.rows()) * kGroupLanes);
   to_action_ = AlignedArray<double>(static_cast<std::size_t>(actions_) * kGroupLanes);
   cost_row_ = AlignedArray<double>(kGroupLanes);
@@ -210,12 +216,12 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
   adjoints_.fill_zero();
   cost_row_.fill_zero();
   double* const motion =
-      adjoints_.data() + static_cast<std::ptrdiff_t>(compiled_->layout().q.offset) * kGroupLanes;
+      adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.goal_motion_row()) * kGroupLanes;
   for (int t = horizon_; t-- > 0;) {
     const std::uint32_t lanes = sound_[static_cast<std::size_t>(t)];
     {
       const FpEnvironment guard;
-      cost_.add(lanes, weight_, adjoint_.coordinates(t), goal_at(t), motion, cost_row_.data(),
+      cost_.add(lanes, weight_, adjoint_.goal_motion(t), goal_at(t), motion, cost_row_.data(),
                 distance_.data(), isa_);
       set_reward(lanes);
       adjoint_.pull_back(group.state, t, lanes, adjoints_.data(), to_action_.data());

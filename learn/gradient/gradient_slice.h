@@ -85,7 +85,9 @@ class GradientSlice {
   void add_observations(int t, std::uint32_t lanes, const RunningMoments& moments);
   void begin_anew(Group& group, std::int64_t iteration);
   void add_seconds(GradientSum sum, std::chrono::steady_clock::time_point begin);
-  double* goal_at(int t) { return goal_.data() + std::ptrdiff_t{4} * t * kGroupLanes; }
+  double* goal_at(int t) {
+    return goal_.data() + std::ptrdiff_t{GoalCost::kGoalRows} * t * kGroupLanes;
+  }
   float* row(AlignedArray<float>& rows, int t, int lane, int width) const {
     return rows.data() + (static_cast<std::ptrdiff_t>(t) * kGroupLanes + lane) * width;
   }

@@ -322,6 +322,9 @@ typedef struct SkybodyDeclare {
   void (*memo)(void* host, int32_t values);
   /* Effects: what apply() fills, SkybodyHeldInput. */
   void (*holds)(void* host, int32_t input);
+  /* Effects: what apply() fills follows from EnvParams alone. It is called before the first physics
+   * step of an episode and before one ahead of which EnvParams may have changed. */
+  void (*steady)(void* host);
   /* Any kind but tasks: the next `info` values are these words of the buffer. */
   void (*report)(void* host, const SkybodyChannel* info, int32_t first_word);
   /* Any kind: asks for SkybodyLanes::contacts. */

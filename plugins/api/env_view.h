@@ -48,9 +48,11 @@ inline constexpr int kBodyMotionSize = 13;
 template <class Real>
 class EnvView {
  public:
+  /// @param lanes  of the group: raw.lanes, but for full groups a constant, so that strides become
+  ///               immediates
   /// @param first  the first lane that this view serves
-  EnvView(const SkybodyLanes& raw, std::uint32_t first, MaskOf<Real> mask)
-      : raw_(raw), first_(first), mask_(mask) {}
+  EnvView(const SkybodyLanes& raw, std::uint32_t lanes, std::uint32_t first, MaskOf<Real> mask)
+      : raw_(raw), lanes_(lanes), first_(first), mask_(mask) {}
 
   /// Motion of a world body, at the latest physics state.
   BodyMotion<Real> body(int index) const {
@@ -163,18 +165,20 @@ class EnvView {
   /// Which lanes are being served; the others hold values that must not be relied upon.
   MaskOf<Real> served() const { return mask_; }
 
+  /// For the library: how far apart the values of a lane lie.
+  std::uint32_t lanes() const { return lanes_; }
   /// For the library: these lanes' view of values in lanes; `base` may be null if nothing is read.
   /// @param what  their name in messages; @param size  size(checks): how many there are
   template <class Size>
   ConstValues<Real> const_values(const double* base, std::uint32_t first, const char* what,
                                  const Size& size) const {
-    return {base == nullptr ? nullptr : base + first, raw_.lanes, bounds(what, size)};
+    return {base == nullptr ? nullptr : base + first, lanes_, bounds(what, size)};
   }
   /// For the library: likewise, to be written.
   template <class Size>
   Values<Real> values(double* base, std::uint32_t first, const MaskOf<Real>& mask, const char* what,
                       const Size& size) const {
-    return {base == nullptr ? nullptr : base + first, raw_.lanes, mask, bounds(what, size)};
+    return {base == nullptr ? nullptr : base + first, lanes_, mask, bounds(what, size)};
   }
 
  private:
@@ -189,7 +193,7 @@ class EnvView {
     return const_values(base, first_, what, size);
   }
   Word<Real> word(const std::uint64_t* base, int k) const {
-    return load_words<Real>(base + static_cast<std::size_t>(k) * raw_.lanes + first_);
+    return load_words<Real>(base + static_cast<std::size_t>(k) * lanes_ + first_);
   }
   template <class Size>
   BodyMotion<Real> motion(const double* base, int index, const char* what, const Size& size) const {
@@ -207,7 +211,7 @@ class EnvView {
   }
 
   SkybodyLanes raw_;  // a copy: nothing that is written can alias its pointers
-  std::uint32_t first_;
+  std::uint32_t lanes_, first_;
   MaskOf<Real> mask_;
 };
 

@@ -22,26 +22,25 @@ namespace skybody::plugin_export {
 
 /// Calls `function(env, state, first, mask)` for the lanes [first, first + lanes of Real) that are
 /// to be served, with the state loaded before and stored after.
+/// @param width  lanes of the group
 template <class T, class Real, class Function>
-inline void serve(const SkybodyLanes& lanes, std::uint32_t first, std::uint64_t* words,
-                  Function&& function) {
+inline void serve(const SkybodyLanes& lanes, std::uint32_t width, std::uint32_t first,
+                  std::uint64_t* words, Function&& function) {
   const std::uint32_t bits = (lanes.active >> first) & ((1u << kLanesOf<Real>)-1u);
   if (bits == 0) return;
   const MaskOf<Real> mask = mask_from_bits<Real>(bits);
-  const EnvView<Real> env(lanes, first, mask);
+  const EnvView<Real> env(lanes, width, first, mask);
   StateOf<T, Real> state;
-  load_state<T, Real>(state, words, first, lanes.lanes);
+  load_state<T, Real>(state, words, first, width);
   function(env, state, first, mask);
-  store_state<T, Real>(state, words, first, lanes.lanes, mask);
+  store_state<T, Real>(state, words, first, width, mask);
 }
 
 /// Serves a full group, as many lanes at a time as Real has.
 template <class T, class Real, class Function>
 inline void serve_all(const SkybodyLanes& lanes, std::uint64_t* words, Function&& function) {
-  SkybodyLanes group = lanes;
-  group.lanes = SKYBODY_GROUP_LANES;  // a constant: strides become immediates
   for (std::uint32_t first = 0; first < SKYBODY_GROUP_LANES; first += kLanesOf<Real>) {
-    serve<T, Real>(group, first, words, function);
+    serve<T, Real>(lanes, SKYBODY_GROUP_LANES, first, words, function);
   }
 }
 
@@ -59,7 +58,7 @@ inline void for_lanes(const SkybodyLanes& lanes, std::uint64_t* words, Function&
       }
     }
     for (std::uint32_t first = 0; first < lanes.lanes; ++first) {
-      serve<T, double>(lanes, first, words, function);
+      serve<T, double>(lanes, lanes.lanes, first, words, function);
     }
   }
 }
@@ -164,7 +163,7 @@ struct Apply {
   static void run(const void* p, const SkybodyLanes* l, std::uint64_t* s, double* buffer,
                   const SkybodyHeld* held) {
     for_lanes<T, N, W>(*l, s, [&](const auto& env, auto& state, std::uint32_t first, auto mask) {
-      Held<RealOf<decltype(env)>> inputs(*held, *l, first, mask);
+      Held<RealOf<decltype(env)>> inputs(*held, *l, env.lanes(), first, mask);
       call<ApplyMethod>(self<T>(p), env, state, Views::buffer(env, buffer, first, mask), inputs);
     });
   }
@@ -207,7 +206,7 @@ void goal(const void* p, const SkybodyLanes* l, const std::uint64_t* s, const do
           double* goal) {
   for (std::uint32_t first = 0; first < l->lanes; ++first) {
     if (((l->active >> first) & 1u) == 0) continue;
-    const EnvView<double> env(*l, first, true);
+    const EnvView<double> env(*l, l->lanes, first, true);
     StateOf<T, double> state;
     load_state<T, double>(state, s, first, l->lanes);
     call<Method>(self<T>(p), env, std::as_const(state),

@@ -167,9 +167,10 @@ class Randomizer : public Plugin {
 template <class Real>
 class Held {
  public:
-  Held(const SkybodyHeld& held, const SkybodyLanes& lanes, std::uint32_t first,
+  /// @param lanes  of the group, as for EnvView
+  Held(const SkybodyHeld& held, const SkybodyLanes& raw, std::uint32_t lanes, std::uint32_t first,
        const MaskOf<Real>& served)
-      : held_(held), lanes_(lanes.lanes), first_(first), checks_(lanes.checks), mask_(served) {}
+      : held_(held), lanes_(lanes), first_(first), checks_(raw.checks), mask_(served) {}
 
   /// Velocity of the air around a world body, W [m/s]; for rotor drag, rolling moment, body drag.
   void add_wind(int body, const Vec3<Real>& velocity) { add(SKYBODY_HELD_WIND, body, 0, velocity); }
@@ -257,7 +258,7 @@ class Held {
 /// announces what it holds by Setup::holds().
 ///
 /// Required; called after the controllers before every physics step, or every Setup::period() of
-/// them. What it adds holds until its next call:
+/// them, or where parameters change (Setup::steady()). What it adds holds until its next call:
 ///   template <class Real>
 ///   void apply(const EnvView<Real>& env, State<Real>& state, Held<Real>& held) const;
 ///

@@ -184,6 +184,10 @@ class Setup {
   void scratch(int count) const { declare_.scratch(declare_.host, count); }
   /// `count` values of memory that lasts (EnvView::memo); no state.
   void memo(int count) const { declare_.memo(declare_.host, count); }
+  /// Effects: what apply() gives follows from parameters alone, the scenario's and
+  /// EnvView::param(). It is then called before the first physics step of an episode and where
+  /// parameters may have changed, in place of a period; what it gave holds in between.
+  void steady() const { declare_.steady(declare_.host); }
   /// Asks for EnvView::contact(), which costs time in large batches.
   void need_contacts() const { declare_.contacts(declare_.host); }
   /// Asks for what a world body feels of one that it may touch, at the same cost.

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import Any
 
 import numpy as np
 import pytest
-from skybody._native import CompiledScenario
+from skybody._native import CompiledScenario, Error
+from skybody.train import parameter_hash
+from skybody.train.sb3_policy import QuickPolicy
+from stable_baselines3.common.policies import ActorCriticPolicy
 from training import HORIZON, SCENARIO, both, learner_of
 
 pytestmark = pytest.mark.timeout(120)
@@ -45,6 +49,31 @@ def test_an_environment_of_64_that_faults_in_every_step_leaves_the_weights_finit
             assert bool(value.isfinite().all()), name
 
 
+@pytest.mark.parametrize("bounded_mean", [False, True])
+def test_a_rollout_of_ppo_is_that_of_stable_baselines3(
+    bounded_mean: bool, compiled: CompiledScenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def second_rollout() -> dict[str, np.ndarray]:
+        with learner_of(
+            "ppo", compiled, minibatch=60, rollout_steps=20, bounded_mean=bounded_mean
+        ) as learner:
+            learner.iterate()
+            policy = learner.policy()
+            learner.iterate()
+            found = vars(learner.model.rollout_buffer)
+            names = ("observations", "actions", "values", "log_probs", "returns", "advantages")
+            return {name: found[name].copy() for name in names} | {"mean": policy.mean}
+
+    ours = second_rollout()
+    with monkeypatch.context() as patch:
+        patch.setattr(QuickPolicy, "forward", ActorCriticPolicy.forward)
+        theirs = second_rollout()
+    for name, values in theirs.items():
+        # Two rollouts and an update in single precision: some hundred roundings of 1e-7, of
+        # values up to 10, and what flight makes of them.
+        np.testing.assert_allclose(ours[name], values, rtol=1e-4, atol=2e-4, err_msg=name)
+
+
 @both
 def test_observation_statistics_stay_after_normalization_steps(
     algorithm: str, compiled: CompiledScenario
@@ -67,3 +96,31 @@ def test_exploration_noise_falls_along_its_line(algorithm: str, compiled: Compil
             deviation = learner.iterate().losses["action_std"]
             # One update after the rollout's start moves it by some learning rates (1e-3).
             assert abs(math.log(deviation) - line) < 0.1
+
+
+@both
+@pytest.mark.parametrize("part", ["state", "environments"])
+def test_a_refused_checkpoint_leaves_the_learner_as_it_was(
+    algorithm: str, part: str, compiled: CompiledScenario
+) -> None:
+    with learner_of(algorithm, compiled) as learner, learner_of(algorithm, compiled) as other:
+        learner.iterate()
+        state, environments = copy.deepcopy(learner.state()), learner.environments()
+        learner.iterate()
+        wanted = [parameter_hash(learner.parameters()), learner.environments(), learner.steps]
+        if part == "state":
+            del state[list(state)[-1]]  # what is put back last
+        else:
+            environments = environments[:-16] + bytes(16)
+        with pytest.raises((Error, KeyError, ValueError)):
+            learner.restore(state, environments)
+        assert [
+            parameter_hash(learner.parameters()),
+            learner.environments(),
+            learner.steps,
+        ] == wanted
+        saved = copy.deepcopy(learner.state()), learner.environments()
+        learner.iterate()
+        other.restore(*saved)  # with PyTorch's generator, which all learners of a process share
+        other.iterate()
+        assert parameter_hash(learner.parameters()) == parameter_hash(other.parameters())

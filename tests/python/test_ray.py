@@ -182,6 +182,7 @@ def test_a_sweep_trains_all_combinations_and_goes_on_with_new_seeds(
         (train, ["--ray", "here"], "--ray here: write HOST:PORT"),
         (train, ["--ray", "local", "--set", "lerning_rate=1"], "did you mean `learning_rate`"),
         (train, ["--ray", "local", "--algo", "ppo"], "with --ray there is fast-ppo alone"),
+        (sweep, ["--algo", "lean-ppo"], "the learner `lean-ppo` has gone: `fast-ppo`"),
         (sweep, ["--set", "lerning_rate=1,2"], "did you mean `learning_rate`"),
         (sweep, ["--set", "envs=16,16"], "two trials of this sweep are the same"),
         (sweep, ["--address", "127.0.0.1:1"], "no Ray cluster there"),

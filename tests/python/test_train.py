@@ -243,13 +243,19 @@ def test_evaluations_repeat_and_an_episode_is_the_same_among_more(
 
 
 def test_the_median_position_error_is_that_of_the_last_second() -> None:
-    result = evaluate.summarize(
-        np.array([10.0, 20.0, 30.0]),
-        np.array([0.1, 0.3, 0.2]),
-        np.array([5, 5, 5]),
-        np.array([False, True, False]),
+    flights = evaluate.Flights(
+        returns=np.array([10.0, 20.0, 30.0]),
+        errors=np.array([0.1, 0.3, 0.2]),
+        lengths=np.array([5, 5, 5]),
+        failed=np.array([False, True, False]),
+        info_names=["speed", "success"],
+        info_sums=np.array([[5.0, 0.0], [10.0, 1.0], [15.0, 5.0]]),
+        info_ends=np.array([[1.0, 0.0], [2.0, 1.0], [4.5, 1.0]]),
     )
+    result = evaluate.summarize(flights)
     assert result["return_mean"] == 20.0
     assert result["return_cv"] == pytest.approx(math.sqrt(200.0 / 3.0) / 20.0)
     assert result["position_error_median"] == 0.2
     assert result["success_share"] == pytest.approx(2.0 / 3.0)
+    assert result["reached_share"] == pytest.approx(2.0 / 3.0)
+    assert result["infos"]["speed"] == {"mean": 2.0, "end": 2.5}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
 import json
 import subprocess
 import sys
@@ -80,6 +82,8 @@ def test_a_folder_that_holds_something_is_not_overwritten(
 ) -> None:
     assert main(arguments("ppo", run)) == 2
     assert "not empty" in capsys.readouterr().err
+    assert main(arguments("ppo", run / "config.json")) == 2
+    assert "config.json is a file: name a new folder" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -212,6 +216,26 @@ def test_a_damaged_table_is_named_with_the_remedy(
         assert f"{path} is damaged" in said
         assert message in said
         assert "remove it, which loses its rows only" in said
+
+
+def test_a_checkpoint_of_another_version_is_one_message(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = checkpoint_folders(run)[-1]
+    state, meta_file = folder / "state.npz", folder / "meta.json"
+    with np.load(state) as entries:
+        fewer = {name: entries[name] for name in entries.files if name != "return_moments.mean"}
+    buffer = io.BytesIO()
+    np.savez(buffer, **fewer)
+    meta = json.loads(meta_file.read_text())
+    meta["versions"]["skybody"] = "0.0.9"
+    meta["files"][state.name] = hashlib.sha256(buffer.getvalue()).hexdigest()
+    with replaced(state, buffer.getvalue()), replaced(meta_file, json.dumps(meta).encode()):
+        assert main(["--resume", "--out", str(run)]) == 2
+    said = capsys.readouterr().err
+    assert f"{folder} was written by skybody 0.0.9 and does not fit this one" in said
+    assert "no `return_moments.mean`" in said
+    assert len(said.splitlines()) == 1
 
 
 def test_a_curve_of_no_folder_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -45,6 +45,7 @@ def parser() -> argparse.ArgumentParser:
     """The command line."""
     made = argparse.ArgumentParser(
         prog="skybody train",
+        usage="skybody train SCENARIO [OPTIONS]\n       skybody train --resume --out DIR [OPTIONS]",
         description="Trains a policy in a scenario, reproducibly. docs/training.md says more.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -237,7 +238,9 @@ def new_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     run: Path = options.out
     if options.scenario is None:
         raise UsageError("which scenario? Give its name or file, or --resume")
-    if run.exists() and (not run.is_dir() or any(run.iterdir())):
+    if run.exists() and not run.is_dir():
+        raise UsageError(f"--out {run} is a file: name a new folder")
+    if run.exists() and any(run.iterdir()):
         raise UsageError(f"--out {run} exists and is not empty: take another, or --resume")
     plugin_path = options.plugin_path or []
     check_plugin_path(plugin_path, "--plugin-path")

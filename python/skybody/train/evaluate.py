@@ -14,6 +14,7 @@ import math
 import os
 import re
 import sys
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ from skybody.train.learner import columns_of, goal_distance
 from skybody.train.policy_file import Policy, read_policy
 from skybody.train.requirements import demand_packages
 
+SUCCESS = "success"  # info of tasks that say whether their aim is met (docs/task_kit.md)
 SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds draw other episodes
 
 
@@ -46,20 +48,35 @@ def evaluate(
         seed=seed,
     )
     try:
-        return summarize(*_fly(compiled, policy, pool))
+        return summarize(_fly(compiled, policy, pool))
     finally:
         pool.close()
 
 
-def _fly(
-    compiled: CompiledScenario, policy: Policy, pool: Pool
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]:
-    """Per episode: return, mean position error of the last second [m], length, failure."""
+@dataclass
+class Flights:
+    """What episodes have shown, a row an episode."""
+
+    returns: NDArray[np.float64]
+    errors: NDArray[np.float64]  # of the position, mean over the last second [m]; nan: unsaid
+    lengths: NDArray[np.int64]
+    failed: NDArray[np.bool_]  # ended by a fault, or by the task and without success
+    info_names: list[str] = field(default_factory=list)  # of infos of one value
+    info_sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    info_ends: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+
+
+def _fly(compiled: CompiledScenario, policy: Policy, pool: Pool) -> Flights:
+    """Every environment flies its episode to the end."""
     n = pool.num_envs
     second = max(1, round(1.0 / (compiled.dt * compiled.action_repeat)))
     errors = np.full((n, second), np.nan)
     returns, lengths = np.zeros(n), np.zeros(n, np.int64)
     failed, flying = np.zeros(n, bool), np.ones(n, bool)
+    infos = [channel for channel in compiled.info_channels if channel.count == 1]
+    places = [channel.first for channel in infos]
+    info_names = [channel.name for channel in infos]
+    info_sums, info_ends = np.zeros((n, len(infos))), np.zeros((n, len(infos)))
     states = policy.states(n)
     pool.send_reset()
     observation = np.array(pool.recv().observation)
@@ -74,12 +91,17 @@ def _fly(
         observation[ids] = batch.observation
         returns[ids] += batch.reward
         errors[ids, lengths[ids] % second] = _position_error(compiled, batch)
+        info_ends[ids] = batch.info[:, places]
+        info_sums[ids] += info_ends[ids]
         lengths[ids] += 1
         failed[ids] = batch.terminated | batch.fault
         flying[ids] = ~(batch.terminated | batch.truncated)
+    if SUCCESS in info_names:  # an end that the task calls a success is none of a failure
+        failed &= info_ends[:, info_names.index(SUCCESS)] < 0.5
     known = ~np.isnan(errors)
     mean_error = np.where(known, errors, 0.0).sum(1) / np.maximum(known.sum(1), 1)
-    return returns, np.where(known.any(1), mean_error, np.nan), lengths, failed
+    mean_error = np.where(known.any(1), mean_error, np.nan)
+    return Flights(returns, mean_error, lengths, failed, info_names, info_sums, info_ends)
 
 
 def _position_error(compiled: CompiledScenario, batch: Any) -> NDArray[np.float64]:
@@ -93,15 +115,19 @@ def _position_error(compiled: CompiledScenario, batch: Any) -> NDArray[np.float6
     return np.full(len(batch.reward), np.nan)
 
 
-def summarize(
-    returns: NDArray[np.float64],
-    errors: NDArray[np.float64],
-    lengths: NDArray[np.int64],
-    failed: NDArray[np.bool_],
-) -> dict[str, Any]:
+def summarize(flights: Flights) -> dict[str, Any]:
     """The figures of an evaluation; the CV is the returns' deviation over their mean."""
+    returns, errors, failed = flights.returns, flights.errors, flights.failed
     mean, deviation = float(returns.mean()), float(returns.std())
     known = errors[~np.isnan(errors)]
+    steps = np.maximum(flights.lengths, 1)
+    infos = {
+        name: {
+            "mean": _finite((flights.info_sums[:, k] / steps).mean()),
+            "end": _finite(flights.info_ends[:, k].mean()),
+        }
+        for k, name in enumerate(flights.info_names)
+    }
     return {
         "episodes": len(returns),
         "return_mean": mean,
@@ -110,12 +136,18 @@ def summarize(
         "position_error_median": float(np.median(known)) if len(known) else None,
         "position_error_mean": float(known.mean()) if len(known) else None,
         "position_error_p95": float(np.percentile(known, 95)) if len(known) else None,
-        "length_mean": float(lengths.mean()),
+        "length_mean": float(flights.lengths.mean()),
         "success_share": float(1.0 - failed.mean()),
+        "reached_share": infos[SUCCESS]["end"] if SUCCESS in infos else None,
+        "infos": infos,
         "returns": returns.tolist(),
         "position_errors": [None if math.isnan(e) else e for e in errors.tolist()],
         "failed": failed.tolist(),
     }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
 
 
 def evaluate_checkpoint(

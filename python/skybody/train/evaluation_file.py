@@ -44,6 +44,7 @@ COLUMNS: dict[str, Check] = {  # of evaluation.csv
     "position_error_p95": _is_number_or_null,
     "length_mean": _is_number,
     "success_share": _is_number,
+    "reached_share": _is_number_or_null,
     "parameter_hash": _is_text,
 }
 _LISTS: dict[str, Check] = {  # a value per episode

@@ -57,7 +57,10 @@ class Learner(Protocol):
         """Everything of the environments."""
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        """Goes on from where state() and environments() were taken."""
+        """Goes on from where state() and environments() were taken.
+
+        Where it raises, the learner is as it was.
+        """
 
     def close(self) -> None:
         """Ends the environments."""

@@ -6,6 +6,7 @@ optimizer, statistics, generators, environments and the few values that the next
 
 from __future__ import annotations
 
+import copy
 import random
 from collections import deque
 from time import perf_counter
@@ -16,9 +17,7 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
-from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.running_mean_std import RunningMeanStd
-from stable_baselines3.common.type_aliases import Schedule
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecMonitor, VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
@@ -27,6 +26,7 @@ from skybody.sb3 import SkybodyVecEnv
 from skybody.train.hyperparameters import Hyperparameters
 from skybody.train.learner import Report, check_finite, goal_distance, layers_of
 from skybody.train.policy_file import Policy
+from skybody.train.sb3_policy import QuickPolicy
 
 LOSSES = {  # names in the tables, by Stable-Baselines3's
     "train/policy_gradient_loss": "policy_loss",
@@ -141,6 +141,7 @@ class Sb3Ppo:
         with torch.no_grad():
             limits = self.hyper.noise_limits(self.steps / self.total_steps)
             cast(torch.Tensor, model.policy.log_std).clamp_(**limits)
+        cast(QuickPolicy, model.policy).begin_rollout()
         model.collect_rollouts(self.normalize, self.callback, model.rollout_buffer, model.n_steps)
         middle = perf_counter()
         model._update_current_progress_remaining(model.num_timesteps, self.total_steps)
@@ -203,6 +204,14 @@ class Sb3Ppo:
         return self.vec_env.save()
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
+        before, environments_before = copy.deepcopy(self.state()), self.environments()
+        try:
+            self._put(state, environments)
+        except BaseException:
+            self._put(before, environments_before)
+            raise
+
+    def _put(self, state: dict[str, Any], environments: bytes) -> None:
         model, book = self.model, state["bookkeeping"]
         model.policy.load_state_dict(state["policy"])
         model.policy.optimizer.load_state_dict(state["optimizer"])
@@ -230,14 +239,6 @@ class Sb3Ppo:
         self.normalize.close()
 
 
-class BoundedMeanPolicy(ActorCriticPolicy):
-    """Its actions' mean lies in [-1, 1]."""
-
-    def _build(self, lr_schedule: Schedule) -> None:
-        super()._build(lr_schedule)
-        self.action_net = torch.nn.Sequential(self.action_net, torch.nn.Tanh())
-
-
 def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
     """PPO with our hyper-parameters in its words."""
     low = hyper.final_learning_rate
@@ -246,7 +247,7 @@ def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
         return hyper.learning_rate * (low + (1.0 - low) * max(0.0, remaining))
 
     return PPO(
-        BoundedMeanPolicy if hyper.bounded_mean else "MlpPolicy",
+        QuickPolicy,
         env,
         learning_rate=learning_rate,
         n_steps=hyper.rollout_steps,
@@ -263,6 +264,7 @@ def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
             "net_arch": {"pi": list(hyper.hidden), "vf": list(hyper.hidden)},
             "activation_fn": torch.nn.Tanh,
             "log_std_init": hyper.log_std,
+            "bounded_mean": hyper.bounded_mean,
         },
         device="cpu",
         seed=seed,

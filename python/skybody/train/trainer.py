@@ -232,8 +232,12 @@ class Trainer:
         rate = self.learner.steps / busy
         lines = [
             f"{self.learner.steps} steps in {seconds:.1f} s, {rate:,.0f} steps/s: {parts}",
-            f"mean return of the last {len(self.recent)} episodes {mean(self.recent):.4g}, "
-            f"faults {self.faults}",
+            (
+                f"mean return of the last {len(self.recent)} episodes {mean(self.recent):.4g}"
+                if self.recent
+                else "no episode has ended"
+            )
+            + f", faults {self.faults}",
         ]
         if rows := write_evaluations(self.run):
             last = rows[-1]

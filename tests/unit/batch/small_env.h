@@ -15,7 +15,7 @@
 #include "core/base/random.h"
 #include "core/batch/pool.h"
 #include "core/simulation/simulation.h"
-#include "tests/unit/env/in_process_factory.h"
+#include "tests/unit/env/quadrotors_in_the_air.h"
 
 namespace skybody::test {
 
@@ -47,19 +47,6 @@ struct ClosedGate {
   ClosedGate(const ClosedGate&) = delete;
   ClosedGate& operator=(const ClosedGate&) = delete;
   static void open() { gate.open = true; }
-};
-
-/// Rotor speeds straight from the action, 0 to 3400 rad/s: an action of 0 climbs a little.
-class Direct : public Controller {
- public:
-  void configure(const Setup& setup) override {
-    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {3400, 3400, 3400, 3400});
-    setup.output(Signal::kRotorSpeed, 4);
-  }
-  template <class Real>
-  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
-    for (int i = 0; i < 4; ++i) out.set(i, in[i]);
-  }
 };
 
 /// A random vertical speed at the start.
@@ -131,19 +118,9 @@ inline Scenario small_scenario(InProcessFactory& factory) {
   factory.add<Direct>("direct");
   factory.add<Kick>("kick");
   factory.add<Probe>("probe");
-  Scenario s;
-  s.name = "small";
-  s.file = "small.yaml";
-  s.hash = 1;
+  Scenario s = empty_air("small");
   s.stepping.action_repeat = 5;
-  s.stepping.horizon = 12;
-  s.contact.ground = false;
-  RobotUse robot;
-  robot.name = "quad";
-  robot.model = quadrotor();
-  robot.pose.position = {0.0, 0.0, 1.0};
-  robot.controllers.push_back(factory.use("direct", "direct"));
-  s.robots.push_back(robot);
+  s.robots.push_back(quadrotor_at(0.0, "quad", factory));
   s.randomization.push_back(factory.use("kick", "kick"));
   s.task = factory.use("probe", "task");
   return s;

@@ -1,4 +1,5 @@
 // What effects hold over a physics step: order, sums, periods, resets, lanes.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,6 +55,34 @@ class Liar : public Effect {
   }
 };
 
+/// Steady wind of a strength that can be drawn; counts its calls.
+class Steady : public Effect {
+ public:
+  RealParameter strength{
+      this, {.name = "strength", .value = 2.0, .max = 10.0, .doc = "of it", .randomizable = true}};
+  void configure(const Setup& setup) override {
+    setup.holds(HeldInput::kWind);
+    setup.steady();
+    setup.buffer(1);
+  }
+  template <class Real>
+  void apply(const EnvView<Real>& env, State<Real>&, Held<Real>& held, Values<Real> buffer) const {
+    buffer.set(0, buffer[0] + 1.0);
+    held.add_wind(0, {strength(env), Real(0.0), Real(0.0)});
+  }
+};
+
+/// Wants to be steady and called every second physics step.
+class Fickle : public Effect {
+ public:
+  void configure(const Setup& setup) override {
+    setup.steady();
+    setup.period(2);
+  }
+  template <class Real>
+  void apply(const EnvView<Real>&, State<Real>&, Held<Real>&) const {}
+};
+
 std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
                                        const std::vector<std::string>& names, double period = 1.0,
                                        Checking checking = Checking::kNo) {
@@ -61,6 +90,8 @@ std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
   factory.add<test::Watch>("watch");
   factory.add<Breeze>("breeze");
   factory.add<Liar>("liar");
+  factory.add<Steady>("steady");
+  factory.add<Fickle>("fickle");
   Scenario s;
   s.name = "test";
   s.stepping.action_repeat = 4;
@@ -71,9 +102,10 @@ std::unique_ptr<CompiledScenario> make(InProcessFactory& factory,
   robot.controllers.push_back(factory.use("direct", "direct"));
   s.robots.push_back(robot);
   for (const std::string& name : names) {
-    const std::string plugin = name == "liar" ? "liar" : "breeze";
+    const bool is_breeze = name == "one" || name == "two";
+    const std::string plugin = is_breeze ? "breeze" : name;
     s.effects.push_back(factory.use(plugin, name));
-    if (plugin == "breeze") s.effects.back().parameters[0].numbers = {period};
+    if (is_breeze) s.effects.back().parameters[0].numbers = {period};
   }
   s.task = factory.use("watch", "task");
   return std::make_unique<CompiledScenario>(std::move(s), factory, checking);
@@ -141,6 +173,80 @@ TEST(Effects, HaveTheSameBitsInAFullGroup) {
     all.step(std::vector<float>(4 * kGroupLanes, 0.0f));
   }
   EXPECT_EQ(one.group.save(0), all.group.save(0));
+}
+
+/// How often the first effect was called in a lane, which is steady.
+double calls(const Flight& flight, int lane = 0) {
+  const PluginInstance& e = flight.env.plugins(SKYBODY_EFFECT)[0];
+  return flight.group.reals(flight.env.layout().plugin_state.offset + e.buffer)[lane];
+}
+
+void set_strength(Flight& flight, int lane, double value) {
+  const Layout& layout = flight.env.layout();
+  for (int k = 0; k < layout.params.size; ++k) {
+    if (layout.param_info[static_cast<std::size_t>(k)].path != "effects.steady.strength") continue;
+    flight.group.writable({layout.params.offset + k, 1}, 1u << lane)[lane] = value;
+  }
+}
+
+TEST(Effects, ThatAreSteadySpeakOnceAnEpisodeAndWhereParametersChange) {
+  InProcessFactory factory;
+  const auto env = make(factory, {"steady"});
+  Flight flight(*env, 1);
+  for (int episode = 0; episode < 2; ++episode) {
+    flight.reset();
+    EXPECT_EQ(held(flight, SKYBODY_HELD_WIND, 0), 0.0);
+    for (int k = 0; k < 3; ++k) flight.step(kHover);
+    EXPECT_EQ(calls(flight), 1.0);
+    EXPECT_EQ(held(flight, SKYBODY_HELD_WIND, 0), 2.0 + episode);
+    set_strength(flight, 0, 3.0);
+    EXPECT_EQ(calls(flight), 1.0);
+    for (int k = 0; k < 3; ++k) flight.step(kHover);
+    EXPECT_EQ(calls(flight), 2.0);
+    EXPECT_EQ(held(flight, SKYBODY_HELD_WIND, 0), 3.0);
+  }
+}
+
+TEST(Effects, ThatAreSteadySpeakInThoseLanesWhoseParametersChange) {
+  InProcessFactory factory;
+  const auto env = make(factory, {"steady", "one"});  // two hold the wind
+  Flight flight(*env, kGroupLanes);
+  const std::vector<float> hover(4 * kGroupLanes, 0.0f);
+  flight.reset();
+  flight.step(hover);
+  set_strength(flight, 5, 7.0);
+  flight.step(hover);
+  const double* wind = flight.group.reals(env->layout().held[SKYBODY_HELD_WIND]);
+  for (int lane = 0; lane < kGroupLanes; ++lane) {
+    EXPECT_EQ(calls(flight, lane), lane == 5 ? 2.0 : 1.0);
+    EXPECT_EQ(wind[lane], 8.0 + (lane == 5 ? 7.0 : 2.0));
+  }
+}
+
+TEST(Effects, ThatAreSteadyFollowTheParametersOfARestoredState) {
+  InProcessFactory factory;
+  const auto env = make(factory, {"steady"});
+  Flight drawn(*env, 1), other(*env, 1);
+  drawn.reset();
+  set_strength(drawn, 0, 7.0);
+  const auto before = drawn.group.save(0);  // nobody has spoken since
+  drawn.step(kHover);
+  other.reset();
+  other.step(kHover);
+  other.group.restore(0, before);
+  other.step(kHover);
+  EXPECT_EQ(held(other, SKYBODY_HELD_WIND, 0), 7.0);
+  EXPECT_EQ(other.group.save(0), drawn.group.save(0));
+}
+
+TEST(Effects, ThatAreSteadyHaveNoPeriod) {
+  InProcessFactory factory;
+  try {
+    make(factory, {"fickle"});
+    FAIL() << "nothing was said";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("declares a period and that it is steady"));
+  }
 }
 
 TEST(Effects, ReportValuesBesideTheObservation) {

@@ -8,22 +8,9 @@
 
 #include "core/base/random.h"
 #include "learn/learner.h"
-#include "tests/unit/env/in_process_factory.h"
+#include "tests/unit/env/quadrotors_in_the_air.h"
 
 namespace skybody::test {
-
-/// Collective thrust: all four rotors turn at one speed, 0 to 3400 rad/s.
-class Lift : public Controller {
- public:
-  void configure(const Setup& setup) override {
-    setup.input(Signal::kRotorSpeed, {0, 0, 0, 0}, {3400, 3400, 3400, 3400});
-    setup.output(Signal::kRotorSpeed, 4);
-  }
-  template <class Real>
-  void control(const EnvView<Real>&, State<Real>&, ConstValues<Real> in, Values<Real> out) const {
-    for (int i = 0; i < 4; ++i) out.set(i, in[i]);
-  }
-};
 
 /// Each robot is to keep a height that is drawn for both; robot k is paid k + 1 times as much.
 /// @tparam kSpoils  episodes whose height is drawn below a quarter have a reward that is no number,
@@ -76,23 +63,13 @@ class KeepHeight : public Task {
 template <bool kSpoils = false>
 std::shared_ptr<const CompiledScenario> small_team() {
   InProcessFactory factory;
-  factory.add<Lift>("lift");
+  factory.add<Direct>("direct");
   factory.add<KeepHeight<kSpoils>>("keep_height");
-  Scenario s;
-  s.name = "small_team";
-  s.file = "small_team.yaml";
-  s.hash = 1;
+  Scenario s = empty_air("small_team");
   s.stepping.dt = 0.004;
   s.stepping.action_repeat = 10;
-  s.stepping.horizon = 12;
-  s.contact.ground = false;
   for (int r = 0; r < 2; ++r) {
-    RobotUse robot;
-    robot.name = "quad" + std::to_string(r);
-    robot.model = quadrotor();
-    robot.pose.position = {5.0 * r, 0.0, 1.0};
-    robot.controllers.push_back(factory.use("lift", "lift" + std::to_string(r)));
-    s.robots.push_back(robot);
+    s.robots.push_back(quadrotor_at(5.0 * r, "quad" + std::to_string(r), factory));
   }
   s.task = factory.use("keep_height", "task");
   return std::make_shared<CompiledScenario>(s, factory);

@@ -52,6 +52,7 @@ SkybodyDeclare Declared::table() {
   d.buffer = [](void* h, int32_t words) { declared_of(h).buffer_words = words; };
   d.bodies_before = [](void* h) { note(h, "bodies_before"); };
   d.reads = [](void* h, int32_t first) { note(h, "reads " + std::to_string(first)); };
+  d.steady = [](void* h) { note(h, "steady"); };
   d.only_when_read = [](void* h) { note(h, "only_when_read"); };
   d.writes = [](void* h, int32_t param) { note(h, "writes " + std::to_string(param)); };
   d.goal = [](void* h, int32_t robot, int32_t body, const double*) {
