@@ -61,9 +61,20 @@ def says_so(episode: h5py.Group) -> bool:
     return bool(episode["info"][-1, columns.index("success")])
 
 
+def on_the_path(most: float) -> Callable[[h5py.Group], bool]:
+    """From 3 s on the vehicle's mean distance from its moving goal is below `most` [m]."""
+
+    def is_success(episode: h5py.Group) -> bool:
+        error = episode["bodies"][:, 0, :3] - episode["goal"][:, 0, :3]
+        return bool(np.linalg.norm(error[episode["time"][:] > 3.0], axis=1).mean() < most)
+
+    return is_success
+
+
 ROPES = [f"couplings.{name}_rod.kind=rope" for name in ("alpha", "bravo", "charlie")]
 ROTOR_SPEEDS = ["robots.quad.controllers=[{plugin: rotor_speed, parameters: {max_speed: 2300}}]"]
 SINGLE_THRUSTS = ["robots.quad.controllers=[{plugin: srt}]"]
+SHORTER = ["stepping.horizon=1000"]  # 10 s of 30: every figure once or twice
 WORLDS = {
     "cooperative_payload": ([], near_the_goals(0.2)),
     "cooperative_payload on ropes": (ROPES, near_the_goals(0.2)),
@@ -85,6 +96,12 @@ WORLDS = {
     "racing_duel": ([], says_so),
     "racing_figure": ([], says_so),
     "racing_split_s": ([], says_so),
+    "trajectory": (SHORTER, on_the_path(0.1)),
+    "trajectory_modular": (SHORTER, on_the_path(0.1)),
+    "trajectory_ctbr": (SHORTER, on_the_path(0.1)),
+    "trajectory_compact": (SHORTER, on_the_path(0.05)),
+    "trajectory_paper": (SHORTER, on_the_path(0.1)),
+    "trajectory_modular_paper": (SHORTER, on_the_path(0.1)),
 }
 
 

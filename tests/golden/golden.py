@@ -119,6 +119,12 @@ FLIGHTS = (
     Flight("vehicles", "vehicles"),
     Flight("trajectory_training", "trajectory_training"),
     Flight("trajectory_flights", "trajectory_flights"),
+    Flight("trajectory", "trajectory", most_steps=100),
+    Flight("trajectory_modular", "trajectory_modular", most_steps=100),
+    Flight("trajectory_ctbr", "trajectory_ctbr", most_steps=100),
+    Flight("trajectory_compact", "trajectory_compact", most_steps=100),
+    Flight("trajectory_paper", "trajectory_paper", most_steps=100),
+    Flight("trajectory_modular_paper", "trajectory_modular_paper", most_steps=100),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time
 )
 
