@@ -135,6 +135,24 @@ TEST_F(PendulumTask, RewardsTheWayMadeAndUprightness) {
   EXPECT_EQ(g.end[0], 0u);
 }
 
+TEST_F(PendulumTask, ShapesTheRewardWhereTheScenarioAsksForIt) {
+  const auto added = [&](const std::string& name, double far) {
+    const auto reward = [&](double weight) {
+      const Instance task(
+          "pendulum", world,
+          {{"target", Numbers{far, 0, kTop}}, {name, weight}, {"privileged", false}});
+      Group g = upright(task);
+      step(task, g);
+      return g.reward[0];
+    };
+    return reward(3.0) - reward(0.0);
+  };
+  // Differences of sums below 5.
+  EXPECT_NEAR(added("approach_reward", 4.0), 3.0 * 0.6, 4e-15);
+  EXPECT_NEAR(added("approach_reward", 12.0), 0.0, 4e-15) << "no reward is below 0";
+  EXPECT_NEAR(added("precision_reward", 0.2), 1.5, 4e-15);
+}
+
 TEST_F(PendulumTask, EveryLimitEndsAnEpisodeUnderItsNameAndCostsFive) {
   const Instance task("pendulum", world, {{"yaw_max", 2.0}});
   const std::vector<std::string> names = channel_names(task.declared.infos);
