@@ -54,7 +54,8 @@ class Pendulum : public Task {
     const MaskOf<Real> low = base.position.z < height_min_.value();
     const MaskOf<Real> fallen = upright < upright_min_.value();
     out.set_reward(kProgressReward * progress(env, distance, state.distance) + kAliveReward +
-                   upright + shaping(distance) +
+                   upright + shaping_.reward(distance, yaw(base.rotation)) -
+                   shaping_.cost(base.rotation) +
                    failure_reward_.value() * count(passed, low, fallen));
     Verdict<Real> verdict(out);
     limits_.judge(verdict, passed);
@@ -78,8 +79,6 @@ class Pendulum : public Task {
  private:
   static constexpr double kProgressReward = 2.0;  // [1/m]
   static constexpr double kAliveReward = 0.01;
-  static constexpr double kApproachRange = 10.0;   // [m], about the largest distance at a start
-  static constexpr double kPrecisionWeight = 5.0;  // 1 / 0.2 m
 
   /// A quantity over the last steps: what is remembered of it, and where it is observed.
   struct Track {
@@ -225,13 +224,6 @@ class Pendulum : public Task {
     return sum / static_cast<double>(rotor_params_.size());
   }
 
-  /// What the paper's reward lacks for a learner, where the scenario asks for it.
-  template <class Real>
-  SKYBODY_INLINE Real shaping(const Real& distance) const {
-    return approach_reward_.value() * approach(distance, kApproachRange) +
-           precision_reward_.value() * closeness(distance, kPrecisionWeight);
-  }
-
   /// How many limits are passed.
   template <class Real>
   static SKYBODY_INLINE Real count(const PassedLimits<Real>& passed, const MaskOf<Real>& low,
@@ -276,18 +268,7 @@ class Pendulum : public Task {
                                  .value = -5.0,
                                  .max = 0.0,
                                  .doc = "added for every limit that is passed"}};
-  RealParameter approach_reward_{
-      this,
-      {.name = "approach_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of max(0, 1 - d / 10 m) in the reward: being near pays, not only coming"}};
-  RealParameter precision_reward_{
-      this,
-      {.name = "precision_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of 1 / (1 + d / 0.2 m) in the reward: a slope up to the target"}};
+  GoalShaping shaping_{this};
   RealParameter success_distance_{
       this,
       {.name = "success_distance",
