@@ -144,7 +144,8 @@ def main() -> int:
     options = parser.parse_args()
     out = output_folder(parser, options)
     found = facts()
-    sections = [section(world, 3 if options.quick else episodes_of(world), out) for world in WORLDS]
+    most = 3 if options.quick else EPISODES
+    sections = [section(world, min(most, episodes_of(world)), out) for world in WORLDS]
     if out is None:
         return 0
     page = [
@@ -154,10 +155,10 @@ def main() -> int:
         "",
         "    .venv/bin/python experiments/worlds.py",
         "",
-        f"Each world is flown by `hold` in {EPISODES} drawn episodes (fewer where it says so), as by "
-        f"`skybody run WORLD --episodes {EPISODES}`; the picture shows the first one. What success "
-        "is stands in the "
-        "head of the world's file, which is repeated here.",
+        f"Each world is flown by `hold` in {most} drawn episodes (or fewer), as by "
+        f"`skybody run WORLD --episodes {most}`; the picture shows the first one. What success is "
+        "stands in the head of the "
+        "world's file, which is repeated here.",
         "",
         "\n\n".join(sections),
         "",
