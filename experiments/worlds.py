@@ -57,11 +57,6 @@ def tool_in_place(episode: h5py.Group) -> bool:
 
 
 <<<<<<< HEAD
-def as_the_task_says(episode: h5py.Group) -> bool:
-    """The task's own info `success`, the last of its infos, at the end."""
-    return bool(episode["info"][-1, -1] > 0.5)
-
-
 =======
 def says_so(episode: h5py.Group) -> bool:
     """The task's own info `success` at the end."""
@@ -85,11 +80,12 @@ SINGLE_THRUSTS = ["robots.quad.controllers=[{plugin: srt}]"]
 SHORTER = ["stepping.horizon=1000"]  # 10 s of 30: every figure once or twice
 >>>>>>> main
 WORLDS = {
-    "cooperative_payload": ([], as_the_task_says),
-    "cooperative_payload_ropes": ([], as_the_task_says),
-    "formation_learn": ([], as_the_task_says),
-    "formation_learn_2": ([], as_the_task_says),
-    "formation_obstacles": ([], as_the_task_says),
+    "cooperative_payload": ([], says_so),
+    "cooperative_payload_learn": ([], says_so),
+    "cooperative_payload_ropes": ([], says_so),
+    "formation_learn": ([], says_so),
+    "formation_learn_2": ([], says_so),
+    "formation_obstacles": ([], says_so),
     "forest": ([], near_the_goals(0.1)),
     "gates": ([], near_the_goals(0.1)),
     "platform_landing": ([], on_the_deck),

@@ -4,11 +4,7 @@
 
 #include "plugins/task_kit/attitude.h"
 #include "plugins/task_kit/flight_limits.h"
-<<<<<<< HEAD
-#include "plugins/task_kit/flight_shaping.h"
-=======
 #include "plugins/task_kit/goal_shaping.h"
->>>>>>> main
 #include "plugins/task_kit/history.h"
 #include "plugins/task_kit/nearest_obstacles.h"
 #include "plugins/task_kit/obstacles.h"

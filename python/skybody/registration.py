@@ -16,6 +16,7 @@ SCENARIOS = (
     "boom",
     "collision",
     "cooperative_payload",
+    "cooperative_payload_learn",
     "cooperative_payload_ropes",
     "downwash_pair",
     "forest",

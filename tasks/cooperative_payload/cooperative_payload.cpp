@@ -19,7 +19,7 @@ class CooperativePayload : public Task {
     drawn_target_ = announce_drawn(setup, target_);
     find_load(setup);
     add_carriers(setup);
-    is_shaped_ = shaping_.is_used();
+    is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
     for (Carrier& carrier : carriers_) declare_observation(setup, carrier);
     for (const Carrier& carrier : carriers_) setup.goal(carrier.index, carrier.body);
     setup.robot_rewards();
@@ -270,8 +270,9 @@ class CooperativePayload : public Task {
                                  const MaskOf<Real>& failed) const {
     const Real own = kPlaceReward * closeness(distance * distance, kPoseWeight) +
                      kRateReward * closeness(squared_norm(body.angular_velocity), 1.0);
-    return is_shaped_ ? shaping_.added_to(own, distance, yaw(body.rotation), body.rotation, failed)
-                      : own;
+    if (!is_shaped_) return own;
+    return own + shaping_.reward(distance, yaw(body.rotation)) - shaping_.cost(body.rotation) +
+           select(failed, Real(failure_reward_.value()), Real(0.0));
   }
 
   template <class Real>
@@ -332,7 +333,13 @@ class CooperativePayload : public Task {
        .min = 0.0,
        .doc = "weight of 1 / (1 + |e| / 0.2 m) of the load in every reward: a slope up to the "
               "target"}};
-  FlightShaping shaping_{this};
+  GoalShaping shaping_{this};
+  RealParameter failure_reward_{
+      this,
+      {.name = "failure_reward",
+       .value = 0.0,
+       .max = 0.0,
+       .doc = "added where an episode terminates, of a robot that has failed or whose load has"}};
   RealParameter success_distance_{
       this,
       {.name = "success_distance",

@@ -21,7 +21,7 @@ class Formation : public Task {
     add_robots(setup);
     set_places();
     obstacles_.configure(setup, "formation");
-    is_shaped_ = shaping_.is_used();
+    is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
     tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
     farthest_ = distance_max_.value() > 0.0 ? distance_max_.value() : kInfinity;
     for (int i = 0; i < count(); ++i) declare_observation(setup, i);
@@ -280,7 +280,8 @@ class Formation : public Task {
                                  const MaskOf<Real>& failed) const {
     if (!is_shaped_) return Real(0.0);
     const Real distance = norm(target + place<Real>(i) - body.position);
-    return shaping_.added_to(Real(0.0), distance, yaw(body.rotation), body.rotation, failed);
+    return shaping_.reward(distance, yaw(body.rotation)) - shaping_.cost(body.rotation) +
+           select(failed, Real(failure_reward_.value()), Real(0.0));
   }
 
   /// s (f + f (g + h) + 0.4 g): see README.
@@ -352,7 +353,13 @@ class Formation : public Task {
                                 .doc = "each robot observes the way to its own place: with one "
                                        "policy for all, nothing else says which one is its"}};
   NearestObstacles obstacles_{this};
-  FlightShaping shaping_{this};
+  GoalShaping shaping_{this};
+  RealParameter failure_reward_{
+      this,
+      {.name = "failure_reward",
+       .value = 0.0,
+       .max = 0.0,
+       .doc = "added where an episode terminates, of a robot that has failed"}};
 
   RealParameter success_error_{
       this,

@@ -15,11 +15,7 @@ class Hover : public Task {
   void configure(const Setup& setup) override {
     require_box(target_min_, target_max_, "target");
     drawn_target_ = announce_drawn(setup, target_);
-<<<<<<< HEAD
-    is_shaped_ = shaping_.is_used();
-=======
     is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
->>>>>>> main
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
     const bool team = only < 0 && setup.robots().size() > 1;
     for (int r = 0; r < setup.robots().size(); ++r) {
@@ -132,14 +128,9 @@ class Hover : public Task {
                                 const Real& yaw_error, const MaskOf<Real>& failed) const {
     const Real paper = closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
                        kRateReward * closeness(squared_norm(body.angular_velocity), 1.0);
-<<<<<<< HEAD
-    return is_shaped_ ? shaping_.added_to(paper, norm(error), yaw_error, body.rotation, failed)
-                      : paper;
-=======
     if (!is_shaped_) return paper;
     return paper + shaping_.reward(norm(error), yaw_error) - shaping_.cost(body.rotation) +
            select(failed, Real(failure_reward_.value()), Real(0.0));
->>>>>>> main
   }
 
   void add_robot(const Setup& setup, int index, bool team) {
@@ -244,18 +235,12 @@ class Hover : public Task {
                              .doc = "x, y, z of each robot from the target; none: as the scenario "
                                     "places them about their mean"}};
   FlightLimits limits_{this};
-<<<<<<< HEAD
-
-  FlightShaping shaping_{this};
-
-=======
   GoalShaping shaping_{this};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = 0.0,
                                  .max = 0.0,
                                  .doc = "added where an episode terminates"}};
->>>>>>> main
   RealParameter success_distance_{
       this,
       {.name = "success_distance",

@@ -114,6 +114,7 @@ FLIGHTS = (
     Flight("collision", "collision", robots=2),
     Flight("hard_landing", "hard_landing"),
     Flight("cooperative_payload", "cooperative_payload", robots=4),
+    Flight("cooperative_payload_learn", "cooperative_payload_learn", robots=4),
     Flight("cooperative_payload_ropes", "cooperative_payload_ropes", robots=4),
     Flight("forest", "forest"),
     Flight("gates", "gates"),
