@@ -56,8 +56,6 @@ def tool_in_place(episode: h5py.Group) -> bool:
     return bool(np.linalg.norm(vehicle, axis=1).max() < 0.05 and np.linalg.norm(tool) < 0.01)
 
 
-<<<<<<< HEAD
-=======
 def says_so(episode: h5py.Group) -> bool:
     """The task's own info `success` at the end."""
     columns = list(episode["info"].attrs["columns"])
@@ -74,11 +72,9 @@ def on_the_path(most: float) -> Callable[[h5py.Group], bool]:
     return is_success
 
 
-ROPES = [f"couplings.{name}_rod.kind=rope" for name in ("alpha", "bravo", "charlie")]
 ROTOR_SPEEDS = ["robots.quad.controllers=[{plugin: rotor_speed, parameters: {max_speed: 2300}}]"]
 SINGLE_THRUSTS = ["robots.quad.controllers=[{plugin: srt}]"]
 SHORTER = ["stepping.horizon=1000"]  # 10 s of 30: every figure once or twice
->>>>>>> main
 WORLDS = {
     "cooperative_payload": ([], says_so),
     "cooperative_payload_learn": ([], says_so),

@@ -51,7 +51,7 @@ class Obstacles {
     const int turn = first + SKYBODY_OBSTACLE_ROTATION;
     const Quat<Real> rotation{env.param(turn), env.param(turn + 1), env.param(turn + 2),
                               env.param(turn + 3)};
-    const Vec3<Real> size = env.param_vec3(first + SKYBODY_OBSTACLE_SIZE);
+    const Vec3<Real> size = size_of(env, solid);
     const Vec3<Real> local =
         rotate_inverse(rotation, point - env.param_vec3(first + SKYBODY_OBSTACLE_POSITION));
     const Vec3<Real> offset = rotate(rotation, nearest(solid.kind, size, local) - local);
@@ -98,6 +98,16 @@ class Obstacles {
       default:
         return "a mesh";
     }
+  }
+
+  /// As SkybodyShapeKind says; a kind has no EnvParams for what it does not need, which is 0 here.
+  template <class Real>
+  static SKYBODY_INLINE Vec3<Real> size_of(const EnvView<Real>& env, const Solid& solid) {
+    const int first = solid.first_param + SKYBODY_OBSTACLE_SIZE;
+    const int count = solid.kind == SKYBODY_BOX ? 3 : solid.kind == SKYBODY_SPHERE ? 1 : 2;
+    Real size[3] = {Real(0.0), Real(0.0), Real(0.0)};
+    for (int k = 0; k < count; ++k) size[k] = env.param(first + k);
+    return {size[0], size[1], size[2]};
   }
 
   /// Of a solid about its frame's origin, the point that is nearest to p; p itself within.

@@ -195,12 +195,12 @@ class CooperativePayload : public Task {
     carrier.velocity = part("velocity", "m/s", 3, "of the base's frame, W");
     carrier.attitude = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", 1.0);
     carrier.angular_velocity = part("angular_velocity", "rad/s", 3, "B");
-    carrier.load_error = part("load.position_error", "m", 3, "target - p of the load, W");
+    carrier.load_error = part("load_position_error", "m", 3, "target - p of the load, W");
     carrier.load_yaw_error =
-        part("load.yaw_error", "rad", 1, "target yaw - yaw of the load, wrapped", kPi);
-    carrier.load_velocity = part("load.velocity", "m/s", 3, "W");
-    carrier.load_attitude = part("load.attitude", "", 4, "as above", 1.0);
-    carrier.load_angular_velocity = part("load.angular_velocity", "rad/s", 3, "the load's axes");
+        part("load_yaw_error", "rad", 1, "target yaw - yaw of the load, wrapped", kPi);
+    carrier.load_velocity = part("load_velocity", "m/s", 3, "W");
+    carrier.load_attitude = part("load_attitude", "", 4, "as above", 1.0);
+    carrier.load_angular_velocity = part("load_angular_velocity", "rad/s", 3, "the load's axes");
     carrier.attachment_offset =
         part("attachment", "m", 3, "its point of the load (`attachments`) - p, W");
     for (const Carrier& other : carriers_) {

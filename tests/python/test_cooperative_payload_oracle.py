@@ -20,10 +20,10 @@ ENVS, STEPS = 300, 30
 TOLERANCE: dict[str, Any] = {"rtol": 1e-6, "atol": 2e-6}
 ROBOTS = ("alpha", "bravo", "charlie")
 LIMITS = {
-    "tilt_max": 0.8,
-    "load_tilt_max": 0.7,
-    "bound": 2.9,
-    "separation_min": 0.8,
+    "tilt_max": 0.55,
+    "load_tilt_max": 0.55,
+    "bound": 2.8,
+    "separation_min": 0.6,
     "height_min": 1.1,
     "success_distance": 0.8,
     "success_yaw": 0.5,
@@ -39,8 +39,8 @@ WEIGHTS = {
 OVERRIDES = [
     "couplings=[]",
     "stepping.horizon=12",
-    "randomization=[{plugin: start, parameters: {relative: true, position_min: [-0.35, -0.35, -0.3],"
-    " position_max: [0.35, 0.35, 0.3], yaw_min: -3, yaw_max: 3, tilt_max: 0.5, velocity_max: 1.5,"
+    "randomization=[{plugin: start, parameters: {relative: true, position_min: [-0.35, -0.35, -0.3]"
+    ", position_max: [0.35, 0.35, 0.3], yaw_min: -3, yaw_max: 3, tilt_max: 0.5, velocity_max: 1.5,"
     " rate_max: 3}}]",
     "task.parameters.target_yaw=2.5",
     *(f"task.parameters.{name}={value}" for name, value in {**LIMITS, **WEIGHTS}.items()),
@@ -68,12 +68,12 @@ class Moment:
         self.matrices = flat.reshape(*q.shape[:2], 3, 3)
         self.p, self.v = envs.state("bodies.position"), envs.state("bodies.velocity")
         self.w = envs.state("bodies.angular_velocity")
-        target = envs.state("task.target")
+        target = np.column_stack([envs.state(f"task.target[{k}]") for k in range(4)])
         self.tilt = np.arccos(np.clip(self.matrices[..., 2, 2], -1.0, 1.0))
         self.yaw = np.arctan2(self.matrices[..., 1, 0], self.matrices[..., 0, 0])
         self.load_error = target[:, :3] - self.p[:, 3]
         self.yaw_error = wrapped(target[:, 3] - self.yaw[:, 3])
-        turned = Rotation.from_euler("z", target[:, 3]).as_matrix()
+        turned = Rotation.from_euler("z", target[:, 3:]).as_matrix()
         places = target[:, None, :3] + np.einsum("nij,kj->nki", turned, PLACES)
         self.place_error = places - self.p[:, :3]
         held = self.p[:, 3, None] + np.einsum("nij,kj->nki", self.matrices[:, 3], ATTACHMENTS)
@@ -91,11 +91,11 @@ class Moment:
                 "velocity": self.v[:, i],
                 "attitude": self.q[:, i],
                 "angular_velocity": self.w[:, i],
-                "load.position_error": self.load_error,
-                "load.yaw_error": self.yaw_error[:, None],
-                "load.velocity": self.v[:, 3],
-                "load.attitude": self.q[:, 3],
-                "load.angular_velocity": self.w[:, 3],
+                "load_position_error": self.load_error,
+                "load_yaw_error": self.yaw_error[:, None],
+                "load_velocity": self.v[:, 3],
+                "load_attitude": self.q[:, 3],
+                "load_angular_velocity": self.w[:, 3],
                 "attachment": self.attachment[:, i],
             }
             for j, other in enumerate(ROBOTS):
@@ -103,7 +103,7 @@ class Moment:
                     continue
                 own[f"{other}.offset"] = self.offsets[:, i, j]
                 own[f"{other}.velocity"] = self.v[:, j]
-            seen.update({f"{robot}.{name}": values for name, values in own.items()})
+            seen.update({f"{robot}.{name}".replace(".", "_"): v for name, v in own.items()})
         return seen
 
     def failures(self) -> dict[str, Bools]:

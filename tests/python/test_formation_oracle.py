@@ -26,10 +26,10 @@ WEIGHTS = {
     "tilt_cost": 0.3,
     "failure_reward": -6.0,
 }
-# A box that is turned, a capsule that lies, a sphere, and cylinders, one of which is often not there.
+# A box that is turned, a capsule that lies, a sphere, and cylinders; one is often not there.
 OBSTACLES = (
-    "obstacles=[{name: box, box: [0.8, 0.4, 0.5], position: [0.2, 0.9, 1.6], rpy: [0.4, -0.3, 0.8]},"
-    " {name: capsule, capsule: [0.2, 1.1], position: [-0.9, -0.6, 1.5], rpy: [1.5, 0.2, 0]},"
+    "obstacles=[{name: box, box: [0.8, 0.4, 0.5], position: [0.2, 0.9, 1.6], rpy: [0.4, -0.3, 0.8]}"
+    ", {name: capsule, capsule: [0.2, 1.1], position: [-0.9, -0.6, 1.5], rpy: [1.5, 0.2, 0]},"
     " {name: ball, sphere: 0.35, position: [0.9, -0.5, 1.2]},"
     " {name: post, cylinder: [0.15, 1.2], position: [-0.4, 0.3, 2.4]},"
     " {name: stump, cylinder: [0.4, 0.5], position: [0.1, 0.1, 0.5], rpy: [0.5, 0, 0]}]"
@@ -38,7 +38,7 @@ OVERRIDES = [
     OBSTACLES,
     "stepping.horizon=12",
     "randomization=[{plugin: draw, name: there, parameters: {what: [obstacles.post.present],"
-    " range: [0, 1], distribution: choice, values: [0, 1]}}, {plugin: start, parameters:"
+    " distribution: choice, values: [0, 1]}}, {plugin: start, parameters:"
     " {position_min: [-1.6, -1.6, 0.6], position_max: [1.6, 1.6, 2.8], yaw_min: -3, yaw_max: 3,"
     " tilt_max: 0.7, velocity_max: 2, rate_max: 3}}]",
     f"task.parameters.obstacle_sight={SIGHT}",
@@ -135,7 +135,7 @@ class Moment:
                 cut = np.nan_to_num(self.ways[:, i, k]) * np.minimum(1.0, SIGHT / far)
                 own[f"obstacle_{k + 1}.offset"] = cut
                 own[f"obstacle_{k + 1}.distance"] = np.minimum(far, SIGHT)
-            seen.update({f"{robot}.{name}": values for name, values in own.items()})
+            seen.update({f"{robot}.{name}".replace(".", "_"): v for name, v in own.items()})
         return seen
 
     def own_failures(self) -> dict[str, Bools]:

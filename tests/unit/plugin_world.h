@@ -165,26 +165,32 @@ class PluginWorld {
   /// way through, points to `yaw` [rad].
   void add_gate(const std::string& name, const std::vector<double>& position, double yaw,
                 double width = 1.4, double height = 1.4) {
+    add_obstacle(name, SKYBODY_GATE, {width, height, 0.1}, position, yaw);
+  }
+
+  /// An obstacle of a kind, with its sizes [m], turned by `yaw` about z [rad].
+  void add_obstacle(const std::string& name, int kind, const std::vector<double>& size,
+                    const std::vector<double>& position, double yaw = 0.0) {
     SkybodyShapeInfo shape{};
     shape.name = keep(name);
     shape.mesh = "";
-    shape.kind = SKYBODY_GATE;
+    shape.kind = kind;
     shape.robot = shape.body = -1;
     shape.obstacle = obstacles_++;
     const double turn[4] = {std::cos(0.5 * yaw), 0.0, 0.0, std::sin(0.5 * yaw)};
-    const double size[3] = {width, height, 0.1};
-    shape.first_param = add_param("obstacles." + name + ".present", 1.0);
+    const std::string path = "obstacles." + name;
+    shape.first_param = add_param(path + ".present", 1.0);
     for (std::size_t k = 0; k < 3; ++k) {
       shape.position[k] = position[k];
-      add_param("obstacles." + name + ".position[" + std::to_string(k) + "]", position[k]);
+      add_param(path + ".position[" + std::to_string(k) + "]", position[k]);
     }
     for (std::size_t k = 0; k < 4; ++k) {
       shape.rotation[k] = turn[k];
-      add_param("obstacles." + name + ".rotation[" + std::to_string(k) + "]", turn[k]);
+      add_param(path + ".rotation[" + std::to_string(k) + "]", turn[k]);
     }
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < size.size(); ++k) {
       shape.size[k] = size[k];
-      add_param("obstacles." + name + ".size[" + std::to_string(k) + "]", size[k]);
+      add_param(path + ".size[" + std::to_string(k) + "]", size[k]);
     }
     shapes.push_back(shape);
   }
