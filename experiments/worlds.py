@@ -24,7 +24,12 @@ from throughput import arguments, facts, machine_line, output_folder
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/skybody"
 EPISODES = 100
-FEWER = {"payload_1khz": 20, "payload_modular_1khz": 20}  # ten times as many actions an episode
+FEWER = {
+    "payload_1khz": 20,  # ten times as many actions an episode
+    "payload_modular_1khz": 20,
+    "cooperative_payload_learn": 40,  # flights of another world, with a longer action
+    "formation_learn_2": 40,
+}
 COARSER = 2  # pixels of a flight's picture for one of the page
 
 
