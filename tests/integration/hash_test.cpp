@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 // Short episodes, so that resets are among what is compared.
 const std::string kHorizon = "stepping.horizon=7";
-const std::vector<std::string> kLonger = {"stepping.horizon=20"};
+const std::vector<std::string> kLonger = {"stepping.horizon=21"};
 /// What happens at a time has to happen within them.
 const std::map<std::string, std::vector<std::string>> kInTime = {
     {"arm",
