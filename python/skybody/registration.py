@@ -5,6 +5,8 @@ from __future__ import annotations
 SCENARIOS = (
     "arm",
     "boom",
+    "chase",
+    "chase_agents",
     "collision",
     "cooperative_payload",
     "downwash_pair",
@@ -22,6 +24,8 @@ SCENARIOS = (
     "hover_hummingbird",
     "hover_learn",
     "low_battery",
+    "obstacles",
+    "obstacles_rays",
     "omav",
     "payload",
     "payload_paper",

@@ -55,7 +55,7 @@ struct Group {
   std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
   std::vector<double> bodies, before, q, u, rotor_speed, rotor_command, params, action, command;
   std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
-  std::vector<double> memo;  ///< no state: neither compared nor handed on
+  std::vector<double> memo, scratch;  ///< no state: neither compared nor handed on
 
   std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not announced
 
@@ -67,6 +67,7 @@ struct Group {
     Group one;
     one.lanes = 1;
     one.memo.resize(memo.size() / static_cast<std::size_t>(lanes));
+    one.scratch.resize(scratch.size() / static_cast<std::size_t>(lanes));
     each(*this, one, [&](const auto& from, auto& to) {
       to.clear();
       for (std::size_t k = static_cast<std::size_t>(lane); k < from.size();
@@ -160,6 +161,7 @@ class Instance {
     g.command.assign(n(world_.actions), 0.0);
     g.buffer.assign(n(declared.buffer_words), 0.0);
     g.memo.assign(n(declared.memo), 0.0);
+    g.scratch.assign(n(declared.scratch), 0.0);
     g.input.assign(n(static_cast<int>(declared.low.size())), 0.0);
     g.output.assign(n(std::max(declared.output_count(), declared.channel_count())), 0.0);
     g.observation.assign(n(declared.channel_count()), 0.0);
@@ -266,6 +268,15 @@ class Instance {
     return goal;
   }
 
+  /// Velocity and acceleration of each goal.
+  std::vector<double> goal_motion(Group& g) const {
+    std::vector<double> motion(6 * declared.goals.size() * static_cast<std::size_t>(g.lanes));
+    const SkybodyLanes v = view(g, 1);
+    plugin_->kernels[SKYBODY_NUMBER_REAL][0].goal_motion(self_, &v, g.state.data(), g.buffer.data(),
+                                                         motion.data());
+    return motion;
+  }
+
  private:
   static SkybodyLanes view(Group& g, std::uint32_t mask) {
     SkybodyLanes v{};
@@ -285,6 +296,7 @@ class Instance {
     v.action = g.action.data();
     v.command = g.command.data();
     v.memo = g.memo.data();
+    v.scratch = g.scratch.data();
     return v;
   }
 

@@ -1,6 +1,7 @@
 // A small world by hand, as a plugin's configure() sees it: QDrone2, and what tests hang on it.
 #pragma once
 
+#include <cmath>
 #include <deque>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ class PluginWorld {
   std::vector<SkybodyLinkInfo> links;
   std::vector<SkybodyRotorInfo> rotors;
   std::vector<SkybodyEnvParamInfo> params;
+  std::vector<SkybodyShapeInfo> shapes;  ///< of bodies first, then obstacles
   int q = 0, u = 0, actions = 0;
 
   /// The world's own EnvParams come first: gravity.
@@ -144,6 +146,49 @@ class PluginWorld {
     rotors.push_back(r);
   }
 
+  /// A collision shape of a body, in its frame.
+  void add_shape(int body, int kind, const std::vector<double>& size, double z = 0.0) {
+    SkybodyShapeInfo shape{};
+    shape.name = bodies[at(body)].name;
+    shape.mesh = "";
+    shape.kind = kind;
+    shape.robot = bodies[at(body)].robot;
+    shape.body = body;
+    shape.obstacle = shape.first_param = -1;
+    for (std::size_t k = 0; k < size.size(); ++k) shape.size[k] = size[k];
+    shape.position[2] = z;
+    shape.rotation[0] = 1.0;
+    shapes.push_back(shape);
+  }
+
+  /// An obstacle: a frame about an opening of `width` by `height` [m], bars of 0.1 m; x of it, the
+  /// way through, points to `yaw` [rad].
+  void add_gate(const std::string& name, const std::vector<double>& position, double yaw,
+                double width = 1.4, double height = 1.4) {
+    SkybodyShapeInfo shape{};
+    shape.name = keep(name);
+    shape.mesh = "";
+    shape.kind = SKYBODY_GATE;
+    shape.robot = shape.body = -1;
+    shape.obstacle = obstacles_++;
+    const double turn[4] = {std::cos(0.5 * yaw), 0.0, 0.0, std::sin(0.5 * yaw)};
+    const double size[3] = {width, height, 0.1};
+    shape.first_param = add_param("obstacles." + name + ".present", 1.0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      shape.position[k] = position[k];
+      add_param("obstacles." + name + ".position[" + std::to_string(k) + "]", position[k]);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      shape.rotation[k] = turn[k];
+      add_param("obstacles." + name + ".rotation[" + std::to_string(k) + "]", turn[k]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      shape.size[k] = size[k];
+      add_param("obstacles." + name + ".size[" + std::to_string(k) + "]", size[k]);
+    }
+    shapes.push_back(shape);
+  }
+
   int add_param(const std::string& path, double nominal, double min = -1e9, double max = 1e9) {
     params.push_back({keep(path), "", nominal, min, max});
     return static_cast<int>(params.size()) - 1;
@@ -168,6 +213,8 @@ class PluginWorld {
     s.link_count = static_cast<int>(links.size());
     s.rotors = rotors.data();
     s.rotor_count = static_cast<int>(rotors.size());
+    s.shapes = shapes.data();
+    s.shape_count = static_cast<int>(shapes.size());
     s.params = params.data();
     s.param_count = static_cast<int>(params.size());
     s.values = values.data();
@@ -178,6 +225,7 @@ class PluginWorld {
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   std::deque<std::string> texts_;
+  int obstacles_ = 0;
 };
 
 }  // namespace skybody::testing

@@ -1,5 +1,6 @@
 // Derivatives of what the shipped tasks give: observations, rewards, info, targets.
 #include "tests/unit/dual_harness.h"
+#include "tests/unit/obstacle_world.h"
 
 namespace skybody::testing {
 namespace {
@@ -48,6 +49,23 @@ TEST(TaskDerivatives, OfFormationDependOnEachRobot) {
   world.add_quad("two", 0, 2, 1);
   world.add_quad("three", 2, 0, 1);
   expect("formation", world, {}, {"bodies", "params"});
+}
+
+TEST(TaskDerivatives, OfObstaclesDependOnMotionPlacesAndSizes) {
+  PluginWorld world;
+  world.add_quad("quad");
+  add_obstacle(world, SKYBODY_SPHERE, {0.3}, {1.5, 0.2, 1.0});
+  add_obstacle(world, SKYBODY_CYLINDER, {0.2, 3.0}, {-1.0, 1.4, 0.5}, 0.3);
+  add_obstacle(world, SKYBODY_BOX, {0.4, 0.5, 0.6}, {0.0, -1.8, 0.2}, 0.5);
+  expect("obstacles", world, {{"nearest", 2}}, {"action", "bodies", "params", "state"});
+}
+
+TEST(TaskDerivatives, OfChaseDependOnAllRobots) {
+  PluginWorld world;
+  world.add_quad("hawk");
+  world.add_quad("kite", 0, 2, 1);
+  world.add_quad("evader", 2, 0, 1);
+  expect("chase", world, {}, {"bodies", "buffer"});
 }
 
 }  // namespace
