@@ -10,15 +10,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, FormatStrFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
-from training_runs import machine_line, versions_line
+from training_runs import LEARNER_COLORS, machine_line, versions_line
 
-COLORS = {"fast-ppo": "C0", "ppo": "C1"}
 STYLES = ("-", "--", ":", "-.")  # by seed
 
 HEAD = """\
 # Learning to hover
 
-`hover_learn` with both learners and the hyper-parameters that `skybody/train/presets.py` ships, by
+`hover_learn` with each learner and the hyper-parameters that `skybody/train/presets.py` ships, by
 
     {command}
 
@@ -53,15 +52,14 @@ def markdown(content: dict[str, Any]) -> str:
 
 def _table(content: dict[str, Any]) -> str:
     rows = [
-        "| learner | seed | steps | wall clock | median error [m] | 90 % quantile [m] | failures "
-        "| within limits |",
+        "| learner | seed | steps | wall clock [s] | median error [m] | 90 % quantile [m] "
+        "| failures | within limits |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
     ]
     for run in content["runs"]:
-        minutes, seconds = divmod(round(run["wall_clock"]), 60)
         within = "yes" if run["within_limits"] else "no"
         rows.append(
-            f"| {run['learner']} | {run['seed']} | {run['steps']:,} | {minutes}:{seconds:02} min "
+            f"| {run['learner']} | {run['seed']} | {run['steps']:,} | {run['wall_clock']:.1f} "
             f"| {run['median_error']:.4f} | {run['error_90_percent']:.4f} "
             f"| {run['failures']} of {run['episodes']} | {within} |"
         )
@@ -70,7 +68,7 @@ def _table(content: dict[str, Any]) -> str:
 
 def _limits(content: dict[str, Any]) -> str:
     limits = content["limits"]
-    times = " and ".join(f"{minutes:g} min ({name})" for name, minutes in limits["minutes"].items())
+    times = ", ".join(f"{seconds:g} s ({name})" for name, seconds in limits["seconds"].items())
     text = LIMITS.format(
         error=limits["median_error"],
         success=100 * limits["success_share"],
@@ -81,8 +79,9 @@ def _limits(content: dict[str, Any]) -> str:
     last = content["hover"]["curve"][-1]
     return (
         f"{text}\n\nGrey in the picture: {content['hover']['learner']} on the paper's `hover`, "
-        f"with a policy at 1 kHz{overrides}, from\n[training_reproducibility.md]"
-        f"(training_reproducibility.md): median error {last['position_error_median']:.2f} m after "
+        f"with a policy at 1 kHz{overrides}, from\n"
+        "[training_reproducibility_fast-ppo.md](training_reproducibility_fast-ppo.md): "
+        f"median error {last['position_error_median']:.2f} m after "
         f"{last['steps']:,} steps."
     )
 
@@ -131,7 +130,7 @@ def _draw_column(axes: NDArray[Any], content: dict[str, Any], x: str) -> None:
     for run in content["runs"]:
         style = STYLES[seeds.index(run["seed"]) % len(STYLES)]
         label = f"{run['learner']}, seed {run['seed']}"
-        _draw_curve(axes, run, x, COLORS[run["learner"]], style, label)
+        _draw_curve(axes, run, x, LEARNER_COLORS[run["learner"]], style, label)
     hover = content["hover"]
     label = f"{hover['learner']} on hover (1 kHz policy)"
     _draw_curve(axes, hover, x, "0.5", "-", label)
@@ -168,14 +167,14 @@ def _dress(axes: NDArray[Any], content: dict[str, Any]) -> None:
     axes[1, 1].xaxis.set_minor_formatter(NullFormatter())
     axes[1, 1].xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes[1, 1].set_xlabel("wall-clock time of training [s]")
-    for learner, minutes in limits["minutes"].items():
-        _mark_time(axes[:, 1], learner, 60.0 * minutes)
+    for learner, seconds in limits["seconds"].items():
+        _mark_time(axes[:, 1], learner, seconds)
 
 
 def _mark_time(axes: NDArray[Any], learner: str, seconds: float) -> None:
     axis: Axes
     for axis in axes:
-        axis.axvline(seconds, color=COLORS[learner], linewidth=0.8, linestyle=(0, (6, 3)))
+        axis.axvline(seconds, color=LEARNER_COLORS[learner], linewidth=0.8, linestyle=(0, (6, 3)))
     axes[0].annotate(
         f" limit, {learner}",
         (seconds, 0.02),
@@ -183,5 +182,5 @@ def _mark_time(axes: NDArray[Any], learner: str, seconds: float) -> None:
         fontsize=7,
         rotation=90,
         ha="right",
-        color=COLORS[learner],
+        color=LEARNER_COLORS[learner],
     )

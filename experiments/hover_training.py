@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Learns to hover with both learners, three seeds each, and measures how well and how long.
+"""Learns to hover with each learner, three seeds each, and measures how well and how long.
 
     .venv/bin/python experiments/hover_training.py [--out DIR] [--program build/release/bin/skybody]
 
 The runs come one after another, with the shipped hyper-parameters and nothing beside them: wall
 clock is that of the whole command `python -m skybody.train`, from its start to its exit. Then every
-checkpoint flies 100 episodes in a new process. Beside them stands PPO on hover.yaml (K = 1, the
-paper's), a run that training_reproducibility.py shares. At last fast-ppo's policy of the
-first seed is flown by `skybody run`, and its actions are compared with those that PyTorch computes.
+checkpoint flies 100 episodes in a new process. `lean-ppo` (experiments/yardstick), in PyTorch, is
+the yardstick for the learners in C++. Beside them stands fast-ppo on hover.yaml (K = 1, the
+paper's), a run that training_reproducibility.py shares. At last fast-ppo's policy of the first seed
+is flown by `skybody run`, and its actions are compared with those that PyTorch computes.
 
 Finished runs are not repeated; one that was interrupted begins anew, because its time counts. Run
 it on a machine that does nothing else. Exit code 1 where a run misses a limit.
@@ -34,6 +35,7 @@ from skybody import CompiledScenario
 from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
+from skybody.train.presets import preset
 from training_runs import (
     ROOT,
     Run,
@@ -44,18 +46,33 @@ from training_runs import (
     train_all,
     write_json,
 )
+from yardstick import command as yardstick
 
 SCENARIO = "hover_learn"
 SEEDS = (1, 2, 3)
-STEPS = {"fast-ppo": 9_000_000, "ppo": 15_000_000}
-MINUTES = {"fast-ppo": 1.0, "ppo": 15.0}  # of wall clock, at most
+YARDSTICK = (str(Path(yardstick.__file__)),)
+SECONDS = {"fast-ppo": 30.0, "gradient": 5.0, "lean-ppo": 180.0}  # of wall clock, at most
 MOST_ERROR, LEAST_SUCCESS = 0.05, 0.98  # median [m]; share of episodes without failure
 CHECKPOINTS = 20  # points of a curve
 EPISODES = 100
 
 
+def shipped_steps(algorithm: str) -> int:
+    """Environment steps of a whole run."""
+    if algorithm == yardstick.NAME:
+        return yardstick.TOTAL_STEPS
+    return preset(SCENARIO, algorithm).total_steps
+
+
+def shipped(algorithm: str) -> dict[str, Any]:
+    """What Run is to be told besides; the yardstick is a program of its own."""
+    if algorithm == yardstick.NAME:
+        return {"settings": yardstick.SETTINGS, "program": YARDSTICK}
+    return {}
+
+
 def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Run]:
-    """All runs, the quick learner's first. They evaluate nothing beside training."""
+    """All runs, the quick learners' first. They evaluate nothing beside training."""
     return [
         Run(
             folder=out / f"{algorithm}-seed-{seed}",
@@ -65,6 +82,7 @@ def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Ru
             total_steps=steps[algorithm],
             checkpoints=CHECKPOINTS,
             eval_episodes=0,
+            **shipped(algorithm),
         )
         for algorithm in steps
         for seed in seeds
@@ -91,15 +109,19 @@ def measure(run: Run) -> dict[str, float]:
 def evaluate(run: Run) -> None:
     """Flies every checkpoint that has not been, each in a new process."""
     for checkpoint in checkpoint_folders(run.folder):
-        result = checkpoint / "evaluation.json"
-        found = read_evaluation(checkpoint)
-        if found is not None and found["episodes"] == EPISODES:
-            continue
-        command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
-        command += ["--episodes", str(EPISODES), "--json", str(result)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise RunError(f"{' '.join(command)}\n{done.stderr}")
+        evaluate_checkpoint(checkpoint)
+
+
+def evaluate_checkpoint(checkpoint: Path) -> None:
+    """Flies EPISODES in a new process, unless that was done before."""
+    found = read_evaluation(checkpoint)
+    if found is not None and found["episodes"] == EPISODES:
+        return
+    command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+    command += ["--episodes", str(EPISODES), "--json", str(checkpoint / "evaluation.json")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RunError(f"{' '.join(command)}\n{done.stderr}")
 
 
 def curve(run: Run) -> dict[str, Any]:
@@ -113,7 +135,7 @@ def record(run: Run, measured: dict[str, float]) -> dict[str, Any]:
     """A run's row in the table, and its curve."""
     last = run.evaluations()[-1]
     errors = np.array([np.nan if e is None else e for e in last["position_errors"]], float)
-    median, minutes = float(np.nanmedian(errors)), measured["wall_clock"] / 60.0
+    median, seconds = float(np.nanmedian(errors)), measured["wall_clock"]
     return {
         "learner": run.algorithm,
         "seed": run.seed,
@@ -128,20 +150,19 @@ def record(run: Run, measured: dict[str, float]) -> dict[str, Any]:
         "within_limits": bool(
             median < MOST_ERROR
             and last["success_share"] >= LEAST_SUCCESS
-            and minutes <= MINUTES[run.algorithm]
+            and seconds <= SECONDS[run.algorithm]
         ),
         "parameter_hash": last["parameter_hash"],
         **curve(run),
     }
 
 
-def train_measured(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """All runs, one after another; prints a line on each."""
+def evaluate_all(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """The rows of runs that have been measured; prints a line on each."""
     records = []
     for run in runs:
-        measured = measure(run)
         evaluate(run)
-        row = record(run, measured)
+        row = record(run, measure(run))
         print(
             f"{row['learner']}, seed {row['seed']}: {row['wall_clock']:.1f} s, median error "
             f"{row['median_error']:.4f} m, {row['failures']} failures of {row['episodes']}",
@@ -152,8 +173,8 @@ def train_measured(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
 
 def hover_curve(out: Path, steps: int) -> dict[str, Any]:
-    """PPO on hover.yaml: the first run of training_reproducibility.py, trained here if need be."""
-    group = training_reproducibility.make_groups("hover", out, steps, 2)[0]
+    """On hover.yaml: the first run of training_reproducibility.py, trained here if need be."""
+    group = training_reproducibility.make_groups("hover", out, steps, 2, "fast-ppo")[0]
     run = group.runs[0]
     train_all([run], 1, training_reproducibility.say)
     return {
@@ -173,14 +194,15 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    defaults = ", ".join(f"{name} {steps:,}" for name, steps in STEPS.items())
+    steps = {algorithm: shipped_steps(algorithm) for algorithm in SECONDS}
+    defaults = ", ".join(f"{name} {number:,}" for name, number in steps.items())
     add("--steps", type=float, help=f"of all runs, for a trial; default: {defaults}")
     add("--seeds", type=int, nargs="+", default=list(SEEDS), help="default: 1 2 3")
     add("--out", type=Path, default=ROOT / "flights/hover_training", help="folder of the runs")
     add(
         "--reproducibility",
         type=Path,
-        default=ROOT / "flights/training_reproducibility",
+        default=ROOT / "flights/training_reproducibility_fast-ppo",
         help="--out of training_reproducibility.py, for the curve of hover.yaml",
     )
     add(
@@ -196,8 +218,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         default=ROOT / "docs/results",
         help="folder of table, JSON and pictures",
     )
+    add(
+        "--train-only",
+        action="store_true",
+        help="evaluate and write in a later call, for which the machine need not be quiet",
+    )
     options = parser.parse_args(arguments)
-    options.steps = STEPS if options.steps is None else dict.fromkeys(STEPS, int(options.steps))
+    options.steps = steps if options.steps is None else dict.fromkeys(steps, int(options.steps))
     options.hover_steps = int(options.hover_steps)
     if not options.program.exists():
         parser.error(f"--program {options.program} does not exist; ./dev build makes it")
@@ -211,7 +238,11 @@ def main(arguments: list[str] | None = None) -> int:
     report: Path = options.report
     (report / "images").mkdir(parents=True, exist_ok=True)
     try:
-        records = train_measured(runs)
+        for run in runs:
+            measure(run)
+        if options.train_only:
+            return 0
+        records = evaluate_all(runs)
         hover = hover_curve(options.reproducibility, options.hover_steps)
         flight = fly_policy(options.program, runs[0], options.out / "flight")
     except RunError as error:
@@ -227,7 +258,7 @@ def main(arguments: list[str] | None = None) -> int:
         "limits": {
             "median_error": MOST_ERROR,
             "success_share": LEAST_SUCCESS,
-            "minutes": MINUTES,
+            "seconds": SECONDS,
         },
         "config": {run.algorithm: run.config() for run in runs},
         "runs": records,

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from skybody.program import run_program
-from skybody.train.algorithms import ALGORITHMS
+from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.run_folder import read_table
 from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
@@ -34,9 +34,11 @@ KILLS = 20
 SCENARIO = "hover_learn"
 ENVS, ROLLOUT_STEPS = 6, 50
 ROLLOUT = ENVS * ROLLOUT_STEPS
-# One checkpoint a rollout. A part of a run lasts a few of them, so that kills fall into rollouts,
-# updates and checkpoints alike, and a run is long enough for all kills.
-ROLLOUTS_PER_KILL = 6
+# What of these a learner does not have is left out.
+SETTINGS = {"rollout_steps": ROLLOUT_STEPS, "minibatch": 100, "epochs": 2, "hidden": "8,8"}
+# One checkpoint a rollout. A part of a run lasts a few of them (learners in C++ do many in the time
+# of one of the others), so that kills fall into rollouts, updates and checkpoints alike.
+ROLLOUTS_PER_KILL = {"fast-ppo": 40, "gradient": 40, "ppo": 6}
 LATEST = 0.6  # s from the first new checkpoint of a part to its kill
 EVERY_FIFTH = 5  # kill falls between the start of a part and the end of its start
 STARTING = 4.0  # s
@@ -67,9 +69,11 @@ def command(algorithm: str, folder: Path, steps: int) -> list[str]:
     words = [SCENARIO, "--algo", algorithm, "--seed", "3", "--out", str(folder)]
     words += ["--total-steps", str(steps), "--checkpoint-every", str(ROLLOUT)]
     words += ["--override", "stepping.horizon=40", "--eval-episodes", "0", "--threads", "1"]
-    words += ["--envs", str(ENVS), "--set", f"rollout_steps={ROLLOUT_STEPS}"]
-    for setting in ("minibatch=100", "epochs=2", "hidden=8,8"):
-        words += ["--set", setting]
+    words += ["--envs", str(ENVS)]
+    known = vars(algorithm_of(algorithm).defaults())
+    for key, value in SETTINGS.items():
+        if key in known:
+            words += ["--set", f"{key}={value}"]
     return words
 
 
@@ -100,8 +104,11 @@ def newest(folder: Path) -> int:
     return int(found[-1].name.removeprefix("step_")) if found else 0
 
 
-def kill_once(arguments: list[str], folder: Path, pause: float, starting: bool) -> int:
-    """Kills a part `pause` seconds after its start or first new checkpoint; returns the steps."""
+def kill_once(arguments: list[str], folder: Path, pause: float, most: int, starting: bool) -> int:
+    """Kills a part `pause` seconds after its start or first new checkpoint; returns the steps.
+
+    A part gets it at `most` steps at the latest: what follows belongs to later kills.
+    """
     before, process = newest(folder), train(arguments)
     try:
         deadline = time.monotonic() + PATIENCE
@@ -109,7 +116,9 @@ def kill_once(arguments: list[str], folder: Path, pause: float, starting: bool) 
             if time.monotonic() > deadline:
                 raise RunError(f"no checkpoint in {PATIENCE:.0f} s")
             time.sleep(0.002)
-        time.sleep(pause)
+        moment = time.monotonic() + pause
+        while time.monotonic() < moment and newest(folder) < before + most:
+            time.sleep(0.002)
     finally:
         process.kill()
         _, said = process.communicate()
@@ -120,20 +129,21 @@ def kill_once(arguments: list[str], folder: Path, pause: float, starting: bool) 
 
 def compare(algorithm: str, out: Path, kills: int, moments: random.Random) -> Result:
     """Both runs of a learner."""
-    result = Result(algorithm, steps=ROLLOUT * ROLLOUTS_PER_KILL * (kills + 1))
+    part = ROLLOUT * ROLLOUTS_PER_KILL[algorithm]
+    result = Result(algorithm, steps=part * (kills + 1))
     whole, killed = out / f"{algorithm}-whole", out / f"{algorithm}-killed"
     for folder in (whole, killed):
         shutil.rmtree(folder, ignore_errors=True)
     began = time.monotonic()
     to_the_end(command(algorithm, whole, result.steps))
-    # The whole run's pace bounds the pauses: a part must not come to the end before all kills.
+    # The whole run's pace bounds the pauses, so that most kills come before a part's last step.
     pace = float(read_table(whole / "progress.csv")[-1]["wall_clock"]) / result.steps
-    longest = min(LATEST, 0.8 * pace * ROLLOUT * ROLLOUTS_PER_KILL)
+    longest = min(LATEST, 0.8 * pace * part)
     arguments = command(algorithm, killed, result.steps)
     for number in range(1, kills + 1):
         starting = number % EVERY_FIFTH == 0
         pause = moments.uniform(0.0, STARTING if starting else longest)
-        reached = kill_once(arguments, killed, pause, starting)
+        reached = kill_once(arguments, killed, pause, part - ROLLOUT, starting)
         result.kills.append(reached)
         print(f"{algorithm}: kill {number} of {kills} at {reached} steps", flush=True)
         arguments = ["--resume", "--out", str(killed)]
@@ -188,11 +198,12 @@ on {machine_line(content["machine"])}.
 {rows}
 
 A run is `{SCENARIO}` in {ENVS} environments with networks of 8 x 8 and a checkpoint after every
-rollout of {ROLLOUT} steps. Moments are drawn under seed {content["seed"]}: every fifth kill falls
-into the first {STARTING} s of a resumed part, while it loads and reads the checkpoint; the others
-fall uniformly up to {LATEST} s behind the part's first new checkpoint, into rollouts, updates and
-checkpoints. Parameters: SHA-256 over all of them (16 digits; the JSON has all). `the same`: so are
-the environments' words at the end and the table of progress, but for times.
+rollout of at most {ROLLOUT} steps. Moments are drawn under seed {content["seed"]}: every fifth kill
+falls into the first {STARTING} s of a resumed part, while it loads and reads the checkpoint; the
+others fall uniformly up to {LATEST} s (or 0.8 of the time of a part) behind the part's first new
+checkpoint, into rollouts, updates and checkpoints. Parameters: SHA-256 over all of them (16 digits;
+the JSON has all). `the same`: so are the environments' words at the end and the table of progress,
+but for times.
 """
 
 

@@ -3,12 +3,16 @@
 
     .venv/bin/python experiments/learn_table.py [--algo fast-ppo lean-ppo ppo] [--out DIR] [--quick]
 
-Three seeds of each learner (ten of `gradient`), one after another, with the shipped
-hyper-parameters and nothing beside them. `lean-ppo` is a yardstick in Python, which does not change
-(experiments/yardstick). Seconds go from the command to the policy file of a checkpoint. Then every
-checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON and the picture of error
-over seconds. Finished runs are not repeated; one that was interrupted begins anew, because its time
-counts. Run it on a machine that does nothing else.
+Three seeds of each learner (ten of `gradient`, one of `ppo`, which is cut), one after another, with
+the shipped hyper-parameters and nothing beside them. `lean-ppo` is a yardstick in Python, which
+does not change (experiments/yardstick). Seconds go from the command to the policy file of a
+checkpoint. Then every checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON
+and the picture of error over seconds. Finished runs are not repeated; one that was interrupted
+begins anew, because its time counts. Run it on a machine that does nothing else; with --train-only
+it evaluates and writes in a later call, for which that does not matter.
+
+With --rl-tools FOLDER the published hover training of rl_tools stands beside them. The folder is
+what `git clone https://github.com/rl-tools/rl-tools` makes; g++ compiles it.
 """
 
 from __future__ import annotations
@@ -20,16 +24,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from hover_training import EPISODES, SCENARIO, evaluate, measure
+import rl_tools
+from hover_training import EPISODES, SCENARIO, evaluate, measure, shipped, shipped_steps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator
 from skybody.program import run_program
 from skybody.train.algorithms import ALGORITHMS
 from skybody.train.checkpoint import checkpoint_folders
-from skybody.train.presets import preset
 from skybody.train.run_folder import read_table
 from training_runs import (
+    LEARNER_COLORS,
     ROOT,
     Run,
     RunError,
@@ -40,27 +45,25 @@ from training_runs import (
     versions_line,
     write_json,
 )
-from yardstick import command as yardstick
 
-YARDSTICK = (str(Path(yardstick.__file__)),)
-SEEDS = {"gradient": range(1, 11)}  # others: three
+SEEDS = {"gradient": range(1, 11), "ppo": (1,)}  # others:
+MOST_SEEDS = (1, 2, 3)
+STEPS = {"ppo": 7_500_000}  # half of what it is shipped with; others: all
 QUICK_STEPS = 100_000
-CHECKPOINT_STEPS = {"gradient": 220_000}  # between two points of a curve; others:
+CHECKPOINT_STEPS = {"gradient": 175_000}  # between two points of a curve; others:
 MOST_CHECKPOINT_STEPS = 500_000
 LIMITS = (0.1, 0.03)  # m, median over the episodes
 LEAST_SUCCESS = 0.98
-COLORS = {"fast-ppo": "C0", "gradient": "C2", "lean-ppo": "C1", "ppo": "C3"}
 
 
 def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
     """All runs, in the order in which they are done."""
     runs = []
     for algorithm in algorithms:
-        is_yardstick = algorithm == yardstick.NAME
-        whole = yardstick.TOTAL_STEPS if is_yardstick else preset(SCENARIO, algorithm).total_steps
+        whole = STEPS.get(algorithm, shipped_steps(algorithm))
         steps = QUICK_STEPS if quick else whole
         every = CHECKPOINT_STEPS.get(algorithm, MOST_CHECKPOINT_STEPS)
-        seeds = [1] if quick else SEEDS.get(algorithm, (1, 2, 3))
+        seeds = [1] if quick else SEEDS.get(algorithm, MOST_SEEDS)
         for seed in seeds:
             runs.append(
                 Run(
@@ -71,15 +74,14 @@ def make_runs(out: Path, algorithms: Sequence[str], quick: bool) -> list[Run]:
                     total_steps=steps,
                     checkpoints=max(2, steps // every),
                     eval_episodes=0,
-                    settings=yardstick.SETTINGS if is_yardstick else (),
-                    program=YARDSTICK if is_yardstick else Run.program,
+                    **shipped(algorithm),
                 )
             )
     return runs
 
 
 def record(run: Run) -> dict[str, Any]:
-    """Trains and evaluates a run; its curve, rates and shares."""
+    """Evaluates a run that was measured; its curve, rates and shares."""
     measured = measure(run)
     evaluate(run)
     evaluations, rows = run.evaluations(), read_table(run.folder / "progress.csv")
@@ -143,14 +145,23 @@ def by_learner(records: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
                     for limit in LIMITS
                 },
                 "final_error": max(r["points"][-1]["median_error"] for r in own),
-                "final_return": min(r["points"][-1]["return_mean"] for r in own),
-                "shares": {
-                    name: statistics.fmean(r["shares"][name] for r in own)
-                    for name in own[0]["shares"]
-                },
+                **_of_ours(own),
             }
         )
     return rows
+
+
+def _of_ours(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Figures that only learners on our tasks have."""
+    if "shares" not in records[0]:
+        return {"final_return": None, "shares": {}}
+    return {
+        "final_return": min(r["points"][-1]["return_mean"] for r in records),
+        "shares": {
+            name: statistics.fmean(r["shares"][name] for r in records)
+            for name in records[0]["shares"]
+        },
+    }
 
 
 def slowest(seconds: Sequence[float | None]) -> float | None:
@@ -188,11 +199,30 @@ steps/s: median over the rollouts, with the update. Seconds: from the command to
 the first checkpoint (one every {MOST_CHECKPOINT_STEPS:,} steps; of `gradient` every
 {CHECKPOINT_STEPS["gradient"]:,}) whose median error over {EPISODES} held-out episodes is below the
 limit with at least {100 * LEAST_SUCCESS:.0f} % without failure; of the slowest seed, and only where
-all arrive (else how many do). The error is a mean over an episode's last second. `ppo` is that of
-Stable-Baselines3. Shares are of training's wall clock.
+all arrive (else how many do). The error is a mean over an episode's last second. Shares are of
+training's wall clock.
 
-{_absent(content)}Versions: {versions_line(content["runs"])}.
+{chr(10).join(_notes(content))}
+Versions: {versions_line([run for run in content["runs"] if "versions" in run])}.
 """
+
+
+def _notes(content: dict[str, Any]) -> list[str]:
+    """A paragraph on each learner that needs one."""
+    there = {row["learner"] for row in content["learners"]}
+    notes = []
+    if "ppo" in there:
+        notes.append(
+            f"`ppo` is that of Stable-Baselines3: one seed, and {STEPS['ppo']:,} of the "
+            f"{shipped_steps('ppo'):,}\nsteps that it is shipped with, its schedules "
+            "shortened likewise.\n"
+        )
+    if rl_tools.LEARNER in there:
+        notes.append(rl_tools.note(content["rl_tools"], EPISODES))
+    wanted = (*ALGORITHMS, rl_tools.LEARNER)
+    if missing := [name for name in wanted if name not in there]:
+        notes.append(f"Not run: {', '.join(missing)}.\n")
+    return notes
 
 
 def _row(row: dict[str, Any], rows: Sequence[dict[str, Any]]) -> str:
@@ -204,17 +234,11 @@ def _row(row: dict[str, Any], rows: Sequence[dict[str, Any]]) -> str:
         else f"{row[f'seconds_to_{limit}']:.1f}"
         for limit in LIMITS
     ]
-    shares = " / ".join(f"{100 * share:.0f} %" for share in row["shares"].values())
+    shares = " / ".join(f"{100 * share:.0f} %" for share in row["shares"].values()) or "-"
+    final = "-" if row["final_return"] is None else f"{row['final_return']:.1f}"
     cells = [row["learner"], str(row["seeds"]), f"{row['steps_per_second']:,.0f}", ratio, *times]
-    cells += [f"{row['final_error']:.4f}", f"{row['final_return']:.1f}", shares]
+    cells += [f"{row['final_error']:.4f}", final, shares]
     return f"| {' | '.join(cells)} |"
-
-
-def _absent(content: dict[str, Any]) -> str:
-    missing = [
-        name for name in ALGORITHMS if name not in {r["learner"] for r in content["learners"]}
-    ]
-    return f"Not run: {', '.join(missing)}.\n\n" if missing else ""
 
 
 def draw(records: Sequence[dict[str, Any]], out: Path) -> None:
@@ -230,7 +254,7 @@ def draw(records: Sequence[dict[str, Any]], out: Path) -> None:
         axis.plot(
             [p["seconds"] for p in points],
             [p["median_error"] for p in points],
-            color=COLORS[learner],
+            color=LEARNER_COLORS.get(learner, "0.4"),
             marker="o",
             markersize=2.5,
             linewidth=1.2,
@@ -262,6 +286,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     there = list(ALGORITHMS)
     add = parser.add_argument
     add("--algo", nargs="+", choices=there, default=there, help=f"default: {' '.join(there)}")
+    add("--rl-tools", type=Path, metavar="FOLDER", help="checkout of rl_tools, to run it, too")
+    add("--train-only", action="store_true", help="evaluate and write in a later call")
     add("--out", type=Path, default=ROOT / "flights/learn_table", help="folder of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
     add("--quick", action="store_true", help="one seed, few steps, report into --out: a trial")
@@ -270,30 +296,54 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     return options
 
 
+def peers(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Records of rl_tools."""
+    program = rl_tools.build(options.rl_tools, options.out)
+    seeds = [1] if options.quick else MOST_SEEDS
+    records = [rl_tools.record(program, seed, options.out) for seed in seeds]
+    for found in records:
+        found["reached"] = {str(limit): reached(found["points"], limit) for limit in LIMITS}
+        tell(found)
+    return records
+
+
+def tell(found: dict[str, Any]) -> dict[str, Any]:
+    """Prints a line on a record."""
+    print(
+        f"{found['learner']}, seed {found['seed']}: {found['seconds']:.1f} s, "
+        f"{found['steps_per_second']:,.0f} steps/s, median error "
+        f"{found['points'][-1]['median_error']:.4f} m",
+        flush=True,
+    )
+    return found
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Trains, evaluates, writes; returns the exit code."""
     options = parse(arguments)
-    records = []
+    runs = make_runs(options.out, options.algo, options.quick)
     try:
-        for run in make_runs(options.out, options.algo, options.quick):
-            found = record(run)
-            records.append(found)
-            print(
-                f"{run.algorithm}, seed {run.seed}: {found['seconds']:.1f} s, "
-                f"{found['steps_per_second']:,.0f} steps/s, median error "
-                f"{found['points'][-1]['median_error']:.4f} m",
-                flush=True,
-            )
+        if options.rl_tools:
+            rl_tools.check(options.rl_tools)
+        for run in runs:
+            measure(run)
+        records = peers(options) if options.rl_tools else []
+        if options.train_only:
+            return 0
+        records = [tell(record(run)) for run in runs] + records
     except RunError as error:
         print(f"learn_table: {error}", file=sys.stderr)
         return 2
     given = sys.argv[1:] if arguments is None else arguments
+    if options.rl_tools:  # the folder is this machine's affair
+        given = ["FOLDER" if word == str(options.rl_tools) else word for word in given]
     content = {
         "experiment": "speed of learning",
         "command": command_line("learn_table.py", given),
         "machine": machine(),
         "learners": by_learner(records),
         "runs": records,
+        "rl_tools": rl_tools.facts(options.rl_tools) if options.rl_tools else None,
     }
     write_json(options.report / "data/learning_speed.json", content)
     (options.report / "images").mkdir(parents=True, exist_ok=True)

@@ -5,11 +5,11 @@
 
 Of each task (a scenario) and learner, the paper's runs: networks of [512, 512], seeds 1, 25 and 42,
 15 environments each, 5,000,000 transitions; `ppo` is that of Stable-Baselines3. The runs of a
-learner go side by side, as the paper's did; wall clock is theirs from the first's start to the
-last's end. With --transitions the runs are cut there, and the time for all transitions is
-extrapolated from the rate between the first checkpoint and the last, which the table says. Finished
-runs are not repeated, and interrupted ones go on. Writes paper_protocol.md and its JSON; tasks that
-it had before stay in it.
+learner go side by side, as the paper's did; wall clock is that of the slowest, the time of parts
+that were interrupted included. With --transitions the runs are cut there, and the time for all
+transitions is extrapolated from the rate between the first checkpoint and the last, which the table
+says. Finished runs are not repeated, and interrupted ones go on. Writes paper_protocol.md and its
+JSON; tasks and learners that it had before stay in it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -86,19 +85,9 @@ def make_runs(task: str, algorithm: str, out: Path, transitions: int) -> list[Ru
     ]
 
 
-def train_together(runs: Sequence[Run]) -> float:
-    """All runs of a learner at once; the wall clock [s]. One that is finished keeps its time."""
-    path = runs[0].folder.with_name(f"{runs[0].algorithm}-wall-clock.json")
-    if path.exists() and all(run.finished() for run in runs):
-        kept: float = json.loads(path.read_text())["seconds"]
-        return kept
-    earlier = json.loads(path.read_text())["seconds"] if path.exists() else 0.0
-    begin = time.perf_counter()
-    try:
-        train_all(runs, len(runs), say)
-    finally:
-        write_json(path, {"seconds": earlier + time.perf_counter() - begin})
-    return earlier + time.perf_counter() - begin
+def train_together(runs: Sequence[Run]) -> None:
+    """All runs of a learner at once; those that are finished stay as they are."""
+    train_all(runs, len(runs), say)
 
 
 def say(run: Run) -> str:
@@ -107,10 +96,14 @@ def say(run: Run) -> str:
     return f"{run.scenario}, {run.algorithm}, seed {run.seed}: {meta['wall_clock']:.0f} s"
 
 
-def figures(runs: Sequence[Run], seconds: float) -> dict[str, Any]:
-    """A row of the table. The whole time is that of all transitions, extrapolated if need be."""
+def figures(runs: Sequence[Run]) -> dict[str, Any]:
+    """A row of the table. The whole time is that of all transitions, extrapolated if need be.
+
+    The wall clock is the slowest run's, from its last checkpoint: a run that was killed has gone on
+    from the time of the checkpoint before.
+    """
     first, last = ([read_meta(checkpoint_folders(run.folder)[k]) for run in runs] for k in (0, -1))
-    steps = sum(meta["steps"] for meta in last)
+    steps, seconds = sum(meta["steps"] for meta in last), max(meta["wall_clock"] for meta in last)
     slowest = max(
         (b["wall_clock"] - a["wall_clock"]) / max(1, b["steps"] - a["steps"])
         for a, b in zip(first, last, strict=True)
@@ -144,13 +137,16 @@ def markdown(content: dict[str, Any]) -> str:
             f"| {PAPER_MINUTES:.0f} |"
         )
     hyper = ", ".join(f"{name} {value}" for name, value in SIZES.items())
+    commands = "\n".join(
+        f"    {text}" for text in dict.fromkeys(r["command"] for r in content["rows"])
+    )
     return f"""\
 # The paper's training protocol
 
 The runs of the GzDRL paper's training study (networks of [512, 512], seeds 1, 25 and 42, 15
 environments each, 5,000,000 transitions), by
 
-    {content["command"]}
+{commands}
 
 on {machine_line(content["machine"])}.
 
@@ -199,6 +195,8 @@ def merged(path: Path, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 def main(arguments: list[str] | None = None) -> int:
     """Trains, writes; returns the exit code."""
     options = parse(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    command = command_line("paper_protocol.py", given)
     rows = []
     try:
         for task in options.tasks:
@@ -206,15 +204,14 @@ def main(arguments: list[str] | None = None) -> int:
         for task in options.tasks:
             for algorithm in options.algo:
                 runs = make_runs(task, algorithm, options.out, options.transitions)
-                rows.append(figures(runs, train_together(runs)))
+                train_together(runs)
+                rows.append({**figures(runs), "command": command})
     except (InputError, RunError) as error:
         print(f"paper_protocol: {error}", file=sys.stderr)
         return 2
     path = options.report / "data/paper_protocol.json"
-    given = sys.argv[1:] if arguments is None else arguments
     content = {
         "experiment": "the paper's training protocol",
-        "command": command_line("paper_protocol.py", given),
         "machine": machine(),
         "rows": merged(path, rows),
     }

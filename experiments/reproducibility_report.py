@@ -40,6 +40,11 @@ LEARNERS = {
     "ppo": "PPO of Stable-Baselines3",
     "fast-ppo": "the learner in C++, whose rollouts and updates run on those threads too",
 }
+OTHERS = {
+    "ppo": "With `fast-ppo`: [training_reproducibility_fast-ppo.md]"
+    "(training_reproducibility_fast-ppo.md).",
+    "fast-ppo": "With `ppo`: [training_reproducibility.md](training_reproducibility.md).",
+}
 SHORT_HASH = 16  # digits of a SHA-256 that the tables show; the JSON has all 64
 
 
@@ -56,11 +61,14 @@ def _head(content: dict[str, Any]) -> str:
 # Training reproducibility
 
 Does one seed give the same policy, bit for bit? The experiment of the GzDRL paper's section V-B,
-with {LEARNERS[content["algorithm"]]} (`python -m skybody.train --algo {content["algorithm"]}`), by
+with {LEARNERS[content["algorithm"]]}
+(`python -m skybody.train --algo {content["algorithm"]}`), by
 
     {content["command"]}
 
 on {machine_line(content["machine"])}.
+
+{OTHERS[content["algorithm"]]}
 
 ![Returns over training, one seed and different seeds](images/{content["name"]}.png)"""
 

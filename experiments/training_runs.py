@@ -22,6 +22,7 @@ from skybody.train.evaluation_file import read_evaluation
 from skybody.train.hyperparameters import with_settings
 from skybody.train.presets import preset
 
+LEARNER_COLORS = {"fast-ppo": "C0", "lean-ppo": "C1", "gradient": "C2", "ppo": "C3"}
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -79,11 +80,10 @@ class Run:
             "overrides": list(self.overrides),
             "eval_episodes": self.eval_episodes,
         }
-        hyper = dataclasses.asdict(
-            with_settings(preset(self.scenario, self.algorithm).hyper, self.settings)
-        )
-        wanted |= {name: json.loads(json.dumps(value)) for name, value in hyper.items()}
         compiled = CompiledScenario(self.scenario, list(self.overrides))
+        base = preset(self.scenario, self.algorithm, compiled.dt * compiled.action_repeat)
+        hyper = dataclasses.asdict(with_settings(base.hyper, self.settings))
+        wanted |= {name: json.loads(json.dumps(value)) for name, value in hyper.items()}
         wanted["scenario_hash"] = f"{compiled.scenario_hash:016x}"
         for name, value in wanted.items():
             found = (config["hyper"] if name in hyper else config)[name]

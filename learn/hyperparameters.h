@@ -22,11 +22,11 @@ enum class Algorithm { kFastPpo, kGradient };
   X(int, rollout_steps, 32, 1, 1e6, B, "steps of each environment between two updates; for `gradient` the horizon of its derivatives") \
   X(int, minibatch, 1024, 2, 1e9, P, "transitions per gradient step") \
   X(int, epochs, 1, 1, 1000, P, "passes over a rollout; a second one fits noise of the first one's advantages") \
-  X(int, value_epochs, 5, 1, 1000, P, "the value function's passes") \
+  X(int, value_epochs, 5, 1, 1000, B, "the value function's passes") \
   X(double, learning_rate, 1e-3, 1e-12, 1, B, "of Adam, at the beginning") \
   X(double, final_learning_rate, 0.05, 0, 1, B, "at the end, as a share of `learning_rate`; linear between. The value function keeps the first") \
-  X(double, discount, 0.99, 0, 1, P, "gamma") \
-  X(double, gae_lambda, 0.95, 0, 1, P, "lambda of generalized advantage estimation") \
+  X(double, discount, 0.99, 0, 1, B, "gamma; for `gradient` where it has a value function") \
+  X(double, gae_lambda, 0.95, 0, 1, B, "lambda of generalized advantage estimation, or of the value function's targets in `gradient`") \
   X(double, clip_range, 0.2, 1e-6, 10, P, "of the ratio of probabilities") \
   X(double, target_kl, 0, 0, 100, P, "a rollout's updates of the policy stop after a pass beyond 1.5 times this KL divergence; 0: never. With one of `epochs` there is nothing to stop") \
   X(double, entropy_weight, 0, 0, 100, P, "of this term in the loss") \
@@ -44,10 +44,12 @@ enum class Algorithm { kFastPpo, kGradient };
   X(int, physics_steps, 4, 0, 1 << 20, G, "physics steps of an action in training, of the scenario's rule but longer; 0: the scenario's own. Policies are judged by the scenario's own") \
   X(double, approach_speed, 3, 1e-3, 1e3, G, "largest speed towards the goal that is asked for [m/s]") \
   X(double, approach_rate, 2, 1e-3, 1e3, G, "close to the goal that speed is the distance times this [1/s]") \
+  X(double, goal_weight, 1, 0, 1e6, G, "of the smooth cost that follows from the goal; 0: the task's own reward alone") \
+  X(double, end_value_weight, 0, 0, 100, G, "of what a value function says of a horizon's last observation; 0: there is none, and what follows a horizon does not count") \
   X(double, reward_weight, 0, 0, 1e6, G, "of the task's own reward, which is taken off the cost; 0 is quicker") \
   X(double, observation_clip, 10, 1e-3, 1e6, P, "bound of normalized observations") \
-  X(double, normalization_steps, 0, 0, 1e18, P, "after which observations' statistics stay; 0: they never do") \
-  X(double, averaging_steps, 0, 0, 1e18, P, "the policy that is kept is a mean over about so many steps; 0: the last")
+  X(double, normalization_steps, 0, 0, 1e18, B, "after which observations' statistics stay; 0: they never do") \
+  X(double, averaging_steps, 0, 0, 1e18, B, "the policy that is kept is a mean over about so many steps; 0: the last")
 // clang-format on
 
 using Sizes = std::vector<int>;

@@ -108,12 +108,27 @@ double seconds(Clock::time_point begin) {
 
 int main(int argc, char** argv) {
   const Clock::time_point start = Clock::now();
-  std::map<std::string, double> set = {
-      {"seed", 1},           {"updates", 100},        {"threads", 2},
-      {"every", 20},         {"held_out", 777},       {"envs", 256},
-      {"rollout_steps", 32}, {"learning_rate", 3e-3}, {"max_grad_norm", 1},
-      {"physics_steps", 4},  {"approach_speed", 3},   {"approach_rate", 2},
-      {"hidden", 64},        {"reward_weight", 0},    {"final_learning_rate", 0.05}};
+  std::map<std::string, double> set = {{"seed", 1},
+                                       {"updates", 100},
+                                       {"threads", 2},
+                                       {"every", 20},
+                                       {"held_out", 777},
+                                       {"envs", 256},
+                                       {"rollout_steps", 32},
+                                       {"learning_rate", 3e-3},
+                                       {"max_grad_norm", 1},
+                                       {"physics_steps", 4},
+                                       {"approach_speed", 3},
+                                       {"approach_rate", 2},
+                                       {"hidden", 64},
+                                       {"reward_weight", 0},
+                                       {"final_learning_rate", 0.05},
+                                       {"normalization_steps", 0},
+                                       {"averaging_steps", 0},
+                                       {"goal_weight", 1},
+                                       {"end_value_weight", 0},
+                                       {"value_epochs", 5},
+                                       {"discount", 0.99}};
   LoadOptions load;
   load.scenario = "hover_learn";
   for (int i = 1; i < argc; ++i) {
@@ -140,6 +155,12 @@ int main(int argc, char** argv) {
   options.hyper.approach_speed = set["approach_speed"];
   options.hyper.approach_rate = set["approach_rate"];
   options.hyper.hidden = {static_cast<int>(set["hidden"]), static_cast<int>(set["hidden"])};
+  options.hyper.normalization_steps = set["normalization_steps"];
+  options.hyper.averaging_steps = set["averaging_steps"];
+  options.hyper.goal_weight = set["goal_weight"];
+  options.hyper.end_value_weight = set["end_value_weight"];
+  options.hyper.value_epochs = static_cast<int>(set["value_epochs"]);
+  options.hyper.discount = set["discount"];
   options.seed = static_cast<std::uint64_t>(set["seed"]);
   options.threads = static_cast<int>(set["threads"]);
   options.total_steps =

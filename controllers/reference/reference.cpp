@@ -3,15 +3,12 @@
 
 #include <stdexcept>
 
-#include "controllers/common/flyable.h"
+#include "controllers/common/path_check.h"
 #include "controllers/common/robot.h"
-#include "plugins/reference/path_parameters.h"
 
 namespace skybody {
 namespace {
 
-using reference::derivative;
-using reference::DrawnNumbers;
 using reference::kOrders;
 using reference::Moment;
 using reference::PathNumbers;
@@ -21,17 +18,14 @@ class Reference : public Controller {
   static constexpr bool kSmooth = true;
 
   template <class Real>
-  struct State {
-    Real rate;          ///< of a figure's angle [rad/s]
-    Vec3<Real> offset;  ///< from the path's beginning to the base at the reset, W [m]
-  };
+  using State = reference::PathStart<Real>;
 
   void configure(const Setup& setup) override {
     base_ = control::base_of(setup, setup.robot());
     dt_ = setup.dt();
     path_ = parameters_.path();
     declare_output(setup);
-    if (check_.value()) check_flyable(setup);
+    check_.require_flyable_path(setup, setup.robot(), parameters_, path_);
     setup.input(Signal::kNone, {}, {});
     setup.buffer(4);
     setup.report("position", "m", 3, 0);
@@ -40,24 +34,15 @@ class Reference : public Controller {
 
   template <class Real>
   void reset(const EnvView<Real>& env, State<Real>& state, Values<Real> buffer) const {
-    const DrawnNumbers<Real> read{env};
-    PathNumbers<Real> numbers = parameters_.numbers<Real>(read);
-    if (is_harmonic(path_.kind)) numbers.rate = parameters_.rate(read, numbers.figure);
-    if (path_.approach > 0.0) {
-      const Vec3<Real> begin = derivative(path_.at<2>(numbers, Real(0.0)).point, 0);
-      numbers.offset = env.body(base_).position - begin;
-    }
-    state.rate = numbers.rate;
-    state.offset = numbers.offset;
+    state = path_start(parameters_, path_, env, env.body(base_).position);
+    const PathNumbers<Real> numbers = path_numbers(parameters_, env, state);
     report(path_.at<kOrders>(numbers, Real(0.0)), 0.0, buffer);
   }
 
   template <class Real>
   void control(const EnvView<Real>& env, State<Real>& state, ConstValues<Real>, Values<Real> output,
                Values<Real> buffer) const {
-    PathNumbers<Real> numbers = parameters_.numbers<Real>(DrawnNumbers<Real>{env});
-    numbers.rate = state.rate;
-    numbers.offset = state.offset;
+    const PathNumbers<Real> numbers = path_numbers(parameters_, env, state);
     const Real time = to_real(env.physics_step()) * dt_;
     const Moment<Real, kOrders> now = path_.at<kOrders>(numbers, time);
     write(now, output, 0);
@@ -105,32 +90,6 @@ class Reference : public Controller {
     buffer.set(3, wrap_angle(moment.yaw.c[0] + moment.yaw.c[1] * later));
   }
 
-  /// Holds the nominal path, from its beginning on, against what the robot can do. Robots without
-  /// rotors are driven, and a step is no path that anything flies exactly.
-  void check_flyable(const Setup& setup) const {
-    const int robot = setup.robot();
-    if (setup.rotors_of(robot).size() == 0 || path_.kind == reference::Kind::kStep) return;
-    control::FlightEnvelope envelope;
-    envelope.configure(setup, robot, max_tilt_.value(), max_rate_.value());
-    const reference::NominalNumbers read;
-    PathNumbers<double> numbers = parameters_.numbers<double>(read);
-    if (is_harmonic(path_.kind)) numbers.rate = parameters_.rate(read, numbers.figure);
-    reference::Path path = path_;
-    path.approach = 0.0;  // where from is drawn
-    const auto at_scale = [&](double scale) {
-      PathNumbers<double> paced = numbers;
-      paced.time_scale = scale;
-      return paced;
-    };
-    const auto point = [&](double time, double scale) {
-      return reference_point_of(path.at<kOrders>(at_scale(scale), time));
-    };
-    const auto duration = [&](double scale) { return path.length(at_scale(scale)); };
-    const bool ends = is_spline(path.kind);
-    control::require_flyable(envelope, control::PacedReference{point, duration, ends},
-                             numbers.time_scale);
-  }
-
   void declare_output(const Setup& setup) {
     const std::string& level = gives_name_.value();
     const bool is_trajectory = level == "trajectory";
@@ -167,26 +126,7 @@ class Reference : public Controller {
                           .max = 1e3,
                           .doc = "from one of the points to the next"}};
 
-  BooleanParameter check_{
-      this,
-      {.name = "check",
-       .value = true,
-       .doc = "refuse a path that the robot cannot fly, by its nominal constants in still air"}};
-  RealParameter max_tilt_{this,
-                          {.name = "max_tilt",
-                           .unit = "rad",
-                           .value = kPi,
-                           .min = 1e-3,
-                           .max = kPi,
-                           .doc = "of the check: largest angle of the base's z to the vertical"}};
-  RealParameter max_rate_{this,
-                          {.name = "max_rate",
-                           .unit = "rad/s",
-                           .value = 35.0,
-                           .min = 1e-3,
-                           .max = 1e4,
-                           .doc = "of the check: largest body rate about each axis; the default "
-                                  "is what common gyroscopes measure, 2000 degrees/s"}};
+  control::PathCheck check_{this};
   reference::Path path_;
   Signal gives_ = Signal::kTrajectory;
   int base_ = 0;

@@ -9,10 +9,14 @@ DualGroup::DualGroup(const CompiledScenario& compiled)
     : layout_(compiled.layout()),
       observation_(layout_.words),
       observed_(compiled.task().channel_count()),
-      rows_(observation_ + observed_ + 1),
+      rows_(reward() + 1 +
+            (compiled.bodies_are_coordinates()
+                 ? 0
+                 : 13 * static_cast<int>(compiled.world().bodies.size()))),
+      bodies_(compiled.bodies_are_coordinates() ? layout_.q.offset : reward() + 1),
       data_(static_cast<std::size_t>(2 * rows_) * kGroupLanes) {
   int most = 0;
-  for (const SkybodyKind kind : {SKYBODY_CONTROLLER, SKYBODY_TASK}) {
+  for (const SkybodyKind kind : {SKYBODY_CONTROLLER, SKYBODY_EFFECT, SKYBODY_TASK}) {
     for (const PluginInstance& p : compiled.plugins(kind)) most = std::max(most, p.scratch);
   }
   scratch_ = AlignedArray<double>(static_cast<std::size_t>(2 * most) * kGroupLanes);
@@ -29,7 +33,8 @@ SkybodyLanes DualGroup::view() {
   const auto block = [this](const Block& b) { return value(b.offset); };
   SkybodyLanes v{};
   v.lanes = kGroupLanes;
-  v.bodies = v.q = block(layout_.q);
+  v.q = block(layout_.q);
+  v.bodies = value(bodies_);
   v.u = block(layout_.u);
   v.rotor_speed = block(layout_.rotor_speed);
   v.rotor_command = block(layout_.rotor_command);
@@ -37,6 +42,10 @@ SkybodyLanes DualGroup::view() {
   v.sensors = block(layout_.sensors);
   v.action = block(layout_.action);
   v.command = block(layout_.command);
+  const auto block_or_null = [&](const Block& b) { return b.size > 0 ? block(b) : nullptr; };
+  v.contacts = block_or_null(layout_.contacts);
+  v.contact_pairs = block_or_null(layout_.contact_pairs);
+  v.joint_reactions = block_or_null(layout_.joint_reactions);
   v.scratch = scratch_.data();
   return v;
 }

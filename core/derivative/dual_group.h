@@ -11,7 +11,8 @@
 namespace skybody {
 
 /// Each value is a row of kGroupLanes values, and behind it one of tangents. Row k is state word k;
-/// behind these are the values of the observation, then the reward.
+/// behind these are the values of the observation, then the reward, then the bodies' motion, 13
+/// rows each, unless that is q and u themselves (one free body).
 class DualGroup {
  public:
   explicit DualGroup(const CompiledScenario& compiled);
@@ -19,6 +20,8 @@ class DualGroup {
   int rows() const { return rows_; }
   int observation() const { return observation_; }  ///< its first row
   int reward() const { return observation_ + observed_; }
+  int bodies() const { return bodies_; }
+  int body_rows() const { return rows_ - (reward() + 1); }  ///< 0: they are those of q and u
 
   double* value(int row) { return data_.data() + std::ptrdiff_t{2} * row * kGroupLanes; }
   double* tangent(int row) { return value(row) + kGroupLanes; }
@@ -35,7 +38,7 @@ class DualGroup {
 
  private:
   const Layout& layout_;
-  int observation_, observed_, rows_;
+  int observation_, observed_, rows_, bodies_;
   AlignedArray<double> data_, scratch_;
 };
 

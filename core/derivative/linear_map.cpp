@@ -65,6 +65,15 @@ bool LinearMap::depends_on(std::span<const int> rows) const {
   return false;
 }
 
+bool LinearMap::changes(int row) const {
+  for (const Set& set : sets_) {
+    for (const Entry& e : set.entries) {
+      if (e.output == row && e.input != row) return true;
+    }
+  }
+  return false;
+}
+
 void LinearMap::arrange() {
   sets_.clear();
   taken_ = AlignedArray<double>(outputs_.size() * kGroupLanes);

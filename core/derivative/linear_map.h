@@ -35,6 +35,10 @@ class LinearMap {
       clear(group);
     }
   }
+  /// Takes every dependence for one that may show, so that each input is asked about alone.
+  void take_all() { depends_.assign(inputs_.size(), std::vector<bool>(outputs_.size(), true)); }
+  /// As if look() had been called as on another map of the same inputs and outputs.
+  void depend_as(const LinearMap& other) { depends_ = other.depends_; }
   /// Makes the sets. After all look(), before pull_back().
   void arrange();
 
@@ -53,6 +57,8 @@ class LinearMap {
 
   /// Whether anything depends on any of these rows. After arrange().
   bool depends_on(std::span<const int> rows) const;
+  /// Whether a row of the results depends on another row. After arrange().
+  bool changes(int row) const;
   int set_count() const { return static_cast<int>(sets_.size()); }
 
  private:

@@ -1,7 +1,6 @@
 #include "core/derivative/transition_adjoint.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "core/base/error.h"
 #include "core/env/group_lanes.h"
@@ -23,15 +22,21 @@ void add_state(std::vector<int>& rows, const Layout& layout, const PluginInstanc
   add_rows(rows, layout.plugin_state.offset + p.buffer, p.buffer_words);
 }
 
-std::vector<int> motion_rows(const Layout& l) {
+/// What controllers give.
+constexpr Block Layout::*kCommandBlocks[] = {&Layout::rotor_command, &Layout::wrench,
+                                             &Layout::drive, &Layout::joint_command};
+
+/// What plugins see of the world's motion.
+std::vector<int> motion_rows(const Layout& l, const DualGroup& dual) {
   std::vector<int> rows;
   for (const Block& b : {l.q, l.u, l.rotor_speed, l.rotor_command}) add_block(rows, b);
+  add_rows(rows, dual.bodies(), dual.body_rows());
   return rows;
 }
 
 LinearMap task_map(const CompiledScenario& c, const DualGroup& dual, bool with_reward) {
   const Layout& l = c.layout();
-  std::vector<int> inputs = motion_rows(l), outputs;
+  std::vector<int> inputs = motion_rows(l, dual), outputs;
   add_block(inputs, l.action);
   add_block(inputs, l.command);
   add_state(inputs, l, c.task());
@@ -41,9 +46,9 @@ LinearMap task_map(const CompiledScenario& c, const DualGroup& dual, bool with_r
   return {inputs, outputs};
 }
 
-LinearMap chain_map(const CompiledScenario& c) {
+LinearMap chain_map(const CompiledScenario& c, const DualGroup& dual) {
   const Layout& l = c.layout();
-  std::vector<int> inputs = motion_rows(l), outputs;
+  std::vector<int> inputs = motion_rows(l, dual), outputs;
   add_block(inputs, l.action);
   add_block(inputs, l.command);
   for (const PluginInstance& p : c.plugins(SKYBODY_CONTROLLER)) {
@@ -52,7 +57,49 @@ LinearMap chain_map(const CompiledScenario& c) {
       add_block(*rows, p.last_output);
     }
   }
-  add_block(outputs, l.rotor_command);
+  for (const auto block : kCommandBlocks) {
+    add_block(outputs, l.*block);
+    // What a controller that is not due leaves as it was; `rotor_command` is among the motion.
+    if (block != &Layout::rotor_command) add_block(inputs, l.*block);
+  }
+  return {inputs, outputs};
+}
+
+LinearMap effects_map(const CompiledScenario& c, const DualGroup& dual) {
+  const Layout& l = c.layout();
+  std::vector<int> inputs = motion_rows(l, dual), outputs;
+  for (std::vector<int>* rows : {&inputs, &outputs}) {
+    for (const Block& held : l.held) add_block(*rows, held);
+    for (const PluginInstance& e : c.plugins(SKYBODY_EFFECT)) {
+      add_state(*rows, l, e);
+      for (std::size_t i = 0; i < e.held.size(); ++i) {
+        if (e.held[i].offset != l.held[i].offset) add_block(*rows, e.held[i]);
+      }
+    }
+  }
+  return {inputs, outputs};
+}
+
+LinearMap motion_map(const Layout& l, const DualGroup& dual) {
+  std::vector<int> inputs, outputs;
+  add_block(inputs, l.q);
+  add_block(inputs, l.u);
+  add_rows(outputs, dual.bodies(), dual.body_rows());
+  return {inputs, outputs};
+}
+
+/// Of what effects hold that alone which depends on the motion.
+LinearMap step_map(const Layout& l, const LinearMap& effects) {
+  std::vector<int> inputs, outputs;
+  for (std::vector<int>* rows : {&inputs, &outputs}) {
+    for (const Block& b : {l.q, l.u, l.rotor_speed, l.joint_state}) add_block(*rows, b);
+  }
+  for (const auto block : kCommandBlocks) add_block(inputs, l.*block);
+  for (const Block& held : l.held) {
+    for (int k = 0; k < held.size; ++k) {
+      if (effects.changes(held.offset + k)) inputs.push_back(held.offset + k);
+    }
+  }
   return {inputs, outputs};
 }
 
@@ -61,23 +108,21 @@ LinearMap chain_map(const CompiledScenario& c) {
 TransitionAdjoint::TransitionAdjoint(const CompiledScenario& compiled, int steps, bool with_reward)
     : compiled_(compiled),
       layout_(compiled.layout()),
-      repeat_(compiled.scenario().stepping.action_repeat),
-      early_rows_(layout_.params.offset),
-      late_first_(layout_.action.offset),
-      late_rows_(layout_.last_observation.offset - late_first_),
-      record_size_(static_cast<std::ptrdiff_t>(early_rows_ + late_rows_) * kGroupLanes),
       step_adjoint_(compiled.world()),
       dual_(compiled),
+      records_(compiled, dual_, steps),
+      transition_(compiled, step_adjoint_.plan(), dual_),
+      repeat_(records_.repeat()),
+      goal_motion_(dual_.bodies()),
       task_(task_map(compiled, dual_, with_reward)),
-      chain_(chain_map(compiled)),
-      records_(static_cast<std::size_t>(record_size_) *
-               static_cast<std::size_t>(steps * (repeat_ + 1))),
+      chain_(chain_map(compiled, dual_)),
+      effects_(effects_map(compiled, dual_)),
+      motion_(motion_map(layout_, dual_)),
+      step_({}, {}),
       derived_(step_adjoint_.make_derived()),
-      end_(kGroupLanes) {
+      goal_motion_values_(6 * kGroupLanes) {
   require_smooth();
-  for (auto& s : signal_) {
-    s = AlignedArray<double>(static_cast<std::size_t>(2 * compiled.signal_size_ + 2) * kGroupLanes);
-  }
+  goal_motion_ += 13 * compiled.task().goals[0].body;
 }
 
 void TransitionAdjoint::require(const PluginInstance& plugin, bool is_there,
@@ -97,15 +142,30 @@ void TransitionAdjoint::require_smooth() const {
   for (const PluginInstance& c : compiled_.plugins(SKYBODY_CONTROLLER)) {
     require(c, c.dual_kernels.control != nullptr, "declare it smooth (docs/plugins.md)");
   }
-  for (const PluginInstance& s : compiled_.plugins(SKYBODY_SENSOR)) {
-    require(s, false, "leave the sensor out");
-  }
   for (const PluginInstance& e : compiled_.plugins(SKYBODY_EFFECT)) {
-    require(e, false, "leave the effect out");
+    require(e, e.dual_kernels.apply != nullptr, "declare it smooth (docs/plugins.md)");
+  }
+  for (const PluginInstance& s : compiled_.plugins(SKYBODY_SENSOR)) {
+    require(s, !is_observed(s), "observe the task's own values");
+  }
+  for (const SkybodyKind kind : {SKYBODY_TASK, SKYBODY_CONTROLLER, SKYBODY_EFFECT}) {
+    for (const PluginInstance& p : compiled_.plugins(kind)) {
+      require(p, p.reads.empty(), "let it do without sensors");
+      require(p, !p.needs_bodies_before, "let it do without where bodies were before");
+    }
   }
   for (const PluginInstance& r : compiled_.plugins(SKYBODY_RANDOMIZER)) {
     require(r, !r.draws_in_time, "draw at resets only");
   }
+}
+
+/// Whether any of a sensor's values are in a row of observations.
+bool TransitionAdjoint::is_observed(const PluginInstance& sensor) const {
+  const auto& parts = compiled_.plan_.parts;
+  return std::any_of(parts.begin(), parts.end(), [&](const ObservationPart& part) {
+    return !part.is_of_task && part.from < sensor.output + sensor.channel_count() &&
+           sensor.output < part.from + part.count;
+  });
 }
 
 // --- forward ------------------------------------------------------------------------------------
@@ -113,50 +173,35 @@ void TransitionAdjoint::require_smooth() const {
 void TransitionAdjoint::step(StateGroup& group, GroupWork& work, std::uint32_t mask,
                              const float* actions, int action_stride, const Rows& rows, int t) {
   const CompiledScenario& c = compiled_;
+  // Without effects, and with controllers that look at the command alone, the motion says all.
+  const bool is_short = is_chain_constant_ && c.plugins(SKYBODY_EFFECT).empty();
   work.clear_faults();
   group.refresh(mask, work.physics);
   SkybodyLanes lanes = c.view(group, work, mask);
   c.act(group, work, lanes, actions, action_stride);
   c.make_command(group, work, lanes);
   for (int k = 0; k < repeat_ && lanes.active != 0; ++k) {
-    remember(group, record(t, k), k == 0 || !is_chain_constant_ ? Part::kAll : Part::kMotion);
+    records_.remember(group, t, k, k == 0 || !is_short ? RecordPart::kAll : RecordPart::kMotion);
     c.control(group, work, lanes);
-    remember(group, record(t, k), Part::kCommands);
+    c.apply_effects(group, lanes);
+    records_.remember(group, t, k, RecordPart::kCommands);
     lanes.active = c.advance(group, work, lanes.active);
+    c.sense(group, lanes, repeat_ - 1 - k);
   }
   count(group, kStep, mask);
-  remember(group, record(t, repeat_), Part::kAll);
+  records_.remember(group, t, repeat_, RecordPart::kAll);
   c.evaluate(group, work, lanes, rows.info != nullptr);
   c.conclude(group, work, mask, false, rows);
 }
 
-void TransitionAdjoint::goal(StateGroup& group, GroupWork& work, std::uint32_t mask,
-                             double* out) const {
+void TransitionAdjoint::goal(StateGroup& group, GroupWork& work, std::uint32_t mask, double* out) {
   const PluginInstance& task = compiled_.task();
   const SkybodyLanes v = compiled_.view(group, work, mask);
   call_plugin(task.kernels.goal, task, group, v, no_sizes, out);
-}
-
-void TransitionAdjoint::remember(const StateGroup& group, double* record, Part part) const {
-  const auto copy = [&](int first, int count, std::ptrdiff_t to) {
-    std::memcpy(record + to * kGroupLanes, group.reals(first),
-                static_cast<std::size_t>(count) * kGroupLanes * sizeof(double));
-  };
-  const int q = layout_.q.offset, commands = layout_.rotor_command.offset;
-  switch (part) {
-    case Part::kMotion:
-      return copy(q, commands - q, q);
-    case Part::kCommands:
-      return copy(commands, layout_.rotor_command.size, commands);
-    case Part::kAll:
-      copy(0, early_rows_, 0);
-      copy(late_first_, late_rows_, early_rows_);
-  }
-}
-
-const double* TransitionAdjoint::coordinates(int t) const {
-  return const_cast<TransitionAdjoint*>(this)->record(t, repeat_) +
-         static_cast<std::ptrdiff_t>(layout_.q.offset) * kGroupLanes;
+  if (task.kernels.goal_motion == nullptr) return;  // at rest: the caller's zeros
+  double* const motion = goal_motion_values_.data();
+  call_plugin(task.kernels.goal_motion, task, group, v, no_sizes, motion);
+  std::copy_n(motion, 3 * kGroupLanes, out + 4 * kGroupLanes);
 }
 
 // --- dependences --------------------------------------------------------------------------------
@@ -164,19 +209,56 @@ const double* TransitionAdjoint::coordinates(int t) const {
 void TransitionAdjoint::look(const StateGroup& group, std::uint32_t mask, int steps) {
   begin(group, mask);
   for (int t = 0; t < steps; ++t) {
-    show(record(t, repeat_));
-    task_.look(dual_, mask, [&] { call_task(mask, record(t, repeat_)); });
-    show(record(t, 0));
-    chain_.look(dual_, mask, [&] { call_chains(mask, record(t, 0)); });
+    const RecordedStep end = at(t, repeat_, mask);
+    records_.show(t, repeat_, dual_);
+    task_.look(dual_, mask, [&] { transition_.evaluate(end); });
+    if (dual_.body_rows() > 0) {
+      motion_.look(dual_, mask, [&] { transition_.find_motion(end); });
+    }
+    look_at_step(t, 0, mask);
+    // Where plugins have periods, what one that is not due leaves as it was shows in other steps.
+    if (has_periods() && repeat_ > 1) look_at_step(t, 1, mask);
   }
 }
 
+void TransitionAdjoint::look_at_step(int t, int k, std::uint32_t lanes) {
+  const RecordedStep step = at(t, k, lanes);
+  records_.show(t, k, dual_);
+  chain_.look(dual_, lanes, [&] { transition_.control(step); });
+  effects_.look(dual_, lanes, [&] { transition_.apply_effects(step); });
+}
+
+bool TransitionAdjoint::has_periods() const {
+  for (const SkybodyKind kind : {SKYBODY_CONTROLLER, SKYBODY_EFFECT}) {
+    for (const PluginInstance& p : compiled_.plugins(kind)) {
+      if (p.period > 1) return true;
+    }
+  }
+  return false;
+}
+
+void TransitionAdjoint::depend_as(const TransitionAdjoint& other) {
+  task_.depend_as(other.task_);
+  chain_.depend_as(other.chain_);
+  effects_.depend_as(other.effects_);
+  motion_.depend_as(other.motion_);
+}
+
 void TransitionAdjoint::arrange() {
-  task_.arrange();
-  chain_.arrange();
-  std::vector<int> changing = motion_rows(layout_);
+  for (LinearMap* map : {&task_, &chain_, &effects_, &motion_}) map->arrange();
+  std::vector<int> changing = motion_rows(layout_, dual_);
   add_block(changing, layout_.plugin_state);
   is_chain_constant_ = !chain_.depends_on(changing);
+  if (step_adjoint_.has_closed_form()) return;
+  // All of a step depends on all: what is not seen in a few flights, such as a rope that gets taut,
+  // may be seen later.
+  step_ = step_map(layout_, effects_);
+  step_.take_all();
+  step_.arrange();
+}
+
+TransitionAdjoint::Evaluations TransitionAdjoint::evaluations() const {
+  return {task_.set_count(), chain_.set_count(), effects_.set_count(), step_.set_count()};
 }
 
 // --- backward -----------------------------------------------------------------------------------
@@ -185,27 +267,54 @@ void TransitionAdjoint::begin(const StateGroup& group, std::uint32_t lanes) {
   const double* params = group.reals(layout_.params);
   dual_.set_values(layout_.params.offset, layout_.params.size, params);
   step_adjoint_.derive(params, lanes, derived_);
+  transition_.set_parameters(params, derived_.data());
 }
 
 void TransitionAdjoint::pull_back(const StateGroup& group, int t, std::uint32_t lanes,
                                   double* adjoints, double* action) {
-  show(record(t, repeat_));
+  const RecordedStep end = at(t, repeat_, lanes);
+  records_.show(t, repeat_, dual_);
   task_.pull_back(
-      dual_, lanes, [&] { call_task(lanes, record(t, repeat_)); }, adjoints);
-  const std::ptrdiff_t q = static_cast<std::ptrdiff_t>(layout_.q.offset) * kGroupLanes;
-  for (int k = repeat_; k-- > 0;) {
-    const double* const values = record(t, k);
-    step_adjoint_.pull_back(values + q, group.reals(layout_.params), derived_, lanes, adjoints + q);
-    // What depends on the command alone is the same in all steps of an action: once for their sum.
-    if (is_chain_constant_ && k > 0) continue;
-    show(values);
-    chain_.pull_back(
-        dual_, lanes, [&] { call_chains(lanes, values); }, adjoints);
+      dual_, lanes, [&] { transition_.evaluate(end); }, adjoints);
+  pull_back_motion(end, adjoints);
+  for (int k = repeat_; k-- > 0;) pull_back_step(group, t, k, lanes, adjoints);
+  pull_back_action(adjoints, action);
+}
+
+void TransitionAdjoint::pull_back_step(const StateGroup& group, int t, int k, std::uint32_t lanes,
+                                       double* adjoints) {
+  const RecordedStep step = at(t, k, lanes);
+  const bool is_quick = step_adjoint_.has_closed_form();
+  // What depends on the command alone is the same in all steps of an action: once for their sum.
+  const bool has_chain = k == 0 || !is_chain_constant_;
+  if (!is_quick || has_chain || effects_.set_count() > 0) records_.show(t, k, dual_);
+  if (is_quick) {
+    const int q = layout_.q.offset;
+    step_adjoint_.pull_back(records_.row(t, k, q), group.reals(layout_.params), derived_, lanes,
+                            adjoints + static_cast<std::ptrdiff_t>(q) * kGroupLanes);
+  } else {
+    step_.pull_back(
+        dual_, lanes, [&] { transition_.advance(step); }, adjoints);
   }
-  double* const direct =
-      adjoints + static_cast<std::ptrdiff_t>(layout_.action.offset) * kGroupLanes;
-  double* const command =
-      adjoints + static_cast<std::ptrdiff_t>(layout_.command.offset) * kGroupLanes;
+  effects_.pull_back(
+      dual_, lanes, [&] { transition_.apply_effects(step); }, adjoints);
+  if (has_chain)
+    chain_.pull_back(
+        dual_, lanes, [&] { transition_.control(step); }, adjoints);
+  if (has_chain || effects_.set_count() > 0) pull_back_motion(step, adjoints);
+}
+
+void TransitionAdjoint::pull_back_motion(const RecordedStep& step, double* adjoints) {
+  if (dual_.body_rows() == 0) return;
+  motion_.pull_back(
+      dual_, step.lanes, [&] { transition_.find_motion(step); }, adjoints);
+}
+
+void TransitionAdjoint::pull_back_action(double* adjoints, double* action) const {
+  const auto rows = [&](const Block& block) {
+    return adjoints + static_cast<std::ptrdiff_t>(block.offset) * kGroupLanes;
+  };
+  double *const direct = rows(layout_.action), *const command = rows(layout_.command);
   for (const ActionChannel& channel : compiled_.action_channels()) {
     for (std::size_t k = 0; k < channel.low.size(); ++k) {
       const double scale = 0.5 * (channel.high[k] - channel.low[k]);
@@ -215,94 +324,6 @@ void TransitionAdjoint::pull_back(const StateGroup& group, int t, std::uint32_t 
         direct[l] = command[l] = 0.0;
       }
     }
-  }
-}
-
-void TransitionAdjoint::show(const double* record) {
-  dual_.set_values(0, early_rows_, record);
-  dual_.set_values(late_first_, late_rows_,
-                   record + static_cast<std::ptrdiff_t>(early_rows_) * kGroupLanes);
-}
-
-SkybodyLanes TransitionAdjoint::view_of(std::uint32_t lanes, const double* record) {
-  SkybodyLanes v = dual_.view();
-  const auto word = [&](int k) {
-    return reinterpret_cast<const std::uint64_t*>(record) +
-           static_cast<std::ptrdiff_t>(k) * kGroupLanes;
-  };
-  v.active = lanes;
-  v.key = word(kSeed);
-  v.episode = word(kEpisode);
-  v.step = word(kStep);
-  v.physics_step = word(kPhysicsStep);
-  return v;
-}
-
-void TransitionAdjoint::call_task(std::uint32_t lanes, const double* record) {
-  const PluginInstance& task = compiled_.task();
-  const SkybodyLanes v = view_of(lanes, record);
-  const SkybodyEvaluation out{dual_.value(dual_.observation()),
-                              dual_.value(dual_.reward()),
-                              end_.data(),
-                              nullptr,
-                              nullptr,
-                              0u};
-  const int state = layout_.plugin_state.offset;
-  task.dual_kernels.evaluate(task.self.get(), &v, dual_.words(state + task.state),
-                             dual_.value(state + task.buffer), &out);
-  put_back(record);
-}
-
-void TransitionAdjoint::call_chains(std::uint32_t lanes, const double* record) {
-  const SkybodyLanes v = view_of(lanes, record);
-  for (const ControllerChain& chain : compiled_.chains()) call_chain(chain, v);
-  put_back(record);
-}
-
-void TransitionAdjoint::call_chain(const ControllerChain& chain, const SkybodyLanes& view) {
-  const double* input = dual_.value(layout_.command.offset + chain.command);
-  const int state = layout_.plugin_state.offset;
-  const auto keep = [&](std::uint32_t lanes, const double* from, int count, double* to) {
-    for (std::ptrdiff_t k = 0; k < std::ptrdiff_t{2} * count * kGroupLanes; ++k) {
-      if ((lanes >> (k % kGroupLanes) & 1u) != 0) to[k] = from[k];
-    }
-  };
-  for (int i = 0; i < chain.count; ++i) {
-    const PluginInstance& c =
-        compiled_.plugins(SKYBODY_CONTROLLER)[static_cast<std::size_t>(chain.first + i)];
-    SkybodyLanes v = view;
-    v.active = 0;
-    for (int l = 0; l < kGroupLanes; ++l) {
-      const std::uint64_t period = c.period > 1 ? static_cast<std::uint64_t>(c.period) : 1;
-      if (view.physics_step[l] % period == 0) v.active |= view.active & (1u << l);
-    }
-    double* const output = signal_[i & 1].data();
-    if (v.active != 0) {
-      c.dual_kernels.control(c.self.get(), &v, dual_.words(state + c.state),
-                             dual_.value(state + c.buffer), input, output);
-    }
-    input = output;
-    if (c.last_output.size > 0) {
-      double* const held = dual_.value(c.last_output.offset);
-      keep(v.active, output, c.last_output.size, held);
-      input = held;
-    }
-    if (i + 1 < chain.count) continue;
-    const double* from = output;
-    for (const ChainEnd& e : chain.ends) {
-      keep(v.active, from, e.count, dual_.value((layout_.*e.block).offset + e.first));
-      from += std::ptrdiff_t{2} * e.count * kGroupLanes;
-    }
-  }
-}
-
-/// Values, not tangents, of what plugins have changed.
-void TransitionAdjoint::put_back(const double* record) {
-  const Block& b = layout_.plugin_state;
-  for (int k = 0; k < b.size; ++k) {
-    const std::ptrdiff_t row = early_rows_ + (b.offset + k - late_first_);
-    std::memcpy(dual_.value(b.offset + k), record + row * kGroupLanes,
-                kGroupLanes * sizeof(double));
   }
 }
 

@@ -98,6 +98,9 @@ class CompiledScenario {
   /// Robots that take actions, in order; each is an agent of a multi-agent learner.
   const std::vector<int>& agents() const { return agents_; }
 
+  /// Whether the motion of bodies is q, then u, value by value (one robot, a free body).
+  bool bodies_are_coordinates() const { return physics_->bodies_are_coordinates(); }
+
   /// Lanes of the groups in which this scenario is best stepped: kGroupLanes where its physics goes
   /// in packs (any world on the tree dynamics with fixed steps), else 1.
   int preferred_lanes() const { return is_checked_ ? 1 : physics_->preferred_lanes(); }
@@ -166,6 +169,7 @@ class CompiledScenario {
   void ask_goals(StateGroup& group, GroupWork& work, int lane, Function function, int size,
                  const char* what, std::vector<double>& out) const;
   friend class TransitionAdjoint;  // takes steps phase by phase, to go back through them
+  friend class DualTransition;     // goes through the same phases
   struct Builder;
   SkybodyChecks make_checks() const;
   void act(StateGroup&, GroupWork&, const SkybodyLanes&, const float* actions, int stride) const;

@@ -1,32 +1,15 @@
 // What effects hold over a physics step. An effect adds to inputs of its own; where several hold
 // one input, these are put together afterwards. What is not due holds what it gave last, and so
 // does what is steady while nobody writes parameters.
-#include <algorithm>
-#include <cmath>
-
 #include "core/base/octets.h"
 #include "core/env/compiled_scenario.h"
 #include "core/env/group_rows.h"
 #include "core/env/group_work.h"
 #include "core/env/plugin_call.h"
-#include "core/model/held_inputs.h"
+#include "core/model/held_together.h"
 
 namespace skybody {
 namespace {
-
-/// What two effects hold together.
-double both(int input, int k, double a, double b) {
-  switch (input) {
-    case SKYBODY_HELD_ROTOR_GAIN:
-      return a * b;
-    case SKYBODY_HELD_ROTOR_LIMIT:
-      return k % 2 == 0 ? std::max(a, b) : std::min(a, b);
-    case SKYBODY_HELD_ROTOR_RATE:
-      return std::isnan(b) ? a : b;
-    default:
-      return a + b;
-  }
-}
 
 void fill_neutral(StateGroup& group, std::uint32_t mask, int input, Block block) {
   const HeldInputRow& row = kHeldInputs[static_cast<std::size_t>(input)];
@@ -75,7 +58,7 @@ void CompiledScenario::add_up_held(StateGroup& group, std::uint32_t mask, int in
     for (int k = 0; k < block.size; ++k) {
       each_lane(mask, [&](int lane) {
         double& value = sum[k * lanes + lane];
-        value = both(input, k % size, value, own[k * lanes + lane]);
+        value = held_together(input, k % size, value, own[k * lanes + lane]);
       });
     }
   }

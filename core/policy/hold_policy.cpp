@@ -17,7 +17,11 @@ namespace {
 // Bandwidths [rad/s]: each loop about four times slower than the one inside it
 // (attitude_loops.cpp).
 constexpr double kPositionBandwidth = 2.0;
-constexpr double kSwingPole = 1.8;
+constexpr double kSwingPole = 1.8;    // of what hangs
+constexpr double kCarryPole = 1.2;    // of what stands: two bring it to its place,
+constexpr double kBalancePole = 3.3;  // two are about as quick as it would fall
+constexpr double kMaxCarried = 3.0;   // [m] what stands is carried at 1.3 m/s at most
+constexpr double kLeastCable = 0.05;  // [m]
 constexpr double kMaxError = 1.5;     // [m] limits the speed of long flights to 1.5 m/s
 constexpr double kMaxLateral = 5.0;   // [m/s^2], 27 degrees
 constexpr double kMaxVertical = 2.0;  // [m/s^2], below what a thrust-to-weight of 1.27 allows
@@ -125,14 +129,15 @@ HoldPolicy::HoldPolicy(const CompiledScenario& compiled) : compiled_(compiled) {
       robot.tool = goals[static_cast<std::size_t>(robot.goal)].point;
       robot.arm = Arm(world, robot.base, robot.goal_body, robot.tool, drives_of(compiled, r));
     }
-    robot.hangs = robot.goal_body != robot.base && !robot.arm.can_reach();
-    robot.cable = hanging_length(world, robot.base, robot.goal_body);
+    robot.swings = robot.goal_body != robot.base && !robot.arm.can_reach();
+    robot.cable = hanging_length(world, robot.base, robot.goal_body, robot.tool);
     const bool needs_rotors = robot.signal == SKYBODY_ROTOR_SPEED || robot.signal == SKYBODY_SRT ||
                               robot.signal == SKYBODY_THROTTLE;
-    if (robot.hangs && robot.cable <= 0.0) {
-      throw Error("the hold baseline cannot carry `" +
-                  world.bodies[static_cast<std::size_t>(robot.goal_body)].model->name +
-                  "`: it does not hang below the base; use --policy zero or random");
+    if (robot.swings && std::abs(robot.cable) < kLeastCable) {
+      throw Error(
+          "the hold baseline cannot carry `" +
+          world.bodies[static_cast<std::size_t>(robot.goal_body)].model->name +
+          "`: it neither hangs below the base nor stands above; use --policy zero or random");
     }
     if (needs_rotors && allocation_of(world, r, world.layout.nominal_params()).empty()) {
       throw Error(
@@ -214,6 +219,17 @@ Vec3<double> HoldPolicy::gravity_of(const std::vector<double>& params) const {
   return {g[0], g[1], g[2]};
 }
 
+/// Of the robot with all that joints hold on it, as the scenario has it [N].
+double HoldPolicy::nominal_weight(const Robot& robot) const {
+  const std::vector<double>& params = compiled_.world().layout.nominal_params();
+  double mass = 0.0;
+  for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
+    const int first = compiled_.layout().body_params[static_cast<std::size_t>(b)];
+    mass += params[static_cast<std::size_t>(first + kMass)];
+  }
+  return mass * norm(gravity_of(params));
+}
+
 /// Goal -> force -> attitude -> rates -> torque.
 HoldPolicy::Wish HoldPolicy::wish(const Robot& robot, const View& view) const {
   const World& world = compiled_.world();
@@ -269,18 +285,8 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
   const double omega = view.scale.all * kPositionBandwidth;
   const BodyState& base = view.base;
   V a;
-  if (robot.hangs) {
-    // Pendulum on an accelerated pivot, x_L'' = w2 (x - x_L): four poles at -p on the bob's error.
-    const BodyState& bob = view.bodies[static_cast<std::size_t>(robot.goal_body)];
-    const double w2 = norm(view.gravity) / robot.cable, p = view.scale.all * kSwingPole;
-    const V offset = base.position - bob.position, slip = base.velocity - bob.velocity;
-    const V error = bob.position - wish.position;
-    a = (w2 - 6.0 * p * p) * offset - 4.0 * p * slip -
-        (4.0 * p * p * p * bob.velocity + p * p * p * p * error) / w2;
-    // The bob pulls the base sideways: part of the thrust's lateral share carries it.
-    const double carried = (view.mass - view.base_mass) / view.mass;
-    a = (1.0 - carried) * a + (carried * w2) * offset;
-    a.z = -omega * omega * error.z - 2.0 * omega * base.velocity.z;
+  if (robot.swings) {
+    a = swing(robot, view, wish);
   } else {
     const V error = limited(wish.position - base.position, kMaxError);
     a = (omega * omega) * error + (2.0 * omega) * (wish.velocity - base.velocity) +
@@ -288,6 +294,33 @@ Vec3<double> HoldPolicy::acceleration(const Robot& robot, const View& view,
   }
   const V lateral = limited({a.x, a.y, 0.0}, kMaxLateral);
   return {lateral.x, lateral.y, std::clamp(a.z, -kMaxVertical, kMaxVertical)};
+}
+
+/// The same for a goal about what swings below the base or stands above: a pendulum on an
+/// accelerated pivot, x_L'' = w2 (x - x_L), w2 < 0 where it stands, with poles at -p and -q, two
+/// each, on the error of the tool's place.
+Vec3<double> HoldPolicy::swing(const Robot& robot, const View& view, const Wish& wish) const {
+  const BodyState& base = view.base;
+  const BodyState& bob = view.bodies[static_cast<std::size_t>(robot.goal_body)];
+  const bool stands = robot.cable < 0.0;
+  const V arm = rotate(bob.rotation, robot.tool);
+  const V place = bob.position + arm;
+  const V speed = bob.velocity + rotate(bob.rotation, cross(bob.angular_velocity, robot.tool));
+  const double w2 = norm(view.gravity) / robot.cable;
+  const double p = view.scale.all * (stands ? kCarryPole : kSwingPole);
+  const double q = stands ? kBalancePole : p;
+  const V offset = base.position - place, slip = base.velocity - speed;
+  const V error = place - (wish.position + arm);
+  const V far = stands ? limited({error.x, error.y, 0.0}, kMaxCarried) : error;
+  V a = (w2 - (p * p + q * q + 4.0 * p * q)) * offset - 2.0 * (p + q) * slip -
+        (2.0 * p * q * (p + q) * speed + p * p * q * q * far) / w2;
+  // What swings pulls the base sideways, what stands pushes it: part of the thrust's lateral share
+  // answers that.
+  const double carried = (view.mass - view.base_mass) / view.mass;
+  a = (1.0 - carried) * a + (carried * w2) * offset;
+  const double omega = view.scale.all * kPositionBandwidth;
+  a.z = -omega * omega * error.z - 2.0 * omega * base.velocity.z;
+  return a;
 }
 
 /// The wish in the words of the robot's first controller.
@@ -325,7 +358,9 @@ std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
       return values;
     }
     case SKYBODY_FORCE: {
-      std::vector<double> values{wish.force.x, wish.force.y, wish.force.z, wish.yaw};
+      // A range that goes below 0 is that of a force on top of the nominal weight.
+      const double carried = robot.low[2] < 0.0 ? nominal_weight(robot) : 0.0;
+      std::vector<double> values{wish.force.x, wish.force.y, wish.force.z - carried, wish.yaw};
       values.resize(robot.low.size());
       return values;
     }

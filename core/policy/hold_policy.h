@@ -20,11 +20,11 @@ namespace skybody {
 /// turned into the command that the mode takes: ctbt by a rate loop through the inertia, single
 /// thrusts, rotor speeds and throttles by the pseudo-inverse of the rotors' geometry, a wrench by
 /// rotation to W, velocity and pose directly. All loops are slower where the rotors are. A goal
-/// about a body that hangs from the base is reached by placing the four poles of a pendulum on an
-/// accelerated pivot. What has no rotors and hangs on robots by rods, ropes or points is carried by
-/// them in equal shares. A goal about a body that joints with position drives move is reached by
-/// them from the scenario's place of the base; the base is flown by what they lack, and the rotors
-/// bear the arm's weight.
+/// about a body that hangs from the base, or stands on it, is reached by placing the four poles of
+/// a pendulum on an accelerated pivot. What has no rotors and hangs on robots by rods, ropes or
+/// points is carried by them in equal shares. A goal about a body that joints with position drives
+/// move is reached by them from the scenario's place of the base; the base is flown by what they
+/// lack, and the rotors bear the arm's weight.
 class HoldPolicy : public Policy {
  public:
   /// @throws Error naming the robot if its command is none of the above
@@ -39,10 +39,10 @@ class HoldPolicy : public Policy {
     int body_count = 0;
     int goal = -1;                     ///< index of its goal, -1: its pose at reset
     int goal_body = 0;                 ///< world body index
-    bool hangs = false;                ///< the goal's body is not the base, and no arm moves it
+    bool swings = false;               ///< the goal's body is not the base, and no arm moves it
     Arm arm;                           ///< from the base to what the goal is about
     Vec3<double> tool{0.0, 0.0, 0.0};  ///< what is brought there, frame of the goal's body [m]
-    double cable = 0.0;  ///< from the base's origin down to the goal body's origin, joints at 0 [m]
+    double cable = 0.0;  ///< from the base's origin down to the tool [m]; less than 0: it stands
     int signal = 0;      ///< SkybodySignal
     int action = 0;
     double load_share = 0.0;  ///< of the bodies in `loads`
@@ -55,11 +55,13 @@ class HoldPolicy : public Policy {
   struct View;
   void share_loads();
   Vec3<double> gravity_of(const std::vector<double>& params) const;
+  double nominal_weight(const Robot& robot) const;
   void share_reach(const Robot& robot, const View& view, Wish& wish) const;
   Vec3<double> torque_of_arm(const Robot& robot, const View& view, double thrust) const;
   std::vector<double> joint_commands(const Robot& robot, const View& view, const Wish& wish) const;
   Wish wish(const Robot& robot, const View& view) const;
   Vec3<double> acceleration(const Robot& robot, const View& view, const Wish& wish) const;
+  Vec3<double> swing(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> command(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> rotor_thrusts(const Robot& robot, const View& view, const Wish& wish) const;
   std::vector<double> rotor_speeds(const Robot& robot, const View& view, const Wish& wish) const;

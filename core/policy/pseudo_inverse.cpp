@@ -46,8 +46,8 @@ std::vector<double> allocation_of(const World& world, int robot,
   return {allocation.data(), allocation.data() + allocation.size()};
 }
 
-double hanging_length(const World& world, int base, int body) {
-  Vec3<double> position{0.0, 0.0, 0.0};
+double hanging_length(const World& world, int base, int body, const Vec3<double>& point) {
+  Vec3<double> position = point;
   for (int b = body; b != base && b >= 0; b = world.bodies[static_cast<std::size_t>(b)].parent) {
     const Joint& joint = world.bodies[static_cast<std::size_t>(b)].model->joint;
     const Quat<double> turn =
@@ -55,7 +55,7 @@ double hanging_length(const World& world, int base, int body) {
     position =
         joint.frame_in_parent.position + rotate(turn, position - joint.frame_in_body.position);
   }
-  return position.z < 0.0 ? -position.z : 0.0;
+  return -position.z;
 }
 
 }  // namespace skybody

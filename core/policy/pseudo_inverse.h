@@ -13,8 +13,8 @@ namespace skybody {
 /// @param params  of the environment
 std::vector<double> allocation_of(const World& world, int robot, const std::vector<double>& params);
 
-/// How far the origin of `body` lies below that of `base` with all joints at 0 [m]; 0 if it does
-/// not.
-double hanging_length(const World& world, int base, int body);
+/// How far a point of `body` [m, its frame] lies below the origin of `base` with all joints at 0
+/// [m]; less than 0 where it stands above.
+double hanging_length(const World& world, int base, int body, const Vec3<double>& point);
 
 }  // namespace skybody

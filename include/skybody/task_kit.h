@@ -4,6 +4,7 @@
 
 #include "plugins/task_kit/attitude.h"
 #include "plugins/task_kit/flight_limits.h"
+#include "plugins/task_kit/goal_shaping.h"
 #include "plugins/task_kit/history.h"
 #include "plugins/task_kit/parts.h"
 #include "plugins/task_kit/shaping.h"

@@ -2,6 +2,7 @@
 
 #include "core/base/kernels.h"
 #include "core/base/quat.h"
+#include "core/physics/step/free_robot_adjoint.h"
 #include "core/physics/world/lane_values.h"
 
 namespace skybody::learn {
@@ -40,7 +41,11 @@ struct AddGoalCost {
     const Vec3<Real> toward = e * (1.0 / d);
     const auto is_close = d * c.approach_rate < c.approach_speed;
     const Real speed = select(is_close, d * c.approach_rate, Real(c.approach_speed));
-    const Vec3<Real> v = Vec3<Real>{m[7], m[8], m[9]} - toward * speed;
+    const Vec3<Real> w{m[10], m[11], m[12]}, point = to_real<Real>(c.point);
+    const Quat<Real> q{m[3], m[4], m[5], m[6]};
+    Vec3<Real> velocity{m[7], m[8], m[9]};
+    if (c.has_point()) velocity += rotate(q, cross(w, point));
+    const Vec3<Real> v = velocity - Vec3<Real>{g[4], g[5], g[6]} - toward * speed;
     const Real root = sqrt(squared_norm(v) + kSoftness);
     const Vec3<Real> to_v = v * (weight / root);
     // v_g turns with the direction to the goal, and close by it shrinks, too.
@@ -49,8 +54,6 @@ struct AddGoalCost {
     const Vec3<Real> near = to_v * Real(c.approach_rate);
     const Vec3<Real> to_e = toward * select(d < 1.0, Real(kNearWeight * weight), Real(0.0)) -
                             select(is_close, near, far);
-    const Vec3<Real> w{m[10], m[11], m[12]};
-    const Quat<Real> q{m[3], m[4], m[5], m[6]};
     const Real y = 2.0 * (q.x * q.y + q.w * q.z), x = 1.0 - 2.0 * (q.y * q.y + q.z * q.z);
     const Real yaw_error = wrap_angle(atan2(y, x) - g[3]);
     const Real slope = (2.0 * kYawWeight * weight) * yaw_error / max(x * x + y * y, Real(1e-3));
@@ -70,8 +73,30 @@ struct AddGoalCost {
     }
     const Real sum = root + kNearWeight * min(d, Real(1.0)) + kYawWeight * yaw_error * yaw_error +
                      kRateWeight * squared_norm(w);
+    if (c.has_point()) add_lever(q, w, point, -to_e, to_v, mask, to);
     add_to(cost, weight * sum, mask);
     store_lanes(distance, d, mask);
+  }
+
+  /// What the point's position and velocity owe to the body's rotation and rates:
+  ///   p = origin + R point, v = velocity + R (w x point).
+  template <class Real>
+  static SKYBODY_INLINE void add_lever(const Quat<Real>& q, const Vec3<Real>& w,
+                                       const Vec3<Real>& point, const Vec3<Real>& to_p,
+                                       const Vec3<Real>& to_v, const MaskOf<Real>& mask,
+                                       double* to) {
+    const Vec3<Real> turning = cross(w, point);
+    const Quat<Real> to_q = pull_back_axes(q, outer(to_p, point) + outer(to_v, turning));
+    const Vec3<Real> to_w = cross(point, transpose_times(to_mat3(q), to_v));
+    const Real values[] = {to_q.w, to_q.x, to_q.y, to_q.z};
+    const Real rates[] = {to_w.x, to_w.y, to_w.z};
+    for (int k = 0; k < 4; ++k) add_to(to + (3 + k) * kGroupLanes, values[k], mask);
+    for (int k = 0; k < 3; ++k) add_to(to + (10 + k) * kGroupLanes, rates[k], mask);
+  }
+  template <class Real>
+  static SKYBODY_INLINE Mat3<Real> outer(const Vec3<Real>& a, const Vec3<Real>& b) {
+    return {{a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y,
+             a.z * b.z}};
   }
 };
 

@@ -5,29 +5,38 @@
 #include <cstdint>
 
 #include "core/base/isa.h"
+#include "core/base/vec3.h"
 #include "learn/hyperparameters.h"
 
 namespace skybody::learn {
 
-/// Of a free body with position p, velocity v, rates w, heading psi, and a goal with the position g
-/// and heading psi_g, at the end of each transition:
+/// Of a body's point with position p and velocity v, the body's rates w and heading psi, and a goal
+/// with the position g, velocity g' and heading psi_g, at the end of each transition:
 ///
 ///   sqrt(|v - v_g|^2 + 0.1^2) + 0.3 min(|g - p|, 1) + 0.5 (psi - psi_g)^2 + 0.02 |w|^2
 ///
-/// where v_g = (g - p) / |g - p| min(approach_rate |g - p|, approach_speed): far away fly towards
-/// it at a speed, close by brake. A cost of the distance alone asks for the impossible, and a
-/// policy that dashes off tumbles. For each change of an action a between two transitions 0.1
-/// |change|^2 is added (kSmoothness).
+/// where v_g = g' + (g - p) / |g - p| min(approach_rate |g - p|, approach_speed): far away fly
+/// towards it at a speed, close by brake to its own. A cost of the distance alone asks for the
+/// impossible, and a policy that dashes off tumbles. For each change of an action a between two
+/// transitions 0.1 |change|^2 is added (kSmoothness).
 struct GoalCost {
   double approach_speed, approach_rate;
   static constexpr double kSmoothness = 0.1;
+  static constexpr int kGoalRows = 7;
 
-  explicit GoalCost(const Hyperparameters& hyper)
-      : approach_speed(hyper.approach_speed), approach_rate(hyper.approach_rate) {}
+  Vec3<double> point;  ///< of the body, in its frame: what is brought to the goal [m]
+
+  GoalCost(const Hyperparameters& hyper, const Vec3<double>& goal_point)
+      : approach_speed(hyper.approach_speed),
+        approach_rate(hyper.approach_rate),
+        point(goal_point) {}
+
+  bool has_point() const { return point.x != 0.0 || point.y != 0.0 || point.z != 0.0; }
 
   /// Adds `weight` times the cost's derivatives, in a group of kGroupLanes lanes.
-  /// @param motion    13 rows: q, u of the body
-  /// @param goal      4 rows: position, heading
+  /// @param motion    13 rows: the body's BodyState
+  /// @param goal      kGoalRows: where the body's frame belongs, turned as it is, and its heading;
+  ///                  velocity
   /// @param adjoints  13 rows, added to in `lanes`
   /// @param cost      1 row: added to in `lanes`
   /// @param distance  1 row, overwritten [m]

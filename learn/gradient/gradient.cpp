@@ -17,8 +17,9 @@ using Clock = std::chrono::steady_clock;
 /// Observations are normalised by about the last so many rollouts: what an untrained policy sees,
 /// tumbling, says little of what it is to see.
 constexpr double kRemembered = 10.0;
-/// The share of the training after which what the policy sees stays as it is.
-constexpr double kNormalizedShare = 0.5;
+/// Added to the variance that observations are normalised by: those that hardly vary are not blown
+/// up.
+constexpr double kLeastVariance = 0.01;
 constexpr double kLastLayerGain = 0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
 
@@ -50,15 +51,27 @@ Gradient::Gradient(const LearnerOptions& options)
       parameters_(network_.parameter_count()),
       adam_(network_.parameter_count(), hyper_.max_grad_norm, best_isa()),
       moments_(static_cast<std::size_t>(compiled_->observation_size())),
+      value_(
+          hyper_.end_value_weight > 0.0
+              ? std::make_unique<ValueFunction>(compiled_->observation_size(), hyper_, options.seed)
+              : nullptr),
+      scale_(moments_.mean.size()),
+      average_(network_.parameter_count(), hyper_.averaging_steps),
       crew_(options.threads, kSlices) {
   network_.initialize({parameters_.data(), parameters_.size()}, kLastLayerGain, options.seed, 0);
   const SlicePlan plan(hyper_.envs, hyper_.rollout_steps, hyper_.envs);
   slices_.resize(static_cast<std::size_t>(plan.slices()));
-  crew_.run(plan.slices(), [&](int s, int) {
-    slices_[static_cast<std::size_t>(s)] = std::make_unique<GradientSlice>(
-        training_, hyper_, network_, options.seed, plan.first_env(s), plan.envs(s));
-  });
-  for (const auto& slice : slices_) gradients_.push_back(slice->gradient().data());
+  const auto make_slice = [&](int s, const GradientSlice* alike) {
+    slices_[static_cast<std::size_t>(s)] =
+        std::make_unique<GradientSlice>(training_, hyper_, network_, options.seed,
+                                        plan.first_env(s), plan.envs(s), value_.get(), alike);
+  };
+  make_slice(0, nullptr);
+  crew_.run(plan.slices() - 1, [&](int s, int) { make_slice(s + 1, slices_[0].get()); });
+  for (const auto& slice : slices_) {
+    gradients_.push_back(slice->gradient().data());
+    if (value_ != nullptr) value_gradients_.push_back(slice->value()->gradient().data());
+  }
   sums_.resize(slices_[0]->sums().size());
 }
 
@@ -76,7 +89,10 @@ Report Gradient::iterate() {
   const FlushedDenormals guard;  // as on the threads of the crew
   const std::span<float> parameters{parameters_.data(), parameters_.size()};
   network_.transpose(parameters, transposed_);
-  const GradientInputs inputs{parameters, &transposed_, &moments_, counters_.iteration};
+  for (std::size_t k = 0; k < scale_.size(); ++k) {
+    scale_[k] = 1.0 / std::sqrt(moments_.variance[k] + kLeastVariance);
+  }
+  const GradientInputs inputs{parameters, &transposed_, moments_.mean, scale_, counters_.iteration};
   crew_.run(static_cast<int>(slices_.size()),
             [&](int s, int) { slices_[static_cast<std::size_t>(s)]->run(inputs); });
   const Clock::time_point middle = Clock::now();
@@ -89,7 +105,9 @@ Report Gradient::iterate() {
         " steps: the cost or its gradient is not finite; take a smaller learning_rate, a "
         "shorter rollout_steps, or --algo fast-ppo");
   }
+  const double value_loss = value_ != nullptr ? teach_value() : 0.0;
   normalize();
+  average_.add(parameters, sums_[kSumSteps]);
   counters_.steps += static_cast<std::int64_t>(sums_[kSumSteps]);
   ++counters_.iteration;
   Report report;
@@ -108,8 +126,30 @@ Report Gradient::iterate() {
   report.inference_seconds = share * inference;
   report.update_seconds =
       seconds_between(begin, Clock::now()) - report.environment_seconds - report.inference_seconds;
-  report.losses = {{"cost", sums_[kSumCost]}, {"gradient_norm", norm}};
+  report.losses = {{"cost", sums_[kSumCost]},
+                   {"gradient_norm", norm},
+                   {"touching_share", sums_[kSumTouching] / std::max(sums_[kSumEnds], 1.0)}};
+  if (value_ != nullptr) report.losses.emplace_back("value_loss", value_loss);
   return report;
+}
+
+/// Some steps of the optimiser over all transitions of the iteration. @returns the last loss
+double Gradient::teach_value() {
+  double loss = 0.0;
+  for (int epoch = 0; epoch < hyper_.value_epochs; ++epoch) {
+    crew_.run(static_cast<int>(slices_.size()),
+              [&](int s, int) { slices_[static_cast<std::size_t>(s)]->value()->find_gradient(); });
+    loss = 0.0;
+    for (const auto& slice : slices_) loss += slice->value()->loss();
+    const double norm = value_->step(value_gradients_, hyper_.learning_rate);
+    if (!std::isfinite(norm)) {
+      throw Diverged("`gradient` has diverged at " + std::to_string(counters_.steps) +
+                     " steps: the gradient of its value function is not finite; take a smaller "
+                     "learning_rate, or end_value_weight=0");
+    }
+  }
+  value_->follow();
+  return loss;
 }
 
 void Gradient::add_up() {
@@ -120,7 +160,9 @@ void Gradient::add_up() {
 }
 
 void Gradient::normalize() {
-  if (progress() >= kNormalizedShare) return;
+  const bool is_over = hyper_.normalization_steps > 0.0 &&
+                       static_cast<double>(counters_.steps) >= hyper_.normalization_steps;
+  if (is_over) return;
   const std::size_t seen = moments_.mean.size();
   const std::span<const double> sums(sums_);
   moments_.count = std::min(moments_.count, kRemembered * sums_[kSumSteps]);
@@ -142,7 +184,7 @@ PolicyFile Gradient::policy() const {
     file.scale.push_back(1.0 / std::sqrt(variance + kLeastVariance));
   }
   file.clip = kNoClip;
-  file.layers = network_.layers({parameters_.data(), parameters_.size()});
+  file.layers = network_.layers(average_.of({parameters_.data(), parameters_.size()}));
   return file;
 }
 
@@ -162,6 +204,8 @@ void Gradient::visit(Self& self, Visitor& visitor) {
   visitor("policy", self.parameters_.data(), self.parameters_.size());
   Adam::visit(self.adam_, "policy.adam", visitor);
   RunningMoments::visit(self.moments_, "observations", visitor);
+  WeightAverage::visit(self.average_, "average", visitor);
+  if (self.value_ != nullptr) ValueFunction::visit(*self.value_, "value", visitor);
   for (std::size_t s = 0; s < self.slices_.size(); ++s) {
     GradientSlice::visit(*self.slices_[s], "slice" + std::to_string(s), visitor);
   }
@@ -187,6 +231,7 @@ void Gradient::restore(const LearnerState& state) {
   }
   StateReader copy(state.blocks, StateReader::Mode::kCopy);
   visit(*this, copy);
+  if (value_ != nullptr) value_->changed();
   std::span<const std::uint64_t> rest = state.environments;
   for (const auto& slice : slices_) {
     slice->restore(rest.first(slice->saved_words()));

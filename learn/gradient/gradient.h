@@ -10,6 +10,7 @@
 #include "learn/gradient/gradient_slice.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
+#include "learn/network/weight_average.h"
 
 namespace skybody::learn {
 
@@ -40,6 +41,7 @@ class Gradient : public Learner {
   double learning_rate() const;
   void add_up();
   void normalize();
+  double teach_value();
 
   struct Counters {
     std::int64_t steps = 0, iteration = 0;
@@ -53,10 +55,13 @@ class Gradient : public Learner {
   TransposedWeights transposed_;
   Adam adam_;
   RunningMoments moments_;
+  std::unique_ptr<ValueFunction> value_;  ///< null: there is none
+  std::vector<double> scale_;             ///< that observations are normalised by
+  WeightAverage average_;
   Counters counters_;
   TaskCrew crew_;
   std::vector<std::unique_ptr<GradientSlice>> slices_;
-  std::vector<const float*> gradients_;
+  std::vector<const float*> gradients_, value_gradients_;
   std::vector<double> sums_;
 };
 

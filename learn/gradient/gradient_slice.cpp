@@ -20,16 +20,23 @@ constexpr double kMostGradient = 1e15;  // of a cost at an action, whose range i
 
 std::uint32_t first_lanes(int count) { return count >= 32 ? kAllLanes : (1u << count) - 1u; }
 
+/// The adjoint refuses tasks without a goal.
+Vec3<double> goal_point(const CompiledScenario& compiled) {
+  const std::vector<Goal>& goals = compiled.task().goals;
+  return goals.empty() ? Vec3<double>{0.0, 0.0, 0.0} : goals[0].point;
+}
+
 int padded(int count) { return (count + 15) / 16 * 16; }
 
 }  // namespace
 
 GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
                              const Hyperparameters& hyper, const Network& network,
-                             std::uint64_t seed, int first_env, int envs)
+                             std::uint64_t seed, int first_env, int envs,
+                             const ValueFunction* value, const GradientSlice* alike)
     : compiled_(std::move(compiled)),
       network_(network),
-      cost_(hyper),
+      cost_(hyper, goal_point(*compiled_)),
       isa_(best_isa()),
       seed_(seed),
       first_env_(first_env),
@@ -39,7 +46,10 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       seen_(compiled_->observation_size()),
       stride_(padded(seen_)),
       weight_(1.0 / (static_cast<double>(hyper.envs) * hyper.rollout_steps)),
-      reward_weight_(hyper.reward_weight * weight_),
+      reward_weight_(hyper.reward_weight),
+      goal_weight_(hyper.goal_weight),
+      end_weight_(hyper.end_value_weight),
+      discounts_(static_cast<std::size_t>(hyper.rollout_steps + 1), 1.0),
       work_(compiled_->make_work(kGroupLanes)),
       adjoint_(*compiled_, hyper.rollout_steps, hyper.reward_weight > 0.0) {
   const FpEnvironment guard;
@@ -47,16 +57,18 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
   const auto rows = steps * kGroupLanes;
   flying_.resize(steps);
   sound_.resize(steps);
-  goal_ = AlignedArray<double>(4 * kGroupLanes * steps);
+  goal_ = AlignedArray<double>(GoalCost::kGoalRows * kGroupLanes * steps);
   adjoints_ = AlignedArray<double>(static_cast<std::size_t>(adjoint_.rows()) * kGroupLanes);
   to_action_ = AlignedArray<double>(static_cast<std::size_t>(actions_) * kGroupLanes);
   cost_row_ = AlignedArray<double>(kGroupLanes);
   distance_ = AlignedArray<double>(kGroupLanes);
+  gain_ = AlignedArray<double>(rows);
   x_ = AlignedArray<float>(rows * static_cast<std::size_t>(stride_));
+  end_x_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(stride_));
   action_ = AlignedArray<float>(rows * static_cast<std::size_t>(actions_));
   dx_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(stride_));
   dy_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(actions_));
-  reward_ = AlignedArray<float>(rows);
+  reward_ = AlignedArray<float>(kGroupLanes);
   status_ = AlignedArray<std::uint64_t>(kGroupLanes);
   next_observation_ = AlignedArray<float>(kGroupLanes * static_cast<std::size_t>(seen_));
   memory_.resize(steps);
@@ -70,8 +82,19 @@ GradientSlice::GradientSlice(std::shared_ptr<const CompiledScenario> compiled,
       AlignedArray<float>(groups_.size() * kGroupLanes * static_cast<std::size_t>(seen_));
   returns_.resize(groups_.size() * kGroupLanes);
   episode_returns_.reserve(static_cast<std::size_t>(envs) * steps);
-  look();
-  for (Group& group : groups_) reset(group, group.lanes);
+  work_->contacts.reserve(64);
+  if (value != nullptr) {
+    for (std::size_t t = 1; t <= steps; ++t) discounts_[t] = discounts_[t - 1] * hyper.discount;
+    value_ =
+        std::make_unique<HorizonValue>(*value, hyper, stride_, weight_, envs * hyper.rollout_steps);
+  }
+  if (alike != nullptr) {
+    adjoint_.depend_as(alike->adjoint_);
+  } else {
+    look();
+  }
+  adjoint_.arrange();
+  begin();
 }
 
 /// Which values of plugins depend on which follows from some flights with random actions, the same
@@ -95,13 +118,16 @@ void GradientSlice::look() {
     }
     adjoint_.look(group.state, kAllLanes, std::min(horizon_, 8));
   }
-  adjoint_.arrange();
   group.state = compiled_->make_state(kGroupLanes);
-  for (Group& g : groups_) {
-    each_lane(g.lanes, [&](int l) {
-      compiled_->initialize(g.state, l, seed_,
-                            static_cast<std::uint64_t>(first_env_ + g.first + l));
+}
+
+void GradientSlice::begin() {
+  for (Group& group : groups_) {
+    each_lane(group.lanes, [&](int l) {
+      compiled_->initialize(group.state, l, seed_,
+                            static_cast<std::uint64_t>(first_env_ + group.first + l));
     });
+    reset(group, group.lanes);
   }
 }
 
@@ -120,10 +146,13 @@ void GradientSlice::run(const GradientInputs& inputs) {
   gradient_.fill_zero();
   std::fill(sums_.begin(), sums_.end(), 0.0);
   episode_returns_.clear();
+  if (value_ != nullptr) value_->clear();
   for (Group& group : groups_) {
     fly(group, inputs);
+    look_at_ends(group, inputs);
     const Clock::time_point begin = Clock::now();
     go_back(group, inputs);
+    teach_value();
     add_seconds(kSumReturnSeconds, begin);
     begin_anew(group, inputs.iteration);
   }
@@ -138,6 +167,7 @@ void GradientSlice::add_seconds(GradientSum sum, Clock::time_point begin) {
 
 void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
   std::uint32_t flying = group.lanes;
+  terminated_ = 0;
   for (int t = 0; t < horizon_; ++t) {
     flying_[static_cast<std::size_t>(t)] = flying;
     const Clock::time_point begin = Clock::now();
@@ -159,20 +189,25 @@ void GradientSlice::fly(Group& group, const GradientInputs& inputs) {
   }
 }
 
+void GradientSlice::normalize(int env, const GradientInputs& inputs, float* to) const {
+  const float* seen = observations_.data() + static_cast<std::ptrdiff_t>(env) * seen_;
+  const double *mean = inputs.mean.data(), *scale = inputs.scale.data();
+  for (int k = 0; k < seen_; ++k) {
+    to[k] = static_cast<float>((static_cast<double>(seen[k]) - mean[k]) * scale[k]);
+  }
+}
+
 void GradientSlice::act(const Group& group, const GradientInputs& inputs, int t) {
-  const RunningMoments& moments = *inputs.moments;
   float* const x = row(x_, t, 0, stride_);
-  each_lane(group.lanes, [&](int l) {
+  double* const sum = sums_.data() + kGradientSums;
+  each_lane(group.lanes, [&](int l) { normalize(group.first + l, inputs, x + l * stride_); });
+  each_lane(flying_[static_cast<std::size_t>(t)], [&](int l) {
     const float* seen = observations_.data() + (group.first + l) * seen_;
-    float* const to = x + l * stride_;
-    const bool is_flying = (flying_[static_cast<std::size_t>(t)] >> l & 1u) != 0;
     for (int k = 0; k < seen_; ++k) {
-      const auto c = static_cast<std::size_t>(k);
-      const double difference = static_cast<double>(seen[k]) - moments.mean[c];
-      to[k] = static_cast<float>(difference / std::sqrt(moments.variance[c] + kLeastVariance));
-      if (!is_flying) continue;
-      sums_[static_cast<std::size_t>(kGradientSums) + c] += difference;
-      sums_[static_cast<std::size_t>(kGradientSums + seen_) + c] += difference * difference;
+      const double difference =
+          static_cast<double>(seen[k]) - inputs.mean[static_cast<std::size_t>(k)];
+      sum[k] += difference;
+      sum[seen_ + k] += difference * difference;
     }
   });
   float* const y = row(action_, t, 0, actions_);
@@ -191,13 +226,40 @@ void GradientSlice::take_outcome(const Group& group, int t) {
                 observations_.data() + static_cast<std::ptrdiff_t>(env) * seen_);
     returns_[env] += static_cast<double>(reward_[lane]);
     sums_[kSumSteps] += 1.0;
+    gain_[static_cast<std::size_t>(t * kGroupLanes + l)] =
+        reward_weight_ * static_cast<double>(reward_[lane]);
     if (status_[lane] == kRunning) return;
     episode_returns_.push_back(static_cast<float>(returns_[env]));
+    if ((status_[lane] & (kTerminated | kFault)) != 0) terminated_ |= 1u << l;
     if ((status_[lane] & kFault) == 0) return;
     sound &= ~(1u << l);
     sums_[kSumFaulted] += 1.0;
   });
   sound_[static_cast<std::size_t>(t)] = sound;
+}
+
+/// Lanes whose last transition was `t`, without a fault.
+std::uint32_t GradientSlice::ending(int t) const {
+  const auto at = static_cast<std::size_t>(t);
+  return t + 1 < horizon_ ? sound_[at] & ~flying_[at + 1] : sound_[at];
+}
+
+/// Where flights are left: do they touch something, which derivatives do not know of? And what do
+/// they see there? Flights of a fault see nothing.
+void GradientSlice::look_at_ends(Group& group, const GradientInputs& inputs) {
+  std::uint32_t sound = 0;
+  for (int t = 0; t < horizon_; ++t) sound |= ending(t);
+  const FpEnvironment guard;
+  const std::uint32_t near = group.state.may_touch(sound, work_->physics);
+  each_lane(sound, [&](int) { sums_[kSumEnds] += 1.0; });
+  each_lane(sound & near, [&](int l) {
+    work_->contacts.clear();
+    group.state.add_contacts(l, work_->physics, work_->contacts);
+    if (!work_->contacts.empty()) sums_[kSumTouching] += 1.0;
+  });
+  if (value_ == nullptr) return;
+  end_x_.fill_zero();
+  each_lane(sound, [&](int l) { normalize(group.first + l, inputs, row(end_x_, 0, l, stride_)); });
 }
 
 // --- backward -----------------------------------------------------------------------------------
@@ -208,39 +270,58 @@ void GradientSlice::go_back(Group& group, const GradientInputs& inputs) {
     adjoint_.begin(group.state, group.lanes);
   }
   adjoints_.fill_zero();
-  cost_row_.fill_zero();
+  const float* slopes = value_ != nullptr ? value_->slopes(end_x_.data()) : nullptr;
   double* const motion =
-      adjoints_.data() + static_cast<std::ptrdiff_t>(compiled_->layout().q.offset) * kGroupLanes;
+      adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.goal_motion_row()) * kGroupLanes;
   for (int t = horizon_; t-- > 0;) {
     const std::uint32_t lanes = sound_[static_cast<std::size_t>(t)];
     {
       const FpEnvironment guard;
-      cost_.add(lanes, weight_, adjoint_.coordinates(t), goal_at(t), motion, cost_row_.data(),
+      cost_row_.fill_zero();
+      const double weight = goal_weight_ * weight_ * discounts_[static_cast<std::size_t>(t)];
+      cost_.add(lanes, weight, adjoint_.goal_motion(t), goal_at(t), motion, cost_row_.data(),
                 distance_.data(), isa_);
-      set_reward(lanes);
+      set_reward(t, lanes);
+      if (slopes != nullptr) {
+        const double end = end_weight_ * discounts_[static_cast<std::size_t>(t + 1)] * weight_;
+        add_observations(slopes, -end, ending(t) & ~terminated_, inputs);
+      }
       adjoint_.pull_back(group.state, t, lanes, adjoints_.data(), to_action_.data());
     }
-    each_lane(lanes, [&](int l) { sums_[kSumDistance] += distance_[static_cast<std::size_t>(l)]; });
+    each_lane(lanes, [&](int l) {
+      const auto lane = static_cast<std::size_t>(l);
+      sums_[kSumDistance] += distance_[lane];
+      sums_[kSumCost] += cost_row_[lane];
+      gain_[static_cast<std::size_t>(t * kGroupLanes + l)] -=
+          cost_row_[lane] / (weight_ * discounts_[static_cast<std::size_t>(t)]);
+    });
     add_actions(t, lanes);
     network_.backward(*inputs.transposed, row(x_, t, 0, stride_), stride_,
                       memory_[static_cast<std::size_t>(t)], dy_.data(), actions_,
                       {gradient_.data(), gradient_.size()}, dx_.data(), stride_);
-    add_observations(t, lanes, *inputs.moments);
+    if (t > 0) add_observations(dx_.data(), 1.0, lanes, inputs);
   }
-  each_lane(group.lanes, [&](int l) { sums_[kSumCost] += cost_row_[static_cast<std::size_t>(l)]; });
 }
 
-void GradientSlice::set_reward(std::uint32_t lanes) {
+void GradientSlice::teach_value() {
+  if (value_ == nullptr) return;
+  value_->add({horizon_, stride_, x_.data(), end_x_.data(), gain_.data(), sound_, terminated_});
+}
+
+void GradientSlice::set_reward(int t, std::uint32_t lanes) {
   if (reward_weight_ == 0.0) return;
+  const double weight = reward_weight_ * weight_ * discounts_[static_cast<std::size_t>(t)];
   double* const to =
       adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.reward_row()) * kGroupLanes;
-  each_lane(lanes, [&](int l) { to[l] = -reward_weight_; });
+  each_lane(lanes, [&](int l) { to[l] = -weight; });
 }
 
 /// Gradients at the network's outputs, from those at the actions and the actions' changes.
 void GradientSlice::add_actions(int t, std::uint32_t lanes) {
   dy_.fill_zero();
-  const double smooth = 2.0 * GoalCost::kSmoothness * weight_;
+  const double weight = 2.0 * GoalCost::kSmoothness * goal_weight_ * weight_;
+  const double smooth = weight * discounts_[static_cast<std::size_t>(t)];
+  const double next = weight * discounts_[static_cast<std::size_t>(t + 1)];
   each_lane(lanes, [&](int l) {
     const float* now = row(action_, t, l, actions_);
     for (int k = 0; k < actions_; ++k) {
@@ -248,7 +329,7 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
       double to = to_action_[static_cast<std::size_t>(k * kGroupLanes + l)];
       if (t > 0) to += smooth * (a - static_cast<double>(row(action_, t - 1, l, actions_)[k]));
       if (t + 1 < horizon_ && (sound_[static_cast<std::size_t>(t + 1)] >> l & 1u) != 0) {
-        to += smooth * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
+        to += next * (a - static_cast<double>(row(action_, t + 1, l, actions_)[k]));
       }
       to *= 1.0 - a * a;
       // A flight whose derivatives blow up teaches nothing, and spoils no other's: sums of squares
@@ -259,16 +340,16 @@ void GradientSlice::add_actions(int t, std::uint32_t lanes) {
   });
 }
 
-void GradientSlice::add_observations(int t, std::uint32_t lanes, const RunningMoments& moments) {
-  if (t == 0) return;
+/// Derivatives at the observations that slopes at the network's inputs bring.
+void GradientSlice::add_observations(const float* slopes, double weight, std::uint32_t lanes,
+                                     const GradientInputs& inputs) {
   double* const to =
       adjoints_.data() + static_cast<std::ptrdiff_t>(adjoint_.observation_row()) * kGroupLanes;
   for (int k = 0; k < seen_; ++k) {
-    const double scale =
-        1.0 / std::sqrt(moments.variance[static_cast<std::size_t>(k)] + kLeastVariance);
+    const double scale = weight * inputs.scale[static_cast<std::size_t>(k)];
     each_lane(lanes, [&](int l) {
       to[k * kGroupLanes + l] =
-          scale * static_cast<double>(dx_[static_cast<std::size_t>(l * stride_ + k)]);
+          scale * static_cast<double>(slopes[static_cast<std::size_t>(l * stride_ + k)]);
     });
   }
 }

@@ -37,7 +37,7 @@ PpoDriver::PpoDriver(std::shared_ptr<const PpoSetup> setup)
       value_adam_(networks_.value_parameters().size(), setup_->hyper.max_grad_norm, setup_->isa),
       moments_(static_cast<std::size_t>(setup_->row.inputs)),
       return_moments_(1),
-      averaged_(setup_->hyper.averaging_steps > 0.0 ? networks_.policy_weights().size() : 0),
+      average_(networks_.policy_weights().size(), setup_->hyper.averaging_steps),
       rollout_(static_cast<std::size_t>(kRolloutSums + 2 * setup_->row.inputs)),
       advantages_(kAdvantageSums) {
   networks_.initialize(setup_->seed, setup_->hyper.log_std);
@@ -173,24 +173,9 @@ void PpoDriver::finish() {
     moments_.add(rollout_[kSumRows], std::span(rollout_).subspan(kRolloutSums, columns),
                  std::span(rollout_).subspan(kRolloutSums + columns, columns));
   }
-  average();
+  average_.add(networks_.policy_weights(), static_cast<double>(setup_->steps_per_rollout()));
   counters_.steps += setup_->steps_per_rollout();
   ++counters_.iteration;
-}
-
-/// The mean of the weights over a walk about a good policy lies closer to its middle (Polyak and
-/// Juditsky 1992).
-void PpoDriver::average() {
-  if (averaged_.empty()) return;
-  ++counters_.averaged;
-  const double window =
-      static_cast<double>(setup_->steps_per_rollout()) / setup_->hyper.averaging_steps;
-  const double share =
-      std::max(1.0 / static_cast<double>(counters_.averaged), std::min(1.0, window));
-  const std::span<const float> weights = networks_.policy_weights();
-  for (std::size_t k = 0; k < averaged_.size(); ++k) {
-    averaged_[k] += share * (static_cast<double>(weights[k]) - averaged_[k]);
-  }
 }
 
 void PpoDriver::check_finite() const {
@@ -256,12 +241,7 @@ PolicyFile PpoDriver::policy() const {
     file.mean.push_back(moments_.mean[k]);
     file.scale.push_back(moments_.scale(k));
   }
-  if (counters_.averaged > 0) {
-    const std::vector<float> weights(averaged_.begin(), averaged_.end());
-    file.layers = networks_.policy().layers(weights);
-  } else {
-    file.layers = networks_.policy().layers(networks_.policy_weights());
-  }
+  file.layers = networks_.policy().layers(average_.of(networks_.policy_weights()));
   if (setup_->hyper.bounded_mean) file.layers.back().activation = Activation::kTanh;
   return file;
 }
@@ -291,7 +271,7 @@ void PpoDriver::visit(Self& self, Visitor& visitor) {
   Adam::visit(self.value_adam_, "value_adam", visitor);
   RunningMoments::visit(self.moments_, "moments", visitor);
   RunningMoments::visit(self.return_moments_, "return_moments", visitor);
-  visitor("averaged", self.averaged_.data(), self.averaged_.size());
+  WeightAverage::visit(self.average_, "average", visitor);
 }
 
 void PpoDriver::save(StateBlocks& blocks) const {

@@ -12,6 +12,7 @@
 #include "learn/common/state_blocks.h"
 #include "learn/learner.h"
 #include "learn/network/adam.h"
+#include "learn/network/weight_average.h"
 #include "learn/ppo/ppo_messages.h"
 #include "learn/ppo/ppo_networks.h"
 #include "learn/ppo/ppo_setup.h"
@@ -77,7 +78,7 @@ class PpoDriver {
 
  private:
   struct Counters {
-    std::int64_t steps = 0, iteration = 0, averaged = 0;
+    std::int64_t steps = 0, iteration = 0;
   };
   /// Sums over an iteration.
   struct Figures {
@@ -94,7 +95,6 @@ class PpoDriver {
   bool is_beyond_kl() const;
   void step(Adam& adam, std::span<float> parameters, SliceGradients gradients, double rate,
             const char* whose);
-  void average();
   void check_finite() const;
   [[noreturn]] void diverge(const std::string& what) const;
 
@@ -103,7 +103,7 @@ class PpoDriver {
   Adam policy_adam_, value_adam_;
   RunningMoments moments_;         ///< of the value function's inputs
   RunningMoments return_moments_;  ///< of the discounted return
-  std::vector<double> averaged_;   ///< policy weights, over the last averaging_steps
+  WeightAverage average_;          ///< of the policy, over the last averaging_steps
   Counters counters_;
 
   // Of the iteration under way:

@@ -28,7 +28,15 @@ struct PassedLimits {
 /// The limits and their parameters: a member of a task, among its parameters.
 class FlightLimits {
  public:
-  explicit FlightLimits(Plugin* owner) : owner_(owner) {}
+  /// What holds where a scenario says nothing.
+  struct Defaults {
+    double tilt_max = 1.57;  ///< [rad]
+    double yaw_max = 1.57;   ///< [rad]; 4: every heading is allowed
+    double bound = 7.0;      ///< [m]
+  };
+
+  explicit FlightLimits(Plugin* owner) : FlightLimits(owner, Defaults()) {}
+  FlightLimits(Plugin* owner, const Defaults& defaults) : owner_(owner), defaults_(defaults) {}
 
   /// Declares the infos of the failures: failed.tilt, failed.heading, failed.bound.
   void configure(const Setup& setup, InfoParts& infos) {
@@ -62,24 +70,25 @@ class FlightLimits {
 
  private:
   Plugin* owner_;
+  Defaults defaults_;
   RealParameter tilt_max_{owner_,
                           {.name = "tilt_max",
                            .unit = "rad",
-                           .value = 1.57,
+                           .value = defaults_.tilt_max,
                            .min = 0.0,
                            .max = kPi,
                            .doc = "a robot fails beyond this tilt"}};
   RealParameter yaw_max_{owner_,
                          {.name = "yaw_max",
                           .unit = "rad",
-                          .value = 1.57,
+                          .value = defaults_.yaw_max,
                           .min = 0.0,
                           .max = 4.0,
                           .doc = "or beyond this heading, either way"}};
   RealParameter bound_{owner_,
                        {.name = "bound",
                         .unit = "m",
-                        .value = 7.0,
+                        .value = defaults_.bound,
                         .min = 1e-3,
                         .doc = "or where a coordinate's magnitude exceeds this (W)"}};
 

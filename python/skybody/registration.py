@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
+import importlib.util
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from importlib.machinery import ModuleSpec
+    from types import ModuleType
+
 SCENARIOS = (
     "arm",
     "boom",
@@ -23,13 +32,30 @@ SCENARIOS = (
     "hover_firefly",
     "hover_hummingbird",
     "hover_learn",
+    "landing",
     "low_battery",
     "obstacles",
     "obstacles_rays",
     "omav",
     "payload",
+    "payload_1khz",
+    "payload_learn",
+    "payload_modular",
+    "payload_modular_1khz",
+    "payload_modular_learn",
+    "payload_modular_paper",
     "payload_paper",
+    "pendulum",
+    "pendulum_learn",
+    "pendulum_learn_randomized",
+    "pendulum_paper",
+    "pendulum_randomized",
     "platform_landing",
+    "racing",
+    "racing_drawn",
+    "racing_duel",
+    "racing_figure",
+    "racing_split_s",
     "rotor_out",
     "trajectory_flights",
     "trajectory_training",
@@ -45,14 +71,53 @@ def gymnasium_id(scenario: str) -> str:
 
 
 def register() -> None:
-    """Registers all shipped scenarios with Gymnasium where it is installed; again does nothing.
+    """Has Gymnasium know all shipped scenarios, now or as soon as it is imported.
 
-    `gymnasium.make` gives a `SkybodyEnv`, `gymnasium.make_vec` a `SkybodyVectorEnv`.
+    `gymnasium.make` gives a `SkybodyEnv`, `gymnasium.make_vec` a `SkybodyVectorEnv`. Again does
+    nothing.
     """
-    try:
-        import gymnasium
-    except ImportError:
-        return
+    if sys.modules.get("gymnasium") is not None:
+        _register()
+    elif not any(isinstance(finder, _GymnasiumFinder) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _GymnasiumFinder())
+
+
+class _GymnasiumFinder:
+    """Finds Gymnasium where the others do, and registers when its import is over.
+
+    Its import takes longer than that of everything else here, and programs that train or fly need
+    none of it.
+    """
+
+    def __init__(self) -> None:
+        self._asks_others = False
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """What an entry of `sys.meta_path` is asked."""
+        if name != "gymnasium" or self._asks_others:
+            return None
+        self._asks_others = True
+        try:
+            spec = importlib.util.find_spec(name)
+        finally:
+            self._asks_others = False
+        if spec is None or spec.loader is None:
+            return spec
+        run = spec.loader.exec_module
+
+        def run_and_register(module: ModuleType) -> None:
+            run(module)
+            _register()
+
+        spec.loader.exec_module = run_and_register  # type: ignore[method-assign]
+        return spec
+
+
+def _register() -> None:
+    import gymnasium
+
     for scenario in SCENARIOS:
         name = gymnasium_id(scenario)
         if name not in gymnasium.registry:

@@ -1,5 +1,5 @@
-// The paper's family of Lissajous figures: what a controller `reference` of that kind flies is
-// drawn together.
+// The paper's family of Lissajous figures: what a controller `reference`, or a task, has as a path
+// of that kind is drawn together, and a robot may begin near the figure's beginning.
 #include <skybody/plugin.h>
 
 #include <stdexcept>
@@ -22,10 +22,18 @@ class LissajousFamily : public Randomizer {
   void configure(const Setup& setup) override {
     amplitude_ = announce(setup, "amplitude");
     centre_ = announce(setup, "centre[2]");
+    middle_ = setup.find_params(reference_.value() + ".centre")[0];
     cycles_ = announce(setup, "cycles");
     phase_ = announce(setup, "phase[0]");
     speed_ = announce(setup, "peak_speed");
     along_ = announce(setup, "along");
+    if (!robot_.value().empty()) {
+      const int robot = setup.robot(robot_.value());
+      require_free(setup.robots()[robot]);
+      start_ = announce_all(setup, "robots." + robot_.value() + ".start.position");
+    } else if (start_within_.is_given()) {
+      throw std::runtime_error("`start_within` is given without `robot`: say who starts there");
+    }
     require_order(side_, "amplitude_side");
     require_order(height_swing_, "amplitude_height");
     require_order(height_, "height");
@@ -65,15 +73,37 @@ class LissajousFamily : public Randomizer {
     }
     const auto looks_ahead = draw.uniform(Real(0.0), Real(1.0)) < along_share_.value();
     put(along_, select(looks_ahead, Real(1.0), Real(0.0)));
+    if (start_ >= 0) place(draw, start);
     randomization::count_reset(state.schedule, start.requested, every_.value());
   }
 
  private:
   /// The first of a parameter's EnvParams.
   int announce(const Setup& setup, const std::string& name) const {
-    const std::vector<int> params = setup.find_params(reference_.value() + "." + name);
+    return announce_all(setup, reference_.value() + "." + name);
+  }
+  static int announce_all(const Setup& setup, const std::string& path) {
+    const std::vector<int> params = setup.find_params(path);
     for (const int param : params) setup.writes(param);
     return params[0];
+  }
+
+  static void require_free(const RobotInfo& robot) {
+    if (robot.fixed_base == 0) return;
+    throw std::runtime_error("robot `" + std::string(robot.name) +
+                             "` has a fixed base, which cannot start elsewhere: leave `robot` out");
+  }
+
+  /// Puts the robot near the figure's beginning, in every episode: the figure may last for several.
+  template <class Real>
+  SKYBODY_INLINE void place(Random<Real>& draw, Start<Real>& start) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Real angle = start.params[phase_ + axis];
+      const Real beginning =
+          start.params[middle_ + axis] + start.params[amplitude_ + axis] * sincos(angle).sin;
+      const Real most(start_within_.value(axis));
+      start.params.set(start_ + axis, beginning + draw.uniform(-most, most));
+    }
   }
 
   static void require_order(const RealsParameter& range, const std::string& name) {
@@ -85,8 +115,8 @@ class LissajousFamily : public Randomizer {
   TextParameter reference_{this,
                            {.name = "reference",
                             .value = "robot.controllers.reference",
-                            .doc = "path of the controller `reference`, of kind lissajous with "
-                                   "`yaw: drawn`"}};
+                            .doc = "path of the controller `reference`, or `task`, of kind "
+                                   "lissajous with `yaw: drawn`"}};
   RealsParameter side_{this,
                        {.name = "amplitude_side",
                         .unit = "m",
@@ -138,8 +168,19 @@ class LissajousFamily : public Randomizer {
                               .doc = "share of the episodes in which the vehicle looks along the "
                                      "path; else its heading is fixed"}};
   IntegerParameter every_{this, randomization::every_spec()};
+  TextParameter robot_{
+      this,
+      {.name = "robot", .doc = "who begins near the figure's beginning; empty: nobody is moved"}};
+  RealsParameter start_within_{this,
+                               {.name = "start_within",
+                                .unit = "m",
+                                .values = {0.5, 0.5, 0.25},
+                                .min = 0.0,
+                                .doc = "of `robot`: how far from there, along each axis of W"}};
 
   int amplitude_ = 0, centre_ = 0, cycles_ = 0, phase_ = 0, speed_ = 0, along_ = 0;
+  int middle_ = 0;  ///< centre[0]
+  int start_ = -1;  ///< of the robot's position at a reset; -1: nobody is moved
 };
 
 }  // namespace

@@ -15,9 +15,7 @@ class Hover : public Task {
   void configure(const Setup& setup) override {
     require_box(target_min_, target_max_, "target");
     drawn_target_ = announce_drawn(setup, target_);
-    is_shaped_ = approach_reward_.value() != 0.0 || precision_reward_.value() != 0.0 ||
-                 heading_reward_.value() != 0.0 || tilt_cost_.value() != 0.0 ||
-                 failure_reward_.value() != 0.0;
+    is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
     const bool team = only < 0 && setup.robots().size() > 1;
     for (int r = 0; r < setup.robots().size(); ++r) {
@@ -100,10 +98,6 @@ class Hover : public Task {
  private:
   static constexpr double kDistanceWeight = 2.56;  // (1.6)^2 [1/m^2]
   static constexpr double kRateReward = 0.01;
-  static constexpr double kApproachRange = 10.0;   // [m], about the largest distance at a start
-  static constexpr double kPrecisionWeight = 5.0;  // 1 / 0.2 m
-  static constexpr double kHeadingWeight = 4.0;    // (1 / 0.5 rad)^2
-  static constexpr double kLeastCosine = 0.1;      // where the wall of the tilt ends, at 84 degrees
 
   struct Robot {
     int index;
@@ -135,17 +129,8 @@ class Hover : public Task {
     const Real paper = closeness(squared_norm(error) + yaw_error * yaw_error, kDistanceWeight) +
                        kRateReward * closeness(squared_norm(body.angular_velocity), 1.0);
     if (!is_shaped_) return paper;
-    return paper + shaping(norm(error), yaw_error) -
-           tilt_cost_.value() * tilt_wall(body.rotation, kLeastCosine) +
+    return paper + shaping_.reward(norm(error), yaw_error) - shaping_.cost(body.rotation) +
            select(failed, Real(failure_reward_.value()), Real(0.0));
-  }
-
-  /// A slope far from the target, and one close by.
-  template <class Real>
-  SKYBODY_INLINE Real shaping(const Real& distance, const Real& yaw_error) const {
-    return approach_reward_.value() * approach(distance, kApproachRange) +
-           precision_reward_.value() * closeness(distance, kPrecisionWeight) +
-           heading_reward_.value() * closeness(yaw_error * yaw_error, kHeadingWeight);
   }
 
   void add_robot(const Setup& setup, int index, bool team) {
@@ -250,32 +235,7 @@ class Hover : public Task {
                              .doc = "x, y, z of each robot from the target; none: as the scenario "
                                     "places them about their mean"}};
   FlightLimits limits_{this};
-
-  RealParameter approach_reward_{
-      this,
-      {.name = "approach_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of max(0, 1 - |e| / 10 m) in the reward: a slope far from the target"}};
-  RealParameter precision_reward_{
-      this,
-      {.name = "precision_reward",
-       .value = 0.0,
-       .min = 0.0,
-       .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a slope up to the target"}};
-  RealParameter heading_reward_{this,
-                                {.name = "heading_reward",
-                                 .value = 0.0,
-                                 .min = 0.0,
-                                 .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a "
-                                        "slope far from the heading, too"}};
-  RealParameter tilt_cost_{
-      this,
-      {.name = "tilt_cost",
-       .value = 0.0,
-       .min = 0.0,
-       .doc =
-           "weight of 1 / max(cos tilt, 0.1) - 1, taken off the reward: what dashing off costs"}};
+  GoalShaping shaping_{this};
   RealParameter failure_reward_{this,
                                 {.name = "failure_reward",
                                  .value = 0.0,

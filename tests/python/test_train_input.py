@@ -368,7 +368,7 @@ def test_numbers_out_of_range_are_evaluates_own_errors(
     assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("package", ["h5py", "matplotlib", "tensorboard", "torch", "tqdm"])
+@pytest.mark.parametrize("package", ["h5py", "matplotlib", "torch", "tqdm"])
 def test_a_missing_package_is_one_message_with_the_remedy(
     package: str, python: Callable[[str], Finished], tmp_path: Path
 ) -> None:
@@ -391,7 +391,7 @@ def test_a_missing_package_is_one_message_with_the_remedy(
 def test_help_needs_no_package_of_the_extra(module: str, python: Callable[[str], Finished]) -> None:
     done = python(f"""
         import runpy, sys
-        for name in ("h5py", "matplotlib", "stable_baselines3", "tensorboard", "torch", "tqdm"):
+        for name in ("h5py", "matplotlib", "stable_baselines3", "torch", "tqdm"):
             sys.modules[name] = None
         sys.argv = ["train", "--help"]
         runpy.run_module("skybody.{module}", run_name="__main__", alter_sys=True)

@@ -27,6 +27,6 @@ worlds = experiment()
 
 @pytest.mark.parametrize("world", worlds.WORLDS)
 def test_the_baseline_succeeds(world: str, tmp_path: Path) -> None:
-    successes = worlds.fly(world, worlds.EPISODES, tmp_path / "log")
-    assert len(successes) == worlds.EPISODES
+    successes = worlds.fly(world, worlds.episodes_of(world), tmp_path / "log")
+    assert len(successes) == worlds.episodes_of(world)
     assert np.mean(successes) >= 0.95

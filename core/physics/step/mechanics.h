@@ -56,6 +56,13 @@ class Mechanics {
     put_motion(mask);
   }
 
+  /// The same of coordinates that are as they should be.
+  SKYBODY_INLINE void find_motion(const MaskOf<Real>& mask) {
+    load_coordinates();
+    update_motion(a_.now.q, a_.now.u);
+    put_motion(mask);
+  }
+
   /// Coordinates as couplings allow them. @returns the lanes of `mask` where that can be
   SKYBODY_INLINE MaskOf<Real> close_gaps(const MaskOf<Real>& mask) {
     load_coordinates();
@@ -183,8 +190,8 @@ class Mechanics {
   SKYBODY_INLINE void each_rotor(const F& f) const {
     for (int i = 0; i < static_cast<int>(plan_.world.rotors.size()); ++i) {
       const auto lag = load_lag<Real>(derived_ + (plan_.derived.lags + kLagSize * i));
-      const auto speed = load_lanes<Real>(lanes_.at(group_.rotor_speed, i));
-      const auto command = load_lanes<Real>(lanes_.at(group_.rotor_command, i));
+      const Real speed = lanes_.load(group_.rotor_speed, i);
+      const Real command = lanes_.load(group_.rotor_command, i);
       const Real max_speed = rotor_constants(i)[kMaxSpeed];
       if constexpr (kIsHeld) {
         f(i, HeldRotorStep<Real>(lag, speed, command, max_speed, held_rotor(held_, i), dt()));
@@ -199,9 +206,8 @@ class Mechanics {
   SKYBODY_INLINE void each_drive(const F& f) const {
     int i = 0;
     for (const JointDriveStep& drive : plan_.forces.joint_drives()) {
-      f(i, drive, load_lanes<Real>(lanes_.at(group_.joint_state, i)),
-        clamp(load_lanes<Real>(lanes_.at(group_.joint_command, i)), Real(drive.drive.low),
-              Real(drive.drive.high)));
+      f(i, drive, lanes_.load(group_.joint_state, i),
+        clamp(lanes_.load(group_.joint_command, i), Real(drive.drive.low), Real(drive.drive.high)));
       ++i;
     }
   }

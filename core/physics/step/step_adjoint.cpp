@@ -7,11 +7,15 @@
 
 namespace skybody {
 StepAdjoint::StepAdjoint(const World& world)
-    : plan_(world, chosen_dynamics(world)), kernel_(free_adjoint_kernel(best_isa())) {
-  if (has_free_adjoint(plan_)) return;
+    : plan_(world, chosen_dynamics(world)),
+      has_closed_form_(has_free_adjoint(plan_)),
+      kernel_(free_adjoint_kernel(best_isa())) {
+  if (plan_.has_kernels()) return;
   throw Error(
-      "derivatives of steps are known of worlds of one robot, a free body with rotors along its z "
-      "axis at one height, with `integrator: midpoint` and no effects: take --algo fast-ppo here");
+      "derivatives of steps are known of the engine's own dynamics with fixed steps, and this "
+      "world "
+      "is stepped by Simbody or by an integrator that chooses its steps: take `dynamics: tree` and "
+      "`integrator: midpoint`, semi_implicit_euler or rk4, or --algo fast-ppo");
 }
 
 AlignedArray<double> StepAdjoint::make_derived() const {

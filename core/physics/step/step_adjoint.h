@@ -12,9 +12,13 @@ namespace skybody {
 class StepAdjoint {
  public:
   /// @param world  must outlive it
-  /// @throws Error if the world is anything but one free robot with level rotors, stepped by the
-  ///         midpoint rule, of which effects hold nothing
+  /// @throws Error if steps choose their own times, or Simbody takes them
   explicit StepAdjoint(const World& world);
+
+  const StepPlan& plan() const { return plan_; }
+  /// Whether pull_back() knows this world: one free robot with level rotors, stepped by the
+  /// midpoint rule, of which effects hold nothing. Others go on dual numbers (dual_kernels.h).
+  bool has_closed_form() const { return has_closed_form_; }
 
   /// Room for what derives from the parameters of a group.
   AlignedArray<double> make_derived() const;
@@ -23,6 +27,7 @@ class StepAdjoint {
   /// @param params  the parameter block, in lanes
   void derive(const double* params, std::uint32_t lanes, AlignedArray<double>& derived) const;
 
+  /// Where has_closed_form().
   /// @param values    state words from `q` on, up to the parameters, as they were before the step,
   ///                  commands as in it, in lanes
   /// @param params    the parameter block, in lanes
@@ -33,6 +38,7 @@ class StepAdjoint {
 
  private:
   StepPlan plan_;
+  bool has_closed_form_;
   AdjointKernel* kernel_;
 };
 

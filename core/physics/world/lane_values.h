@@ -1,6 +1,7 @@
 // Values of a lane group as code on doubles or packs reads and writes them.
 #pragma once
 
+#include "core/base/dual.h"
 #include "core/base/pack.h"
 
 namespace skybody {
@@ -12,9 +13,13 @@ inline constexpr int kGroupLanes = 32;
 inline constexpr int kWidestPack = 8;
 static_assert(kGroupLanes % kWidestPack == 0 && kGroupLanes <= 32, "masks have 32 bits");
 
-/// How far apart the values of one lane lie. A double works on a group of one lane.
+/// How far apart the rows of a group lie. A double works on a group of one lane.
 template <class Real>
-inline constexpr std::ptrdiff_t kLaneStride = kLanesOf<Real> == 1 ? 1 : kGroupLanes;
+inline constexpr std::ptrdiff_t kRowStride = kLanesOf<Real> == 1 ? 1 : kGroupLanes;
+/// How far apart the values of one lane lie: dual numbers take two rows each, that of the values
+/// and behind it that of the tangents.
+template <class Real>
+inline constexpr std::ptrdiff_t kLaneStride = kRowsOf<Real>* kRowStride<Real>;
 
 /// Values that each lane has of its own: value k of the lanes that `Real` holds.
 template <class Real>
@@ -23,7 +28,7 @@ class LaneValues {
   /// @param data  value 0 of the first of these lanes
   explicit LaneValues(const double* data) : data_(data) {}
   SKYBODY_INLINE Real operator[](int k) const {
-    return load_lanes<Real>(data_ + k * kLaneStride<Real>);
+    return load_rows<Real>(data_ + k * kLaneStride<Real>, kRowStride<Real>);
   }
   SKYBODY_INLINE LaneValues operator+(int k) const {
     return LaneValues(data_ + k * kLaneStride<Real>);
@@ -31,6 +36,21 @@ class LaneValues {
 
  private:
   const double* data_;
+};
+
+/// Values of plain lanes as dual numbers that are constants: parameters, which nothing is
+/// differentiated by.
+template <class Real>
+class ConstantValues {
+ public:
+  explicit ConstantValues(const double* data) : values_(data) {}
+  SKYBODY_INLINE Real operator[](int k) const { return Real(values_[k]); }
+  SKYBODY_INLINE ConstantValues operator+(int k) const { return ConstantValues(values_ + k); }
+
+ private:
+  explicit ConstantValues(const LaneValues<ValueOf<Real>>& values) : values_(values) {}
+
+  LaneValues<ValueOf<Real>> values_;
 };
 
 /// What effects hold for the lanes that `Real` holds.
@@ -97,8 +117,11 @@ class LanePlace {
   SKYBODY_INLINE T* at(T* block, int k) const {
     return block + k * kLaneStride<Real> + first_;
   }
+  SKYBODY_INLINE Real load(const double* block, int k) const {
+    return load_rows<Real>(at(block, k), kRowStride<Real>);
+  }
   SKYBODY_INLINE void load(const double* block, int count, Real* out) const {
-    for (int k = 0; k < count; ++k) out[k] = load_lanes<Real>(at(block, k));
+    for (int k = 0; k < count; ++k) out[k] = load(block, k);
   }
   /// @param mask  lanes to write, or AllLanes
   template <class Mask>
@@ -106,9 +129,15 @@ class LanePlace {
     for (int k = 0; k < count; ++k) put(values[k], mask, at(block, k));
   }
   static SKYBODY_INLINE void put(const Real& value, const MaskOf<Real>& mask, double* p) {
-    store_lanes(p, value, mask);
+    store_rows(p, kRowStride<Real>, value, mask);
   }
-  static SKYBODY_INLINE void put(const Real& value, AllLanes, double* p) { store_lanes(p, value); }
+  static SKYBODY_INLINE void put(const Real& value, AllLanes, double* p) {
+    if constexpr (kIsDual<Real>) {
+      store_rows(p, kRowStride<Real>, value, MaskOf<Real>(true));
+    } else {
+      store_lanes(p, value);
+    }
+  }
 
  private:
   int first_;

@@ -15,7 +15,6 @@ import dataclasses
 import platform
 import shutil
 import sys
-from importlib import metadata
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,7 +28,7 @@ from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.hyperparameters import UsageError, whole_number, with_settings
 from skybody.train.presets import preset, presets_file
-from skybody.train.requirements import REMEDY, TRAINING, demand_packages
+from skybody.train.requirements import REMEDY, TRAINING, demand_packages, package_versions
 from skybody.train.run_folder import Config
 
 if TYPE_CHECKING:
@@ -134,7 +133,7 @@ def new_config(options: argparse.Namespace, compiled: CompiledScenario) -> Confi
     if options.envs is not None and any(s.startswith("envs=") for s in options.set):
         raise UsageError("--envs and --set envs=...: give one of them")
     algorithm = options.algo or DEFAULT_ALGORITHM
-    found = preset(options.scenario, algorithm)
+    found = preset(options.scenario, algorithm, compiled.dt * compiled.action_repeat)
     hyper = with_settings(found.hyper, options.set)
     if options.envs is not None:
         hyper = dataclasses.replace(hyper, envs=options.envs)
@@ -155,7 +154,7 @@ def new_config(options: argparse.Namespace, compiled: CompiledScenario) -> Confi
         scenario_name=compiled.name,
         scenario_hash=f"{compiled.scenario_hash:016x}",
         scenario_text=compiled.scenario_text,
-        versions=all_versions(compiled),
+        versions=all_versions(compiled, algorithm),
     )
 
 
@@ -208,14 +207,13 @@ def check(config: Config) -> None:
     config.hyper.check()
 
 
-def all_versions(compiled: CompiledScenario) -> dict[str, str]:
+def all_versions(compiled: CompiledScenario, algorithm: str) -> dict[str, str]:
     """Of everything that the result may depend on."""
-    packages = ("torch", "numpy", "stable-baselines3", "gymnasium")
     return {
         **{name: str(version) for name, version in versions().items()},
         **{f"plugin {name}": str(version) for name, version in compiled.plugins.items()},
         "python": platform.python_version(),
-        **{name: metadata.version(name) for name in packages},
+        **package_versions(algorithm),
     }
 
 
@@ -259,7 +257,7 @@ def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
             f"--resume: scenario {config.scenario} has changed since this run began "
             f"(hash {config.scenario_hash} then, {found} now; its text then is in config.json)"
         )
-    now = all_versions(compiled)
+    now = all_versions(compiled, config.algorithm)
     changed = [n for n, v in now.items() if config.versions.get(n) != v]
     if changed:
         was = ", ".join(f"{n} {config.versions.get(n)} -> {now[n]}" for n in changed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,8 @@ class Algorithm:
     make: Callable[..., Learner]
     # in C++: its checkpoints are NumPy's, it averages its policy itself, it needs no PyTorch
     is_native: bool = False
+    # of (hyper-parameters, seconds between two actions): those of scenarios without a preset
+    fit: Callable[[Any, float], Any] = lambda hyper, _: hyper
 
 
 def _fast_ppo(*arguments: Any) -> Learner:
@@ -43,10 +46,25 @@ def _sb3_ppo(*arguments: Any) -> Learner:
     return Sb3Ppo(*arguments)
 
 
+HORIZON = 0.64  # s, over which `gradient` goes back: less, and nothing has moved yet
+MOST_HORIZON = 640  # transitions, which are remembered
+
+
+def _fit_gradient(hyper: Any, action_seconds: float) -> Any:
+    horizon = min(MOST_HORIZON, max(1, round(HORIZON / action_seconds)))
+    return dataclasses.replace(
+        hyper, envs=32, rollout_steps=horizon, learning_rate=6e-3, max_grad_norm=1.0
+    )
+
+
 ALGORITHMS: dict[str, Algorithm] = {
     "fast-ppo": Algorithm("PPO in C++", lambda: native_defaults("fast-ppo"), _fast_ppo, True),
     "gradient": Algorithm(
-        "through the dynamics, in C++", lambda: native_defaults("gradient"), _gradient, True
+        "through the dynamics, in C++",
+        lambda: native_defaults("gradient"),
+        _gradient,
+        True,
+        _fit_gradient,
     ),
     "ppo": Algorithm("Stable-Baselines3's", Hyperparameters, _sb3_ppo),
 }

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from skybody.train import files
-from skybody.train.policy_file import Policy, write_policy
+from skybody.train.policy_file import Policy, policy_bytes
 from skybody.train.state_file import pack_state, state_file, unpack_state
 
 STAMPS: dict[str, type | tuple[type, ...]] = {  # of meta.json that something reads
@@ -78,12 +78,13 @@ def _write_files(
     with files.naming(folder):
         folder.mkdir(parents=True)
     algorithm = meta["algorithm"]
-    files.write_file(folder / state_file(algorithm), pack_state(algorithm, state))
-    files.write_file(folder / "environments.bin", environments)
-    write_policy(folder / "policy.h5", policy)
+    # publish_folder() has all of them reach the disk, at once.
+    files.write_part(folder / "policy.h5", policy_bytes(policy))
+    files.write_part(folder / state_file(algorithm), pack_state(algorithm, state))
+    files.write_part(folder / "environments.bin", environments)
     hashes = {path.name: files.file_hash(path) for path in sorted(folder.iterdir())}
     text = json.dumps({**meta, "files": hashes}, indent=2) + "\n"
-    files.write_file(folder / "meta.json", text.encode())
+    files.write_part(folder / "meta.json", text.encode())
 
 
 def read_meta(folder: Path) -> dict[str, Any]:

@@ -189,9 +189,10 @@ def evaluate_checkpoint(
     if compiled.horizon == 0:
         raise ValueError(f"{compiled.name} has no horizon: its episodes might never end")
     policy = read_policy(check_file(folder, meta, "policy.h5"))
-    if len(policy.mean) != compiled.observation_size:
+    seen = policy.sizes()["observation_size"]
+    if seen != compiled.observation_size:
         raise ValueError(
-            f"{folder}: the policy takes {len(policy.mean)} observations, "
+            f"{folder}: the policy takes {seen} observations, "
             f"{compiled.name} gives {compiled.observation_size}"
         )
     return {**stamps, **evaluate(compiled, policy, episodes, seed, threads)}

@@ -1,4 +1,8 @@
-"""Evaluations beside training: a process each, one at a time, while training goes on."""
+"""Evaluations beside training: a process each, one at a time, while training goes on.
+
+One takes a processor away from training for about a second. A training that takes no longer than
+a few of these has all processors for itself, and is evaluated when it is over.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,15 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from collections import deque
 from pathlib import Path
 from typing import IO
 
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
+
+UNDISTURBED = 5.0  # seconds from the beginning on, in which training is alone
 
 
 class Evaluations:
@@ -25,11 +32,12 @@ class Evaluations:
         self._running: subprocess.Popen[str] | None = None
         self._errors: IO[str]  # of the one that runs
         self.failures: list[str] = []
+        self._begins = time.perf_counter() + UNDISTURBED
         for folder in checkpoint_folders(run):
             self.add(folder)
 
     def add(self, checkpoint: Path) -> None:
-        """Evaluates a checkpoint as soon as those before it are done."""
+        """Evaluates a checkpoint when those before it are done."""
         if self._episodes > 0 and read_evaluation(checkpoint) is None:
             self._waiting.append(checkpoint)
         self.poll()
@@ -39,12 +47,14 @@ class Evaluations:
         ended = self._running is not None and self._running.poll() is not None
         if ended:
             self._collect()
-        if self._running is None and self._waiting:
+        if self._running is None and self._waiting and time.perf_counter() >= self._begins:
             self._running = self._start(self._waiting.popleft())
         return ended
 
     def wait(self) -> bool:
-        """Waits for the one that runs. Returns whether there was one."""
+        """To be called when training is over. Waits for one. Returns whether there was one."""
+        self._begins = 0.0
+        self.poll()
         if self._running is None:
             return False
         self._running.wait()  # what it says goes to a file: no pipe can fill

@@ -1,65 +1,111 @@
-"""The event file of a run, for TensorBoard."""
+"""The event file of a run, for TensorBoard, written without it.
+
+A file is records: length (8 bytes, little-endian), its checksum, the bytes of an `Event`, their
+checksum (TensorFlow, `lib/io/record_writer.h`). The checksum is CRC-32C (RFC 3720, appendix B.4),
+masked: rotated right by 15 bits, plus 0xa282ead8. `Event` is a Protocol Buffers message
+(`tensorflow/core/util/event.proto`); a field is its number times 8 plus its wire type, then its
+value. Importing TensorBoard would take longer than some trainings.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import threading
+import os
+import socket
+import struct
 import time
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from skybody.train import files
 
+VARINT, DOUBLE, BYTES, FLOAT = 0, 1, 2, 5  # wire types
+WALL_TIME, STEP, FILE_VERSION, SUMMARY, SESSION_LOG = 1, 2, 3, 5, 7  # fields of Event
+VALUE = 1  # of Summary
+TAG, SIMPLE_VALUE = 1, 2  # of Summary.Value
+STATUS, START = 1, 1  # of SessionLog, and its value: what lies beyond this step is forgotten
+VERSION = "brain.Event:2"  # of the format
+POLYNOMIAL = 0x82F63B78  # of CRC-32C, its bits reversed
+
 
 class EventFile:
-    """Curves by name. A thread of TensorBoard's writes them; its failure is the next call's."""
+    """Curves by name."""
 
     def __init__(self, run: Path, first_step: int) -> None:
-        """Begins a new file in `run`; curves of earlier ones end before `first_step`."""
-        from tensorboard.compat.proto import event_pb2  # type: ignore[import-untyped]
-        from tensorboard.summary.writer import (  # type: ignore[import-untyped]
-            event_file_writer,
-        )
+        """Begins a new file in `run`; curves of earlier ones end before `first_step`.
 
-        _keep_writers_quiet()
-        self._run, self._event = run, event_pb2.Event
+        Raises OSError, which names the run's folder.
+        """
+        self._run = run
+        began, number = int(time.time()), time.perf_counter_ns()
+        name = f"events.out.tfevents.{began:010d}.{socket.gethostname()}.{os.getpid()}.{number}"
         with files.naming(run):
-            self._writer = event_file_writer.EventFileWriter(str(run))
-        start = event_pb2.SessionLog(status=event_pb2.SessionLog.START)
-        self._write(self._event(step=first_step, session_log=start))
+            self._file = (run / name).open("xb")
+        self._write(_field(FILE_VERSION, BYTES) + _counted(VERSION.encode()))
+        status = _field(STATUS, VARINT) + _varint(START)
+        self._write(_at(first_step) + _field(SESSION_LOG, BYTES) + _counted(status))
 
-    def add(self, name: str, value: float, step: int) -> None:
-        """A point of a curve. Raises OSError, which names the run's folder."""
-        event = self._event(step=step)
-        event.summary.value.add(tag=name, simple_value=value)
-        self._write(event)
+    def add(self, values: Mapping[str, float], step: int) -> None:
+        """A point of each curve. Raises OSError, which names the run's folder."""
+        summary = b"".join(_value(name, value) for name, value in values.items())
+        self._write(_at(step) + _field(SUMMARY, BYTES) + _counted(summary))
 
-    def _write(self, event: Any) -> None:
-        event.wall_time = time.time()
+    def _write(self, event: bytes) -> None:
+        content = _field(WALL_TIME, DOUBLE) + struct.pack("<d", time.time()) + event
+        length = struct.pack("<Q", len(content))
+        record = length + _checksum(length) + content + _checksum(content)
         with files.naming(self._run):
-            self._writer.add_event(event)
+            self._file.write(record)
+            self._file.flush()
 
     def close(self) -> None:
-        """Writes what waits."""
-        with files.naming(self._run):
-            self._writer.close()
-
-    def abandon(self) -> None:
-        """Closes it where writing has failed before."""
+        """Ends the file; what was added is there already."""
         with contextlib.suppress(OSError):
-            self._writer.close()
+            self._file.close()
 
 
-def _keep_writers_quiet() -> None:
-    """TensorBoard's thread notes its failure for us, and then dies of it with a traceback."""
-    others = threading.excepthook
-    if getattr(others, "keeps_writers_quiet", False):
-        return
+def _at(step: int) -> bytes:
+    return _field(STEP, VARINT) + _varint(step)
 
-    def hook(failure: threading.ExceptHookArgs) -> None:
-        is_writer = type(failure.thread).__module__.startswith("tensorboard.")
-        if not (is_writer and isinstance(failure.exc_value, OSError)):
-            others(failure)
 
-    hook.keeps_writers_quiet = True  # type: ignore[attr-defined]
-    threading.excepthook = hook
+def _value(name: str, value: float) -> bytes:
+    tag = _field(TAG, BYTES) + _counted(name.encode())
+    return _field(VALUE, BYTES) + _counted(
+        tag + _field(SIMPLE_VALUE, FLOAT) + struct.pack("<f", value)
+    )
+
+
+def _field(number: int, wire_type: int) -> bytes:
+    return _varint(number << 3 | wire_type)
+
+
+def _counted(content: bytes) -> bytes:
+    return _varint(len(content)) + content
+
+
+def _varint(value: int) -> bytes:
+    """Seven bits a byte, the lowest first; all but the last have the eighth bit."""
+    content = bytearray()
+    while value > 0x7F:
+        content.append(value & 0x7F | 0x80)
+        value >>= 7
+    content.append(value)
+    return bytes(content)
+
+
+def _checksum(content: bytes) -> bytes:
+    crc = 0xFFFFFFFF
+    for byte in content:
+        crc = _TABLE[(crc ^ byte) & 0xFF] ^ crc >> 8
+    crc ^= 0xFFFFFFFF
+    masked = ((crc >> 15 | crc << 17) + 0xA282EAD8) & 0xFFFFFFFF
+    return struct.pack("<I", masked)
+
+
+def _table_entry(byte: int) -> int:
+    for _ in range(8):
+        byte = byte >> 1 ^ (POLYNOMIAL if byte & 1 else 0)
+    return byte
+
+
+_TABLE = tuple(map(_table_entry, range(256)))

@@ -27,6 +27,12 @@ def write_file(path: Path, content: bytes) -> None:
         sync_folder(path.parent)
 
 
+def write_part(path: Path, content: bytes) -> None:
+    """A file of a folder that publish_folder() has reach the disk. Raises OSError with its name."""
+    with naming(path):
+        path.write_bytes(content)
+
+
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
     """Has an OSError name `path`: those of write() and fsync() name no file."""

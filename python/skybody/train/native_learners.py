@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,9 @@ from skybody.train.policy_file import Layer, Policy, policy_of_values
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+TRAINED_SHARE = 0.5  # of the steps, after which `gradient` is heard about contact
+FEWEST_ROLLOUTS = 10  # before it is said
+MOST_TOUCHING = 0.05  # share of flights in contact about which nothing is said
 PARAMETERS = ("policy", "value")  # blocks of the state; `gradient` has the first
 
 
@@ -90,6 +94,39 @@ class GradientLearner(NativeLearner):
     """Learning through the dynamics."""
 
     _kind = Gradient
+
+    def __init__(
+        self,
+        compiled: CompiledScenario,
+        hyper: Hyperparameters,
+        seed: int,
+        threads: int,
+        total_steps: int,
+    ) -> None:
+        super().__init__(compiled, hyper, seed, threads, total_steps)
+        self._listens_from = TRAINED_SHARE * total_steps
+        self._touching: list[float] | None = []  # shares since then; None: it has been said
+
+    def iterate(self) -> Report:
+        report = super().iterate()
+        if self._touching is not None and self.steps >= self._listens_from:
+            self._touching.append(report.losses["touching_share"])
+            self._warn_of_contact(self._touching)
+        return report
+
+    def _warn_of_contact(self, shares: list[float]) -> None:
+        """Once, where trained flights touch something."""
+        if len(shares) < FEWEST_ROLLOUTS:
+            return
+        share = sum(shares) / len(shares)
+        if share > MOST_TOUCHING:
+            print(
+                f"train: warning: {100 * share:.0f} % of the flights that `gradient` learns from "
+                "touch something, and its derivatives leave contact out; see docs/training.md, or "
+                "take --algo fast-ppo",
+                file=sys.stderr,
+            )
+            self._touching = None
 
 
 def _single(value: Any) -> Any:

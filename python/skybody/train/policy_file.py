@@ -148,6 +148,11 @@ class Policy:
 
 def write_policy(path: Path, policy: Policy) -> None:
     """Writes `policy` with its attributes to `path`, atomically."""
+    files.write_file(path, policy_bytes(policy))
+
+
+def policy_bytes(policy: Policy) -> bytes:
+    """The bytes of `policy`'s file, with its attributes."""
     stamp = {"format": FORMAT, "version": VERSION, "action_squash": policy.squash}
     import h5py  # type: ignore[import-untyped]
 
@@ -173,7 +178,8 @@ def write_policy(path: Path, policy: Policy) -> None:
                 _put(group, "state_weight", layer.state_weight)
                 _put(group, "state_bias", layer.state_bias)
     content = image.getvalue()[SEAL_BYTES:]
-    files.write_file(path, policy_seal(content) + content)
+    sealed: bytes = policy_seal(content) + content
+    return sealed
 
 
 def _put_attributes(place: Any, attributes: dict[str, Any]) -> None:

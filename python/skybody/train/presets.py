@@ -33,26 +33,28 @@ def presets_file(scenario: str) -> Path:
     return file.parent / "training" / f"{file.stem}.yaml"
 
 
-def preset(scenario: str, algorithm: str) -> Preset:
+def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -> Preset:
     """The preset for a scenario and a learner; the learner's defaults where it has none.
 
     Args:
         scenario: a YAML file, or the name of a shipped one.
         algorithm: a key of ALGORITHMS.
+        action_seconds: between two actions [s], which learners of scenarios without a preset heed.
 
     Raises:
         InputError: the file of presets is no YAML of this form; with places.
         UsageError: it names a learner or a hyper-parameter that there is not, or a wrong value.
     """
-    made = Preset(algorithm_of(algorithm).defaults(), TOTAL_STEPS)
+    row = algorithm_of(algorithm)
+    made = Preset(row.defaults(), TOTAL_STEPS)
     file = presets_file(scenario)
-    if not file.is_file():
-        return made
-    sections = read_settings(str(file))
+    sections = read_settings(str(file)) if file.is_file() else {}
     for name, (_, place) in sections.items():
         if name not in ALGORITHMS:
             raise UsageError(f"{place}: no learner `{name}`{allowed_words(name, ALGORITHMS)}")
     values, _ = sections.get(algorithm, ({}, ""))
+    if not values and action_seconds is not None:
+        made = dataclasses.replace(made, hyper=row.fit(made.hyper, action_seconds))
     for key, (text, place) in values.items():
         where = f"{place}: {key}"
         if key == _TOTAL:

@@ -12,10 +12,9 @@ from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from tqdm import tqdm  # type: ignore[import-untyped]
 
 from skybody._native import CompiledScenario, Error
 from skybody.train import files
@@ -27,6 +26,11 @@ from skybody.train.events import EventFile
 from skybody.train.hashing import parameter_hash
 from skybody.train.learner import Learner, Report
 from skybody.train.run_folder import Config, ProgressTable, write_evaluations
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from tqdm import tqdm  # type: ignore[import-untyped]
 
 RECENT_EPISODES = 100  # that the progress bar's return is the mean of
 
@@ -102,7 +106,8 @@ class Trainer:
             while learner.steps < config.total_steps and not stop.is_set():
                 before = learner.steps
                 report = learner.iterate()
-                self.average.add(learner.policy(), learner.steps - before)
+                if self.average.window > 0:
+                    self.average.add(learner.policy(), learner.steps - before)
                 row = self._record(report, learner.steps - before)
                 self._show(bar, row, learner.steps - before)
                 passed = (
@@ -137,12 +142,17 @@ class Trainer:
             **report.losses,
         }
         self.table.append(row)
-        for name, value in row.items():
-            if name not in ("steps", "wall_clock") and not math.isnan(value):
-                self.events.add(f"train/{name}", value, self.learner.steps)
+        curves = {
+            f"train/{name}": value
+            for name, value in row.items()
+            if name not in ("steps", "wall_clock") and not math.isnan(value)
+        }
+        self.events.add(curves, self.learner.steps)
         return row
 
-    def _show(self, bar: tqdm[Any], row: dict[str, Any], new_steps: int) -> None:
+    def _show(self, bar: tqdm[Any] | None, row: dict[str, Any], new_steps: int) -> None:
+        if bar is None:
+            return
         shares = "/".join(f"{100 * row[f'{name}_share']:.0f}" for name in self.shares)
         bar.set_postfix_str(
             f"return {row['recent_return_mean']:.3g}, error {row['position_error']:.2g} m, "
@@ -196,9 +206,9 @@ class Trainer:
     def _record_evaluations(self) -> None:
         rows = write_evaluations(self.run)
         for row in rows[self._evaluated :]:
-            for name in ("return_mean", "return_cv", "position_error_median", "success_share"):
-                if row[name] is not None:
-                    self.events.add(f"evaluation/{name}", row[name], row["steps"])
+            names = ("return_mean", "return_cv", "position_error_median", "success_share")
+            known = {f"evaluation/{n}": row[n] for n in names if row[n] is not None}
+            self.events.add(known, row["steps"])
         self._evaluated = len(rows)
 
     def finish(self, complete: bool) -> None:
@@ -221,7 +231,7 @@ class Trainer:
     def abandon(self) -> None:
         """Ends everything and writes nothing more: the newest checkpoint is what is left."""
         self.evaluations.stop()
-        self.events.abandon()
+        self.events.close()
         self.learner.close()
 
     def summary(self) -> str:
@@ -283,14 +293,18 @@ def stop_request() -> Iterator[threading.Event]:
             signal.signal(number, handler)
 
 
-def progress_bar(total: int, initial: int) -> tqdm[Any]:
+def progress_bar(total: int, initial: int) -> AbstractContextManager[tqdm[Any] | None]:
     """On a terminal only: logs get the summary."""
-    return tqdm(
+    if not sys.stderr.isatty():
+        return contextlib.nullcontext()
+    from tqdm import tqdm
+
+    bar: AbstractContextManager[tqdm[Any]] = tqdm(
         total=total,
         initial=initial,
         unit=" steps",
         unit_scale=True,
-        disable=None,
         dynamic_ncols=True,
         smoothing=0.1,
     )
+    return bar

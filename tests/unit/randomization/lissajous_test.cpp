@@ -1,5 +1,6 @@
 // Randomizer `lissajous`: the paper's family of references.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -93,9 +94,37 @@ TEST_F(LissajousDraws, LeaveTheRestAlone) {
   }
 }
 
+TEST_F(LissajousDraws, PutARobotNearTheFiguresBeginningInEveryEpisode) {
+  const int start = world.robots[0].first_param + 6;  // behind the disturbance
+  for (int k = 0; k < 3; ++k) params["start" + std::to_string(k)] = start + k;
+  auto drawn = draw({{"robot", "quad"}, {"start_within", Numbers{0.5, 0.2, 0.0}}, {"every", 4}});
+  std::array<Numbers, 3> off;
+  for (std::size_t n = 0; n < kDraws; ++n) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string axis = "[" + std::to_string(k) + "]";
+      const double beginning = drawn["centre" + axis][n] +
+                               drawn["amplitude" + axis][n] * std::sin(drawn["phase" + axis][n]);
+      off[k].push_back(drawn["start" + std::to_string(k)][n] - beginning);
+    }
+    if (n % 4 != 0) {
+      ASSERT_EQ(drawn["phase[0]"][n], drawn["phase[0]"][n - 1]);
+      ASSERT_NE(off[0][n], off[0][n - 1]);
+    }
+  }
+  expect_uniform(off[0], -0.5, 0.5);
+  expect_uniform(off[1], -0.2, 0.2);
+  for (const double z : off[2]) EXPECT_NEAR(z, 0.0, 1e-14);
+}
+
+TEST_F(LissajousDraws, DrawTheSameFiguresWithAndWithoutARobot) {
+  const Numbers alone = draw()["peak_speed"];
+  EXPECT_EQ(draw({{"robot", "quad"}})["peak_speed"], alone);
+}
+
 TEST_F(LissajousDraws, GiveTheBitsOfDouble) {
   PluginWorld own = world;
   expect_same_bits("lissajous", own);
+  expect_same_bits("lissajous", own, {{"robot", "quad"}});
 }
 
 TEST_F(LissajousDraws, BadRangesAndRatiosAreRefused) {
@@ -103,6 +132,11 @@ TEST_F(LissajousDraws, BadRangesAndRatiosAreRefused) {
               HasSubstr("`peak_speed` is 2 to 1: swap them"));
   EXPECT_THAT(refusal("lissajous", world, {{"ratios", Numbers{1, 2}}}),
               HasSubstr("`ratios` has 2 values; allowed: three for each ratio"));
+  EXPECT_THAT(refusal("lissajous", world, {{"start_within", Numbers{1, 1, 1}}}),
+              HasSubstr("`start_within` is given without `robot`"));
+  EXPECT_THAT(refusal("lissajous", world, {{"robot", "quda"}}), HasSubstr("quda"));
+  world.robots[0].fixed_base = 1;
+  EXPECT_THAT(refusal("lissajous", world, {{"robot", "quad"}}), HasSubstr("has a fixed base"));
   PluginWorld bare;
   bare.add_quad("quad");
   EXPECT_NE(refusal("lissajous", bare, {}), "");

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "tests/unit/obstacle_world.h"
 #include "tests/unit/plugin_harness.h"
 
 namespace skybody::testing {
@@ -36,40 +35,40 @@ class RangeFinderTest : public ::testing::Test {
 };
 
 TEST_F(RangeFinderTest, GivesTheBitsOfDouble) {
-  add_obstacle(world, SKYBODY_BOX, {0.4, 0.6, 0.8}, {0.7, 0.1, 0.2}, 0.3);
-  add_obstacle(world, SKYBODY_SPHERE, {0.3}, {-0.7, 0.1, 0.2});
-  add_obstacle(world, SKYBODY_CYLINDER, {0.2, 1.0}, {0.1, 0.8, 0.2}, 0.7);
-  add_obstacle(world, SKYBODY_CAPSULE, {0.2, 1.0}, {0.1, -0.8, 0.2}, -0.7);
-  add_obstacle(world, SKYBODY_GATE, {0.8, 0.6, 0.1}, {0.0, 0.0, 0.9}, 1.0);
-  add_obstacle(world, SKYBODY_PLANE, {}, {0.0, 0.0, -0.8});
+  world.add_obstacle(SKYBODY_BOX, {0.4, 0.6, 0.8}, {0.7, 0.1, 0.2}, 0.3);
+  world.add_obstacle(SKYBODY_SPHERE, {0.3}, {-0.7, 0.1, 0.2});
+  world.add_obstacle(SKYBODY_CYLINDER, {0.2, 1.0}, {0.1, 0.8, 0.2}, 0.7);
+  world.add_obstacle(SKYBODY_CAPSULE, {0.2, 1.0}, {0.1, -0.8, 0.2}, -0.7);
+  world.add_obstacle(SKYBODY_GATE, {0.8, 0.6, 0.1}, {0.0, 0.0, 0.9}, 1.0);
+  world.add_obstacle(SKYBODY_PLANE, {}, {0.0, 0.0, -0.8});
   expect_same_bits("range_finder", world, {{"rays", 6}, {"elevations", Numbers{-0.4, 0.3}}});
   expect_same_bits("range_finder", world, {{"rays", 5}, {"noise", 0.1}, {"level", true}});
 }
 
 TEST_F(RangeFinderTest, SaysItsRangeWhereNothingIsNearer) {
   EXPECT_EQ(ahead(), 5.0);
-  add_obstacle(world, SKYBODY_SPHERE, {0.5}, {8.0, 0.0, 1.0});
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {8.0, 0.0, 1.0});
   EXPECT_EQ(ahead(), 5.0);
   EXPECT_NEAR(ahead({{"max_range", 20.0}}), 7.5, kRounding);
 }
 
 TEST_F(RangeFinderTest, MeetsASphere) {
-  add_obstacle(world, SKYBODY_SPHERE, {0.5}, {2.0, 0.3, 1.0});
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {2.0, 0.3, 1.0});
   EXPECT_NEAR(ahead(), 2.0 - 0.4, kRounding) << "a chord of 0.8 m, 0.3 m beside the centre";
 }
 
 TEST_F(RangeFinderTest, MeetsTheFaceOfABox) {
-  add_obstacle(world, SKYBODY_BOX, {1.0, 2.0, 3.0}, {3.0, 0.0, 1.0});
+  world.add_obstacle(SKYBODY_BOX, {1.0, 2.0, 3.0}, {3.0, 0.0, 1.0});
   EXPECT_NEAR(ahead(), 2.5, kRounding);
 }
 
 TEST_F(RangeFinderTest, MeetsTheEdgeOfATurnedBox) {
-  add_obstacle(world, SKYBODY_BOX, {1.0, 1.0, 1.0}, {3.0, 0.0, 1.0}, 0.25 * kPi);
+  world.add_obstacle(SKYBODY_BOX, {1.0, 1.0, 1.0}, {3.0, 0.0, 1.0}, 0.25 * kPi);
   EXPECT_NEAR(ahead(), 3.0 - std::sqrt(0.5), kRounding);
 }
 
 TEST_F(RangeFinderTest, MeetsACylindersSideAndPassesOverItsTop) {
-  add_obstacle(world, SKYBODY_CYLINDER, {0.2, 1.8}, {2.0, 0.0, 0.0});
+  world.add_obstacle(SKYBODY_CYLINDER, {0.2, 1.8}, {2.0, 0.0, 0.0});
   EXPECT_EQ(ahead(), 5.0) << "its top is at 0.9 m, the ray at 1 m";
   // Down by 0.1 m a metre, to the top's near edge at (1.8, 0.82): it meets the side there.
   EXPECT_NEAR(ahead({{"elevations", Numbers{-std::atan(0.1)}}}), 1.8 * std::hypot(1.0, 0.1),
@@ -77,12 +76,12 @@ TEST_F(RangeFinderTest, MeetsACylindersSideAndPassesOverItsTop) {
 }
 
 TEST_F(RangeFinderTest, MeetsACapsulesCap) {
-  add_obstacle(world, SKYBODY_CAPSULE, {0.5, 1.0}, {2.0, 0.0, 0.2});
+  world.add_obstacle(SKYBODY_CAPSULE, {0.5, 1.0}, {2.0, 0.0, 0.2});
   EXPECT_NEAR(ahead(), 2.0 - 0.4, kRounding) << "the cap's centre is 0.3 m below the ray";
 }
 
 TEST_F(RangeFinderTest, LooksThroughAGateAndMeetsItsBars) {
-  add_obstacle(world, SKYBODY_GATE, {1.0, 1.0, 0.2}, {2.0, 0.0, 1.0});
+  world.add_obstacle(SKYBODY_GATE, {1.0, 1.0, 0.2}, {2.0, 0.0, 1.0});
   EXPECT_EQ(ahead(), 5.0);
   EXPECT_NEAR(ahead({{"position", Numbers{0.0, 0.6, 0.0}}}), 1.9, kRounding);
 }
@@ -94,16 +93,16 @@ TEST_F(RangeFinderTest, MeetsTheGroundUnlessItIsTold) {
 }
 
 TEST_F(RangeFinderTest, ReadsZeroInsideAndDoesNotSeeWhatIsBehindOrAbsent) {
-  add_obstacle(world, SKYBODY_SPHERE, {0.5}, {-2.0, 0.0, 1.0});
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {-2.0, 0.0, 1.0});
   EXPECT_EQ(ahead(), 5.0) << "behind";
-  const int first = add_obstacle(world, SKYBODY_SPHERE, {0.5}, {0.2, 0.0, 1.0});
+  const int first = world.add_obstacle(SKYBODY_SPHERE, {0.5}, {0.2, 0.0, 1.0});
   EXPECT_EQ(ahead(), 0.0);
   world.params[static_cast<std::size_t>(first + SKYBODY_OBSTACLE_PRESENT)].nominal = 0.0;
   EXPECT_EQ(ahead(), 5.0) << "not there";
 }
 
 TEST_F(RangeFinderTest, SpreadsItsRaysCounterClockwise) {
-  add_obstacle(world, SKYBODY_SPHERE, {0.5}, {0.0, 2.0, 1.0});
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {0.0, 2.0, 1.0});
   const Numbers ring = ranges({{"rays", 4}});
   EXPECT_EQ(ring[0], 5.0);
   EXPECT_NEAR(ring[1], 1.5, kRounding) << "to the left";
@@ -128,7 +127,7 @@ TEST_F(RangeFinderTest, TurnsWithItsLinkUnlessItIsHeldLevel) {
 }
 
 TEST_F(RangeFinderTest, NoiseHasItsDeviationAndIsNotOnRaysThatMeetNothing) {
-  add_obstacle(world, SKYBODY_BOX, {1.0, 20.0, 20.0}, {2.5, 0.0, 1.0});
+  world.add_obstacle(SKYBODY_BOX, {1.0, 20.0, 20.0}, {2.5, 0.0, 1.0});
   const Instance finder("range_finder", world, {{"rays", 2}, {"noise", 0.05}, {"ground", false}});
   Group g = finder.group(1);
   Numbers readings;
@@ -154,7 +153,7 @@ TEST_F(RangeFinderTest, BadConfigurationNamesValueAndRemedy) {
   EXPECT_THAT(refusal("range_finder", world, {{"elevations", Numbers{}}}),
               HasSubstr("`elevations` is empty: give one or more"));
   EXPECT_THAT(refusal("range_finder", world, {{"link", "nose"}}), HasSubstr("nose"));
-  add_obstacle(world, SKYBODY_HEIGHT_FIELD, {10.0, 10.0, 2.0}, {0.0, 0.0, 0.0});
+  world.add_obstacle(SKYBODY_HEIGHT_FIELD, {10.0, 10.0, 2.0}, {0.0, 0.0, 0.0});
   EXPECT_THAT(refusal("range_finder", world, {}),
               HasSubstr("obstacle `solid_1` is a height field, and sensor `range_finder` knows "
                         "boxes"));

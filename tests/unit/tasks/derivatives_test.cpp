@@ -1,6 +1,5 @@
 // Derivatives of what the shipped tasks give: observations, rewards, info, targets.
 #include "tests/unit/dual_harness.h"
-#include "tests/unit/obstacle_world.h"
 
 namespace skybody::testing {
 namespace {
@@ -54,9 +53,9 @@ TEST(TaskDerivatives, OfFormationDependOnEachRobot) {
 TEST(TaskDerivatives, OfObstaclesDependOnMotionPlacesAndSizes) {
   PluginWorld world;
   world.add_quad("quad");
-  add_obstacle(world, SKYBODY_SPHERE, {0.3}, {1.5, 0.2, 1.0});
-  add_obstacle(world, SKYBODY_CYLINDER, {0.2, 3.0}, {-1.0, 1.4, 0.5}, 0.3);
-  add_obstacle(world, SKYBODY_BOX, {0.4, 0.5, 0.6}, {0.0, -1.8, 0.2}, 0.5);
+  world.add_obstacle(SKYBODY_SPHERE, {0.3}, {1.5, 0.2, 1.0});
+  world.add_obstacle(SKYBODY_CYLINDER, {0.2, 3.0}, {-1.0, 1.4, 0.5}, 0.3);
+  world.add_obstacle(SKYBODY_BOX, {0.4, 0.5, 0.6}, {0.0, -1.8, 0.2}, 0.5);
   expect("obstacles", world, {{"nearest", 2}}, {"action", "bodies", "params", "state"});
 }
 

@@ -1,7 +1,6 @@
 // The task of a forest, by hand: what is seen, rewards, ends, where the baseline is led.
 #include <cmath>
 
-#include "tests/unit/obstacle_world.h"
 #include "tests/unit/plugin_harness.h"
 
 namespace skybody::testing {
@@ -18,9 +17,9 @@ class ObstaclesTask : public ::testing::Test {
  protected:
   ObstaclesTask() {
     world.add_quad("quad", 0, 0, 1);
-    add_obstacle(world, SKYBODY_CYLINDER, {0.25, 4.0}, {3.0, 0.0, 1.0});
-    sphere = add_obstacle(world, SKYBODY_SPHERE, {0.5}, {0.0, 2.0, 1.0});
-    add_obstacle(world, SKYBODY_BOX, {1.0, 1.0, 2.0}, {0.0, -1.5, 1.0});
+    world.add_obstacle(SKYBODY_CYLINDER, {0.25, 4.0}, {3.0, 0.0, 1.0});
+    sphere = world.add_obstacle(SKYBODY_SPHERE, {0.5}, {0.0, 2.0, 1.0});
+    world.add_obstacle(SKYBODY_BOX, {1.0, 1.0, 2.0}, {0.0, -1.5, 1.0});
   }
   static Group begin(const Instance& task) {
     Group g = task.group(1);
@@ -50,9 +49,9 @@ class ObstaclesTask : public ::testing::Test {
 };
 
 TEST_F(ObstaclesTask, GivesTheBitsOfDouble) {
-  add_obstacle(world, SKYBODY_CAPSULE, {0.25, 1.0}, {0.5, 0.1, 0.0}, 0.4);
-  add_obstacle(world, SKYBODY_GATE, {1.0, 0.8, 0.1}, {-0.5, 0.1, 0.0}, 0.4);
-  add_obstacle(world, SKYBODY_PLANE, {}, {0.0, 0.0, -0.7});
+  world.add_obstacle(SKYBODY_CAPSULE, {0.25, 1.0}, {0.5, 0.1, 0.0}, 0.4);
+  world.add_obstacle(SKYBODY_GATE, {1.0, 0.8, 0.1}, {-0.5, 0.1, 0.0}, 0.4);
+  world.add_obstacle(SKYBODY_PLANE, {}, {0.0, 0.0, -0.7});
   expect_same_bits("obstacles", world);
   expect_same_bits("obstacles", world, given);
 }
@@ -160,7 +159,7 @@ TEST_F(ObstaclesTask, BadConfigurationNamesValueAndRemedy) {
               HasSubstr("`nearest` is 4, and there are 3 obstacles: take no more than there are"));
   EXPECT_THAT(refusal("obstacles", world, {{"target_min", Numbers{7.0, 0.0, 1.0}}}),
               HasSubstr("`target_min[0]` 7 is above `target_max` 6.5: swap them"));
-  add_obstacle(world, SKYBODY_HEIGHT_FIELD, {10.0, 10.0, 2.0}, {0.0, 0.0, 0.0});
+  world.add_obstacle(SKYBODY_HEIGHT_FIELD, {10.0, 10.0, 2.0}, {0.0, 0.0, 0.0});
   EXPECT_THAT(refusal("obstacles", world, given), HasSubstr("height field"));
   PluginWorld bare;
   bare.add_quad("quad");

@@ -1,0 +1,63 @@
+// Whether a robot can fly a path, with the parameters of that check, for plugins that have a path.
+#pragma once
+
+#include "controllers/common/flyable.h"
+#include "plugins/reference/path_start.h"
+
+namespace skybody::control {
+
+/// Declared as a member of the plugin `owner`.
+class PathCheck {
+ public:
+  explicit PathCheck(Plugin* owner) : owner_(owner) {}
+
+  /// Holds the nominal path, from its beginning on, against what the robot can do. Robots without
+  /// rotors are driven, and a step is no path that anything flies exactly.
+  /// @throws std::runtime_error with the limit that breaks, when, by how much, and the remedy
+  void require_flyable_path(const Setup& setup, int robot,
+                            const reference::PathParameters& parameters,
+                            reference::Path path) const {
+    if (!check_.value() || setup.rotors_of(robot).size() == 0) return;
+    if (path.kind == reference::Kind::kStep) return;
+    FlightEnvelope envelope;
+    envelope.configure(setup, robot, max_tilt_.value(), max_rate_.value());
+    const reference::PathNumbers<double> numbers = nominal_numbers(parameters, path);
+    path.approach = 0.0;  // where from is drawn
+    const auto at_scale = [&](double scale) {
+      reference::PathNumbers<double> paced = numbers;
+      paced.time_scale = scale;
+      return paced;
+    };
+    const auto point = [&](double time, double scale) {
+      return reference_point_of(path.at<reference::kOrders>(at_scale(scale), time));
+    };
+    const auto duration = [&](double scale) { return path.length(at_scale(scale)); };
+    const bool ends = is_spline(path.kind);
+    require_flyable(envelope, PacedReference{point, duration, ends}, numbers.time_scale);
+  }
+
+ private:
+  Plugin* owner_;
+  BooleanParameter check_{
+      owner_,
+      {.name = "check",
+       .value = true,
+       .doc = "refuse a path that the robot cannot fly, by its nominal constants in still air"}};
+  RealParameter max_tilt_{owner_,
+                          {.name = "max_tilt",
+                           .unit = "rad",
+                           .value = kPi,
+                           .min = 1e-3,
+                           .max = kPi,
+                           .doc = "of the check: largest angle of the base's z to the vertical"}};
+  RealParameter max_rate_{owner_,
+                          {.name = "max_rate",
+                           .unit = "rad/s",
+                           .value = 35.0,
+                           .min = 1e-3,
+                           .max = 1e4,
+                           .doc = "of the check: largest body rate about each axis; the default "
+                                  "is what common gyroscopes measure, 2000 degrees/s"}};
+};
+
+}  // namespace skybody::control

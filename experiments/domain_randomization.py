@@ -1,0 +1,274 @@
+#!/usr/bin/env python3
+"""Does drawing vehicles in training make a pendulum's policy robust? Figure 11 of the GzDRL paper.
+
+    .venv/bin/python experiments/domain_randomization.py [--seeds 5] [--total-steps N] [--quick]
+
+Policies are trained on the inverted pendulum (`pendulum_learn`), on one vehicle and on vehicles
+drawn every 10 episodes: the base's mass, each axis of its inertia and both time constants of each
+rotor by +-10, 30 or 50 %. The rotors lag in both, alike. Each policy then flies the same draws,
+anew for every episode, of each spread, and is judged by the paper's reward. Finished runs and
+evaluations are not repeated, and interrupted ones go on. Writes domain_randomization.md and its
+JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import stats
+from skybody import InputError
+from skybody.program import run_program
+from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.presets import preset
+from training_runs import (
+    ROOT,
+    Run,
+    RunError,
+    command_line,
+    machine,
+    machine_line,
+    shown,
+    train_all,
+    write_json,
+)
+
+FIXED, DRAWN = "pendulum_learn", "pendulum_learn_randomized"
+SPREADS = (0.1, 0.3, 0.5)
+EPISODES, QUICK_EPISODES = 1000, 20
+QUICK_STEPS = 40_000
+EVALUATION_SEED = 4242
+CONFIDENCE = 0.95
+# Figure 11 and its text: return with its deviation, on vehicles that are drawn, and in training.
+PAPER = {"fixed": ("440 +- 176", "428 +- 139"), "drawn": ("643 +- 232", "398 +- 130")}
+PAPER_REWARD = tuple(
+    f"task.parameters.{name}_reward=0" for name in ("approach", "precision", "heading")
+)
+
+
+def drawn_by(spread: float, every: int) -> tuple[str, ...]:
+    """Overrides of DRAWN: all its draws by +-`spread`, every so many episodes."""
+    limits = f"[{1.0 - spread:g},{1.0 + spread:g}]"
+    return tuple(
+        f"randomization[{k}].parameters.{name}={value}"
+        for k in range(3)
+        for name, value in (("range", limits), ("every", every))
+    )
+
+
+@dataclass(frozen=True)
+class Policy:
+    """What is trained with one seed: on one vehicle (spread 0), or on drawn ones."""
+
+    spread: float
+    run: Run
+
+    def flies(self) -> list[float]:
+        """Spreads on which it is judged; 0: the nominal vehicle."""
+        return [0.0, *SPREADS] if self.spread == 0.0 else [self.spread]
+
+
+def policies(out: Path, seeds: int, total_steps: int) -> list[Policy]:
+    """All that are trained, seed after seed. The presets of both scenarios are alike."""
+    made = []
+    for seed in range(1, seeds + 1):
+        for spread in (0.0, *SPREADS):
+            run = Run(
+                folder=out / f"spread-{round(100 * spread)}-seed-{seed}",
+                scenario=FIXED if spread == 0.0 else DRAWN,
+                algorithm="fast-ppo",
+                seed=seed,
+                total_steps=total_steps,
+                threads=1,
+                overrides=() if spread == 0.0 else drawn_by(spread, every=10),
+                checkpoints=4,
+                eval_episodes=0,
+            )
+            made.append(Policy(spread, run))
+    return made
+
+
+def judged(policy: Policy, spread: float, episodes: int) -> dict[str, Any]:
+    """The policy's flights on drawn vehicles, kept beside its run."""
+    checkpoint = checkpoint_folders(policy.run.folder)[-1]
+    path = policy.run.folder / f"flights-{round(100 * spread)}-{episodes}.json"
+    if not path.exists():
+        scenario = FIXED if spread == 0.0 else DRAWN
+        overrides = PAPER_REWARD + (() if spread == 0.0 else drawn_by(spread, every=1))
+        command = [sys.executable, "-m", "skybody.train.evaluate", str(checkpoint)]
+        command += ["--scenario", scenario, "--episodes", str(episodes)]
+        command += ["--seed", str(EVALUATION_SEED), "--threads", "1"]
+        for override in overrides:
+            command += ["--override", override]
+        part = path.with_suffix(".part")
+        done = subprocess.run(
+            [*command, "--json", str(part)], capture_output=True, text=True, check=False
+        )
+        if done.returncode != 0:
+            raise RunError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr}")
+        part.rename(path)
+    flights: dict[str, Any] = json.loads(path.read_text())
+    return {
+        "return": float(np.mean(flights["returns"])),
+        "deviation": float(np.std(flights["returns"])),
+        "without_failure": 1.0 - float(np.mean(flights["failed"])),
+        "error": float(np.median(flights["position_errors"])),
+    }
+
+
+def difference(a: Sequence[float], b: Sequence[float]) -> tuple[float, float]:
+    """Mean of b less mean of a, and half of its confidence interval (B. L. Welch, 1947).
+
+    Args:
+        a: a figure of each of several runs, two at least.
+        b: the same of others, independent of the first.
+    """
+    shares = [float(np.var(x, ddof=1)) / len(x) for x in (a, b)]
+    spread = sum(shares)
+    gap = float(np.mean(b) - np.mean(a))
+    if spread == 0.0:
+        return gap, 0.0
+    freedom = spread**2 / sum(s**2 / (len(x) - 1) for s, x in zip(shares, (a, b), strict=True))
+    return gap, float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * math.sqrt(spread)
+
+
+def rows_of(trained: Sequence[Policy], episodes: int) -> list[dict[str, Any]]:
+    """For each spread of the vehicles that are flown: both kinds of policies, seed by seed."""
+    rows = []
+    for spread in (0.0, *SPREADS):
+        row: dict[str, Any] = {"spread": spread}
+        for kind in ("fixed", "drawn"):
+            row[kind] = [
+                judged(policy, spread, episodes)
+                for policy in trained
+                if spread in policy.flies() and (policy.spread == 0.0) == (kind == "fixed")
+            ]
+        if row["drawn"]:
+            both = [[found["return"] for found in row[kind]] for kind in ("fixed", "drawn")]
+            row["difference"], row["half"] = difference(*both)
+        rows.append(row)
+        print(f"+-{100 * spread:.0f} %: flown", flush=True)
+    return rows
+
+
+def cell(found: Sequence[dict[str, Any]]) -> str:
+    """Mean over seeds, deviation over all episodes, share without failure, median error."""
+    if not found:
+        return "| |"
+    deviation = math.sqrt(
+        np.mean([f["deviation"] ** 2 for f in found]) + np.var([f["return"] for f in found])
+    )
+    return (
+        f"{np.mean([f['return'] for f in found]):.0f} +- {deviation:.0f} "
+        f"| {100 * np.mean([f['without_failure'] for f in found]):.0f} % "
+        f"| {np.mean([f['error'] for f in found]):.2f}"
+    )
+
+
+def markdown(content: dict[str, Any]) -> str:
+    """The page."""
+    lines = [
+        "| vehicles flown | trained on one: return | without failure | error [m] "
+        "| trained on drawn ones: return | without failure | error [m] "
+        "| gain by drawing, 95 % interval |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for row in content["rows"]:
+        name = "nominal" if row["spread"] == 0.0 else f"+-{100 * row['spread']:.0f} %"
+        gain = f"{row['difference']:+.0f} +- {row['half']:.0f}" if row["drawn"] else ""
+        lines.append(f"| {name} | {cell(row['fixed'])} | {cell(row['drawn'])} | {gain} |")
+    return f"""\
+# Drawn vehicles in training
+
+Figure 11 of the GzDRL paper asks whether a policy that is trained on vehicles drawn every 10
+episodes balances the inverted pendulum on vehicles that it has not seen better than one that was
+trained on one vehicle. Here both have the same rotor lag (the reference's rotors lag only while
+vehicles are drawn), by
+
+    {content["command"]}
+
+on {machine_line(content["machine"])}:
+{content["seeds"]} seeds of each, {content["total_steps"]:,} steps a run. Base mass, each axis of
+the base's inertia and both time constants of each rotor are drawn by the spread that is shown; axes
+that no rigid body has are drawn again. Every policy flies the same {content["episodes"]:,} draws,
+a new vehicle in each episode.
+
+{chr(10).join(lines)}
+
+Returns are by the paper's reward, 10 s at most; +- after them is the deviation over all episodes
+and seeds. The gain is that of the means of the seeds, its interval Welch's. Error: the bob's median
+distance from its target in the last second. `python -m skybody.train` trains `pendulum_learn` and
+`pendulum_learn_randomized`, whose reward pays for being near, too, with the same hyper-parameters.
+
+The paper's figures, one spread of 10 %: trained on one vehicle {PAPER["fixed"][0]} on drawn ones
+({PAPER["fixed"][1]} while training), trained on drawn ones {PAPER["drawn"][0]}
+({PAPER["drawn"][1]} while training). Its rotors lagged in the second kind of training alone.
+"""
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values, checked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("--seeds", type=int, help="of each kind; default: 5")
+    add("--total-steps", type=float, help="of a run; default: the preset's")
+    add("--jobs", type=int, default=2, help="runs at once; default: 2")
+    add("--out", type=Path, default=ROOT / "flights/domain_randomization", help="of the runs")
+    add("--report", type=Path, help="folder of the page; default: docs/results")
+    add("--quick", action="store_true", help="2 seeds, short runs, few episodes, report in --out")
+    options = parser.parse_args(arguments)
+    options.seeds = options.seeds or (2 if options.quick else 5)
+    wanted = options.total_steps or (QUICK_STEPS if options.quick else 0)
+    options.total_steps = int(wanted or preset(FIXED, "fast-ppo").total_steps)
+    options.episodes = QUICK_EPISODES if options.quick else EPISODES
+    options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
+    if options.seeds < 2:
+        parser.error(f"--seeds {options.seeds}: an interval takes 2 at least")
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, flies, writes; returns the exit code."""
+    options = parse(arguments)
+    try:
+        trained = policies(options.out, options.seeds, options.total_steps)
+        train_all([policy.run for policy in trained], options.jobs, say)
+        rows = rows_of(trained, options.episodes)
+    except (InputError, RunError) as error:
+        print(f"domain_randomization: {error}", file=sys.stderr)
+        return 2
+    given = sys.argv[1:] if arguments is None else arguments
+    content = {
+        "experiment": "vehicles drawn in training",
+        "command": command_line("domain_randomization.py", given),
+        "machine": machine(),
+        "seeds": options.seeds,
+        "total_steps": options.total_steps,
+        "episodes": options.episodes,
+        "rows": rows,
+    }
+    write_json(options.report / "data/domain_randomization.json", content)
+    text = markdown(content)
+    (options.report / "domain_randomization.md").write_text(text)
+    print(f"{text}\nwritten: {shown(options.report / 'domain_randomization.md')}")
+    return 0
+
+
+def say(run: Run) -> str:
+    """One line on a finished run."""
+    meta = read_meta(checkpoint_folders(run.folder)[-1])
+    return f"{run.folder.name}: {meta['steps']:,} steps, {meta['wall_clock']:.0f} s"
+
+
+if __name__ == "__main__":
+    run_program(main)

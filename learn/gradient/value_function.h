@@ -1,0 +1,65 @@
+// What follows a horizon: a value function of observations, learned from the horizons themselves.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/aligned_array.h"
+#include "learn/hyperparameters.h"
+#include "learn/network/adam.h"
+#include "learn/network/network.h"
+
+namespace skybody::learn {
+
+/// TD(lambda) targets of a stretch of transitions (Sutton and Barto 2018, section 12.2), as the
+/// critic of Xu et al. 2022 (arXiv 2204.07137, eq. 6 and 7) takes them:
+///
+///   target_t = gain_t + discount ((1 - lambda) value_t + lambda target_(t+1)),
+///
+/// where value_t is that of the state after transition t, and target behind the last is its value.
+/// @param gains, values  one a transition   @param targets  likewise, written
+void td_lambda(std::span<const double> gains, std::span<const double> values, double discount,
+               double lambda, std::span<double> targets);
+
+/// A critic and its delayed copy, which gives targets and the slope at a horizon's end (arXiv
+/// 2204.07137, section 3.2). The network says (1 - discount) times the value: about what a
+/// transition gains, whatever the discount.
+class ValueFunction {
+ public:
+  ValueFunction(int observed, const Hyperparameters& hyper, std::uint64_t seed);
+
+  const Network& network() const { return network_; }
+  std::span<const float> parameters() const { return {parameters_.data(), parameters_.size()}; }
+  std::span<const float> delayed() const { return {delayed_.data(), delayed_.size()}; }
+  const TransposedWeights& transposed() const { return transposed_; }
+  const TransposedWeights& delayed_transposed() const { return delayed_transposed_; }
+  /// The value is the network's output times this.
+  double scale() const { return scale_; }
+  static double scale_of(const Hyperparameters& hyper);
+
+  /// A step of the optimiser. @returns the gradient's norm @param gradients  of the slices
+  double step(std::span<const float* const> gradients, double learning_rate);
+  /// The delayed copy moves towards the critic. Once an iteration, after all steps.
+  void follow();
+  /// After parameters were read from a checkpoint.
+  void changed();
+
+  /// Names to `visitor` what a checkpoint holds (state_blocks.h). @param self  const or not
+  template <class Self, class Visitor>
+  static void visit(Self& self, const std::string& name, Visitor& visitor) {
+    visitor(name, self.parameters_.data(), self.parameters_.size());
+    visitor(name + ".delayed", self.delayed_.data(), self.delayed_.size());
+    Adam::visit(self.adam_, name + ".adam", visitor);
+  }
+
+ private:
+  Network network_;
+  AlignedArray<float> parameters_, delayed_;
+  TransposedWeights transposed_, delayed_transposed_;
+  Adam adam_;
+  double scale_;
+};
+
+}  // namespace skybody::learn

@@ -1,0 +1,69 @@
+// What a reward of the paper's lacks for a learner: slopes far from the goal and up to it, and a
+// cost of dashing off. Weights are parameters of the task, 0 where a scenario says nothing.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include "plugins/task_kit/shaping.h"
+
+namespace skybody::task_kit {
+
+/// The weights and their terms: a member of a task, among its parameters.
+class GoalShaping {
+ public:
+  explicit GoalShaping(Plugin* owner) : owner_(owner) {}
+
+  /// Whether a scenario gives any weight.
+  bool is_asked_for() const {
+    return approach_reward_.value() != 0.0 || precision_reward_.value() != 0.0 ||
+           heading_reward_.value() != 0.0 || tilt_cost_.value() != 0.0;
+  }
+
+  /// @param distance   from the goal [m]; @param yaw_error  wrapped [rad]
+  template <class Real>
+  SKYBODY_INLINE Real reward(const Real& distance, const Real& yaw_error) const {
+    return approach_reward_.value() * approach(distance, kApproachRange) +
+           precision_reward_.value() * closeness(distance, kPrecisionWeight) +
+           heading_reward_.value() * closeness(yaw_error * yaw_error, kHeadingWeight);
+  }
+  /// What a robot's tilt costs, to be taken off.
+  template <class Real>
+  SKYBODY_INLINE Real cost(const Quat<Real>& rotation) const {
+    return tilt_cost_.value() * tilt_wall(rotation, kLeastCosine);
+  }
+
+ private:
+  static constexpr double kApproachRange = 10.0;   // [m], about the largest distance at a start
+  static constexpr double kPrecisionWeight = 5.0;  // 1 / 0.2 m
+  static constexpr double kHeadingWeight = 4.0;    // (1 / 0.5 rad)^2
+  static constexpr double kLeastCosine = 0.1;      // where the wall of the tilt ends, at 84 degrees
+
+  Plugin* owner_;
+  RealParameter approach_reward_{
+      owner_,
+      {.name = "approach_reward",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "weight of max(0, 1 - |e| / 10 m) in the reward: a slope far from the target"}};
+  RealParameter precision_reward_{
+      owner_,
+      {.name = "precision_reward",
+       .value = 0.0,
+       .min = 0.0,
+       .doc = "weight of 1 / (1 + |e| / 0.2 m) in the reward: a slope up to the target"}};
+  RealParameter heading_reward_{owner_,
+                                {.name = "heading_reward",
+                                 .value = 0.0,
+                                 .min = 0.0,
+                                 .doc = "weight of 1 / (1 + (e_psi / 0.5 rad)^2) in the reward: a "
+                                        "slope far from the heading, too"}};
+  RealParameter tilt_cost_{
+      owner_,
+      {.name = "tilt_cost",
+       .value = 0.0,
+       .min = 0.0,
+       .doc =
+           "weight of 1 / max(cos tilt, 0.1) - 1, taken off the reward: what dashing off costs"}};
+};
+
+}  // namespace skybody::task_kit

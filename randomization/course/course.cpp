@@ -1,0 +1,229 @@
+// Draws a race: where the gates of a ring stand, at which gate an episode begins, and where on the
+// way there its racers are.
+#include <skybody/plugin.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace skybody {
+namespace {
+
+class Course : public Randomizer {
+ public:
+  void configure(const Setup& setup) override {
+    require_order(radius_, "radius");
+    require_order(height_, "height");
+    require_order(share_, "share");
+    find_gates(setup);
+    find_robots(setup);
+    if (moves_gates_.value()) {
+      for (const Gate& gate : gates_) {
+        for (int k = 0; k < 3; ++k) setup.writes(gate.position + k);
+        for (int k = 0; k < 4; ++k) setup.writes(gate.rotation + k);
+      }
+    }
+    first_gate_ = setup.find_params("task.first_gate")[0];
+    setup.writes(first_gate_);
+  }
+
+  template <class Real>
+  void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
+    Random<Real> draw = random(env);
+    if (moves_gates_.value()) place_gates(draw, start);
+    const double n = static_cast<double>(gates_.size());
+    const Real any = min(floor(draw.uniform() * n), Real(n - 1.0));
+    const Real first = starts_anywhere_.value() ? any : Real(0.0);
+    start.params.set(first_gate_, first);
+    place_robots(draw, first, start);
+  }
+
+ private:
+  struct Gate {
+    int position, rotation;  ///< first EnvParams
+  };
+  struct Robot {
+    int position, turn, velocity;  ///< first EnvParams
+    Vec3<double> beside;           ///< of the team's middle in the scenario, in its heading [m]
+    double yaw;                    ///< of the scenario [rad]
+  };
+
+  static void require_order(const RealsParameter& range, const std::string& name) {
+    if (range.value(0) <= range.value(1)) return;
+    throw std::runtime_error("`" + name + "` is " + to_text(range.value(0)) + " to " +
+                             to_text(range.value(1)) + ": swap them");
+  }
+
+  void find_gates(const Setup& setup) {
+    for (const ShapeInfo& shape : setup.shapes()) {
+      if (shape.kind != SKYBODY_GATE) continue;
+      gates_.push_back({shape.first_param + SKYBODY_OBSTACLE_POSITION,
+                        shape.first_param + SKYBODY_OBSTACLE_ROTATION});
+    }
+    if (gates_.size() > 1) return;
+    throw std::runtime_error("a course needs two gates or more, and there " +
+                             std::string(gates_.empty() ? "is none" : "is 1") +
+                             ": add obstacles of kind `gate`");
+  }
+
+  void find_robots(const Setup& setup) {
+    std::vector<int> chosen;
+    for (const std::string& name : robots_of_.values()) chosen.push_back(setup.robot(name));
+    if (chosen.empty()) {
+      for (int r = 0; r < setup.robots().size(); ++r) {
+        if (setup.robots()[r].fixed_base == 0) chosen.push_back(r);
+      }
+    }
+    Vec3<double> middle{0.0, 0.0, 0.0};
+    for (const int r : chosen) {
+      const double* p = setup.robots()[r].position;
+      middle += Vec3<double>{p[0], p[1], p[2]} / static_cast<double>(chosen.size());
+    }
+    for (const int r : chosen) {
+      const RobotInfo& info = setup.robots()[r];
+      const Vec3<double> p{info.position[0], info.position[1], info.position[2]};
+      const double heading =
+          yaw(Quat<double>{info.rotation[0], info.rotation[1], info.rotation[2], info.rotation[3]});
+      const std::string path = "robots." + std::string(info.name) + ".start.";
+      robots_.push_back({announce(setup, path + "position"), announce(setup, path + "turn"),
+                         announce(setup, path + "velocity"), turned(p - middle, -heading),
+                         heading});
+    }
+  }
+
+  static int announce(const Setup& setup, const std::string& path) {
+    const std::vector<int> params = setup.find_params(path);
+    for (const int param : params) setup.writes(param);
+    return params[0];
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE Vec3<Real> turned(const Vec3<Real>& v, const Real& angle) {
+    const SinCos<Real> turn = sincos(angle);
+    return {turn.cos * v.x - turn.sin * v.y, turn.sin * v.x + turn.cos * v.y, v.z};
+  }
+
+  /// Gate i somewhere in its own sector of a ring, about along it.
+  template <class Real>
+  SKYBODY_INLINE void place_gates(Random<Real>& draw, Start<Real>& start) const {
+    const double sector = kTwoPi / static_cast<double>(gates_.size());
+    for (std::size_t i = 0; i < gates_.size(); ++i) {
+      const Real shift = draw.uniform(Real(-0.5), Real(0.5)) * sector_share_.value();
+      const Real radius = draw.uniform(Real(radius_.value(0)), Real(radius_.value(1)));
+      const Real height = draw.uniform(Real(height_.value(0)), Real(height_.value(1)));
+      const Real turn = draw.uniform(Real(-turn_.value()), Real(turn_.value()));
+      const Real angle = (static_cast<double>(i) + shift) * sector;
+      const SinCos<Real> place = sincos(angle);
+      const SinCos<Real> half = sincos(0.5 * (angle + turn + 0.25 * kTwoPi));
+      start.params.set(gates_[i].position,
+                       Vec3<Real>{radius * place.cos, radius * place.sin, height});
+      start.params.set(gates_[i].rotation, Quat<Real>{half.cos, Real(0.0), Real(0.0), half.sin});
+    }
+  }
+
+  /// On the straight way from the middle of the gate before to that of the first one, flying along
+  /// it; a team keeps its places, turned to that way.
+  template <class Real>
+  SKYBODY_INLINE void place_robots(Random<Real>& draw, const Real& first,
+                                   const Start<Real>& start) const {
+    const double n = static_cast<double>(gates_.size());
+    const Vec3<Real> to = middle(start, first);
+    const Vec3<Real> from = middle(start, select(first == 0.0, Real(n - 1.0), first - 1.0));
+    const Vec3<Real> way = to - from;
+    const Real share = draw.uniform(Real(share_.value(0)), Real(share_.value(1)));
+    const Real heading = atan2(way.y, way.x);
+    const Real speed = draw.uniform(Real(0.0), Real(speed_.value()));
+    const Vec3<Real> velocity = way * (speed / norm(way));
+    const Real aside(spread_.value());
+    for (const Robot& robot : robots_) {
+      Vec3<Real> place = from + way * share + turned(to_real<Real>(robot.beside), heading);
+      place.x += draw.uniform(-aside, aside);
+      place.y += draw.uniform(-aside, aside);
+      place.z += draw.uniform(-aside, aside);
+      start.params.set(robot.position, place);
+      start.params.set(robot.turn, Vec3<Real>{Real(0.0), Real(0.0), heading - robot.yaw});
+      start.params.set(robot.velocity, velocity);
+    }
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> middle(const Start<Real>& start, const Real& index) const {
+    Vec3<Real> place = start.params.vec3(gates_[0].position);
+    for (std::size_t i = 1; i < gates_.size(); ++i) {
+      place = select(index == static_cast<double>(i), start.params.vec3(gates_[i].position), place);
+    }
+    return place;
+  }
+
+  TextsParameter robots_of_{
+      this, {.name = "robots", .doc = "who is placed; empty: all whose base is free"}};
+  BooleanParameter moves_gates_{this,
+                                {.name = "gates",
+                                 .value = false,
+                                 .doc = "true: gates are drawn, too, on a ring about W's z axis"}};
+  BooleanParameter starts_anywhere_{
+      this,
+      {.name = "anywhere",
+       .value = true,
+       .doc = "true: any gate may be the first; false: the scenario's first one is"}};
+  RealsParameter radius_{this,
+                         {.name = "radius",
+                          .unit = "m",
+                          .values = {2.5, 3.5},
+                          .count = 2,
+                          .min = 0.1,
+                          .max = 1e4,
+                          .doc = "least and greatest distance of a drawn gate from the z axis"}};
+  RealsParameter height_{this,
+                         {.name = "height",
+                          .unit = "m",
+                          .values = {1.2, 2.0},
+                          .count = 2,
+                          .min = -1e4,
+                          .max = 1e4,
+                          .doc = "likewise of its middle over z = 0"}};
+  RealParameter sector_share_{this,
+                              {.name = "sector_share",
+                               .value = 0.3,
+                               .min = 0.0,
+                               .max = 1.0,
+                               .doc = "of its sector of the ring, in which a gate may lie"}};
+  RealParameter turn_{this,
+                      {.name = "turn",
+                       .unit = "rad",
+                       .value = 0.3,
+                       .min = 0.0,
+                       .max = kPi,
+                       .doc = "largest angle of a drawn gate to the ring, either way"}};
+  RealsParameter share_{this,
+                        {.name = "share",
+                         .values = {0.3, 0.7},
+                         .count = 2,
+                         .min = 0.0,
+                         .max = 1.0,
+                         .doc = "of the way between two gates, where racers begin"}};
+  RealParameter spread_{this,
+                        {.name = "spread",
+                         .unit = "m",
+                         .value = 0.2,
+                         .min = 0.0,
+                         .max = 1e3,
+                         .doc = "largest distance of each coordinate from there"}};
+  RealParameter speed_{this,
+                       {.name = "speed",
+                        .unit = "m/s",
+                        .value = 1.0,
+                        .min = 0.0,
+                        .max = 100.0,
+                        .doc = "greatest one at the start, along the way"}};
+
+  std::vector<Gate> gates_;
+  std::vector<Robot> robots_;
+  int first_gate_ = 0;  ///< EnvParam
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Course, "course", "1.0.0",
+               "Draws gates, the first of them, and where racers begin.");

@@ -1,0 +1,319 @@
+// Land on a deck that may move: softly, level, and within its edges.
+#include <skybody/task_kit.h>
+
+#include "tasks/landing/deck.h"
+
+namespace skybody {
+namespace {
+
+using namespace task_kit;
+using landing::OverDeck;
+
+class Landing : public Task {
+ public:
+  template <class Real>
+  struct State {
+    Real distance;  ///< from the place of landing, after the action before [m]
+    Real speed;     ///< against the deck, likewise [m/s]
+  };
+
+  void configure(const Setup& setup) override {
+    const int pad = setup.robot(pad_.value());
+    const int robot = robot_of(setup, pad);
+    const RobotInfo& info = setup.robots()[robot];
+    body_ = info.first_body;
+    first_action_ = info.first_action;
+    actions_ = action_count(info, "landing");
+    step_time_ = setup.dt() * setup.action_repeat();
+    hull_.configure(setup, robot);
+    deck_.configure(setup, pad);
+    check_limits();
+    declare(setup, robot);
+    setup.goal(robot, body_);
+  }
+
+  template <class Real>
+  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
+    const BodyMotion<Real> body = env.body(body_);
+    const OverDeck<Real> at = hull_.over(deck_, env);
+    const Real speed = norm(at.velocity);
+    const Real distance = norm(at.position.x, at.position.y, max(at.height, Real(0.0)));
+    observe(env, body, at, out.observation);
+    if (out.wants_info()) {
+      distance_info_.set(out.info, distance);
+      speed_info_.set(out.info, speed);
+      tilt_info_.set(out.info, tilt(at.rotation));
+    }
+    const auto stepped = env.step() > Word<Real>(0);
+    const Touch<Real> touch = judge_touch(at, speed, select(stepped, state.speed, speed));
+    const MaskOf<Real> outside =
+        logical_or(at.position.z<0.0, norm(at.position)> distance_max_.value());
+    const Real time = to_real(env.step()) * step_time_;
+    const MaskOf<Real> late =
+        logical_and(MaskOf<Real>(time_max_.value() > 0.0), time >= time_max_.value());
+    Verdict<Real> verdict(out);
+    limits_.judge(verdict, limits_.passed(body));
+    verdict.fail(crash_failure_, touch.crash);
+    verdict.fail(outside_failure_, outside);
+    const MaskOf<Real> landed = logical_and(touch.landed, logical_not(verdict.failed()));
+    verdict.fail(time_failure_, logical_and(late, logical_not(landed)));
+    verdict.finish(success_, landed);
+    verdict.close();
+    out.set_reward(reward(env, body, distance, speed, state) +
+                   select(landed, Real(landing_reward_.value()), Real(0.0)) +
+                   select(verdict.failed(), Real(failure_reward_.value()), Real(0.0)));
+    state.speed = speed;
+  }
+
+  /// Over the deck's middle, and down on it: slowly, and no lower than a cone allows whoever is
+  /// aside.
+  template <class Real>
+  void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
+    const OverDeck<Real> at = hull_.over(deck_, env);
+    const Vec3<Real> place{Real(0.0), Real(0.0), at.position.z - min(room(at), Real(0.0))};
+    const Quat<Real> turn = deck_.rotation(env);
+    goal.set(0, deck_.middle(env) + rotate(turn, place));
+    goal.set(3, yaw(turn));
+  }
+
+  template <class Real>
+  void goal_motion(const EnvView<Real>& env, const State<Real>&, Values<Real> motion) const {
+    const OverDeck<Real> at = hull_.over(deck_, env);
+    const Real down = descent_.value() * clamp(room(at) / kRoom, Real(0.0), Real(1.0));
+    motion.set(0, deck_.velocity(env, env.body(body_).position) -
+                      rotate(deck_.rotation(env), Vec3<Real>{Real(0.0), Real(0.0), down}));
+    motion.set(3, Vec3<Real>{Real(0.0), Real(0.0), Real(0.0)});
+  }
+
+ private:
+  // The cone of the baseline's descent: 2 m higher for each metre beyond 0.25 m aside.
+  static constexpr double kNear = 0.25, kSteepness = 2.0, kRoom = 0.3;
+
+  template <class Real>
+  struct Touch {
+    MaskOf<Real> crash, landed;
+  };
+
+  /// Whether it touches the deck, and how. The speed before tells how fast it came: contact has
+  /// stopped it since.
+  template <class Real>
+  SKYBODY_INLINE Touch<Real> judge_touch(const OverDeck<Real>& at, const Real& speed,
+                                         const Real& speed_before) const {
+    const Real upright = tilt_cosine(at.rotation);
+    const MaskOf<Real> touches =
+        logical_and(at.height < touch_height_.value(), deck_.is_under(at.position, 0.0));
+    const MaskOf<Real> hard = speed_before > crash_speed_.value();
+    const MaskOf<Real> crash = logical_and(touches, logical_or(hard, upright < crash_cosine_));
+    const MaskOf<Real> rests = logical_and(speed <= rest_speed_.value(), upright >= rest_cosine_);
+    return {crash,
+            logical_and(logical_and(touches, rests), deck_.is_under(at.position, inset_.value()))};
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Real reward(const EnvView<Real>& env, const BodyMotion<Real>& body,
+                             const Real& distance, const Real& speed, State<Real>& state) const {
+    const Real gain = progress(env, distance, state.distance);
+    const Real allowed = rest_speed_.value() + approach_rate_.value() * distance;
+    return progress_reward_.value() * gain - speed_cost_.value() * max(speed - allowed, Real(0.0)) -
+           rate_cost_.value() * squared_norm(body.angular_velocity);
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void observe(const EnvView<Real>& env, const BodyMotion<Real>& body,
+                              const OverDeck<Real>& at, const Values<Real>& row) const {
+    position_error_.set(row, Vec3<Real>{-at.position.x, -at.position.y, -at.height});
+    velocity_.set(row, at.velocity);
+    yaw_error_.set(row, -yaw(at.rotation));
+    attitude_.set(row, canonical(at.rotation));
+    angular_velocity_.set(row, body.angular_velocity);
+    const auto stepped = env.step() > Word<Real>(0);
+    for (int k = 0; k < actions_; ++k) {
+      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
+    }
+  }
+
+  /// How far above the cone [m], and kRoom.
+  template <class Real>
+  SKYBODY_INLINE Real room(const OverDeck<Real>& at) const {
+    const Real aside = norm(at.position.x, at.position.y);
+    return kRoom + at.height - kSteepness * max(aside - kNear, Real(0.0));
+  }
+
+  /// The robot that lands: named, or the only one that takes actions.
+  int robot_of(const Setup& setup, int pad) const {
+    if (!robot_.value().empty()) {
+      const int robot = setup.robot(robot_.value());
+      if (robot != pad) return robot;
+      throw std::runtime_error("`robot` and `pad` are both `" + robot_.value() +
+                               "`: name another robot to land on");
+    }
+    int found = -1;
+    for (int r = 0; r < setup.robots().size(); ++r) {
+      if (setup.robots()[r].action_count == 0 || r == pad) continue;
+      if (found >= 0) throw std::runtime_error("several robots take actions: name one by `robot`");
+      found = r;
+    }
+    if (found >= 0) return found;
+    throw std::runtime_error(
+        "no robot but the pad takes actions, so that none can land: give one a controller, such as "
+        "`rotor_speed`");
+  }
+
+  void check_limits() {
+    if (rest_speed_.value() > crash_speed_.value()) {
+      throw std::runtime_error("`rest_speed` " + to_text(rest_speed_.value()) +
+                               " is above `crash_speed` " + to_text(crash_speed_.value()) +
+                               ": swap them");
+    }
+    if (rest_tilt_.value() > crash_tilt_.value()) {
+      throw std::runtime_error("`rest_tilt` " + to_text(rest_tilt_.value()) +
+                               " is above `crash_tilt` " + to_text(crash_tilt_.value()) +
+                               ": swap them");
+    }
+    const double half = min(deck_.half_x(), deck_.half_y());
+    if (inset_.value() >= half) {
+      throw std::runtime_error("`inset` " + to_text(inset_.value()) +
+                               " leaves nothing of the deck; allowed: less than " + to_text(half));
+    }
+    crash_cosine_ = tilt_cosine_limit(crash_tilt_.value());
+    rest_cosine_ = tilt_cosine_limit(rest_tilt_.value());
+  }
+
+  void declare(const Setup& setup, int robot) {
+    const auto part = [&](const char* name, const char* unit, int count, const char* doc,
+                          double bound = kInfinity) {
+      return observation_.add(setup, {name, unit, count, doc, -bound, bound, robot});
+    };
+    position_error_ = part("position_error", "m", 3,
+                           "x, y: middle of the deck - p; z: its face - the robot's lowest point; "
+                           "deck axes");
+    velocity_ = part("velocity", "m/s", 3, "against the deck, deck axes");
+    yaw_error_ = part("yaw_error", "rad", 1, "the deck's yaw - own", kPi);
+    attitude_ = part("attitude", "", 4, "quaternion w x y z, deck from B, with w >= 0", 1.0);
+    angular_velocity_ = part("angular_velocity", "rad/s", 3, "B");
+    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", 1.0);
+    distance_info_ = infos_.add(setup, "position_error", "m",
+                                "distance of the robot's lowest point from the deck's middle");
+    speed_info_ = infos_.add(setup, "speed", "m/s", "against the deck");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "against the deck, 0 .. pi");
+    limits_.configure(setup, infos_);
+    crash_failure_ = declare_failure(setup, infos_, "crash",
+                                     "touches faster than `crash_speed` or beyond `crash_tilt`");
+    outside_failure_ = declare_failure(setup, infos_, "outside",
+                                       "below the deck's face, or beyond `distance_max`");
+    time_failure_ = declare_failure(setup, infos_, "time", "not down after `time_max`");
+    success_ = declare_success(setup, infos_,
+                               "on the deck, slow, level, within its edges; ends the episode");
+  }
+
+  TextParameter robot_{
+      this, {.name = "robot", .doc = "who lands; may be left out where only one takes actions"}};
+  TextParameter pad_{
+      this, {.name = "pad", .value = "pad", .doc = "the robot whose base is a box to land on"}};
+  RealParameter touch_height_{this,
+                              {.name = "touch_height",
+                               .unit = "m",
+                               .value = 0.005,
+                               .min = 0.0,
+                               .max = 1.0,
+                               .doc = "with its lowest point below this over the deck it touches"}};
+  RealParameter rest_speed_{
+      this,
+      {.name = "rest_speed",
+       .unit = "m/s",
+       .value = 0.2,
+       .min = 0.0,
+       .doc = "on the deck and no faster than this against it, it has landed"}};
+  RealParameter rest_tilt_{this,
+                           {.name = "rest_tilt",
+                            .unit = "rad",
+                            .value = 0.2,
+                            .min = 0.0,
+                            .max = kPi,
+                            .doc = "and tilted no more than this against it"}};
+  RealParameter inset_{this,
+                       {.name = "inset",
+                        .unit = "m",
+                        .value = 0.1,
+                        .min = 0.0,
+                        .doc = "and with its base so far within the deck's edges"}};
+  RealParameter crash_speed_{this,
+                             {.name = "crash_speed",
+                              .unit = "m/s",
+                              .value = 1.0,
+                              .min = 0.0,
+                              .doc = "a touch after a faster approach is a crash"}};
+  RealParameter crash_tilt_{this,
+                            {.name = "crash_tilt",
+                             .unit = "rad",
+                             .value = 0.5,
+                             .min = 0.0,
+                             .max = kPi,
+                             .doc = "or one tilted more than this against the deck"}};
+  RealParameter distance_max_{this,
+                              {.name = "distance_max",
+                               .unit = "m",
+                               .value = 5.0,
+                               .min = 0.0,
+                               .doc = "a robot fails farther than this from the deck's middle"}};
+  RealParameter time_max_{this,
+                          {.name = "time_max",
+                           .unit = "s",
+                           .value = 0.0,
+                           .min = 0.0,
+                           .doc = "or where it has not landed after this time; 0: never"}};
+  FlightLimits limits_{this};
+  RealParameter progress_reward_{this,
+                                 {.name = "progress_reward",
+                                  .unit = "1/m",
+                                  .value = 5.0,
+                                  .min = 0.0,
+                                  .doc = "for each metre that it has come nearer"}};
+  RealParameter approach_rate_{this,
+                               {.name = "approach_rate",
+                                .unit = "1/s",
+                                .value = 1.0,
+                                .min = 0.0,
+                                .doc = "`rest_speed` and this times the distance is a speed that "
+                                       "costs nothing"}};
+  RealParameter speed_cost_{this,
+                            {.name = "speed_cost",
+                             .unit = "s/m",
+                             .value = 0.05,
+                             .min = 0.0,
+                             .doc = "for what is faster, in each step"}};
+  RealParameter rate_cost_{this,
+                           {.name = "rate_cost",
+                            .unit = "s^2/rad^2",
+                            .value = 0.001,
+                            .min = 0.0,
+                            .doc = "times the squared angular velocity, taken off"}};
+  RealParameter landing_reward_{
+      this, {.name = "landing_reward", .value = 20.0, .min = 0.0, .doc = "for having landed"}};
+  RealParameter failure_reward_{
+      this, {.name = "failure_reward", .value = -10.0, .max = 0.0, .doc = "for a failure"}};
+  RealParameter descent_{this,
+                         {.name = "descent",
+                          .unit = "m/s",
+                          .value = 0.4,
+                          .min = 0.01,
+                          .max = 100.0,
+                          .doc = "at which the goal sinks to the deck, for the baseline `hold`"}};
+
+  ObservationParts observation_;
+  InfoParts infos_;
+  Part position_error_, velocity_, yaw_error_, attitude_, angular_velocity_, action_;
+  Part distance_info_, speed_info_, tilt_info_;
+  Part crash_failure_, outside_failure_, time_failure_, success_;
+  landing::Deck deck_;
+  landing::Hull hull_;
+  int body_ = 0, first_action_ = 0, actions_ = 0;
+  double step_time_ = 0.0;  ///< of an action [s]
+  double crash_cosine_ = -2.0, rest_cosine_ = -2.0;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Landing, "landing", "1.0.0",
+               "Land on a deck that may move: softly, level, and within its edges.");

@@ -1,0 +1,296 @@
+// The paper's inverted pendulum: bring a bob that stands on the robot to a point, upright.
+#include <skybody/task_kit.h>
+
+#include <vector>
+
+namespace skybody {
+namespace {
+
+using namespace task_kit;
+
+/// Not kSmooth: accelerations come from the motion one physics step before, which has no tangents.
+class Pendulum : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    const int robot = setup.robot(robot_.value());
+    const RobotInfo& info = setup.robots()[robot];
+    find_bodies(setup, robot);
+    first_action_ = info.first_action;
+    actions_ = action_count(info, "pendulum");
+    dt_ = setup.dt();
+    require_within_horizon(setup, steps_.value(), "history");
+    if (is_privileged_.value()) setup.need_bodies_before();
+    declare_states(setup, robot);
+    if (is_privileged_.value()) declare_privileged(setup, robot);
+    error_info_ = infos_.add(setup, "position_error", "m", "distance of the bob from the target");
+    upright_info_ =
+        infos_.add(setup, "upright", "", "z of the unit vector from the base to the bob");
+    tilt_info_ = infos_.add(setup, "tilt", "rad", "of the base, 0 .. pi");
+    limits_.configure(setup, infos_);
+    low_failure_ = declare_failure(setup, infos_, "low", "the base lower than `height_min`");
+    fallen_failure_ =
+        declare_failure(setup, infos_, "fallen", "the pendulum less upright than `upright_min`");
+    success_ = declare_success(setup, infos_, "the bob is within `success_distance` of the target");
+    setup.buffer(memory_.size());
+    setup.goal(robot, bob_, center_);
+  }
+
+  template <class Real>
+  struct State {
+    Real distance;  ///< of the bob from the target, one step ago [m]
+  };
+
+  template <class Real>
+  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out,
+                Values<Real> buffer) const {
+    const BodyMotion<Real> base = env.body(base_), bob = at_center(env.body(bob_));
+    const Vec3<Real> error = bob.position - target_.vec3(env);
+    const Vec3<Real> offset = bob.position - base.position;
+    remember(env, base, bob, error, offset, buffer);
+    observe(env, buffer, out.observation);
+
+    const Real distance = norm(error), upright = offset.z / norm(offset);
+    const PassedLimits<Real> passed = limits_.passed(base);
+    const MaskOf<Real> low = base.position.z < height_min_.value();
+    const MaskOf<Real> fallen = upright < upright_min_.value();
+    out.set_reward(kProgressReward * progress(env, distance, state.distance) + kAliveReward +
+                   upright + shaping_.reward(distance, yaw(base.rotation)) -
+                   shaping_.cost(base.rotation) +
+                   failure_reward_.value() * count(passed, low, fallen));
+    Verdict<Real> verdict(out);
+    limits_.judge(verdict, passed);
+    verdict.fail(low_failure_, low);
+    verdict.fail(fallen_failure_, fallen);
+    verdict.succeed(success_, distance < success_distance_.value());
+    verdict.close();
+    if (!out.wants_info()) return;
+    error_info_.set(out.info, distance);
+    upright_info_.set(out.info, upright);
+    tilt_info_.set(out.info, tilt(base.rotation));
+  }
+
+  /// Where the frame of the bob's body belongs, turned as it is now.
+  template <class Real>
+  void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
+    goal.set(0, target_.vec3(env) - rotate(env.body(bob_).rotation, center<Real>()));
+    goal.set(3, Real(0.0));
+  }
+
+ private:
+  static constexpr double kProgressReward = 2.0;  // [1/m]
+  static constexpr double kAliveReward = 0.01;
+
+  /// A quantity over the last steps: what is remembered of it, and where it is observed.
+  struct Track {
+    History history;
+    Part part;
+  };
+
+  void find_bodies(const Setup& setup, int robot) {
+    const RobotInfo& info = setup.robots()[robot];
+    const LinkInfo& link = setup.link(robot, link_.value());
+    base_ = info.first_body;
+    bob_ = link.body;
+    center_ = {link.com[0], link.com[1], link.com[2]};
+    if (bob_ == base_) {
+      throw std::runtime_error("link `" + link_.value() + "` is fixed to the base of robot `" +
+                               std::string(info.name) +
+                               "`: name one that stands on a joint, or put a joint between them");
+    }
+    base_param_ = setup.bodies()[base_].first_param;
+    for (const RotorInfo& rotor : setup.rotors_of(robot))
+      rotor_params_.push_back(rotor.first_param);
+  }
+
+  Track track(const Setup& setup, int robot, const char* name, const char* unit, int width,
+              const char* doc, double bound = kInfinity, bool privileged = false) {
+    const int steps = steps_.value();
+    Track made;
+    made.history = History(memory_, steps, width);
+    made.part =
+        parts_.add(setup, {name, unit, steps * width, doc, -bound, bound, robot, privileged});
+    return made;
+  }
+
+  void declare_states(const Setup& setup, int robot) {
+    bob_error_ = track(setup, robot, "bob_error", "m", 3, "bob - target, W");
+    bob_offset_ = track(setup, robot, "bob_offset", "m", 3, "bob - p of the base, W");
+    bob_velocity_ = track(setup, robot, "bob_velocity", "m/s", 3, "of its centre of mass, W");
+    bob_rates_ = track(setup, robot, "bob_angular_velocity", "rad/s", 3, "in the bob's own axes");
+    velocity_ = track(setup, robot, "velocity", "m/s", 3, "of the base's frame, W");
+    attitude_ = track(setup, robot, "attitude", "", 4,
+                      "of the base, quaternion w x y z, W from B, with w >= 0", 1.0);
+    rates_ = track(setup, robot, "angular_velocity", "rad/s", 3, "of the base, B");
+    past_actions_ =
+        track(setup, robot, "actions", "", actions_, "in [-1, 1]; -1 before the first", 1.0);
+  }
+
+  void declare_privileged(const Setup& setup, int robot) {
+    const char* doc =
+        "rates of change of position (W), velocity (W), quaternion, angular velocity (own axes); "
+        "the second and the last over one physics step, 0 at a reset";
+    base_change_ = track(setup, robot, "base_derivative", "SI", kDerivatives, doc, kInfinity, true);
+    bob_change_ = track(setup, robot, "bob_derivative", "SI", kDerivatives, doc, kInfinity, true);
+    const auto constant = [&](const char* name, const char* unit, int count, const char* what) {
+      return parts_.add(setup, {name, unit, count, what, -kInfinity, kInfinity, robot, true});
+    };
+    mass_ = constant("mass", "kg", 1, "of the base, as drawn");
+    inertia_ = constant("inertia", "kg m^2", 3, "xx yy zz of the base, as drawn");
+    lags_ = constant("lags", "s", 2, "tau_up and tau_down, means over the rotors, as drawn");
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> center() const {
+    return {Real(center_.x), Real(center_.y), Real(center_.z)};
+  }
+
+  /// The bob's motion at its centre of mass.
+  template <class Real>
+  SKYBODY_INLINE BodyMotion<Real> at_center(BodyMotion<Real> body) const {
+    body.position = body.position + rotate(body.rotation, center<Real>());
+    body.velocity =
+        body.velocity + rotate(body.rotation, cross(body.angular_velocity, center<Real>()));
+    return body;
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void remember(const EnvView<Real>& env, const BodyMotion<Real>& base,
+                               const BodyMotion<Real>& bob, const Vec3<Real>& error,
+                               const Vec3<Real>& offset, const Values<Real>& buffer) const {
+    note(env, buffer, bob_error_, error);
+    note(env, buffer, bob_offset_, offset);
+    note(env, buffer, bob_velocity_, bob.velocity);
+    note(env, buffer, bob_rates_, bob.angular_velocity);
+    note(env, buffer, velocity_, base.velocity);
+    const Quat<Real> q = canonical(base.rotation);
+    const Real attitude[4] = {q.w, q.x, q.y, q.z};
+    attitude_.history.note(env, buffer, [&](int k) { return attitude[k]; });
+    note(env, buffer, rates_, base.angular_velocity);
+    const MaskOf<Real> stepped = env.step() > Word<Real>(0);
+    past_actions_.history.note(env, buffer, [&](int k) {
+      return select(stepped, env.action(first_action_ + k), Real(-1.0));
+    });
+    if (!is_privileged_.value()) return;
+    note_change(env, buffer, base_change_, base, env.body_before(base_));
+    note_change(env, buffer, bob_change_, bob, at_center(env.body_before(bob_)));
+  }
+
+  template <class Real>
+  static SKYBODY_INLINE void note(const EnvView<Real>& env, const Values<Real>& buffer,
+                                  const Track& track, const Vec3<Real>& value) {
+    const Real values[3] = {value.x, value.y, value.z};
+    track.history.note(env, buffer, [&](int k) { return values[k]; });
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void note_change(const EnvView<Real>& env, const Values<Real>& buffer,
+                                  const Track& track, const BodyMotion<Real>& now,
+                                  const BodyMotion<Real>& before) const {
+    const Vec3<Real>& w = now.angular_velocity;
+    const Quat<Real> turn = canonical(now.rotation) * Quat<Real>{Real(0.0), w.x, w.y, w.z};
+    const MaskOf<Real> stepped = env.step() > Word<Real>(0);
+    const Vec3<Real> none{Real(0.0), Real(0.0), Real(0.0)};
+    const Vec3<Real> a = select(stepped, (now.velocity - before.velocity) / dt_, none);
+    const Vec3<Real> alpha =
+        select(stepped, (now.angular_velocity - before.angular_velocity) / dt_, none);
+    const Vec3<Real>& v = now.velocity;
+    const Real values[kDerivatives] = {
+        v.x,          v.y,          v.z,          a.x,     a.y,     a.z,    0.5 * turn.w,
+        0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z, alpha.x, alpha.y, alpha.z};
+    track.history.note(env, buffer, [&](int k) { return values[k]; });
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void observe(const EnvView<Real>& env, const Values<Real>& buffer,
+                              const Values<Real>& row) const {
+    for (const Track* track : {&bob_error_, &bob_offset_, &bob_velocity_, &bob_rates_, &velocity_,
+                               &attitude_, &rates_, &past_actions_}) {
+      track->history.observe(buffer, track->part, row);
+    }
+    if (!is_privileged_.value()) return;
+    base_change_.history.observe(buffer, base_change_.part, row);
+    bob_change_.history.observe(buffer, bob_change_.part, row);
+    mass_.set(row, env.param(base_param_ + SKYBODY_BODY_MASS));
+    for (int k = 0; k < 3; ++k)
+      inertia_.set(row, env.param(base_param_ + SKYBODY_BODY_INERTIA + k), k);
+    lags_.set(row, mean_lag(env, SKYBODY_ROTOR_TAU_UP), 0);
+    lags_.set(row, mean_lag(env, SKYBODY_ROTOR_TAU_DOWN), 1);
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Real mean_lag(const EnvView<Real>& env, int constant) const {
+    Real sum(0.0);
+    for (const int first : rotor_params_) sum += env.param(first + constant);
+    return sum / static_cast<double>(rotor_params_.size());
+  }
+
+  /// How many limits are passed.
+  template <class Real>
+  static SKYBODY_INLINE Real count(const PassedLimits<Real>& passed, const MaskOf<Real>& low,
+                                   const MaskOf<Real>& fallen) {
+    const auto one = [](const MaskOf<Real>& mask) { return select(mask, Real(1.0), Real(0.0)); };
+    return one(passed.tilt) + one(passed.heading) + one(passed.bound) + one(low) + one(fallen);
+  }
+
+  static constexpr int kDerivatives = 13;  ///< 3 + 3 + 4 + 3
+
+  TextParameter robot_{
+      this, {.name = "robot", .doc = "who balances; may be left out for a single robot"}};
+  TextParameter link_{
+      this,
+      {.name = "bob_link", .value = "bob", .doc = "the link whose centre of mass is the bob"}};
+  RealsParameter target_{this,
+                         {.name = "target",
+                          .unit = "m",
+                          .values = {0.0, 0.0, 2.0},
+                          .doc = "where the bob should be (W)",
+                          .randomizable = true}};
+  IntegerParameter steps_{
+      this,
+      {.name = "history", .value = 10, .min = 1, .max = 100, .doc = "steps that are observed"}};
+  BooleanParameter is_privileged_{
+      this,
+      {.name = "privileged",
+       .value = true,
+       .doc = "show a critic derivatives, mass, inertia and lags as well"}};
+  FlightLimits limits_{this, {.tilt_max = 1.57, .yaw_max = 4.0, .bound = 10.0}};
+  RealParameter height_min_{
+      this, {.name = "height_min", .unit = "m", .value = 0.3, .doc = "or lower than this (W z)"}};
+  RealParameter upright_min_{
+      this,
+      {.name = "upright_min",
+       .value = 0.2,
+       .min = -1.0,
+       .max = 1.0,
+       .doc = "or where the unit vector from the base to the bob has a smaller z (W)"}};
+  RealParameter failure_reward_{this,
+                                {.name = "failure_reward",
+                                 .value = -5.0,
+                                 .max = 0.0,
+                                 .doc = "added for every limit that is passed"}};
+  GoalShaping shaping_{this};
+  RealParameter success_distance_{
+      this,
+      {.name = "success_distance",
+       .unit = "m",
+       .value = 0.3,
+       .min = 0.0,
+       .doc = "closer than this to the target the bob counts as arrived (info `success`)"}};
+
+  ObservationParts parts_;
+  InfoParts infos_;
+  BufferPlan memory_;
+  Track bob_error_, bob_offset_, bob_velocity_, bob_rates_, velocity_, attitude_, rates_,
+      past_actions_, base_change_, bob_change_;
+  Part mass_, inertia_, lags_;
+  Part error_info_, upright_info_, tilt_info_, low_failure_, fallen_failure_, success_;
+  int base_ = 0, bob_ = 0, first_action_ = 0, actions_ = 0, base_param_ = 0;
+  std::vector<int> rotor_params_;  ///< first EnvParam of each
+  double dt_ = 0.0;                ///< [s]
+  Vec3<double> center_{};          ///< of the bob, in its body's frame [m]
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Pendulum, "pendulum", "1.0.0", "Balance a pendulum above a robot.");

@@ -1,0 +1,78 @@
+// A gate as a racer meets it: an opening in a frame of four bars.
+#pragma once
+
+#include <skybody/plugin.h>
+
+namespace skybody::racing {
+
+/// Where a gate stands, and how large it is. Its frame: x is the way through, y to the left, z up.
+template <class Real>
+struct Gate {
+  Vec3<Real> centre;    ///< of the opening, W [m]
+  Quat<Real> rotation;  ///< W from its frame
+  Vec3<Real> half;      ///< half of the frame's depth (x), of the opening's width and height [m]
+
+  /// A place of W in the gate's frame [m]; x is the signed distance from its plane, below 0 before
+  /// it.
+  SKYBODY_INLINE Vec3<Real> local(const Vec3<Real>& p) const {
+    return rotate_inverse(rotation, p - centre);
+  }
+  /// The way through, W.
+  SKYBODY_INLINE Vec3<Real> normal() const {
+    return rotate(rotation, Vec3<Real>{Real(1.0), Real(0.0), Real(0.0)});
+  }
+  /// Whether a place of the gate's plane lies in the opening.
+  SKYBODY_INLINE MaskOf<Real> opens_at(const Vec3<Real>& in_frame) const {
+    return logical_and(abs(in_frame.y) <= half.y, abs(in_frame.z) <= half.z);
+  }
+  /// How far a place is from the nearest bar [m]; 0 in a bar. Bars are as wide as they are deep.
+  SKYBODY_INLINE Real frame_distance(const Vec3<Real>& in_frame) const {
+    const Real bar = half.x + half.x;
+    const Real y = abs(in_frame.y) - half.y, z = abs(in_frame.z) - half.z;  // from the opening
+    const Real depth = max(abs(in_frame.x) - half.x, Real(0.0));
+    const Real beyond_y = max(y - bar, Real(0.0)), beyond_z = max(z - bar, Real(0.0));
+    const Real inner = max(y, z);  // below 0 in the opening: how near the nearest bar is
+    const Real across =
+        select(inner < 0.0, inner * inner, beyond_y * beyond_y + beyond_z * beyond_z);
+    return sqrt(depth * depth + across);
+  }
+};
+
+/// `a` where the mask holds, else `b`.
+template <class Real>
+SKYBODY_INLINE Gate<Real> choose(const MaskOf<Real>& mask, const Gate<Real>& a,
+                                 const Gate<Real>& b) {
+  return {select(mask, a.centre, b.centre), select(mask, a.rotation, b.rotation),
+          select(mask, a.half, b.half)};
+}
+
+/// Whether the boxes about two frames have a point in common: no axis separates them, of their six
+/// faces and nine pairs of edges (S. Gottschalk, M. Lin, D. Manocha, "OBBTree", 1996, section 5).
+inline bool overlap(const Gate<double>& a, const Gate<double>& b) {
+  const auto outer = [](const Gate<double>& g, int k) {
+    const double bar = 2.0 * g.half.x;
+    return k == 0 ? g.half.x : (k == 1 ? g.half.y : g.half.z) + bar;
+  };
+  const auto axis = [](const Gate<double>& g, int k) {
+    return rotate(g.rotation,
+                  Vec3<double>{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
+  };
+  const auto separates = [&](const Vec3<double>& along) {
+    if (norm(along) < 1e-9) return false;  // edges in parallel: the faces have told
+    double reach = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      reach += abs(dot(axis(a, k), along)) * outer(a, k);
+      reach += abs(dot(axis(b, k), along)) * outer(b, k);
+    }
+    return abs(dot(b.centre - a.centre, along)) > reach;
+  };
+  for (int i = 0; i < 3; ++i) {
+    if (separates(axis(a, i)) || separates(axis(b, i))) return false;
+    for (int k = 0; k < 3; ++k) {
+      if (separates(cross(axis(a, i), axis(b, k)))) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace skybody::racing

@@ -1,0 +1,118 @@
+// How far a racer has come: which gate is next, whether a step led through it or past it, and when
+// laps were flown.
+#pragma once
+
+#include <skybody/task_kit.h>
+
+#include "tasks/racing/track.h"
+
+namespace skybody::racing {
+
+/// What is remembered of a racer between two actions.
+template <class Real>
+struct Past {
+  Real gates;           ///< passed in this episode
+  Real distance;        ///< from the next gate's centre [m]
+  Vec3<Real> position;  ///< W [m]
+  Real lap_start;       ///< since the reset [s]
+  Real lap_time;        ///< of the last whole lap; 0: none yet [s]
+};
+
+/// A racer's Past in the task's buffer.
+class PastWords {
+ public:
+  PastWords() = default;
+  explicit PastWords(task_kit::BufferPlan& plan) : first_(plan.take(kWords)) {}
+
+  template <class Real>
+  SKYBODY_INLINE Past<Real> load(const Values<Real>& buffer) const {
+    return {buffer[first_],
+            buffer[first_ + 1],
+            {buffer[first_ + 2], buffer[first_ + 3], buffer[first_ + 4]},
+            buffer[first_ + 5],
+            buffer[first_ + 6]};
+  }
+  template <class Real>
+  SKYBODY_INLINE void store(const Values<Real>& buffer, const Past<Real>& past) const {
+    buffer.set(first_, past.gates);
+    buffer.set(first_ + 1, past.distance);
+    buffer.set(first_ + 2, past.position);
+    buffer.set(first_ + 5, past.lap_start);
+    buffer.set(first_ + 6, past.lap_time);
+  }
+  /// Gates passed alone.
+  template <class Real>
+  SKYBODY_INLINE Real gates(const Values<Real>& buffer) const {
+    return buffer[first_];
+  }
+
+ private:
+  static constexpr int kWords = 7;
+  int first_ = 0;
+};
+
+/// What one action has brought.
+template <class Real>
+struct Passage {
+  MaskOf<Real> passed;  ///< the next gate, in its direction
+  MaskOf<Real> missed;  ///< crossed its plane in its direction, and not in its opening
+  Real gain;            ///< by how much its centre has come nearer [m]
+};
+
+/// Whether the way from the place before to this one goes through the gate's opening: its signed
+/// distance from the gate's plane turns from negative to positive, and the place where the straight
+/// way crosses the plane lies in the opening.
+template <class Real>
+SKYBODY_INLINE Passage<Real> passage(const Gate<Real>& gate, const Vec3<Real>& before,
+                                     const Vec3<Real>& now) {
+  const Vec3<Real> from = gate.local(before), to = gate.local(now);
+  const MaskOf<Real> crossed = logical_and(from.x < 0.0, to.x >= 0.0);
+  const Real way = select(crossed, to.x - from.x, Real(1.0));
+  const MaskOf<Real> opens = gate.opens_at(from + (to - from) * (-from.x / way));
+  return {logical_and(crossed, opens), logical_and(crossed, logical_not(opens)), Real(0.0)};
+}
+
+/// Goes on by one action: passes the next gate where the way led through it, and counts laps. At a
+/// reset it begins.
+/// @param first  index of the gate at which the episode begins; @param time  since the reset [s]
+template <class Real>
+SKYBODY_INLINE Passage<Real> advance(const EnvView<Real>& env, const Track& track,
+                                     const Real& first, const Real& time, const Vec3<Real>& now,
+                                     Past<Real>& past) {
+  const MaskOf<Real> stepped = env.step() > Word<Real>(0);
+  const Gate<Real> gate = track.at(env, first + past.gates);
+  Passage<Real> way = passage(gate, select(stepped, past.position, now), now);
+  way.gain = task_kit::progress(env, norm(gate.centre - now), past.distance);
+  past.position = now;
+  past.gates = past.gates + select(way.passed, Real(1.0), Real(0.0));
+  const double n = track.size();
+  const MaskOf<Real> lapped = logical_and(way.passed, past.gates == n * floor(past.gates / n));
+  past.lap_time = select(lapped, time - past.lap_start, past.lap_time);
+  past.lap_start = select(lapped, time, past.lap_start);
+  const Gate<Real> next = track.at(env, first + past.gates);
+  past.distance = select(way.passed, norm(next.centre - now), past.distance);
+  return way;
+}
+
+/// Where a baseline that holds goals is led, and how fast.
+template <class Real>
+struct Lead {
+  Vec3<Real> position, velocity;  ///< W [m], [m/s]
+};
+
+/// Leads to a line through the gate and along it at `pace` [m/s], and before the gate waits for
+/// whoever is still far aside: 1.5 m for each metre beyond 0.2 m.
+/// @param lane  how far the line is to the left of the gate's axis [m]
+template <class Real>
+SKYBODY_INLINE Lead<Real> lead(const Gate<Real>& gate, const Vec3<Real>& p, double pace,
+                               double lane) {
+  constexpr double kNear = 0.2, kWait = 1.5, kRoom = 0.5;  // [m], m/m, [m]
+  const Vec3<Real> local = gate.local(p);
+  const Real aside = norm(local.y - lane, local.z);
+  const Real room = kRoom - local.x - kWait * max(aside - kNear, Real(0.0));
+  const Vec3<Real> place{local.x + min(room, Real(0.0)), Real(lane), Real(0.0)};
+  return {gate.centre + rotate(gate.rotation, place),
+          gate.normal() * (pace * clamp(room / kRoom, Real(0.0), Real(1.0)))};
+}
+
+}  // namespace skybody::racing

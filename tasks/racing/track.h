@@ -1,0 +1,134 @@
+// A track: gates of the scenario in the order in which they are passed, round and round.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tasks/racing/gate.h"
+
+namespace skybody::racing {
+
+/// Looked up once; where its gates stand is asked of each environment, as randomizers may move
+/// them.
+class Track {
+ public:
+  /// @param names  obstacles of kind `gate` in the order of the track; none: all, in their order
+  /// @param is_closed  whether the first gate follows the last one
+  /// @throws std::runtime_error for no gate, for what is none, and for gates that no flight passes
+  void configure(const Setup& setup, const std::vector<std::string>& names, bool is_closed) {
+    if (names.empty()) {
+      for (const ShapeInfo& shape : setup.shapes()) {
+        if (shape.kind == SKYBODY_GATE) add(shape);
+      }
+    }
+    for (const std::string& name : names) add(find(setup, name));
+    if (gates_.empty()) {
+      throw std::runtime_error(
+          "there is no gate to race through: add `obstacles: [{name: gate_1, gate: [1.4, 1.4, "
+          "0.1], position: [2, 0, 1.5]}]`");
+    }
+    check_overlaps();
+    check_order(is_closed);
+  }
+
+  int size() const { return static_cast<int>(gates_.size()); }
+
+  /// Gate `index` of an environment, counted on behind the last one.
+  template <class Real>
+  SKYBODY_INLINE Gate<Real> at(const EnvView<Real>& env, const Real& index) const {
+    const double n = size();
+    const Real k = index - n * floor(index / n);
+    Gate<Real> gate = read(env, 0);
+    for (int i = 1; i < size(); ++i) {
+      gate = choose(k == static_cast<double>(i), read(env, i), gate);
+    }
+    return gate;
+  }
+
+  /// How far a place is from the nearest bar of all gates [m].
+  template <class Real>
+  SKYBODY_INLINE Real frame_distance(const EnvView<Real>& env, const Vec3<Real>& p) const {
+    Real nearest(kInfinity);
+    for (int i = 0; i < size(); ++i) {
+      const Gate<Real> gate = read(env, i);
+      nearest = min(nearest, gate.frame_distance(gate.local(p)));
+    }
+    return nearest;
+  }
+
+ private:
+  /// [m] behind a gate, where whoever has passed it looks for the next one.
+  static constexpr double kLeave = 0.5;
+
+  struct Entry {
+    std::string name;
+    int first_param;
+    Gate<double> nominal;
+  };
+
+  void add(const ShapeInfo& shape) {
+    gates_.push_back({shape.name,
+                      shape.first_param,
+                      {{shape.position[0], shape.position[1], shape.position[2]},
+                       {shape.rotation[0], shape.rotation[1], shape.rotation[2], shape.rotation[3]},
+                       {0.5 * shape.size[2], 0.5 * shape.size[0], 0.5 * shape.size[1]}}});
+  }
+
+  static const ShapeInfo& find(const Setup& setup, const std::string& name) {
+    std::string known;
+    for (const ShapeInfo& shape : setup.shapes()) {
+      if (shape.kind != SKYBODY_GATE) continue;
+      if (name == shape.name) return shape;
+      known += (known.empty() ? "" : ", ") + std::string(shape.name);
+    }
+    throw std::runtime_error("no gate `" + name + "`: there are " +
+                             (known.empty() ? "none" : known));
+  }
+
+  void check_overlaps() const {
+    for (std::size_t j = 1; j < gates_.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) {
+        const std::string pair = "`" + gates_[i].name + "` and `" + gates_[j].name + "`";
+        if (gates_[i].first_param == gates_[j].first_param) {
+          throw std::runtime_error("gate `" + gates_[i].name +
+                                   "` is named twice: name each gate once");
+        }
+        if (overlap(gates_[i].nominal, gates_[j].nominal)) {
+          throw std::runtime_error("gates " + pair + " overlap: move one of them away");
+        }
+      }
+    }
+  }
+
+  /// Whoever leaves a gate must be in front of the next one.
+  void check_order(bool is_closed) const {
+    const std::size_t pairs = gates_.size() - (is_closed && gates_.size() > 1 ? 0 : 1);
+    for (std::size_t i = 0; i < pairs; ++i) {
+      const Entry &gate = gates_[i], &next = gates_[(i + 1) % gates_.size()];
+      const Vec3<double> left = gate.nominal.centre + gate.nominal.normal() * kLeave;
+      const double behind = next.nominal.local(left).x;
+      if (behind <= 0.0) continue;
+      throw std::runtime_error("gate `" + next.name + "` faces away from `" + gate.name +
+                               "`: whoever leaves that one is " + to_text(behind) +
+                               " m behind the plane of this one; turn it about z by 3.14159, or "
+                               "give `gates` in another order");
+    }
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Gate<Real> read(const EnvView<Real>& env, int i) const {
+    const int first = gates_[static_cast<std::size_t>(i)].first_param;
+    const int turn = first + SKYBODY_OBSTACLE_ROTATION, size = first + SKYBODY_OBSTACLE_SIZE;
+    return {env.param_vec3(first + SKYBODY_OBSTACLE_POSITION),
+            normalized(Quat<Real>{env.param(turn), env.param(turn + 1), env.param(turn + 2),
+                                  env.param(turn + 3)}),
+            {0.5 * env.param(size + 2), 0.5 * env.param(size), 0.5 * env.param(size + 1)}};
+  }
+
+  std::vector<Entry> gates_;
+};
+
+}  // namespace skybody::racing

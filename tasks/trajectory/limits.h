@@ -1,0 +1,100 @@
+// Where a flight along a path has failed: the box, the tilt and the rates of the reference's task.
+#pragma once
+
+#include <skybody/task_kit.h>
+
+#include "plugins/reference/path_start.h"
+
+namespace skybody::tracking {
+
+using namespace task_kit;
+
+/// The limits and their parameters: a member of the task.
+class PathLimits {
+ public:
+  explicit PathLimits(Plugin* owner) : owner_(owner) {}
+
+  /// Declares the failures.
+  void configure(const Setup& setup, InfoParts& infos) {
+    tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
+    side_failure_ = declare_failure(setup, infos, "side", "|x| or |y| beyond `side_max`");
+    height_failure_ =
+        declare_failure(setup, infos, "height", "z below `height_min` or above `height_max`");
+    tilt_failure_ = declare_failure(setup, infos, "tilt", "tilted beyond `tilt_max`");
+    rate_failure_ = declare_failure(setup, infos, "rate", "rates beyond `rate_max`");
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void judge(Verdict<Real>& verdict, const BodyMotion<Real>& body) const {
+    const Vec3<Real>& p = body.position;
+    verdict.fail(side_failure_, max(abs(p.x), abs(p.y)) > side_max_.value());
+    verdict.fail(height_failure_, logical_or(p.z<height_min_.value(), p.z> height_max_.value()));
+    verdict.fail(tilt_failure_, tilt_cosine(body.rotation) < tilt_cosine_);
+    verdict.fail(rate_failure_,
+                 squared_norm(body.angular_velocity) > rate_max_.value() * rate_max_.value());
+  }
+
+  /// Refuses a box that is upside down, and a nominal path that leads out of it within an episode.
+  void require_within(const reference::PathNumbers<double>& numbers, reference::Path path,
+                      double duration) const {
+    if (!(height_min_.value() < height_max_.value())) {
+      throw std::runtime_error("`height_min` " + to_text(height_min_.value()) +
+                               " is not below `height_max` " + to_text(height_max_.value()) +
+                               ": let heights lie between");
+    }
+    constexpr int kSamples = 1024;
+    path.approach = 0.0;  // where from is drawn
+    const double length = path.length(numbers);
+    const double end = duration > 0.0 && duration < length ? duration : length;
+    for (int i = 0; i <= kSamples; ++i) {
+      const double time = end * i / kSamples;
+      const Vec3<double> r = reference::derivative(path.at<1>(numbers, time).point, 0);
+      require_inside("x", r.x, -side_max_.value(), side_max_.value(), time);
+      require_inside("y", r.y, -side_max_.value(), side_max_.value(), time);
+      require_inside("z", r.z, height_min_.value(), height_max_.value(), time);
+    }
+  }
+
+ private:
+  static void require_inside(const char* axis, double value, double low, double high, double time) {
+    if (value >= low && value <= high) return;
+    throw std::runtime_error(std::string("the path leads to ") + axis + " = " + to_text(value) +
+                             " m after " + to_text(time) + " s, and beyond " +
+                             to_text(value < low ? low : high) +
+                             " m an episode has failed: move the path, or widen `side_max`, "
+                             "`height_min` or `height_max`");
+  }
+
+  Plugin* owner_;
+  RealParameter side_max_{owner_,
+                          {.name = "side_max",
+                           .unit = "m",
+                           .value = 9.0,
+                           .min = 1e-3,
+                           .doc = "a robot fails where |x| or |y| exceeds this (W)"}};
+  RealParameter height_min_{owner_,
+                            {.name = "height_min",
+                             .unit = "m",
+                             .value = 0.1,
+                             .doc = "or where it flies lower than this"}};
+  RealParameter height_max_{
+      owner_, {.name = "height_max", .unit = "m", .value = 10.0, .doc = "or higher than this"}};
+  RealParameter tilt_max_{owner_,
+                          {.name = "tilt_max",
+                           .unit = "rad",
+                           .value = 157.5 * kPi / 180.0,
+                           .min = 0.0,
+                           .max = kPi,
+                           .doc = "or beyond this tilt"}};
+  RealParameter rate_max_{owner_,
+                          {.name = "rate_max",
+                           .unit = "rad/s",
+                           .value = 10.0,
+                           .min = 1e-3,
+                           .doc = "or turns faster than this"}};
+
+  double tilt_cosine_ = -2.0;
+  Part side_failure_, height_failure_, tilt_failure_, rate_failure_;
+};
+
+}  // namespace skybody::tracking

@@ -1,0 +1,47 @@
+"""What the domain randomization experiment compares, and how."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import yaml
+from scipy import stats
+from skybody import CompiledScenario
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def experiment(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    return importlib.import_module("domain_randomization")
+
+
+def test_the_interval_is_welchs(experiment: ModuleType) -> None:
+    random = np.random.default_rng(2)
+    a, b = random.normal(440.0, 90.0, 5), random.normal(640.0, 150.0, 7)
+    gain, half = experiment.difference(list(a), list(b))
+    interval = stats.ttest_ind(b, a, equal_var=False).confidence_interval(0.95)
+    np.testing.assert_allclose([gain - half, gain + half], [interval.low, interval.high])
+
+
+def test_a_spread_is_that_of_mass_inertia_and_lags(experiment: ModuleType) -> None:
+    overrides = list(experiment.drawn_by(0.3, every=1))
+    text = CompiledScenario(experiment.DRAWN, overrides).scenario_text
+    draws = [d["parameters"] for d in yaml.safe_load(text)["randomization"][:3]]
+    for parameters in draws:
+        assert list(map(float, parameters["range"])) == [0.7, 1.3]
+        assert int(parameters["every"]) == 1
+    assert sum(len(parameters["what"]) for parameters in draws) == 1 + 3 + 2
+
+
+def test_both_kinds_are_trained_alike() -> None:
+    files = [
+        ROOT / f"scenarios/training/{name}.yaml"
+        for name in ("pendulum_learn", "pendulum_learn_randomized")
+    ]
+    assert len({str(yaml.safe_load(file.read_text())) for file in files}) == 1

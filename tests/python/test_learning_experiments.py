@@ -1,0 +1,107 @@
+"""The scripts behind the pages on learning: counts, extrapolation, what is read and refused."""
+
+from __future__ import annotations
+
+import sys
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "experiments"))
+
+torch = pytest.importorskip("torch")
+learner_profile = pytest.importorskip("learner_profile")
+learn_table = pytest.importorskip("learn_table")
+paper_protocol = pytest.importorskip("paper_protocol")
+rl_tools = pytest.importorskip("rl_tools")
+
+
+@pytest.mark.parametrize("sizes", [(22, 64, 64, 4), (700, 512, 512, 4), (5, 3)])
+def test_operations_of_a_network_are_those_that_pytorch_counts(sizes: tuple[int, ...]) -> None:
+    from torch.utils.flop_counter import FlopCounterMode
+
+    layers = [torch.nn.Linear(a, b, bias=False) for a, b in pairwise(sizes)]
+    counter = FlopCounterMode(display=False)
+    with counter:
+        torch.nn.Sequential(*layers)(torch.zeros(8, sizes[0])).sum().backward()
+    assert counter.get_total_flops() == 8 * learner_profile.operations(sizes)
+
+
+def test_rates_are_read_by_network_and_row(tmp_path: Path) -> None:
+    program = tmp_path / "bench_learn"
+    program.write_text(
+        "#!/bin/sh\n"
+        "echo '22-64-64-4, 1024 rows   forward   with backward'\n"
+        "echo '  ours, v4         64.6 ns   178.4 GFLOP/s     163.6 ns   194.0 GFLOP/s'\n"
+        "echo '  Eigen, products alone  67.0 ns   171.9 GFLOP/s 193.4 ns   164.1 GFLOP/s'\n"
+        "echo '22-GRU 64-64-4, 32 sequences of 32 steps (v4): forward 217.2 ns'\n"
+    )
+    program.chmod(0o755)
+    assert learner_profile.bare_products(program) == {
+        "22-64-64-4": {"ours, v4": 194.0, "Eigen, products alone": 164.1}
+    }
+
+
+def test_a_program_that_fails_is_an_error_with_its_name(tmp_path: Path) -> None:
+    program = tmp_path / "bench_learn"
+    program.write_text("#!/bin/sh\necho broken >&2\nexit 3\n")
+    program.chmod(0o755)
+    with pytest.raises(
+        learner_profile.RunError, match=r"bench_learn failed \(exit code 3\)\nbroken"
+    ):
+        learner_profile.bare_products(program)
+
+
+def test_a_folder_without_rl_tools_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    with pytest.raises(rl_tools.RunError, match=r"git clone https://github\.com/rl-tools"):
+        rl_tools.check(tmp_path)
+
+
+def test_a_limit_is_reached_by_the_first_checkpoint_that_neither_errs_nor_fails() -> None:
+    points = [
+        {"seconds": 1.0, "median_error": 0.05, "success_share": 0.9},
+        {"seconds": 2.0, "median_error": 0.2, "success_share": 1.0},
+        {"seconds": 3.0, "median_error": 0.05, "success_share": 0.98},
+    ]
+    assert learn_table.reached(points, 0.1) == 3.0
+    assert learn_table.reached(points, 0.01) is None
+
+
+def test_one_seed_that_does_not_arrive_leaves_the_learner_without_a_time() -> None:
+    assert learn_table.slowest([1.0, 3.0]) == 3.0
+    assert learn_table.slowest([1.0, None]) is None
+
+
+def test_a_cut_run_is_extrapolated_at_the_slowest_rate_between_its_checkpoints(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # Two runs; the first checkpoint has start-up in it, which the rate must not.
+    metas: dict[str, dict[str, Any]] = {
+        "a1": {"steps": 1_000_000, "wall_clock": 110.0, "parameter_hash": "x"},
+        "a2": {"steps": 2_000_000, "wall_clock": 210.0, "parameter_hash": "x"},
+        "b1": {"steps": 1_000_000, "wall_clock": 210.0, "parameter_hash": "y"},
+        "b2": {"steps": 2_000_000, "wall_clock": 410.0, "parameter_hash": "y"},
+    }
+    folders = lambda run: [run / f"{run.name}1", run / f"{run.name}2"]  # noqa: E731
+    monkeypatch.setattr(paper_protocol, "checkpoint_folders", folders)
+    monkeypatch.setattr(paper_protocol, "read_meta", lambda folder: metas[folder.name])
+    runs = paper_protocol.make_runs("hover", "fast-ppo", tmp_path, 2_000_000)[:2]
+    for run, name in zip(runs, "ab", strict=True):
+        object.__setattr__(run, "folder", tmp_path / name)
+    found = paper_protocol.figures(runs)
+    assert found["seconds"] == 410.0
+    assert found["steps_per_second"] == pytest.approx(4_000_000 / 410.0, rel=1e-12)
+    assert found["minutes_for_all"] == pytest.approx((410.0 + 3.0 * 200.0) / 60.0, rel=1e-12)
+    assert found["extrapolated"]
+
+
+def test_a_whole_run_is_not_extrapolated(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    meta = {"steps": 5_000_000, "wall_clock": 60.0, "parameter_hash": "x"}
+    monkeypatch.setattr(paper_protocol, "checkpoint_folders", lambda _: [tmp_path])
+    monkeypatch.setattr(paper_protocol, "read_meta", lambda _: meta)
+    found = paper_protocol.figures(paper_protocol.make_runs("hover", "ppo", tmp_path, 5_000_000))
+    assert not found["extrapolated"]
+    assert found["minutes_for_all"] == 1.0
