@@ -48,13 +48,34 @@ struct Placed {
   }
 };
 
+/// How many values say how large an obstacle of that kind is: an environment has no more of them.
+inline int size_count(int kind) {
+  switch (kind) {
+    case SKYBODY_BOX:
+    case SKYBODY_GATE:
+      return 3;
+    case SKYBODY_CYLINDER:
+    case SKYBODY_CAPSULE:
+      return 2;
+    case SKYBODY_SPHERE:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+/// Where and how large an obstacle is now; what its kind has no size for is 0.
 template <class Real>
 SKYBODY_INLINE Placed<Real> place(const EnvView<Real>& env, const Obstacle& obstacle) {
   const int first = obstacle.first_param, turn = first + SKYBODY_OBSTACLE_ROTATION;
+  const int sizes = size_count(obstacle.kind);
+  const auto size = [&](int k) {
+    return k < sizes ? env.param(first + SKYBODY_OBSTACLE_SIZE + k) : Real(0.0);
+  };
   return {env.param(first + SKYBODY_OBSTACLE_PRESENT) > 0.5,
           env.param_vec3(first + SKYBODY_OBSTACLE_POSITION),
           {env.param(turn), env.param(turn + 1), env.param(turn + 2), env.param(turn + 3)},
-          env.param_vec3(first + SKYBODY_OBSTACLE_SIZE)};
+          {size(0), size(1), size(2)}};
 }
 
 /// A bar of a gate, in the gate's frame: a box (docs/contact.md).

@@ -182,7 +182,7 @@ class PluginWorld {
     };
     add("position", shape.position, position, 3);
     add("rotation", shape.rotation, turn, 4);
-    add("size", shape.size, size, 3);
+    add("size", shape.size, size, static_cast<int>(size.size()));
     shapes.push_back(shape);
     return shape.first_param;
   }

@@ -159,6 +159,10 @@ TEST_F(ObstaclesTask, BadConfigurationNamesValueAndRemedy) {
               HasSubstr("`nearest` is 4, and there are 3 obstacles: take no more than there are"));
   EXPECT_THAT(refusal("obstacles", world, {{"target_min", Numbers{7.0, 0.0, 1.0}}}),
               HasSubstr("`target_min[0]` 7 is above `target_max` 6.5: swap them"));
+  EXPECT_THAT(
+      refusal("obstacles", world, {{"target", Numbers{9.0, 0.0, 1.0}}, {"nearest", 3}}),
+      HasSubstr("`target[0]` 9 lies beyond `bound` 7, where an episode ends: raise that, or "
+                "bring it nearer"));
   world.add_obstacle(SKYBODY_HEIGHT_FIELD, {10.0, 10.0, 2.0}, {0.0, 0.0, 0.0});
   EXPECT_THAT(refusal("obstacles", world, given), HasSubstr("height field"));
   PluginWorld bare;
