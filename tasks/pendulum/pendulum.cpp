@@ -157,38 +157,37 @@ class Pendulum : public Task {
   SKYBODY_INLINE void remember(const EnvView<Real>& env, const BodyMotion<Real>& base,
                                const BodyMotion<Real>& bob, const Vec3<Real>& error,
                                const Vec3<Real>& offset, const Values<Real>& buffer) const {
-    note(env, buffer, bob_error_, error);
-    note(env, buffer, bob_offset_, offset);
-    note(env, buffer, bob_velocity_, bob.velocity);
-    note(env, buffer, bob_rates_, bob.angular_velocity);
-    note(env, buffer, velocity_, base.velocity);
+    const MaskOf<Real> stepped = History::has_stepped(env);
+    note<Real>(stepped, buffer, bob_error_, error);
+    note<Real>(stepped, buffer, bob_offset_, offset);
+    note<Real>(stepped, buffer, bob_velocity_, bob.velocity);
+    note<Real>(stepped, buffer, bob_rates_, bob.angular_velocity);
+    note<Real>(stepped, buffer, velocity_, base.velocity);
     const Quat<Real> q = canonical(base.rotation);
     const Real attitude[4] = {q.w, q.x, q.y, q.z};
-    attitude_.history.note(env, buffer, [&](int k) { return attitude[k]; });
-    note(env, buffer, rates_, base.angular_velocity);
-    const MaskOf<Real> stepped = env.step() > Word<Real>(0);
-    past_actions_.history.note(env, buffer, [&](int k) {
+    attitude_.history.note<Real>(stepped, buffer, [&](int k) { return attitude[k]; });
+    note<Real>(stepped, buffer, rates_, base.angular_velocity);
+    past_actions_.history.note<Real>(stepped, buffer, [&](int k) {
       return select(stepped, env.action(first_action_ + k), Real(-1.0));
     });
     if (!is_privileged_.value()) return;
-    note_change(env, buffer, base_change_, base, env.body_before(base_));
-    note_change(env, buffer, bob_change_, bob, at_center(env.body_before(bob_)));
+    note_change<Real>(stepped, buffer, base_change_, base, env.body_before(base_));
+    note_change<Real>(stepped, buffer, bob_change_, bob, at_center(env.body_before(bob_)));
   }
 
   template <class Real>
-  static SKYBODY_INLINE void note(const EnvView<Real>& env, const Values<Real>& buffer,
+  static SKYBODY_INLINE void note(const MaskOf<Real>& stepped, const Values<Real>& buffer,
                                   const Track& track, const Vec3<Real>& value) {
     const Real values[3] = {value.x, value.y, value.z};
-    track.history.note(env, buffer, [&](int k) { return values[k]; });
+    track.history.note<Real>(stepped, buffer, [&](int k) { return values[k]; });
   }
 
   template <class Real>
-  SKYBODY_INLINE void note_change(const EnvView<Real>& env, const Values<Real>& buffer,
+  SKYBODY_INLINE void note_change(const MaskOf<Real>& stepped, const Values<Real>& buffer,
                                   const Track& track, const BodyMotion<Real>& now,
                                   const BodyMotion<Real>& before) const {
     const Vec3<Real>& w = now.angular_velocity;
     const Quat<Real> turn = canonical(now.rotation) * Quat<Real>{Real(0.0), w.x, w.y, w.z};
-    const MaskOf<Real> stepped = env.step() > Word<Real>(0);
     const Vec3<Real> none{Real(0.0), Real(0.0), Real(0.0)};
     const Vec3<Real> a = select(stepped, (now.velocity - before.velocity) / dt_, none);
     const Vec3<Real> alpha =
@@ -197,7 +196,7 @@ class Pendulum : public Task {
     const Real values[kDerivatives] = {
         v.x,          v.y,          v.z,          a.x,     a.y,     a.z,    0.5 * turn.w,
         0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z, alpha.x, alpha.y, alpha.z};
-    track.history.note(env, buffer, [&](int k) { return values[k]; });
+    track.history.note<Real>(stepped, buffer, [&](int k) { return values[k]; });
   }
 
   template <class Real>

@@ -33,7 +33,7 @@ robots:
 sensors: [{plugin: my_sensor, parameters: {robot: quad}}]
 effects: [{plugin: my_effect}]
 randomization: [{plugin: my_randomizer}]
-task: {plugin: my_task, parameters: {robot: quad}}
+task: {plugin: my_task}
 ")
 set(ENV{SKYBODY_PLUGIN_PATH} "${path}")
 run("${FOLDER}" "${SKYBODY}" plugins)
