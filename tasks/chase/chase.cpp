@@ -221,7 +221,7 @@ class Chase : public Task {
     nearest_info_.set(out.info, now.separation);
   }
 
-  /// Within half of the limit of flight, where pursuers can follow.
+  /// Within `pen`, at heights at which pursuers can follow.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> penned(const Vec3<Real>& p) const {
     const Real side(pen_.value());
