@@ -30,9 +30,10 @@ constexpr std::uint64_t kMostSteps = 1000000000000;
 constexpr const char* kRunFooter =
     "Policies: zero is the middle of every command's range; random is uniform in it, a function "
     "of\n"
-    "seed, episode and step; hold hovers at the task's goal. A trained policy is a policy.h5, a "
-    "folder\n"
-    "that has one, or a training run's folder, whose newest checkpoint flies.\n"
+    "seed, episode and step; hold hovers at the task's goal; shipped is the trained policy that "
+    "comes\n"
+    "with Skybody for this scenario. A trained policy is a policy.h5, a folder that has one, or a\n"
+    "training run's folder, whose newest checkpoint flies.\n"
     "Files: DIR/flight.h5 and DIR/flight-0001.png, -0002, -0003 of the first three episodes. "
     "Without\n"
     "--out, DIR is a new folder flights/SCENARIO-SEED (or -2, -3, ... behind it where that "
@@ -49,6 +50,7 @@ constexpr const char* kRunFooter =
     "  skybody run scenarios/payload.yaml --episodes 3 --seed 7 --out /tmp/payload\n"
     "  skybody run hover --policy random --set stepping.horizon=500 --no-picture\n"
     "  skybody run hover_learn --policy runs/first --episodes 5\n"
+    "  skybody run formation_learn --policy shipped --episodes 5\n"
     "  skybody run hover --reference figure_eight:peak_speed=3,yaw=tangent";
 
 struct RunOptions {
@@ -63,7 +65,8 @@ struct RunOptions {
 /// Accepts a baseline's name, or a file or folder that exists.
 CLI::Validator policy_argument() {
   const auto check = [](const std::string& text) -> std::string {
-    const std::vector<std::string>& names = policy_names();
+    std::vector<std::string> names = policy_names();
+    names.emplace_back(kShippedPolicy);
     std::error_code ignored;
     if (std::count(names.begin(), names.end(), text) > 0) return "";
     if (std::filesystem::exists(text, ignored)) return "";
@@ -167,9 +170,10 @@ void add_run_command(CLI::App& app, Action& chosen) {
       ->type_name("S")
       ->check(whole_number(0, UINT64_MAX));
   command
-      ->add_option("--policy", options->policy,
-                   "zero, random, hold, or a trained policy: policy.h5, a checkpoint or a training "
-                   "run (hold)")
+      ->add_option(
+          "--policy", options->policy,
+          "zero, random, hold, shipped, or a trained policy: policy.h5, a checkpoint or a training "
+          "run (hold)")
       ->type_name("NAME|PATH")
       ->check(policy_argument())
       ->excludes("--reference");

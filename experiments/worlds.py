@@ -24,7 +24,12 @@ from throughput import arguments, facts, machine_line, output_folder
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/skybody"
 EPISODES = 100
-FEWER = {"payload_1khz": 20, "payload_modular_1khz": 20}  # ten times as many actions an episode
+FEWER = {
+    "payload_1khz": 20,  # ten times as many actions an episode
+    "payload_modular_1khz": 20,
+    "cooperative_payload_learn": 40,  # flights of another world, with a longer action
+    "formation_learn_2": 40,
+}
 COARSER = 2  # pixels of a flight's picture for one of the page
 
 
@@ -72,13 +77,16 @@ def on_the_path(most: float) -> Callable[[h5py.Group], bool]:
     return is_success
 
 
-ROPES = [f"couplings.{name}_rod.kind=rope" for name in ("alpha", "bravo", "charlie")]
 ROTOR_SPEEDS = ["robots.quad.controllers=[{plugin: rotor_speed, parameters: {max_speed: 2300}}]"]
 SINGLE_THRUSTS = ["robots.quad.controllers=[{plugin: srt}]"]
 SHORTER = ["stepping.horizon=1000"]  # 10 s of 30: every figure once or twice
 WORLDS = {
-    "cooperative_payload": ([], near_the_goals(0.2)),
-    "cooperative_payload on ropes": (ROPES, near_the_goals(0.2)),
+    "cooperative_payload": ([], says_so),
+    "cooperative_payload_learn": ([], says_so),
+    "cooperative_payload_ropes": ([], says_so),
+    "formation_learn": ([], says_so),
+    "formation_learn_2": ([], says_so),
+    "formation_obstacles": ([], says_so),
     "forest": ([], near_the_goals(0.1)),
     "gates": ([], near_the_goals(0.1)),
     "platform_landing": ([], on_the_deck),

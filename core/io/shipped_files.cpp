@@ -18,13 +18,13 @@ std::optional<fs::path> find(const std::string& name, const std::string& relativ
   return file;
 }
 
-/// Names of the YAML files of a folder within the scenarios, sorted.
-std::vector<std::string> yaml_files(const std::string& folder) {
+/// Names of the files of a folder within the scenarios, without `extension`, sorted.
+std::vector<std::string> names_in(const std::string& folder, const std::string& extension) {
   std::vector<std::string> names;
   std::error_code ignored;
   for (const auto& entry :
        fs::directory_iterator(shipped_data("scenarios", "scenarios") / folder, ignored)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -36,13 +36,19 @@ std::optional<fs::path> find_shipped_scenario(const std::string& name) {
   return find(name, name + ".yaml");
 }
 
-std::vector<std::string> shipped_scenarios() { return yaml_files("."); }
+std::vector<std::string> shipped_scenarios() { return names_in(".", ".yaml"); }
 
 std::optional<fs::path> find_shipped_reference(const std::string& name) {
   return find(name, "references/" + name + ".yaml");
 }
 
-std::vector<std::string> shipped_references() { return yaml_files("references"); }
+std::vector<std::string> shipped_references() { return names_in("references", ".yaml"); }
+
+std::optional<fs::path> find_shipped_policy(const std::string& name) {
+  return find(name, "policies/" + name + ".h5");
+}
+
+std::vector<std::string> shipped_policies() { return names_in("policies", ".h5"); }
 
 std::optional<fs::path> find_shipped_model(const std::string& name) {
   return find(name, "models/" + name + "/" + name + ".urdf");

@@ -1,4 +1,4 @@
-// Scenarios and models that come with Skybody, by name.
+// Scenarios, models, references and policies that come with Skybody, by name.
 #pragma once
 
 #include <filesystem>
@@ -26,5 +26,12 @@ std::optional<std::filesystem::path> find_shipped_reference(const std::string& n
 
 /// Names of all shipped references, sorted.
 std::vector<std::string> shipped_references();
+
+/// The policy that is shipped for the scenario called `name` (hover_learn ->
+/// scenarios/policies/hover_learn.h5), or nothing.
+std::optional<std::filesystem::path> find_shipped_policy(const std::string& name);
+
+/// Names of all scenarios that a policy is shipped for, sorted.
+std::vector<std::string> shipped_policies();
 
 }  // namespace skybody

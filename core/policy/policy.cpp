@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/io/shipped_files.h"
+#include "core/io/text.h"
 #include "core/policy/hold_policy.h"
 #include "core/policy/network_policy.h"
 
@@ -63,10 +66,21 @@ const std::vector<std::string>& policy_names() {
   return names;
 }
 
+std::filesystem::path shipped_policy_file(const std::string& scenario) {
+  if (const auto file = find_shipped_policy(scenario)) return *file;
+  const std::vector<std::string> names = shipped_policies();
+  throw Error("no policy is shipped for `" + scenario + "`" +
+              (names.empty() ? "" : "; there are ones for " + join(names)) +
+              ": train one with `skybody train " + scenario + "` and give its folder");
+}
+
 std::unique_ptr<Policy> make_policy(const std::string& name, const CompiledScenario& compiled,
                                     std::uint64_t seed) {
   for (const Baseline& baseline : kBaselines) {
     if (name == baseline.name) return baseline.make(compiled, seed);
+  }
+  if (name == kShippedPolicy) {
+    return std::make_unique<NetworkPolicy>(shipped_policy_file(compiled.scenario().name));
   }
   return std::make_unique<NetworkPolicy>(name);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,9 +26,18 @@ class Policy {
 /// The baselines: zero, random, hold.
 const std::vector<std::string>& policy_names();
 
-/// @param name  one of policy_names(), or where a trained policy lies (see find_policy)
+/// What stands for the trained policy that comes with Skybody for a scenario.
+inline constexpr const char* kShippedPolicy = "shipped";
+
+/// The file of the policy that is shipped for the scenario called `scenario`.
+/// @throws Error if there is none, with those there are
+std::filesystem::path shipped_policy_file(const std::string& scenario);
+
+/// @param name  one of policy_names(), kShippedPolicy, or where a trained policy lies (see
+///              find_policy)
 /// @param seed  of `random`
-/// @throws Error if the policy cannot be read; baselines also if they cannot fly the environment
+/// @throws Error if the policy cannot be read, or none is shipped for the scenario; baselines also
+///         if they cannot fly the environment
 std::unique_ptr<Policy> make_policy(const std::string& name, const CompiledScenario& compiled,
                                     std::uint64_t seed);
 

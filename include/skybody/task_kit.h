@@ -6,6 +6,8 @@
 #include "plugins/task_kit/flight_limits.h"
 #include "plugins/task_kit/goal_shaping.h"
 #include "plugins/task_kit/history.h"
+#include "plugins/task_kit/nearest_obstacles.h"
+#include "plugins/task_kit/obstacles.h"
 #include "plugins/task_kit/parts.h"
 #include "plugins/task_kit/shaping.h"
 #include "plugins/task_kit/spawn.h"

@@ -9,6 +9,7 @@
 #include "core/io/policy_file.h"
 #include "core/io/policy_seal.h"
 #include "core/model/marked_error.h"
+#include "core/policy/policy.h"
 #include "python/native/arrays.h"
 #include "python/native/bindings.h"
 
@@ -76,6 +77,11 @@ void bind_policy(nb::module_& m) {
       nb::arg("content"),
       "The first 512 bytes of a policy.h5 whose other bytes are `content`. docs/policies.md says "
       "what they hold.");
+  m.def(
+      "shipped_policy_file",
+      [](const std::string& scenario) { return shipped_policy_file(scenario).string(); },
+      nb::arg("scenario"),
+      "The file of the policy that is shipped for a scenario. Raises Error where there is none.");
   m.def("read_policy_file", &read_policy_file, nb::arg("path"),
         nb::sig("def read_policy_file(path: str) -> dict[str, typing.Any]"),
         "What a policy.h5 holds, by the rules of `skybody run --policy`: sizes fit together and "

@@ -1,7 +1,10 @@
-// The paper's formation task: N robots stand on a polygon about a target, level and facing forward.
+// The paper's formation task: N robots stand on a polygon about a target, level and facing forward;
+// where the scenario has obstacles, clear of them.
 #include <skybody/task_kit.h>
 
 #include <vector>
+
+#include "tasks/formation/polygon.h"
 
 namespace skybody {
 namespace {
@@ -17,6 +20,8 @@ class Formation : public Task {
     drawn_target_ = announce_drawn(setup, target_);
     add_robots(setup);
     set_places();
+    obstacles_.configure(setup, "formation");
+    is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
     tilt_cosine_ = tilt_cosine_limit(tilt_max_.value());
     farthest_ = distance_max_.value() > 0.0 ? distance_max_.value() : kInfinity;
     for (int i = 0; i < count(); ++i) declare_observation(setup, i);
@@ -32,6 +37,11 @@ class Formation : public Task {
     distance_failure_ = declare_failure(setup, infos_, "distance", "a robot beyond `distance_max`");
     separation_failure_ =
         declare_failure(setup, infos_, "separation", "two robots closer than `separation_min`");
+    if (obstacles_.count() > 0) {
+      setup.need_contacts();
+      collision_failure_ = declare_failure(
+          setup, infos_, "collision", "a robot touches an obstacle, the ground or another robot");
+    }
     success_ = declare_success(setup, infos_, "`formation_error` is below `success_error`");
   }
 
@@ -54,24 +64,33 @@ class Formation : public Task {
     const Real centroid_error = norm(centroid - target);
     const Real arrival = exp(-centroid_error);
     Real nearest(kInfinity), forward(0.0);
-    MaskOf<Real> tilted(false), away(false);
+    Real clear(kInfinity), terms(0.0);
+    Failures<Real> failed;
     for (int i = 0; i < count(); ++i) {
       const BodyMotion<Real> body = motion(env, i);
       const Real own_nearest = nearest_distance<Real>(out.observation, i);
+      const Real own_clear = min(
+          own_nearest, obstacles_.observe(env, body.position, at(i).obstacles, out.observation));
       const Real own_error = norm(body.position - centroid - place<Real>(i));
       const Real own_forward = forward_cosine(body.rotation);
-      out.set_reward(at(i).index, reward(own_nearest, own_error, arrival, own_forward));
+      const Failures<Real> own_failed = failures_of(env, i, body, target, own_nearest);
+      const Real own_terms = shaping_of(i, body, target, own_failed.any());
+      out.set_reward(at(i).index, reward(own_clear, own_error, arrival, own_forward) + own_terms);
       nearest = min(nearest, own_nearest);
+      clear = min(clear, own_clear);
       forward += own_forward;
-      tilted = logical_or(tilted, tilt_cosine(body.rotation) < tilt_cosine_);
-      away = logical_or(away, norm(body.position - target) > farthest_);
+      terms += own_terms;
+      failed.add(own_failed);
     }
-    const Real error = hausdorff_distance(env, centroid);
-    out.set_reward(reward(nearest, error, arrival, forward / static_cast<double>(count())));
+    const double share = 1.0 / static_cast<double>(count());
+    const Real error = formation_error(env, centroid);
+    out.set_reward(reward(clear, error, arrival, forward / static_cast<double>(count())) +
+                   terms * share);
     Verdict<Real> verdict(out);
-    verdict.fail(tilt_failure_, tilted);
-    verdict.fail(distance_failure_, away);
-    verdict.fail(separation_failure_, nearest < separation_min_.value());
+    verdict.fail(tilt_failure_, failed.tilt);
+    verdict.fail(distance_failure_, failed.distance);
+    verdict.fail(separation_failure_, failed.separation);
+    if (obstacles_.count() > 0) verdict.fail(collision_failure_, failed.collision);
     verdict.succeed(success_, error < success_error_.value());
     verdict.close();
     error_info_.set(out.info, error);
@@ -88,7 +107,6 @@ class Formation : public Task {
   }
 
  private:
-  static constexpr int kCentered = 5;            // robots from which on one stands in the centre
   static constexpr double kErrorWeight = 2.56;   // (1.6)^2 [1/m^2]
   static constexpr double kSafeDistance = 0.5;   // [m] below, neighbours cost reward
   static constexpr double kArrivalReward = 0.4;  // for being near without the formation
@@ -97,12 +115,29 @@ class Formation : public Task {
   struct Sight {
     Part offset, distance, velocity, rotation;
   };
+  /// Which limits a robot has passed.
+  template <class Real>
+  struct Failures {
+    MaskOf<Real> tilt{false}, distance{false}, separation{false}, collision{false};
+
+    SKYBODY_INLINE MaskOf<Real> any() const {
+      return logical_or(logical_or(tilt, distance), logical_or(separation, collision));
+    }
+    SKYBODY_INLINE void add(const Failures& other) {
+      tilt = logical_or(tilt, other.tilt);
+      distance = logical_or(distance, other.distance);
+      separation = logical_or(separation, other.separation);
+      collision = logical_or(collision, other.collision);
+    }
+  };
   struct Robot {
-    int index, body;
+    int index, body, body_count;
     std::string name;
     Vec3<double> place = {};  ///< from the target [m]
     Part target_error = {}, velocity = {}, rotation = {}, angular_velocity = {};
     std::vector<Sight> others = {};  ///< in the order of robots_, itself left out
+    Part place_error = {};
+    ObstacleParts obstacles = {};
   };
 
   int count() const { return static_cast<int>(robots_.size()); }
@@ -125,20 +160,13 @@ class Formation : public Task {
                                  "` takes no action, so that it cannot fly to its place: give it a "
                                  "controller, such as `rotor_speed`, that no team feeds");
       }
-      robots_.push_back({r, info.first_body, info.name});
+      robots_.push_back({r, info.first_body, info.body_count, info.name});
     }
   }
 
-  /// Regular polygon in the horizontal plane, the first corner along +x, counter-clockwise; from
-  /// five robots on the first stands in its centre. The places' mean is the target.
   void set_places() {
-    const int center = count() >= kCentered ? 1 : 0;
-    const int corners = count() - center;
-    for (int i = center; i < count(); ++i) {
-      const SinCos<double> angle = sincos(kTwoPi * (i - center) / corners);
-      robots_[static_cast<std::size_t>(i)].place = {radius_.value() * angle.cos,
-                                                    radius_.value() * angle.sin, 0.0};
-    }
+    const std::vector<Vec3<double>> places = polygon_places(count(), radius_.value());
+    for (std::size_t i = 0; i < robots_.size(); ++i) robots_[i].place = places[i];
   }
 
   void declare_observation(const Setup& setup, int i) {
@@ -160,6 +188,10 @@ class Formation : public Task {
                               part(of + "velocity", "m/s", 3, "of the other, W"),
                               part(of + "rotation", "", 9, "of the other, as above", -1.0, 1.0)});
     }
+    if (sees_place_.value()) {
+      robot.place_error = part("place_error", "m", 3, "target + its place - p, W");
+    }
+    robot.obstacles = obstacles_.declare(setup, observation_, robot.name + ".", robot.index);
   }
 
   template <class Real>
@@ -182,6 +214,9 @@ class Formation : public Task {
       at(j).velocity.set(row, seen.velocity);
       at(j).rotation.set(row, rotation);
       at(j).angular_velocity.set(row, seen.angular_velocity);
+      if (sees_place_.value()) {
+        at(j).place_error.set(row, target + place<Real>(j) - seen.position);
+      }
       for (int i = 0; i < count(); ++i) {
         if (i == j) continue;
         const Sight& to = sight(i, j);
@@ -217,22 +252,36 @@ class Formation : public Task {
     return nearest;
   }
 
-  /// How far any robot is from the closest place, or any place from the closest robot.
   template <class Real>
-  SKYBODY_INLINE Real hausdorff_distance(const EnvView<Real>& env,
-                                         const Vec3<Real>& centroid) const {
-    Real farthest(0.0);
-    for (int i = 0; i < count(); ++i) {
-      const Vec3<Real> robot = motion(env, i).position - centroid;
-      Real to_place(kInfinity), to_robot(kInfinity);
-      for (int j = 0; j < count(); ++j) {
-        const Vec3<Real> other = motion(env, j).position - centroid;
-        to_place = min(to_place, squared_norm(robot - place<Real>(j)));
-        to_robot = min(to_robot, squared_norm(other - place<Real>(i)));
-      }
-      farthest = max(farthest, max(to_place, to_robot));
+  SKYBODY_INLINE Real formation_error(const EnvView<Real>& env, const Vec3<Real>& centroid) const {
+    return hausdorff_distance<Real>(
+        count(), [&](int i) { return motion(env, i).position - centroid; },
+        [&](int i) { return place<Real>(i); });
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Failures<Real> failures_of(const EnvView<Real>& env, int i,
+                                            const BodyMotion<Real>& body, const Vec3<Real>& target,
+                                            const Real& nearest) const {
+    Failures<Real> failed;
+    failed.tilt = tilt_cosine(body.rotation) < tilt_cosine_;
+    failed.distance = norm(body.position - target) > farthest_;
+    failed.separation = nearest < separation_min_.value();
+    if (obstacles_.count() == 0) return failed;
+    for (int b = 0; b < at(i).body_count; ++b) {
+      failed.collision = logical_or(failed.collision, env.contact(at(i).body + b).touching);
     }
-    return sqrt(farthest);
+    return failed;
+  }
+
+  /// What the paper's reward lacks for a learner, about the robot's own place in the world.
+  template <class Real>
+  SKYBODY_INLINE Real shaping_of(int i, const BodyMotion<Real>& body, const Vec3<Real>& target,
+                                 const MaskOf<Real>& failed) const {
+    if (!is_shaped_) return Real(0.0);
+    const Real distance = norm(target + place<Real>(i) - body.position);
+    return shaping_.reward(distance, yaw(body.rotation)) - shaping_.cost(body.rotation) +
+           select(failed, Real(failure_reward_.value()), Real(0.0));
   }
 
   /// s (f + f (g + h) + 0.4 g): see README.
@@ -298,6 +347,20 @@ class Formation : public Task {
                                .value = 0.0,
                                .min = 0.0,
                                .doc = "or is farther than this from the target; 0: never"}};
+  BooleanParameter sees_place_{this,
+                               {.name = "sees_place",
+                                .value = false,
+                                .doc = "each robot observes the way to its own place: with one "
+                                       "policy for all, nothing else says which one is its"}};
+  NearestObstacles obstacles_{this};
+  GoalShaping shaping_{this};
+  RealParameter failure_reward_{
+      this,
+      {.name = "failure_reward",
+       .value = 0.0,
+       .max = 0.0,
+       .doc = "added where an episode terminates, of a robot that has failed"}};
+
   RealParameter success_error_{
       this,
       {.name = "success_error",
@@ -309,7 +372,8 @@ class Formation : public Task {
   ObservationParts observation_;
   InfoParts infos_;
   Part error_info_, centroid_info_, nearest_info_;
-  Part tilt_failure_, distance_failure_, separation_failure_, success_;
+  Part tilt_failure_, distance_failure_, separation_failure_, collision_failure_, success_;
+  bool is_shaped_ = false;  ///< by anything that the paper's reward has not
   std::vector<Robot> robots_;
   int drawn_target_ = -1;  ///< first EnvParam of a target that is drawn; -1: the scenario's
   double tilt_cosine_ = -2.0, farthest_ = kInfinity;

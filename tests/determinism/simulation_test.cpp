@@ -97,9 +97,10 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
                          testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
                                          "formation_2.yaml", "formation_20.yaml", "boom.yaml",
                                          "hard_landing.yaml", "cooperative_payload.yaml",
-                                         "forest.yaml", "gates.yaml", "platform_landing.yaml",
-                                         "landing.yaml", "racing_duel.yaml", "racing_drawn.yaml",
-                                         "four_bar.yaml", "windy_hover.yaml", "downwash_pair.yaml",
+                                         "formation_obstacles.yaml", "forest.yaml", "gates.yaml",
+                                         "platform_landing.yaml", "landing.yaml",
+                                         "racing_duel.yaml", "racing_drawn.yaml", "four_bar.yaml",
+                                         "windy_hover.yaml", "downwash_pair.yaml",
                                          "low_battery.yaml", "rotor_out.yaml", "arm.yaml",
                                          "payload_paper.yaml", "vehicles.yaml", "omav.yaml"));
 

@@ -19,7 +19,9 @@ def hovering(env: ParallelEnv) -> dict[str, np.ndarray]:
     return {a: np.full(env.action_space(a).shape, 0.2, np.float32) for a in env.agents}
 
 
-@pytest.mark.parametrize("scenario", ["formation", "hover"])
+@pytest.mark.parametrize(
+    "scenario", ["formation", "formation_obstacles", "cooperative_payload", "hover"]
+)
 def test_passes_pettingzoos_tests_without_a_warning(scenario: str):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -55,6 +55,7 @@ struct Group {
   std::vector<std::uint64_t> key, episode, step, physics_step, state, end;
   std::vector<double> bodies, before, q, u, rotor_speed, rotor_command, params, action, command;
   std::vector<double> buffer, input, output, observation, reward, robot_reward, info;
+  std::vector<double> contacts;       ///< what touches each body, as in ContactSum
   std::vector<double> memo, scratch;  ///< no state: neither compared nor handed on
 
   std::array<std::vector<double>, SKYBODY_HELD_COUNT> held;  ///< empty: not announced
@@ -86,7 +87,7 @@ struct Group {
     f(a.rotor_command, b.rotor_command);
     f(a.command, b.command), f(a.buffer, b.buffer), f(a.input, b.input), f(a.output, b.output);
     f(a.observation, b.observation), f(a.reward, b.reward);
-    f(a.robot_reward, b.robot_reward), f(a.info, b.info);
+    f(a.robot_reward, b.robot_reward), f(a.info, b.info), f(a.contacts, b.contacts);
     for (std::size_t i = 0; i < a.held.size(); ++i) f(a.held[i], b.held[i]);
   }
   /// What the host keeps nothing in, so that lanes that are not served may be written, too.
@@ -193,6 +194,7 @@ class Instance {
       }
     }
     g.before = g.bodies;
+    g.contacts.assign(n(SKYBODY_CONTACT_VALUES * static_cast<int>(world_.bodies.size())), 0.0);
     return g;
   }
 
@@ -288,6 +290,7 @@ class Instance {
     v.physics_step = g.physics_step.data();
     v.bodies = g.bodies.data();
     v.bodies_before = g.before.data();
+    v.contacts = g.contacts.data();
     v.q = g.q.data();
     v.u = g.u.data();
     v.rotor_speed = g.rotor_speed.data();

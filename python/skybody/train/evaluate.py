@@ -1,6 +1,7 @@
 """Evaluates a checkpoint: deterministic policy, frozen normalization, episodes of a fixed seed.
 
     python -m skybody.train.evaluate CHECKPOINT [--episodes 100] [--seed 1000] [--json FILE]
+    python -m skybody.train.evaluate shipped --scenario NAME
 
 Episode i is that of environment i under the seed, whatever the number of episodes. The network is
 evaluated from policy.h5, the file that `skybody run --policy` flies, and without PyTorch.
@@ -28,10 +29,11 @@ from skybody.train import files
 from skybody.train.checkpoint import check_file, read_meta, resolve
 from skybody.train.hyperparameters import UsageError
 from skybody.train.learner import columns_of, goal_distance
-from skybody.train.policy_file import Policy, read_policy
+from skybody.train.policy_file import Policy, read_policy, shipped_policy
 from skybody.train.requirements import demand_packages
 
 SUCCESS = "success"  # info of tasks that say whether their aim is met (docs/task_kit.md)
+SHIPPED = "shipped"  # in a checkpoint's place: the policy that comes with Skybody
 SEED = 1000  # of evaluation episodes, unless told otherwise; training seeds draw other episodes
 
 
@@ -173,11 +175,7 @@ def evaluate_checkpoint(
         overrides = meta["overrides"] if scenario is None else []
     compiled = CompiledScenario(scenario or meta["scenario"], overrides, plugin_path)
     found = f"{compiled.scenario_hash:016x}"
-    if found != meta["scenario_hash"]:
-        print(
-            f"warning: trained on scenario {meta['scenario_hash']}, evaluated in {found}",
-            file=sys.stderr,
-        )
+    _warn_of_scenario(meta["scenario_hash"], found)
     stamps = {
         "checkpoint": folder.name,
         "steps": meta["steps"],
@@ -186,16 +184,56 @@ def evaluate_checkpoint(
         "scenario_hash": found,
         "seed": seed,
     }
+    policy = read_policy(check_file(folder, meta, "policy.h5"))
+    return {**stamps, **_evaluate_fitting(compiled, policy, str(folder), episodes, seed, threads)}
+
+
+def evaluate_shipped(
+    scenario: str,
+    episodes: int,
+    seed: int,
+    overrides: list[str] | None = None,
+    threads: int = 0,
+    plugin_path: list[str] | None = None,
+) -> dict[str, Any]:
+    """Evaluates the policy that comes with Skybody for a scenario.
+
+    Raises:
+        Error: there is none; with those there are.
+    """
+    compiled = CompiledScenario(scenario, overrides or [], plugin_path or [])
+    file = shipped_policy(compiled.name)
+    policy = read_policy(file)
+    found = f"{compiled.scenario_hash:016x}"
+    _warn_of_scenario(str(policy.attributes["scenario_hash"]), found)
+    stamps = {
+        "checkpoint": SHIPPED,
+        "steps": int(policy.attributes["steps"]),
+        "scenario_hash": found,
+        "seed": seed,
+    }
+    return {**stamps, **_evaluate_fitting(compiled, policy, str(file), episodes, seed, threads)}
+
+
+def _warn_of_scenario(trained: str, found: str) -> None:
+    if found == trained:
+        return
+    print(f"warning: trained on scenario {trained}, evaluated in {found}", file=sys.stderr)
+
+
+def _evaluate_fitting(
+    compiled: CompiledScenario, policy: Policy, where: str, episodes: int, seed: int, threads: int
+) -> dict[str, Any]:
+    """Evaluates a policy whose sizes are the scenario's. Raises ValueError where they are not."""
     if compiled.horizon == 0:
         raise ValueError(f"{compiled.name} has no horizon: its episodes might never end")
-    policy = read_policy(check_file(folder, meta, "policy.h5"))
     seen = policy.sizes()["observation_size"]
     if seen != compiled.observation_size:
         raise ValueError(
-            f"{folder}: the policy takes {seen} observations, "
+            f"{where}: the policy takes {seen} observations, "
             f"{compiled.name} gives {compiled.observation_size}"
         )
-    return {**stamps, **evaluate(compiled, policy, episodes, seed, threads)}
+    return evaluate(compiled, policy, episodes, seed, threads)
 
 
 def warn_of_plugin_path(who: str, where: Path, recorded: list[str], given: list[str]) -> None:
@@ -228,12 +266,38 @@ def in_our_words(error: Exception) -> str:
     return re.sub("^--set ", "--override ", str(error), flags=re.MULTILINE)
 
 
+def _evaluate_asked(options: argparse.Namespace) -> dict[str, Any]:
+    """What the command line asks for."""
+    if str(options.checkpoint) == SHIPPED:
+        if options.scenario is None:
+            raise ValueError("shipped: give --scenario NAME, whose policy is to fly")
+        return evaluate_shipped(
+            options.scenario,
+            options.episodes,
+            options.seed,
+            options.override,
+            options.threads,
+            options.plugin_path,
+        )
+    return evaluate_checkpoint(
+        options.checkpoint,
+        options.episodes,
+        options.seed,
+        options.scenario,
+        options.override,
+        options.threads,
+        options.plugin_path,
+    )
+
+
 def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(
         prog="python -m skybody.train.evaluate", description=(__doc__ or "").partition("\n")[0]
     )
-    parser.add_argument("checkpoint", type=Path, help="a checkpoint, or a run folder: its newest")
+    parser.add_argument(
+        "checkpoint", type=Path, help="a checkpoint, a run folder: its newest; or `shipped`"
+    )
     parser.add_argument("--episodes", type=int, default=100, help="default: 100")
     parser.add_argument("--seed", type=int, default=SEED, help=f"of the episodes; default: {SEED}")
     parser.add_argument("--scenario", help="another one than the checkpoint's")
@@ -257,15 +321,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(str(error))
     try:
         demand_packages(["h5py"])
-        result = evaluate_checkpoint(
-            options.checkpoint,
-            options.episodes,
-            options.seed,
-            options.scenario,
-            options.override,
-            options.threads,
-            options.plugin_path,
-        )
+        result = _evaluate_asked(options)
         if options.json:
             files.write_file(options.json, (json.dumps(result, indent=1) + "\n").encode())
     except (InputError, Error, OSError, ValueError) as error:

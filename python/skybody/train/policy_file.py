@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody._native import Error, policy_seal, read_policy_file
+from skybody._native import Error, policy_seal, read_policy_file, shipped_policy_file
 from skybody.train import files
 
 FORMAT = "skybody-policy"
@@ -144,6 +144,15 @@ class Policy:
             "observation_size": int(self.attributes["observation_size"]),
             "action_size": sum(len(agent.action) for agent in self.agents),
         }
+
+
+def shipped_policy(scenario: str) -> Path:
+    """The file of the policy that comes with Skybody for the scenario of that name.
+
+    Raises:
+        Error: there is none; with those there are.
+    """
+    return Path(shipped_policy_file(scenario))
 
 
 def write_policy(path: Path, policy: Policy) -> None:

@@ -292,12 +292,97 @@ TEST_F(FormationTask, NothingEndsAnEpisodeUnlessAskedTo) {
   EXPECT_EQ(ends({{"distance_max", 4.0}}, {0, 0, 6.1}, 0.0), 1u);
 }
 
+TEST_F(FormationTask, WithObstaclesGivesTheBitsOfDouble) {
+  add_team(3);
+  world.add_obstacle(SKYBODY_BOX, {0.4, 1.0, 0.6}, {1, 0, 1}, 0.7);
+  world.add_obstacle(SKYBODY_CYLINDER, {0.2, 2.0}, {0, 1, 1});
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {-1, 0, 1});
+  world.add_obstacle(SKYBODY_CAPSULE, {0.2, 0.8}, {0, -1, 1}, 0.3);
+  expect_same_bits("formation", world,
+                   {{"sees_place", true}, {"tilt_cost", 1.0}, {"failure_reward", -2.0}});
+}
+
+TEST_F(FormationTask, SeesTheWaysToTheNearestPointsOfObstaclesCutAtItsSight) {
+  add_team(2);
+  world.add_obstacle(SKYBODY_SPHERE, {1.0}, {0, 0, 12});
+  world.add_obstacle(SKYBODY_CYLINDER, {0.5, 4.0}, {2, 0, 2});
+  world.add_obstacle(SKYBODY_BOX, {1, 1, 1}, {0, 3, 2});
+  Parameters given = fixed;
+  given.insert({"obstacle_sight", 4.0});
+  const Instance task("formation", world, given);
+  ASSERT_EQ(task.declared.channel_count(), 2 * (34 + 3 * 4));
+  EXPECT_EQ(task.declared.channels[8].name, "quad1.obstacle_1.offset");
+  Group g = begin(task);
+  put(g, 0, {0, 0, 2});
+  put(g, 1, {-3, 0, 2});
+  evaluate(task, g);
+  const Numbers expected = {1.5, 0, 0, 1.5, 0, 2.5, 0, 2.5, 0, 0, 4, 4};
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    EXPECT_NEAR(g.observation[34 + k], expected[k], kRounding) << k;
+  g.params[static_cast<std::size_t>(world.shapes[1].first_param)] = 0.0;  // the post is not there
+  evaluate(task, g);
+  EXPECT_NEAR(g.observation[34 + 3], 2.5, kRounding);  // the box is the nearest
+  EXPECT_NEAR(g.observation[34 + 8], 0.0, kRounding);  // there is no third one
+  EXPECT_NEAR(g.observation[34 + 11], 4.0, kRounding);
+}
+
+TEST_F(FormationTask, AnObstacleNearbyCostsRewardAndTouchingItEndsTheEpisode) {
+  add_team(2);
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {1.75, 0, 2});
+  const Instance task("formation", world, fixed);
+  const std::vector<std::string> names = channel_names(task.declared.infos);
+  const auto collision = static_cast<std::size_t>(
+      std::find(names.begin(), names.end(), "failed.collision") - names.begin());
+  ASSERT_LT(collision, names.size());
+  Group g = begin(task);
+  put(g, 0, {1, 0, 2});
+  put(g, 1, {-1, 0, 2});
+  evaluate(task, g);
+  EXPECT_NEAR(g.reward[0], reward_of(0.25, 0.0, 0.0, 1.0), kRounding);
+  EXPECT_NEAR(g.robot_reward[1], reward_of(2.0, 0.0, 0.0, 1.0), kRounding);
+  EXPECT_EQ(g.end[0], 0u);
+  EXPECT_EQ(g.info.back(), 1.0);
+  g.contacts[6] = 1.0;  // the first robot touches something
+  evaluate(task, g);
+  EXPECT_EQ(g.end[0], 1u);
+  EXPECT_EQ(g.info[collision], 1.0);
+  EXPECT_EQ(g.info.back(), 0.0);
+}
+
+TEST_F(FormationTask, OfManyObstaclesItSeesAsManyAsAskedFor) {
+  add_team(2);
+  for (int i = 0; i < 5; ++i)
+    world.add_obstacle(SKYBODY_SPHERE, {0.1}, {i + 5.0, 0, 2});
+  EXPECT_EQ(Instance("formation", world).declared.channel_count(), 2 * (34 + 3 * 4));
+  EXPECT_EQ(Instance("formation", world, {{"obstacles_seen", 5}}).declared.channel_count(),
+            2 * (34 + 5 * 4));
+  EXPECT_EQ(Instance("formation", world, {{"obstacles_seen", 0}}).declared.channel_count(), 2 * 34);
+}
+
+TEST_F(FormationTask, ShowsEveryRobotItsPlaceWhereAskedTo) {
+  add_team(2);
+  Parameters given = fixed;
+  given.insert({"sees_place", true});
+  const Instance task("formation", world, given);
+  Group g = begin(task);
+  put(g, 1, {-1, 0.5, 2});
+  evaluate(task, g);
+  EXPECT_NEAR(g.observation[37 + 34], 0.0, kRounding);
+  EXPECT_NEAR(g.observation[37 + 35], -0.5, kRounding);
+}
+
 TEST_F(FormationTask, BadConfigurationNamesValueAndRemedy) {
   add_team(1);
   EXPECT_THAT(refusal("formation", world, {}), HasSubstr("needs two robots or more"));
   world.add_quad("second");
   EXPECT_THAT(refusal("formation", world, {{"target_min", Numbers{0, 3, 0}}}),
               HasSubstr("`target_min[1]` 3 is above `target_max` 2"));
+  PluginWorld gated;
+  for (const char* name : {"a", "b"}) gated.add_quad(name);
+  gated.add_gate("ring", {0, 0, 1}, 0.0);
+  EXPECT_THAT(refusal("formation", gated, {}),
+              HasSubstr("obstacle `ring` is a gate, and task `formation` sees boxes, cylinders, "
+                        "spheres and capsules alone: take one of these"));
   world.robots[1].action_count = 0;
   EXPECT_THAT(refusal("formation", world, {}),
               HasSubstr("robot `second` takes no action, so that it cannot fly to its place"));

@@ -1,0 +1,86 @@
+// What robots observe of the obstacles that are nearest to them. A member of a task, among its
+// parameters.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "plugins/task_kit/obstacles.h"
+#include "plugins/task_kit/parts.h"
+
+namespace skybody::task_kit {
+
+/// One robot's view of obstacles: parts of its observation, the nearest obstacle first.
+struct ObstacleParts {
+  std::vector<Part> offsets, distances;
+};
+
+/// The obstacles of a scenario, and how many of them robots see.
+class NearestObstacles {
+ public:
+  explicit NearestObstacles(Plugin* owner) : owner_(owner) {}
+
+  /// @throws std::runtime_error as Obstacles::configure()
+  void configure(const Setup& setup, const std::string& task) {
+    obstacles_.configure(setup, task);
+    seen_ = std::min(static_cast<int>(seen_parameter_.value()), obstacles_.count());
+  }
+  int count() const { return obstacles_.count(); }  ///< of the scenario
+  int seen() const { return seen_; }
+
+  /// Declares a robot's parts, `PREFIXobstacle_1.offset` and so on.
+  ObstacleParts declare(const Setup& setup, ObservationParts& observation,
+                        const std::string& prefix, int robot) const {
+    const double sight = sight_.value();
+    ObstacleParts parts;
+    for (int k = 0; k < seen_; ++k) {
+      const std::string of = prefix + "obstacle_" + std::to_string(k + 1) + ".";
+      parts.offsets.push_back(observation.add(
+          setup,
+          {of + "offset", "m", 3, "nearest point of an obstacle - p, W; cut at `obstacle_sight`",
+           -sight, sight, robot}));
+      parts.distances.push_back(
+          observation.add(setup, {of + "distance", "m", 1, "its length", 0.0, sight, robot}));
+    }
+    return parts;
+  }
+
+  /// Writes what is seen from `point`.
+  /// @returns the distance of the nearest obstacle [m], infinite where there is none
+  template <class Real>
+  SKYBODY_INLINE Real observe(const EnvView<Real>& env, const Vec3<Real>& point,
+                              const ObstacleParts& parts, const Values<Real>& row) const {
+    const auto sorted = obstacles_.nearest_of(env, point, std::max(seen_, 1));
+    const Real sight(sight_.value());
+    for (int k = 0; k < seen_; ++k) {
+      const auto place = static_cast<std::size_t>(k);
+      const Real& distance = sorted[place].distance;
+      parts.offsets[place].set(row, sorted[place].offset * (sight / max(distance, sight)));
+      parts.distances[place].set(row, min(distance, sight));
+    }
+    return sorted[0].distance;
+  }
+
+ private:
+  Plugin* owner_;
+  IntegerParameter seen_parameter_{
+      owner_,
+      {.name = "obstacles_seen",
+       .value = 3,
+       .min = 0,
+       .max = Obstacles::kMostSeen,
+       .doc = "so many of the nearest obstacles are observed, or all where there are fewer"}};
+  RealParameter sight_{owner_,
+                       {.name = "obstacle_sight",
+                        .unit = "m",
+                        .value = 4.0,
+                        .min = 0.01,
+                        .doc = "longer ways to obstacles are observed as this long"}};
+  Obstacles obstacles_;
+  int seen_ = 0;
+};
+
+}  // namespace skybody::task_kit

@@ -1,0 +1,118 @@
+// Limits of a flight with a common load: what ends it as a failure, and why.
+#pragma once
+
+#include <skybody/task_kit.h>
+
+namespace skybody {
+
+/// Which limits are passed, by the load or by any robot.
+template <class Real>
+struct PassedByTeam {
+  MaskOf<Real> tilt{false}, load_tilt{false}, bound{false}, separation{false}, dropped{false};
+
+  SKYBODY_INLINE MaskOf<Real> any() const {
+    return logical_or(logical_or(logical_or(tilt, load_tilt), logical_or(bound, separation)),
+                      dropped);
+  }
+  SKYBODY_INLINE void add(const PassedByTeam& other) {
+    tilt = logical_or(tilt, other.tilt);
+    load_tilt = logical_or(load_tilt, other.load_tilt);
+    bound = logical_or(bound, other.bound);
+    separation = logical_or(separation, other.separation);
+    dropped = logical_or(dropped, other.dropped);
+  }
+};
+
+/// The limits and their parameters: a member of the task, among its parameters.
+class CarriedLimits {
+ public:
+  explicit CarriedLimits(Plugin* owner) : owner_(owner) {}
+
+  /// Declares the infos of the failures.
+  void configure(const Setup& setup, task_kit::InfoParts& infos) {
+    using task_kit::declare_failure;
+    tilt_cosine_ = task_kit::tilt_cosine_limit(tilt_max_.value());
+    load_tilt_cosine_ = task_kit::tilt_cosine_limit(load_tilt_max_.value());
+    tilt_ = declare_failure(setup, infos, "tilt", "a robot beyond `tilt_max`");
+    load_tilt_ = declare_failure(setup, infos, "load_tilt", "the load beyond `load_tilt_max`");
+    bound_ = declare_failure(setup, infos, "bound",
+                             "a coordinate of a robot or of the load beyond `bound`");
+    separation_ =
+        declare_failure(setup, infos, "separation", "two robots closer than `separation_min`");
+    dropped_ = declare_failure(setup, infos, "dropped", "the load below `height_min`");
+  }
+
+  template <class Real>
+  SKYBODY_INLINE PassedByTeam<Real> by_load(const BodyMotion<Real>& load) const {
+    PassedByTeam<Real> passed;
+    passed.load_tilt = tilt_cosine(load.rotation) < load_tilt_cosine_;
+    passed.bound = beyond_bound(load.position);
+    passed.dropped = load.position.z < height_min_.value();
+    return passed;
+  }
+  /// @param nearest  distance of its nearest neighbour [m]
+  template <class Real>
+  SKYBODY_INLINE PassedByTeam<Real> by_robot(const BodyMotion<Real>& robot,
+                                             const Real& nearest) const {
+    PassedByTeam<Real> passed;
+    passed.tilt = tilt_cosine(robot.rotation) < tilt_cosine_;
+    passed.bound = beyond_bound(robot.position);
+    passed.separation = nearest < separation_min_.value();
+    return passed;
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void judge(task_kit::Verdict<Real>& verdict,
+                            const PassedByTeam<Real>& passed) const {
+    verdict.fail(tilt_, passed.tilt);
+    verdict.fail(load_tilt_, passed.load_tilt);
+    verdict.fail(bound_, passed.bound);
+    verdict.fail(separation_, passed.separation);
+    verdict.fail(dropped_, passed.dropped);
+  }
+
+ private:
+  template <class Real>
+  SKYBODY_INLINE MaskOf<Real> beyond_bound(const Vec3<Real>& p) const {
+    return max(max(abs(p.x), abs(p.y)), abs(p.z)) > bound_max_.value();
+  }
+
+  Plugin* owner_;
+  RealParameter tilt_max_{owner_,
+                          {.name = "tilt_max",
+                           .unit = "rad",
+                           .value = 1.4,
+                           .min = 0.0,
+                           .max = kPi,
+                           .doc = "the team fails where a robot tilts more; pi: never"}};
+  RealParameter load_tilt_max_{owner_,
+                               {.name = "load_tilt_max",
+                                .unit = "rad",
+                                .value = 1.0,
+                                .min = 0.0,
+                                .max = kPi,
+                                .doc = "or where the load does; pi: never"}};
+  RealParameter bound_max_{
+      owner_,
+      {.name = "bound",
+       .unit = "m",
+       .value = 10.0,
+       .min = 1e-3,
+       .doc = "or where a coordinate of a robot or of the load is larger either way (W)"}};
+  RealParameter separation_min_{owner_,
+                                {.name = "separation_min",
+                                 .unit = "m",
+                                 .value = 0.5,
+                                 .min = 0.0,
+                                 .doc = "or where two robots are closer; 0: never"}};
+  RealParameter height_min_{owner_,
+                            {.name = "height_min",
+                             .unit = "m",
+                             .value = 0.3,
+                             .doc = "or where the load is lower (W z): it was dropped"}};
+
+  double tilt_cosine_ = -2.0, load_tilt_cosine_ = -2.0;
+  task_kit::Part tilt_, load_tilt_, bound_, separation_, dropped_;
+};
+
+}  // namespace skybody
