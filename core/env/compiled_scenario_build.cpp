@@ -202,7 +202,8 @@ struct CompiledScenario::Builder {
     const auto add = [&](ActionChannel channel) {
       channel.first = size;
       size += static_cast<int>(channel.low.size());
-      if (env.agents_.empty() || env.agents_.back() != channel.robot) {
+      const bool decides = !channel.low.empty();  // a chain that a reference begins takes nothing
+      if (decides && (env.agents_.empty() || env.agents_.back() != channel.robot)) {
         env.agents_.push_back(channel.robot);
       }
       env.action_channels_.push_back(std::move(channel));

@@ -4,6 +4,10 @@
 
 #include <skybody/plugin.h>
 
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
 #include "plugins/task_kit/verdict.h"
 
 namespace skybody::task_kit {
@@ -44,6 +48,17 @@ class FlightLimits {
     tilt_failure_ = declare_failure(setup, infos, "tilt", "tilted beyond `tilt_max`");
     heading_failure_ = declare_failure(setup, infos, "heading", "heading beyond `yaw_max`");
     bound_failure_ = declare_failure(setup, infos, "bound", "a coordinate beyond `bound`");
+  }
+
+  /// Refuses a place where nobody may be, such as a target. @param what  of it, for the message
+  void require_within(const RealsParameter& place, const std::string& what) const {
+    for (int k = 0; k < 3; ++k) {
+      if (std::abs(place.value(k)) <= bound_.value()) continue;
+      throw std::runtime_error("`" + what + "[" + std::to_string(k) + "]` " +
+                               to_text(place.value(k)) + " lies beyond `bound` " +
+                               to_text(bound_.value()) +
+                               ", where an episode ends: raise that, or bring it nearer");
+    }
   }
 
   /// @param heading  what `yaw_max` limits either way [rad]

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 SCENARIOS = (
     "arm",
     "boom",
+    "chase",
+    "chase_agents",
     "collision",
     "cooperative_payload",
     "cooperative_payload_learn",
@@ -37,6 +39,8 @@ SCENARIOS = (
     "hover_learn",
     "landing",
     "low_battery",
+    "obstacles",
+    "obstacles_rays",
     "omav",
     "payload",
     "payload_1khz",

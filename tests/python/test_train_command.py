@@ -157,7 +157,7 @@ def test_runs_that_are_told_no_folder_have_one_each_and_say_how_to_fly(tmp_path:
         (["hover_learn", "--set", "lerning_rate=1"], "did you mean `learning_rate`?"),
         (["hover_learn", "--set", "discount=2"], "discount = 2: allowed is 0 to 1"),
         (["hover_learn", "--set", "torch_threads=2"], "no hyper-parameter `torch_threads`"),
-        (["windy_hover", "--algo", "gradient"], "fast-ppo"),
+        (["formation_2", "--algo", "gradient"], "fast-ppo"),
     ],
 )
 def test_a_mistake_is_one_message_and_leaves_nothing(

@@ -161,38 +161,37 @@ class PluginWorld {
     shapes.push_back(shape);
   }
 
-  /// An obstacle: a frame about an opening of `width` by `height` [m], bars of 0.1 m; x of it, the
-  /// way through, points to `yaw` [rad].
-  void add_gate(const std::string& name, const std::vector<double>& position, double yaw,
-                double width = 1.4, double height = 1.4) {
-    add_obstacle(name, SKYBODY_GATE, {width, height, 0.1}, position, yaw);
-  }
-
-  /// An obstacle of a kind, with its sizes [m], turned by `yaw` about z [rad].
-  void add_obstacle(const std::string& name, int kind, const std::vector<double>& size,
-                    const std::vector<double>& position, double yaw = 0.0) {
+  /// An obstacle, turned by `yaw` [rad]. @param size  as its kind says [m]
+  /// @returns its first EnvParam
+  int add_obstacle(int kind, const std::vector<double>& size, const std::vector<double>& position,
+                   double yaw = 0.0, const std::string& name = "") {
     SkybodyShapeInfo shape{};
-    shape.name = keep(name);
+    shape.obstacle = obstacles_++;
+    const std::string own = name.empty() ? "solid_" + std::to_string(obstacles_) : name;
+    shape.name = keep(own);
     shape.mesh = "";
     shape.kind = kind;
     shape.robot = shape.body = -1;
-    shape.obstacle = obstacles_++;
-    const double turn[4] = {std::cos(0.5 * yaw), 0.0, 0.0, std::sin(0.5 * yaw)};
-    const std::string path = "obstacles." + name;
-    shape.first_param = add_param(path + ".present", 1.0);
-    for (std::size_t k = 0; k < 3; ++k) {
-      shape.position[k] = position[k];
-      add_param(path + ".position[" + std::to_string(k) + "]", position[k]);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      shape.rotation[k] = turn[k];
-      add_param(path + ".rotation[" + std::to_string(k) + "]", turn[k]);
-    }
-    for (std::size_t k = 0; k < size.size(); ++k) {
-      shape.size[k] = size[k];
-      add_param(path + ".size[" + std::to_string(k) + "]", size[k]);
-    }
+    shape.first_param = add_param("obstacles." + own + ".present", 1.0);
+    const std::vector<double> turn{std::cos(0.5 * yaw), 0.0, 0.0, std::sin(0.5 * yaw)};
+    const auto add = [&](const char* what, double* to, const std::vector<double>& from, int count) {
+      for (int k = 0; k < count; ++k) {
+        to[k] = at(k) < from.size() ? from[at(k)] : 0.0;
+        add_param("obstacles." + own + "." + what + "[" + std::to_string(k) + "]", to[k]);
+      }
+    };
+    add("position", shape.position, position, 3);
+    add("rotation", shape.rotation, turn, 4);
+    add("size", shape.size, size, static_cast<int>(size.size()));
     shapes.push_back(shape);
+    return shape.first_param;
+  }
+
+  /// A frame about an opening of `width` by `height` [m], bars of 0.1 m; x of it, the way through,
+  /// points to `yaw` [rad].
+  void add_gate(const std::string& name, const std::vector<double>& position, double yaw,
+                double width = 1.4, double height = 1.4) {
+    add_obstacle(SKYBODY_GATE, {width, height, 0.1}, position, yaw, name);
   }
 
   int add_param(const std::string& path, double nominal, double min = -1e9, double max = 1e9) {

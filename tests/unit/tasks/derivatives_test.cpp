@@ -50,5 +50,22 @@ TEST(TaskDerivatives, OfFormationDependOnEachRobot) {
   expect("formation", world, {}, {"bodies", "params"});
 }
 
+TEST(TaskDerivatives, OfObstaclesDependOnMotionPlacesAndSizes) {
+  PluginWorld world;
+  world.add_quad("quad");
+  world.add_obstacle(SKYBODY_SPHERE, {0.3}, {1.5, 0.2, 1.0});
+  world.add_obstacle(SKYBODY_CYLINDER, {0.2, 3.0}, {-1.0, 1.4, 0.5}, 0.3);
+  world.add_obstacle(SKYBODY_BOX, {0.4, 0.5, 0.6}, {0.0, -1.8, 0.2}, 0.5);
+  expect("obstacles", world, {{"nearest", 2}}, {"action", "bodies", "params", "state"});
+}
+
+TEST(TaskDerivatives, OfChaseDependOnAllRobots) {
+  PluginWorld world;
+  world.add_quad("hawk");
+  world.add_quad("kite", 0, 2, 1);
+  world.add_quad("evader", 2, 0, 1);
+  expect("chase", world, {}, {"bodies", "buffer"});
+}
+
 }  // namespace
 }  // namespace skybody::testing

@@ -294,19 +294,19 @@ TEST_F(FormationTask, NothingEndsAnEpisodeUnlessAskedTo) {
 
 TEST_F(FormationTask, WithObstaclesGivesTheBitsOfDouble) {
   add_team(3);
-  world.add_obstacle("box", SKYBODY_BOX, {0.4, 1.0, 0.6}, {1, 0, 1}, 0.7);
-  world.add_obstacle("post", SKYBODY_CYLINDER, {0.2, 2.0}, {0, 1, 1});
-  world.add_obstacle("ball", SKYBODY_SPHERE, {0.5}, {-1, 0, 1});
-  world.add_obstacle("pill", SKYBODY_CAPSULE, {0.2, 0.8}, {0, -1, 1}, 0.3);
+  world.add_obstacle(SKYBODY_BOX, {0.4, 1.0, 0.6}, {1, 0, 1}, 0.7);
+  world.add_obstacle(SKYBODY_CYLINDER, {0.2, 2.0}, {0, 1, 1});
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {-1, 0, 1});
+  world.add_obstacle(SKYBODY_CAPSULE, {0.2, 0.8}, {0, -1, 1}, 0.3);
   expect_same_bits("formation", world,
                    {{"sees_place", true}, {"tilt_cost", 1.0}, {"failure_reward", -2.0}});
 }
 
 TEST_F(FormationTask, SeesTheWaysToTheNearestPointsOfObstaclesCutAtItsSight) {
   add_team(2);
-  world.add_obstacle("far", SKYBODY_SPHERE, {1.0}, {0, 0, 12});
-  world.add_obstacle("post", SKYBODY_CYLINDER, {0.5, 4.0}, {2, 0, 2});
-  world.add_obstacle("box", SKYBODY_BOX, {1, 1, 1}, {0, 3, 2});
+  world.add_obstacle(SKYBODY_SPHERE, {1.0}, {0, 0, 12});
+  world.add_obstacle(SKYBODY_CYLINDER, {0.5, 4.0}, {2, 0, 2});
+  world.add_obstacle(SKYBODY_BOX, {1, 1, 1}, {0, 3, 2});
   Parameters given = fixed;
   given.insert({"obstacle_sight", 4.0});
   const Instance task("formation", world, given);
@@ -328,7 +328,7 @@ TEST_F(FormationTask, SeesTheWaysToTheNearestPointsOfObstaclesCutAtItsSight) {
 
 TEST_F(FormationTask, AnObstacleNearbyCostsRewardAndTouchingItEndsTheEpisode) {
   add_team(2);
-  world.add_obstacle("ball", SKYBODY_SPHERE, {0.5}, {1.75, 0, 2});
+  world.add_obstacle(SKYBODY_SPHERE, {0.5}, {1.75, 0, 2});
   const Instance task("formation", world, fixed);
   const std::vector<std::string> names = channel_names(task.declared.infos);
   const auto collision = static_cast<std::size_t>(
@@ -352,7 +352,7 @@ TEST_F(FormationTask, AnObstacleNearbyCostsRewardAndTouchingItEndsTheEpisode) {
 TEST_F(FormationTask, OfManyObstaclesItSeesAsManyAsAskedFor) {
   add_team(2);
   for (int i = 0; i < 5; ++i)
-    world.add_obstacle("ball" + std::to_string(i), SKYBODY_SPHERE, {0.1}, {i + 5.0, 0, 2});
+    world.add_obstacle(SKYBODY_SPHERE, {0.1}, {i + 5.0, 0, 2});
   EXPECT_EQ(Instance("formation", world).declared.channel_count(), 2 * (34 + 3 * 4));
   EXPECT_EQ(Instance("formation", world, {{"obstacles_seen", 5}}).declared.channel_count(),
             2 * (34 + 5 * 4));

@@ -1,0 +1,107 @@
+// How far a place is from an obstacle's surface, and which way, in closed form.
+#pragma once
+
+#include "plugins/obstacles/placed.h"
+
+namespace skybody::obstacles {
+
+/// From a place to the nearest point of a surface.
+template <class Real>
+struct Gap {
+  Real distance;   ///< below 0 inside [m]
+  Vec3<Real> way;  ///< to that point [m]
+};
+
+template <class Real>
+SKYBODY_INLINE Gap<Real> nearer(const Gap<Real>& a, const Gap<Real>& b) {
+  const auto first = a.distance <= b.distance;
+  return {select(first, a.distance, b.distance), select(first, a.way, b.way)};
+}
+
+/// From `p` to a sphere about the origin. In its very centre the way up is taken.
+template <class Real>
+SKYBODY_INLINE Gap<Real> gap_to_sphere(const Vec3<Real>& p, const Real& radius) {
+  const Real square = squared_norm(p);
+  const auto apart = square > 1e-24;
+  const Real far = sqrt(select(apart, square, Real(1.0)));
+  const Real distance = select(apart, far, Real(0.0)) - radius;
+  const Vec3<Real> outward = select(apart, p / far, Vec3<Real>{Real(0.0), Real(0.0), Real(1.0)});
+  return {distance, -distance * outward};
+}
+
+/// To a capsule along z: `half` is half of the length between the centres of its caps.
+template <class Real>
+SKYBODY_INLINE Gap<Real> gap_to_capsule(const Vec3<Real>& p, const Real& radius, const Real& half) {
+  const Real along = max(min(p.z, half), -half);
+  return gap_to_sphere(Vec3<Real>{p.x, p.y, p.z - along}, radius);
+}
+
+/// To a box about the origin.
+template <class Real>
+SKYBODY_INLINE Gap<Real> gap_to_box(const Vec3<Real>& p, const Vec3<Real>& half) {
+  const Vec3<Real> d{abs(p.x) - half.x, abs(p.y) - half.y, abs(p.z) - half.z};
+  const Real most = max(max(d.x, d.y), d.z);
+  const auto outside = most > 0.0;
+  const Real zero(0.0);
+  // Outside all axes beyond the faces count, inside the face that is nearest.
+  const auto by_x = d.x >= most;
+  const auto by_y = logical_and(d.y >= most, logical_not(by_x));
+  const auto by_z = logical_not(logical_or(by_x, by_y));
+  const Vec3<Real> out{select(outside, max(d.x, zero), select(by_x, d.x, zero)),
+                       select(outside, max(d.y, zero), select(by_y, d.y, zero)),
+                       select(outside, max(d.z, zero), select(by_z, d.z, zero))};
+  const Real square = select(outside, squared_norm(out), Real(1.0));
+  return {select(outside, sqrt(square), most),
+          {-copysign(Real(1.0), p.x) * out.x, -copysign(Real(1.0), p.y) * out.y,
+           -copysign(Real(1.0), p.z) * out.z}};
+}
+
+/// To a cylinder along z: a box in the plane of its axis and `p`.
+template <class Real>
+SKYBODY_INLINE Gap<Real> gap_to_cylinder(const Vec3<Real>& p, const Real& radius,
+                                         const Real& half) {
+  const Real square = p.x * p.x + p.y * p.y;
+  const auto apart = square > 1e-24;
+  const Real aside = sqrt(select(apart, square, Real(1.0)));
+  const Real zero(0.0);
+  const Vec3<Real> outward{select(apart, p.x / aside, Real(1.0)), select(apart, p.y / aside, zero),
+                           zero};
+  const Gap<Real> flat = gap_to_box(Vec3<Real>{select(apart, aside, zero), zero, p.z},
+                                    Vec3<Real>{radius, Real(kInfinity), half});
+  return {flat.distance, {flat.way.x * outward.x, flat.way.x * outward.y, flat.way.z}};
+}
+
+/// From `p` to an obstacle, whether it is there or not; `p` and the way in W.
+template <class Real>
+SKYBODY_INLINE Gap<Real> gap(const Obstacle& obstacle, const Placed<Real>& placed,
+                             const Vec3<Real>& p) {
+  const Vec3<Real> local = placed.local(p);
+  const Vec3<Real>& size = placed.size;
+  Gap<Real> found;
+  switch (obstacle.kind) {
+    case SKYBODY_BOX:
+      found = gap_to_box(local, 0.5 * size);
+      break;
+    case SKYBODY_CYLINDER:
+      found = gap_to_cylinder(local, size.x, 0.5 * size.y);
+      break;
+    case SKYBODY_CAPSULE:
+      found = gap_to_capsule(local, size.x, 0.5 * size.y);
+      break;
+    case SKYBODY_GATE:
+      for (int k = 0; k < kBars; ++k) {
+        const Bar<Real> bar = bar_of_gate(size, k);
+        const Gap<Real> to_bar = gap_to_box(local - bar.position, bar.half);
+        found = k == 0 ? to_bar : nearer(found, to_bar);
+      }
+      break;
+    case SKYBODY_PLANE:
+      found = {local.z, {Real(0.0), Real(0.0), -local.z}};
+      break;
+    default:
+      found = gap_to_sphere(local, size.x);
+  }
+  return {found.distance, rotate(placed.rotation, found.way)};
+}
+
+}  // namespace skybody::obstacles

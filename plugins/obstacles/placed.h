@@ -1,0 +1,100 @@
+// The scenario's obstacles as plugins see them: each environment has its own places and sizes.
+#pragma once
+
+#include <skybody/plugin.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace skybody::obstacles {
+
+/// An obstacle as configure() finds it.
+struct Obstacle {
+  int kind = SKYBODY_SPHERE;  ///< SkybodyShapeKind
+  int first_param = 0;        ///< EnvParams, at the places of SkybodyObstacleConstant
+};
+
+/// All obstacles, in the scenario's order.
+/// @param reader  who asks, for messages, such as "task `obstacles`"
+/// @throws std::runtime_error naming one whose surface has no closed form
+inline std::vector<Obstacle> find(const Setup& setup, const std::string& reader) {
+  std::vector<Obstacle> found;
+  for (const ShapeInfo& shape : setup.shapes()) {
+    if (shape.obstacle < 0) continue;
+    if (shape.kind == SKYBODY_HEIGHT_FIELD || shape.kind == SKYBODY_MESH) {
+      throw std::runtime_error("obstacle `" + std::string(shape.name) + "` is a " +
+                               (shape.kind == SKYBODY_MESH ? "mesh" : "height field") + ", and " +
+                               reader +
+                               " knows boxes, spheres, cylinders, capsules, gates and planes: "
+                               "replace it by one of these, or take it out");
+    }
+    found.push_back({shape.kind, shape.first_param});
+  }
+  return found;
+}
+
+/// Where an obstacle is in an environment, and how large.
+template <class Real>
+struct Placed {
+  MaskOf<Real> present;  ///< whether it is there
+  Vec3<Real> position;   ///< of its centre, W [m]
+  Quat<Real> rotation;   ///< W from its frame
+  Vec3<Real> size;       ///< as its kind says (SkybodyShapeKind) [m]
+
+  /// A place of W in its frame [m].
+  SKYBODY_INLINE Vec3<Real> local(const Vec3<Real>& p) const {
+    return rotate_inverse(rotation, p - position);
+  }
+};
+
+/// How many values say how large an obstacle of that kind is: an environment has no more of them.
+inline int size_count(int kind) {
+  switch (kind) {
+    case SKYBODY_BOX:
+    case SKYBODY_GATE:
+      return 3;
+    case SKYBODY_CYLINDER:
+    case SKYBODY_CAPSULE:
+      return 2;
+    case SKYBODY_SPHERE:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+/// Where and how large an obstacle is now; what its kind has no size for is 0.
+template <class Real>
+SKYBODY_INLINE Placed<Real> place(const EnvView<Real>& env, const Obstacle& obstacle) {
+  const int first = obstacle.first_param, turn = first + SKYBODY_OBSTACLE_ROTATION;
+  const int sizes = size_count(obstacle.kind);
+  const auto size = [&](int k) {
+    return k < sizes ? env.param(first + SKYBODY_OBSTACLE_SIZE + k) : Real(0.0);
+  };
+  return {env.param(first + SKYBODY_OBSTACLE_PRESENT) > 0.5,
+          env.param_vec3(first + SKYBODY_OBSTACLE_POSITION),
+          {env.param(turn), env.param(turn + 1), env.param(turn + 2), env.param(turn + 3)},
+          {size(0), size(1), size(2)}};
+}
+
+/// A bar of a gate, in the gate's frame: a box (docs/contact.md).
+template <class Real>
+struct Bar {
+  Vec3<Real> position;  ///< of its middle [m]
+  Vec3<Real> half;      ///< half of its edges [m]
+};
+inline constexpr int kBars = 4;  ///< two posts, two beams
+
+/// Bar k of a gate of that size (width and height of the opening, thickness).
+template <class Real>
+SKYBODY_INLINE Bar<Real> bar_of_gate(const Vec3<Real>& size, int k) {
+  const Real thick = 0.5 * size.z, zero(0.0);
+  const double side = k % 2 == 0 ? 1.0 : -1.0;
+  if (k < 2) {
+    return {{zero, side * (0.5 * size.x + thick), zero}, {thick, thick, 0.5 * size.y + size.z}};
+  }
+  return {{zero, zero, side * (0.5 * size.y + thick)}, {thick, 0.5 * size.x, thick}};
+}
+
+}  // namespace skybody::obstacles

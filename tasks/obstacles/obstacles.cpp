@@ -1,0 +1,281 @@
+// Fly to a point between obstacles, which the robot sees as the nearest surfaces, or by sensors.
+#include <skybody/task_kit.h>
+
+#include <string>
+#include <vector>
+
+#include "tasks/obstacles/guide.h"
+#include "tasks/obstacles/sight.h"
+
+namespace skybody {
+namespace {
+
+using namespace task_kit;
+using obstacles::Guide;
+using obstacles::Obstacle;
+using obstacles::Sight;
+
+class Obstacles : public Task {
+ public:
+  static constexpr bool kSmooth = true;
+
+  template <class Real>
+  struct State {
+    Real distance;  ///< from the target at the last step [m]
+  };
+
+  void configure(const Setup& setup) override {
+    require_box(target_min_, target_max_, "target");
+    if (target_.is_given()) {
+      limits_.require_within(target_, "target");
+    } else {
+      limits_.require_within(target_min_, "target_min");
+      limits_.require_within(target_max_, "target_max");
+    }
+    drawn_target_ = announce_drawn(setup, target_);
+    obstacles_ = obstacles::find(setup, "task `obstacles`");
+    require_obstacles();
+    const int robot = setup.robot(robot_.value());
+    const RobotInfo& info = setup.robots()[robot];
+    body_ = info.first_body;
+    first_action_ = info.first_action;
+    actions_ = action_count(info, "obstacles");
+    declare_observation(setup, robot);
+    distance_info_ = infos_.add(setup, "position_error", "m", "distance from the target");
+    clearance_info_ = infos_.add(setup, "clearance", "m", "of the nearest surface, less `radius`");
+    speed_info_ = infos_.add(setup, "speed", "m/s", "of the base's frame");
+    limits_.configure(setup, infos_);
+    collision_failure_ =
+        declare_failure(setup, infos_, "collision", "a surface nearer than `radius`");
+    ground_failure_ = declare_failure(setup, infos_, "ground", "below `height_min`");
+    success_ = declare_success(setup, infos_,
+                               "within `success_distance` of the target, which ends the episode");
+    setup.goal(robot, body_);
+  }
+
+  template <class Real>
+  void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
+    if (drawn_target_ < 0) return;
+    Random<Real> draw = random(env);
+    start.params.set(drawn_target_, draw_in_box(draw, target_min_, target_max_));
+  }
+
+  template <class Real>
+  void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
+    const BodyMotion<Real> body = env.body(body_);
+    const Vec3<Real> error = target_.vec3(env) - body.position;
+    const Sight<Real> sight =
+        obstacles::look(env, obstacles_, body.position, seen(), view_.value());
+    observe(env, body, error, sight, out.observation);
+
+    const Real distance = norm(error), clearance = sight.nearest - radius_.value();
+    const PassedLimits<Real> passed = limits_.passed(body);
+    const auto collides = clearance < 0.0, low = body.position.z < height_min_.value();
+    const auto failed = logical_or(passed.any(), logical_or(collides, low));
+    const auto arrived = distance < success_distance_.value();
+    const Real gain = progress(env, distance, state.distance);
+    out.set_reward(reward(body, gain, clearance, failed, arrived));
+
+    Verdict<Real> verdict(out);
+    limits_.judge(verdict, passed);
+    verdict.fail(collision_failure_, collides);
+    verdict.fail(ground_failure_, low);
+    verdict.finish(success_, arrived);
+    verdict.close();
+    if (!out.wants_info()) return;
+    distance_info_.set(out.info, distance);
+    clearance_info_.set(out.info, clearance);
+    speed_info_.set(out.info, norm(body.velocity));
+  }
+
+  /// A point ahead that leads between the obstacles; near the target that itself.
+  template <class Real>
+  void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
+    const BodyMotion<Real> body = env.body(body_);
+    const Vec3<Real> target = target_.vec3(env);
+    const Vec3<Real> way = Guide::way(env, obstacles_, body.position, target, body.velocity,
+                                      radius_.value() + safe_distance_.value());
+    const Real x = target.x - body.position.x, y = target.y - body.position.y;
+    const auto near = x * x + y * y < lead_.value() * lead_.value();
+    goal.set(0, select(near, target.x, body.position.x + lead_.value() * way.x));
+    goal.set(1, select(near, target.y, body.position.y + lead_.value() * way.y));
+    goal.set(2, target.z);
+    goal.set(3, Real(0.0));
+  }
+
+ private:
+  /// Of one obstacle that is seen.
+  struct SeenParts {
+    Part way, distance, size;
+  };
+
+  int seen() const { return static_cast<int>(nearest_.value()); }
+
+  void require_obstacles() const {
+    const int count = static_cast<int>(obstacles_.size());
+    if (count == 0) {
+      throw std::runtime_error(
+          "the scenario has no obstacles: add some, or take task `hover`, which flies to a point");
+    }
+    if (seen() <= count) return;
+    throw std::runtime_error(
+        "`nearest` is " + std::to_string(seen()) + ", and there " +
+        (count == 1 ? "is 1 obstacle" : "are " + std::to_string(count) + " obstacles") +
+        ": take no more than there are");
+  }
+
+  void declare_observation(const Setup& setup, int robot) {
+    const auto part = [&](const std::string& name, const char* unit, int count, const char* doc,
+                          double low = -kInfinity, double high = kInfinity) {
+      return observation_.add(setup, {name, unit, count, doc, low, high, robot});
+    };
+    error_ = part("position_error", "m", 3, "target - p, W");
+    velocity_ = part("velocity", "m/s", 3, "of the base's frame, W");
+    attitude_ = part("attitude", "", 4, "quaternion w x y z, W from B, with w >= 0", -1.0, 1.0);
+    rates_ = part("angular_velocity", "rad/s", 3, "B");
+    action_ = part("action", "", actions_, "this step's, in [-1, 1]; -1 at a reset", -1.0, 1.0);
+    for (int k = 0; k < seen(); ++k) {
+      const std::string name = "nearest_" + std::to_string(k + 1) + ".";
+      const double view = view_.value();
+      parts_.push_back(
+          {part(name + "way", "m", 3, "to the nearest point of its surface, W; 0: beyond `view`"),
+           part(name + "distance", "m", 1, "of that point, below 0 inside; `view` beyond it",
+                -kInfinity, view),
+           part(name + "size", "m", 3, "as the scenario has it; 0: beyond `view`", 0.0)});
+    }
+  }
+
+  template <class Real>
+  SKYBODY_INLINE void observe(const EnvView<Real>& env, const BodyMotion<Real>& body,
+                              const Vec3<Real>& error, const Sight<Real>& sight,
+                              const Values<Real>& row) const {
+    error_.set(row, error);
+    velocity_.set(row, body.velocity);
+    attitude_.set(row, canonical(body.rotation));
+    rates_.set(row, body.angular_velocity);
+    const auto stepped = env.step() > Word<Real>(0);
+    for (int k = 0; k < actions_; ++k) {
+      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
+    }
+    for (int k = 0; k < seen(); ++k) {
+      const SeenParts& parts = parts_[static_cast<std::size_t>(k)];
+      parts.way.set(row, sight.seen[k].way);
+      parts.distance.set(row, sight.seen[k].distance);
+      parts.size.set(row, sight.seen[k].size);
+    }
+  }
+
+  template <class Real>
+  SKYBODY_INLINE Real reward(const BodyMotion<Real>& body, const Real& gain, const Real& clearance,
+                             const MaskOf<Real>& failed, const MaskOf<Real>& arrived) const {
+    const Real zero(0.0);
+    const Real lack = max(zero, 1.0 - max(clearance, zero) / safe_distance_.value());
+    const Real arrival = select(arrived, Real(success_reward_.value()), zero);
+    return progress_reward_.value() * gain - clearance_cost_.value() * lack * lack -
+           rate_cost_.value() * squared_norm(body.angular_velocity) +
+           select(failed, Real(failure_reward_.value()), arrival);
+  }
+
+  TextParameter robot_{this,
+                       {.name = "robot", .doc = "who flies; may be left out for a single robot"}};
+  RealsParameter target_{this,
+                         {.name = "target",
+                          .unit = "m",
+                          .values = {6.0, 0.0, 1.2},
+                          .doc = "x, y, z (W); where the scenario gives none, one is drawn for "
+                                 "each episode",
+                          .randomizable = true}};
+  RealsParameter target_min_{this,
+                             {.name = "target_min",
+                              .unit = "m",
+                              .values = {5.5, -2.0, 1.0},
+                              .doc = "lower corner of the box of drawn targets (W)"}};
+  RealsParameter target_max_{this,
+                             {.name = "target_max",
+                              .unit = "m",
+                              .values = {6.5, 2.0, 1.4},
+                              .doc = "upper corner of the box of drawn targets (W)"}};
+  IntegerParameter nearest_{this,
+                            {.name = "nearest",
+                             .value = 4,
+                             .min = 0,
+                             .max = obstacles::kMostSeen,
+                             .doc = "how many obstacles are observed, the nearest first; 0: none, "
+                                    "where a sensor sees them"}};
+  RealParameter view_{this,
+                      {.name = "view",
+                       .unit = "m",
+                       .value = 4.0,
+                       .min = 1e-3,
+                       .max = 1e6,
+                       .doc = "how far they are observed"}};
+  RealParameter radius_{this,
+                        {.name = "radius",
+                         .unit = "m",
+                         .value = 0.2,
+                         .min = 0.0,
+                         .max = 100.0,
+                         .doc = "of the robot: a surface that is nearer is a collision"}};
+  RealParameter height_min_{this,
+                            {.name = "height_min",
+                             .unit = "m",
+                             .value = 0.1,
+                             .doc = "the robot fails below this height (W z)"}};
+  FlightLimits limits_{this};
+  RealParameter success_distance_{this,
+                                  {.name = "success_distance",
+                                   .unit = "m",
+                                   .value = 0.3,
+                                   .min = 0.0,
+                                   .doc = "nearer to the target the robot has arrived"}};
+  RealParameter progress_reward_{this,
+                                 {.name = "progress_reward",
+                                  .unit = "1/m",
+                                  .value = 1.0,
+                                  .min = 0.0,
+                                  .doc = "for each metre that the target has come nearer"}};
+  RealParameter safe_distance_{
+      this,
+      {.name = "safe_distance",
+       .unit = "m",
+       .value = 0.3,
+       .min = 1e-3,
+       .doc = "less clearance costs, and the baseline keeps away so far where it can"}};
+  RealParameter clearance_cost_{this,
+                                {.name = "clearance_cost",
+                                 .value = 0.1,
+                                 .min = 0.0,
+                                 .doc = "of a step without clearance; quadratic up to "
+                                        "`safe_distance`"}};
+  RealParameter rate_cost_{this,
+                           {.name = "rate_cost",
+                            .unit = "s^2/rad^2",
+                            .value = 0.001,
+                            .min = 0.0,
+                            .doc = "times the squared angular velocity, taken off"}};
+  RealParameter success_reward_{
+      this,
+      {.name = "success_reward", .value = 5.0, .min = 0.0, .doc = "of the step that arrives"}};
+  RealParameter failure_reward_{
+      this, {.name = "failure_reward", .value = -5.0, .max = 0.0, .doc = "of a step that fails"}};
+  RealParameter lead_{this,
+                      {.name = "lead",
+                       .unit = "m",
+                       .value = 0.6,
+                       .min = 0.01,
+                       .doc = "how far ahead the baseline's goal is: its pace"}};
+
+  ObservationParts observation_;
+  InfoParts infos_;
+  Part error_, velocity_, attitude_, rates_, action_;
+  std::vector<SeenParts> parts_;
+  Part distance_info_, clearance_info_, speed_info_;
+  Part collision_failure_, ground_failure_, success_;
+  std::vector<Obstacle> obstacles_;
+  int body_ = 0, first_action_ = 0, actions_ = 0, drawn_target_ = -1;
+};
+
+}  // namespace
+}  // namespace skybody
+
+SKYBODY_PLUGIN(skybody::Obstacles, "obstacles", "1.0.0", "Fly to a point between obstacles.");
