@@ -19,14 +19,15 @@ learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
 rl_tools = pytest.importorskip("rl_tools")
 ALGORITHMS = importlib.import_module("skybody.train.algorithms").ALGORITHMS
+yardstick = importlib.import_module("yardstick.command")
 # The yardstick makes itself a learner; for tests of other files there is none.
-YARDSTICK = ALGORITHMS.pop(learn_table.yardstick.NAME)
+YARDSTICK = ALGORITHMS.pop(yardstick.NAME)
 
 
 @pytest.fixture(autouse=True)
 def with_yardstick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Here it is a learner."""
-    monkeypatch.setitem(ALGORITHMS, learn_table.yardstick.NAME, YARDSTICK)
+    monkeypatch.setitem(ALGORITHMS, yardstick.NAME, YARDSTICK)
 
 
 @pytest.mark.parametrize("sizes", [(22, 64, 64, 4), (700, 512, 512, 4), (5, 3)])
