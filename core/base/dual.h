@@ -102,14 +102,10 @@ struct Dual {
 
   /// Per lane: a where the mask is set, else b.
   friend SKYBODY_INLINE Dual select(const MaskOf<R>& mask, const Dual& a, const Dual& b) {
-    return {choose(mask, a.value, b.value), choose(mask, a.tangent, b.tangent)};
+    return choose(mask, a, b);
   }
-
- private:
-  // By words: g++ 12 takes several selections by one mask apart, lane by lane
-  // (docs/architecture.md).
-  static SKYBODY_INLINE R choose(const MaskOf<R>& mask, const R& a, const R& b) {
-    return bit_cast_real(select(mask, bit_cast_word(a), bit_cast_word(b)));
+  friend SKYBODY_INLINE Dual choose(const MaskOf<R>& mask, const Dual& a, const Dual& b) {
+    return {skybody::choose(mask, a.value, b.value), skybody::choose(mask, a.tangent, b.tangent)};
   }
 };
 

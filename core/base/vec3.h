@@ -80,6 +80,11 @@ SKYBODY_INLINE Vec3<Real> select(const MaskOf<Real>& mask, const Vec3<Real>& a,
                                  const Vec3<Real>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
+template <class Real>
+SKYBODY_INLINE Vec3<Real> choose(const MaskOf<Real>& mask, const Vec3<Real>& a,
+                                 const Vec3<Real>& b) {
+  return {choose(mask, a.x, b.x), choose(mask, a.y, b.y), choose(mask, a.z, b.z)};
+}
 
 /// Where any component is not zero.
 template <class Real>

@@ -47,9 +47,9 @@ SKYBODY_INLINE Gap<Real> gap_to_box(const Vec3<Real>& p, const Vec3<Real>& half)
   const auto by_x = d.x >= most;
   const auto by_y = logical_and(d.y >= most, logical_not(by_x));
   const auto by_z = logical_not(logical_or(by_x, by_y));
-  const Vec3<Real> out{select(outside, max(d.x, zero), select(by_x, d.x, zero)),
-                       select(outside, max(d.y, zero), select(by_y, d.y, zero)),
-                       select(outside, max(d.z, zero), select(by_z, d.z, zero))};
+  const Vec3<Real> out{choose(outside, max(d.x, zero), choose(by_x, d.x, zero)),
+                       choose(outside, max(d.y, zero), choose(by_y, d.y, zero)),
+                       choose(outside, max(d.z, zero), choose(by_z, d.z, zero))};
   const Real square = select(outside, squared_norm(out), Real(1.0));
   return {select(outside, sqrt(square), most),
           {-copysign(Real(1.0), p.x) * out.x, -copysign(Real(1.0), p.y) * out.y,

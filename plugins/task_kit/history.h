@@ -47,10 +47,9 @@ class History {
                            const Entry& entry) const {
     for (int k = 0; k < width_; ++k) {
       for (int age = length_ - 1; age > 0; --age) {
-        buffer.set(place(age, k),
-                   choose<Real>(due, buffer[place(age - 1, k)], buffer[place(age, k)]));
+        buffer.set(place(age, k), choose(due, buffer[place(age - 1, k)], buffer[place(age, k)]));
       }
-      buffer.set(place(0, k), choose<Real>(due, entry(k), buffer[place(0, k)]));
+      buffer.set(place(0, k), choose(due, entry(k), buffer[place(0, k)]));
     }
   }
   /// What evaluate() does: after a step push(); at a reset, where there is no past yet, fill().
@@ -66,7 +65,7 @@ class History {
     for (int k = 0; k < width_; ++k) {
       const Real value = entry(k);
       for (int age = length_ - 1; age > 0; --age) {
-        buffer.set(place(age, k), choose<Real>(stepped, buffer[place(age - 1, k)], value));
+        buffer.set(place(age, k), choose(stepped, buffer[place(age - 1, k)], value));
       }
       buffer.set(place(0, k), value);
     }
@@ -88,15 +87,6 @@ class History {
   }
 
  private:
-  /// As select(), by words: g++ 12 takes several selections by one mask apart, lane by lane.
-  template <class Real>
-  static SKYBODY_INLINE Real choose(const MaskOf<Real>& mask, const Real& a, const Real& b) {
-    if constexpr (kIsDual<Real>) {
-      return select(mask, a, b);
-    } else {
-      return bit_cast_real(select(mask, bit_cast_word(a), bit_cast_word(b)));
-    }
-  }
   int place(int age, int k) const { return first_ + age * width_ + k; }
 
   int first_ = 0, length_ = 0, width_ = 0;

@@ -30,7 +30,7 @@ SKYBODY_INLINE Real tilt_wall(const Quat<Real>& rotation, double least_cosine) {
 template <class Real>
 SKYBODY_INLINE Real progress(const EnvView<Real>& env, const Real& distance, Real& before) {
   const auto stepped = env.step() > Word<Real>(0);
-  const Real gain = select(stepped, before - distance, Real(0.0));
+  const Real gain = choose(stepped, before - distance, Real(0.0));
   before = distance;
   return gain;
 }

@@ -46,7 +46,7 @@ class Verdict {
 
  private:
   SKYBODY_INLINE void note(const Part& reason, const MaskOf<Real>& mask) {
-    if (out_.wants_info()) reason.set(out_.info, select(mask, Real(1.0), Real(0.0)));
+    if (out_.wants_info()) reason.set(out_.info, choose(mask, Real(1.0), Real(0.0)));
   }
 
   Evaluation<Real>& out_;

@@ -202,8 +202,8 @@ class Chase : public Task {
   template <class Real>
   SKYBODY_INLINE Real at_end(const MaskOf<Real>& failed, const MaskOf<Real>& caught,
                              double sign) const {
-    const Real capture = select(caught, Real(sign * capture_reward_.value()), Real(0.0));
-    return select(failed, Real(failure_reward_.value()), capture);
+    const Real capture = choose(caught, Real(sign * capture_reward_.value()), Real(0.0));
+    return choose(failed, Real(failure_reward_.value()), capture);
   }
 
   template <class Real>

@@ -272,7 +272,7 @@ class CooperativePayload : public Task {
                      kRateReward * closeness(squared_norm(body.angular_velocity), 1.0);
     if (!is_shaped_) return own;
     return own + shaping_.reward(distance, yaw(body.rotation)) - shaping_.cost(body.rotation) +
-           select(failed, Real(failure_reward_.value()), Real(0.0));
+           choose(failed, Real(failure_reward_.value()), Real(0.0));
   }
 
   template <class Real>

@@ -155,7 +155,7 @@ class Obstacles : public Task {
     rates_.set(row, body.angular_velocity);
     const auto stepped = env.step() > Word<Real>(0);
     for (int k = 0; k < actions_; ++k) {
-      action_.set(row, select(stepped, env.action(first_action_ + k), Real(-1.0)), k);
+      action_.set(row, choose(stepped, env.action(first_action_ + k), Real(-1.0)), k);
     }
     for (int k = 0; k < seen(); ++k) {
       const SeenParts& parts = parts_[static_cast<std::size_t>(k)];
@@ -170,10 +170,10 @@ class Obstacles : public Task {
                              const MaskOf<Real>& failed, const MaskOf<Real>& arrived) const {
     const Real zero(0.0);
     const Real lack = max(zero, 1.0 - max(clearance, zero) / safe_distance_.value());
-    const Real arrival = select(arrived, Real(success_reward_.value()), zero);
+    const Real arrival = choose(arrived, Real(success_reward_.value()), zero);
     return progress_reward_.value() * gain - clearance_cost_.value() * lack * lack -
            rate_cost_.value() * squared_norm(body.angular_velocity) +
-           select(failed, Real(failure_reward_.value()), arrival);
+           choose(failed, Real(failure_reward_.value()), arrival);
   }
 
   TextParameter robot_{this,

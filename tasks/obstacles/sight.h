@@ -43,11 +43,11 @@ SKYBODY_INLINE Sight<Real> look(const EnvView<Real>& env, const std::vector<Obst
     for (int k = 0; k < count; ++k) {  // takes its place, and what was there goes one further
       Seen<Real>& here = sight.seen[k];
       const auto nearer = next.distance < here.distance;
-      const Seen<Real> passed{select(nearer, here.distance, next.distance),
-                              select(nearer, here.way, next.way),
-                              select(nearer, here.size, next.size)};
-      here = {select(nearer, next.distance, here.distance), select(nearer, next.way, here.way),
-              select(nearer, next.size, here.size)};
+      const Seen<Real> passed{choose(nearer, here.distance, next.distance),
+                              choose(nearer, here.way, next.way),
+                              choose(nearer, here.size, next.size)};
+      here = {choose(nearer, next.distance, here.distance), choose(nearer, next.way, here.way),
+              choose(nearer, next.size, here.size)};
       next = passed;
     }
   }

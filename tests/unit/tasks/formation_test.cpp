@@ -351,8 +351,7 @@ TEST_F(FormationTask, AnObstacleNearbyCostsRewardAndTouchingItEndsTheEpisode) {
 
 TEST_F(FormationTask, OfManyObstaclesItSeesAsManyAsAskedFor) {
   add_team(2);
-  for (int i = 0; i < 5; ++i)
-    world.add_obstacle(SKYBODY_SPHERE, {0.1}, {i + 5.0, 0, 2});
+  for (int i = 0; i < 5; ++i) world.add_obstacle(SKYBODY_SPHERE, {0.1}, {i + 5.0, 0, 2});
   EXPECT_EQ(Instance("formation", world).declared.channel_count(), 2 * (34 + 3 * 4));
   EXPECT_EQ(Instance("formation", world, {{"obstacles_seen", 5}}).declared.channel_count(),
             2 * (34 + 5 * 4));
