@@ -72,7 +72,7 @@ TEST(Codegen, WideKernelsUseWideRegisters) {
   const auto lines = output_of("objdump -d -C --no-show-raw-insn '" + file + "'");
   if (lines.empty()) GTEST_SKIP() << "no objdump";
   for (const std::string& line : lines) {
-    if (line.ends_with(">:")) function = line;
+    if (line.ends_with(">:\n")) function = line;
     if (function.find("::Control<") == std::string::npos) continue;
     const bool product = line.find("vmulpd") != std::string::npos;
     const bool v3 = is_kernel(function, Isa::v3);
@@ -124,7 +124,7 @@ TEST(Codegen, WideKernelsOfShippedPluginsAreNotTakenApart) {
         output_of("objdump -d -C --no-show-raw-insn '" + file.string() + "'");
     if (code.empty()) GTEST_SKIP() << "no objdump";
     for (const std::string& line : code) {
-      if (line.ends_with(">:")) function = line;
+      if (line.ends_with(">:\n")) function = line;
       if (!is_kernel(function, Isa::v4)) continue;
       reads.see(line);
       const bool joins = line.find("vinsertf64x4") != std::string::npos ||
