@@ -66,7 +66,7 @@ const Wrong kWrong[] = {
     {"unknown_policy",
      {"run", "hover", "--policy", "hodl"},
      "error: --policy: there is no policy or file `hodl`; did you mean `hold`?; allowed: zero, "
-     "random, hold, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
+     "random, hold, shipped, a policy.h5, or a folder with checkpoints; see `skybody run --help`"},
     {"missing_file", {"run", "nowhere.yaml"}, "nowhere.yaml: error: the file does not exist"},
     {"misspelt_scenario",
      {"check", "hovr"},
