@@ -94,12 +94,7 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
     if options.checkpoint_every is not None:
         check_option("--checkpoint-every", options.checkpoint_every, 1, 2**63 - 1)
         common += ["--checkpoint-every", str(options.checkpoint_every)]
-    for name in ("override", "plugin_path"):
-        common += [
-            word
-            for value in getattr(options, name)
-            for word in (f"--{name.replace('_', '-')}", value)
-        ]
+    common += [word for change in options.override for word in ("--override", change)]
     trials = make_trials(
         options.out.absolute(),
         options.scenarios,
@@ -109,6 +104,7 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
         options.total_steps,
         common,
         options.eval_episodes > 0,
+        options.plugin_path,
     )
     for trial in trials:
         check_option("--seeds", trial.seed, 0, 2**32 - 1)
