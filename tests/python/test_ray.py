@@ -174,6 +174,19 @@ def test_a_sweep_trains_all_combinations_and_goes_on_with_new_seeds(
     assert len({row["parameter_hash"] for row in rows}) == 4
 
 
+def test_a_sweep_of_files_that_are_named_from_its_own_folder_trains_them(
+    connected: Any, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.yaml").write_text("include: hover_learn\n")
+    (tmp_path / "plugins").mkdir()
+    monkeypatch.chdir(tmp_path)
+    command = ["mine.yaml", "--plugin-path", "plugins", "--out", "sweep", "--address", address]
+    command += ["--total-steps", "640", "--set", "envs=20", "--set", "rollout_steps=16"]
+    command += ["--set", "minibatch=100", "--eval-episodes", "0"]
+    assert sweep.main(command) == 0
+    assert list(tmp_path.glob("sweep/mine-*/checkpoints/*/policy.h5"))
+
+
 @pytest.mark.parametrize(
     ("program", "options", "said"),
     [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from skybody.ray import sweep
 from skybody.ray.trials import Trial
 
@@ -28,3 +29,17 @@ def test_a_trial_that_goes_on_is_told_where_its_plugins_are(tmp_path: Path) -> N
     resumed = trial.command(1)
     assert "--resume" in resumed
     assert words_after(resumed, "--plugin-path") == [str(FOLDER)]
+
+
+def test_trials_find_scenario_and_plugins_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.yaml").write_text("include: hover_learn\n")
+    (tmp_path / "plugins").mkdir()
+    monkeypatch.chdir(tmp_path)
+    of_file, of_name = trials(Path("sweep"), "mine.yaml", "hover_learn", "--plugin-path", "plugins")
+    command = of_file.command(1)
+    assert str(tmp_path / "mine.yaml") in command
+    assert words_after(command, "--plugin-path") == [str(tmp_path / "plugins")]
+    assert words_after(command, "--out") == [str(tmp_path / "sweep" / "mine-seed=0")]
+    assert "hover_learn" in of_name.command(1)

@@ -17,6 +17,7 @@ from skybody.arguments import check_plugin_path
 from skybody.program import run_program
 from skybody.ray import sweep_table
 from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
+from skybody.ray.places import folders_from_anywhere, scenario_from_anywhere
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
 from skybody.train.__main__ import number
@@ -84,7 +85,10 @@ def seeds(text: str) -> list[int]:
 
 
 def trials_of(options: argparse.Namespace) -> list[Trial]:
-    """All trials; whatever is wrong with one is said here, before anything is begun."""
+    """All trials; whatever is wrong with one is said here, before anything is begun.
+
+    Tune runs each in a folder of its own, so files are named as one finds them from there.
+    """
     algorithm_of(options.algo)
     check_option("--cpus", options.cpus, 1, 1024)
     check_option("--total-steps", options.total_steps, 1, 2**63 - 1)
@@ -97,14 +101,14 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
     common += [word for change in options.override for word in ("--override", change)]
     trials = make_trials(
         options.out.absolute(),
-        options.scenarios,
+        [scenario_from_anywhere(scenario) for scenario in options.scenarios],
         options.algo,
         options.seeds,
         parse_grid(options.set, options.algo),
         options.total_steps,
         common,
         options.eval_episodes > 0,
-        options.plugin_path,
+        folders_from_anywhere(options.plugin_path),
     )
     for trial in trials:
         check_option("--seeds", trial.seed, 0, 2**32 - 1)
@@ -114,7 +118,7 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
 
 def _check_scenarios(options: argparse.Namespace, trials: list[Trial]) -> None:
     """Loads every scenario, and checks the hyper-parameters that its trials have."""
-    for scenario in options.scenarios:
+    for scenario in dict.fromkeys(trial.scenario for trial in trials):
         compiled = CompiledScenario(scenario, options.override, options.plugin_path)
         if compiled.horizon == 0 and options.eval_episodes > 0:
             raise UsageError(f"scenario {scenario} has no horizon: --eval-episodes 0")
