@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from conftest import Finished
 from skybody._native import CompiledScenario
 from skybody.train import curve, evaluate
@@ -22,8 +23,10 @@ from skybody.train.algorithms import ALGORITHMS
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
 from skybody.train.evaluation_file import read_evaluation
 from skybody.train.hyperparameters import UsageError, with_settings
+from skybody.train.native_learners import NativeLearner
 from skybody.train.policy_file import Layer, Policy, write_policy
 from skybody.train.presets import preset
+from skybody.train.torch_errors import memory_errors
 from training import SCENARIO, arguments, finished_run
 
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
@@ -398,6 +401,24 @@ def test_help_needs_no_package_of_the_extra(module: str, python: Callable[[str],
     """)
     assert done.returncode == 0, done.stderr
     assert "usage:" in done.stdout
+
+
+def test_memory_that_is_at_its_end_in_training_is_one_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def iterate(learner: NativeLearner) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(NativeLearner, "iterate", iterate)
+    assert main(arguments("fast-ppo", tmp_path / "run")) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("train: not enough memory: take fewer envs or rollout_steps")
+    assert len(said.splitlines()) == 1
+
+
+def test_memory_that_pytorch_does_not_get_is_a_memory_error() -> None:
+    with pytest.raises(MemoryError, match="allocate"), memory_errors():
+        torch.empty(2**58)  # no processor has so many addresses
 
 
 def test_two_processes_do_not_train_in_one_folder(

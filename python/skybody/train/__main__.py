@@ -39,6 +39,8 @@ A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with 
 run that was never interrupted. Exit codes: 0 done, 2 wrong input, a file that cannot be written
 (resumable) or a run that diverged, 130 interrupted (resumable)."""
 
+NO_MEMORY = "not enough memory: take fewer envs or rollout_steps, or smaller layers (hidden)"
+
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
@@ -282,7 +284,7 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"train: {evaluate.in_our_words(error)}", file=sys.stderr)
             return 2
         except MemoryError:
-            print("train: not enough memory: take fewer envs or rollout_steps", file=sys.stderr)
+            print(f"train: {NO_MEMORY}", file=sys.stderr)
             return 2
         except ModuleNotFoundError as error:
             print(f"train: needs {error.name}, not installed here: {REMEDY}", file=sys.stderr)
@@ -376,6 +378,10 @@ def train(trainer: Trainer) -> int:
         trainer.abandon()
         print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
         return INTERRUPTED
+    except MemoryError:
+        trainer.abandon()
+        print(f"train: {NO_MEMORY}", file=sys.stderr)
+        return 2
     except (OSError, Error, UsageError) as error:
         trainer.abandon()
         print(
