@@ -7,6 +7,8 @@ import importlib.util
 import math
 import os
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -127,6 +129,20 @@ def test_runs_move_between_a_cluster_and_one_process_with_the_same_bits(
     ]
     assert found[0] == found[1]
     assert len(found[0]) > 2
+
+
+def test_workers_with_another_instruction_set_are_refused(address: str, tmp_path: Path) -> None:
+    words = ["hover_learn", "--ray", address, "--workers", "1", "--out", str(tmp_path / "run")]
+    done = subprocess.run(
+        [sys.executable, "-m", "skybody.train", *words],
+        env={**os.environ, "SKYBODY_ISA": "v2"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    assert "a worker's machine has instruction set v3 or v4, this one v2" in done.stderr
+    assert not (tmp_path / "run").exists()
 
 
 def test_rllib_learns_with_environments_of_ours(connected: Any) -> None:
