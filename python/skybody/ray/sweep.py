@@ -25,7 +25,7 @@ from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.evaluate import check_option, in_our_words
 from skybody.train.hyperparameters import UsageError, with_settings
 from skybody.train.presets import preset
-from skybody.train.requirements import TRAINING, demand_packages
+from skybody.train.requirements import demand_packages, packages_of
 
 EPILOG = """\
 Every combination is a run folder below --out, as `python -m skybody.train` writes it. The same
@@ -201,7 +201,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Sweeps; returns the exit code."""
     options = parser().parse_args(arguments)
     try:
-        demand_packages(TRAINING)
+        demand_packages(packages_of(options.algo))
         trials = trials_of(options)
         check_folder(options.out, spec_of(options))
         errors = sweep(options, [trial for trial in trials if not trial.finished()])
