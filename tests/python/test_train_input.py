@@ -368,7 +368,7 @@ def test_numbers_out_of_range_are_evaluates_own_errors(
     assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("package", ["h5py", "matplotlib", "torch", "tqdm"])
+@pytest.mark.parametrize("package", ["matplotlib", "torch", "tqdm"])
 def test_a_missing_package_is_one_message_with_the_remedy(
     package: str, python: Callable[[str], Finished], tmp_path: Path
 ) -> None:
@@ -452,7 +452,7 @@ def test_a_policy_with_a_flipped_bit_does_not_fly(tmp_path: Path) -> None:
         "scenario": "hover",
         "scenario_hash": f"{CompiledScenario('hover').scenario_hash:016x}",
     }
-    stamps |= {"seed": "1", "algorithm": "ppo", "steps": 1, "skybody_version": "0"}
+    stamps |= {"seed": 1, "algorithm": "ppo", "steps": 1}
     file = tmp_path / "policy.h5"
     write_policy(file, Policy([layer], np.zeros(22), np.ones(22), 10.0, stamps))
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from skybody.train.algorithms import ALGORITHMS
 from skybody.train.hyperparameters import UsageError
 
-TRAINING = ("h5py", "matplotlib", "stable_baselines3", "torch", "tqdm")
+TRAINING = ("matplotlib", "stable_baselines3", "torch", "tqdm")
 COMPUTING = ("torch", "numpy", "stable-baselines3", "gymnasium")
 REMEDY = "`pip install '.[train]'` in Skybody's source folder"
 
