@@ -9,7 +9,7 @@ from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import UsageError
 
 EXTRAS = {
-    "train": ("h5py", "matplotlib", "tqdm"),  # whatever learns
+    "train": ("matplotlib", "tqdm"),  # whatever learns
     "sb3": ("stable_baselines3", "torch"),  # learners that are not in C++
 }
 COMPUTING = ("torch", "numpy", "stable-baselines3", "gymnasium")
