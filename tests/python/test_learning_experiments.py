@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -116,3 +117,22 @@ def test_a_whole_run_is_not_extrapolated(monkeypatch: pytest.MonkeyPatch, tmp_pa
     found = paper_protocol.figures(paper_protocol.make_runs("hover", "ppo", tmp_path, 5_000_000))
     assert not found["extrapolated"]
     assert found["minutes_for_all"] == 1.0
+
+
+def test_no_preset_is_part_of_the_papers_study(tmp_path: Path) -> None:
+    for algorithm in ("ppo", "fast-ppo"):
+        (run, *_) = paper_protocol.make_runs("racing", algorithm, tmp_path, 5_000_000)
+        told = {setting.split("=")[0] for setting in run.settings}
+        assert told == set(vars(ALGORITHMS[algorithm].defaults()))
+
+
+def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
+    row = {"task": "hover", "learner": "ppo", "machine": {"processor": "old"}}
+    path = tmp_path / "paper_protocol.json"
+    path.write_text(json.dumps({"rows": [row, {**row, "learner": "fast-ppo"}]}))
+    new = {**row, "machine": {"processor": "new"}}
+    found = paper_protocol.merged(path, [new])
+    assert [(r["learner"], r["machine"]["processor"]) for r in found] == [
+        ("fast-ppo", "old"),
+        ("ppo", "new"),
+    ]
