@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
 #include "core/assemble/load.h"
 #include "core/base/error.h"
-#include "learn/gradient/gradient.h"
+#include "core/io/policy_file.h"
+#include "core/io/policy_writer.h"
+#include "learn/make_learner.h"
 #include "learn/ppo/ppo.h"
 
 namespace skybody::learn {
@@ -23,23 +26,22 @@ std::string message_of(const std::function<void()>& work) {
   return "";
 }
 
-template <class L>
-std::string refusal_of(const std::function<void(Hyperparameters&)>& change) {
+std::string refusal_of(Algorithm algorithm, const std::function<void(Hyperparameters&)>& change) {
   LearnerOptions options;
-  options.compiled = compile_scenario({"hover_learn", {}, {}});
   options.threads = 1;
   change(options.hyper);
-  return message_of([&] { L learner(options); });
+  return message_of([&] { make_learner(algorithm, {"hover_learn", {}, {}}, options); });
 }
 
 TEST(Hyperparameters, BeyondTheirRangeAreRefusedByEveryLearnerThatHasThem) {
   const auto no_envs = [](Hyperparameters& hyper) { hyper.envs = 0; };
   const std::string message = "hyper-parameter envs = 0: allowed is 1 to 1.67772e+07";
-  EXPECT_EQ(refusal_of<Ppo>(no_envs), message);
-  EXPECT_EQ(refusal_of<Gradient>(no_envs), message);
-  EXPECT_EQ(refusal_of<Ppo>([](Hyperparameters& hyper) {
-              hyper.hidden = {64, 0};
-            }),
+  EXPECT_EQ(refusal_of(Algorithm::kFastPpo, no_envs), message);
+  EXPECT_EQ(refusal_of(Algorithm::kGradient, no_envs), message);
+  EXPECT_EQ(refusal_of(Algorithm::kFastPpo,
+                       [](Hyperparameters& hyper) {
+                         hyper.hidden = {64, 0};
+                       }),
             "hyper-parameter hidden = 0: allowed is 1 to 8192");
 }
 
@@ -52,9 +54,10 @@ TEST(Hyperparameters, OfTheOtherLearnerAreNotLookedAt) {
 }
 
 TEST(Hyperparameters, ThatDoNotFitOneAnotherAreRefused) {
-  EXPECT_EQ(refusal_of<Ppo>([](Hyperparameters& hyper) { hyper.minibatch = 1 << 20; }),
-            "hyper-parameter minibatch = 1048576: allowed is 2 to the rows of a rollout, 8192 "
-            "(envs * rollout_steps, with shared_policy times the robots)");
+  EXPECT_EQ(
+      refusal_of(Algorithm::kFastPpo, [](Hyperparameters& hyper) { hyper.minibatch = 1 << 20; }),
+      "hyper-parameter minibatch = 1048576: allowed is 2 to the rows of a rollout, 8192 "
+      "(envs * rollout_steps, with shared_policy times the robots)");
 }
 
 }  // namespace
