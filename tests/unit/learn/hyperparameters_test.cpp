@@ -45,6 +45,43 @@ TEST(Hyperparameters, BeyondTheirRangeAreRefusedByEveryLearnerThatHasThem) {
             "hyper-parameter hidden = 0: allowed is 1 to 8192");
 }
 
+TEST(Hyperparameters, WithMoreLayersThanAPolicyFileHasAreRefused) {
+  Hyperparameters hyper;
+  hyper.hidden.assign(63, 4);
+  const auto refusal = [&](Algorithm algorithm) {
+    return message_of([&] { check(hyper, algorithm); });
+  };
+  EXPECT_EQ(refusal(Algorithm::kFastPpo), "");
+  EXPECT_EQ(refusal(Algorithm::kGradient), "");
+  hyper.recurrent_units = 8;
+  EXPECT_EQ(refusal(Algorithm::kFastPpo),
+            "hyper-parameter hidden = 63 sizes: allowed is at most 62, as a policy file has 64 "
+            "layers with the last one and the recurrent one");
+  EXPECT_EQ(refusal(Algorithm::kGradient), "");  // has no memory
+  hyper.hidden.assign(64, 4);
+  EXPECT_EQ(refusal(Algorithm::kGradient),
+            "hyper-parameter hidden = 64 sizes: allowed is at most 63, as a policy file has 64 "
+            "layers with the last one");
+}
+
+/// What check() lets through can be read: the deepest policies with a memory and without.
+TEST(Hyperparameters, OfTheDeepestNetworksGivePoliciesThatCanBeRead) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "deepest_policy.h5";
+  for (const int units : {0, 4}) {
+    LearnerOptions options;
+    options.compiled = compile_scenario({"hover_learn", {}, {}});
+    options.threads = 1;
+    options.hyper.envs = 8;
+    options.hyper.minibatch = 64;
+    options.hyper.recurrent_units = units;
+    options.hyper.hidden.assign(units > 0 ? 62 : 63, 4);
+    write_policy(file, Ppo(options).policy(), 1);
+    EXPECT_EQ(read_policy(file).layers.size(), std::size_t{kMostLayers});
+  }
+  std::filesystem::remove(file);
+}
+
 TEST(Hyperparameters, OfTheOtherLearnerAreNotLookedAt) {
   Hyperparameters hyper;
   hyper.minibatch = 0;
