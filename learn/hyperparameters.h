@@ -77,8 +77,8 @@ inline bool has(const HyperparameterRow& row, Algorithm algorithm) {
   return algorithm == Algorithm::kGradient ? row.gradient : row.fast_ppo;
 }
 
-/// @throws Error where one that the algorithm has is beyond its range: the message has its name,
-///         the value and the range
+/// @throws Error where one that the algorithm has is beyond its range, or `hidden` has more layers
+///         than a policy file: the message has its name, the value and the range
 void check(const Hyperparameters& hyper, Algorithm algorithm);
 
 }  // namespace skybody::learn

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from skybody._native import hyperparameters
+from skybody._native import MOST_LAYERS, hyperparameters
 from skybody.arguments import MOST_ENVS, allowed_words
 
 
@@ -73,6 +73,9 @@ class Hyperparameters:
         for name in ("normalization_steps", "averaging_steps"):
             _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
         _demand(min(self.hidden, default=1) >= 1, "hidden", self.hidden, "sizes of at least 1")
+        allowed = f"at most {MOST_LAYERS - 1}, as a policy file has {MOST_LAYERS} layers"
+        sizes = f"{len(self.hidden)} sizes"
+        _demand(len(self.hidden) < MOST_LAYERS, "hidden", sizes, f"{allowed} with the last one")
         rollout = self.envs * self.rollout_steps
         allowed = f"2 to envs * rollout_steps = {rollout}"
         _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
