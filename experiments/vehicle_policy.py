@@ -104,11 +104,8 @@ def make_runs(out: Path, seeds: Sequence[int]) -> list[tuple[str, Run]]:
 
 def newest_in_time(run: Run) -> tuple[Path, float]:
     """The last checkpoint that was written within SECONDS of the command, and when [s]."""
-    begun = measure(run)["begun"]
-    written = [
-        (folder, (folder / "policy.h5").stat().st_mtime - begun)
-        for folder in checkpoint_folders(run.folder)
-    ]
+    published = measure(run)["published"]
+    written = [(folder, published[folder.name]) for folder in checkpoint_folders(run.folder)]
     in_time = [(folder, seconds) for folder, seconds in written if seconds <= SECONDS]
     if not in_time:
         raise RunError(f"{run.folder} has no checkpoint within {SECONDS:.0f} s of the command")

@@ -17,6 +17,7 @@ from skybody.arguments import check_plugin_path
 from skybody.program import run_program
 from skybody.ray import sweep_table
 from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
+from skybody.ray.places import folders_from_anywhere, scenario_from_anywhere
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
 from skybody.train.__main__ import number
@@ -24,7 +25,7 @@ from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.evaluate import check_option, in_our_words
 from skybody.train.hyperparameters import UsageError, with_settings
 from skybody.train.presets import preset
-from skybody.train.requirements import TRAINING, demand_packages
+from skybody.train.requirements import demand_packages, packages_of
 
 EPILOG = """\
 Every combination is a run folder below --out, as `python -m skybody.train` writes it. The same
@@ -84,7 +85,10 @@ def seeds(text: str) -> list[int]:
 
 
 def trials_of(options: argparse.Namespace) -> list[Trial]:
-    """All trials; whatever is wrong with one is said here, before anything is begun."""
+    """All trials; whatever is wrong with one is said here, before anything is begun.
+
+    Tune runs each in a folder of its own, so files are named as one finds them from there.
+    """
     algorithm_of(options.algo)
     check_option("--cpus", options.cpus, 1, 1024)
     check_option("--total-steps", options.total_steps, 1, 2**63 - 1)
@@ -94,21 +98,17 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
     if options.checkpoint_every is not None:
         check_option("--checkpoint-every", options.checkpoint_every, 1, 2**63 - 1)
         common += ["--checkpoint-every", str(options.checkpoint_every)]
-    for name in ("override", "plugin_path"):
-        common += [
-            word
-            for value in getattr(options, name)
-            for word in (f"--{name.replace('_', '-')}", value)
-        ]
+    common += [word for change in options.override for word in ("--override", change)]
     trials = make_trials(
         options.out.absolute(),
-        options.scenarios,
+        [scenario_from_anywhere(scenario) for scenario in options.scenarios],
         options.algo,
         options.seeds,
         parse_grid(options.set, options.algo),
         options.total_steps,
         common,
         options.eval_episodes > 0,
+        folders_from_anywhere(options.plugin_path),
     )
     for trial in trials:
         check_option("--seeds", trial.seed, 0, 2**32 - 1)
@@ -118,7 +118,7 @@ def trials_of(options: argparse.Namespace) -> list[Trial]:
 
 def _check_scenarios(options: argparse.Namespace, trials: list[Trial]) -> None:
     """Loads every scenario, and checks the hyper-parameters that its trials have."""
-    for scenario in options.scenarios:
+    for scenario in dict.fromkeys(trial.scenario for trial in trials):
         compiled = CompiledScenario(scenario, options.override, options.plugin_path)
         if compiled.horizon == 0 and options.eval_episodes > 0:
             raise UsageError(f"scenario {scenario} has no horizon: --eval-episodes 0")
@@ -201,7 +201,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Sweeps; returns the exit code."""
     options = parser().parse_args(arguments)
     try:
-        demand_packages(TRAINING)
+        demand_packages(packages_of(options.algo))
         trials = trials_of(options)
         check_folder(options.out, spec_of(options))
         errors = sweep(options, [trial for trial in trials if not trial.finished()])

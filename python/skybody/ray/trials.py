@@ -33,11 +33,13 @@ class Trial:
     total_steps: int
     common: tuple[str, ...] = ()  # further options, the same for all trials
     evaluated: bool = True  # whether checkpoints are evaluated
+    plugin_path: tuple[str, ...] = ()  # a run folder does not decide from where code is run
 
     def command(self, threads: int) -> list[str]:
         """That begins the run, or goes on with it."""
         made = [sys.executable, "-m", "skybody.train", "--out", str(self.folder)]
         made += ["--threads", str(threads)]
+        made += [word for folder in self.plugin_path for word in ("--plugin-path", folder)]
         if (self.folder / "config.json").exists():
             return [*made, "--resume"]
         made += [self.scenario, "--algo", self.algorithm, "--seed", str(self.seed)]
@@ -96,6 +98,7 @@ def make_trials(
     total_steps: int,
     common: Sequence[str],
     evaluated: bool,
+    plugin_path: Sequence[str],
 ) -> list[Trial]:
     """All combinations: of a scenario and its settings all seeds, then the next ones."""
     trials = []
@@ -114,6 +117,7 @@ def make_trials(
                 total_steps,
                 tuple(common),
                 evaluated,
+                tuple(plugin_path),
             )
         )
     if len({trial.folder for trial in trials}) < len(trials):

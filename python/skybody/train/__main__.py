@@ -24,11 +24,16 @@ from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.program import INTERRUPTED, run_program
 from skybody.ray.cluster import ADDRESSES
 from skybody.train import evaluate, files
-from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
+from skybody.train.algorithms import DEFAULT_ALGORITHM, summaries
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.hyperparameters import UsageError, whole_number, with_settings
 from skybody.train.presets import preset, presets_file
-from skybody.train.requirements import REMEDY, TRAINING, demand_packages, package_versions
+from skybody.train.requirements import (
+    demand_packages,
+    missing_text,
+    package_versions,
+    packages_of,
+)
 from skybody.train.run_folder import Config
 
 if TYPE_CHECKING:
@@ -38,6 +43,8 @@ EPILOG = """\
 A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
 run that was never interrupted. Exit codes: 0 done, 2 wrong input, a file that cannot be written
 (resumable) or a run that diverged, 130 interrupted (resumable)."""
+
+NO_MEMORY = "not enough memory: take fewer envs or rollout_steps, or smaller layers (hidden)"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -219,7 +226,7 @@ def all_versions(compiled: CompiledScenario, algorithm: str) -> dict[str, str]:
 
 def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     """The run's configuration, checked, and its scenario, loaded. Sets `options.out`."""
-    algorithm_of(options.algo or DEFAULT_ALGORITHM)
+    demand_packages(packages_of(options.algo or DEFAULT_ALGORITHM))
     options.out = options.out or default_folder(options)
     config, compiled = resumed_run(options) if options.resume else new_run(options)
     check(config)
@@ -249,6 +256,7 @@ def new_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
 def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     """What the run folder says, and that the scenario is still the same."""
     config = resumed_config(options)
+    demand_packages(packages_of(config.algorithm))
     check_plugin_path(config.searched, "--plugin-path")
     compiled = CompiledScenario(config.scenario, config.overrides, config.searched)
     found = f"{compiled.scenario_hash:016x}"
@@ -282,10 +290,10 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"train: {evaluate.in_our_words(error)}", file=sys.stderr)
             return 2
         except MemoryError:
-            print("train: not enough memory: take fewer envs or rollout_steps", file=sys.stderr)
+            print(f"train: {NO_MEMORY}", file=sys.stderr)
             return 2
         except ModuleNotFoundError as error:
-            print(f"train: needs {error.name}, not installed here: {REMEDY}", file=sys.stderr)
+            print(f"train: {missing_text([str(error.name)])}", file=sys.stderr)
             return 2
         print(opening(options, trainer.config, trainer.first_step), flush=True)
         return train(trainer)
@@ -318,7 +326,6 @@ def make_trainer(options: argparse.Namespace, scope: contextlib.ExitStack) -> Tr
 
     The folder, and on a cluster its workers, are this process's until `scope` ends.
     """
-    demand_packages(TRAINING)
     check_cluster_options(options)
     config, compiled = prepare(options)
     slices = None
@@ -376,6 +383,10 @@ def train(trainer: Trainer) -> int:
         trainer.abandon()
         print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
         return INTERRUPTED
+    except MemoryError:
+        trainer.abandon()
+        print(f"train: {NO_MEMORY}", file=sys.stderr)
+        return 2
     except (OSError, Error, UsageError) as error:
         trainer.abandon()
         print(

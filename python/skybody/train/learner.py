@@ -70,10 +70,15 @@ def check_finite(name: str, parameters: Mapping[str, torch.Tensor], steps: int) 
     """Raises FloatingPointError where a parameter is no number any more, after so many steps."""
     for parameter, value in parameters.items():
         if not bool(value.isfinite().all()):
-            raise FloatingPointError(
-                f"{name} diverged: {parameter} is not finite after {steps} steps; "
-                "try a smaller learning_rate (--set learning_rate=...)"
-            )
+            raise diverged(name, parameter, steps)
+
+
+def diverged(name: str, what: str, steps: int) -> FloatingPointError:
+    """The error of a learner one of whose numbers is none any more, after so many steps."""
+    return FloatingPointError(
+        f"{name} diverged: {what} is not finite after {steps} steps; "
+        "try a smaller learning_rate (--set learning_rate=...)"
+    )
 
 
 def layers_of(network: torch.nn.Sequential) -> list[Layer]:

@@ -24,9 +24,10 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 from skybody._native import CompiledScenario
 from skybody.sb3 import SkybodyVecEnv
 from skybody.train.hyperparameters import Hyperparameters
-from skybody.train.learner import Report, check_finite, goal_distance, layers_of
+from skybody.train.learner import Report, check_finite, diverged, goal_distance, layers_of
 from skybody.train.policy_file import Policy
-from skybody.train.sb3_policy import QuickPolicy
+from skybody.train.sb3_policy import NoDistribution, QuickPolicy
+from skybody.train.torch_errors import memory_errors
 
 LOSSES = {  # names in the tables, by Stable-Baselines3's
     "train/policy_gradient_loss": "policy_loss",
@@ -124,7 +125,8 @@ class Sb3Ppo:
         statistics = cast(RunningMeanStd, self.normalize.obs_rms)
         self.moments = Moments(shape=statistics.mean.shape)
         self.normalize.obs_rms = self.moments  # type: ignore[assignment]  # SB3: dict or not
-        self.model = make_model(self.normalize, hyper, seed)
+        with memory_errors():
+            self.model = make_model(self.normalize, hyper, seed)
         self.model.set_logger(Logger(folder=None, output_formats=[]))
         self.collector = Collector(self.vec_env)
         _, self.callback = self.model._setup_learn(total_steps, self.collector)
@@ -135,6 +137,16 @@ class Sb3Ppo:
         return self.model.num_timesteps
 
     def iterate(self) -> Report:
+        try:
+            # NumPy's warnings are of numbers that end in this error.
+            with memory_errors(), np.errstate(over="ignore", invalid="ignore"):
+                report = self._iterate()
+        except NoDistribution as error:
+            raise diverged("ppo", "the distribution of actions", self.steps) from error
+        check_finite("ppo", self.parameters(), self.steps)
+        return report
+
+    def _iterate(self) -> Report:
         model, report = self.model, self.collector.begin()
         before, begin = self.stopwatch.seconds, perf_counter()
         self.moments.frozen = not self.hyper.normalizes(self.steps)
@@ -151,7 +163,6 @@ class Sb3Ppo:
         report.inference_seconds = middle - begin - report.environment_seconds
         values = model.logger.name_to_value
         report.losses = {ours: float(values[theirs]) for theirs, ours in LOSSES.items()}
-        check_finite("ppo", self.parameters(), self.steps)
         return report
 
     def parameters(self) -> dict[str, torch.Tensor]:
