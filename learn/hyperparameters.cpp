@@ -51,6 +51,14 @@ void check_layers(const Hyperparameters& hyper, Algorithm algorithm) {
 
 std::span<const HyperparameterRow> hyperparameter_rows() { return kRows; }
 
+std::vector<std::string> hyperparameter_names(Algorithm algorithm) {
+  std::vector<std::string> names;
+  for (const HyperparameterRow& row : kRows) {
+    if (has(row, algorithm)) names.emplace_back(row.name);
+  }
+  return names;
+}
+
 void check(const Hyperparameters& hyper, Algorithm algorithm) {
   const HyperparameterRow* row = kRows;
 #define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \

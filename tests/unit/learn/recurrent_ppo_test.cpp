@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include "core/assemble/load.h"
 #include "learn/common/slice_plan.h"
