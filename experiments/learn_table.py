@@ -228,7 +228,7 @@ def _row(row: dict[str, Any], rows: Sequence[dict[str, Any]]) -> str:
     times = [
         f"{row['arrived_' + str(limit)]} of {row['seeds']}"
         if row[f"seconds_to_{limit}"] is None
-        else f"{row[f'seconds_to_{limit}']:.1f}"
+        else f"{row[f'seconds_to_{limit}']:.2f}"
         for limit in LIMITS
     ]
     shares = " / ".join(f"{100 * share:.0f} %" for share in row["shares"].values()) or "-"

@@ -1,8 +1,11 @@
 #include "learn/gradient/gradient.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
+#include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/number_text.h"
 #include "learn/common/flushed_denormals.h"
@@ -31,21 +34,49 @@ NetworkShape shape_of(const CompiledScenario& compiled, const Hyperparameters& h
   return {compiled.observation_size(), hyper.hidden, compiled.action_size(), hyper.activation};
 }
 
+/// Physics steps of an action.
+struct PhysicsSteps {
+  double dt;  ///< [s]
+  int count;
+};
+
+/// Those that a scenario is trained in: its own, or fewer that take as long.
+PhysicsSteps training_steps(const CompiledScenario& compiled, const Hyperparameters& hyper) {
+  const Stepping& own = compiled.scenario().stepping;
+  if (hyper.physics_steps == 0 || hyper.physics_steps >= own.action_repeat) {
+    return {own.dt, own.action_repeat};
+  }
+  return {own.dt * own.action_repeat / hyper.physics_steps, hyper.physics_steps};
+}
+
+std::shared_ptr<const CompiledScenario> checked_training(
+    std::shared_ptr<const CompiledScenario> training, const CompiledScenario& compiled,
+    const Hyperparameters& hyper) {
+  const Stepping& steps = training->scenario().stepping;
+  const PhysicsSteps wanted = training_steps(compiled, hyper);
+  if (steps.dt == wanted.dt && steps.action_repeat == wanted.count) return training;
+  throw Error("`" + compiled.scenario().name + "` is to be trained in with " +
+              std::to_string(steps.action_repeat) + " physics steps of " + exact_text(steps.dt) +
+              " s an action, and physics_steps = " + std::to_string(hyper.physics_steps) +
+              " asks for " + std::to_string(wanted.count) + " of " + exact_text(wanted.dt) +
+              " s: compile it with training_overrides(), as make_learner() does");
+}
+
 }  // namespace
 
 std::vector<std::string> training_overrides(const CompiledScenario& compiled,
                                             const Hyperparameters& hyper) {
-  const Stepping& stepping = compiled.scenario().stepping;
-  if (hyper.physics_steps == 0 || hyper.physics_steps >= stepping.action_repeat) return {};
-  const double dt = stepping.dt * stepping.action_repeat / hyper.physics_steps;
-  return {"stepping.dt=" + exact_text(dt),
-          "stepping.action_repeat=" + std::to_string(hyper.physics_steps)};
+  const PhysicsSteps steps = training_steps(compiled, hyper);
+  if (steps.count == compiled.scenario().stepping.action_repeat) return {};
+  return {"stepping.dt=" + exact_text(steps.dt),
+          "stepping.action_repeat=" + std::to_string(steps.count)};
 }
 
-Gradient::Gradient(const LearnerOptions& options)
+Gradient::Gradient(const LearnerOptions& options, std::shared_ptr<const CompiledScenario> training)
     : compiled_(options.compiled),
-      training_(options.training != nullptr ? options.training : options.compiled),
-      hyper_((check(options.hyper, Algorithm::kGradient), options.hyper)),
+      training_((check(options.hyper, Algorithm::kGradient),
+                 checked_training(std::move(training), *options.compiled, options.hyper))),
+      hyper_(options.hyper),
       total_steps_(options.total_steps),
       network_(shape_of(*compiled_, hyper_), best_isa()),
       parameters_(network_.parameter_count()),

@@ -10,6 +10,7 @@
 #include "learn/common/slice_plan.h"
 #include "learn/hyperparameters.h"
 #include "learn/learner.h"
+#include "learn/position_error.h"
 #include "learn/ppo/agent_table.h"
 
 namespace skybody::learn {
@@ -39,7 +40,7 @@ struct PpoSetup {
   AgentTable agents;
   SlicePlan plan;
   RowLayout row;
-  int error_first = -1, error_count = 0;  ///< info values whose norm is the distance from the goal
+  PositionError error;
 
   /// Environment steps of a rollout.
   std::int64_t steps_per_rollout() const { return std::int64_t{hyper.envs} * hyper.rollout_steps; }

@@ -235,14 +235,9 @@ void PpoSlice::take_outcome(int step) {
     take_rewards(step, env);
     rollout_sums_[kSumFaults] += batch.fault[i];
     const bool has_ended = (batch.terminated[i] | batch.truncated[i]) != 0;
-    if (setup_->error_first >= 0 && batch.fault[i] == 0) {
-      const float* info = (has_ended ? batch.final_info : batch.info).data() +
-                          product(env, batch.width.info) + setup_->error_first;
-      double squares = 0.0;
-      for (int k = 0; k < setup_->error_count; ++k) {
-        squares += static_cast<double>(info[k]) * static_cast<double>(info[k]);
-      }
-      rollout_sums_[kSumError] += std::sqrt(squares);
+    if (setup_->error.is_told() && batch.fault[i] == 0) {
+      const float* info = (has_ended ? batch.final_info : batch.info).data();
+      rollout_sums_[kSumError] += setup_->error.of(info + product(env, batch.width.info));
       rollout_sums_[kSumErrorSteps] += 1.0;
     }
     if (has_ended) end_episode(step, env);

@@ -126,6 +126,7 @@ nb::tuple tuple_of(const PolicyLayer& layer) {
 }
 
 void bind_policy(nb::module_& m) {
+  m.attr("MOST_LAYERS") = kMostLayers;
   m.def(
       "policy_seal",
       [](const nb::bytes& content) {

@@ -163,6 +163,8 @@ def test_a_value_out_of_range_is_refused_with_the_range() -> None:
         ("gradient", {"clip_range": 0.1}, "no hyper-parameter `clip_range`"),
         ("gradient", {"learning_rat": 0.1}, "did you mean `learning_rate`"),
         ("fast-ppo", {"minibatch": 3_000_000_000}, "minibatch = 3000000000: allowed is 2 to 1e"),
+        ("fast-ppo", {"hidden": [4] * 64}, "hidden = 64 sizes: allowed is at most 63, as a policy"),
+        ("gradient", {"hidden": [4] * 64}, "hidden = 64 sizes: allowed is at most 63, as a policy"),
         ("fast-ppo", {"envs": "many"}, "envs = many: allowed is 1 to"),
         ("fast-ppo", {"observation_clip": 0.0}, "observation_clip = 0: allowed is 0.001 to"),
     ],

@@ -47,6 +47,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--set", "leraning_rate=3"], "did you mean `learning_rate`? Allowed: envs,"),
         (["--set", "epochs=many"], "`many` is not an integer"),
         (["--set", "hidden=a"], "`a` is not sizes as 64,64"),
+        (
+            ["--set", f"hidden={','.join(['4'] * 64)}"],
+            "hyper-parameter hidden = 64 sizes: allowed is at most 63, as a policy file has 64",
+        ),
         (["--set", "epochs"], "write KEY=VALUE"),
         (["--set", "discount=1.5"], "hyper-parameter discount = 1.5: allowed is 0 to 1"),
         (["--set", "log_std=nan"], "hyper-parameter log_std = nan: allowed is a finite number"),

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from skybody._native import hyperparameter_rows, hyperparameters
+from skybody._native import MOST_LAYERS, hyperparameter_rows, hyperparameters
 from skybody.arguments import allowed_words
 
 SAME_KEYS = "fast-ppo"  # whose ranges hold for keys of the same name, too
@@ -71,6 +71,9 @@ class Hyperparameters:
                 allowed = f"{_plain(least)} to {_plain(largest)}"
                 _demand(least <= value <= largest, name, value, allowed)
         _demand(self.torch_threads >= 1, "torch_threads", self.torch_threads, "at least 1")
+        allowed = f"at most {MOST_LAYERS - 1}, as a policy file has {MOST_LAYERS} layers"
+        sizes = f"{len(self.hidden)} sizes"
+        _demand(len(self.hidden) < MOST_LAYERS, "hidden", sizes, f"{allowed} with the last one")
         rollout = self.envs * self.rollout_steps
         allowed = f"2 to envs * rollout_steps = {rollout}"
         _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
