@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 import torch
 from conftest import Finished
-from skybody._native import CompiledScenario
+from skybody._native import CompiledScenario, Ppo
 from skybody.train import curve, evaluate
 from skybody.train.__main__ import main
 from skybody.train.algorithms import ALGORITHMS, NATIVE
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
 from skybody.train.evaluation_file import read_evaluation
 from skybody.train.hyperparameters import UsageError, with_settings
-from skybody.train.native_learners import NativeLearner
+from skybody.train.native_learners import FastPpo, NativeLearner
 from skybody.train.policy_file import Layer, Policy, write_policy
 from skybody.train.presets import preset
 from skybody.train.torch_errors import memory_errors
@@ -542,3 +542,27 @@ def test_a_policy_with_a_flipped_bit_does_not_fly(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert str(file) in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+class Counting:
+    """A learner of the engine that counts what it is asked for all of its words."""
+
+    saves = 0
+
+    def __init__(self, *arguments: Any) -> None:
+        self._learner = Ppo(*arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        Counting.saves += name == "save"
+        return getattr(self._learner, name)
+
+
+def test_a_checkpoint_copies_a_learners_words_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(FastPpo, "_kind", Counting)
+    command = arguments("fast-ppo", tmp_path / "run")
+    command[command.index("--total-steps") + 1] = "1200"
+    assert main(command) == 0
+    checkpoints = checkpoint_folders(tmp_path / "run")
+    assert Counting.saves == len(checkpoints) + 1  # the summary says the parameters' hash

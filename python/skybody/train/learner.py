@@ -34,6 +34,15 @@ class Report:
     losses: dict[str, float] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Saved:
+    """All of a learner between two iterations; arrays may be its own, until it goes on."""
+
+    parameters: Mapping[str, torch.Tensor | NDArray[Any]]  # as its parameters()
+    state: dict[str, Any]  # everything but the environments, as tensors and plain values
+    environments: bytes  # everything of the environments
+
+
 class Learner(Protocol):
     """Alternates rollouts and updates; everything but its construction is resumable."""
 
@@ -50,14 +59,11 @@ class Learner(Protocol):
     def policy(self) -> Policy:
         """The deterministic policy as of now."""
 
-    def state(self) -> dict[str, Any]:
-        """Everything but the environments, as tensors and plain values."""
-
-    def environments(self) -> bytes:
-        """Everything of the environments."""
+    def save(self) -> Saved:
+        """What a checkpoint holds of it, and the parameters."""
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        """Goes on from where state() and environments() were taken.
+        """Goes on from where save() gave these.
 
         Where it raises, the learner is as it was.
         """

@@ -25,7 +25,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 from skybody._native import CompiledScenario
 from skybody.sb3 import SkybodyVecEnv
 from skybody.train.hyperparameters import Hyperparameters
-from skybody.train.learner import Report, check_finite, diverged, goal_distance, layers_of
+from skybody.train.learner import Report, Saved, check_finite, diverged, goal_distance, layers_of
 from skybody.train.policy_file import Policy
 from skybody.train.sb3_policy import NoDistribution, QuickPolicy
 from skybody.train.torch_errors import memory_errors
@@ -184,7 +184,10 @@ class Sb3Ppo:
 
     # --- checkpoints ----------------------------------------------------------------------------
 
-    def state(self) -> dict[str, Any]:
+    def save(self) -> Saved:
+        return Saved(self.parameters(), self._state(), self.vec_env.save())
+
+    def _state(self) -> dict[str, Any]:
         model = self.model
         return {
             "policy": model.policy.state_dict(),
@@ -212,15 +215,12 @@ class Sb3Ppo:
             "generators": generators(),
         }
 
-    def environments(self) -> bytes:
-        return self.vec_env.save()
-
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        before, environments_before = copy.deepcopy(self.state()), self.environments()
+        before = copy.deepcopy(self.save())
         try:
             self._put(state, environments)
         except BaseException:
-            self._put(before, environments_before)
+            self._put(before.state, before.environments)
             raise
 
     def _put(self, state: dict[str, Any], environments: bytes) -> None:
