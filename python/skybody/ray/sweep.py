@@ -20,10 +20,10 @@ from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
 from skybody.ray.places import folders_from_anywhere, scenario_from_anywhere
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
-from skybody.train.__main__ import number
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.evaluate import check_option, in_our_words
 from skybody.train.hyperparameters import UsageError
+from skybody.train.options import number
 from skybody.train.presets import told
 from skybody.train.requirements import demand_packages, packages_of
 
