@@ -125,8 +125,8 @@ evaluations, the learning curve, the flight, its log and its picture.
 
 {markdown_table(rows)}
 
-The last evaluation of the first turn: {first["evaluation"]}. Error: distance from the place to be
-held at the flight's end.
+Error: distance from the place that is to be held. The last evaluation of the first turn:
+{first["evaluation"]}.
 """
 
 
