@@ -61,8 +61,10 @@ nb::object shown(Activation value) {
 }  // namespace
 
 learn::Algorithm algorithm_of(const std::string& name) {
-  if (name == "fast-ppo") return learn::Algorithm::kFastPpo;
-  if (name == "gradient") return learn::Algorithm::kGradient;
+  for (const learn::Algorithm algorithm :
+       {learn::Algorithm::kFastPpo, learn::Algorithm::kGradient}) {
+    if (name == learn::name(algorithm)) return algorithm;
+  }
   throw nb::value_error(("no learner `" + name + "`: fast-ppo, gradient").c_str());
 }
 
