@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from skybody.ray import sweep
 from skybody.ray.trials import Trial
+from skybody.train.hyperparameters import UsageError
+from skybody.train.presets import TOTAL_STEPS, preset
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -43,3 +46,26 @@ def test_trials_find_scenario_and_plugins_from_any_folder(
     assert words_after(command, "--plugin-path") == [str(tmp_path / "plugins")]
     assert words_after(command, "--out") == [str(tmp_path / "sweep" / "mine-seed=0")]
     assert "hover_learn" in of_name.command(1)
+
+
+def test_a_sweep_takes_each_scenarios_own_steps_where_it_is_told_none(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("include: hover_learn\n")
+    scenarios = ["hover_learn", str(tmp_path / "mine.yaml")]
+    found = trials(tmp_path / "sweep", *scenarios, "--algo", "gradient")
+    own = preset("hover_learn", "gradient").total_steps
+    assert own != TOTAL_STEPS
+    assert [trial.total_steps for trial in found] == [own, TOTAL_STEPS]
+    assert words_after(found[0].command(1), "--total-steps") == [str(own)]
+    told = trials(tmp_path / "sweep", *scenarios, "--total-steps", "2e6")
+    assert [trial.total_steps for trial in told] == [2_000_000, 2_000_000]
+
+
+def test_a_sweep_of_other_steps_than_the_folders_is_refused(tmp_path: Path) -> None:
+    def spec(*words: str) -> dict[str, Any]:
+        command = ["hover_learn", "--out", str(tmp_path), *words]
+        return sweep.spec_of(sweep.parser().parse_args(command))
+
+    sweep.write_spec(tmp_path, spec())
+    sweep.check_folder(tmp_path, spec())
+    with pytest.raises(UsageError, match="with total_steps left out, not 640; put it back"):
+        sweep.check_folder(tmp_path, spec("--total-steps", "640"))

@@ -26,8 +26,8 @@ from skybody.ray.cluster import ADDRESSES
 from skybody.train import evaluate, files
 from skybody.train.algorithms import DEFAULT_ALGORITHM, summaries
 from skybody.train.checkpoint import checkpoint_folders, read_meta
-from skybody.train.hyperparameters import UsageError, whole_number, with_settings
-from skybody.train.presets import preset, presets_file
+from skybody.train.hyperparameters import UsageError, whole_number
+from skybody.train.presets import presets_file, told
 from skybody.train.requirements import (
     demand_packages,
     missing_text,
@@ -140,11 +140,10 @@ def new_config(options: argparse.Namespace, compiled: CompiledScenario) -> Confi
     if options.envs is not None and any(s.startswith("envs=") for s in options.set):
         raise UsageError("--envs and --set envs=...: give one of them")
     algorithm = options.algo or DEFAULT_ALGORITHM
-    found = preset(options.scenario, algorithm, compiled.dt * compiled.action_repeat)
-    hyper = with_settings(found.hyper, options.set)
+    found = told(options.scenario, algorithm, compiled, options.set, options.total_steps)
+    hyper, total = found.hyper, found.total_steps
     if options.envs is not None:
         hyper = dataclasses.replace(hyper, envs=options.envs)
-    total = given(options.total_steps, found.total_steps)
     return Config(
         scenario=options.scenario,
         overrides=options.override or [],

@@ -7,6 +7,7 @@ optimizer, statistics, generators, environments and the few values that the next
 from __future__ import annotations
 
 import copy
+import math
 import random
 from collections import deque
 from time import perf_counter
@@ -269,7 +270,7 @@ def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
         clip_range=hyper.clip_range,
         ent_coef=hyper.entropy_weight,
         vf_coef=hyper.value_weight,
-        max_grad_norm=hyper.max_grad_norm,
+        max_grad_norm=hyper.max_grad_norm or math.inf,
         target_kl=hyper.target_kl or None,
         policy_kwargs={
             "net_arch": {"pi": list(hyper.hidden), "vf": list(hyper.hidden)},

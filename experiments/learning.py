@@ -1,0 +1,335 @@
+#!/usr/bin/env python3
+"""Learns all tasks with their presets, three seeds each, and flies what was learned.
+
+    .venv/bin/python experiments/learning.py [--scenarios NAME...] [--no-training] [--quick]
+    .venv/bin/python experiments/learning.py --check
+
+Run folders are kept in --out: finished runs are not repeated, interrupted ones go on, and a run
+that was trained elsewhere is taken where its folder is put there under its name, SCENARIO-seed-N.
+Checkpoints fly 20 episodes each; the last one is flown by `skybody run` in 100 drawn episodes
+that neither training nor those know. Rows of the page whose runs are not repeated stay, as long as
+scenario and preset are what they were. --check trains every run of the page again up to its first
+checkpoint and compares the hash over all parameters; exit code 1 where one differs. Writes
+learning.md, its JSON and pictures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import datetime
+import json
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from learning_courses import COURSES, Course
+from learning_flight import SEED, fly
+from learning_report import draw, markdown
+from skybody import CompiledScenario, InputError
+from skybody.program import run_program
+from skybody.train.algorithms import algorithm_of
+from skybody.train.checkpoint import checkpoint_folders, read_meta
+from skybody.train.evaluate import SEED as EVALUATION_SEED
+from skybody.train.evaluate import evaluate_checkpoint
+from skybody.train.evaluation_file import read_evaluation
+from skybody.train.hashing import parameter_hash
+from skybody.train.learner import Learner
+from skybody.train.policy_file import read_policy, shipped_policy
+from skybody.train.presets import preset
+from skybody.train.run_folder import read_table
+from training_runs import ROOT, Run, RunError, command_line, machine, shown, write_json
+
+EPISODES, CHECKPOINT_EPISODES = 100, 20
+QUICK_STEPS, QUICK_EPISODES = 20_000, 4
+START_ROLLOUTS = 2  # after which every run's parameters are kept for a test to compare
+CURVE_POINTS = 40  # of a run, in the JSON
+PAGE = "docs/results"
+Row = dict[str, Any]
+
+
+# --- runs ---------------------------------------------------------------------------------------
+
+
+def make_run(course: Course, seed: int, out: Path, threads: int = 0, quick: bool = False) -> Run:
+    """The run of a course with its preset.
+
+    What changes no bits (threads, evaluations beside training) is as the folder has it, if any.
+    """
+    folder = out / f"{course.scenario}-seed-{seed}"
+    run = Run(
+        folder=folder,
+        scenario=course.scenario,
+        algorithm=course.algorithm,
+        seed=seed,
+        total_steps=QUICK_STEPS if quick else preset(course.scenario, course.algorithm).total_steps,
+        threads=threads,
+        eval_episodes=0,
+    )
+    if not (folder / "config.json").exists():
+        return run
+    found = run.config()
+    return dataclasses.replace(run, threads=found["threads"], eval_episodes=found["eval_episodes"])
+
+
+def is_finished(run: Run) -> bool:
+    """Whether it came to its end; evaluations that it lacks are made here."""
+    return dataclasses.replace(run, eval_episodes=0).finished()
+
+
+def train(run: Run) -> None:
+    """Trains it to its end, unless that was done before; notes on what."""
+    run.check()
+    if not is_finished(run):
+        print(f"{run.folder.name}: trains, {run.total_steps:,} steps", flush=True)
+        run.train()
+        write_json(run.folder / "machine.json", machine())
+
+
+def evaluate(run: Run, episodes: int) -> list[Row]:
+    """Of all checkpoints, oldest first; those that have not flown do it now."""
+    found = []
+    for checkpoint in checkpoint_folders(run.folder):
+        row = read_evaluation(checkpoint)
+        if row is None:
+            row = evaluate_checkpoint(checkpoint, episodes, EVALUATION_SEED)
+            write_json(checkpoint / "evaluation.json", row)
+        found.append(row)
+    return found
+
+
+# --- the beginning of a run, again --------------------------------------------------------------
+
+
+def learner(course: Course, seed: int, total_steps: int) -> Learner:
+    """A run's learner before its first rollout."""
+    compiled = CompiledScenario(course.scenario)
+    hyper = preset(course.scenario, course.algorithm).hyper
+    return algorithm_of(course.algorithm).make(compiled, hyper, seed, 0, total_steps)
+
+
+def start(course: Course, seed: int, total_steps: int) -> Row:
+    """Steps and hash after the first rollouts."""
+    begun = learner(course, seed, total_steps)
+    for _ in range(START_ROLLOUTS):
+        begun.iterate()
+    return {"steps": begun.steps, "parameter_hash": parameter_hash(begun.parameters())}
+
+
+def is_same(row: Row) -> bool:
+    """Whether a row's run comes to the same first checkpoint when it is trained again."""
+    course = next(c for c in COURSES if c.scenario == row["scenario"])
+    again, first = learner(course, row["seed"], row["total_steps"]), row["first_checkpoint"]
+    while again.steps < first["steps"]:
+        again.iterate()
+    return parameter_hash(again.parameters()) == first["parameter_hash"]
+
+
+def check(rows: Sequence[Row]) -> int:
+    """Trains the beginnings of all again; returns the exit code."""
+    differ = 0
+    for row in rows:
+        same = is_same(row)
+        differ += not same
+        steps = row["first_checkpoint"]["steps"]
+        verdict = "the same" if same else "DIFFERS"
+        print(f"{row['scenario']}, seed {row['seed']}: {verdict} after {steps:,} steps", flush=True)
+    print(f"{len(rows)} runs, {differ} differ")
+    return 1 if differ else 0
+
+
+# --- rows ---------------------------------------------------------------------------------------
+
+
+def what_decides(course: Course, total_steps: int) -> Row:
+    """Beside the seed: what a run's bits depend on."""
+    hyper = dataclasses.asdict(preset(course.scenario, course.algorithm).hyper)
+    return {
+        "scenario_hash": f"{CompiledScenario(course.scenario).scenario_hash:016x}",
+        "total_steps": total_steps,
+        "hyper": [f"{name}={value}" for name, value in hyper.items()],
+    }
+
+
+def record(course: Course, run: Run, options: argparse.Namespace) -> Row:
+    """A finished run's row."""
+    evaluations = evaluate(run, options.checkpoint_episodes)
+    flights = fly(options.program, run, options.episodes)
+    folders = checkpoint_folders(run.folder)
+    first, last = read_meta(folders[0]), read_meta(folders[-1])
+    figures = [limit.figure(flights) for limit in course.learned]
+    met = [limit.is_met(x) for limit, x in zip(course.learned, figures, strict=True)]
+    error = flights.last_second[course.error] if course.error else np.array([])
+    noted = run.folder / "machine.json"
+    end = datetime.datetime.fromtimestamp((folders[-1] / "meta.json").stat().st_mtime, datetime.UTC)
+    return {
+        "scenario": course.scenario,
+        "seed": run.seed,
+        **what_decides(course, run.total_steps),
+        "steps": last["steps"],
+        "seconds": last["wall_clock"],
+        "threads": run.threads,
+        "date": f"{end:%Y-%m-%d}",
+        "machine": json.loads(noted.read_text()) if noted.exists() else None,
+        "versions": versions(run),
+        "learned": all(met),
+        "figures": [limit.shown(x) for limit, x in zip(course.learned, figures, strict=True)],
+        "median_error": float(np.median(error)) if len(error) else None,
+        "flights": flights.line,
+        "failed": int(flights.failed.sum()),
+        "episodes": len(flights.failed),
+        "parameter_hash": last["parameter_hash"],
+        "is_shipped": is_shipped(course.scenario, folders[-1]),
+        "start": start(course, run.seed, run.total_steps),
+        "first_checkpoint": {x: first[x] for x in ("steps", "parameter_hash")},
+        "checkpoints": [
+            {x: e[x] for x in ("steps", "wall_clock", "reached_share", "success_share")}
+            for e in evaluations
+        ],
+        "curve": curve(run),
+    }
+
+
+def versions(run: Run) -> dict[str, str]:
+    """With which it was begun, but for plugins'."""
+    found = run.config()["versions"]
+    return {name: text for name, text in found.items() if not name.startswith("plugin ")}
+
+
+def is_shipped(scenario: str, checkpoint: Path) -> bool:
+    """Whether the policy that comes with Skybody is this one, weight for weight."""
+    try:
+        mine, theirs = read_policy(checkpoint / "policy.h5"), read_policy(shipped_policy(scenario))
+    except (OSError, ValueError, InputError):
+        return False
+    return len(mine.layers) == len(theirs.layers) and all(
+        np.array_equal(a.weight, b.weight) for a, b in zip(mine.layers, theirs.layers, strict=True)
+    )
+
+
+def curve(run: Run) -> dict[str, list[float | None]]:
+    """Training's mean return of the last 100 episodes over steps and seconds, thinned."""
+    rows = read_table(run.folder / "progress.csv")
+    places = np.unique(np.linspace(0, len(rows) - 1, CURVE_POINTS).round().astype(int))
+    found: dict[str, list[float | None]] = {}
+    for name in ("steps", "wall_clock", "recent_return_mean"):
+        values = [float(rows[place][name]) for place in places]
+        found[name] = [round(x, 3) if np.isfinite(x) else None for x in values]
+    return found
+
+
+def kept(path: Path, courses: Sequence[Course]) -> list[Row]:
+    """Rows of an earlier page that are of today's scenarios and presets."""
+    if not path.exists():
+        return []
+    by_name = {course.scenario: course for course in courses}
+    rows = []
+    for row in json.loads(path.read_text())["runs"]:
+        course = by_name.get(row["scenario"])
+        if course and row["seed"] in course.seeds:
+            total = preset(course.scenario, course.algorithm).total_steps
+            if all(row[name] == value for name, value in what_decides(course, total).items()):
+                rows.append(row)
+                continue
+        print(f"{row['scenario']}, seed {row['seed']}: is another run by now, its row goes")
+    return rows
+
+
+def rows_of(options: argparse.Namespace, earlier: Sequence[Row]) -> list[Row]:
+    """All rows in the courses' order: of runs that are there or trained now, else the earlier."""
+    before = {(row["scenario"], row["seed"]): row for row in earlier}
+    rows = []
+    for course in COURSES:
+        for seed in course.seeds[: options.seeds]:
+            run = make_run(course, seed, options.out, options.threads, options.quick)
+            if course.scenario in options.scenarios and options.training:
+                train(run)
+            if (run.folder / "config.json").exists() and is_finished(run):
+                run.check()
+                rows.append(record(course, run, options))
+                say(rows[-1])
+            elif (course.scenario, seed) in before:
+                rows.append(before[course.scenario, seed])
+    return rows
+
+
+def lean(content: Row) -> str:
+    """JSON, innermost lists and maps on a line each."""
+    text = json.dumps(content, indent=1)
+    innermost = re.compile(r"[\[{]\n[^\[\]{}]*[\]}]")
+    return innermost.sub(lambda found: re.sub(r"\n *", " ", found[0]), text) + "\n"
+
+
+def say(row: Row) -> None:
+    """A line on a row."""
+    print(
+        f"{row['scenario']}, seed {row['seed']}: {', '.join(row['figures'])}; "
+        f"{'learned' if row['learned'] else 'NOT LEARNED'}; {row['flights']}",
+        flush=True,
+    )
+
+
+# --- the command line ---------------------------------------------------------------------------
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values, checked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add, names = parser.add_argument, [course.scenario for course in COURSES]
+    add("--scenarios", nargs="+", choices=names, default=names, help="to train; default: all")
+    add("--no-training", dest="training", action="store_false", help="take what --out has")
+    add("--threads", type=int, default=0, help="of training, which change no bits; 0: all")
+    add("--check", action="store_true", help="train the page's runs to their first checkpoint")
+    add("--out", type=Path, help="folder of the runs; default: flights/learning")
+    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="that flies")
+    add("--report", type=Path, help="folder of the page; default: docs/results")
+    add("--quick", action="store_true", help="a seed, few steps, report into --out: a trial")
+    options = parser.parse_args(arguments)
+    name = "flights/learning_quick" if options.quick else "flights/learning"
+    options.out = options.out or ROOT / name
+    options.report = options.report or (options.out if options.quick else ROOT / PAGE)
+    options.episodes = QUICK_EPISODES if options.quick else EPISODES
+    options.checkpoint_episodes = QUICK_EPISODES if options.quick else CHECKPOINT_EPISODES
+    options.seeds = 1 if options.quick else None
+    if not options.program.exists():
+        parser.error(f"--program {options.program} does not exist; ./dev build makes it")
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, flies, writes; returns the exit code."""
+    options = parse(arguments)
+    path = options.report / "data/learning.json"
+    earlier = [] if options.quick else kept(path, COURSES)
+    if options.check:
+        return check(earlier)
+    try:
+        rows = rows_of(options, earlier)
+    except (InputError, RunError) as error:
+        print(f"learning: {error}", file=sys.stderr)
+        return 2
+    content = {
+        "experiment": "learning",
+        "command": command_line("learning.py", ["--quick"] if options.quick else []),
+        "machine": machine(),
+        "flights": {"episodes": options.episodes, "seed": SEED},
+        "runs": rows,
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(lean(content))
+    (options.report / "images").mkdir(parents=True, exist_ok=True)
+    for over in ("steps", "seconds"):
+        draw(rows, over, options.report / f"images/learning_{over}.png")
+    text = markdown(content, COURSES)
+    (options.report / "learning.md").write_text(text)
+    print(f"{text}\nwritten: {shown(options.report / 'learning.md')}")
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,206 @@
+"""Page and pictures of learning.py."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from learning_courses import NOT_RUN, Course
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from training_runs import machine_line, versions_line
+
+Row = dict[str, Any]
+COLUMNS = 5  # of panels in a picture
+SCALES = {"steps": (1e-6, "million steps"), "seconds": (1.0, "seconds")}
+SHORT, LONG = 8, 16  # hexadecimal digits of a hash; data/learning.json has all 64
+
+TEXT = """\
+# Learning
+
+Every task with the preset that is shipped for it (`scenarios/training`), {seeds} seeds each, by
+
+    {command}
+
+Networks, optimizer and environments start from the seed alone, and one seed gives the same bits on
+any number of threads ([training.md](../training.md)): a test trains the beginning of every run
+again and compares hashes, and `experiments/learning.py --check` trains up to the first checkpoint.
+
+{table}
+
+Figures are of {episodes} drawn episodes of each seed's last checkpoint, flown by
+`skybody run SCENARIO --policy RUN --episodes {episodes} --seed {seed}`, which neither training nor
+its evaluations know; a figure a seed. A failed episode counts against every share. The error is the
+distance from the goal in the last second, its median over the episodes. Seconds are training's own,
+from its first rollout to its last, without the evaluations; most runs shared the machine's
+processors with others, and the table of runs has their threads.
+
+{missed}
+## Over steps and seconds
+
+Lines: training's mean return of the last 100 episodes, a colour a seed, with the noise of its
+actions. Dots: share of the evaluation's episodes that succeed at a checkpoint, from 0 at the bottom
+to 1 at the top, under the deterministic policy.
+
+![Return and successes over steps](images/learning_steps.png)
+
+![Return and successes over seconds](images/learning_seconds.png)
+
+## Runs
+
+{runs}
+
+"Successes" is the line of `skybody run`, by the task's own info `success` at the end of an episode.
+A policy that is shipped is in `scenarios/policies`: `skybody run SCENARIO --policy shipped`.
+
+Flown on {machine}. Versions of training: {versions}.
+"""
+
+
+def markdown(content: dict[str, Any], courses: Sequence[Course]) -> str:
+    """The page."""
+    rows = content["runs"]
+    return TEXT.format(
+        seeds=max((len(course.seeds) for course in courses), default=0),
+        command=content["command"],
+        table=table(rows, courses),
+        episodes=content["flights"]["episodes"],
+        seed=content["flights"]["seed"],
+        missed=missed(rows, courses),
+        runs=runs_table(rows),
+        machine=machine_line(content["machine"]),
+        versions=versions_line(rows),
+    )
+
+
+def of(rows: Sequence[Row], course: Course) -> list[Row]:
+    """A course's rows."""
+    return [row for row in rows if row["scenario"] == course.scenario]
+
+
+def table(rows: Sequence[Row], courses: Sequence[Course]) -> str:
+    """A line a course that has runs."""
+    lines = [
+        "| task | learned means | reached by seeds | figures | median error [m] | steps "
+        "| seconds (allowed) | parameter hashes |",
+        "| --- | --- | ---: | --- | --- | ---: | --- | --- |",
+    ]
+    for course in courses:
+        if found := of(rows, course):
+            lines.append(_course_line(course, found))
+    return "\n".join(lines)
+
+
+def _course_line(course: Course, rows: Sequence[Row]) -> str:
+    reached = sum(row["learned"] for row in rows)
+    figures = "; ".join(", ".join(row["figures"][k] for row in rows) for k in _limits(course))
+    errors = ", ".join(_error(row) for row in rows) if course.error else ""
+    seconds = ", ".join(f"{row['seconds']:.0f}" for row in rows)
+    hashes = " ".join(f"`{row['parameter_hash'][:SHORT]}`" for row in rows)
+    cells = [
+        f"`{course.scenario}`",
+        "; ".join(limit.text for limit in course.learned),
+        f"{reached} of {len(rows)}",
+        figures,
+        errors,
+        f"{rows[0]['total_steps'] / 1e6:g} M",
+        f"{seconds} ({60 * course.minutes:.0f})",
+        hashes,
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def _limits(course: Course) -> range:
+    return range(len(course.learned))
+
+
+def _error(row: Row) -> str:
+    return "-" if row["median_error"] is None else f"{row['median_error']:.3f}"
+
+
+def missed(rows: Sequence[Row], courses: Sequence[Course]) -> str:
+    """What falls short, with the reason, and what was not run."""
+    lines = []
+    for course in courses:
+        found = of(rows, course)
+        if below := [row for row in found if not row["learned"]]:
+            seeds = ", ".join(f"seed {row['seed']} ({'; '.join(row['figures'])})" for row in below)
+            why = course.why or "no reason is known"
+            lines.append(f"- `{course.scenario}` falls short with {seeds}: {why}.")
+        late = [row for row in found if row["seconds"] > 60.0 * course.minutes]
+        if late:
+            seeds = ", ".join(f"seed {row['seed']} ({row['seconds']:.0f} s)" for row in late)
+            lines.append(f"- `{course.scenario}` took longer than allowed: {seeds}.")
+        there = {row["seed"] for row in found}
+        if absent := [str(seed) for seed in course.seeds if seed not in there]:
+            lines.append(f"- `{course.scenario}`: not run with seed {', '.join(absent)}.")
+    names = ", ".join(f"`{name}`" for name in NOT_RUN)
+    lines.append(f"- Not run, for want of a preset: {names}.")
+    return f"## What falls short\n\n{chr(10).join(lines)}\n"
+
+
+def runs_table(rows: Sequence[Row]) -> str:
+    """A line a run."""
+    lines = [
+        "| scenario | seed | successes | failed | seconds | threads | trained | shipped "
+        "| parameter hash |",
+        "| --- | ---: | --- | ---: | ---: | ---: | --- | --- | --- |",
+    ]
+    for row in rows:
+        on = machine_line(row["machine"]) if row["machine"] else "a machine that is not recorded"
+        cells = [
+            row["scenario"],
+            str(row["seed"]),
+            row["flights"].removeprefix("success: ").removesuffix(" episodes"),
+            str(row["failed"]),
+            f"{row['seconds']:.0f}",
+            str(row["threads"] or "all"),
+            f"{row['date']}, {on}",
+            "yes" if row["is_shipped"] else "",
+            f"`{row['parameter_hash'][:LONG]}`",
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+# --- pictures -----------------------------------------------------------------------------------
+
+
+def draw(rows: Sequence[Row], over: str, out: Path) -> None:
+    """A panel a scenario.
+
+    Args:
+        over: `steps` or `seconds`.
+    """
+    names = list(dict.fromkeys(row["scenario"] for row in rows))
+    lines = max(1, math.ceil(len(names) / COLUMNS))
+    figure = Figure(figsize=(3.0 * COLUMNS, 2.3 * lines), layout="constrained")
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.subplots(lines, COLUMNS, squeeze=False)
+    for axis, name in zip(axes.flat, names, strict=False):
+        _panel(axis, [row for row in rows if row["scenario"] == name], over)
+        axis.set_title(name, fontsize=9)
+    for axis in axes.flat[len(names) :]:
+        axis.axis("off")
+    figure.supxlabel(SCALES[over][1], fontsize=9)
+    figure.supylabel("mean return in training (lines), successes (dots)", fontsize=9)
+    canvas.print_png(out)
+
+
+def _panel(axis: Axes, rows: Sequence[Row], over: str) -> None:
+    scale, key = SCALES[over][0], "steps" if over == "steps" else "wall_clock"
+    shares = axis.twinx()
+    shares.set_ylim(-0.05, 1.05)
+    shares.set_yticks([])
+    for row in rows:
+        color = f"C{row['seed'] - 1}"
+        curve, points = row["curve"], row["checkpoints"]
+        returns = [math.nan if y is None else y for y in curve["recent_return_mean"]]
+        axis.plot([scale * x for x in curve[key]], returns, color=color, linewidth=1.0)
+        where = [scale * point[key] for point in points]
+        shares.plot(where, [p["reached_share"] for p in points], ".", color=color, markersize=4)
+    axis.tick_params(labelsize=7)
+    axis.grid(alpha=0.3)

@@ -1,0 +1,102 @@
+"""The page on learning: its runs begin as they did, and its table says what was flown."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "experiments"))
+
+learning = pytest.importorskip("learning")
+learning_courses = pytest.importorskip("learning_courses")
+learning_flight = pytest.importorskip("learning_flight")
+learning_report = pytest.importorskip("learning_report")
+COURSES = {course.scenario: course for course in learning_courses.COURSES}
+CONTENT = json.loads((ROOT / "docs/results/data/learning.json").read_text())
+RUNS: list[dict[str, Any]] = CONTENT["runs"]
+
+
+def flights(succeeded: list[bool], failed: list[bool], error: list[float]) -> Any:
+    """Flights with an info `error`, at the end and in the last second alike."""
+    infos = {"error": np.array(error)}
+    return learning_flight.Flights(np.array(succeeded), np.array(failed), infos, infos)
+
+
+# --- the runs -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scenario", COURSES)
+def test_runs_begin_with_the_bits_of_the_page(scenario: str) -> None:
+    rows = [row for row in RUNS if row["scenario"] == scenario]
+    for row in rows:
+        again = learning.start(COURSES[scenario], row["seed"], row["total_steps"])
+        assert again == row["start"], f"seed {row['seed']}"
+
+
+def test_rows_are_of_the_scenarios_and_presets_of_today() -> None:
+    kept = learning.kept(ROOT / "docs/results/data/learning.json", learning_courses.COURSES)
+    assert kept == RUNS
+
+
+def test_a_row_of_another_preset_goes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "learning.json"
+    path.write_text(json.dumps({"runs": [{**RUNS[0], "total_steps": 1}, *RUNS[1:3]]}))
+    assert learning.kept(path, learning_courses.COURSES) == RUNS[1:3]
+    name = f"{RUNS[0]['scenario']}, seed {RUNS[0]['seed']}"
+    assert f"{name}: is another run by now" in capsys.readouterr().out
+
+
+def test_the_page_is_what_the_figures_make_of_it() -> None:
+    page = (ROOT / "docs/results/learning.md").read_text()
+    assert learning_report.markdown(CONTENT, learning_courses.COURSES) == page
+
+
+def test_every_preset_has_a_course_and_every_course_a_policy() -> None:
+    presets = {path.stem for path in (ROOT / "scenarios/training").glob("*.yaml")}
+    elsewhere = {"hover_learn", "vehicles"}  # hover_training.md, vehicle_policy.md
+    assert presets - elsewhere == set(COURSES)
+    assert {path.stem for path in (ROOT / "scenarios/policies").glob("*.h5")} == set(COURSES)
+
+
+# --- what counts --------------------------------------------------------------------------------
+
+
+def test_a_share_counts_flights_that_are_near_and_have_not_failed() -> None:
+    flown = flights([True, True, False, False], [False, False, True, False], [0.1, 0.3, 0.1, 0.1])
+    assert learning_courses.Share(0.5).figure(flown) == 0.5
+    assert learning_courses.Share(0.5, "error", 0.2).figure(flown) == 0.5
+    assert learning_courses.Whole(0.5).figure(flown) == 0.75
+    assert learning_courses.Share(0.5).is_met(0.5)
+    assert not learning_courses.Share(0.51).is_met(0.5)
+
+
+def test_a_mean_of_winners_leaves_others_out_and_is_met_by_nobody_without_one() -> None:
+    lap = learning_courses.Mean("error", "lap", "s", most=2.0, of_winners=True)
+    assert lap.figure(flights([True, False], [False, True], [1.0, 9.0])) == 1.0
+    nobody = lap.figure(flights([False], [True], [1.0]))
+    assert np.isnan(nobody)
+    assert not lap.is_met(nobody)
+
+
+def test_what_is_read_of_a_log_is_what_the_program_counts(tmp_path: Path) -> None:
+    program = str(ROOT / "build/release/bin/skybody")
+    command = [program, "run", "obstacles", "--policy", "random", "--no-picture"]
+    command += ["--episodes", "6", "--out", str(tmp_path / "log")]
+    subprocess.run(command, check=True, capture_output=True)
+    lost = learning_flight.read_log(tmp_path / "log/flight.h5")
+    assert lost.failed.all()
+    assert not lost.succeeded.any()
+    command[command.index("random")] = "shipped"
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    found = learning_flight.read_log(tmp_path / "log/flight.h5")
+    assert f"success: {found.succeeded.sum()} of 6 episodes" in done.stdout
+    assert not (found.succeeded & found.failed).any()
+    again = learning_flight.from_json(json.loads(json.dumps(learning_flight.to_json(found))))
+    assert (again.at_the_end["position_error"] == found.at_the_end["position_error"]).all()
