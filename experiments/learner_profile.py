@@ -135,7 +135,8 @@ def update_operations(observations: int, actions: int, hyper: Any) -> int:
     """Of a whole update of fast-ppo, a step: passes of the policy, and those of the value."""
     policy = operations([observations, *hyper.hidden, actions])
     value = operations([observations, *hyper.hidden, 1])
-    return hyper.epochs * policy + hyper.value_epochs * value
+    both: int = hyper.epochs * policy + hyper.value_epochs * value
+    return both
 
 
 def bare_products(program: Path) -> dict[str, dict[str, float]]:

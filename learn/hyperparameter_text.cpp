@@ -82,7 +82,8 @@ void set(Hyperparameters& hyper, Algorithm algorithm, const std::string& setting
   SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW
   if (!is_there) {
-    throw Error("no hyper-parameter `" + name + "`" + suggestion(name, hyperparameter_names(algorithm)));
+    throw Error("no hyper-parameter `" + name + "`" +
+                suggestion(name, hyperparameter_names(algorithm)));
   }
   if (form != nullptr) throw Error("`" + setting + "`: `" + text + "` is not " + form);
 }

@@ -1,4 +1,4 @@
-// What a run asks of a learner, whichever it is.
+// The interface of learners, whichever they are, to a run.
 #pragma once
 
 #include <cmath>

@@ -6,6 +6,7 @@
 #include "core/assemble/load.h"
 #include "core/io/policy_writer.h"
 #include "learn/gradient/gradient.h"
+#include "learn/hyperparameter_text.h"
 #include "learn/learner.h"
 #include "learn/make_learner.h"
 #include "learn/ppo/ppo.h"

@@ -40,8 +40,6 @@ class Gradient : public Learner {
  private:
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor& visitor);
-  double progress() const;
-  double learning_rate() const;
   void add_up();
   void normalize();
   double teach_value();

@@ -2,21 +2,15 @@
 #include "learn/ppo/ppo_slice.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "core/base/random.h"
+#include "learn/common/wall_clock.h"
 #include "learn/network/noise.h"
 
 namespace skybody::learn {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 PoolOptions pool_options(const PpoSetup& setup, int slice) {
   PoolOptions options;
@@ -41,10 +35,7 @@ int gathered_rows(const PpoSetup& setup) {
 }
 
 /// Floats that a policy remembers of a row.
-int state_stride(const PpoSetup& setup) {
-  const int units = setup.hyper.recurrent_units;
-  return (units + kPad - 1) / kPad * kPad;
-}
+int state_stride(const PpoSetup& setup) { return padded(setup.hyper.recurrent_units); }
 
 }  // namespace
 

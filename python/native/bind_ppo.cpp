@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "learn/make_learner.h"
+#include "learn/position_error.h"
 #include "learn/ppo/ppo.h"
 #include "learn/ppo/ppo_slices.h"
 #include "learn/ppo/recovering_ppo.h"
@@ -205,6 +206,9 @@ void restore(AnyLearner& any, nb::handle state) {
 }  // namespace
 
 void bind_ppo(nb::module_& m) {
+  nb::list errors;
+  for (const char* name : learn::kPositionErrors) errors.append(name);
+  m.attr("POSITION_ERRORS") = nb::tuple(errors);
   nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
   nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
   m.def(

@@ -61,9 +61,12 @@ nb::object shown(Activation value) {
 }  // namespace
 
 learn::Algorithm algorithm_of(const std::string& name) {
-  if (name == "fast-ppo") return learn::Algorithm::kFastPpo;
-  if (name == "gradient") return learn::Algorithm::kGradient;
-  throw nb::value_error(("no learner `" + name + "`: fast-ppo, gradient").c_str());
+  std::vector<std::string> names;
+  for (const char* known : learn::kAlgorithmNames) {
+    if (name == known) return static_cast<learn::Algorithm>(names.size());
+    names.emplace_back(known);
+  }
+  throw nb::value_error(("no learner `" + name + "`: " + join(names)).c_str());
 }
 
 learn::Hyperparameters hyperparameters_of(const nb::dict& values, learn::Algorithm algorithm) {

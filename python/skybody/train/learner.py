@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody._native import POSITION_ERRORS
 from skybody.train.policy_file import Layer, Policy
 
 if TYPE_CHECKING:
     import torch
 
     from skybody._native import Channel
-
-# Names under which tasks give the distance from their goal [m], in the order of preference.
-POSITION_ERRORS = ("position_error", "payload_error", "formation_error")
 
 
 @dataclass
