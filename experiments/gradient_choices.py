@@ -164,9 +164,9 @@ on {machine_line(content["machine"])}. Every figure is `bench_gradient`'s.
 
 ## A step of training
 
-`bench_gradient SCENARIO {" ".join(COST)}`, one run each: flight, network and the way back through four physics
-steps, on one thread. Quadrotors that are one free body without effects go back in closed form,
-other worlds by an evaluation on dual numbers for each value of their motion.
+`bench_gradient SCENARIO {" ".join(COST)}`, one run each: flight, network and the way
+back through four physics steps, on one thread. Quadrotors that are one free body without effects go
+back in closed form, other worlds by an evaluation on dual numbers for each value of their motion.
 
 | scenario | a step of one environment [us] |
 | --- | ---: |
