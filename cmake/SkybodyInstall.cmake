@@ -2,7 +2,7 @@
 # prefix in CMAKE_PREFIX_PATH. The user's package registry is not touched.
 #
 #   PREFIX/bin/skybody  PREFIX/lib/libskybody.so  PREFIX/lib/skybody/plugins  PREFIX/lib/cmake/Skybody
-#   PREFIX/include/skybody/{plugin.h,skybody.h,learn.h,core/,learn/,plugins/{api,task_kit}/}  PREFIX/share/skybody/{scenarios/,template/}
+#   PREFIX/include/skybody/{plugin.h,skybody.h,learn.h,core/,learn/,plugins/{api,obstacles,task_kit}/}  PREFIX/share/skybody/{scenarios/,template/}
 
 include(CMakePackageConfigHelpers)
 
@@ -22,6 +22,7 @@ skybody_install_tree(include "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTER
 skybody_install_tree(core "${skybody_header_dir}/core" ${skybody_headers_only})
 skybody_install_tree(learn "${skybody_header_dir}/learn" ${skybody_headers_only})
 skybody_install_tree(plugins/api "${skybody_header_dir}/plugins/api" ${skybody_headers_only})
+skybody_install_tree(plugins/obstacles "${skybody_header_dir}/plugins/obstacles" ${skybody_headers_only})
 skybody_install_tree(plugins/task_kit "${skybody_header_dir}/plugins/task_kit" ${skybody_headers_only})
 skybody_install_tree(plugins/template "${skybody_data_dir}/template")
 skybody_install_tree(scenarios "${skybody_data_dir}/scenarios")

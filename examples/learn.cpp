@@ -7,7 +7,6 @@
 
 int main(int argc, char** argv) {
   skybody::learn::LearnerOptions options;
-  options.compiled = skybody::compile_scenario({"hover_learn", {}, {}});
   options.total_steps = argc > 1 ? std::atoll(argv[1]) : 3'000'000;
   options.seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   options.hyper.discount = 0.98;
@@ -16,15 +15,16 @@ int main(int argc, char** argv) {
   options.hyper.normalization_steps = 1.5e6;
   options.hyper.averaging_steps = 3e5;
 
-  skybody::learn::Ppo learner(options);
-  for (int iteration = 0; learner.steps() < options.total_steps; ++iteration) {
-    const skybody::learn::Report report = learner.iterate();
+  const auto learner = skybody::learn::make_learner(skybody::learn::Algorithm::kFastPpo,
+                                                    {"hover_learn", {}, {}}, options);
+  for (int iteration = 0; learner->steps() < options.total_steps; ++iteration) {
+    const skybody::learn::Report report = learner->iterate();
     if (iteration % 50 == 0 || report.steps >= options.total_steps) {
       std::printf("%9lld steps: %.2f m from the goal\n", static_cast<long long>(report.steps),
                   report.position_error);
     }
   }
-  skybody::write_policy("policy.h5", learner.policy(), options.seed);
+  skybody::write_policy("policy.h5", learner->policy(), options.seed);
   std::printf("policy.h5, parameters %016llx\n",
-              static_cast<unsigned long long>(learner.parameter_hash()));
+              static_cast<unsigned long long>(learner->parameter_hash()));
 }

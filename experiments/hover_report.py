@@ -17,7 +17,8 @@ STYLES = ("-", "--", ":", "-.")  # by seed
 HEAD = """\
 # Learning to hover
 
-`hover_learn` with each learner and the hyper-parameters that `skybody/train/presets.py` ships, by
+`hover_learn` with each learner and the shipped hyper-parameters, those of
+[`scenarios/training/hover_learn.yaml`](../../scenarios/training/hover_learn.yaml), by
 
     {command}
 

@@ -92,8 +92,12 @@ def make_runs(out: Path, steps: dict[str, int], seeds: Sequence[int]) -> list[Ru
 # --- training, alone ----------------------------------------------------------------------------
 
 
-def measure(run: Run) -> dict[str, float]:
-    """Trains and takes the time [s]; of a run that is finished, the time that it took."""
+def measure(run: Run) -> dict[str, Any]:
+    """Trains and takes the times [s]; of a run that is finished, those that it took.
+
+    `wall_clock` is the whole command's. `published` has, by the checkpoint's folder, the time from
+    the command to the moment at which the folder got its name: then it can be flown.
+    """
     run.check()
     path = run.folder / "measured.json"
     if not path.exists():
@@ -101,8 +105,12 @@ def measure(run: Run) -> dict[str, float]:
         load, begun = os.getloadavg()[0], time.time()
         run.train()
         seconds = time.time() - begun
-        write_json(path, {"wall_clock": seconds, "load_before": load, "begun": begun})
-    measured: dict[str, float] = json.loads(path.read_text())
+        # A folder's ctime is that of its renaming, until an evaluation is written into it.
+        published = {
+            folder.name: folder.stat().st_ctime - begun for folder in checkpoint_folders(run.folder)
+        }
+        write_json(path, {"wall_clock": seconds, "load_before": load, "published": published})
+    measured: dict[str, Any] = json.loads(path.read_text())
     return measured
 
 

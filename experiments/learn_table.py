@@ -5,11 +5,11 @@
 
 Three seeds of each learner (ten of `gradient`, one of `ppo`, which is cut), one after another, with
 the shipped hyper-parameters and nothing beside them. `lean-ppo` is a yardstick in Python, which
-does not change (experiments/yardstick). Seconds go from the command to the policy file of a
-checkpoint. Then every checkpoint flies 100 held-out episodes. Writes learning_speed.md, its JSON
-and the picture of error over seconds. Finished runs are not repeated; one that was interrupted
-begins anew, because its time counts. Run it on a machine that does nothing else; with --train-only
-it evaluates and writes in a later call, for which that does not matter.
+does not change (experiments/yardstick). Seconds go from the command to the moment at which a
+checkpoint can be flown. Then every checkpoint flies 100 held-out episodes. Writes
+learning_speed.md, its JSON and the picture of error over seconds. Finished runs are not repeated;
+one that was interrupted begins anew, because its time counts. Run it on a machine that does nothing
+else; with --train-only it evaluates and writes in a later call, for which that does not matter.
 
 With --rl-tools FOLDER the published hover training of rl_tools stands beside them. The folder is
 what `git clone https://github.com/rl-tools/rl-tools` makes; g++ compiles it.
@@ -85,10 +85,7 @@ def record(run: Run) -> dict[str, Any]:
     measured = measure(run)
     evaluate(run)
     evaluations, rows = run.evaluations(), read_table(run.folder / "progress.csv")
-    written = [
-        (folder / "policy.h5").stat().st_mtime - measured["begun"]
-        for folder in checkpoint_folders(run.folder)
-    ]
+    written = [measured["published"][folder.name] for folder in checkpoint_folders(run.folder)]
     points = [
         {
             "steps": found["steps"],
@@ -195,8 +192,8 @@ on {machine_line(content["machine"])}.
 
 {chr(10).join(lines)}
 
-steps/s: median over the rollouts, with the update. Seconds: from the command to the policy file of
-the first checkpoint (one every {MOST_CHECKPOINT_STEPS:,} steps; of `gradient` every
+steps/s: median over the rollouts, with the update. Seconds: from the command to the moment at which
+the first checkpoint can be flown (one every {MOST_CHECKPOINT_STEPS:,} steps; of `gradient` every
 {CHECKPOINT_STEPS["gradient"]:,}) whose median error over {EPISODES} held-out episodes is below the
 limit with at least {100 * LEAST_SUCCESS:.0f} % without failure; of the slowest seed, and only where
 all arrive (else how many do). The error is a mean over an episode's last second. Shares are of
@@ -231,7 +228,7 @@ def _row(row: dict[str, Any], rows: Sequence[dict[str, Any]]) -> str:
     times = [
         f"{row['arrived_' + str(limit)]} of {row['seeds']}"
         if row[f"seconds_to_{limit}"] is None
-        else f"{row[f'seconds_to_{limit}']:.1f}"
+        else f"{row[f'seconds_to_{limit}']:.2f}"
         for limit in LIMITS
     ]
     shares = " / ".join(f"{100 * share:.0f} %" for share in row["shares"].values()) or "-"

@@ -30,6 +30,7 @@ from typing import Any
 
 from skybody import CompiledScenario
 from skybody.program import deaf_to_interrupts, run_program
+from skybody.train.__main__ import all_versions
 from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import with_settings
 from skybody.train.learner import Learner
@@ -41,6 +42,7 @@ from training_runs import (
     machine,
     machine_line,
     shown,
+    versions_line,
     write_json,
 )
 
@@ -133,7 +135,8 @@ def update_operations(observations: int, actions: int, hyper: Any) -> int:
     """Of a whole update of fast-ppo, a step: passes of the policy, and those of the value."""
     policy = operations([observations, *hyper.hidden, actions])
     value = operations([observations, *hyper.hidden, 1])
-    return hyper.epochs * policy + hyper.value_epochs * value
+    both: int = hyper.epochs * policy + hyper.value_epochs * value
+    return both
 
 
 def bare_products(program: Path) -> dict[str, dict[str, float]]:
@@ -239,10 +242,12 @@ on {machine_line(content["machine"])}; medians of {content["turns"]} turns.
 ## Shares
 
 `{SCENARIO}` to the end with the shipped hyper-parameters. Environment: steps of physics, rewards
-and ends. Inference: the policy's and the value function's forward passes and noise in a rollout,
-and advantages. Update: all passes over the rollout. GFLOP/s of the update: the floating-point
-operations of the networks' matrix products (forward, and both backward ones), by the seconds of the
-whole update, with losses, activations, gathering of rows and Adam.
+and ends. Inference: the rest of a rollout, which is the policy's forward passes with normalization
+and noise. Update: all that follows the rollout, of fast-ppo values and advantages, too, of
+`gradient` the way back through the horizon.
+GFLOP/s of the update: the floating-point operations of the networks' matrix products (forward, and
+both backward ones), by the seconds of the whole update, with losses, activations, gathering of rows
+and Adam.
 
 {_shares_table(content["shares"])}
 
@@ -267,6 +272,8 @@ and two threads for the environments (fast-ppo's also learn).
 fast-ppo against the better `ppo`: {found["against_sb3"]:.2f} times its steps/s (goal:
 {LEAST_AGAINST_SB3}). Its networks on one thread against bare products of the same shapes:
 {found["of_products"]:.2f} (goal: {LEAST_OF_PRODUCTS}).
+
+Versions: {versions_line([content])}.
 """
 
 
@@ -320,6 +327,7 @@ def main(arguments: list[str] | None = None) -> int:
                 "learner_profile.py", sys.argv[1:] if arguments is None else arguments
             ),
             "machine": machine(),
+            "versions": all_versions(CompiledScenario(SCENARIO), "ppo"),
             "turns": options.turns,
             "products": bare_products(options.program),
             "shares": shares(options.turns),

@@ -17,6 +17,7 @@ from typing import Any
 
 from skybody import CompiledScenario
 from skybody.program import INTERRUPTED
+from skybody.train.algorithms import algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.evaluation_file import read_evaluation
 from skybody.train.hyperparameters import with_settings
@@ -185,6 +186,20 @@ def versions_line(configs: Sequence[dict[str, Any]]) -> str:
             if not name.startswith("plugin "):
                 found.setdefault(name, set()).add(version)
     return "; ".join(f"{name} {' and '.join(sorted(all_of))}" for name, all_of in found.items())
+
+
+def changed_hyper(config: dict[str, Any]) -> list[str]:
+    """Hyper-parameters of a run that are not its learner's defaults, KEY=VALUE: those of a preset
+    and of the command line."""
+    defaults = dataclasses.asdict(algorithm_of(config["algorithm"]).defaults())
+    changed = []
+    for name, value in config["hyper"].items():
+        default = defaults[name]
+        if value == (list(default) if isinstance(default, tuple) else default):
+            continue
+        text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
+        changed.append(f"{name}={text.lower() if isinstance(value, bool) else text}")
+    return changed
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:

@@ -30,6 +30,7 @@ from training_runs import (
     ROOT,
     Run,
     RunError,
+    changed_hyper,
     command_line,
     machine,
     machine_line,
@@ -103,11 +104,8 @@ def make_runs(out: Path, seeds: Sequence[int]) -> list[tuple[str, Run]]:
 
 def newest_in_time(run: Run) -> tuple[Path, float]:
     """The last checkpoint that was written within SECONDS of the command, and when [s]."""
-    begun = measure(run)["begun"]
-    written = [
-        (folder, (folder / "policy.h5").stat().st_mtime - begun)
-        for folder in checkpoint_folders(run.folder)
-    ]
+    published = measure(run)["published"]
+    written = [(folder, published[folder.name]) for folder in checkpoint_folders(run.folder)]
     in_time = [(folder, seconds) for folder, seconds in written if seconds <= SECONDS]
     if not in_time:
         raise RunError(f"{run.folder} has no checkpoint within {SECONDS:.0f} s of the command")
@@ -133,7 +131,7 @@ def record(name: str, run: Run) -> dict[str, Any]:
         "near": int((~failed & (errors < NEAR)).sum()),
         "episodes": found["episodes"],
         "parameter_hash": found["parameter_hash"],
-        "settings": list(run.settings),
+        "hyper": changed_hyper(run.config()),
         "versions": run.config()["versions"],
     }
 
@@ -151,8 +149,8 @@ def markdown(content: dict[str, Any]) -> str:
             f"| {row['median_error']:.4f} | {row['error_90_percent']:.4f} "
             f"| {row['failures']} of {row['episodes']} | {row['near']} |"
         )
-    settings = {row["learner"]: row["settings"] for row in content["runs"]}
-    lines = "\n".join(f"- {name}: {', '.join(values)}" for name, values in settings.items())
+    hyper = {row["learner"]: row["hyper"] for row in content["runs"]}
+    lines = "\n".join(f"- {name}: {', '.join(values)}" for name, values in hyper.items())
     return f"""\
 # One policy for {FLEET:,} vehicles
 
@@ -176,7 +174,8 @@ terminates or faults.
 A policy sees its last two actions, so that one without memory can learn how much throttle its
 vehicle needs: it corrects what it did before.
 
-Settings, besides the learners' defaults:
+Hyper-parameters that are not the learners' defaults, of the presets of `{SCENARIO}` and of this
+script together:
 
 {lines}
 

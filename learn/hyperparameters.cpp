@@ -1,6 +1,7 @@
 #include "learn/hyperparameters.h"
 
 #include <cstdio>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -34,9 +35,29 @@ void check_value(const HyperparameterRow& row, const Sizes& sizes) {
   for (const int size : sizes) check_value(row, size);
 }
 
+/// A policy that is trained must be one that can be read: beside the hidden layers its file has the
+/// last one, and the recurrent one where there is a memory.
+void check_layers(const Hyperparameters& hyper, Algorithm algorithm) {
+  const bool has_memory = algorithm == Algorithm::kFastPpo && hyper.recurrent_units > 0;
+  const std::size_t most = kMostLayers - (has_memory ? 2 : 1);
+  if (hyper.hidden.size() <= most) return;
+  throw Error("hyper-parameter hidden = " + std::to_string(hyper.hidden.size()) +
+              " sizes: allowed is at most " + std::to_string(most) + ", as a policy file has " +
+              std::to_string(kMostLayers) + " layers with the last one" +
+              (has_memory ? " and the recurrent one" : ""));
+}
+
 }  // namespace
 
 std::span<const HyperparameterRow> hyperparameter_rows() { return kRows; }
+
+std::vector<std::string> hyperparameter_names(Algorithm algorithm) {
+  std::vector<std::string> names;
+  for (const HyperparameterRow& row : kRows) {
+    if (has(row, algorithm)) names.emplace_back(row.name);
+  }
+  return names;
+}
 
 void check(const Hyperparameters& hyper, Algorithm algorithm) {
   const HyperparameterRow* row = kRows;
@@ -45,6 +66,7 @@ void check(const Hyperparameters& hyper, Algorithm algorithm) {
   ++row;
   SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
 #undef SKYBODY_ROW
+  check_layers(hyper, algorithm);
 }
 
 }  // namespace skybody::learn

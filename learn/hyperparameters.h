@@ -1,4 +1,4 @@
-// What a learner is told, and its list: one row a hyper-parameter, from which come the struct, the
+// Hyper-parameters of the learners, and their list: one row each, from which come the struct, the
 // checks, `--set`, config.json and the Python binding.
 #pragma once
 
@@ -12,6 +12,11 @@ namespace skybody::learn {
 
 /// The learners of this library, as `--algo` names them.
 enum class Algorithm { kFastPpo, kGradient };
+/// In their order.
+inline constexpr const char* kAlgorithmNames[] = {"fast-ppo", "gradient"};
+inline const char* name(Algorithm algorithm) {
+  return kAlgorithmNames[static_cast<int>(algorithm)];
+}
 
 // X(type, name, default, least, largest, algorithms, meaning)
 //   type: int, double, bool, Sizes (numbers of units of layers), Activation
@@ -77,8 +82,11 @@ inline bool has(const HyperparameterRow& row, Algorithm algorithm) {
   return algorithm == Algorithm::kGradient ? row.gradient : row.fast_ppo;
 }
 
-/// @throws Error where one that the algorithm has is beyond its range: the message has its name,
-///         the value and the range
+/// The names of those that an algorithm has, in the list's order.
+std::vector<std::string> hyperparameter_names(Algorithm algorithm);
+
+/// @throws Error where one that the algorithm has is beyond its range, or `hidden` has more layers
+///         than a policy file: the message has its name, the value and the range
 void check(const Hyperparameters& hyper, Algorithm algorithm);
 
 }  // namespace skybody::learn

@@ -1,4 +1,4 @@
-// What a run asks of a learner, whichever it is.
+// The interface of learners, whichever they are, to a run.
 #pragma once
 
 #include <cmath>
@@ -60,12 +60,9 @@ class Learner {
   virtual void restore(const LearnerState& state) = 0;
 };
 
-/// How a learner is made.
+/// How a learner is made (make_learner.h).
 struct LearnerOptions {
   std::shared_ptr<const CompiledScenario> compiled;
-  /// For `gradient`: the same with the physics steps that `physics_steps` asks for, made with
-  /// training_overrides() (learn/gradient/gradient.h); null: `compiled` itself
-  std::shared_ptr<const CompiledScenario> training = nullptr;
   Hyperparameters hyper;
   std::uint64_t seed = 0;
   std::int64_t total_steps = 0;  ///< that schedules reach their end at

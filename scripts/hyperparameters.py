@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from skybody._native import hyperparameter_rows, hyperparameters
-from skybody.train.algorithms import NATIVE
+from skybody.train.algorithms import ALGORITHMS, NATIVE
 
 PAGE = Path(__file__).resolve().parents[1] / "docs/training.md"
 BEGIN, END = (
@@ -20,18 +20,23 @@ BEGIN, END = (
 
 def table() -> str:
     """A row for each, with the learners that have it."""
-    having: dict[tuple[str, float, float, str], list[str]] = {}
+    listed: dict[str, tuple[str, float, float, str]] = {}
     defaults: dict[str, Any] = {}
     for algorithm in NATIVE:
         defaults.update(hyperparameters(algorithm))
-        for row in hyperparameter_rows(algorithm):
-            having.setdefault(row, []).append(algorithm)
+        listed.update({row[0]: row for row in hyperparameter_rows(algorithm)})
     rows = ["| key | of | range | meaning |", "| --- | --- | --- | --- |"]
-    for (name, least, largest, meaning), algorithms in having.items():
-        of = "both" if len(algorithms) == len(NATIVE) else f"`{algorithms[0]}`"
+    for name, least, largest, meaning in listed.values():
+        of = ", ".join(f"`{algorithm}`" for algorithm in having(name))
+        of = "all" if len(having(name)) == len(ALGORITHMS) else of
         extent = spoken_range(defaults[name], least, largest)
         rows.append(f"| `{name}={spoken(defaults[name])}` | {of} | {extent} | {meaning} |")
     return "\n".join(rows) + "\n"
+
+
+def having(name: str) -> list[str]:
+    """The learners that have a hyper-parameter."""
+    return [algorithm for algorithm, row in ALGORITHMS.items() if hasattr(row.defaults(), name)]
 
 
 def spoken(value: Any) -> str:

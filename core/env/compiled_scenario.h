@@ -222,6 +222,8 @@ class CompiledScenario {
   void settle_joint_drives(StateGroup&, std::uint32_t mask) const;
   void hold_to_bounds(StateGroup&, std::uint32_t mask, int param) const;
   void remember_bodies(StateGroup&, std::uint32_t mask) const;
+  /// Whether a plugin asks for contacts.
+  bool senses_contacts() const { return needs_contacts_ || !contact_pairs_.empty(); }
   void find_contacts(StateGroup&, GroupWork&, int lane) const;
   void add_up_bodies(StateGroup&, const std::vector<Contact>&, int lane) const;
   void add_up_pairs(StateGroup&, const std::vector<Contact>&, int lane) const;

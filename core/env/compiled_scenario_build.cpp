@@ -432,7 +432,7 @@ std::unique_ptr<GroupWork> CompiledScenario::make_work(int lanes) const {
   work->end = AlignedArray<std::uint64_t>(n);
   work->start_status = AlignedArray<std::uint64_t>(n);
   work->undrawn = AlignedArray<std::uint64_t>(drawn_words_.size() * n);
-  if (start_overlaps_ != nullptr) work->contacts.reserve(kFewContacts);
+  if (start_overlaps_ != nullptr || senses_contacts()) work->contacts.reserve(kFewContacts);
   work->request = AlignedArray<std::uint64_t>(n);
   return work;
 }

@@ -69,7 +69,7 @@ void CompiledScenario::find_contacts(StateGroup& group, GroupWork& work, int lan
 
 void CompiledScenario::sense_contacts(StateGroup& group, GroupWork& work,
                                       std::uint32_t mask) const {
-  if ((!needs_contacts_ && contact_pairs_.empty()) || mask == 0) return;
+  if (!senses_contacts()) return;
   each_lane(mask, [&](int lane) {
     if (!comes_through([&] { find_contacts(group, work, lane); })) return;
     add_up_bodies(group, work.contacts, lane);

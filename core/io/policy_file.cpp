@@ -15,7 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMostValues = 1 << 24;  // of an observation, an action or a layer
-constexpr int kMostLayers = 64;
 
 class PolicyReader {
  public:

@@ -48,6 +48,9 @@ struct PolicyAgent {
   std::vector<int> observation, action;
 };
 
+/// That a policy.h5 may have.
+inline constexpr int kMostLayers = 64;
+
 /// Everything in a policy.h5, checked: sizes fit together and every number is finite.
 struct PolicyFile {
   std::string scenario;                       ///< its name
@@ -62,7 +65,7 @@ struct PolicyFile {
   /// Empty, or one value per input: x = clip((observation - mean) * scale, -clip, clip).
   std::vector<double> mean, scale;
   double clip = 0.0;
-  std::vector<PolicyLayer> layers;  ///< at least one
+  std::vector<PolicyLayer> layers;  ///< 1 ... kMostLayers
 
   /// Of the network.
   int input_size() const {

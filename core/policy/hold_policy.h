@@ -53,7 +53,12 @@ class HoldPolicy : public Policy {
   };
   struct Wish;
   struct View;
+  Robot commanded_robot(const ControllerChain& chain) const;
+  void take_goal(Robot& robot) const;
+  void check(const Robot& robot) const;
   void share_loads();
+  View view_of(const Robot& robot, const KnownState& now, const std::vector<double>& goals,
+               const std::vector<double>& motions) const;
   Vec3<double> gravity_of(const std::vector<double>& params) const;
   double nominal_weight(const Robot& robot) const;
   void share_reach(const Robot& robot, const View& view, Wish& wish) const;

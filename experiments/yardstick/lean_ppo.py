@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import torch
 from skybody._native import Batch, CompiledScenario, Pool
-from skybody.train.learner import Report, check_finite, columns_of, goal_distance, layers_of
+from skybody.train.learner import Report, Saved, check_finite, columns_of, goal_distance, layers_of
 from skybody.train.policy_file import Policy
 from torch import Tensor, nn
 
@@ -361,7 +361,10 @@ class LeanPpo:
         mean, scale = self.moments.mean.numpy(), self.moments.scale().numpy()
         return Policy(layers_of(self.actor), mean, scale, self.hyper.observation_clip)
 
-    def state(self) -> dict[str, Any]:
+    def save(self) -> Saved:
+        return Saved(self.parameters(), self._state(), self._environments())
+
+    def _state(self) -> dict[str, Any]:
         return {
             "steps": self.steps,
             "parameters": self.parameters(),
@@ -373,7 +376,7 @@ class LeanPpo:
             "generator": self.generator.get_state(),
         }
 
-    def environments(self) -> bytes:
+    def _environments(self) -> bytes:
         return self.pool.save()
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:

@@ -1,18 +1,21 @@
 #include "learn/gradient/gradient.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/number_text.h"
 #include "learn/common/flushed_denormals.h"
+#include "learn/common/policy_head.h"
+#include "learn/common/schedule.h"
 #include "learn/common/slice_plan.h"
 #include "learn/common/state_blocks.h"
+#include "learn/common/wall_clock.h"
 
 namespace skybody::learn {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Observations are normalised by about the last so many rollouts: what an untrained policy sees,
 /// tumbling, says little of what it is to see.
@@ -23,29 +26,53 @@ constexpr double kLeastVariance = 0.01;
 constexpr double kLastLayerGain = 0.01;
 constexpr double kNoClip = 1e6;  // of normalised observations
 
-double seconds_between(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double>(end - begin).count();
-}
-
 NetworkShape shape_of(const CompiledScenario& compiled, const Hyperparameters& hyper) {
   return {compiled.observation_size(), hyper.hidden, compiled.action_size(), hyper.activation};
+}
+
+/// Physics steps of an action.
+struct PhysicsSteps {
+  double dt;  ///< [s]
+  int count;
+};
+
+/// Those that a scenario is trained in: its own, or fewer that take as long.
+PhysicsSteps training_steps(const CompiledScenario& compiled, const Hyperparameters& hyper) {
+  const Stepping& own = compiled.scenario().stepping;
+  if (hyper.physics_steps == 0 || hyper.physics_steps >= own.action_repeat) {
+    return {own.dt, own.action_repeat};
+  }
+  return {own.dt * own.action_repeat / hyper.physics_steps, hyper.physics_steps};
+}
+
+std::shared_ptr<const CompiledScenario> checked_training(
+    std::shared_ptr<const CompiledScenario> training, const CompiledScenario& compiled,
+    const Hyperparameters& hyper) {
+  const Stepping& steps = training->scenario().stepping;
+  const PhysicsSteps wanted = training_steps(compiled, hyper);
+  if (steps.dt == wanted.dt && steps.action_repeat == wanted.count) return training;
+  throw Error("`" + compiled.scenario().name + "` is to be trained in with " +
+              std::to_string(steps.action_repeat) + " physics steps of " + exact_text(steps.dt) +
+              " s an action, and physics_steps = " + std::to_string(hyper.physics_steps) +
+              " asks for " + std::to_string(wanted.count) + " of " + exact_text(wanted.dt) +
+              " s: compile it with training_overrides(), as make_learner() does");
 }
 
 }  // namespace
 
 std::vector<std::string> training_overrides(const CompiledScenario& compiled,
                                             const Hyperparameters& hyper) {
-  const Stepping& stepping = compiled.scenario().stepping;
-  if (hyper.physics_steps == 0 || hyper.physics_steps >= stepping.action_repeat) return {};
-  const double dt = stepping.dt * stepping.action_repeat / hyper.physics_steps;
-  return {"stepping.dt=" + exact_text(dt),
-          "stepping.action_repeat=" + std::to_string(hyper.physics_steps)};
+  const PhysicsSteps steps = training_steps(compiled, hyper);
+  if (steps.count == compiled.scenario().stepping.action_repeat) return {};
+  return {"stepping.dt=" + exact_text(steps.dt),
+          "stepping.action_repeat=" + std::to_string(steps.count)};
 }
 
-Gradient::Gradient(const LearnerOptions& options)
+Gradient::Gradient(const LearnerOptions& options, std::shared_ptr<const CompiledScenario> training)
     : compiled_(options.compiled),
-      training_(options.training != nullptr ? options.training : options.compiled),
-      hyper_((check(options.hyper, Algorithm::kGradient), options.hyper)),
+      training_((check(options.hyper, Algorithm::kGradient),
+                 checked_training(std::move(training), *options.compiled, options.hyper))),
+      hyper_(options.hyper),
       total_steps_(options.total_steps),
       network_(shape_of(*compiled_, hyper_), best_isa()),
       parameters_(network_.parameter_count()),
@@ -75,15 +102,6 @@ Gradient::Gradient(const LearnerOptions& options)
   sums_.resize(slices_[0]->sums().size());
 }
 
-double Gradient::progress() const {
-  if (total_steps_ <= 0) return 0.0;
-  return std::min(1.0, static_cast<double>(counters_.steps) / static_cast<double>(total_steps_));
-}
-
-double Gradient::learning_rate() const {
-  return hyper_.learning_rate * (1.0 - progress() * (1.0 - hyper_.final_learning_rate));
-}
-
 Report Gradient::iterate() {
   const Clock::time_point begin = Clock::now();
   const FlushedDenormals guard;  // as on the threads of the crew
@@ -98,7 +116,8 @@ Report Gradient::iterate() {
   const Clock::time_point middle = Clock::now();
   add_up();
   adam_.sum(gradients_);
-  const double norm = adam_.step(parameters, learning_rate());
+  const double norm =
+      adam_.step(parameters, learning_rate(hyper_, progress(counters_.steps, total_steps_)));
   if (!std::isfinite(norm) || !std::isfinite(sums_[kSumCost])) {
     throw Diverged(
         "`gradient` has diverged at " + std::to_string(counters_.steps) +
@@ -125,7 +144,7 @@ Report Gradient::iterate() {
   report.environment_seconds = share * flight;
   report.inference_seconds = share * inference;
   report.update_seconds =
-      seconds_between(begin, Clock::now()) - report.environment_seconds - report.inference_seconds;
+      seconds_since(begin) - report.environment_seconds - report.inference_seconds;
   report.losses = {{"cost", sums_[kSumCost]},
                    {"gradient_norm", norm},
                    {"touching_share", sums_[kSumTouching] / std::max(sums_[kSumEnds], 1.0)}};
@@ -171,13 +190,7 @@ void Gradient::normalize() {
 }
 
 PolicyFile Gradient::policy() const {
-  PolicyFile file;
-  file.scenario = compiled_->scenario().name;
-  file.scenario_hash = to_hex(compiled_->scenario().hash);
-  file.algorithm = "gradient";
-  file.steps = counters_.steps;
-  file.observation_size = compiled_->observation_size();
-  file.action_size = compiled_->action_size();
+  PolicyFile file = policy_head(*compiled_, Algorithm::kGradient, counters_.steps);
   file.squash = ActionSquash::kTanh;
   file.mean = moments_.mean;
   for (const double variance : moments_.variance) {
@@ -200,7 +213,7 @@ std::uint64_t Gradient::parameter_hash() const {
 
 template <class Self, class Visitor>
 void Gradient::visit(Self& self, Visitor& visitor) {
-  visitor("counters", &self.counters_.steps, 2);
+  visitor("counters", &self.counters_, 1);
   visitor("policy", self.parameters_.data(), self.parameters_.size());
   Adam::visit(self.adam_, "policy.adam", visitor);
   RunningMoments::visit(self.moments_, "observations", visitor);
@@ -231,7 +244,6 @@ void Gradient::restore(const LearnerState& state) {
   }
   StateReader copy(state.blocks, StateReader::Mode::kCopy);
   visit(*this, copy);
-  if (value_ != nullptr) value_->changed();
   std::span<const std::uint64_t> rest = state.environments;
   for (const auto& slice : slices_) {
     slice->restore(rest.first(slice->saved_words()));

@@ -24,8 +24,11 @@ std::vector<std::string> training_overrides(const CompiledScenario& compiled,
 /// GoalCost. The same bits for any number of threads.
 class Gradient : public Learner {
  public:
-  /// @throws Error (naming what) where derivatives are not known (TransitionAdjoint)
-  explicit Gradient(const LearnerOptions& options);
+  /// make_learner() compiles `training` and calls this.
+  /// @param training  the scenario as it is trained in: options.compiled with training_overrides()
+  /// @throws Error (naming what) where derivatives are not known (TransitionAdjoint), or where
+  ///         `training` has other physics steps than `physics_steps` asks for
+  Gradient(const LearnerOptions& options, std::shared_ptr<const CompiledScenario> training);
 
   std::int64_t steps() const override { return counters_.steps; }
   Report iterate() override;
@@ -37,8 +40,6 @@ class Gradient : public Learner {
  private:
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor& visitor);
-  double progress() const;
-  double learning_rate() const;
   void add_up();
   void normalize();
   double teach_value();

@@ -10,6 +10,7 @@
 #include "core/derivative/transition_adjoint.h"
 #include "core/env/group_work.h"
 #include "learn/common/running_moments.h"
+#include "learn/common/wall_clock.h"
 #include "learn/gradient/goal_cost.h"
 #include "learn/gradient/horizon_value.h"
 #include "learn/learner.h"
@@ -17,7 +18,7 @@
 
 namespace skybody::learn {
 
-/// What all slices are given.
+/// Inputs of all slices.
 struct GradientInputs {
   std::span<const float> parameters;
   const TransposedWeights* transposed = nullptr;
@@ -25,7 +26,7 @@ struct GradientInputs {
   std::int64_t iteration = 0;
 };
 
-/// What a slice adds up in an iteration, in this order; behind them, of each observation, the sum
+/// Sums of a slice over an iteration, in this order; behind them, of each observation, the sum
 /// of its difference from the mean, and of that squared.
 enum GradientSum : int {
   kSumCost,
@@ -57,7 +58,7 @@ class GradientSlice {
   /// Flies a horizon in all environments and adds up gradients.
   void run(const GradientInputs& inputs);
 
-  /// What the value function learns from the last run(); null: there is no value function.
+  /// Lessons of the last run() for the value function; null: there is no value function.
   HorizonValue* value() const { return value_.get(); }
 
   std::span<const float> gradient() const { return {gradient_.data(), gradient_.size()}; }
@@ -96,7 +97,7 @@ class GradientSlice {
   void teach_value();
   std::uint32_t ending(int t) const;
   void begin_anew(Group& group, std::int64_t iteration);
-  void add_seconds(GradientSum sum, std::chrono::steady_clock::time_point begin);
+  void add_seconds(GradientSum sum, Clock::time_point begin);
   double* goal_at(int t) {
     return goal_.data() + std::ptrdiff_t{GoalCost::kGoalRows} * t * kGroupLanes;
   }

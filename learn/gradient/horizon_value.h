@@ -1,4 +1,4 @@
-// What a slice asks of the value function, and what it teaches it.
+// A slice's questions to the value function, and its lessons for it.
 #pragma once
 
 #include <cstdint>

@@ -34,7 +34,7 @@ ValueFunction::ValueFunction(int observed, const Hyperparameters& hyper, std::ui
   network_.initialize({parameters_.data(), parameters_.size()}, kLastLayerGain, seed,
                       derive_stream("learn.value"));
   std::copy_n(parameters_.data(), parameters_.size(), delayed_.data());
-  changed();
+  prepare();
 }
 
 double ValueFunction::scale_of(const Hyperparameters& hyper) {
@@ -55,7 +55,7 @@ void ValueFunction::follow() {
   network_.transpose(delayed(), delayed_transposed_);
 }
 
-void ValueFunction::changed() {
+void ValueFunction::prepare() {
   network_.transpose(parameters(), transposed_);
   network_.transpose(delayed(), delayed_transposed_);
 }

@@ -1,9 +1,11 @@
-// What follows a horizon: a value function of observations, learned from the horizons themselves.
+// The value of what follows a horizon: a function of observations, learned from the horizons
+// themselves.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/base/aligned_array.h"
@@ -43,18 +45,20 @@ class ValueFunction {
   double step(std::span<const float* const> gradients, double learning_rate);
   /// The delayed copy moves towards the critic. Once an iteration, after all steps.
   void follow();
-  /// After parameters were read from a checkpoint.
-  void changed();
 
-  /// Names to `visitor` what a checkpoint holds (state_blocks.h). @param self  const or not
+  /// Names to `visitor` what a checkpoint holds (state_blocks.h), and makes ready to compute with
+  /// what it has written. @param self  const or not
   template <class Self, class Visitor>
   static void visit(Self& self, const std::string& name, Visitor& visitor) {
     visitor(name, self.parameters_.data(), self.parameters_.size());
     visitor(name + ".delayed", self.delayed_.data(), self.delayed_.size());
     Adam::visit(self.adam_, name + ".adam", visitor);
+    if constexpr (!std::is_const_v<Self>) self.prepare();
   }
 
  private:
+  void prepare();
+
   Network network_;
   AlignedArray<float> parameters_, delayed_;
   TransposedWeights transposed_, delayed_transposed_;

@@ -26,7 +26,7 @@ int column_of(int gate, int unit, int padded) { return gate * padded + unit; }
 Gru::Gru(int inputs, int units, Isa isa)
     : inputs_(inputs),
       units_(units),
-      padded_(PanelMatrix{1, units}.padded_columns()),
+      padded_(padded(units)),
       kernels_(&kernels_of(isa)),
       input_weight_{inputs, kGates * padded_},
       state_weight_{units, kGates * padded_} {

@@ -7,7 +7,7 @@
 
 namespace skybody::learn {
 
-/// What was in an array that is too small is lost.
+/// The content of an array that is too small is lost.
 inline void make_large_enough(AlignedArray<float>& array, std::size_t size) {
   if (array.size() < size) array = AlignedArray<float>(size);
 }

@@ -170,8 +170,7 @@ void Network::forward_rows(std::span<const float> parameters, const Rows& x, int
 void Network::backward(const TransposedWeights& transposed, const float* x, int x_stride,
                        NetworkMemory& memory, const float* dy, int dy_stride,
                        std::span<float> gradient, float* dx, int dx_stride) const {
-  const int stride =
-      std::max(widest_stride(), row_stride((shape_.inputs + kPad - 1) / kPad * kPad));
+  const int stride = std::max(widest_stride(), row_stride(padded(shape_.inputs)));
   make_large_enough(memory.gradient, area(chunk_, stride));
   make_large_enough(memory.gradient_before, area(chunk_, stride));
   const Layer& last = layers_.back();
@@ -207,8 +206,8 @@ void Network::backward_rows(const TransposedWeights& transposed, const Rows& x, 
     propagate(transposed, k, first, rows, memory);
     std::swap(memory.gradient, memory.gradient_before);
   }
-  copy_rows(memory.gradient.data(), row_stride(PanelMatrix{1, shape_.inputs}.padded_columns()),
-            rows, shape_.inputs, dx, dx_stride);
+  copy_rows(memory.gradient.data(), row_stride(padded(shape_.inputs)), rows, shape_.inputs, dx,
+            dx_stride);
 }
 
 /// From the gradient at a layer's sums to that at the sums of the layer before.

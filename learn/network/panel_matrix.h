@@ -8,12 +8,18 @@
 
 namespace skybody::learn {
 
+/// The next multiple of kPad: floats of a whole cache line.
+template <class Int>
+constexpr Int padded(Int count) {
+  return (count + Int{kPad} - 1) / Int{kPad} * Int{kPad};
+}
+
 /// Columns are padded to a multiple of kPad, and cut into panels of kPanel, the last one narrower.
 /// Panels lie one after another, each row by row.
 struct PanelMatrix {
   int rows = 0, columns = 0;
 
-  int padded_columns() const { return (columns + kPad - 1) / kPad * kPad; }
+  int padded_columns() const { return padded(columns); }
   std::size_t size() const {
     return static_cast<std::size_t>(rows) * static_cast<std::size_t>(padded_columns());
   }

@@ -28,7 +28,7 @@ struct PolicyRows {
   const float* mean = nullptr;  ///< of the distribution now, count x actions
 };
 
-/// What the loss is computed with.
+/// Inputs of the loss.
 struct PolicyLossTerms {
   double clip_range = 0.2;
   double advantage_mean = 0.0, advantage_scale = 1.0;  ///< (advantage - mean) scale is used

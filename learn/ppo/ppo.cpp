@@ -1,21 +1,10 @@
 #include "learn/ppo/ppo.h"
 
-#include <chrono>
-
 #include "core/base/error.h"
+#include "learn/common/wall_clock.h"
 #include "learn/ppo/ppo_slices.h"
 
 namespace skybody::learn {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_between(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double>(end - begin).count();
-}
-
-}  // namespace
-
 Ppo::Ppo(const LearnerOptions& options)
     : setup_(std::make_shared<const PpoSetup>(options)),
       crew_(std::make_unique<TaskCrew>(options.threads, kSlices)),
@@ -48,7 +37,7 @@ Report Ppo::iterate() {
   Report report = driver_.report(seconds_between(begin, middle));
   add_episodes(report);
   slices_->spread_starts(driver_.iteration());
-  report.update_seconds = seconds_between(middle, Clock::now());
+  report.update_seconds = seconds_since(middle);
   return report;
 }
 

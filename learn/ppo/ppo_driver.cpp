@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "core/base/hash.h"
 #include "core/base/math.h"
+#include "learn/common/policy_head.h"
+#include "learn/common/schedule.h"
 
 namespace skybody::learn {
 namespace {
@@ -45,17 +48,7 @@ PpoDriver::PpoDriver(std::shared_ptr<const PpoSetup> setup)
   inputs_.scale.resize(moments_.mean.size());
 }
 
-double PpoDriver::progress() const {
-  if (setup_->total_steps <= 0) return 0.0;
-  return std::min(1.0,
-                  static_cast<double>(counters_.steps) / static_cast<double>(setup_->total_steps));
-}
-
-/// Of the policy. The value function's stays: one that lags behind the policy misleads it.
-double PpoDriver::learning_rate() const {
-  const Hyperparameters& hyper = setup_->hyper;
-  return hyper.learning_rate * (1.0 - progress() * (1.0 - hyper.final_learning_rate));
-}
+double PpoDriver::progress() const { return learn::progress(counters_.steps, setup_->total_steps); }
 
 // --- a rollout ----------------------------------------------------------------------------------
 
@@ -81,9 +74,7 @@ void PpoDriver::limit_noise() {
   if (hyper.final_log_std == 0.0) return;
   const double line = hyper.log_std + progress() * (hyper.final_log_std - hyper.log_std);
   const double least = std::min(hyper.log_std, hyper.final_log_std);
-  for (float& value : networks_.log_std()) {
-    value = static_cast<float>(std::min(std::max(static_cast<double>(value), least), line));
-  }
+  networks_.limit_log_std(least, line);
 }
 
 double PpoDriver::take_rollout(SliceSums sums) {
@@ -127,14 +118,16 @@ bool PpoDriver::is_beyond_kl() const {
 }
 
 void PpoDriver::step_policy(SliceGradients gradients) {
-  step(policy_adam_, networks_.policy_parameters(), gradients, learning_rate(), "policy");
-  networks_.policy_changed();
+  const double rate = learning_rate(setup_->hyper, progress());
+  networks_.change_policy([&](std::span<float> parameters) {
+    step(policy_adam_, parameters, gradients, rate, "policy");
+  });
 }
 
 void PpoDriver::step_value(SliceGradients gradients) {
-  step(value_adam_, networks_.value_parameters(), gradients, setup_->hyper.learning_rate,
-       "value function");
-  networks_.value_changed();
+  networks_.change_value([&](std::span<float> parameters) {
+    step(value_adam_, parameters, gradients, setup_->hyper.learning_rate, "value function");
+  });
 }
 
 void PpoDriver::step(Adam& adam, std::span<float> parameters, SliceGradients gradients, double rate,
@@ -218,19 +211,12 @@ Report PpoDriver::report(double rollout_seconds) const {
                    {"value_loss", mean_of(f.value_loss, f.value_rows)},
                    {"explained_variance", 1.0 - errors / (targets + 1e-8)},
                    {"action_std", deviations / static_cast<double>(networks_.log_std().size())},
-                   {"learning_rate", learning_rate()}};
+                   {"learning_rate", learning_rate(setup_->hyper, progress())}};
   return report;
 }
 
 PolicyFile PpoDriver::policy() const {
-  const CompiledScenario& compiled = *setup_->compiled;
-  PolicyFile file;
-  file.scenario = compiled.scenario().name;
-  file.scenario_hash = to_hex(compiled.scenario().hash);
-  file.algorithm = "fast-ppo";
-  file.steps = counters_.steps;
-  file.observation_size = compiled.observation_size();
-  file.action_size = compiled.action_size();
+  PolicyFile file = policy_head(*setup_->compiled, Algorithm::kFastPpo, counters_.steps);
   const AgentTable& agents = setup_->agents;
   for (std::size_t k = 0; agents.is_shared && k < agents.observation.size(); ++k) {
     file.agents.push_back({agents.observation[k], agents.action[k]});
@@ -263,10 +249,7 @@ std::uint64_t PpoDriver::parameter_hash() const {
 template <class Self, class Visitor>
 void PpoDriver::visit(Self& self, Visitor& visitor) {
   visitor("counters", &self.counters_, 1);
-  visitor("policy", self.networks_.policy_parameters().data(),
-          self.networks_.policy_parameters().size());
-  visitor("value", self.networks_.value_parameters().data(),
-          self.networks_.value_parameters().size());
+  PpoNetworks::visit(self.networks_, visitor);
   Adam::visit(self.policy_adam_, "policy_adam", visitor);
   Adam::visit(self.value_adam_, "value_adam", visitor);
   RunningMoments::visit(self.moments_, "moments", visitor);
@@ -288,8 +271,6 @@ void PpoDriver::restore(const StateBlocks& blocks) {
   check(blocks);
   StateReader reader(blocks, StateReader::Mode::kCopy);
   visit(*this, reader);
-  networks_.policy_changed();
-  networks_.value_changed();
 }
 
 }  // namespace skybody::learn

@@ -1,4 +1,4 @@
-// What of a PPO is one for all slices: parameters, their optimisers, statistics and schedules.
+// The driver of a PPO, one for all slices: parameters, their optimisers, statistics and schedules.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace skybody::learn {
 
-/// What slices give: an array from each, in the order of the slices.
+/// Outputs of slices: an array from each, in their order.
 using SliceSums = std::span<const std::span<const double>>;
 using SliceGradients = std::span<const float* const>;
 
@@ -90,7 +90,6 @@ class PpoDriver {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor& visitor);
   double progress() const;
-  double learning_rate() const;
   void limit_noise();
   bool is_beyond_kl() const;
   void step(Adam& adam, std::span<float> parameters, SliceGradients gradients, double rate,

@@ -1,4 +1,4 @@
-// What the driver of a PPO and its slices say to one another: plain numbers, which may cross from
+// Messages between the driver of a PPO and its slices: plain numbers, which may cross from
 // one machine to another. docs/architecture.md, Learning, has the order.
 #pragma once
 

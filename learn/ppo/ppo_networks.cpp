@@ -12,10 +12,6 @@ namespace {
 constexpr double kPolicyGain = 0.01;  // the first actions are close to the middle
 constexpr double kValueGain = 1.0;
 
-std::size_t padded(std::size_t count) {
-  return (count + Network::kPad - 1) / Network::kPad * Network::kPad;
-}
-
 void copy(std::span<const float> from, std::span<float> to, const char* what) {
   if (from.size() != to.size()) {
     throw Error(std::string(what) + " parameters are " + std::to_string(from.size()) +
@@ -36,25 +32,34 @@ PpoNetworks::PpoNetworks(const AgentTable& agents, const Hyperparameters& hyper,
                   AlignedArray<float>(padded(value_.parameter_count()))} {}
 
 void PpoNetworks::initialize(std::uint64_t seed, double log_std_now) {
-  policy_.initialize(policy_parameters().first(policy_.parameter_count()), kPolicyGain, seed,
-                     derive_stream("learn.policy"));
-  value_.initialize(value_parameters().first(value_.parameter_count()), kValueGain, seed,
-                    derive_stream("learn.value"));
-  const std::span<float> logs = log_std();
-  std::fill(logs.begin(), logs.end(), static_cast<float>(log_std_now));
-  policy_changed();
-  value_changed();
+  change_policy([&](std::span<float> parameters) {
+    policy_.initialize(parameters.first(policy_.parameter_count()), kPolicyGain, seed,
+                       derive_stream("learn.policy"));
+    const std::span<float> logs = parameters.subspan(log_std_at(), actions_);
+    std::fill(logs.begin(), logs.end(), static_cast<float>(log_std_now));
+  });
+  change_value([&](std::span<float> parameters) {
+    value_.initialize(parameters.first(value_.parameter_count()), kValueGain, seed,
+                      derive_stream("learn.value"));
+  });
 }
 
 void PpoNetworks::set(std::span<const float> policy, std::span<const float> value) {
-  copy(policy, policy_parameters(), "the policy's");
-  copy(value, value_parameters(), "the value function's");
-  policy_changed();
-  value_changed();
+  change_policy([&](std::span<float> parameters) { copy(policy, parameters, "the policy's"); });
+  change_value(
+      [&](std::span<float> parameters) { copy(value, parameters, "the value function's"); });
 }
 
-void PpoNetworks::policy_changed() { policy_.transpose(policy_weights(), policy_transposed_); }
+void PpoNetworks::limit_log_std(double least, double largest) {
+  change_policy([&](std::span<float> parameters) {
+    for (float& value : parameters.subspan(log_std_at(), actions_)) {
+      value = static_cast<float>(std::min(std::max(static_cast<double>(value), least), largest));
+    }
+  });
+}
 
-void PpoNetworks::value_changed() { value_.transpose(value_weights(), value_transposed_); }
+void PpoNetworks::prepare_policy() { policy_.transpose(policy_weights(), policy_transposed_); }
+
+void PpoNetworks::prepare_value() { value_.transpose(value_weights(), value_transposed_); }
 
 }  // namespace skybody::learn

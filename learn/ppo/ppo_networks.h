@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "core/base/aligned_array.h"
 #include "core/base/isa.h"
@@ -25,18 +26,40 @@ class PpoNetworks {
   /// @param policy, value  as policy_parameters() and value_parameters() are
   /// @throws Error on another number of values
   void set(std::span<const float> policy, std::span<const float> value);
-  /// To be called after parameters were changed in place.
-  void policy_changed();
-  void value_changed();
+  /// Change parameters in place, and make ready to compute with them. The two may run at the same
+  /// time.
+  /// @param change  is called with policy_parameters() or value_parameters(), to be written to
+  template <class Change>
+  void change_policy(Change&& change) {
+    change(std::span<float>{parameters_[0].data(), parameters_[0].size()});
+    prepare_policy();
+  }
+  template <class Change>
+  void change_value(Change&& change) {
+    change(std::span<float>{parameters_[1].data(), parameters_[1].size()});
+    prepare_value();
+  }
+  /// Brings every logarithm of a deviation into these limits.
+  void limit_log_std(double least, double largest);
+
+  /// Names to `visitor` what a checkpoint holds (state_blocks.h), and makes ready to compute with
+  /// what it has written. @param self  const or not
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor& visitor) {
+    visitor("policy", self.parameters_[0].data(), self.parameters_[0].size());
+    visitor("value", self.parameters_[1].data(), self.parameters_[1].size());
+    if constexpr (!std::is_const_v<Self>) {
+      self.prepare_policy();
+      self.prepare_value();
+    }
+  }
 
   const PolicyNetwork& policy() const { return policy_; }
   const Network& value() const { return value_; }
-  /// Policy weights and biases, then log_std, padded to a multiple of 16 floats.
-  std::span<float> policy_parameters() { return {parameters_[0].data(), parameters_[0].size()}; }
+  /// Policy weights and biases, then log_std, padded().
   std::span<const float> policy_parameters() const {
     return {parameters_[0].data(), parameters_[0].size()};
   }
-  std::span<float> value_parameters() { return {parameters_[1].data(), parameters_[1].size()}; }
   std::span<const float> value_parameters() const {
     return {parameters_[1].data(), parameters_[1].size()};
   }
@@ -49,7 +72,6 @@ class PpoNetworks {
     return value_parameters().first(value_.parameter_count());
   }
   /// Logarithm of each action's standard deviation.
-  std::span<float> log_std() { return policy_parameters().subspan(log_std_at(), actions_); }
   std::span<const float> log_std() const {
     return policy_parameters().subspan(log_std_at(), actions_);
   }
@@ -58,6 +80,9 @@ class PpoNetworks {
   const TransposedWeights& value_transposed() const { return value_transposed_; }
 
  private:
+  void prepare_policy();
+  void prepare_value();
+
   PolicyNetwork policy_;
   Network value_;
   std::size_t actions_;

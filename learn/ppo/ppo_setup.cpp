@@ -43,9 +43,6 @@ void check_together(const Hyperparameters& hyper, int agent_rows) {
   }
 }
 
-/// Names under which tasks give the distance from their goal [m], in the order of preference.
-constexpr const char* kErrors[] = {"position_error", "payload_error", "formation_error"};
-
 }  // namespace
 
 PpoSetup::PpoSetup(const LearnerOptions& options)
@@ -57,18 +54,9 @@ PpoSetup::PpoSetup(const LearnerOptions& options)
       agents((refuse_images(*compiled), make_agent_table(*compiled, hyper.shared_policy))),
       plan((check_together(hyper, agents.rows()), hyper.envs), hyper.rollout_steps * agents.rows(),
            hyper.minibatch, hyper.recurrent_units > 0 ? hyper.rollout_steps : 1),
-      row{agents.observation_size() + agents.privileged_size(), agents.action_size()} {
+      row{agents.observation_size() + agents.privileged_size(), agents.action_size()},
+      error(find_position_error(*compiled)) {
   refuse_no_actions(*compiled, agents);
-  for (const char* name : kErrors) {
-    int first = 0;
-    for (const Channel& channel : compiled->info_channels()) {
-      if (error_first < 0 && channel.name == name) {
-        error_first = first;
-        error_count = channel.count;
-      }
-      first += channel.count;
-    }
-  }
 }
 
 }  // namespace skybody::learn

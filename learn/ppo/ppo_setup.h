@@ -1,4 +1,4 @@
-// What a PPO is made of before anything is learned: scenario, hyper-parameters and the sizes that
+// The setup of a PPO before anything is learned: scenario, hyper-parameters and the sizes that
 // follow from them. The same on every machine that takes part.
 #pragma once
 
@@ -10,6 +10,8 @@
 #include "learn/common/slice_plan.h"
 #include "learn/hyperparameters.h"
 #include "learn/learner.h"
+#include "learn/network/panel_matrix.h"
+#include "learn/position_error.h"
 #include "learn/ppo/agent_table.h"
 
 namespace skybody::learn {
@@ -22,7 +24,7 @@ struct RowLayout {
   int log_probability() const { return inputs + actions; }
   int advantage() const { return log_probability() + 1; }
   int value_target() const { return log_probability() + 2; }  ///< advantage plus value
-  int stride() const { return (log_probability() + 3 + 15) / 16 * 16; }
+  int stride() const { return padded(log_probability() + 3); }
 };
 
 /// Immutable.
@@ -39,7 +41,7 @@ struct PpoSetup {
   AgentTable agents;
   SlicePlan plan;
   RowLayout row;
-  int error_first = -1, error_count = 0;  ///< info values whose norm is the distance from the goal
+  PositionError error;
 
   /// Environment steps of a rollout.
   std::int64_t steps_per_rollout() const { return std::int64_t{hyper.envs} * hyper.rollout_steps; }

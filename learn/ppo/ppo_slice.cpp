@@ -2,21 +2,15 @@
 #include "learn/ppo/ppo_slice.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "core/base/random.h"
+#include "learn/common/wall_clock.h"
 #include "learn/network/noise.h"
 
 namespace skybody::learn {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 PoolOptions pool_options(const PpoSetup& setup, int slice) {
   PoolOptions options;
@@ -41,10 +35,7 @@ int gathered_rows(const PpoSetup& setup) {
 }
 
 /// Floats that a policy remembers of a row.
-int state_stride(const PpoSetup& setup) {
-  const int units = setup.hyper.recurrent_units;
-  return (units + kPad - 1) / kPad * kPad;
-}
+int state_stride(const PpoSetup& setup) { return padded(setup.hyper.recurrent_units); }
 
 }  // namespace
 
@@ -235,14 +226,9 @@ void PpoSlice::take_outcome(int step) {
     take_rewards(step, env);
     rollout_sums_[kSumFaults] += batch.fault[i];
     const bool has_ended = (batch.terminated[i] | batch.truncated[i]) != 0;
-    if (setup_->error_first >= 0 && batch.fault[i] == 0) {
-      const float* info = (has_ended ? batch.final_info : batch.info).data() +
-                          product(env, batch.width.info) + setup_->error_first;
-      double squares = 0.0;
-      for (int k = 0; k < setup_->error_count; ++k) {
-        squares += static_cast<double>(info[k]) * static_cast<double>(info[k]);
-      }
-      rollout_sums_[kSumError] += std::sqrt(squares);
+    if (setup_->error.is_told() && batch.fault[i] == 0) {
+      const float* info = (has_ended ? batch.final_info : batch.info).data();
+      rollout_sums_[kSumError] += setup_->error.of(info + product(env, batch.width.info));
       rollout_sums_[kSumErrorSteps] += 1.0;
     }
     if (has_ended) end_episode(step, env);

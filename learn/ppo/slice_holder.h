@@ -18,7 +18,7 @@ class SlicesLost : public Error {
   using Error::Error;
 };
 
-/// What a slice has given, until the next call. Empty where nothing was asked.
+/// Outputs of a slice, until the next call. Empty where nothing was asked.
 struct SliceOutputs {
   std::span<const double> rollout_sums;    ///< of RolloutSum, after collect()
   std::span<const double> advantage_sums;  ///< of AdvantageSum, after find_advantages()

@@ -1,4 +1,5 @@
-// How far a place is from an obstacle's surface, and which way, in closed form.
+// How far a place is from an obstacle's surface, and which way, in closed form: gap() tells inside
+// from outside, way_to() knows nothing within, distance_to_gate() is a gate's alone and quick.
 #pragma once
 
 #include "plugins/obstacles/placed.h"
@@ -102,6 +103,63 @@ SKYBODY_INLINE Gap<Real> gap(const Obstacle& obstacle, const Placed<Real>& place
       found = gap_to_sphere(local, size.x);
   }
   return {found.distance, rotate(placed.rotation, found.way)};
+}
+
+template <class Real>
+SKYBODY_INLINE Real held_within(const Real& x, const Real& most) {
+  return max(min(x, most), -most);
+}
+/// The factor that brings a length down to `most`; 1 where it is shorter.
+template <class Real>
+SKYBODY_INLINE Real share_within(const Real& length, const Real& most) {
+  return most / max(length, most);
+}
+
+/// Of a box, a cylinder, a sphere or a capsule about the origin, the point that is nearest to `p`;
+/// `p` itself within. Smooth in the size and the place, unlike gap(), which has to choose a side.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> nearest_point(int kind, const Vec3<Real>& size, const Vec3<Real>& p) {
+  switch (kind) {
+    case SKYBODY_BOX:
+      return {held_within(p.x, 0.5 * size.x), held_within(p.y, 0.5 * size.y),
+              held_within(p.z, 0.5 * size.z)};
+    case SKYBODY_CYLINDER: {
+      const Real share = share_within(sqrt(p.x * p.x + p.y * p.y), size.x);
+      return {p.x * share, p.y * share, held_within(p.z, 0.5 * size.y)};
+    }
+    case SKYBODY_SPHERE:
+      return p * share_within(norm(p), size.x);
+    default: {  // a capsule: a sphere about the nearest point of its axis
+      const Vec3<Real> centre{Real(0.0), Real(0.0), held_within(p.z, 0.5 * size.y)};
+      const Vec3<Real> aside = p - centre;
+      return centre + aside * share_within(norm(aside), size.x);
+    }
+  }
+}
+
+/// From `p` to the nearest point of an obstacle, whether it is there or not; 0 within. In W.
+template <class Real>
+SKYBODY_INLINE Vec3<Real> way_to(const Obstacle& obstacle, const Placed<Real>& placed,
+                                 const Vec3<Real>& p) {
+  if (obstacle.kind == SKYBODY_GATE || obstacle.kind == SKYBODY_PLANE) {
+    const Gap<Real> to = gap(obstacle, placed, p);
+    return select(to.distance > 0.0, to.way, Vec3<Real>{Real(0.0), Real(0.0), Real(0.0)});
+  }
+  const Vec3<Real> local = placed.local(p);
+  return rotate(placed.rotation, nearest_point(obstacle.kind, placed.size, local) - local);
+}
+
+/// From `p`, a place in a gate's frame, to its nearest bar [m]; 0 in a bar. What gap() finds bar by
+/// bar follows here from the gate's symmetry.
+template <class Real>
+SKYBODY_INLINE Real distance_to_gate(const Vec3<Real>& size, const Vec3<Real>& p) {
+  const Real& bar = size.z;
+  const Real y = abs(p.y) - 0.5 * size.x, z = abs(p.z) - 0.5 * size.y;  // from the opening's edge
+  const Real depth = max(abs(p.x) - 0.5 * bar, Real(0.0));
+  const Real beyond_y = max(y - bar, Real(0.0)), beyond_z = max(z - bar, Real(0.0));
+  const Real inner = max(y, z);  // below 0 in the opening: how near the nearest bar is
+  const Real across = select(inner < 0.0, inner * inner, beyond_y * beyond_y + beyond_z * beyond_z);
+  return sqrt(depth * depth + across);
 }
 
 }  // namespace skybody::obstacles

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
+#include "learn/hyperparameter_text.h"
 #include "learn/network/adam.h"
 #include "learn/network/network.h"
 #include "learn/network/recurrent_network.h"
@@ -18,15 +18,6 @@ namespace {
 using learn::Adam;
 using learn::Network;
 using learn::RecurrentNetwork;
-
-Activation activation_of(const std::string& wanted) {
-  std::string allowed;
-  for (std::size_t k = 1; k < std::size(kActivationNames); ++k) {
-    if (wanted == kActivationNames[k]) return static_cast<Activation>(k);
-    allowed += (k > 1 ? ", " : "") + std::string(kActivationNames[k]);
-  }
-  throw Error("`activation` is `" + wanted + "`; allowed: " + allowed);
-}
 
 std::int64_t extent(std::size_t size) { return static_cast<std::int64_t>(size); }
 
@@ -161,7 +152,8 @@ void bind_learn(nb::module_& m) {
           "__init__",
           [](Network* self, int inputs, const std::vector<int>& hidden, int outputs,
              const std::string& activation) {
-            new (self) Network({inputs, hidden, outputs, activation_of(activation)}, best_isa());
+            new (self) Network({inputs, hidden, outputs, learn::hidden_activation(activation)},
+                               best_isa());
           },
           nb::arg("inputs"), nb::arg("hidden"), nb::arg("outputs"), nb::arg("activation") = "tanh")
       .def_prop_ro("parameter_count", &Network::parameter_count)
@@ -184,8 +176,8 @@ void bind_learn(nb::module_& m) {
           "__init__",
           [](RecurrentNetwork* self, int inputs, int units, const std::vector<int>& hidden,
              int outputs, const std::string& activation) {
-            new (self) RecurrentNetwork({inputs, units, hidden, outputs, activation_of(activation)},
-                                        best_isa());
+            new (self) RecurrentNetwork(
+                {inputs, units, hidden, outputs, learn::hidden_activation(activation)}, best_isa());
           },
           nb::arg("inputs"), nb::arg("units"), nb::arg("hidden"), nb::arg("outputs"),
           nb::arg("activation") = "tanh")

@@ -1,6 +1,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +10,7 @@
 #include "core/base/printable.h"
 #include "core/io/policy_file.h"
 #include "core/io/policy_seal.h"
+#include "core/io/policy_writer.h"
 #include "core/model/marked_error.h"
 #include "core/policy/policy.h"
 #include "python/native/arrays.h"
@@ -28,6 +31,60 @@ nb::dict read_policy_file(const std::string& file) {
   } catch (const MarkedError& error) {
     throw Error(error.mark().file + ": " + error.what());
   }
+}
+
+using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+
+std::vector<double> numbers_of(nb::handle values) {
+  const auto array = nb::cast<Numbers>(values);
+  return {array.data(), array.data() + array.size()};
+}
+
+Activation activation_of(const std::string& word) {
+  const auto found = std::find(std::begin(kActivationNames), std::end(kActivationNames), word);
+  if (found == std::end(kActivationNames)) throw Error("no activation `" + word + "`");
+  return static_cast<Activation>(found - std::begin(kActivationNames));
+}
+
+PolicyLayer layer_of(nb::handle values) {
+  PolicyLayer layer;
+  const auto weight = nb::cast<Numbers>(values[0]);
+  if (weight.ndim() != 2)
+    throw Error("a layer's weight has " + std::to_string(weight.ndim()) +
+                " dimensions; it takes (out, in)");
+  layer.weight = numbers_of(values[0]);
+  layer.bias = numbers_of(values[1]);
+  layer.activation = activation_of(nb::cast<std::string>(values[2]));
+  layer.inputs = static_cast<int>(weight.shape(1));
+  layer.outputs = static_cast<int>(weight.shape(0));
+  if (nb::len(values) == 3) return layer;
+  layer.kind = LayerKind::kGru;
+  layer.outputs /= 3;
+  layer.state_weight = numbers_of(values[3]);
+  layer.state_bias = numbers_of(values[4]);
+  return layer;
+}
+
+/// The inverse of dict_of().
+PolicyFile policy_of(const nb::dict& values) {
+  PolicyFile policy;
+  policy.scenario = nb::cast<std::string>(values["scenario"]);
+  policy.scenario_hash = nb::cast<std::string>(values["scenario_hash"]);
+  policy.algorithm = nb::cast<std::string>(values["algorithm"]);
+  policy.steps = nb::cast<std::int64_t>(values["steps"]);
+  policy.observation_size = nb::cast<int>(values["observation_size"]);
+  policy.action_size = nb::cast<int>(values["action_size"]);
+  for (nb::handle agent : values["agents"]) {
+    policy.agents.push_back(
+        {nb::cast<std::vector<int>>(agent[0]), nb::cast<std::vector<int>>(agent[1])});
+  }
+  const auto squash = nb::cast<std::string>(values["action_squash"]);
+  policy.squash = squash == "tanh" ? ActionSquash::kTanh : ActionSquash::kClip;
+  policy.mean = numbers_of(values["mean"]);
+  policy.scale = numbers_of(values["scale"]);
+  policy.clip = nb::cast<double>(values["clip"]);
+  for (nb::handle layer : values["layers"]) policy.layers.push_back(layer_of(layer));
+  return policy;
 }
 
 }  // namespace
@@ -69,6 +126,7 @@ nb::tuple tuple_of(const PolicyLayer& layer) {
 }
 
 void bind_policy(nb::module_& m) {
+  m.attr("MOST_LAYERS") = kMostLayers;
   m.def(
       "policy_seal",
       [](const nb::bytes& content) {
@@ -90,6 +148,15 @@ void bind_policy(nb::module_& m) {
         "`agents` (entries of the observation, entries of the action) of each robot, where robots "
         "share the network; `mean` and `scale` are "
         "empty without a normalization. Error, which names the file, for any other file.");
+  m.def(
+      "policy_file_bytes",
+      [](const nb::dict& values, std::uint64_t seed) {
+        return bytes_of(policy_bytes(policy_of(values), seed));
+      },
+      nb::arg("values"), nb::arg("seed"),
+      nb::sig("def policy_file_bytes(values: dict[str, typing.Any], seed: int) -> bytes"),
+      "The bytes of the policy.h5 of `values`, which are as `read_policy_file` gives them, with "
+      "float64 arrays. `seed` is that of the training. Equal values give equal bytes.");
   m.def(
       "printable",
       [](const nb::bytes& text) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "learn/make_learner.h"
+#include "learn/position_error.h"
 #include "learn/ppo/ppo.h"
 #include "learn/ppo/ppo_slices.h"
 #include "learn/ppo/recovering_ppo.h"
@@ -150,9 +152,12 @@ struct AnyPpo : AnyLearner {};
 struct AnyGradient : AnyLearner {};
 
 /// The learner, whoever holds its slices.
-std::unique_ptr<learn::Learner> make_ppo(const learn::LearnerOptions& options,
+std::unique_ptr<learn::Learner> make_ppo(const LoadedScenario& scenario,
+                                         const learn::LearnerOptions& options,
                                          const nb::object& slices) {
-  if (slices.is_none()) return std::make_unique<learn::Ppo>(options);
+  if (slices.is_none()) {
+    return make_learner(learn::Algorithm::kFastPpo, scenario.options(), options);
+  }
   auto setup = std::make_shared<const learn::PpoSetup>(options);
   auto holder = std::make_unique<RemoteSlices>(slices, setup->plan.slices());
   const auto replace = [slices] {
@@ -201,6 +206,9 @@ void restore(AnyLearner& any, nb::handle state) {
 }  // namespace
 
 void bind_ppo(nb::module_& m) {
+  nb::list errors;
+  for (const char* name : learn::kPositionErrors) errors.append(name);
+  m.attr("POSITION_ERRORS") = nb::tuple(errors);
   nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
   nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
   m.def(
@@ -289,7 +297,8 @@ void bind_ppo(nb::module_& m) {
           "__init__",
           [](AnyPpo* self, const LoadedScenario& scenario, const nb::dict& hyper,
              std::uint64_t seed, std::int64_t total_steps, int threads, const nb::object& slices) {
-            new (self) AnyPpo{make_ppo(learner_options(scenario, learn::Algorithm::kFastPpo, hyper,
+            new (self) AnyPpo{make_ppo(scenario,
+                                       learner_options(scenario, learn::Algorithm::kFastPpo, hyper,
                                                        seed, total_steps, threads),
                                        slices)};
           },
@@ -303,9 +312,10 @@ void bind_ppo(nb::module_& m) {
           "__init__",
           [](AnyGradient* self, const LoadedScenario& scenario, const nb::dict& hyper,
              std::uint64_t seed, std::int64_t total_steps, int threads) {
-            new (self) AnyGradient{
-                make_gradient(scenario, learner_options(scenario, learn::Algorithm::kGradient,
-                                                        hyper, seed, total_steps, threads))};
+            new (self)
+                AnyGradient{make_learner(learn::Algorithm::kGradient, scenario.options(),
+                                         learner_options(scenario, learn::Algorithm::kGradient,
+                                                         hyper, seed, total_steps, threads))};
           },
           nb::arg("compiled"), nb::arg("hyper"), nb::arg("seed"), nb::arg("total_steps"),
           nb::arg("threads") = 0,

@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iterator>
 #include <string>
 #include <typeinfo>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/suggestion.h"
+#include "learn/hyperparameter_text.h"
 
 namespace skybody::python {
 namespace nb = nanobind;
@@ -31,22 +32,16 @@ void read(nb::handle value, Sizes& to) {
 }
 
 void read(nb::handle value, Activation& to) {
-  const auto word = nb::cast<std::string>(value);
-  for (std::size_t k = 1; k < std::size(kActivationNames); ++k) {
-    if (word == kActivationNames[k]) {
-      to = static_cast<Activation>(k);
-      return;
-    }
-  }
-  throw nb::value_error(
-      ("hyper-parameter activation = " + word + ": allowed is tanh, relu or elu").c_str());
+  to = learn::hidden_activation(nb::cast<std::string>(value));
 }
 
-/// @throws ValueError for another type, or a number that is too large for it
+/// @throws ValueError for another type or word, or a number that is too large for it
 template <class T>
 void read_named(const char* name, nb::handle value, T& to, double least, double largest) {
   try {
     read(value, to);
+  } catch (const Error& error) {
+    throw nb::value_error(error.what());
   } catch (const std::bad_cast&) {
     char text[160];
     std::snprintf(text, sizeof(text), "hyper-parameter %s = %.60s: allowed is %g to %g", name,
@@ -66,16 +61,16 @@ nb::object shown(Activation value) {
 }  // namespace
 
 learn::Algorithm algorithm_of(const std::string& name) {
-  if (name == "fast-ppo") return learn::Algorithm::kFastPpo;
-  if (name == "gradient") return learn::Algorithm::kGradient;
-  throw nb::value_error(("no learner `" + name + "`: fast-ppo, gradient").c_str());
+  std::vector<std::string> names;
+  for (const char* known : learn::kAlgorithmNames) {
+    if (name == known) return static_cast<learn::Algorithm>(names.size());
+    names.emplace_back(known);
+  }
+  throw nb::value_error(("no learner `" + name + "`: " + join(names)).c_str());
 }
 
 learn::Hyperparameters hyperparameters_of(const nb::dict& values, learn::Algorithm algorithm) {
-  std::vector<std::string> names;
-  for (const learn::HyperparameterRow& row : learn::hyperparameter_rows()) {
-    if (learn::has(row, algorithm)) names.emplace_back(row.name);
-  }
+  const std::vector<std::string> names = learn::hyperparameter_names(algorithm);
   learn::Hyperparameters hyper;
   for (const auto [key, value] : values) {
     const auto name = nb::cast<std::string>(key);

@@ -3,7 +3,6 @@
 
 #include <nanobind/nanobind.h>
 
-#include <memory>
 #include <string>
 
 #include "learn/learner.h"
@@ -26,9 +25,5 @@ nanobind::dict dict_of(const learn::Hyperparameters& hyper, learn::Algorithm alg
 learn::LearnerOptions learner_options(const LoadedScenario& scenario, learn::Algorithm algorithm,
                                       const nanobind::dict& hyper, std::uint64_t seed,
                                       std::int64_t total_steps, int threads);
-
-/// The learner `gradient`, with the scenario as it is trained in, whose physics steps are longer.
-std::unique_ptr<learn::Learner> make_gradient(const LoadedScenario& scenario,
-                                              learn::LearnerOptions options);
 
 }  // namespace skybody::python

@@ -8,8 +8,8 @@ INSTALLED_BY = {
     "vector": ".",
     "multi_agent": ".[multi-agent]",
     "python_task": ".",
-    "sb3": ".[train]",
-    "sb3_adapter": ".[train]",
+    "sb3": ".[sb3]",
+    "sb3_adapter": ".[sb3]",
 }
 
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plugins/obstacles/distance.h"
+#include "plugins/obstacles/nearest.h"
 
 namespace skybody::obstacles {
 
@@ -16,6 +17,14 @@ struct Seen {
   Vec3<Real> way;   ///< to the nearest point of the surface, W [m]
   Vec3<Real> size;  ///< as its kind says [m]
 };
+
+template <class Real>
+SKYBODY_INLINE Seen<Real> choose(const MaskOf<Real>& mask, const Seen<Real>& a,
+                                 const Seen<Real>& b) {
+  using skybody::choose;
+  return {choose(mask, a.distance, b.distance), choose(mask, a.way, b.way),
+          choose(mask, a.size, b.size)};
+}
 
 /// All that is seen, and how near the nearest obstacle is, seen or not.
 template <class Real>
@@ -39,17 +48,7 @@ SKYBODY_INLINE Sight<Real> look(const EnvView<Real>& env, const std::vector<Obst
     const Gap<Real> to = gap(obstacle, placed, p);
     const Real distance = select(placed.present, to.distance, Real(kInfinity));
     sight.nearest = min(sight.nearest, distance);
-    Seen<Real> next{distance, to.way, placed.size};
-    for (int k = 0; k < count; ++k) {  // takes its place, and what was there goes one further
-      Seen<Real>& here = sight.seen[k];
-      const auto nearer = next.distance < here.distance;
-      const Seen<Real> passed{choose(nearer, here.distance, next.distance),
-                              choose(nearer, here.way, next.way),
-                              choose(nearer, here.size, next.size)};
-      here = {choose(nearer, next.distance, here.distance), choose(nearer, next.way, here.way),
-              choose(nearer, next.size, here.size)};
-      next = passed;
-    }
+    put_in_order(Seen<Real>{distance, to.way, placed.size}, sight.seen, count);
   }
   return sight;
 }

@@ -25,17 +25,6 @@ struct Gate {
   SKYBODY_INLINE MaskOf<Real> opens_at(const Vec3<Real>& in_frame) const {
     return logical_and(abs(in_frame.y) <= half.y, abs(in_frame.z) <= half.z);
   }
-  /// How far a place is from the nearest bar [m]; 0 in a bar. Bars are as wide as they are deep.
-  SKYBODY_INLINE Real frame_distance(const Vec3<Real>& in_frame) const {
-    const Real bar = half.x + half.x;
-    const Real y = abs(in_frame.y) - half.y, z = abs(in_frame.z) - half.z;  // from the opening
-    const Real depth = max(abs(in_frame.x) - half.x, Real(0.0));
-    const Real beyond_y = max(y - bar, Real(0.0)), beyond_z = max(z - bar, Real(0.0));
-    const Real inner = max(y, z);  // below 0 in the opening: how near the nearest bar is
-    const Real across =
-        select(inner < 0.0, inner * inner, beyond_y * beyond_y + beyond_z * beyond_z);
-    return sqrt(depth * depth + across);
-  }
 };
 
 /// `a` where the mask holds, else `b`.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plugins/obstacles/distance.h"
 #include "tasks/racing/gate.h"
 
 namespace skybody::racing {
@@ -53,8 +54,8 @@ class Track {
   SKYBODY_INLINE Real frame_distance(const EnvView<Real>& env, const Vec3<Real>& p) const {
     Real nearest(kInfinity);
     for (int i = 0; i < size(); ++i) {
-      const Gate<Real> gate = read(env, i);
-      nearest = min(nearest, gate.frame_distance(gate.local(p)));
+      const obstacles::Placed<Real> gate = place(env, i);
+      nearest = min(nearest, obstacles::distance_to_gate(gate.size, gate.local(p)));
     }
     return nearest;
   }
@@ -65,13 +66,13 @@ class Track {
 
   struct Entry {
     std::string name;
-    int first_param;
+    obstacles::Obstacle obstacle;
     Gate<double> nominal;
   };
 
   void add(const ShapeInfo& shape) {
     gates_.push_back({shape.name,
-                      shape.first_param,
+                      {shape.kind, shape.first_param},
                       {{shape.position[0], shape.position[1], shape.position[2]},
                        {shape.rotation[0], shape.rotation[1], shape.rotation[2], shape.rotation[3]},
                        {0.5 * shape.size[2], 0.5 * shape.size[0], 0.5 * shape.size[1]}}});
@@ -92,7 +93,7 @@ class Track {
     for (std::size_t j = 1; j < gates_.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i) {
         const std::string pair = "`" + gates_[i].name + "` and `" + gates_[j].name + "`";
-        if (gates_[i].first_param == gates_[j].first_param) {
+        if (gates_[i].obstacle.first_param == gates_[j].obstacle.first_param) {
           throw std::runtime_error("gate `" + gates_[i].name +
                                    "` is named twice: name each gate once");
         }
@@ -119,13 +120,17 @@ class Track {
   }
 
   template <class Real>
+  SKYBODY_INLINE obstacles::Placed<Real> place(const EnvView<Real>& env, int i) const {
+    obstacles::Placed<Real> gate =
+        obstacles::place(env, gates_[static_cast<std::size_t>(i)].obstacle);
+    gate.rotation = normalized(gate.rotation);
+    return gate;
+  }
+  template <class Real>
   SKYBODY_INLINE Gate<Real> read(const EnvView<Real>& env, int i) const {
-    const int first = gates_[static_cast<std::size_t>(i)].first_param;
-    const int turn = first + SKYBODY_OBSTACLE_ROTATION, size = first + SKYBODY_OBSTACLE_SIZE;
-    return {env.param_vec3(first + SKYBODY_OBSTACLE_POSITION),
-            normalized(Quat<Real>{env.param(turn), env.param(turn + 1), env.param(turn + 2),
-                                  env.param(turn + 3)}),
-            {0.5 * env.param(size + 2), 0.5 * env.param(size), 0.5 * env.param(size + 1)}};
+    const obstacles::Placed<Real> gate = place(env, i);
+    return {
+        gate.position, gate.rotation, {0.5 * gate.size.z, 0.5 * gate.size.x, 0.5 * gate.size.y}};
   }
 
   std::vector<Entry> gates_;

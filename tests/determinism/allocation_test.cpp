@@ -289,15 +289,15 @@ INSTANTIATE_TEST_SUITE_P(
                     PoolOptions{.batch = kEnvs, .threads = 1, .autoreset = Autoreset::kSameStep},
                     PoolOptions{.batch = kEnvs, .threads = 2, .keep_hash = true}));
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, NoAllocation,
-                         testing::Values("hover.yaml", "payload.yaml", "formation.yaml",
-                                         "collision.yaml", "hard_landing.yaml",
-                                         "cooperative_payload.yaml", "gates.yaml",
-                                         "platform_landing.yaml", "landing.yaml",
-                                         "racing_duel.yaml", "racing_drawn.yaml", "four_bar.yaml",
-                                         "windy_hover.yaml", "downwash_pair.yaml",
-                                         "low_battery.yaml", "rotor_out.yaml", "arm.yaml",
-                                         "payload_paper.yaml", "vehicles.yaml", "omav.yaml"));
+INSTANTIATE_TEST_SUITE_P(
+    Scenarios, NoAllocation,
+    testing::Values("hover.yaml", "payload.yaml", "formation.yaml", "collision.yaml",
+                    "hard_landing.yaml", "cooperative_payload.yaml", "gates.yaml",
+                    "platform_landing.yaml", "landing.yaml", "racing_duel.yaml",
+                    "racing_drawn.yaml", "four_bar.yaml", "windy_hover.yaml", "downwash_pair.yaml",
+                    "low_battery.yaml", "rotor_out.yaml", "arm.yaml", "payload_paper.yaml",
+                    "vehicles.yaml", "omav.yaml", "formation_obstacles.yaml", "obstacles.yaml",
+                    "chase.yaml", "pendulum.yaml", "trajectory.yaml"));
 
 }  // namespace
 }  // namespace skybody

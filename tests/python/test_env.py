@@ -60,8 +60,8 @@ def test_the_pool_works_where_gymnasium_is_not_installed():
 @pytest.mark.parametrize(
     ("module", "package", "extra"),
     [
-        ("sb3", "stable_baselines3", "train"),
-        ("sb3_adapter", "stable_baselines3", "train"),
+        ("sb3", "stable_baselines3", "sb3"),
+        ("sb3_adapter", "stable_baselines3", "sb3"),
         ("multi_agent", "pettingzoo", "multi-agent"),
     ],
 )

@@ -105,9 +105,10 @@ def test_a_refused_checkpoint_leaves_the_learner_as_it_was(
 ) -> None:
     with learner_of(algorithm, compiled) as learner, learner_of(algorithm, compiled) as other:
         learner.iterate()
-        state, environments = copy.deepcopy(learner.state()), learner.environments()
+        earlier = copy.deepcopy(learner.save())
+        state, environments = earlier.state, earlier.environments
         learner.iterate()
-        wanted = [parameter_hash(learner.parameters()), learner.environments(), learner.steps]
+        wanted = [parameter_hash(learner.parameters()), learner.save().environments, learner.steps]
         if part == "state":
             del state[list(state)[-1]]  # what is put back last
         else:
@@ -116,11 +117,13 @@ def test_a_refused_checkpoint_leaves_the_learner_as_it_was(
             learner.restore(state, environments)
         assert [
             parameter_hash(learner.parameters()),
-            learner.environments(),
+            learner.save().environments,
             learner.steps,
         ] == wanted
-        saved = copy.deepcopy(learner.state()), learner.environments()
+        saved = copy.deepcopy(learner.save())
         learner.iterate()
-        other.restore(*saved)  # with PyTorch's generator, which all learners of a process share
+        other.restore(
+            saved.state, saved.environments
+        )  # with PyTorch's generator, which all learners of a process share
         other.iterate()
         assert parameter_hash(learner.parameters()) == parameter_hash(other.parameters())

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
+import json
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -18,7 +20,10 @@ learner_profile = pytest.importorskip("learner_profile")
 learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
 rl_tools = pytest.importorskip("rl_tools")
-ALGORITHMS = importlib.import_module("skybody.train.algorithms").ALGORITHMS
+gradient_choices = pytest.importorskip("gradient_choices")
+training_runs = pytest.importorskip("training_runs")
+algorithms = importlib.import_module("skybody.train.algorithms")
+ALGORITHMS, algorithm_of = algorithms.ALGORITHMS, algorithms.algorithm_of
 yardstick = importlib.import_module("yardstick.command")
 # The yardstick makes itself a learner; for tests of other files there is none.
 YARDSTICK = ALGORITHMS.pop(yardstick.NAME)
@@ -64,6 +69,39 @@ def test_a_program_that_fails_is_an_error_with_its_name(tmp_path: Path) -> None:
         learner_profile.RunError, match=r"bench_learn failed \(exit code 3\)\nbroken"
     ):
         learner_profile.bare_products(program)
+
+
+def test_hyper_parameters_of_a_page_are_those_of_preset_and_command_line_alone() -> None:
+    defaults = algorithm_of("fast-ppo").defaults()
+    hyper = dataclasses.asdict(
+        dataclasses.replace(defaults, bounded_mean=True, hidden=(128, 64), discount=0.98)
+    )
+    config = json.loads(json.dumps({"algorithm": "fast-ppo", "hyper": hyper}))
+    assert sorted(training_runs.changed_hyper(config)) == [
+        "bounded_mean=true",
+        "discount=0.98",
+        "hidden=128,64",
+    ]
+
+
+def test_figures_of_gradient_are_those_of_its_last_look() -> None:
+    look = (
+        "update {} steps {}  {} s of process  cost 0.5 gradient_norm 1e-05 error 0.20 m faults 0 "
+        "| median {} m p90 0.0500 m failures {} of 100 return -7.5\n"
+    )
+    output = "ready after 0.250 s\n" + look.format("  20", " 1000", "1.000", "0.5000", 9)
+    output += look.format("  40", "2000", "2.250", "0.0125", 3) + "hash 00ff\n"
+    assert gradient_choices.read_figures(output) == {
+        "steps": 2000,
+        "seconds": 2.0,
+        "median": 0.0125,
+        "worst_tenth": 0.05,
+        "failures": 3,
+        "episodes": 100,
+        "mean_return": -7.5,
+    }
+    with pytest.raises(gradient_choices.RunError, match="printed no figures"):
+        gradient_choices.read_figures("ready after 0.250 s\n")
 
 
 def test_a_folder_without_rl_tools_is_refused_with_the_remedy(tmp_path: Path) -> None:
@@ -116,3 +154,22 @@ def test_a_whole_run_is_not_extrapolated(monkeypatch: pytest.MonkeyPatch, tmp_pa
     found = paper_protocol.figures(paper_protocol.make_runs("hover", "ppo", tmp_path, 5_000_000))
     assert not found["extrapolated"]
     assert found["minutes_for_all"] == 1.0
+
+
+def test_no_preset_is_part_of_the_papers_study(tmp_path: Path) -> None:
+    for algorithm in ("ppo", "fast-ppo"):
+        (run, *_) = paper_protocol.make_runs("racing", algorithm, tmp_path, 5_000_000)
+        told = {setting.split("=")[0] for setting in run.settings}
+        assert told == set(vars(ALGORITHMS[algorithm].defaults()))
+
+
+def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
+    row = {"task": "hover", "learner": "ppo", "machine": {"processor": "old"}}
+    path = tmp_path / "paper_protocol.json"
+    path.write_text(json.dumps({"rows": [row, {**row, "learner": "fast-ppo"}]}))
+    new = {**row, "machine": {"processor": "new"}}
+    found = paper_protocol.merged(path, [new])
+    assert [(r["learner"], r["machine"]["processor"]) for r in found] == [
+        ("fast-ppo", "old"),
+        ("ppo", "new"),
+    ]

@@ -18,6 +18,7 @@ from skybody._native import (
     hyperparameters,
 )
 from skybody.train.hyperparameters import UsageError, with_settings
+from skybody.train.learner import Saved
 from skybody.train.native_learners import FastPpo, GradientLearner
 from skybody.train.presets import preset
 
@@ -126,13 +127,17 @@ def test_gradients_of_another_size_are_refused(compiled: CompiledScenario) -> No
         learner.iterate()
 
 
+def put(learner: Any, saved: Saved) -> None:
+    learner.restore(saved.state, saved.environments)
+
+
 def test_a_restored_learner_goes_on_with_the_same_bits(compiled: CompiledScenario) -> None:
     first = FastPpo(compiled, HYPER, 1, 1, TOTAL)
     first.iterate()
     second = FastPpo(compiled, HYPER, 1, 1, TOTAL)
     for _ in range(3):
         second.iterate()
-    second.restore(first.state(), first.environments())
+    put(second, first.save())
     for learner in (first, second):
         learner.iterate()
     assert first.native_hash == second.native_hash
@@ -143,7 +148,7 @@ def test_the_state_of_other_hyper_parameters_is_refused(compiled: CompiledScenar
     first = FastPpo(compiled, HYPER, 1, 1, TOTAL)
     other = FastPpo(compiled, with_settings(HYPER, ["hidden=8,8"]), 1, 1, TOTAL)
     with pytest.raises(Error, match="other hyper-parameters"):
-        other.restore(first.state(), first.environments())
+        put(other, first.save())
 
 
 def test_slices_that_there_are_not_are_refused(compiled: CompiledScenario) -> None:
@@ -163,6 +168,8 @@ def test_a_value_out_of_range_is_refused_with_the_range() -> None:
         ("gradient", {"clip_range": 0.1}, "no hyper-parameter `clip_range`"),
         ("gradient", {"learning_rat": 0.1}, "did you mean `learning_rate`"),
         ("fast-ppo", {"minibatch": 3_000_000_000}, "minibatch = 3000000000: allowed is 2 to 1e"),
+        ("fast-ppo", {"hidden": [4] * 64}, "hidden = 64 sizes: allowed is at most 63, as a policy"),
+        ("gradient", {"hidden": [4] * 64}, "hidden = 64 sizes: allowed is at most 63, as a policy"),
         ("fast-ppo", {"envs": "many"}, "envs = many: allowed is 1 to"),
         ("fast-ppo", {"observation_clip": 0.0}, "observation_clip = 0: allowed is 0.001 to"),
     ],
@@ -220,7 +227,7 @@ def test_gradient_has_the_same_bits_on_any_number_of_threads_and_after_a_restore
         GradientLearner(compiled, hyper, 1, threads, TOTAL) for threads in (1, 2, 1)
     )
     one.iterate()
-    restored.restore(one.state(), one.environments())
+    put(restored, one.save())
     one.iterate()
     restored.iterate()
     two.iterate()

@@ -100,8 +100,7 @@ def test_every_program_ends_by_run_program() -> None:
 
 
 IMPORTED = {  # by main(), as one of the first packages
-    "train": "h5py",
-    "train.evaluate": "h5py",
+    "train": "matplotlib",
     "train.curve": "matplotlib",
     "train.convert_policy": "h5py",
 }

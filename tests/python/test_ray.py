@@ -7,6 +7,8 @@ import importlib.util
 import math
 import os
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -129,6 +131,20 @@ def test_runs_move_between_a_cluster_and_one_process_with_the_same_bits(
     assert len(found[0]) > 2
 
 
+def test_workers_with_another_instruction_set_are_refused(address: str, tmp_path: Path) -> None:
+    words = ["hover_learn", "--ray", address, "--workers", "1", "--out", str(tmp_path / "run")]
+    done = subprocess.run(
+        [sys.executable, "-m", "skybody.train", *words],
+        env={**os.environ, "SKYBODY_ISA": "v2"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    assert "a worker's machine has instruction set v3 or v4, this one v2" in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
 def test_rllib_learns_with_environments_of_ours(connected: Any) -> None:
     path = Path(__file__).resolve().parents[2] / "examples/rllib_ppo.py"
     spec = importlib.util.spec_from_file_location("rllib_ppo", path)
@@ -172,6 +188,19 @@ def test_a_sweep_trains_all_combinations_and_goes_on_with_new_seeds(
         rows = list(csv.DictReader(file))
     assert [row["state"] for row in rows] == ["done"] * 4
     assert len({row["parameter_hash"] for row in rows}) == 4
+
+
+def test_a_sweep_of_files_that_are_named_from_its_own_folder_trains_them(
+    connected: Any, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.yaml").write_text("include: hover_learn\n")
+    (tmp_path / "plugins").mkdir()
+    monkeypatch.chdir(tmp_path)
+    command = ["mine.yaml", "--plugin-path", "plugins", "--out", "sweep", "--address", address]
+    command += ["--total-steps", "640", "--set", "envs=20", "--set", "rollout_steps=16"]
+    command += ["--set", "minibatch=100", "--eval-episodes", "0"]
+    assert sweep.main(command) == 0
+    assert list(tmp_path.glob("sweep/mine-*/checkpoints/*/policy.h5"))
 
 
 @pytest.mark.parametrize(

@@ -203,7 +203,7 @@ def network_actions(learner: Any, observation: np.ndarray) -> np.ndarray:
         rows = learner.normalize.normalize_obs(observation)
         actions, _ = learner.model.predict(rows, deterministic=True)
         return actions
-    state, bounded = learner.state(), learner.policy().layers[-1].activation == "tanh"
+    state, bounded = learner.save().state, learner.policy().layers[-1].activation == "tanh"
     mean, variance = (state[f"moments.{name}"].view(np.float64) for name in ("mean", "variance"))
     rows = ((observation - mean) / np.sqrt(variance + 1e-8)).clip(-10.0, 10.0)
     network = Network(observation.shape[1], [8, 8], 4)

@@ -208,3 +208,29 @@ def test_a_damaged_checkpoint_is_refused_by_name_with_the_remedy(
     assert status == 2
     assert f"{name} is damaged" in complaint
     assert "remove this checkpoint's folder" in complaint
+
+
+@pytest.mark.parametrize("algorithm", [*LEARNERS, "ppo"])
+def test_a_learning_rate_beyond_all_reason_is_one_message(algorithm: str, tmp_path: Path) -> None:
+    words = ["hover_learn", "--algo", algorithm, "--envs", "16", "--eval-episodes", "0"]
+    words += ["--set", "rollout_steps=50", "--set", "hidden=8,8", "--set", "learning_rate=1e30"]
+    words += ["--total-steps", "1600"]
+    if algorithm != "gradient":
+        words += ["--set", "minibatch=200"]
+    status, _, complaint = train(words, tmp_path)
+    assert status == 2
+    assert "learning_rate" in complaint
+    assert len(complaint.splitlines()) == 1
+
+
+def test_a_run_of_ppo_that_diverges_is_one_message(tmp_path: Path) -> None:
+    words = ["hover_learn", "--algo", "ppo", "--envs", "16", "--eval-episodes", "0"]
+    for setting in ("rollout_steps=20", "minibatch=160", "hidden=8,8", "epochs=100"):
+        words += ["--set", setting]
+    # The entropy's weight makes the deviation of actions grow until it is no float any more.
+    words += ["--set", "learning_rate=1", "--set", "entropy_weight=100", "--total-steps", "1600"]
+    status, _, complaint = train(words, tmp_path)
+    assert status == 2
+    assert complaint.startswith("train: ppo diverged: the distribution of actions is not finite")
+    assert "try a smaller learning_rate" in complaint
+    assert len(complaint.splitlines()) == 1

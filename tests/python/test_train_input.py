@@ -14,16 +14,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from conftest import Finished
-from skybody._native import CompiledScenario
+from skybody._native import CompiledScenario, Ppo
 from skybody.train import curve, evaluate
 from skybody.train.__main__ import main
-from skybody.train.algorithms import ALGORITHMS
+from skybody.train.algorithms import ALGORITHMS, NATIVE
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
 from skybody.train.evaluation_file import read_evaluation
 from skybody.train.hyperparameters import UsageError, with_settings
+from skybody.train.native_learners import FastPpo, NativeLearner
 from skybody.train.policy_file import Layer, Policy, write_policy
 from skybody.train.presets import preset
+from skybody.train.torch_errors import memory_errors
 from training import SCENARIO, arguments, finished_run
 
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
@@ -44,6 +47,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--set", "leraning_rate=3"], "did you mean `learning_rate`? Allowed: envs,"),
         (["--set", "epochs=many"], "`many` is not an integer"),
         (["--set", "hidden=a"], "`a` is not sizes as 64,64"),
+        (
+            ["--set", f"hidden={','.join(['4'] * 64)}"],
+            "hyper-parameter hidden = 64 sizes: allowed is at most 63, as a policy file has 64",
+        ),
         (["--set", "epochs"], "write KEY=VALUE"),
         (["--set", "discount=1.5"], "hyper-parameter discount = 1.5: allowed is 0 to 1"),
         (["--set", "log_std=nan"], "hyper-parameter log_std = nan: allowed is a finite number"),
@@ -53,11 +60,11 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "no horizon, evaluations might never end",
         ),
         (["--threads", "100000"], "--threads 100000: at most 1024"),
-        (["--envs", str(2**31)], "hyper-parameter envs = 2147483648: allowed is at most 16777216"),
+        (["--envs", str(2**31)], "hyper-parameter envs = 2147483648: allowed is 1 to 16777216"),
         (["--plugin-path", "/nonexist"], "--plugin-path: directory does not exist: /nonexist"),
         (["--override", "stepping.horizon"], "train: --override stepping.horizon: error: a path"),
         (["--override", "stepping.dt=abc"], "train: --override stepping.dt=abc: error: `dt` is"),
-        (["--envs", "0"], "hyper-parameter envs = 0: allowed is at least 1"),
+        (["--envs", "0"], "hyper-parameter envs = 0: allowed is 1 to 16777216"),
         (["--total-steps", "0"], "--total-steps 0: at least 1"),
         (["--seed", str(2**32)], "--seed 4294967296: at most 4294967295"),
     ],
@@ -368,23 +375,71 @@ def test_numbers_out_of_range_are_evaluates_own_errors(
     assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("package", ["h5py", "matplotlib", "torch", "tqdm"])
-def test_a_missing_package_is_one_message_with_the_remedy(
-    package: str, python: Callable[[str], Finished], tmp_path: Path
-) -> None:
-    out = tmp_path / "run"
-    done = python(f"""
+SB3 = ["stable_baselines3", "torch"]
+
+
+def train_without(packages: list[str], words: list[str], python: Callable[[str], Finished]) -> Any:
+    """`skybody train` where packages are not installed."""
+    return python(f"""
         import runpy, sys
-        sys.modules[{package!r}] = None  # importing it raises ModuleNotFoundError
-        sys.argv = ["train", "hover", "--out", {str(out)!r}]
+        for name in {packages}:
+            sys.modules[name] = None  # importing it raises ModuleNotFoundError
+        sys.argv = ["train", *{words}]
         runpy.run_module("skybody.train", run_name="__main__", alter_sys=True)
     """)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "packages", "extras"),
+    [
+        ("fast-ppo", ["matplotlib"], "train"),
+        ("gradient", ["tqdm"], "train"),
+        ("ppo", ["torch"], "sb3"),
+        ("ppo", ["stable_baselines3"], "sb3"),
+        ("ppo", ["matplotlib", "torch"], "train,sb3"),
+    ],
+)
+def test_a_missing_package_is_one_message_with_the_remedy(
+    algorithm: str,
+    packages: list[str],
+    extras: str,
+    python: Callable[[str], Finished],
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "run"
+    words = ["hover", "--algo", algorithm, "--out", str(out)]
+    done = train_without(packages, words, python)
     assert done.returncode == 2
     assert done.stderr == (
-        f"train: needs {package}, not installed here: `pip install '.[train]'` in Skybody's "
-        "source folder\n"
+        f"train: needs {', '.join(packages)}, not installed here: `pip install '.[{extras}]'` in "
+        "Skybody's source folder\n"
     )
     assert not out.exists()
+
+
+@pytest.mark.parametrize("algorithm", NATIVE)
+def test_learners_in_cpp_train_and_go_on_without_pytorch(
+    algorithm: str, python: Callable[[str], Finished], tmp_path: Path
+) -> None:
+    out = str(tmp_path / "run")
+    words = [SCENARIO, "--algo", algorithm, "--envs", "16", "--eval-episodes", "0", "--out", out]
+    words += ["--set", "rollout_steps=8", "--set", "hidden=8", "--total-steps", "256"]
+    words += ["--set", "minibatch=64"] if algorithm == "fast-ppo" else []
+    done = train_without(SB3, words, python)
+    assert done.returncode == 0, done.stderr
+    done = train_without(SB3, ["--resume", "--out", out, "--total-steps", "512"], python)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_run_of_ppo_that_is_to_go_on_names_its_missing_package(
+    python: Callable[[str], Finished], tmp_path: Path
+) -> None:
+    words = arguments("ppo", tmp_path / "run")
+    words[words.index("--total-steps") + 1] = "300"
+    assert main(words) == 0
+    done = train_without(["torch"], ["--resume", "--out", str(tmp_path / "run")], python)
+    assert done.returncode == 2
+    assert done.stderr.startswith("train: needs torch, not installed here: `pip install '.[sb3]'`")
 
 
 @pytest.mark.parametrize("module", ["train", "train.evaluate", "train.curve"])
@@ -398,6 +453,24 @@ def test_help_needs_no_package_of_the_extra(module: str, python: Callable[[str],
     """)
     assert done.returncode == 0, done.stderr
     assert "usage:" in done.stdout
+
+
+def test_memory_that_is_at_its_end_in_training_is_one_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def iterate(learner: NativeLearner) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(NativeLearner, "iterate", iterate)
+    assert main(arguments("fast-ppo", tmp_path / "run")) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("train: not enough memory: take fewer envs or rollout_steps")
+    assert len(said.splitlines()) == 1
+
+
+def test_memory_that_pytorch_does_not_get_is_a_memory_error() -> None:
+    with pytest.raises(MemoryError, match="allocate"), memory_errors():
+        torch.empty(2**58)  # no processor has so many addresses
 
 
 def test_two_processes_do_not_train_in_one_folder(
@@ -452,7 +525,7 @@ def test_a_policy_with_a_flipped_bit_does_not_fly(tmp_path: Path) -> None:
         "scenario": "hover",
         "scenario_hash": f"{CompiledScenario('hover').scenario_hash:016x}",
     }
-    stamps |= {"seed": "1", "algorithm": "ppo", "steps": 1, "skybody_version": "0"}
+    stamps |= {"seed": 1, "algorithm": "ppo", "steps": 1}
     file = tmp_path / "policy.h5"
     write_policy(file, Policy([layer], np.zeros(22), np.ones(22), 10.0, stamps))
 
@@ -469,3 +542,27 @@ def test_a_policy_with_a_flipped_bit_does_not_fly(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert str(file) in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+class Counting:
+    """A learner of the engine that counts what it is asked for all of its words."""
+
+    saves = 0
+
+    def __init__(self, *arguments: Any) -> None:
+        self._learner = Ppo(*arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        Counting.saves += name == "save"
+        return getattr(self._learner, name)
+
+
+def test_a_checkpoint_copies_a_learners_words_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(FastPpo, "_kind", Counting)
+    command = arguments("fast-ppo", tmp_path / "run")
+    command[command.index("--total-steps") + 1] = "1200"
+    assert main(command) == 0
+    checkpoints = checkpoint_folders(tmp_path / "run")
+    assert Counting.saves == len(checkpoints) + 1  # the summary says the parameters' hash

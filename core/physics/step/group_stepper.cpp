@@ -30,6 +30,9 @@ class GroupStepper::Alone {
     values_.resize(static_cast<std::size_t>(total) + 13 * plan.world.bodies.size());
   }
 
+  /// Makes what add_contacts() works with, which then needs no more memory.
+  void prepare_questions(int lane) { any_stepper(lane); }
+
   bool advance(const StepCall& all, int lane) {
     if (!stepper(lane).advance(take(all, lane))) return false;
     give(all, lane);
@@ -256,6 +259,7 @@ std::uint32_t GroupStepper::may_touch(const GroupBlocks& group, std::uint32_t la
 void GroupStepper::add_contacts(const GroupBlocks& group, int lane, PhysicsScratch& scratch,
                                 std::vector<Contact>& out) {
   const StepCall all = call(group, scratch);
+  alone().prepare_questions(lane);  // at the first call, near or not: later ones allocate nothing
   const bool may_touch = plan_.contact.has_idle || find_near(all, 1u << lane) != 0;
   if (may_touch) alone().add_contacts(all, lane, out);
 }

@@ -1,4 +1,4 @@
-// What every file of kernels begins with. SKYBODY_KERNEL_SET is the name of the instruction set
+// The head of every file of kernels. SKYBODY_KERNEL_SET is the name of the instruction set
 // that the file is compiled for (CMakeLists.txt), and the namespace of all that is in it: the
 // linker must not take one set's copy of an inline function for another's.
 #pragma once

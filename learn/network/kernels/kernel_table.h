@@ -17,7 +17,7 @@ inline constexpr int kPanel = 64;
 /// Columns are padded with zeros to a multiple of this.
 inline constexpr int kPad = 16;
 
-/// What is done to a sum before it is stored. Of the slopes, which are a layer's derivatives, the
+/// The end of a sum, before it is stored. Of the slopes, which are a layer's derivatives, the
 /// argument is the layer's output.
 enum class Finish : int { kNone, kTanh, kRelu, kElu, kTanhSlope, kReluSlope, kEluSlope };
 

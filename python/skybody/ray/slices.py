@@ -16,6 +16,8 @@ from skybody._native import CompiledScenario, Error, PpoSlices, SlicesLost, vers
 from skybody.ray.cluster import ClusterError
 
 MOST_SLICES = 8  # that a learner has; as learn/common/slice_plan.h
+INSTRUCTION_SET = "instruction set"
+FUSED = ("v3", "v4")  # sets with fused multiply-add, on which networks have the same bits
 
 
 @dataclass(frozen=True)
@@ -47,15 +49,29 @@ class SliceWorker:
             self._slices = PpoSlices(
                 compiled, setup.hyper, setup.seed, setup.total_steps, first, count, threads
             )
-        return {
-            "skybody": str(versions()["skybody"]),
-            "scenario": f"{setup.scenario} {found}",
-            **{f"plugin {name}": version for name, version in compiled.plugins.items()},
-        }
+        return stamps(setup.scenario, found, compiled)
 
     def call(self, method: str, *arguments: Any) -> Any:
         """A method of PpoSlices."""
         return getattr(self._slices, method)(*arguments)
+
+
+REMEDIES = {
+    INSTRUCTION_SET: "networks have other bits there; take machines of one kind, or start Ray on "
+    "all of them with SKYBODY_ISA=v2, and this command, too",
+}
+
+
+def stamps(scenario: str, scenario_hash: str, compiled: CompiledScenario) -> dict[str, str]:
+    """What has to be the same on all machines, by its name in messages."""
+    found = versions()
+    instruction_set = str(found["instruction set"])
+    return {
+        "skybody": str(found["skybody"]),
+        INSTRUCTION_SET: " or ".join(FUSED) if instruction_set in FUSED else instruction_set,
+        "scenario": f"{scenario} {scenario_hash}",
+        **{f"plugin {name}": version for name, version in compiled.plugins.items()},
+    }
 
 
 class RaySlices:
@@ -70,7 +86,8 @@ class RaySlices:
             threads: of each worker.
 
         Raises:
-            ClusterError: a machine has another version or another scenario of that name.
+            ClusterError: a machine has another version, another scenario of that name, or an
+                instruction set with other bits.
         """
         self._ray, self._setup, self._threads = ray, setup, threads
         cuts = [slices * k // workers for k in range(workers + 1)]
@@ -82,13 +99,39 @@ class RaySlices:
 
     # --- what skybody._native.Ppo calls -----------------------------------------------------------
 
+    # Lists have an entry for each slice, in the order of the slices.
+
     def collect(self, policy: Any, value: Any, *rest: Any) -> list[Any]:
+        """A rollout.
+
+        Args:
+            policy: its parameters, (p,) float32.
+            value: the value function's, (v,) float32.
+            rest: number of the iteration; mean (n,) and scale (n,) float64 of the n inputs, and the
+                mean of discounted returns, by which they are normalized.
+
+        Returns:
+            Pairs: sums over the rollout (8 + 2 n,) float64, as learn/ppo/ppo_messages.h has them,
+            and returns of the episodes that ended, (episodes,) float32.
+        """
         return self._all("collect", self._ray.put(policy), self._ray.put(value), *rest)
 
     def find_advantages(self, reward_scale: float) -> list[Any]:
+        """Sums of the rollout's advantages, (sums,) float64 each."""
         return self._all("find_advantages", reward_scale)
 
     def find_gradients(self, policy: Any, value: Any, *rest: Any) -> list[Any]:
+        """Of a minibatch.
+
+        Args:
+            policy: its parameters, (p,) float32.
+            value: the value function's, (v,) float32.
+            rest: numbers of the pass and of the minibatch, whether either gradient is wanted, mean
+                and scale of the advantages.
+
+        Returns:
+            Triples: sums (sums,) float64, gradients (p,) and (v,) float32; (0,) if not wanted.
+        """
         return self._all("find_gradients", self._ray.put(policy), self._ray.put(value), *rest)
 
     def spread_starts(self, iteration: int) -> None:
@@ -131,16 +174,12 @@ class RaySlices:
         compiled = CompiledScenario(
             self._setup.scenario, self._setup.overrides, self._setup.plugin_path
         )
-        wanted = {
-            "skybody": str(versions()["skybody"]),
-            "scenario": f"{self._setup.scenario} {self._setup.scenario_hash}",
-            **{f"plugin {name}": version for name, version in compiled.plugins.items()},
-        }
+        wanted = stamps(self._setup.scenario, self._setup.scenario_hash, compiled)
         for name, value in wanted.items():
             if found.get(name) != value:
+                remedy = REMEDIES.get(name, "install the same on all machines")
                 raise ClusterError(
-                    f"a worker's machine has {name} {found.get(name)}, this one {value}: install "
-                    "the same on all machines"
+                    f"a worker's machine has {name} {found.get(name)}, this one {value}: {remedy}"
                 )
 
     def _all(self, method: str, *arguments: Any) -> list[Any]:

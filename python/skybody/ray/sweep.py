@@ -17,14 +17,15 @@ from skybody.arguments import check_plugin_path
 from skybody.program import run_program
 from skybody.ray import sweep_table
 from skybody.ray.cluster import ADDRESS_HELP, LOCAL, check_cpus, cluster
+from skybody.ray.places import folders_from_anywhere, scenario_from_anywhere
 from skybody.ray.trials import Trial, make_trials, parse_grid
 from skybody.train import files
-from skybody.train.__main__ import number
 from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
 from skybody.train.evaluate import check_option, in_our_words
-from skybody.train.hyperparameters import UsageError, with_settings
-from skybody.train.presets import preset
-from skybody.train.requirements import TRAINING, demand_packages
+from skybody.train.hyperparameters import UsageError
+from skybody.train.options import number
+from skybody.train.presets import told
+from skybody.train.requirements import demand_packages, packages_of
 
 EPILOG = """\
 Every combination is a run folder below --out, as `python -m skybody.train` writes it. The same
@@ -56,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
         help="a hyper-parameter and its values, of lists with semicolons between them "
         "('hidden=64,64;512,512'); repeatable: all combinations are tried",
     )
-    add("--total-steps", type=number, default=1_000_000, metavar="N", help="default: 1e6")
+    add("--total-steps", type=number, metavar="N", help="default: the presets', else 1e6")
     add("--checkpoint-every", type=number, metavar="N", help="default: a tenth of --total-steps")
     add("--eval-episodes", type=int, default=20, metavar="N", help="default: 20")
     add("--override", action="append", default=[], metavar="PATH=VALUE", help="of the scenarios")
@@ -84,47 +85,51 @@ def seeds(text: str) -> list[int]:
 
 
 def trials_of(options: argparse.Namespace) -> list[Trial]:
-    """All trials; whatever is wrong with one is said here, before anything is begun."""
+    """All trials; whatever is wrong with one is said here, before anything is begun.
+
+    Tune runs each in a folder of its own, so files are named as one finds them from there.
+    """
     algorithm_of(options.algo)
     check_option("--cpus", options.cpus, 1, 1024)
-    check_option("--total-steps", options.total_steps, 1, 2**63 - 1)
+    if options.total_steps is not None:
+        check_option("--total-steps", options.total_steps, 1, 2**63 - 1)
     check_option("--eval-episodes", options.eval_episodes, 0, 2**24)
     check_plugin_path(options.plugin_path, "--plugin-path")
     common = ["--eval-episodes", str(options.eval_episodes)]
     if options.checkpoint_every is not None:
         check_option("--checkpoint-every", options.checkpoint_every, 1, 2**63 - 1)
         common += ["--checkpoint-every", str(options.checkpoint_every)]
-    for name in ("override", "plugin_path"):
-        common += [
-            word
-            for value in getattr(options, name)
-            for word in (f"--{name.replace('_', '-')}", value)
-        ]
+    common += [word for change in options.override for word in ("--override", change)]
+    scenarios = [scenario_from_anywhere(scenario) for scenario in options.scenarios]
+    compiled = {scenario: _load(scenario, options) for scenario in scenarios}
+    steps = {
+        scenario: told(scenario, options.algo, loaded, (), options.total_steps).total_steps
+        for scenario, loaded in compiled.items()
+    }
     trials = make_trials(
         options.out.absolute(),
-        options.scenarios,
+        scenarios,
         options.algo,
         options.seeds,
         parse_grid(options.set, options.algo),
-        options.total_steps,
+        steps,
         common,
         options.eval_episodes > 0,
+        folders_from_anywhere(options.plugin_path),
     )
     for trial in trials:
         check_option("--seeds", trial.seed, 0, 2**32 - 1)
-    _check_scenarios(options, trials)
+        of_scenario = compiled[trial.scenario]
+        told(trial.scenario, trial.algorithm, of_scenario, trial.settings).hyper.check()
     return trials
 
 
-def _check_scenarios(options: argparse.Namespace, trials: list[Trial]) -> None:
-    """Loads every scenario, and checks the hyper-parameters that its trials have."""
-    for scenario in options.scenarios:
-        compiled = CompiledScenario(scenario, options.override, options.plugin_path)
-        if compiled.horizon == 0 and options.eval_episodes > 0:
-            raise UsageError(f"scenario {scenario} has no horizon: --eval-episodes 0")
-        for trial in trials:
-            if trial.scenario == scenario:
-                with_settings(preset(scenario, trial.algorithm).hyper, trial.settings).check()
+def _load(scenario: str, options: argparse.Namespace) -> CompiledScenario:
+    """A scenario that can be trained and, where that is asked for, evaluated."""
+    compiled = CompiledScenario(scenario, options.override, options.plugin_path)
+    if compiled.horizon == 0 and options.eval_episodes > 0:
+        raise UsageError(f"scenario {scenario} has no horizon: --eval-episodes 0")
+    return compiled
 
 
 def spec_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -140,9 +145,10 @@ def check_folder(out: Path, spec: dict[str, Any]) -> None:
         found = json.loads(path.read_text())
         for name, value in spec.items():
             if found.get(name) != value:
+                was, now = ("left out" if v is None else v for v in (found.get(name), value))
                 raise UsageError(
-                    f"--out {out} holds a sweep with {name} {found.get(name)}, not {value}; put "
-                    "it back, or take another folder"
+                    f"--out {out} holds a sweep with {name} {was}, not {now}; put it back, or "
+                    "take another folder"
                 )
     elif out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UsageError(f"--out {out} is not empty and holds no sweep: take another")
@@ -201,7 +207,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Sweeps; returns the exit code."""
     options = parser().parse_args(arguments)
     try:
-        demand_packages(TRAINING)
+        demand_packages(packages_of(options.algo))
         trials = trials_of(options)
         check_folder(options.out, spec_of(options))
         errors = sweep(options, [trial for trial in trials if not trial.finished()])

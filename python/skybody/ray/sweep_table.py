@@ -85,8 +85,8 @@ def write(out: Path, rows: Sequence[dict[str, Any]]) -> None:
 
 
 def text(rows: Sequence[dict[str, Any]]) -> str:
-    """over_seeds() in columns, for a terminal."""
-    table = over_seeds(rows)
+    """over_seeds() in columns, for a terminal; of scenarios' files the stem, as of run folders."""
+    table = [{**row, "scenario": Path(row["scenario"]).stem} for row in over_seeds(rows)]
     head = list(table[0])
     cells = [head, *([_shown(row[name]) for name in head] for row in table)]
     widths = [max(len(line[k]) for line in cells) for k in range(len(head))]

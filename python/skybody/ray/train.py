@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-from pathlib import Path
 
 from skybody.ray.cluster import check_cpus, cluster
+from skybody.ray.places import folders_from_anywhere, scenario_from_anywhere
 from skybody.ray.slices import MOST_SLICES, RaySlices, Setup
 from skybody.train.evaluate import check_option
 from skybody.train.hyperparameters import UsageError
@@ -52,11 +52,10 @@ def hold_slices(
 
 def setup_of(config: Config) -> Setup:
     """What workers make their slices of; they are at work in another folder."""
-    is_file = Path(config.scenario).exists()
     return Setup(
-        scenario=str(Path(config.scenario).absolute()) if is_file else config.scenario,
+        scenario=scenario_from_anywhere(config.scenario),
         overrides=config.overrides,
-        plugin_path=[str(Path(folder).absolute()) for folder in config.searched],
+        plugin_path=folders_from_anywhere(config.searched),
         scenario_hash=config.scenario_hash,
         hyper=dict(vars(config.hyper)),
         seed=config.seed,

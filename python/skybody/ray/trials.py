@@ -8,7 +8,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,15 +33,17 @@ class Trial:
     total_steps: int
     common: tuple[str, ...] = ()  # further options, the same for all trials
     evaluated: bool = True  # whether checkpoints are evaluated
+    plugin_path: tuple[str, ...] = ()  # a run folder does not decide from where code is run
 
     def command(self, threads: int) -> list[str]:
         """That begins the run, or goes on with it."""
         made = [sys.executable, "-m", "skybody.train", "--out", str(self.folder)]
         made += ["--threads", str(threads)]
+        made += [word for folder in self.plugin_path for word in ("--plugin-path", folder)]
+        made += ["--total-steps", str(self.total_steps)]
         if (self.folder / "config.json").exists():
             return [*made, "--resume"]
-        made += [self.scenario, "--algo", self.algorithm, "--seed", str(self.seed)]
-        made += ["--total-steps", str(self.total_steps), *self.common]
+        made += [self.scenario, "--algo", self.algorithm, "--seed", str(self.seed), *self.common]
         return made + [word for setting in self.settings for word in ("--set", setting)]
 
     def finished(self) -> bool:
@@ -93,11 +95,17 @@ def make_trials(
     algorithm: str,
     seeds: Sequence[int],
     grid: dict[str, list[str]],
-    total_steps: int,
+    total_steps: Mapping[str, int],
     common: Sequence[str],
     evaluated: bool,
+    plugin_path: Sequence[str],
 ) -> list[Trial]:
-    """All combinations: of a scenario and its settings all seeds, then the next ones."""
+    """All combinations: of a scenario and its settings all seeds, then the next ones.
+
+    Args:
+        total_steps: of each scenario.
+        common: further options, the same for all.
+    """
     trials = []
     choices = [[f"{key}={value}" for value in values] for key, values in grid.items()]
     for scenario, settings, seed in itertools.product(
@@ -111,9 +119,10 @@ def make_trials(
                 algorithm,
                 seed,
                 settings,
-                total_steps,
+                total_steps[scenario],
                 tuple(common),
                 evaluated,
+                tuple(plugin_path),
             )
         )
     if len({trial.folder for trial in trials}) < len(trials):

@@ -22,105 +22,24 @@ from typing import TYPE_CHECKING
 from skybody._native import CompiledScenario, Error, InputError, versions
 from skybody.arguments import MOST_ENVS, MOST_THREADS, check_plugin_path
 from skybody.program import INTERRUPTED, run_program
-from skybody.ray.cluster import ADDRESSES
 from skybody.train import evaluate, files
-from skybody.train.algorithms import DEFAULT_ALGORITHM, algorithm_of, summaries
+from skybody.train.algorithms import DEFAULT_ALGORITHM
 from skybody.train.checkpoint import checkpoint_folders, read_meta
-from skybody.train.hyperparameters import UsageError, whole_number, with_settings
-from skybody.train.presets import preset, presets_file
-from skybody.train.requirements import REMEDY, TRAINING, demand_packages, package_versions
+from skybody.train.hyperparameters import UsageError
+from skybody.train.options import parser
+from skybody.train.presets import presets_file, told
+from skybody.train.requirements import (
+    demand_packages,
+    missing_text,
+    package_versions,
+    packages_of,
+)
 from skybody.train.run_folder import Config
 
 if TYPE_CHECKING:
     from skybody.train.trainer import Trainer
 
-EPILOG = """\
-A run folder can be resumed after Ctrl-C, SIGTERM or kill -9 and then ends with the same bits as a
-run that was never interrupted. Exit codes: 0 done, 2 wrong input, a file that cannot be written
-(resumable) or a run that diverged, 130 interrupted (resumable)."""
-
-
-def parser() -> argparse.ArgumentParser:
-    """The command line."""
-    made = argparse.ArgumentParser(
-        prog="skybody train",
-        usage="skybody train SCENARIO [OPTIONS]\n       skybody train --resume --out DIR [OPTIONS]",
-        description="Trains a policy in a scenario, reproducibly. docs/training.md says more.",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    add = made.add_argument
-    add("scenario", nargs="?", help="name of a shipped scenario, or a YAML file")
-    add("--algo", metavar="LEARNER", help=summaries())
-    add("--seed", type=int, help="of environments, networks and exploration; default: 0")
-    add(
-        "--total-steps",
-        type=number,
-        metavar="N",
-        help="steps over all environments, 2e6 is fine; default: the preset's, else 1e6",
-    )
-    add(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="run folder; must be new or empty; default: a new one, flights/SCENARIO_ALGO",
-    )
-    add("--resume", action="store_true", help="go on from the newest checkpoint in --out")
-    add("--envs", type=int, metavar="N", help="environments; default: the preset's")
-    add(
-        "--threads", type=int, metavar="T", help="that step them, 0 (default): all; changes no bits"
-    )
-    add(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a hyper-parameter (learning_rate=3e-4, hidden=64,64), of those that docs/training.md "
-        "lists; repeatable",
-    )
-    add(
-        "--override",
-        action="append",
-        metavar="PATH=VALUE",
-        help="of the scenario, as skybody run --set; repeatable",
-    )
-    add(
-        "--plugin-path",
-        action="append",
-        metavar="DIR",
-        help="where to look for plugins first; repeatable",
-    )
-    add(
-        "--checkpoint-every",
-        type=number,
-        metavar="N",
-        help="steps; default: a tenth of --total-steps",
-    )
-    add(
-        "--eval-episodes",
-        type=int,
-        metavar="N",
-        help="per checkpoint, in a process of its own; default: 20, 0: none",
-    )
-    add("--eval-seed", type=int, metavar="S", help=f"of their episodes; default: {evaluate.SEED}")
-    cluster = made.add_argument_group("several machines (docs/ray.md)").add_argument
-    cluster("--ray", metavar="ADDRESS", help=f"train with fast-ppo on a Ray cluster: {ADDRESSES}")
-    cluster(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes that hold its environments, 1 to 8; default: 2. Changes no bits",
-    )
-    cluster("--worker-threads", type=int, metavar="T", help="of each of them; default: 1")
-    return made
-
-
-def number(text: str) -> int:
-    """A whole number, also as 2e6."""
-    try:
-        return whole_number(text, "a number of steps")
-    except UsageError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+NO_MEMORY = "not enough memory: take fewer envs or rollout_steps, or smaller layers (hidden)"
 
 
 def given(value: int | None, default: int) -> int:
@@ -133,11 +52,10 @@ def new_config(options: argparse.Namespace, compiled: CompiledScenario) -> Confi
     if options.envs is not None and any(s.startswith("envs=") for s in options.set):
         raise UsageError("--envs and --set envs=...: give one of them")
     algorithm = options.algo or DEFAULT_ALGORITHM
-    found = preset(options.scenario, algorithm, compiled.dt * compiled.action_repeat)
-    hyper = with_settings(found.hyper, options.set)
+    found = told(options.scenario, algorithm, compiled, options.set, options.total_steps)
+    hyper, total = found.hyper, found.total_steps
     if options.envs is not None:
         hyper = dataclasses.replace(hyper, envs=options.envs)
-    total = given(options.total_steps, found.total_steps)
     return Config(
         scenario=options.scenario,
         overrides=options.override or [],
@@ -219,7 +137,7 @@ def all_versions(compiled: CompiledScenario, algorithm: str) -> dict[str, str]:
 
 def prepare(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     """The run's configuration, checked, and its scenario, loaded. Sets `options.out`."""
-    algorithm_of(options.algo or DEFAULT_ALGORITHM)
+    demand_packages(packages_of(options.algo or DEFAULT_ALGORITHM))
     options.out = options.out or default_folder(options)
     config, compiled = resumed_run(options) if options.resume else new_run(options)
     check(config)
@@ -249,6 +167,7 @@ def new_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
 def resumed_run(options: argparse.Namespace) -> tuple[Config, CompiledScenario]:
     """What the run folder says, and that the scenario is still the same."""
     config = resumed_config(options)
+    demand_packages(packages_of(config.algorithm))
     check_plugin_path(config.searched, "--plugin-path")
     compiled = CompiledScenario(config.scenario, config.overrides, config.searched)
     found = f"{compiled.scenario_hash:016x}"
@@ -282,10 +201,10 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"train: {evaluate.in_our_words(error)}", file=sys.stderr)
             return 2
         except MemoryError:
-            print("train: not enough memory: take fewer envs or rollout_steps", file=sys.stderr)
+            print(f"train: {NO_MEMORY}", file=sys.stderr)
             return 2
         except ModuleNotFoundError as error:
-            print(f"train: needs {error.name}, not installed here: {REMEDY}", file=sys.stderr)
+            print(f"train: {missing_text([str(error.name)])}", file=sys.stderr)
             return 2
         print(opening(options, trainer.config, trainer.first_step), flush=True)
         return train(trainer)
@@ -318,7 +237,6 @@ def make_trainer(options: argparse.Namespace, scope: contextlib.ExitStack) -> Tr
 
     The folder, and on a cluster its workers, are this process's until `scope` ends.
     """
-    demand_packages(TRAINING)
     check_cluster_options(options)
     config, compiled = prepare(options)
     slices = None
@@ -376,6 +294,10 @@ def train(trainer: Trainer) -> int:
         trainer.abandon()
         print("interrupted; --resume goes on from the newest checkpoint", file=sys.stderr)
         return INTERRUPTED
+    except MemoryError:
+        trainer.abandon()
+        print(f"train: {NO_MEMORY}", file=sys.stderr)
+        return 2
     except (OSError, Error, UsageError) as error:
         trainer.abandon()
         print(

@@ -30,7 +30,6 @@ from skybody.train.checkpoint import check_file, read_meta, resolve
 from skybody.train.hyperparameters import UsageError
 from skybody.train.learner import columns_of, goal_distance
 from skybody.train.policy_file import Policy, read_policy, shipped_policy
-from skybody.train.requirements import demand_packages
 
 SUCCESS = "success"  # info of tasks that say whether their aim is met (docs/task_kit.md)
 SHIPPED = "shipped"  # in a checkpoint's place: the policy that comes with Skybody
@@ -320,7 +319,6 @@ def main(arguments: list[str] | None = None) -> int:
     except UsageError as error:
         parser.error(str(error))
     try:
-        demand_packages(["h5py"])
         result = _evaluate_asked(options)
         if options.json:
             files.write_file(options.json, (json.dumps(result, indent=1) + "\n").encode())

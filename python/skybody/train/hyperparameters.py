@@ -9,8 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from skybody._native import hyperparameters
-from skybody.arguments import MOST_ENVS, allowed_words
+from skybody._native import MOST_LAYERS, hyperparameter_rows, hyperparameters
+from skybody.arguments import allowed_words
+
+SAME_KEYS = "fast-ppo"  # whose ranges hold for keys of the same name, too
 
 
 class UsageError(ValueError):
@@ -19,7 +21,10 @@ class UsageError(ValueError):
 
 @dataclass(frozen=True)
 class Hyperparameters:
-    """What a learner in PyTorch is told; `steps` are steps of one environment."""
+    """What a learner in PyTorch is told; `steps` are steps of one environment.
+
+    Keys that `fast-ppo` has mean what they mean there (`hyperparameter_rows`), with its ranges.
+    """
 
     envs: int = 64  # environments that are stepped side by side
     rollout_steps: int = 128  # steps of each environment between two updates
@@ -33,7 +38,7 @@ class Hyperparameters:
     target_kl: float = 0.0  # stop a rollout's updates beyond 1.5 times this; 0: never
     entropy_weight: float = 0.0
     value_weight: float = 0.5
-    max_grad_norm: float = 0.5
+    max_grad_norm: float = 0.5  # gradients are scaled down to this norm; 0: never
     log_std: float = -1.0  # of the actions' standard deviation, at the beginning
     final_log_std: float = 0.0  # at the end: learned below the line of the two; 0: learned freely
     bounded_mean: bool = False  # actions' mean through a tanh: noise always tells about actions
@@ -61,18 +66,14 @@ class Hyperparameters:
         for name, value in vars(self).items():
             finite = not isinstance(value, float) or math.isfinite(value)
             _demand(finite, name, value, "a finite number")
-        for name in ("envs", "rollout_steps", "minibatch", "epochs", "torch_threads"):
-            _demand(getattr(self, name) >= 1, name, getattr(self, name), "at least 1")
-        _demand(self.envs <= MOST_ENVS, "envs", self.envs, f"at most {MOST_ENVS}")
-        for name in ("learning_rate", "max_grad_norm", "observation_clip", "clip_range"):
-            _demand(getattr(self, name) > 0, name, getattr(self, name), "above 0")
-        for name in ("discount", "gae_lambda", "final_learning_rate"):
-            _demand(0 <= getattr(self, name) <= 1, name, getattr(self, name), "0 to 1")
-        for name in ("target_kl", "entropy_weight", "value_weight"):
-            _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
-        for name in ("normalization_steps", "averaging_steps"):
-            _demand(getattr(self, name) >= 0, name, getattr(self, name), "at least 0")
-        _demand(min(self.hidden, default=1) >= 1, "hidden", self.hidden, "sizes of at least 1")
+        for name, least, largest, _ in hyperparameter_rows(SAME_KEYS):
+            for value in _numbers(getattr(self, name, None)):
+                allowed = f"{_plain(least)} to {_plain(largest)}"
+                _demand(least <= value <= largest, name, value, allowed)
+        _demand(self.torch_threads >= 1, "torch_threads", self.torch_threads, "at least 1")
+        allowed = f"at most {MOST_LAYERS - 1}, as a policy file has {MOST_LAYERS} layers"
+        sizes = f"{len(self.hidden)} sizes"
+        _demand(len(self.hidden) < MOST_LAYERS, "hidden", sizes, f"{allowed} with the last one")
         rollout = self.envs * self.rollout_steps
         allowed = f"2 to envs * rollout_steps = {rollout}"
         _demand(2 <= self.minibatch <= rollout, "minibatch", self.minibatch, allowed)
@@ -174,6 +175,17 @@ def _parse(where: str, text: str, like: Any) -> Any:
         form = {bool: "true or false", tuple: "sizes as 64,64"}
         wanted = form.get(type(like), "a number")
         raise UsageError(f"{where}: `{text}` is not {wanted}") from None
+
+
+def _numbers(value: Any) -> tuple[float, ...]:
+    """Those that have a range: of a list each, of truths none."""
+    if isinstance(value, tuple):
+        return value
+    return (value,) if isinstance(value, (int, float)) and not isinstance(value, bool) else ()
+
+
+def _plain(limit: float) -> str:
+    return f"{int(limit)}" if limit.is_integer() and abs(limit) < 1e9 else f"{limit:g}"
 
 
 def _demand(good: bool, name: str, value: object, allowed: str) -> None:

@@ -10,15 +10,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from skybody._native import POSITION_ERRORS
 from skybody.train.policy_file import Layer, Policy
 
 if TYPE_CHECKING:
     import torch
 
     from skybody._native import Channel
-
-# Names under which tasks give the distance from their goal [m], in the order of preference.
-POSITION_ERRORS = ("position_error", "payload_error", "formation_error")
 
 
 @dataclass
@@ -32,6 +30,15 @@ class Report:
     inference_seconds: float = 0.0  # the rest of the rollout
     update_seconds: float = 0.0
     losses: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Saved:
+    """All of a learner between two iterations; arrays may be its own, until it goes on."""
+
+    parameters: Mapping[str, torch.Tensor | NDArray[Any]]  # as its parameters()
+    state: dict[str, Any]  # everything but the environments, as tensors and plain values
+    environments: bytes  # everything of the environments
 
 
 class Learner(Protocol):
@@ -50,14 +57,11 @@ class Learner(Protocol):
     def policy(self) -> Policy:
         """The deterministic policy as of now."""
 
-    def state(self) -> dict[str, Any]:
-        """Everything but the environments, as tensors and plain values."""
-
-    def environments(self) -> bytes:
-        """Everything of the environments."""
+    def save(self) -> Saved:
+        """What a checkpoint holds of it, and the parameters."""
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        """Goes on from where state() and environments() were taken.
+        """Goes on from where save() gave these.
 
         Where it raises, the learner is as it was.
         """
@@ -70,10 +74,15 @@ def check_finite(name: str, parameters: Mapping[str, torch.Tensor], steps: int) 
     """Raises FloatingPointError where a parameter is no number any more, after so many steps."""
     for parameter, value in parameters.items():
         if not bool(value.isfinite().all()):
-            raise FloatingPointError(
-                f"{name} diverged: {parameter} is not finite after {steps} steps; "
-                "try a smaller learning_rate (--set learning_rate=...)"
-            )
+            raise diverged(name, parameter, steps)
+
+
+def diverged(name: str, what: str, steps: int) -> FloatingPointError:
+    """The error of a learner one of whose numbers is none any more, after so many steps."""
+    return FloatingPointError(
+        f"{name} diverged: {what} is not finite after {steps} steps; "
+        "try a smaller learning_rate (--set learning_rate=...)"
+    )
 
 
 def layers_of(network: torch.nn.Sequential) -> list[Layer]:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from skybody._native import CompiledScenario, Diverged, Gradient, Ppo
 from skybody.train.hyperparameters import Hyperparameters
-from skybody.train.learner import Report
+from skybody.train.learner import Report, Saved
 from skybody.train.policy_file import Layer, Policy, policy_of_values
 
 if TYPE_CHECKING:
+    import torch
     from numpy.typing import NDArray
 
 TRAINED_SHARE = 0.5  # of the steps, after which `gradient` is heard about contact
@@ -56,24 +58,20 @@ class NativeLearner:
         report["episode_returns"] = report["episode_returns"].tolist()
         return Report(**report)
 
-    def parameters(self) -> dict[str, NDArray[np.int64]]:
-        """Their bits, two floats a word."""
-        blocks = self.state()
-        return {name: blocks[name] for name in PARAMETERS if name in blocks}
+    def parameters(self) -> Mapping[str, torch.Tensor | NDArray[np.int64]]:
+        """Their bits, (words,) int64, two floats a word."""
+        return self.save().parameters
 
     def policy(self) -> Policy:
         policy = policy_of_values(self._native.policy())
         layers = [Layer(*map(_single, dataclasses.astuple(layer))) for layer in policy.layers]
         return dataclasses.replace(policy, layers=layers)
 
-    def state(self) -> dict[str, Any]:
-        blocks, _ = self._native.save()
-        return {name: words.view(np.int64) for name, words in blocks.items()}
-
-    def environments(self) -> bytes:
-        _, words = self._native.save()
-        content: bytes = words.tobytes()
-        return content
+    def save(self) -> Saved:
+        blocks, environments = self._native.save()
+        state = {name: words.view(np.int64) for name, words in blocks.items()}
+        parameters = {name: state[name] for name in PARAMETERS if name in state}
+        return Saved(parameters, state, environments.tobytes())
 
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
         blocks = {name: words.view(np.uint64) for name, words in state.items()}

@@ -2,12 +2,11 @@
 
 Root attributes say what it was trained on; /normalization and /layers/0, 1, ... hold the network.
 The first 512 bytes are a seal: the hash of all other bytes, checked before HDF5 reads the file.
-docs/policies.md has the whole format. h5py is imported where it is needed: `--help` works without.
+docs/policies.md has the whole format. The reader and the writer are those of C++.
 """
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,13 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody._native import Error, policy_seal, read_policy_file, shipped_policy_file
+from skybody._native import Error, policy_file_bytes, read_policy_file, shipped_policy_file
 from skybody.train import files
 
 FORMAT = "skybody-policy"
 VERSION = 2
-SEAL_BYTES = 512  # HDF5's smallest user block
-LIBVER = ("v110", "v110")  # metadata with checksums, and nothing newer than Debian's HDF5 reads
 
 
 @dataclass(frozen=True)
@@ -161,52 +158,37 @@ def write_policy(path: Path, policy: Policy) -> None:
 
 
 def policy_bytes(policy: Policy) -> bytes:
-    """The bytes of `policy`'s file, with its attributes."""
-    stamp = {"format": FORMAT, "version": VERSION, "action_squash": policy.squash}
-    import h5py  # type: ignore[import-untyped]
+    """The bytes of `policy`'s file. Its attributes say what it was trained on, and by which seed.
 
-    image = io.BytesIO()
-    with h5py.File(image, "w", libver=LIBVER, userblock_size=SEAL_BYTES) as file:
-        _put_attributes(file, {**policy.attributes, **policy.sizes(), **stamp})
-        if policy.agents:
-            agents = file.create_group("agents")
-            for name in ("observation", "action"):
-                entries = [getattr(agent, name) for agent in policy.agents]
-                _put(agents, name, np.asarray(entries, np.int32))
-        normalization = file.create_group("normalization")
-        _put(normalization, "mean", policy.mean)
-        _put(normalization, "scale", policy.scale)
-        _put_attributes(normalization, {"clip": float(policy.clip)})
-        for k, layer in enumerate(policy.layers):
-            group = file.create_group(f"layers/{k}")
-            _put(group, "weight", layer.weight)
-            _put(group, "bias", layer.bias)
-            if layer.state_weight is None:
-                _put_attributes(group, {"activation": layer.activation})
-            else:
-                _put(group, "state_weight", layer.state_weight)
-                _put(group, "state_bias", layer.state_bias)
-    content = image.getvalue()[SEAL_BYTES:]
-    sealed: bytes = policy_seal(content) + content
-    return sealed
+    Of a policy without attributes there are the sizes alone.
+    """
+    stamps: dict[str, Any] = {"scenario": "", "scenario_hash": "", "algorithm": "", "steps": 0}
+    stamps.update({name: policy.attributes[name] for name in stamps if name in policy.attributes})
+    seed = int(policy.attributes.get("seed", 0))
+    normalized = np.isfinite(policy.clip)
+    values = {
+        **stamps,
+        **policy.sizes(),
+        "action_squash": policy.squash,
+        "agents": [(agent.observation.tolist(), agent.action.tolist()) for agent in policy.agents],
+        "mean": _doubles(policy.mean if normalized else []),
+        "scale": _doubles(policy.scale if normalized else []),
+        "clip": float(policy.clip) if normalized else 0.0,
+        "layers": [_layer_values(layer) for layer in policy.layers],
+    }
+    return policy_file_bytes(values, seed)
 
 
-def _put_attributes(place: Any, attributes: dict[str, Any]) -> None:
-    """Texts of fixed length, numbers as they are."""
-    import h5py
-
-    for name, value in attributes.items():
-        if isinstance(value, str):
-            text = value.encode()
-            kind = h5py.string_dtype("utf-8", max(len(text), 1))
-            place.attrs.create(name, np.array(text, kind), dtype=kind)
-        else:
-            place.attrs[name] = value
+def _layer_values(layer: Layer) -> tuple[Any, ...]:
+    """As `read_policy_file` gives it."""
+    dense = (_doubles(layer.weight), _doubles(layer.bias), layer.activation)
+    if layer.state_weight is None:
+        return dense
+    return (*dense, _doubles(layer.state_weight), _doubles(layer.state_bias))
 
 
-def _put(group: Any, name: str, values: NDArray[Any] | None) -> None:
-    """With a checksum that HDF5 checks whenever the values are read, by `skybody run` as well."""
-    group.create_dataset(name, data=values, fletcher32=True)
+def _doubles(values: Any) -> NDArray[np.float64]:
+    return np.ascontiguousarray(values, np.float64)
 
 
 def read_policy(path: Path) -> Policy:
@@ -261,7 +243,7 @@ def _plain(value: Any) -> Any:
 
 def _child(group: Any, name: str) -> Any:
     """A member of a group; links to other places are not followed."""
-    import h5py
+    import h5py  # type: ignore[import-untyped]
 
     for part in name.split("/"):
         if not isinstance(group.get(part, getlink=True), h5py.HardLink):

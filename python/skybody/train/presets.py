@@ -7,13 +7,20 @@ a key a learner, below it hyper-parameters and `total_steps`. docs/training.md s
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from skybody._native import read_settings, scenario_file
+from skybody._native import CompiledScenario, read_settings, scenario_file
 from skybody.arguments import allowed_words
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
-from skybody.train.hyperparameters import Hyperparameters, UsageError, whole_number, with_value
+from skybody.train.hyperparameters import (
+    Hyperparameters,
+    UsageError,
+    whole_number,
+    with_settings,
+    with_value,
+)
 
 TOTAL_STEPS = 1_000_000  # of a run that is told no number
 _TOTAL = "total_steps"  # the one key that is no hyper-parameter
@@ -25,6 +32,28 @@ class Preset:
 
     hyper: Hyperparameters
     total_steps: int  # environment steps of a whole run
+
+
+def told(
+    scenario: str,
+    algorithm: str,
+    compiled: CompiledScenario,
+    settings: Sequence[str] = (),
+    total_steps: int | None = None,
+) -> Preset:
+    """What a run is told: the scenario's preset, and in its place what a command line says.
+
+    Args:
+        scenario: as of preset(); `compiled` is the same, loaded.
+        settings: hyper-parameters, KEY=VALUE. They are not checked yet.
+        total_steps: None: the preset's.
+
+    Raises:
+        InputError, UsageError: as preset(); and for settings that do not fit.
+    """
+    found = preset(scenario, algorithm, compiled.dt * compiled.action_repeat)
+    steps = found.total_steps if total_steps is None else total_steps
+    return Preset(with_settings(found.hyper, settings), steps)
 
 
 def presets_file(scenario: str) -> Path:

@@ -1,21 +1,28 @@
-"""Packages of the `train` extra, which a plain `pip install .` does not bring."""
+"""Packages that training needs beside those of a plain `pip install .`, by the extra with them."""
 
 from __future__ import annotations
 
 import importlib.util
 from collections.abc import Iterable
 
-from skybody.train.algorithms import ALGORITHMS
+from skybody.train.algorithms import algorithm_of
 from skybody.train.hyperparameters import UsageError
 
-TRAINING = ("h5py", "matplotlib", "stable_baselines3", "torch", "tqdm")
+EXTRAS = {
+    "train": ("matplotlib", "tqdm"),  # whatever learns
+    "sb3": ("stable_baselines3", "torch"),  # learners that are not in C++
+}
 COMPUTING = ("torch", "numpy", "stable-baselines3", "gymnasium")
-REMEDY = "`pip install '.[train]'` in Skybody's source folder"
+
+
+def packages_of(algorithm: str) -> tuple[str, ...]:
+    """That a learner's training takes. Raises UsageError where there is no such learner."""
+    return EXTRAS["train"] + (() if algorithm_of(algorithm).is_native else EXTRAS["sb3"])
 
 
 def package_versions(algorithm: str) -> dict[str, str]:
     """Of the packages that a learner computes with; those in C++ need none."""
-    if ALGORITHMS[algorithm].is_native:
+    if algorithm_of(algorithm).is_native:
         return {}
     from importlib import metadata
 
@@ -27,6 +34,15 @@ def demand_packages(names: Iterable[str]) -> None:
 
     Asked before anything is begun: matplotlib, say, is first used when training is over.
     """
-    missing = [name for name in names if importlib.util.find_spec(name) is None]
-    if missing:
-        raise UsageError(f"needs {', '.join(missing)}, not installed here: {REMEDY}")
+    if missing := [name for name in names if importlib.util.find_spec(name) is None]:
+        raise UsageError(missing_text(missing))
+
+
+def missing_text(packages: Iterable[str]) -> str:
+    """That packages are missing, and what installs them."""
+    names = list(packages)
+    extras = [extra for extra, brought in EXTRAS.items() if set(names) & set(brought)] or ["train"]
+    return (
+        f"needs {', '.join(names)}, not installed here: `pip install '.[{','.join(extras)}]'` in "
+        "Skybody's source folder"
+    )

@@ -30,7 +30,7 @@ class Config:
     seed: int
     total_steps: int
     checkpoint_every: int  # environment steps
-    threads: int  # of the environments; 0: all; no bit of the result depends on it
+    threads: int  # of environments and learners in C++; 0: one a processor; changes no bits
     eval_episodes: int  # per checkpoint; 0: none
     eval_seed: int
     hyper: Hyperparameters

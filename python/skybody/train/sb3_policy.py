@@ -42,8 +42,13 @@ class Inference:
             self._parameters[bias] = layer.bias.detach().numpy()
 
     def __call__(self, rows: NDArray[np.float32]) -> NDArray[np.float32]:
+        """The last layer's outputs (n, outputs) of rows (n, inputs)."""
         outputs: NDArray[np.float32] = self._network.forward(self._parameters, rows)
         return outputs
+
+
+class NoDistribution(ArithmeticError):
+    """The actions' mean or deviation has grown beyond all numbers, or the deviation is 0."""
 
 
 class QuickPolicy(ActorCriticPolicy):
@@ -77,11 +82,15 @@ class QuickPolicy(ActorCriticPolicy):
         """Actions, values and log-probabilities of a step of a rollout, without gradients.
 
         The noise is what `DiagGaussianDistribution` draws: PyTorch's generator, in its order.
+
+        Raises NoDistribution.
         """
         rows = obs.numpy()
         mean = self._actor(rows)
         if self._bounded_mean:
             mean = np.tanh(mean)
+        if not np.isfinite(mean).all():
+            raise NoDistribution
         noise = np.zeros_like(mean)
         if not deterministic:
             noise = torch.normal(torch.zeros(mean.shape), torch.ones(mean.shape)).numpy()
@@ -93,6 +102,15 @@ class QuickPolicy(ActorCriticPolicy):
             torch.from_numpy(self._critic(rows)),
             torch.from_numpy(log_probability),
         )
+
+    def evaluate_actions(
+        self, obs: Any, actions: torch.Tensor
+    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor | None]:
+        """As the base's. Raises NoDistribution, where PyTorch's Normal raises ValueError."""
+        try:
+            return super().evaluate_actions(obs, actions)
+        except ValueError as error:
+            raise NoDistribution from error
 
 
 def linear(modules: Iterable[torch.nn.Module]) -> list[torch.nn.Linear]:

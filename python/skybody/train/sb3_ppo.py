@@ -7,6 +7,7 @@ optimizer, statistics, generators, environments and the few values that the next
 from __future__ import annotations
 
 import copy
+import math
 import random
 from collections import deque
 from time import perf_counter
@@ -24,9 +25,10 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 from skybody._native import CompiledScenario
 from skybody.sb3 import SkybodyVecEnv
 from skybody.train.hyperparameters import Hyperparameters
-from skybody.train.learner import Report, check_finite, goal_distance, layers_of
+from skybody.train.learner import Report, Saved, check_finite, diverged, goal_distance, layers_of
 from skybody.train.policy_file import Policy
-from skybody.train.sb3_policy import QuickPolicy
+from skybody.train.sb3_policy import NoDistribution, QuickPolicy
+from skybody.train.torch_errors import memory_errors
 
 LOSSES = {  # names in the tables, by Stable-Baselines3's
     "train/policy_gradient_loss": "policy_loss",
@@ -124,7 +126,8 @@ class Sb3Ppo:
         statistics = cast(RunningMeanStd, self.normalize.obs_rms)
         self.moments = Moments(shape=statistics.mean.shape)
         self.normalize.obs_rms = self.moments  # type: ignore[assignment]  # SB3: dict or not
-        self.model = make_model(self.normalize, hyper, seed)
+        with memory_errors():
+            self.model = make_model(self.normalize, hyper, seed)
         self.model.set_logger(Logger(folder=None, output_formats=[]))
         self.collector = Collector(self.vec_env)
         _, self.callback = self.model._setup_learn(total_steps, self.collector)
@@ -135,6 +138,16 @@ class Sb3Ppo:
         return self.model.num_timesteps
 
     def iterate(self) -> Report:
+        try:
+            # NumPy's warnings are of numbers that end in this error.
+            with memory_errors(), np.errstate(over="ignore", invalid="ignore"):
+                report = self._iterate()
+        except NoDistribution as error:
+            raise diverged("ppo", "the distribution of actions", self.steps) from error
+        check_finite("ppo", self.parameters(), self.steps)
+        return report
+
+    def _iterate(self) -> Report:
         model, report = self.model, self.collector.begin()
         before, begin = self.stopwatch.seconds, perf_counter()
         self.moments.frozen = not self.hyper.normalizes(self.steps)
@@ -151,7 +164,6 @@ class Sb3Ppo:
         report.inference_seconds = middle - begin - report.environment_seconds
         values = model.logger.name_to_value
         report.losses = {ours: float(values[theirs]) for theirs, ours in LOSSES.items()}
-        check_finite("ppo", self.parameters(), self.steps)
         return report
 
     def parameters(self) -> dict[str, torch.Tensor]:
@@ -172,7 +184,10 @@ class Sb3Ppo:
 
     # --- checkpoints ----------------------------------------------------------------------------
 
-    def state(self) -> dict[str, Any]:
+    def save(self) -> Saved:
+        return Saved(self.parameters(), self._state(), self.vec_env.save())
+
+    def _state(self) -> dict[str, Any]:
         model = self.model
         return {
             "policy": model.policy.state_dict(),
@@ -200,15 +215,12 @@ class Sb3Ppo:
             "generators": generators(),
         }
 
-    def environments(self) -> bytes:
-        return self.vec_env.save()
-
     def restore(self, state: dict[str, Any], environments: bytes) -> None:
-        before, environments_before = copy.deepcopy(self.state()), self.environments()
+        before = copy.deepcopy(self.save())
         try:
             self._put(state, environments)
         except BaseException:
-            self._put(before, environments_before)
+            self._put(before.state, before.environments)
             raise
 
     def _put(self, state: dict[str, Any], environments: bytes) -> None:
@@ -258,7 +270,7 @@ def make_model(env: VecEnv, hyper: Hyperparameters, seed: int) -> PPO:
         clip_range=hyper.clip_range,
         ent_coef=hyper.entropy_weight,
         vf_coef=hyper.value_weight,
-        max_grad_norm=hyper.max_grad_norm,
+        max_grad_norm=hyper.max_grad_norm or math.inf,
         target_kl=hyper.target_kl or None,
         policy_kwargs={
             "net_arch": {"pi": list(hyper.hidden), "vf": list(hyper.hidden)},

@@ -169,9 +169,10 @@ class Trainer:
 
     def _checkpoint(self) -> None:
         config, learner = self.config, self.learner
+        saved = learner.save()
         meta = {
             "steps": learner.steps,
-            "parameter_hash": parameter_hash(learner.parameters()),
+            "parameter_hash": parameter_hash(saved.parameters),
             "algorithm": config.algorithm,
             "seed": config.seed,
             "scenario": config.scenario,
@@ -194,13 +195,13 @@ class Trainer:
             skybody_version=config.versions["skybody"],
         )
         state = {
-            "learner": learner.state(),
+            "learner": saved.state,
             "average": self.average.state(),
             "shares": self.shares,
             "recent": list(self.recent),
             "faults": self.faults,
         }
-        folder = write_checkpoint(self.run, meta, state, learner.environments(), policy)
+        folder = write_checkpoint(self.run, meta, state, saved.environments, policy)
         self.evaluations.add(folder)
 
     def _record_evaluations(self) -> None:

@@ -36,7 +36,7 @@ class InProcessFactory : public PluginFactory {
     void* self = p.create(&setup, &declare, error, sizeof error);
     if (self == nullptr) throw Error(error);
     return {std::shared_ptr<const void>(self, p.destroy), kernels_for(p, best_isa()),
-            static_cast<int>(p.state_words)};
+            static_cast<int>(p.state_words), "", kernels_for(p, best_isa(), SKYBODY_NUMBER_DUAL)};
   }
 
   const std::vector<ParameterSpec>& parameters(SkybodyKind, const std::string& plugin) override {

@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
 #include "core/assemble/load.h"
 #include "core/base/error.h"
-#include "learn/gradient/gradient.h"
+#include "core/io/policy_file.h"
+#include "core/io/policy_writer.h"
+#include "learn/make_learner.h"
 #include "learn/ppo/ppo.h"
 
 namespace skybody::learn {
@@ -23,24 +26,60 @@ std::string message_of(const std::function<void()>& work) {
   return "";
 }
 
-template <class L>
-std::string refusal_of(const std::function<void(Hyperparameters&)>& change) {
+std::string refusal_of(Algorithm algorithm, const std::function<void(Hyperparameters&)>& change) {
   LearnerOptions options;
-  options.compiled = compile_scenario({"hover_learn", {}, {}});
   options.threads = 1;
   change(options.hyper);
-  return message_of([&] { L learner(options); });
+  return message_of([&] { make_learner(algorithm, {"hover_learn", {}, {}}, options); });
 }
 
 TEST(Hyperparameters, BeyondTheirRangeAreRefusedByEveryLearnerThatHasThem) {
   const auto no_envs = [](Hyperparameters& hyper) { hyper.envs = 0; };
   const std::string message = "hyper-parameter envs = 0: allowed is 1 to 1.67772e+07";
-  EXPECT_EQ(refusal_of<Ppo>(no_envs), message);
-  EXPECT_EQ(refusal_of<Gradient>(no_envs), message);
-  EXPECT_EQ(refusal_of<Ppo>([](Hyperparameters& hyper) {
-              hyper.hidden = {64, 0};
-            }),
+  EXPECT_EQ(refusal_of(Algorithm::kFastPpo, no_envs), message);
+  EXPECT_EQ(refusal_of(Algorithm::kGradient, no_envs), message);
+  EXPECT_EQ(refusal_of(Algorithm::kFastPpo,
+                       [](Hyperparameters& hyper) {
+                         hyper.hidden = {64, 0};
+                       }),
             "hyper-parameter hidden = 0: allowed is 1 to 8192");
+}
+
+TEST(Hyperparameters, WithMoreLayersThanAPolicyFileHasAreRefused) {
+  Hyperparameters hyper;
+  hyper.hidden.assign(63, 4);
+  const auto refusal = [&](Algorithm algorithm) {
+    return message_of([&] { check(hyper, algorithm); });
+  };
+  EXPECT_EQ(refusal(Algorithm::kFastPpo), "");
+  EXPECT_EQ(refusal(Algorithm::kGradient), "");
+  hyper.recurrent_units = 8;
+  EXPECT_EQ(refusal(Algorithm::kFastPpo),
+            "hyper-parameter hidden = 63 sizes: allowed is at most 62, as a policy file has 64 "
+            "layers with the last one and the recurrent one");
+  EXPECT_EQ(refusal(Algorithm::kGradient), "");  // has no memory
+  hyper.hidden.assign(64, 4);
+  EXPECT_EQ(refusal(Algorithm::kGradient),
+            "hyper-parameter hidden = 64 sizes: allowed is at most 63, as a policy file has 64 "
+            "layers with the last one");
+}
+
+/// What check() lets through can be read: the deepest policies with a memory and without.
+TEST(Hyperparameters, OfTheDeepestNetworksGivePoliciesThatCanBeRead) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "deepest_policy.h5";
+  for (const int units : {0, 4}) {
+    LearnerOptions options;
+    options.compiled = compile_scenario({"hover_learn", {}, {}});
+    options.threads = 1;
+    options.hyper.envs = 8;
+    options.hyper.minibatch = 64;
+    options.hyper.recurrent_units = units;
+    options.hyper.hidden.assign(units > 0 ? 62 : 63, 4);
+    write_policy(file, Ppo(options).policy(), 1);
+    EXPECT_EQ(read_policy(file).layers.size(), std::size_t{kMostLayers});
+  }
+  std::filesystem::remove(file);
 }
 
 TEST(Hyperparameters, OfTheOtherLearnerAreNotLookedAt) {
@@ -52,9 +91,10 @@ TEST(Hyperparameters, OfTheOtherLearnerAreNotLookedAt) {
 }
 
 TEST(Hyperparameters, ThatDoNotFitOneAnotherAreRefused) {
-  EXPECT_EQ(refusal_of<Ppo>([](Hyperparameters& hyper) { hyper.minibatch = 1 << 20; }),
-            "hyper-parameter minibatch = 1048576: allowed is 2 to the rows of a rollout, 8192 "
-            "(envs * rollout_steps, with shared_policy times the robots)");
+  EXPECT_EQ(
+      refusal_of(Algorithm::kFastPpo, [](Hyperparameters& hyper) { hyper.minibatch = 1 << 20; }),
+      "hyper-parameter minibatch = 1048576: allowed is 2 to the rows of a rollout, 8192 "
+      "(envs * rollout_steps, with shared_policy times the robots)");
 }
 
 }  // namespace

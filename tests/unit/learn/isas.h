@@ -1,6 +1,8 @@
 // The instruction sets of this machine, for tests that run on each.
 #pragma once
 
+#include <cstdlib>
+#include <string>
 #include <vector>
 
 #include "core/base/isa.h"
@@ -25,5 +27,26 @@ inline std::vector<Isa> fused_isas() {
   return {};
 #endif
 }
+
+/// For a scope, what is made runs on this set.
+class ChosenIsa {
+ public:
+  explicit ChosenIsa(Isa isa) {
+    if (const char* value = std::getenv("SKYBODY_ISA")) before_ = value;
+    setenv("SKYBODY_ISA", name(isa), 1);
+  }
+  ~ChosenIsa() {
+    if (before_.empty()) {
+      unsetenv("SKYBODY_ISA");
+    } else {
+      setenv("SKYBODY_ISA", before_.c_str(), 1);
+    }
+  }
+  ChosenIsa(const ChosenIsa&) = delete;
+  ChosenIsa& operator=(const ChosenIsa&) = delete;
+
+ private:
+  std::string before_;
+};
 
 }  // namespace skybody::learn

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 
 #include "core/assemble/load.h"
@@ -54,18 +53,19 @@ TEST(Ppo, LearnsOtherBitsFromAnotherSeed) {
 }
 
 TEST(Ppo, LearnsTheSameBitsOnEverySetWithFusedMultiplyAdd) {
+  const std::vector<Isa> sets = fused_isas();
+  if (sets.size() < 2) GTEST_SKIP() << "this machine has " << machine_isas();
   std::set<std::uint64_t> hashes;
-  for (const Isa isa : fused_isas()) {
-    ASSERT_EQ(setenv("SKYBODY_ISA", name(isa), 1), 0);
+  for (const Isa isa : sets) {
+    const ChosenIsa chosen(isa);
     hashes.insert(hash_after(small_options(small_team()), 4));
   }
-  unsetenv("SKYBODY_ISA");
-  EXPECT_LE(hashes.size(), 1u);
+  EXPECT_EQ(hashes.size(), 1u);
 }
 
 /// A short training of hover_learn: two rollouts.
 std::uint64_t hash_of_hover(const Sizes& hidden, Isa isa) {
-  setenv("SKYBODY_ISA", name(isa), 1);
+  const ChosenIsa chosen(isa);
   LearnerOptions options;
   options.compiled = compile_scenario({SKYBODY_SOURCE_DIR "/scenarios/hover_learn.yaml", {}, {}});
   options.seed = 1;
@@ -77,13 +77,12 @@ std::uint64_t hash_of_hover(const Sizes& hidden, Isa isa) {
   options.hyper.bounded_mean = true;
   options.hyper.final_log_std = -2.7;
   options.hyper.hidden = hidden;
-  const std::uint64_t hash = hash_after(options, 2);
-  unsetenv("SKYBODY_ISA");
-  return hash;
+  return hash_after(options, 2);
 }
 
 /// A change of these is a change of what every seed learns: CHANGELOG says so.
 TEST(Ppo, LearnsTheGoldenBitsOfHoverOnEverySetWithFusedMultiplyAdd) {
+  if (fused_isas().empty()) GTEST_SKIP() << "without fused multiply-add the last bits are others";
   for (const Isa isa : fused_isas()) {
     EXPECT_EQ(to_hex(hash_of_hover({64, 64}, isa)), "d2f86e596407d96c") << name(isa);
     EXPECT_EQ(to_hex(hash_of_hover({512, 512}, isa)), "faefa19f47b40ba3") << name(isa);

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include "core/assemble/load.h"
 #include "learn/common/slice_plan.h"
@@ -76,10 +75,9 @@ TEST(RecurrentPpo, LearnsTheSameBitsOnEverySetWithFusedMultiplyAdd) {
   if (sets.size() < 2) GTEST_SKIP() << "this machine has " << machine_isas();
   std::vector<std::uint64_t> hashes;
   for (const Isa isa : sets) {
-    ASSERT_EQ(setenv("SKYBODY_ISA", name(isa), 1), 0);
+    const ChosenIsa chosen(isa);
     hashes.push_back(hash_after(options(), 3));
   }
-  unsetenv("SKYBODY_ISA");
   EXPECT_EQ(hashes[0], hashes[1]);
 }
 

@@ -376,12 +376,11 @@ TEST_F(FormationTask, BadConfigurationNamesValueAndRemedy) {
   world.add_quad("second");
   EXPECT_THAT(refusal("formation", world, {{"target_min", Numbers{0, 3, 0}}}),
               HasSubstr("`target_min[1]` 3 is above `target_max` 2"));
-  PluginWorld gated;
-  for (const char* name : {"a", "b"}) gated.add_quad(name);
-  gated.add_gate("ring", {0, 0, 1}, 0.0);
-  EXPECT_THAT(refusal("formation", gated, {}),
-              HasSubstr("obstacle `ring` is a gate, and task `formation` sees boxes, cylinders, "
-                        "spheres and capsules alone: take one of these"));
+  PluginWorld hilly;
+  for (const char* name : {"a", "b"}) hilly.add_quad(name);
+  hilly.add_obstacle(SKYBODY_HEIGHT_FIELD, {4, 4}, {0, 0, 0}, 0.0, "hills");
+  EXPECT_THAT(refusal("formation", hilly, {}),
+              HasSubstr("obstacle `hills` is a height field, and task `formation` knows boxes"));
   world.robots[1].action_count = 0;
   EXPECT_THAT(refusal("formation", world, {}),
               HasSubstr("robot `second` takes no action, so that it cannot fly to its place"));

@@ -1,0 +1,168 @@
+// Wishes of the hold baseline in the words of each control mode.
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/math.h"
+#include "core/policy/hold_wish.h"
+#include "core/policy/pseudo_inverse.h"
+
+namespace skybody {
+namespace {
+
+using V = Vec3<double>;
+
+}  // namespace
+
+/// Of the robot with all that joints hold on it, as the scenario has it [N].
+double HoldPolicy::nominal_weight(const Robot& robot) const {
+  const std::vector<double>& params = compiled_.world().layout.nominal_params();
+  double mass = 0.0;
+  for (int b = robot.base; b < robot.base + robot.body_count; ++b) {
+    const int first = compiled_.layout().body_params[static_cast<std::size_t>(b)];
+    mass += params[static_cast<std::size_t>(first + kMass)];
+  }
+  return mass * norm(gravity_of(params));
+}
+
+/// The wish in the words of the robot's first controller.
+std::vector<double> HoldPolicy::command(const Robot& robot, const View& view,
+                                        const Wish& wish) const {
+  const V& p = wish.position;
+  switch (robot.signal) {
+    case SKYBODY_CTBR:
+      return {wish.thrust, wish.rates.x, wish.rates.y, wish.rates.z};
+    case SKYBODY_CTBT:
+      return {wish.thrust, wish.torque.x, wish.torque.y, wish.torque.z};
+    case SKYBODY_SRT:
+      return rotor_thrusts(robot, view, wish);
+    case SKYBODY_ROTOR_SPEED:
+    case SKYBODY_THROTTLE:
+      return rotor_speeds(robot, view, wish);
+    case SKYBODY_WRENCH:
+      return wrench(robot, view, wish);
+    case SKYBODY_VELOCITY: {
+      const V v = rotate_inverse(
+          view.base.rotation,
+          kPositionBandwidth * shortened(p - view.base.position, kMaxError) + wish.velocity);
+      const V r = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation,
+                                BandwidthScale());
+      return {v.x, v.y, v.z, r.x, r.y, r.z};
+    }
+    case SKYBODY_POSE: {
+      const Quat<double> q = attitude_along({0.0, 0.0, 1.0}, wish.yaw);
+      return {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
+    }
+    case SKYBODY_ATTITUDE: {
+      const Quat<double>& q = wish.attitude;
+      std::vector<double> values{wish.thrust, q.w, q.x, q.y, q.z};
+      values.resize(robot.low.size());  // rates of 0, where it takes them
+      return values;
+    }
+    case SKYBODY_FORCE: {
+      // A range that goes below 0 is that of a force on top of the nominal weight.
+      const double carried = robot.low[2] < 0.0 ? nominal_weight(robot) : 0.0;
+      std::vector<double> values{wish.force.x, wish.force.y, wish.force.z - carried, wish.yaw};
+      values.resize(robot.low.size());
+      return values;
+    }
+    case SKYBODY_ACCELERATION: {
+      const V a = wish.force / view.mass + view.gravity;
+      return {a.x, a.y, a.z, wish.yaw};
+    }
+    case SKYBODY_VELOCITY_TRACKING: {
+      const V v =
+          view.scale.all * kPositionBandwidth * shortened(p - view.base.position, kMaxError) +
+          wish.velocity;
+      const V r =
+          rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), view.base.rotation, view.scale);
+      return {v.x, v.y, v.z, r.z};
+    }
+    case SKYBODY_JOINT:
+      return joint_commands(robot, view, wish);
+    case SKYBODY_NONE:
+      return {};
+    case SKYBODY_POSITION:
+      return {p.x, p.y, p.z, wish.yaw};
+    default: {  // SKYBODY_TRAJECTORY: points that rest
+      std::vector<double> values(robot.low.size());
+      for (std::size_t k = 0; k + SKYBODY_REFERENCE_VALUES <= values.size();
+           k += SKYBODY_REFERENCE_VALUES) {
+        std::copy(&p.x, &p.x + 3, values.begin() + static_cast<std::ptrdiff_t>(k));
+        values[k + 15] = wish.yaw;
+      }
+      return values;
+    }
+  }
+}
+
+/// Of the arm's joints what reaches, of others what the scenario has.
+std::vector<double> HoldPolicy::joint_commands(const Robot& robot, const View& view,
+                                               const Wish& wish) const {
+  std::vector<double> commands = robot.joints;
+  for (std::size_t k = 0; k < std::min(commands.size(), robot.drives.size()); ++k) {
+    const int joint = robot.arm.joint_of(robot.drives[k]);
+    if (joint < 0) continue;
+    const auto place = static_cast<std::size_t>(joint);
+    commands[k] = robot.arm.command(view, place, wish.reach[place]);
+  }
+  return commands;
+}
+
+/// Single thrusts [N] that give the wished collective thrust and torque, none pulling. Of the
+/// torque about z, for which rotors have little to give, what leaves them within their limits:
+/// beyond them it would cost lift.
+std::vector<double> HoldPolicy::rotor_thrusts(const Robot& robot, const View& view,
+                                              const Wish& wish) const {
+  const std::vector<double> allocation = allocation_of(compiled_.world(), robot.index, view.params);
+  std::vector<double> thrusts(robot.low.size());  // 0 where a draw leaves no allocation
+  std::vector<double> turning(thrusts.size());
+  double share = 1.0;
+  for (std::size_t i = 0; i < allocation.size() / 4; ++i) {
+    const double* row = allocation.data() + 4 * i;
+    const double* rotor = rotor_params(robot, view, i);
+    const double full = rotor[kThrustConstant] * rotor[kMaxSpeed] * rotor[kMaxSpeed];
+    thrusts[i] = row[0] * wish.thrust + row[1] * wish.torque.x + row[2] * wish.torque.y;
+    turning[i] = row[3] * wish.torque.z;
+    const double room = turning[i] > 0.0 ? full - thrusts[i] : thrusts[i];
+    if (std::abs(turning[i]) > room)
+      share = std::min(share, std::max(0.0, room) / std::abs(turning[i]));
+  }
+  for (std::size_t i = 0; i < thrusts.size(); ++i) {
+    thrusts[i] = std::max(0.0, thrusts[i] + share * turning[i]);
+  }
+  return thrusts;
+}
+
+/// The same as speeds [rad/s], or as shares of the rotors' largest ones.
+std::vector<double> HoldPolicy::rotor_speeds(const Robot& robot, const View& view,
+                                             const Wish& wish) const {
+  std::vector<double> speeds = rotor_thrusts(robot, view, wish);
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const double* rotor = rotor_params(robot, view, i);
+    speeds[i] = sqrt(speeds[i] / rotor[kThrustConstant]);
+    if (robot.signal == SKYBODY_THROTTLE) speeds[i] /= rotor[kMaxSpeed];
+  }
+  return speeds;
+}
+
+/// The drawn constants of one of its rotors.
+const double* HoldPolicy::rotor_params(const Robot& robot, const View& view, std::size_t i) const {
+  const Layout& layout = compiled_.layout();
+  const int first = layout.robots[static_cast<std::size_t>(robot.index)].first_rotor;
+  return view.params.data() + layout.rotor_params[static_cast<std::size_t>(first) + i];
+}
+
+/// The whole robot hangs, level, on the first site; the others stay idle.
+std::vector<double> HoldPolicy::wrench(const Robot& robot, const View& view,
+                                       const Wish& wish) const {
+  const Quat<double>& q = view.base.rotation;
+  const V rates = rates_towards(attitude_along({0.0, 0.0, 1.0}, wish.yaw), q, BandwidthScale());
+  const V moment =
+      rotate(q, torque_for(rates, view.base.angular_velocity, view.inertia, BandwidthScale()));
+  std::vector<double> values(robot.low.size(), 0.0);
+  const double first[6] = {wish.force.x, wish.force.y, wish.force.z, moment.x, moment.y, moment.z};
+  std::copy(first, first + 6, values.begin());
+  return values;
+}
+
+}  // namespace skybody

@@ -1,0 +1,254 @@
+#!/usr/bin/env python3
+"""What does a step of `gradient` cost by world, what is its value function worth, and how long a
+horizon do heavy vehicles need?
+
+    .venv/bin/python experiments/gradient_choices.py [--program BENCH_GRADIENT]
+
+Every figure is bench_gradient's, whose command the page names. Costs: seconds of training by steps,
+on one thread. The other two: the median error, failures and mean return of 100 held-out episodes
+after a run's last update, for each seed. Writes gradient_choices.md and its JSON. Run it on a
+machine that does nothing else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import statistics
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skybody import versions
+from skybody.program import run_program
+from training_runs import (
+    ROOT,
+    RunError,
+    command_line,
+    machine,
+    machine_line,
+    shown,
+    versions_line,
+    write_json,
+)
+
+PATIENCE = 300.0  # s, for one run
+SEEDS = (1, 2, 3)
+WORLDS = ("hover_learn", "windy_hover", "payload")
+COST = ("threads=1", "envs=128", "updates=20", "every=20")
+STEP_SIZES = ("learning_rate=6e-3", "max_grad_norm=1")
+STATISTICS = ("normalization_steps=2e5", "averaging_steps=8e4")
+REWARD_ALONE = (
+    "goal_weight=0",
+    "reward_weight=1",
+    "envs=128",
+    "updates=215",
+    *STEP_SIZES,
+    *STATISTICS,
+)
+VEHICLES = ("envs=256", *STEP_SIZES)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Settings of bench_gradient that are compared with others."""
+
+    name: str
+    scenario: str
+    settings: tuple[str, ...]
+
+
+VALUE_CHOICES = [
+    Choice("none", "hover_learn", REWARD_ALONE),
+    *(
+        Choice(
+            f"weight {weight}, {epochs} value_epochs",
+            "hover_learn",
+            (*REWARD_ALONE, f"end_value_weight={weight}", f"value_epochs={epochs}"),
+        )
+        for weight, epochs in ((0.1, 10), (1, 2), (1, 10))
+    ),
+]
+HORIZON_CHOICES = [
+    Choice(
+        "32 actions (0.32 s), 3 m/s", "vehicles", (*VEHICLES, "rollout_steps=32", "updates=586")
+    ),
+    Choice(
+        "64 actions (0.64 s), 3 m/s", "vehicles", (*VEHICLES, "rollout_steps=64", "updates=293")
+    ),
+    Choice(
+        "64 actions (0.64 s), 1 m/s",
+        "vehicles",
+        (*VEHICLES, "rollout_steps=64", "updates=293", "approach_speed=1"),
+    ),
+]
+
+
+# --- one run --------------------------------------------------------------------------------------
+
+
+def bench(program: Path, scenario: str, settings: Sequence[str]) -> dict[str, float]:
+    """Runs bench_gradient; the figures after its last update. Raises RunError."""
+    command = [str(program), scenario, *settings]
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=False, timeout=PATIENCE
+        )
+    except subprocess.TimeoutExpired:
+        raise RunError(f"{' '.join(command)} has not ended after {PATIENCE:.0f} s") from None
+    if done.returncode != 0:
+        raise RunError(
+            f"{' '.join(command)} failed (exit code {done.returncode})\n{done.stderr.strip()}"
+        )
+    return read_figures(done.stdout)
+
+
+def read_figures(output: str) -> dict[str, float]:
+    """Of the last look: steps, seconds of training, and those of the held-out episodes."""
+    ready = re.search(r"^ready after ([\d.]+) s$", output, re.MULTILINE)
+    looks = re.findall(
+        r"^update +\d+ steps +(\d+) +([\d.]+) s of process .*\| median ([\d.]+) m "
+        r"p90 ([\d.]+) m failures (\d+) of (\d+) return (-?[\d.]+)$",
+        output,
+        re.MULTILINE,
+    )
+    if ready is None or not looks:
+        raise RunError(f"bench_gradient printed no figures, but\n{output}")
+    names = ("steps", "seconds", "median", "worst_tenth", "failures", "episodes", "mean_return")
+    figures = dict(zip(names, map(float, looks[-1]), strict=True))
+    figures["seconds"] -= float(ready[1])
+    return figures
+
+
+def costs(program: Path) -> list[dict[str, Any]]:
+    """Of a step of training in each world."""
+    rows = []
+    for world in WORLDS:
+        found = bench(program, world, COST)
+        rows.append({"scenario": world, "microseconds": 1e6 * found["seconds"] / found["steps"]})
+    return rows
+
+
+def compared(program: Path, choices: Sequence[Choice]) -> list[dict[str, Any]]:
+    """Each choice with the figures of its seeds."""
+    return [
+        {
+            "choice": choice.name,
+            "command": " ".join(["bench_gradient", choice.scenario, *choice.settings]),
+            "runs": [
+                bench(program, choice.scenario, [*choice.settings, f"seed={seed}"])
+                for seed in SEEDS
+            ],
+        }
+        for choice in choices
+    ]
+
+
+# --- the page -------------------------------------------------------------------------------------
+
+
+def markdown(content: dict[str, Any]) -> str:
+    """The whole page."""
+    rows = "\n".join(
+        f"| `{row['scenario']}` | {row['microseconds']:.1f} |" for row in content["costs"]
+    )
+    return f"""\
+# What `gradient` costs, and two of its choices
+
+    {content["command"]}
+
+on {machine_line(content["machine"])}. Every figure is `bench_gradient`'s.
+
+## A step of training
+
+`bench_gradient SCENARIO {" ".join(COST)}`, one run each: flight, network and the way back through four physics
+steps, on one thread. Quadrotors that are one free body without effects go back in closed form,
+other worlds by an evaluation on dual numbers for each value of their motion.
+
+| scenario | a step of one environment [us] |
+| --- | ---: |
+{rows}
+
+## The value function, where the reward is all there is
+
+`hover_learn` without the cost that follows from the goal, seeds {_seeds()}: 100 held-out episodes
+after the last update. Held-out episodes are the same for all.
+
+{_table(content["values"], "value function")}
+
+## How far heavy vehicles look ahead
+
+`vehicles`, with horizons and speeds of approach; the steps are about as many for all.
+
+{_table(content["horizons"], "horizon, approach_speed")}
+
+A failure is an episode that the task ends, or a fault.
+
+Versions: {versions_line([content])}.
+"""
+
+
+def _seeds() -> str:
+    return f"{', '.join(map(str, SEEDS[:-1]))} and {SEEDS[-1]}"
+
+
+def _table(rows: Sequence[dict[str, Any]], title: str) -> str:
+    lines = [
+        f"| {title} | steps | mean return | least | median error [mm] | failures of 100 |",
+        "| --- | ---: | ---: | ---: | --- | --- |",
+    ]
+    for row in rows:
+        runs = row["runs"]
+        returns = [run["mean_return"] for run in runs]
+        medians = [f"{1e3 * run['median']:.1f}" for run in runs]
+        failures = [f"{run['failures']:.0f}" for run in runs]
+        lines.append(
+            f"| {row['choice']} | {max(run['steps'] for run in runs):,.0f} "
+            f"| {statistics.mean(returns):.0f} | {min(returns):.0f} "
+            f"| {', '.join(medians)} | {', '.join(failures)} |"
+        )
+    commands = "\n".join(f"    {row['command']}" for row in rows)
+    return "\n".join(lines) + f"\n\nA value for each seed; with `seed=1` and so on:\n\n{commands}"
+
+
+# --- the command line -----------------------------------------------------------------------------
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measures, writes; returns the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("--program", type=Path, default=ROOT / "build/release/bin/bench_gradient")
+    add("--report", type=Path, default=ROOT / "docs/results", help="folder of the page")
+    options = parser.parse_args(arguments)
+    if not options.program.exists():
+        parser.error(f"--program {options.program} does not exist; build the target bench_gradient")
+    try:
+        content: dict[str, Any] = {
+            "experiment": "costs and choices of gradient",
+            "command": command_line(
+                "gradient_choices.py", sys.argv[1:] if arguments is None else arguments
+            ),
+            "machine": machine(),
+            "versions": {name: str(version) for name, version in versions().items()},
+            "costs": costs(options.program),
+            "values": compared(options.program, VALUE_CHOICES),
+            "horizons": compared(options.program, HORIZON_CHOICES),
+        }
+    except RunError as error:
+        print(f"gradient_choices: {error}", file=sys.stderr)
+        return 2
+    write_json(options.report / "data/gradient_choices.json", content)
+    text = markdown(content)
+    (options.report / "gradient_choices.md").write_text(text)
+    print(f"{text}\nwritten: {shown(options.report / 'gradient_choices.md')}")
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,91 @@
+#include "learn/hyperparameter_text.h"
+
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/io/text.h"
+
+namespace skybody::learn {
+namespace {
+
+// Each reads the whole of a text, or says in which form it is to be written.
+
+const char* read(std::string_view text, double& to) {
+  const std::optional<double> value = parse_number(text);
+  if (!value) return "a number";
+  to = *value;
+  return nullptr;
+}
+
+const char* read(std::string_view text, int& to) {
+  const std::optional<double> value = parse_number(text);
+  const bool is_whole = value && std::isfinite(*value) && std::floor(*value) == *value &&
+                        std::abs(*value) <= std::numeric_limits<int>::max();
+  if (!is_whole) return "a whole number";
+  to = static_cast<int>(*value);
+  return nullptr;
+}
+
+const char* read(std::string_view text, bool& to) {
+  if (text != "true" && text != "false") return "true or false";
+  to = text == "true";
+  return nullptr;
+}
+
+/// Nothing: no layers.
+const char* read(std::string_view text, Sizes& to) {
+  Sizes sizes;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t end = rest.find(',');
+    int& size = sizes.emplace_back();
+    if (read(rest.substr(0, end), size) != nullptr) return "sizes as 64,64";
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+  }
+  to = sizes;
+  return nullptr;
+}
+
+const char* read(std::string_view text, Activation& to) {
+  to = hidden_activation(std::string(text));
+  return nullptr;
+}
+
+}  // namespace
+
+Activation hidden_activation(const std::string& word) {
+  std::vector<std::string> allowed;
+  for (std::size_t k = 1; k < std::size(kActivationNames); ++k) {
+    if (word == kActivationNames[k]) return static_cast<Activation>(k);
+    allowed.emplace_back(kActivationNames[k]);
+  }
+  throw Error("`activation` is `" + word + "`; allowed: " + join(allowed));
+}
+
+void set(Hyperparameters& hyper, Algorithm algorithm, const std::string& setting) {
+  const std::size_t at = setting.find('=');
+  if (at == std::string::npos) throw Error("`" + setting + "`: write NAME=VALUE");
+  const std::string name = setting.substr(0, at), text = setting.substr(at + 1);
+  const char* form = nullptr;
+  const HyperparameterRow* row = hyperparameter_rows().data();
+  bool is_there = false;
+#define SKYBODY_ROW(TYPE, NAME, DEFAULT, LEAST, LARGEST, ALGORITHMS, MEANING) \
+  if (name == #NAME && has(*row, algorithm)) {                                \
+    is_there = true;                                                          \
+    form = read(text, hyper.NAME);                                            \
+  }                                                                           \
+  ++row;
+  SKYBODY_HYPERPARAMETERS(SKYBODY_ROW)
+#undef SKYBODY_ROW
+  if (!is_there) {
+    throw Error("no hyper-parameter `" + name + "`" +
+                suggestion(name, hyperparameter_names(algorithm)));
+  }
+  if (form != nullptr) throw Error("`" + setting + "`: `" + text + "` is not " + form);
+}
+
+}  // namespace skybody::learn
