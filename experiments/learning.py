@@ -2,7 +2,7 @@
 """Learns all tasks with their presets, three seeds each, and flies what was learned.
 
     .venv/bin/python experiments/learning.py [--scenarios NAME...] [--no-training] [--quick]
-    .venv/bin/python experiments/learning.py --check
+    .venv/bin/python experiments/learning.py --check [--scenarios NAME...]
 
 Run folders are kept in --out: finished runs are not repeated, interrupted ones go on, and a run
 that was trained elsewhere is taken where its folder is put there under its name, SCENARIO-seed-N.
@@ -45,7 +45,6 @@ from training_runs import ROOT, Run, RunError, command_line, machine, shown, wri
 
 EPISODES, CHECKPOINT_EPISODES = 100, 20
 QUICK_STEPS, QUICK_EPISODES = 20_000, 4
-START_ROLLOUTS = 2  # after which every run's parameters are kept for a test to compare
 CURVE_POINTS = 40  # of a run, in the JSON
 PAGE = "docs/results"
 Row = dict[str, Any]
@@ -112,10 +111,9 @@ def learner(course: Course, seed: int, total_steps: int) -> Learner:
 
 
 def start(course: Course, seed: int, total_steps: int) -> Row:
-    """Steps and hash after the first rollouts."""
+    """Steps and hash after the first rollout and its update."""
     begun = learner(course, seed, total_steps)
-    for _ in range(START_ROLLOUTS):
-        begun.iterate()
+    begun.iterate()
     return {"steps": begun.steps, "parameter_hash": parameter_hash(begun.parameters())}
 
 
@@ -281,7 +279,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add, names = parser.add_argument, [course.scenario for course in COURSES]
-    add("--scenarios", nargs="+", choices=names, default=names, help="to train; default: all")
+    add(
+        "--scenarios",
+        nargs="+",
+        choices=names,
+        default=names,
+        help="to train or check; default: all",
+    )
     add("--no-training", dest="training", action="store_false", help="take what --out has")
     add("--threads", type=int, default=0, help="of training, which change no bits; 0: all")
     add("--check", action="store_true", help="train the page's runs to their first checkpoint")
@@ -307,7 +311,7 @@ def main(arguments: list[str] | None = None) -> int:
     path = options.report / "data/learning.json"
     earlier = [] if options.quick else kept(path, COURSES)
     if options.check:
-        return check(earlier)
+        return check([row for row in earlier if row["scenario"] in options.scenarios])
     try:
         rows = rows_of(options, earlier)
     except (InputError, RunError) as error:
