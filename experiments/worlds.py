@@ -245,7 +245,8 @@ def main() -> int:
         "",
         f"Each world is flown by `hold` in {EPISODES} drawn episodes (or fewer), as by "
         f"`skybody run WORLD --episodes {EPISODES}`; the picture shows the first one. What success "
-        "is stands in the head of the world's file, which is repeated here.",
+        "is stands in the head of the world's file, which is repeated here. The machine is that of "
+        "the worlds that were flown last.",
         "",
         table(sections),
         "",
