@@ -32,7 +32,9 @@ FEWER = {
     "payload_modular_1khz": 20,
     "cooperative_payload_learn": 40,  # flights of another world, with a longer action
     "formation_learn_2": 40,
-    "formation_10": 20,  # many robots, each action a physics step of 1 ms, for 20 s
+    "formation": 20,  # each action a physics step of 1 ms, for 20 s
+    "formation_2": 20,
+    "formation_10": 20,
     "formation_20": 20,
 }
 COARSER = 2  # pixels of a flight's picture for one of the page
