@@ -8,6 +8,9 @@ restored, also into a pool of another shape; beside an environment that faults a
 the machine as it is, and with a process on every processor that does nothing but compute. `hover`
 is flown on the ground as well. One line per scenario, with the trajectory hash; exit status 0: all
 are identical, 1: some differ, 2: a process failed.
+
+All of it takes hours. `--scenarios` flies some, and `--write` puts each beside what was flown
+before, as soon as it has been flown: a line that no longer has the pinned hash goes.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
+import json
 import os
 import subprocess
 import sys
@@ -23,6 +27,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import skybody
 from skybody.program import deaf_to_interrupts, run_program
@@ -34,6 +39,7 @@ import golden  # noqa: E402
 from golden import ENVS, LEAST_STEPS, SEED, STEPS, Flight, FlightError  # noqa: E402
 
 REPORT = ROOT / "docs/results/determinism_matrix.md"
+LINES = ROOT / "docs/results/data/determinism_matrix.json"
 FLIGHTS = {flight.name: flight for flight in golden.FLIGHTS}
 QUICK_SCENARIOS = ("hover", "payload")
 TIMEOUT = 600.0  # s, of one process on a machine that does much else
@@ -170,17 +176,18 @@ def line(result: Result) -> str:
 HEAD = """\
 # The determinism matrix
 
-Every shipped scenario, flown in {runs} ways: the trajectory hash that `tests/golden` pins, and
-whether all of them gave it.
+Every shipped scenario, flown in {runs} ways, or in a part of them: the trajectory hash that
+`tests/golden` pins, and whether all of them gave it.
 
-    {command}
+    .venv/bin/python experiments/determinism_matrix.py --write [--quick] [--scenarios NAME ...]
 
 on {machine}; Skybody {version}. A run is {envs} environments under seed {seed}, each with a
 reset, the number of steps below and the actions of `skybody hash`. The horizon is a quarter of the
 steps, so that every environment is reset at least three times on the way. `hover_on_ground` is
 `hover` begun 2 to 6 cm above the ground, which the vehicle touches. The ways are
 
-- {shapes} shapes: {threads} threads x batches of {batches} x order {orders};
+- {shapes} shapes: {threads} threads x batches of {batches} x order {orders}; where a line has
+  {quick_runs} runs, {quick_shapes};
 - by `skybody hash`; from Python; from Python, saved in the middle, disturbed and restored; restored
   there into a pool of one thread that waits for all; and beside an environment whose actions are
   not finite every few steps (the others' hashes are compared);
@@ -196,34 +203,58 @@ processors they are the same, and where that is not promised, is in
 """
 
 
-def markdown(results: list[Result], shapes: list[Shape], envs: int, command: str) -> str:
+def markdown(lines: dict[str, dict[str, Any]]) -> str:
     """The report."""
     from training_runs import machine, machine_line  # has what training needs, PyTorch too
 
     def words(values: Iterator[object]) -> str:
         return ", ".join(str(value) for value in dict.fromkeys(values))
 
+    shapes, quick = make_shapes(ENVS, False), make_shapes(ENVS, True)
+    ways = 2 * (1 + len(PYTHON_FLIGHTS))  # of a shape
     head = HEAD.format(
-        runs=len(results[0].hashes),
-        command=command,
+        runs=ways * len(shapes),
         machine=machine_line(machine()),
         version=skybody.__version__,
-        envs=envs,
+        envs=ENVS,
         seed=SEED,
         shapes=len(shapes),
         threads=words(shape.threads for shape in shapes),
         batches=words(shape.batch for shape in shapes),
         orders=words(shape.order for shape in shapes),
+        quick_runs=ways * len(quick),
+        quick_shapes="; ".join(map(str, quick)),
     )
     rows = [
-        f"| `{r.flight.name}` | {r.flight.robots} | {r.flight.steps} "
-        f"| `{r.hash}` | {len(r.hashes)} | {r.verdict} |"
-        for r in results
+        f"| `{name}` | {line['robots']} | {line['steps']} | `{line['hash']}` | {line['runs']} "
+        f"| {line['verdict']} |"
+        for name, line in lines.items()
     ]
-    differing = [f"- `{r.flight.name}`, {way}" for r in results for way in r.differing]
+    differing = [f"- `{name}`, {way}" for name in lines for way in lines[name]["differing"]]
     return "\n".join(
         [head + "\n".join(rows), *(["", "Differ:", "", *differing] if differing else []), ""]
     )
+
+
+def keep(result: Result) -> None:
+    """Puts a line among those that were flown before, and writes the report anew."""
+    flight = result.flight
+    known = json.loads(LINES.read_text()) if LINES.is_file() else {}
+    known[flight.name] = {
+        "robots": flight.robots,
+        "steps": flight.steps,
+        "hash": result.hash,
+        "runs": len(result.hashes),
+        "verdict": result.verdict,
+        "differing": result.differing,
+    }
+    lines = {
+        name: known[name]
+        for name, pinned in FLIGHTS.items()
+        if name in known and known[name]["hash"] == golden.shipped_hash(pinned)
+    }
+    LINES.write_text(json.dumps(lines, indent=1) + "\n")
+    REPORT.write_text(markdown(lines))
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -247,13 +278,24 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         "tests/golden flies",
     )
     add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="skybody")
-    add("--quick", action="store_true", help="two scenarios, three shapes: a trial")
-    add("--write", action="store_true", help="write docs/results/determinism_matrix.md")
+    add(
+        "--quick",
+        action="store_true",
+        help="three shapes and, unless others are named, two scenarios: a trial",
+    )
+    add(
+        "--write",
+        action="store_true",
+        help="write docs/results/determinism_matrix.md, with as many environments and steps as "
+        "tests/golden flies",
+    )
     options = parser.parse_args(arguments)
     options.scenarios = options.scenarios or (QUICK_SCENARIOS if options.quick else tuple(FLIGHTS))
     unknown = sorted(set(options.scenarios) - set(FLIGHTS))
     if unknown:
         parser.error(f"--scenarios {unknown[0]}: there are {', '.join(FLIGHTS)}")
+    if options.write and (options.envs, options.steps) != (ENVS, STEPS):
+        parser.error("--write: without --envs and --steps, which the report does not vary")
     if options.envs < 3:
         parser.error(f"--envs {options.envs}: at least 3")
     if options.steps < LEAST_STEPS:
@@ -265,23 +307,21 @@ def main(arguments: list[str] | None = None) -> int:
     """Flies, compares, prints; returns the exit status."""
     options = parse(arguments)
     shapes = make_shapes(options.envs, options.quick)
-    results = []
+    differs = False
     try:
         for name in options.scenarios:
             pinned = FLIGHTS[name]
             most_steps = min(options.steps, pinned.most_steps)
             flight = dataclasses.replace(pinned, most_steps=most_steps)
-            results.append(fly_all(options, flight, shapes))
-            print(line(results[-1]), flush=True)
+            result = fly_all(options, flight, shapes)
+            differs |= bool(result.differing)
+            print(line(result), flush=True)
+            if options.write:
+                keep(result)
     except FlightError as error:
         print(f"determinism_matrix: {error}", file=sys.stderr)
         return 2
-    if options.write:
-        given = sys.argv[1:] if arguments is None else arguments
-        command = " ".join([".venv/bin/python experiments/determinism_matrix.py", *given])
-        REPORT.write_text(markdown(results, shapes, options.envs, command))
-        print(f"written: {REPORT.relative_to(ROOT)}")
-    return 1 if any(result.differing for result in results) else 0
+    return 1 if differs else 0
 
 
 if __name__ == "__main__":

@@ -43,6 +43,7 @@ class Case:
     batch: int  # N_B
     action: str  # of ACTIONS, the same for all environments and steps
     overrides: tuple[str, ...] = ()
+    row: tuple[float, ...] = ()  # the values of an environment's action, in place of `action`
 
     @property
     def threads(self) -> int:
@@ -130,7 +131,7 @@ def _trial(compiled: skybody.CompiledScenario, case: Case, length: Length, seed:
 def _receiver(pool: skybody.Pool, case: Case) -> Callable[[], None]:
     """Receives a batch and sends those environments on."""
     shape = (case.batch, pool.compiled.action_size)
-    rows = np.full(shape, ACTIONS[case.action], np.float32)
+    rows = np.full(shape, case.row or ACTIONS[case.action], np.float32)
     recv, send = pool.recv, pool.send
 
     def receive_all() -> None:

@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""The worlds of contact, couplings and air: a picture of each, and how often its baseline succeeds.
+"""The worlds of tasks, contact, couplings and air: a picture of each, and how often its baseline
+succeeds.
 
-    .venv/bin/python experiments/worlds.py [--quick] [--out DIR]
+    .venv/bin/python experiments/worlds.py [WORLD ...] [--quick] [--out DIR]
 
 Each world is flown by `hold` in 100 drawn episodes with `skybody run`, whose picture of the first
 one is taken. An episode succeeds if nothing failed and it ends as the head of the world's file
-says. tests/python/test_worlds.py asks the same of every commit.
+says. Where worlds are named, those alone are flown, and the page keeps what it has of the others.
+tests/python/test_worlds.py asks the same of every commit.
 """
 
 from __future__ import annotations
 
+import re
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -29,6 +32,10 @@ FEWER = {
     "payload_modular_1khz": 20,
     "cooperative_payload_learn": 40,  # flights of another world, with a longer action
     "formation_learn_2": 40,
+    "formation": 20,  # each action a physics step of 1 ms, for 20 s
+    "formation_2": 20,
+    "formation_10": 20,
+    "formation_20": 20,
 }
 COARSER = 2  # pixels of a flight's picture for one of the page
 
@@ -115,6 +122,8 @@ WORLDS = {
     "trajectory_compact": (SHORTER, on_the_path(0.05)),
     "trajectory_paper": (SHORTER, on_the_path(0.1)),
     "trajectory_modular_paper": (SHORTER, on_the_path(0.1)),
+    "payload": ([], says_so),
+    "payload_paper": ([], says_so),
     "payload_1khz": ([], says_so),
     "payload_modular": ([], says_so),
     "payload_modular_1khz": ([], says_so),
@@ -123,6 +132,18 @@ WORLDS = {
     "pendulum_randomized": ([], says_so),
     "pendulum_paper": ([], says_so),
 }
+# For the page alone: they move as worlds above do, with another reward or more of the same robots.
+VARIANTS: dict[str, tuple[list[str], Callable[[h5py.Group], bool]]] = {
+    "payload_learn": ([], says_so),
+    "payload_modular_learn": ([], says_so),
+    "pendulum_learn": ([], says_so),
+    "pendulum_learn_randomized": ([], says_so),
+    "formation": ([], says_so),
+    "formation_2": ([], says_so),
+    "formation_10": ([], says_so),
+    "formation_20": ([], says_so),
+}
+ALL_WORLDS = WORLDS | VARIANTS
 
 
 def episodes_of(world: str) -> int:
@@ -132,7 +153,7 @@ def episodes_of(world: str) -> int:
 
 def fly(world: str, episodes: int, folder: Path, picture: bool = False) -> list[bool]:
     """Flies a world by its baseline. @returns of each episode whether it succeeded"""
-    overrides, is_success = WORLDS[world]
+    overrides, is_success = ALL_WORLDS[world]
     command = [str(PROGRAM), "run", world.split()[0], "--episodes", str(episodes)]
     for override in overrides:
         command += ["--set", override]
@@ -182,15 +203,41 @@ def section(world: str, episodes: int, out: Path | None) -> str:
     return "\n".join(lines)
 
 
+def sections_of(page: Path) -> dict[str, str]:
+    """What a page has of each world; nothing where there is no page."""
+    text = page.read_text() if page.is_file() else ""
+    parts = [part.strip() for part in text.split("\n## ")[1:]]
+    return {part.split("\n", 1)[0]: f"## {part}" for part in parts}
+
+
+def table(sections: dict[str, str]) -> str:
+    """A line a world: how many of its episodes succeed."""
+    rows = ["| world | succeeded | of |", "| --- | ---: | ---: |"]
+    for world, text in sections.items():
+        found = re.search(r"succeeds in (\d+) of (\d+)", text)
+        if found:
+            rows.append(f"| [{world}](#{world.replace(' ', '-')}) | {found[1]} | {found[2]} |")
+    return "\n".join(rows)
+
+
 def main() -> int:
     parser = arguments(__doc__ or "")
+    parser.add_argument("worlds", nargs="*", metavar="WORLD", help="default: all")
     options = parser.parse_args()
+    unknown = [world for world in options.worlds if world not in ALL_WORLDS]
+    if unknown:
+        parser.error(f"no world `{unknown[0]}`: there are {', '.join(ALL_WORLDS)}")
     out = output_folder(parser, options)
     found = facts()
     most = 3 if options.quick else EPISODES
-    sections = [section(world, min(most, episodes_of(world)), out) for world in WORLDS]
+    flown = {
+        world: section(world, min(most, episodes_of(world)), out)
+        for world in options.worlds or ALL_WORLDS
+    }
     if out is None:
         return 0
+    known = sections_of(out / "worlds.md") | flown
+    sections = {world: known[world] for world in ALL_WORLDS if world in known}
     page = [
         "# Worlds",
         "",
@@ -198,12 +245,14 @@ def main() -> int:
         "",
         "    .venv/bin/python experiments/worlds.py",
         "",
-        f"Each world is flown by `hold` in {most} drawn episodes (or fewer), as by "
-        f"`skybody run WORLD --episodes {most}`; the picture shows the first one. What success is "
-        "stands in the head of the "
-        "world's file, which is repeated here.",
+        f"Each world is flown by `hold` in {EPISODES} drawn episodes (or fewer), as by "
+        f"`skybody run WORLD --episodes {EPISODES}`; the picture shows the first one. What success "
+        "is stands in the head of the world's file, which is repeated here. The machine is that of "
+        "the worlds that were flown last.",
         "",
-        "\n\n".join(sections),
+        table(sections),
+        "",
+        "\n\n".join(sections.values()),
         "",
     ]
     (out / "worlds.md").write_text("\n".join(page))

@@ -1,6 +1,8 @@
 // Whether a robot can fly a path, with the parameters of that check, for plugins that have a path.
 #pragma once
 
+#include <stdexcept>
+
 #include "controllers/common/flyable.h"
 #include "plugins/reference/path_start.h"
 
@@ -10,6 +12,28 @@ namespace skybody::control {
 class PathCheck {
  public:
   explicit PathCheck(Plugin* owner) : owner_(owner) {}
+
+  /// Refuses a path that stays where it begins: that is `hold`. Waypoints are held apart where they
+  /// are read.
+  /// @throws std::runtime_error with the remedy
+  static void require_length(const reference::PathParameters& parameters,
+                             const reference::Path& path) {
+    const reference::PathNumbers<double> numbers = nominal_numbers(parameters, path);
+    if (is_harmonic(path.kind) && !(numbers.figure.steepest() > 0.0)) {
+      throw std::runtime_error(
+          "the path has no length: give `amplitude` a swing that has `cycles`, or take `kind: "
+          "hold`");
+    }
+    if (path.kind == reference::Kind::kStep && !(norm(numbers.figure.amplitude) > 0.0)) {
+      throw std::runtime_error(
+          "the step has no length: give `amplitude` the way that it goes, or take `kind: hold`");
+    }
+    const bool turns = path.facing == reference::Facing::kTable;
+    if (path.kind == reference::Kind::kCsv && !turns && !(path.spline.peak_speed() > 0.0)) {
+      throw std::runtime_error(
+          "the path of `file` has no length: let x, y or z change, or take `kind: hold`");
+    }
+  }
 
   /// Holds the nominal path, from its beginning on, against what the robot can do. Robots without
   /// rotors are driven, and a step is no path that anything flies exactly.

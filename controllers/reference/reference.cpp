@@ -25,6 +25,7 @@ class Reference : public Controller {
     dt_ = setup.dt();
     path_ = parameters_.path();
     declare_output(setup);
+    control::PathCheck::require_length(parameters_, path_);
     check_.require_flyable_path(setup, setup.robot(), parameters_, path_);
     setup.input(Signal::kNone, {}, {});
     setup.buffer(4);

@@ -15,6 +15,44 @@ namespace skybody::task_kit {
 /// Cosine of the largest tilt [rad]; -2, which nothing is below, where every tilt is allowed.
 inline double tilt_cosine_limit(double tilt_max) { return tilt_max < kPi ? cos(tilt_max) : -2.0; }
 
+/// Refuses a place where nobody may be, such as a target.
+/// @param place  x, y, z, W [m], whatever follows; @param what  it is, for the message
+inline void require_within(const RealsParameter& place, const std::string& what, double bound) {
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(place.value(k)) <= bound) continue;
+    throw std::runtime_error("`" + what + "[" + std::to_string(k) + "]` " +
+                             to_text(place.value(k)) + " lies beyond `bound` " + to_text(bound) +
+                             ", where an episode ends: raise that, or bring it nearer");
+  }
+}
+/// The same of a place that no parameter says.
+inline void require_within(const Vec3<double>& place, const std::string& what, double bound) {
+  const double coordinates[] = {place.x, place.y, place.z};
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(coordinates[k]) <= bound) continue;
+    throw std::runtime_error(what + " lies beyond `bound` " + to_text(bound) + ", at " + "xyz"[k] +
+                             " = " + to_text(coordinates[k]) +
+                             " m, where an episode ends: raise that, or bring it nearer");
+  }
+}
+/// The same of a target that the scenario gives, or else of the box that it is drawn in.
+inline void require_target_within(const RealsParameter& target, const RealsParameter& low,
+                                  const RealsParameter& high, double bound) {
+  if (target.is_given()) return require_within(target, "target", bound);
+  require_within(low, "target_min", bound);
+  require_within(high, "target_max", bound);
+}
+/// Refuses a target below the height [m] where an episode ends, likewise.
+inline void require_target_above(const RealsParameter& target, const RealsParameter& low,
+                                 double height_min) {
+  const RealsParameter& lowest = target.is_given() ? target : low;
+  if (lowest.value(2) >= height_min) return;
+  throw std::runtime_error(std::string(target.is_given() ? "`target[2]` " : "`target_min[2]` ") +
+                           to_text(lowest.value(2)) + " lies below `height_min` " +
+                           to_text(height_min) +
+                           ", where an episode ends: lower that, or lift the target");
+}
+
 /// Which limits are passed.
 template <class Real>
 struct PassedLimits {
@@ -50,16 +88,7 @@ class FlightLimits {
     bound_failure_ = declare_failure(setup, infos, "bound", "a coordinate beyond `bound`");
   }
 
-  /// Refuses a place where nobody may be, such as a target. @param what  of it, for the message
-  void require_within(const RealsParameter& place, const std::string& what) const {
-    for (int k = 0; k < 3; ++k) {
-      if (std::abs(place.value(k)) <= bound_.value()) continue;
-      throw std::runtime_error("`" + what + "[" + std::to_string(k) + "]` " +
-                               to_text(place.value(k)) + " lies beyond `bound` " +
-                               to_text(bound_.value()) +
-                               ", where an episode ends: raise that, or bring it nearer");
-    }
-  }
+  double bound() const { return bound_.value(); }  ///< of each coordinate's magnitude [m]
 
   /// @param heading  what `yaw_max` limits either way [rad]
   template <class Real>

@@ -15,6 +15,11 @@ class Chase : public Task {
 
   void configure(const Setup& setup) override {
     const int evader = setup.robot(evader_.value());
+    if (pen_.value() > limits_.bound()) {
+      throw std::runtime_error("`pen` " + to_text(pen_.value()) + " reaches beyond `bound` " +
+                               to_text(limits_.bound()) +
+                               ", where an episode ends: raise that, or make the pen smaller");
+    }
     add_pursuers(setup, evader);
     evades_ = setup.robots()[evader].action_count > 0;
     pursuers_ = count();

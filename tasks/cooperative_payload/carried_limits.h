@@ -42,6 +42,9 @@ class CarriedLimits {
     dropped_ = declare_failure(setup, infos, "dropped", "the load below `height_min`");
   }
 
+  double bound() const { return bound_max_.value(); }        ///< of each coordinate's magnitude [m]
+  double height_min() const { return height_min_.value(); }  ///< of the load [m]
+
   template <class Real>
   SKYBODY_INLINE PassedByTeam<Real> by_load(const BodyMotion<Real>& load) const {
     PassedByTeam<Real> passed;

@@ -16,6 +16,8 @@ class CooperativePayload : public Task {
 
   void configure(const Setup& setup) override {
     require_box(target_min_, target_max_, "target");
+    require_target_within(target_, target_min_, target_max_, limits_.bound());
+    require_target_above(target_, target_min_, limits_.height_min());
     drawn_target_ = announce_drawn(setup, target_);
     find_load(setup);
     add_carriers(setup);

@@ -14,6 +14,7 @@ class Hover : public Task {
 
   void configure(const Setup& setup) override {
     require_box(target_min_, target_max_, "target");
+    require_target_within(target_, target_min_, target_max_, limits_.bound());
     drawn_target_ = announce_drawn(setup, target_);
     is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());

@@ -28,6 +28,9 @@ class Landing : public Task {
     hull_.configure(setup, robot);
     deck_.configure(setup, pad);
     check_limits();
+    const double(&place)[3] = setup.robots()[pad].position;
+    require_within(Vec3<double>{place[0], place[1], place[2]}, "the pad `" + pad_.value() + "`",
+                   limits_.bound());
     declare(setup, robot);
     setup.goal(robot, body_);
   }

@@ -26,12 +26,8 @@ class Obstacles : public Task {
 
   void configure(const Setup& setup) override {
     require_box(target_min_, target_max_, "target");
-    if (target_.is_given()) {
-      limits_.require_within(target_, "target");
-    } else {
-      limits_.require_within(target_min_, "target_min");
-      limits_.require_within(target_max_, "target_max");
-    }
+    require_target_within(target_, target_min_, target_max_, limits_.bound());
+    require_target_above(target_, target_min_, height_min_.value());
     drawn_target_ = announce_drawn(setup, target_);
     obstacles_ = obstacles::find(setup, "task `obstacles`");
     require_obstacles();

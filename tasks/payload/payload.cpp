@@ -21,6 +21,7 @@ class Payload : public Task {
       throw std::runtime_error("link `" + link_.value() + "` is fixed to the base of robot `" +
                                std::string(info.name) + "`: name one that hangs on a joint");
     }
+    require_within(target_, "target", limits_.bound());
     first_action_ = info.first_action;
     actions_ = action_count(info, "payload");
     const auto part = [&](const char* name, const char* unit, int count, const char* doc,

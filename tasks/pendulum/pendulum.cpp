@@ -19,6 +19,8 @@ class Pendulum : public Task {
     actions_ = action_count(info, "pendulum");
     dt_ = setup.dt();
     require_within_horizon(setup, steps_.value(), "history");
+    require_within(target_, "target", limits_.bound());
+    require_target_above(target_, target_, height_min_.value());
     if (is_privileged_.value()) setup.need_bodies_before();
     declare_states(setup, robot);
     if (is_privileged_.value()) declare_privileged(setup, robot);

@@ -20,6 +20,7 @@ class Racing : public Task {
   void configure(const Setup& setup) override {
     track_.configure(setup, gates_.values(), laps_.value() > 1 || first_gate_.value() != 0.0);
     check_first_gate();
+    track_.require_within(limits_.bound());
     step_time_ = setup.dt() * setup.action_repeat();
     add_racers(setup);
     if (racers_.size() > 1) setup.robot_rewards();

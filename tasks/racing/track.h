@@ -1,7 +1,7 @@
 // A track: gates of the scenario in the order in which they are passed, round and round.
 #pragma once
 
-#include <skybody/plugin.h>
+#include <skybody/task_kit.h>
 
 #include <stdexcept>
 #include <string>
@@ -33,6 +33,13 @@ class Track {
     }
     check_overlaps();
     check_order(is_closed);
+  }
+
+  /// Refuses gates that stand where nobody may be. @param bound  of each coordinate [m]
+  void require_within(double bound) const {
+    for (const Entry& gate : gates_) {
+      task_kit::require_within(gate.nominal.centre, "gate `" + gate.name + "`", bound);
+    }
   }
 
   int size() const { return static_cast<int>(gates_.size()); }

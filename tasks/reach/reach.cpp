@@ -46,6 +46,7 @@ class Reach : public Task {
     position_info_ =
         infos_.add(setup, "position_error", "m", "distance of the base from its place");
     tilt_info_ = infos_.add(setup, "tilt", "rad", "of the base, 0 .. pi");
+    require_within(from_home(place_.vec3()), "the tool's `place`", limits_.bound());
     limits_.configure(setup, infos_);
     success_ = declare_success(setup, infos_, "the tool is within `success_distance` of its place");
     setup.goal(robot, carrier_, lever_);
@@ -134,7 +135,11 @@ class Reach : public Task {
   /// The tool's place, W.
   template <class Real>
   SKYBODY_INLINE Vec3<Real> target(const EnvView<Real>& env) const {
-    const Vec3<Real> p = place_.vec3(env);
+    return from_home(place_.vec3(env));
+  }
+  /// @param p  from the robot's place in the scenario, in its heading, level [m]
+  template <class Real>
+  SKYBODY_INLINE Vec3<Real> from_home(const Vec3<Real>& p) const {
     const double c = cos(heading_), s = sin(heading_);
     return home<Real>() + Vec3<Real>{c * p.x - s * p.y, s * p.x + c * p.y, p.z};
   }

@@ -122,12 +122,8 @@ class Trajectory : public Task {
 
   void require_path(const Setup& setup, int robot) {
     path_ = path_parameters_.path();
+    control::PathCheck::require_length(path_parameters_, path_);
     const PathNumbers<double> numbers = nominal_numbers(path_parameters_, path_);
-    if (is_harmonic(path_.kind) && !(numbers.figure.steepest() > 0.0)) {
-      throw std::runtime_error(
-          "the path has no length: give `amplitude` a swing that has `cycles`, or take `kind: "
-          "hold`");
-    }
     limits_.require_within(numbers, path_, setup.horizon() * step_);
     check_.require_flyable_path(setup, robot, path_parameters_, path_);
   }

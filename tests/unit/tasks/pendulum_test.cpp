@@ -138,9 +138,11 @@ TEST_F(PendulumTask, RewardsTheWayMadeAndUprightness) {
 TEST_F(PendulumTask, ShapesTheRewardWhereTheScenarioAsksForIt) {
   const auto added = [&](const std::string& name, double far) {
     const auto reward = [&](double weight) {
-      const Instance task(
-          "pendulum", world,
-          {{"target", Numbers{far, 0, kTop}}, {name, weight}, {"privileged", false}});
+      const Instance task("pendulum", world,
+                          {{"target", Numbers{far, 0, kTop}},
+                           {"bound", 20.0},
+                           {name, weight},
+                           {"privileged", false}});
       Group g = upright(task);
       step(task, g);
       return g.reward[0];

@@ -1,0 +1,196 @@
+"""How many steps a second each task takes from Python, 1,024 environments at once.
+
+    .venv/bin/python experiments/task_speed.py [SCENARIO ...] [--quick] [--out DIR]
+
+Every environment gets the same constant action: the mean of what the baseline `hold` sends in a
+flight, so that vehicles stay in the air for most of an episode, and so that resets are among what
+is measured, as in training. Where scenarios are named, those alone are measured, and the page keeps
+what it has of the others.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import skybody
+from skybody.program import run_program
+from throughput import (
+    QUICK,
+    ROOT,
+    Case,
+    Length,
+    arguments,
+    facts,
+    machine_line,
+    markdown_table,
+    measure,
+    output_folder,
+    plain_table,
+    summary,
+    thousands,
+    write_json,
+)
+
+PROGRAM = ROOT / "build/release/bin/skybody"
+ENVS = 1024
+LENGTH = Length(trials=2, warm_up=20, receives=20, seconds=0.4, most=1.5)
+SCENARIOS = (
+    "hover",
+    "hover_learn",
+    "trajectory",
+    "trajectory_modular",
+    "trajectory_ctbr",
+    "trajectory_compact",
+    "trajectory_paper",
+    "trajectory_modular_paper",
+    "payload",
+    "payload_learn",
+    "payload_paper",
+    "payload_1khz",
+    "payload_modular",
+    "payload_modular_learn",
+    "payload_modular_1khz",
+    "payload_modular_paper",
+    "pendulum",
+    "pendulum_learn",
+    "pendulum_randomized",
+    "pendulum_learn_randomized",
+    "pendulum_paper",
+    "racing",
+    "racing_drawn",
+    "racing_duel",
+    "racing_figure",
+    "racing_split_s",
+    "landing",
+    "obstacles",
+    "obstacles_rays",
+    "chase",
+    "chase_agents",
+    "formation_2",
+    "formation",
+    "formation_10",
+    "formation_20",
+    "formation_learn",
+    "formation_learn_2",
+    "formation_obstacles",
+    "cooperative_payload",
+    "cooperative_payload_learn",
+    "cooperative_payload_ropes",
+    "arm",
+)
+
+
+@dataclass(frozen=True)
+class Line:
+    """What was measured of one scenario."""
+
+    robots: int
+    actions: int
+    observations: int
+    repeat: int  # physics steps an action
+    rate: float  # environment steps a second
+
+    def cells(self, scenario: str) -> list[str]:
+        """Of the table's row."""
+        numbers = [self.robots, self.observations, self.actions, self.repeat]
+        return [
+            scenario,
+            *map(str, numbers),
+            thousands(self.rate),
+            thousands(self.rate * self.repeat),
+            thousands(self.rate * self.repeat * self.robots),
+        ]
+
+
+HEAD = [
+    "scenario",
+    "robots",
+    "observations",
+    "actions",
+    "physics steps a step",
+    "steps",
+    "physics steps",
+    "of robots",
+]
+
+
+def steady_action(scenario: str) -> tuple[float, ...]:
+    """The mean action of a flight by `hold`."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [str(PROGRAM), "run", scenario, "--episodes", "1", "--no-picture"]
+        command += ["--out", str(Path(folder) / "log")]
+        subprocess.run(command, check=True, capture_output=True)
+        with h5py.File(Path(folder) / "log/flight.h5") as log:
+            (episode,) = log["episodes"].values()
+            return tuple(float(a) for a in np.asarray(episode["action"]).mean(axis=0))
+
+
+def measure_line(scenario: str, length: Length) -> Line:
+    """One scenario."""
+    compiled = skybody.CompiledScenario(scenario)
+    row = steady_action(scenario)
+    case = Case(scenario, ENVS, ENVS, "hold", row=row)
+    return Line(
+        robots=len(compiled.robots),
+        actions=compiled.action_size,
+        observations=compiled.observation_size,
+        repeat=compiled.action_repeat,
+        rate=summary(measure(case, length)).rate,
+    )
+
+
+def page(lines: dict[str, Line], found: dict[str, Any]) -> str:
+    """The report."""
+    rows = [HEAD, *(line.cells(f"`{scenario}`") for scenario, line in lines.items())]
+    text = [
+        "# Speed of each task from Python",
+        "",
+        "    .venv/bin/python experiments/task_speed.py",
+        "",
+        machine_line(found),
+        "",
+        f"{ENVS:,} environments in one batch of `make_pool`, a thread for each processor, and the "
+        "last three columns in thousands a second: environment steps, where a world counts once, "
+        "physics steps, and physics steps of single robots. Each environment gets the mean action "
+        "of a flight by `hold`: no policy is asked, and vehicles that drift beyond their limits "
+        "begin anew, as in training. Observations are float32.",
+        "",
+        markdown_table(rows),
+        "",
+    ]
+    return "\n".join(text)
+
+
+def main() -> int:
+    parser = arguments(__doc__ or "")
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="default: all")
+    options = parser.parse_args()
+    unknown = [name for name in options.scenarios if name not in SCENARIOS]
+    if unknown:
+        parser.error(f"no scenario `{unknown[0]}`: there are {', '.join(SCENARIOS)}")
+    out = output_folder(parser, options)
+    found = facts()
+    measured = {}
+    for scenario in options.scenarios or SCENARIOS:
+        measured[scenario] = measure_line(scenario, QUICK if options.quick else LENGTH)
+        print(plain_table([measured[scenario].cells(scenario)]), flush=True)
+    if out is None:
+        return 0
+    data = out / "data/task_speed.json"
+    known = json.loads(data.read_text())["lines"] if data.is_file() else {}
+    known |= {name: vars(line) for name, line in measured.items()}
+    lines = {name: known[name] for name in SCENARIOS if name in known}
+    write_json(data, {"facts": found, "lines": lines})
+    (out / "task_speed.md").write_text(page({k: Line(**v) for k, v in lines.items()}, found))
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
