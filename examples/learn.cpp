@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   skybody::learn::LearnerOptions options;
-  options.total_steps = argc > 1 ? std::atoll(argv[1]) : 3'000'000;
+  options.total_steps = argc > 1 ? std::atoll(argv[1]) : 9'000'000;
   options.seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   options.hyper.discount = 0.98;
   options.hyper.bounded_mean = true;

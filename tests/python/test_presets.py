@@ -117,4 +117,7 @@ def test_training_takes_the_presets_of_a_users_scenario_and_says_so(
     assert main(["mine.yaml", "--eval-episodes", "0", "--out", "run"]) == 0
     said = capsys.readouterr().out
     assert "640 steps; presets of training/mine.yaml" in said
+    short = ["mine.yaml", "--eval-episodes", "0", "--out", "short", "--total-steps", "320"]
+    assert main(short) == 0
+    assert "320 steps, in which the schedules of 640 are squeezed" in capsys.readouterr().out
     assert "640 steps in" in said

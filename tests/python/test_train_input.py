@@ -99,6 +99,7 @@ def test_a_folder_that_holds_something_is_not_overwritten(
         (["--seed", "4"], "begun with seed 3, not 4"),
         (["--algo", "ppo"], "begun with algorithm fast-ppo, not ppo"),
         (["--set", "epochs=3"], "leave --set and --envs out"),
+        (["--total-steps", "1"], "--total-steps 1: "),
     ],
 )
 def test_a_run_is_resumed_with_its_own_options(

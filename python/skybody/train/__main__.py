@@ -27,7 +27,7 @@ from skybody.train.algorithms import DEFAULT_ALGORITHM
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.hyperparameters import UsageError
 from skybody.train.options import parser
-from skybody.train.presets import presets_file, told
+from skybody.train.presets import preset, presets_file, told
 from skybody.train.requirements import (
     demand_packages,
     missing_text,
@@ -104,7 +104,13 @@ def resumed_config(options: argparse.Namespace) -> Config:
             "--resume: hyper-parameters are those of the run; leave --set and --envs out"
         )
     if newest := checkpoint_folders(options.out)[-1:]:
-        config.check_trained_with(read_meta(newest[0]), newest[0])
+        meta = read_meta(newest[0])
+        config.check_trained_with(meta, newest[0])
+        if options.total_steps is not None and options.total_steps < meta["steps"]:
+            raise UsageError(
+                f"--total-steps {options.total_steps}: {meta['steps']} are done already; "
+                "take more, or leave it out"
+            )
     free = ("total_steps", "checkpoint_every", "threads", "eval_episodes", "eval_seed")
     changes = {name: getattr(options, name) for name in free if getattr(options, name) is not None}
     return dataclasses.replace(config, **changes)
@@ -214,10 +220,16 @@ def opening(options: argparse.Namespace, config: Config, first_step: int) -> str
     """What begins, where it is written, and where its hyper-parameters are from."""
     run = f"{config.scenario_name}, {config.algorithm}, seed {config.seed}, in {options.out}"
     if options.resume:
+        if first_step >= config.total_steps:
+            return f"{run}: complete at {first_step:,} steps; --total-steps N goes further"
         return f"{run}: goes on at {first_step:,} of {config.total_steps:,} steps"
-    file = presets_file(config.scenario)
-    origin = f"presets of {file}" if file.is_file() else f"defaults, since there is no {file}"
-    return f"{run}: {config.total_steps:,} steps; {origin}"
+    file, steps = presets_file(config.scenario), f"{config.total_steps:,} steps"
+    if not file.is_file():
+        return f"{run}: {steps}; defaults, since there is no {file}"
+    whole = preset(config.scenario, config.algorithm).total_steps
+    if config.total_steps < whole:
+        steps += f", in which the schedules of {whole:,} are squeezed together"
+    return f"{run}: {steps}; presets of {file}"
 
 
 def default_folder(options: argparse.Namespace) -> Path:
@@ -320,6 +332,8 @@ def run_to_end(trainer: Trainer) -> int:
     print(trainer.summary())
     if complete:
         print(f"fly it  skybody run {trainer.config.scenario} --policy {trainer.run}")
+    else:
+        print(f"go on  skybody train --resume --out {trainer.run}")
     return 0 if complete else INTERRUPTED
 
 

@@ -165,7 +165,8 @@ def _parse(where: str, text: str, like: Any) -> Any:
         if isinstance(like, bool):
             return {"true": True, "false": False}[text.lower()]
         if isinstance(like, tuple):
-            return tuple(int(size) for size in text.strip("[]()").split(",") if size.strip())
+            inner = text.strip("[]() ")
+            return tuple(int(size) for size in inner.split(",")) if inner else ()
         if isinstance(like, str):
             return text
         return whole_number(text, where) if isinstance(like, int) else float(text)

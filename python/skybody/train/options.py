@@ -33,7 +33,7 @@ def parser() -> argparse.ArgumentParser:
         "--total-steps",
         type=number,
         metavar="N",
-        help="steps over all environments, 2e6 is fine; default: the preset's, else 1e6",
+        help="steps over all environments, may be written as 9e6; default: the preset's, else 1e6",
     )
     add(
         "--out",
