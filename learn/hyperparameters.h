@@ -42,7 +42,7 @@ inline const char* name(Algorithm algorithm) {
   X(bool, bounded_mean, false, 0, 1, P, "actions' mean through a tanh, so that noise always tells about actions") \
   X(bool, squashed, false, 0, 1, P, "actions are the tanh of what is drawn, so that none is cut off; not with `bounded_mean`") \
   X(bool, shared_policy, false, 0, 1, P, "one policy for all robots of a team: each sees its own columns and those of nobody") \
-  X(Sizes, hidden, (Sizes{64, 64}), 1, 8192, B, "sizes of the hidden layers, of policy and value function each") \
+  X(Sizes, hidden, (Sizes{64, 64}), 1, 8192, B, "sizes of the hidden layers, of policy and value function each; `hidden=`: none, a linear policy") \
   X(int, recurrent_units, 0, 0, 4096, P, "units of gated recurrent memory in front of the policy's hidden layers; 0: none. A minibatch is then whole rollouts of some environments. The value function has no memory: show it privileged columns") \
   X(Activation, activation, Activation::kTanh, 0, 0, B, "tanh, relu or elu") \
   X(bool, normalize_rewards, true, 0, 1, P, "divide rewards by the deviation of the discounted return") \

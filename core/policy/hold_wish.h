@@ -11,16 +11,16 @@ namespace skybody {
 
 /// What the loops want, before it is put in the mode's words.
 struct HoldPolicy::Wish {
-  Vec3<double> position;      // of the goal, W [m]
-  Vec3<double> velocity;      // of the goal, W [m/s]
-  Vec3<double> acceleration;  // of the goal, W [m/s^2]
-  double yaw = 0.0;           // of the goal [rad]
-  Vec3<double> force;         // on the whole robot, W [N]
-  double thrust = 0.0;        // collective, along the body's z [N]
+  Vec3<double> position{0.0, 0.0, 0.0};      // of the goal, W [m]
+  Vec3<double> velocity{0.0, 0.0, 0.0};      // of the goal, W [m/s]
+  Vec3<double> acceleration{0.0, 0.0, 0.0};  // of the goal, W [m/s^2]
+  double yaw = 0.0;                          // of the goal [rad]
+  Vec3<double> force{0.0, 0.0, 0.0};         // on the whole robot, W [N]
+  double thrust = 0.0;                       // collective, along the body's z [N]
   Quat<double> attitude{1.0, 0.0, 0.0, 0.0};
-  Vec3<double> rates;         // B [rad/s]
-  Vec3<double> torque;        // B [N m]
-  std::vector<double> reach;  // positions of the arm's joints [rad] or [m]
+  Vec3<double> rates{0.0, 0.0, 0.0};   // B [rad/s]
+  Vec3<double> torque{0.0, 0.0, 0.0};  // B [N m]
+  std::vector<double> reach;           // positions of the arm's joints [rad] or [m]
 };
 
 /// One robot's present state and true constants.

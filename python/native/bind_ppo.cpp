@@ -206,9 +206,15 @@ void restore(AnyLearner& any, nb::handle state) {
 }  // namespace
 
 void bind_ppo(nb::module_& m) {
-  nb::list errors;
-  for (const char* name : learn::kPositionErrors) errors.append(name);
-  m.attr("POSITION_ERRORS") = nb::tuple(errors);
+  m.def(
+      "position_errors",
+      [] {
+        nb::list errors;
+        for (const char* name : learn::kPositionErrors) errors.append(name);
+        return nb::tuple(errors);
+      },
+      nb::sig("def position_errors() -> tuple[str, ...]"),
+      "Infos that are a distance from the goal [m], the first that a task has counts.");
   nb::exception<learn::SlicesLost>(m, "SlicesLost", m.attr("Error"));
   nb::exception<learn::Diverged>(m, "Diverged", m.attr("Error"));
   m.def(

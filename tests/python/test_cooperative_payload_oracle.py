@@ -43,6 +43,7 @@ OVERRIDES = [
     ", position_max: [0.35, 0.35, 0.3], yaw_min: -3, yaw_max: 3, tilt_max: 0.5, velocity_max: 1.5,"
     " rate_max: 3}}]",
     "task.parameters.target_yaw=2.5",
+    "task.parameters.target_min=[-1, -1, 1.2]",
     *(f"task.parameters.{name}={value}" for name, value in {**LIMITS, **WEIGHTS}.items()),
 ]
 # Where the scenario places robots about the load, and the points that the rods hold.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from skybody._native import POSITION_ERRORS
+from skybody._native import position_errors
 from skybody.train.policy_file import Layer, Policy
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def columns_of(
 
 def goal_distance(values: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float64] | None:
     """Distance of each row from its goal [m], (n,); None: `values` do not say it."""
-    name = next((name for name in POSITION_ERRORS if name in values), None)
+    name = next((name for name in position_errors() if name in values), None)
     if name is None:
         return None
     error = values[name].reshape(len(values[name]), -1).astype(np.float64)
