@@ -12,7 +12,8 @@ from swinging import ENVS, TOLERANCE, Motion, Observed, Reals, fly, tilt, yaw
 PURSUERS = ("hawk", "kite", "owl")
 ROBOTS = (*PURSUERS, "evader")
 WEIGHTS = (
-    "bound: 2.2, pen: 2, capture_radius: 0.6, separation_min: 0.5, safe_distance: 1.1, height_min: 0.4, "
+    "bound: 2.2, pen: 2, capture_radius: 0.6, separation_min: 0.5, safe_distance: 1.1, "
+    "height_min: 0.4, "
     "tilt_max: 1.0, yaw_max: 2.8, progress_reward: 1.5, capture_reward: 3, time_cost: 0.04, "
     "crowd_cost: 0.7, rate_cost: 0.002, failure_reward: -4"
 )
