@@ -199,6 +199,9 @@ limit with at least {100 * LEAST_SUCCESS:.0f} % without failure; of the slowest 
 all arrive (else how many do). The error is a mean over an episode's last second. Shares are of
 training's wall clock.
 
+Finished runs are kept, so that learners may have been measured in several calls: the versions below
+name each source.
+
 {chr(10).join(_notes(content))}
 Versions: {versions_line([run for run in content["runs"] if "versions" in run])}.
 """
