@@ -58,11 +58,10 @@ const char* read(std::string_view text, Activation& to) {
 }  // namespace
 
 Activation hidden_activation(const std::string& word) {
-  std::vector<std::string> allowed;
-  for (std::size_t k = 1; k < std::size(kActivationNames); ++k) {
-    if (word == kActivationNames[k]) return static_cast<Activation>(k);
-    allowed.emplace_back(kActivationNames[k]);
-  }
+  const std::optional<Activation> found = find_activation(word);
+  if (found && *found != Activation::kNone) return *found;
+  const std::vector<std::string> allowed(std::begin(kActivationNames) + 1,
+                                         std::end(kActivationNames));
   throw Error("`activation` is `" + word + "`; allowed: " + join(allowed));
 }
 

@@ -171,11 +171,10 @@ class PolicyReader {
 
   Activation read_activation(const std::string& group) {
     const std::string name = file_.text(group, "activation");
+    if (const std::optional<Activation> found = find_activation(name)) return *found;
     std::string allowed;
-    for (std::size_t k = 0; k < std::size(kActivationNames); ++k) {
-      if (name == kActivationNames[k]) return static_cast<Activation>(k);
-      allowed += (k > 0 ? ", " : "") + std::string(kActivationNames[k]);
-    }
+    for (const char* one : kActivationNames)
+      allowed += (allowed.empty() ? "" : ", ") + std::string(one);
     file_.fail("`activation` of `" + group + "` is `" + name + "`; allowed: " + allowed);
   }
 

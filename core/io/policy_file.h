@@ -4,7 +4,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace skybody {
@@ -15,6 +18,14 @@ enum class Activation { kNone, kTanh, kRelu, kElu };
 inline constexpr const char* kActivationNames[] = {"none", "tanh", "relu", "elu"};
 inline const char* name(Activation activation) {
   return kActivationNames[static_cast<int>(activation)];
+}
+
+/// The activation of that name; none: there is none.
+inline std::optional<Activation> find_activation(std::string_view word) {
+  for (std::size_t k = 0; k < std::size(kActivationNames); ++k) {
+    if (word == kActivationNames[k]) return static_cast<Activation>(k);
+  }
+  return std::nullopt;
 }
 
 enum class LayerKind { kDense, kGru };

@@ -5,7 +5,9 @@
 // over it.
 #include "core/io/policy_writer.h"
 
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "core/base/error.h"
@@ -96,6 +98,12 @@ void put_doubles(const Hdf5Writer& writer, hid_t parent, const char* name,
 
 void put_floats(const Hdf5Writer& writer, hid_t parent, const char* name,
                 const std::vector<double>& values, const std::vector<hsize_t>& extent) {
+  const hsize_t room = std::accumulate(extent.begin(), extent.end(), hsize_t{1}, std::multiplies{});
+  if (values.size() != room) {
+    throw Error("`" + std::string(name) + "` of a policy's layer has " +
+                std::to_string(values.size()) + " values; its sizes ask for " +
+                std::to_string(room));
+  }
   const std::vector<float> narrow(values.begin(), values.end());
   put(writer, parent, name, H5T_NATIVE_FLOAT, narrow, extent);
 }

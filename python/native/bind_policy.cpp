@@ -1,8 +1,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
-#include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,12 +39,6 @@ std::vector<double> numbers_of(nb::handle values) {
   return {array.data(), array.data() + array.size()};
 }
 
-Activation activation_of(const std::string& word) {
-  const auto found = std::find(std::begin(kActivationNames), std::end(kActivationNames), word);
-  if (found == std::end(kActivationNames)) throw Error("no activation `" + word + "`");
-  return static_cast<Activation>(found - std::begin(kActivationNames));
-}
-
 PolicyLayer layer_of(nb::handle values) {
   PolicyLayer layer;
   const auto weight = nb::cast<Numbers>(values[0]);
@@ -54,7 +47,11 @@ PolicyLayer layer_of(nb::handle values) {
                 " dimensions; it takes (out, in)");
   layer.weight = numbers_of(values[0]);
   layer.bias = numbers_of(values[1]);
-  layer.activation = activation_of(nb::cast<std::string>(values[2]));
+  const auto word = nb::cast<std::string>(values[2]);
+  const std::optional<Activation> activation = find_activation(word);
+  if (!activation)
+    throw Error("a layer's activation is `" + word + "`: take tanh, relu, elu or none");
+  layer.activation = *activation;
   layer.inputs = static_cast<int>(weight.shape(1));
   layer.outputs = static_cast<int>(weight.shape(0));
   if (nb::len(values) == 3) return layer;

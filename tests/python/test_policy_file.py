@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import struct
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from hash_chain import hash_of
-from skybody._native import policy_seal
+from skybody._native import Error, policy_seal
 from skybody.train.policy_file import Agent, Layer, Policy, read_policy, write_policy
 
 LAYER = Layer(np.ones((1, 2), np.float32), np.zeros(1, np.float32), "none")
@@ -34,6 +35,16 @@ def test_the_seal_is_what_the_documentation_says(size: int) -> None:
     content = bytes(k % 251 for k in range(size))
     lines = f"skybody-policy 2\nbytes {size}\nhash {hash_of(content):016x}\n"
     assert policy_seal(content) == lines.encode().ljust(512, b"\0")
+
+
+def test_a_layer_whose_arrays_do_not_fit_together_is_not_written(tmp_path: Path) -> None:
+    short = Layer(LAYER.weight, np.zeros(0, np.float32), "none")
+    with pytest.raises(Error, match="`bias` of a policy's layer has 0 values; its sizes ask for 1"):
+        write_policy(tmp_path / "policy.h5", dataclasses.replace(POLICY, layers=[short]))
+    other = Layer(LAYER.weight, LAYER.bias, "sine")
+    with pytest.raises(Error, match="activation is `sine`: take tanh, relu, elu or none"):
+        write_policy(tmp_path / "policy.h5", dataclasses.replace(POLICY, layers=[other]))
+    assert not list(tmp_path.iterdir())
 
 
 def test_other_programs_read_a_policy_as_hdf5(tmp_path: Path) -> None:

@@ -47,6 +47,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["--set", "leraning_rate=3"], "did you mean `learning_rate`? Allowed: envs,"),
         (["--set", "epochs=many"], "`many` is not an integer"),
         (["--set", "hidden=a"], "`a` is not sizes as 64,64"),
+        (["--set", "hidden=64,,64"], "`64,,64` is not sizes as 64,64"),
         (
             ["--set", f"hidden={','.join(['4'] * 64)}"],
             "hyper-parameter hidden = 64 sizes: allowed is at most 63, as a policy file has 64",
