@@ -39,6 +39,15 @@ def yaw(q: Reals) -> Reals:
     return np.arctan2(nose[:, 1], nose[:, 0])
 
 
+def count_equal(expected: dict[str, Reals], seen: dict[str, Any], mask: Any) -> int:
+    """Compares an observation's parts where `mask` holds; how many environments that are."""
+    assert set(seen) == set(expected)
+    for name, values in expected.items():
+        got = np.asarray(seen[name]).reshape(len(mask), -1)
+        np.testing.assert_allclose(got[mask], values[mask], **TOLERANCE, err_msg=name)
+    return int(mask.sum())
+
+
 class Motion:
     """Position, attitude (w >= 0), velocity and angular velocity of a point of a body."""
 

@@ -11,13 +11,12 @@ import numpy as np
 import numpy.typing as npt
 import skybody
 from scipy.spatial.transform import Rotation
+from swinging import TOLERANCE, count_equal
 
 Reals = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 ENVS, STEPS = 300, 30
-# Observations are float32 (6e-8 of a value) of sums of terms up to about 10.
-TOLERANCE: dict[str, Any] = {"rtol": 1e-6, "atol": 2e-6}
 ROBOTS = ("alpha", "bravo", "charlie")
 LIMITS = {
     "tilt_max": 0.55,
@@ -135,15 +134,6 @@ class Moment:
         return load[:, None] + own + WEIGHTS["failure_reward"] * failed
 
 
-def compare(moment: Moment, seen: dict[str, Any], mask: Bools) -> int:
-    expected = moment.observation()
-    assert set(seen) == set(expected)
-    for name, values in expected.items():
-        got = np.asarray(seen[name]).reshape(ENVS, -1)
-        np.testing.assert_allclose(got[mask], values[mask], **TOLERANCE, err_msg=name)
-    return int(mask.sum())
-
-
 def test_observation_rewards_and_ends_equal_numpy() -> None:
     envs = skybody.make_vec(
         "cooperative_payload",
@@ -156,13 +146,13 @@ def test_observation_rewards_and_ends_equal_numpy() -> None:
     )
     random = np.random.default_rng(5)
     seen, infos = envs.reset()
-    states = compare(Moment(envs), seen, np.ones(ENVS, np.bool_))
+    states = count_equal(Moment(envs).observation(), seen, np.ones(ENVS, np.bool_))
     counts: dict[str, int] = {}
     for _ in range(STEPS):
         action = random.uniform(-1.0, 1.0, envs.action_space.shape).astype(np.float32)
         seen, rewards, terminated, truncated, infos = envs.step(action)
         now = Moment(envs)
-        states += compare(now, seen, np.ones(ENVS, np.bool_))
+        states += count_equal(now.observation(), seen, np.ones(ENVS, np.bool_))
         found = now.failures()
         failed = np.any(list(found.values()), axis=0)
         distance = np.linalg.norm(now.load_error, axis=1)
@@ -187,7 +177,7 @@ def test_observation_rewards_and_ends_equal_numpy() -> None:
         ended = terminated | truncated
         if ended.any():
             seen, infos = envs.reset(options={"reset_mask": ended})
-            states += compare(Moment(envs), seen, ended)
+            states += count_equal(Moment(envs).observation(), seen, ended)
     envs.close()
     assert states >= 10_000
     assert min(counts.values()) >= 10, counts

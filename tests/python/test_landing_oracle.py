@@ -8,14 +8,13 @@ import numpy as np
 import numpy.typing as npt
 import skybody
 from scipy.spatial.transform import Rotation
+from swinging import TOLERANCE, count_equal
 
 Reals = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 ENVS, STEPS = 300, 40
 STEP_TIME = 0.02  # s
-# Observations are float32 (6e-8 of a value) of sums of terms up to about 10.
-TOLERANCE: dict[str, Any] = {"rtol": 1e-6, "atol": 2e-6}
 # Limits that wild starts about the deck pass often; touching is loose, so that contact is rare.
 LIMITS = {
     "touch_height": 0.15,
@@ -97,15 +96,6 @@ class Moment:
         }
 
 
-def compare(moment: Moment, seen: dict[str, Any], action: Reals, mask: Bools) -> int:
-    expected = moment.observation(action)
-    assert set(seen) == set(expected)
-    for name, values in expected.items():
-        got = np.asarray(seen[name]).reshape(ENVS, -1)
-        np.testing.assert_allclose(got[mask], values[mask], **TOLERANCE, err_msg=name)
-    return int(mask.sum())
-
-
 def failures(now: Moment, before: Moment, time: Reals) -> tuple[dict[str, Bools], Bools]:
     """By their names, and where it has landed."""
     world = now.world
@@ -152,7 +142,7 @@ def test_observation_reward_and_ends_equal_numpy() -> None:
     everywhere = np.ones(ENVS, np.bool_)
     seen, infos = envs.reset()
     before = Moment(envs)
-    states = compare(before, seen, np.full((ENVS, 4), -1.0), everywhere)
+    states = count_equal(before.observation(np.full((ENVS, 4), -1.0)), seen, everywhere)
     steps = np.zeros(ENVS)
     counts: dict[str, int] = {}
     for _ in range(STEPS):
@@ -161,7 +151,7 @@ def test_observation_reward_and_ends_equal_numpy() -> None:
         steps += 1
         now = Moment(envs)
         clipped = np.clip(action, -1.0, 1.0).astype(np.float64)
-        states += compare(now, seen, clipped, everywhere)
+        states += count_equal(now.observation(clipped), seen, everywhere)
         found, landed = failures(now, before, steps * STEP_TIME)
         failed = np.any(list(found.values()), axis=0)
         expected = reward(now, before, landed, failed)
@@ -178,7 +168,7 @@ def test_observation_reward_and_ends_equal_numpy() -> None:
             seen, infos = envs.reset(options={"reset_mask": ended})
             steps[ended] = 0
             now = Moment(envs)
-            states += compare(now, seen, np.full((ENVS, 4), -1.0), ended)
+            states += count_equal(now.observation(np.full((ENVS, 4), -1.0)), seen, ended)
         before = now
     envs.close()
     assert states >= 10_000
