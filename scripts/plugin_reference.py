@@ -68,6 +68,20 @@ STEP = (
     Part("Views of values", f"{API}/values.h", ("ConstValues", "Values")),
     Part("Images", f"{API}/image.h", ("Image",)),
 )
+KIT = "plugins/task_kit"
+TASK_KIT = (
+    Part("Task kit: parts of a row", f"{KIT}/parts.h", intro=True),
+    Part("Task kit: what a task remembers", f"{KIT}/history.h", constructors=True),
+    Part("Task kit: failures and success", f"{KIT}/verdict.h", intro=True, constructors=True),
+    Part("Task kit: limits of a flight", f"{KIT}/flight_limits.h", constructors=True),
+    Part("Task kit: drawn targets", f"{KIT}/drawn_target.h", constructors=True),
+    Part("Task kit: draws and requirements", f"{KIT}/spawn.h"),
+    Part("Task kit: terms of rewards", f"{KIT}/shaping.h"),
+    Part("Task kit: terms of rewards for a goal", f"{KIT}/goal_shaping.h", intro=True),
+    Part("Task kit: attitudes", f"{KIT}/attitude.h"),
+    Part("Task kit: obstacles", f"{KIT}/obstacles.h", intro=True),
+    Part("Task kit: obstacles as robots see them", f"{KIT}/nearest_obstacles.h"),
+)
 LOGIC = ("logical_and", "logical_or", "logical_not", "any", "all", "none")
 MATH = (
     Part("Random numbers", "core/base/random.h", ("Random",), intro=True),
@@ -77,6 +91,7 @@ MATH = (
         ("MaskOf", "Word", "kLanesOf", "select", *LOGIC),
         intro=True,
     ),
+    Part("Words as numbers", "core/base/pack_memory.h", ("to_real", "choose")),
     Part("Dual numbers", "core/base/dual.h", None, intro=True),
     Part("Numbers", "core/base/math_basic.h", intro=True),
     Part("Angles", "core/base/math_trig.h"),
@@ -313,7 +328,7 @@ def write_page() -> Page:
     for part in (*SETUP[1:], *STEP):
         page.add_part(part)
     page.add("## Places of constants", PLACES, constants())
-    for part in MATH:
+    for part in (*TASK_KIT, *MATH):
         page.add_part(part)
     return page
 

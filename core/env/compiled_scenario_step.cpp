@@ -280,8 +280,12 @@ void CompiledScenario::evaluate(StateGroup& group, GroupWork& work, const Skybod
   call_plugin(
       task().kernels.evaluate, task(), group, view,
       [&] {
-        return CallSizes{0, task().channel_count(), value_count(task().infos), "observation",
-                         values.data()};
+        return CallSizes{0,
+                         task().channel_count(),
+                         value_count(task().infos),
+                         "observation",
+                         values.data(),
+                         wants_info ? work.info.data() : nullptr};
       },
       &out);
   if (wants_info) write_reports(group, work);

@@ -1,6 +1,7 @@
 // The one way in which the engine calls a plugin's step functions.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,7 @@ struct CallSizes {
   int info = 0;
   const char* word = "output";  ///< what the author calls the output
   double* written = nullptr;    ///< of one lane: `output` values that the call has to write
+  double* informed = nullptr;   ///< likewise `info` values
 };
 
 /// Of a call that hands over nothing behind the buffer.
@@ -50,17 +52,15 @@ class CheckedCall {
     checks.output = sizes.output;
     checks.info = sizes.info;
     checks.what = nullptr;
-    for (int k = 0; k < written_count(); ++k) sizes.written[k] = unwritten();
+    mark(sizes.written, sizes.output);
+    mark(sizes.informed, sizes.info);
   }
 
   /// @throws MarkedError if the plugin touched values beyond those that it may, or left one out
   void finish() const {
     if (checks_.what != nullptr) blame_touch();
-    for (int k = 0; k < written_count(); ++k) {
-      if (bit_cast_word(sizes_.written[k]) != kUnwritten) continue;
-      blame(plugin_, "has not written " + std::string(sizes_.word) + " value " + std::to_string(k) +
-                         " of " + std::to_string(sizes_.output));
-    }
+    check(sizes_.written, sizes_.output, sizes_.word);
+    check(sizes_.informed, sizes_.info, "info");
   }
 
  private:
@@ -71,7 +71,17 @@ class CheckedCall {
     return "in a step of `" + plugin.name + "`";
   }
 
-  int written_count() const { return sizes_.written == nullptr ? 0 : sizes_.output; }
+  static void mark(double* values, int count) {
+    if (values != nullptr) std::fill_n(values, count, unwritten());
+  }
+  /// @param values  null: none that have to be written
+  void check(const double* values, int count, const char* word) const {
+    for (int k = 0; values != nullptr && k < count; ++k) {
+      if (bit_cast_word(values[k]) != kUnwritten) continue;
+      blame(plugin_, "has not written " + std::string(word) + " value " + std::to_string(k) +
+                         " of " + std::to_string(count));
+    }
+  }
 
   [[noreturn]] void blame_touch() const {
     const std::string touched = checks_.what;

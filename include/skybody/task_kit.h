@@ -3,6 +3,7 @@
 #pragma once
 
 #include "plugins/task_kit/attitude.h"
+#include "plugins/task_kit/drawn_target.h"
 #include "plugins/task_kit/flight_limits.h"
 #include "plugins/task_kit/goal_shaping.h"
 #include "plugins/task_kit/history.h"

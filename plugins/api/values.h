@@ -20,6 +20,7 @@ class Bounds {
   Bounds(SkybodyChecks*, const char*, int) {}
 
  protected:
+  Bounds narrowed(const char*, int) const { return {}; }
   template <class T>
   T* place(T* data, std::size_t stride, int k) const {
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) * kRowsOf<Real>;
@@ -35,6 +36,7 @@ class Bounds<double> {
       : checks_(checks), what_(what), size_(size) {}
 
  protected:
+  Bounds narrowed(const char* what, int size) const { return {checks_, what, size}; }
   template <class T>
   T* place(T* data, std::size_t stride, int k) const {
     if (checks_ != nullptr && (k < 0 || k >= size_)) return note(k);
@@ -109,6 +111,13 @@ class Values : private Bounds<Real> {
     set(k + 1, q.x);
     set(k + 2, q.y);
     set(k + 3, q.z);
+  }
+  /// Values from `first` on, as values 0 to count - 1 of their own.
+  /// @param what  they are, for checked mode: a text that lasts
+  Values part(int first, int count, const char* what) const {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(first) * kRowsOf<Real>;
+    return {data_ + row * static_cast<std::ptrdiff_t>(stride_), stride_, mask_,
+            this->narrowed(what, count)};
   }
 
  private:

@@ -35,29 +35,23 @@ inline void require_within(const Vec3<double>& place, const std::string& what, d
                              " m, where an episode ends: raise that, or bring it nearer");
   }
 }
-/// The same of a target that the scenario gives, or else of the box that it is drawn in.
-inline void require_target_within(const RealsParameter& target, const RealsParameter& low,
-                                  const RealsParameter& high, double bound) {
-  if (target.is_given()) return require_within(target, "target", bound);
-  require_within(low, "target_min", bound);
-  require_within(high, "target_max", bound);
-}
-/// Refuses a target below the height [m] where an episode ends, likewise.
-inline void require_target_above(const RealsParameter& target, const RealsParameter& low,
-                                 double height_min) {
-  const RealsParameter& lowest = target.is_given() ? target : low;
-  if (lowest.value(2) >= height_min) return;
-  throw std::runtime_error(std::string(target.is_given() ? "`target[2]` " : "`target_min[2]` ") +
-                           to_text(lowest.value(2)) + " lies below `height_min` " +
-                           to_text(height_min) +
+/// Refuses a place below the height [m] where an episode ends.
+/// @param place  x, y, z, W [m], whatever follows; @param what  it is, for the message
+inline void require_above(const RealsParameter& place, const std::string& what, double height_min) {
+  if (place.value(2) >= height_min) return;
+  throw std::runtime_error("`" + what + "[2]` " + to_text(place.value(2)) +
+                           " lies below `height_min` " + to_text(height_min) +
                            ", where an episode ends: lower that, or lift the target");
 }
 
 /// Which limits are passed.
 template <class Real>
 struct PassedLimits {
-  MaskOf<Real> tilt{false}, heading{false}, bound{false};
+  MaskOf<Real> tilt{false};     ///< beyond `tilt_max`
+  MaskOf<Real> heading{false};  ///< beyond `yaw_max`
+  MaskOf<Real> bound{false};    ///< a coordinate beyond `bound`
 
+  /// Whether any is.
   SKYBODY_INLINE MaskOf<Real> any() const { return logical_or(logical_or(tilt, heading), bound); }
   /// Those of another robot, too.
   SKYBODY_INLINE void add(const PassedLimits& other) {
@@ -67,10 +61,11 @@ struct PassedLimits {
   }
 };
 
-/// The limits and their parameters: a member of a task, among its parameters.
+/// The limits and their parameters `tilt_max`, `yaw_max` and `bound`: a member of a task, among its
+/// parameters.
 class FlightLimits {
  public:
-  /// What holds where a scenario says nothing.
+  /// What holds where a scenario says nothing: `tilt_max` and `yaw_max` [rad], `bound` [m].
   struct Defaults {
     double tilt_max = 1.57;  ///< [rad]
     double yaw_max = 1.57;   ///< [rad]; 4: every heading is allowed
@@ -90,6 +85,7 @@ class FlightLimits {
 
   double bound() const { return bound_.value(); }  ///< of each coordinate's magnitude [m]
 
+  /// Which limits a body passes.
   /// @param heading  what `yaw_max` limits either way [rad]
   template <class Real>
   SKYBODY_INLINE PassedLimits<Real> passed(const BodyMotion<Real>& body,
@@ -105,6 +101,7 @@ class FlightLimits {
     return passed(body, yaw(body.rotation));
   }
 
+  /// Says them to the verdict, each under its name.
   template <class Real>
   SKYBODY_INLINE void judge(Verdict<Real>& verdict, const PassedLimits<Real>& passed) const {
     verdict.fail(tilt_failure_, passed.tilt);

@@ -17,7 +17,7 @@ class BufferPlan {
     size_ += words;
     return first;
   }
-  int size() const { return size_; }
+  int size() const { return size_; }  ///< words so far
 
  private:
   int size_ = 0;
@@ -27,6 +27,7 @@ class BufferPlan {
 class History {
  public:
   History() = default;
+  /// Takes its words from the plan.
   History(BufferPlan& plan, int length, int width)
       : first_(plan.take(length * width)), length_(length), width_(width) {}
 
@@ -70,6 +71,7 @@ class History {
       buffer.set(place(0, k), value);
     }
   }
+  /// False at a reset.
   template <class Real>
   static SKYBODY_INLINE MaskOf<Real> has_stepped(const EnvView<Real>& env) {
     return env.step() > Word<Real>(0);

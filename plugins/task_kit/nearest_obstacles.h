@@ -23,7 +23,7 @@ class NearestObstacles {
  public:
   explicit NearestObstacles(Plugin* owner) : owner_(owner) {}
 
-  /// @throws std::runtime_error as Obstacles::configure()
+  /// @throws std::runtime_error if Obstacles::configure() does
   void configure(const Setup& setup, const std::string& task) {
     obstacles_.configure(setup, task);
     seen_ = std::min(static_cast<int>(seen_parameter_.value()), obstacles_.count());

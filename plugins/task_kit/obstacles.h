@@ -34,7 +34,7 @@ class Obstacles {
 
   /// Takes the scenario's obstacles.
   /// @param task  its name, for the message
-  /// @throws std::runtime_error on one whose surface has no closed form
+  /// @throws std::runtime_error if the surface of one has no closed form
   void configure(const Setup& setup, const std::string& task) {
     obstacles_ = obstacles::find(setup, "task `" + task + "`");
   }

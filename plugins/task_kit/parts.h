@@ -5,6 +5,7 @@
 
 #include <skybody/plugin.h>
 
+#include <deque>
 #include <string>
 
 namespace skybody::task_kit {
@@ -21,37 +22,46 @@ struct PartSpec {
   bool privileged = false;  ///< for a critic alone
 };
 
-/// Where a part's values lie within its row. Default: nowhere, with no values.
+/// Where a part's values lie within its row. Default: nowhere, with no values; checked mode names a
+/// part that is written though it was not declared, or beyond its end.
 class Part {
  public:
   Part() = default;
-  Part(int first, int count) : first_(first), count_(count) {}
+  /// @param name  for checked mode: a text that lasts as long as the part
+  Part(int first, int count, const char* name = "part")
+      : first_(first), count_(count), name_(name) {}
 
   int first() const { return first_; }  ///< index of its first value within the row
-  int count() const { return count_; }
+  int count() const { return count_; }  ///< its values
 
   /// Writes value k, or those from k on: a vector's three, a quaternion's w x y z, a matrix's nine
   /// row by row.
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Real& value, int k = 0) const {
-    row.set(first_ + k, value);
+    own(row).set(k, value);
   }
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Vec3<Real>& value, int k = 0) const {
-    row.set(first_ + k, value);
+    own(row).set(k, value);
   }
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Quat<Real>& value, int k = 0) const {
-    row.set(first_ + k, value);
+    own(row).set(k, value);
   }
   template <class Real>
   SKYBODY_INLINE void set(const Values<Real>& row, const Mat3<Real>& value, int k = 0) const {
     for (int i = 0; i < 3; ++i)
-      row.set(first_ + k + 3 * i, Vec3<Real>{value(i, 0), value(i, 1), value(i, 2)});
+      own(row).set(k + 3 * i, Vec3<Real>{value(i, 0), value(i, 1), value(i, 2)});
   }
 
  private:
+  template <class Real>
+  SKYBODY_INLINE Values<Real> own(const Values<Real>& row) const {
+    return row.part(first_, count_, name_);
+  }
+
   int first_ = 0, count_ = 0;
+  const char* name_ = "undeclared part";
 };
 
 /// A task's observation, part after part. A member of the task.
@@ -65,7 +75,7 @@ class ObservationParts {
     } else {
       setup.channel(spec.name, spec.unit, spec.count, spec.low, spec.high, spec.robot, spec.doc);
     }
-    const Part part(size_, spec.count);
+    const Part part(size_, spec.count, names_.emplace_back(spec.name).c_str());
     size_ += spec.count;
     return part;
   }
@@ -73,21 +83,24 @@ class ObservationParts {
 
  private:
   int size_ = 0;
+  std::deque<std::string> names_;  // which stay where they are: parts point to them
 };
 
 /// A task's infos, likewise.
 class InfoParts {
  public:
+  /// Declares the next part. @param doc  what it is
   Part add(const Setup& setup, const std::string& name, const std::string& unit,
            const std::string& doc, int count = 1) {
     setup.info(name, unit, count, doc);
-    const Part part(size_, count);
+    const Part part(size_, count, names_.emplace_back(name).c_str());
     size_ += count;
     return part;
   }
 
  private:
   int size_ = 0;
+  std::deque<std::string> names_;
 };
 
 }  // namespace skybody::task_kit

@@ -30,11 +30,9 @@ SKYBODY_INLINE Vec3<Real> draw_in_box(Random<Real>& draw, const RealsParameter& 
 }
 
 /// Announces that a task draws a randomizable parameter of its own, unless the scenario gives it.
-/// @returns its first EnvParam; -1: the scenario gives it
-inline int announce_drawn(const Setup& setup, const RealsParameter& parameter) {
-  if (parameter.is_given()) return -1;
+inline void announce_drawn(const Setup& setup, const RealsParameter& parameter) {
+  if (parameter.is_given()) return;
   for (int k = 0; k < parameter.count(); ++k) setup.writes(parameter.env_param() + k);
-  return parameter.env_param();
 }
 
 /// The robot's actions; a task that observes them needs a controller.

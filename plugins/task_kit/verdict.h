@@ -20,11 +20,15 @@ inline Part declare_success(const Setup& setup, InfoParts& infos, const std::str
   return infos.add(setup, "success", "", doc);
 }
 
-/// What evaluate() finds out about one moment: failures first, then success, each reason once.
+/// What evaluate() finds out about one moment: failures first, then success, each reason once. An
+/// episode that has failed ends when the verdict goes out of scope.
 template <class Real>
 class Verdict {
  public:
   explicit Verdict(Evaluation<Real>& out) : out_(out) {}
+  SKYBODY_INLINE ~Verdict() { out_.terminate(failed_); }
+  Verdict(const Verdict&) = delete;
+  Verdict& operator=(const Verdict&) = delete;
 
   /// The episode ends as a failure where `mask` holds.
   SKYBODY_INLINE void fail(const Part& reason, const MaskOf<Real>& mask) {
@@ -40,8 +44,7 @@ class Verdict {
     succeed(success, mask);
     out_.terminate(mask);
   }
-  /// Ends the episodes that have failed. Call it last.
-  SKYBODY_INLINE void close() { out_.terminate(failed_); }
+  /// Whether anything has failed so far, for a reward.
   MaskOf<Real> failed() const { return failed_; }
 
  private:

@@ -220,7 +220,6 @@ class Chase : public Task {
     verdict.fail(separation_failure_, now.separation < separation_min_.value());
     if (evades_) verdict.fail(evader_failure_, fails(env, pursuers_));
     verdict.finish(success_, caught);
-    verdict.close();
     if (!out.wants_info()) return;
     evader_info_.set(out.info, now.distance);
     nearest_info_.set(out.info, now.separation);

@@ -15,10 +15,9 @@ class CooperativePayload : public Task {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    require_box(target_min_, target_max_, "target");
-    require_target_within(target_, target_min_, target_max_, limits_.bound());
-    require_target_above(target_, target_min_, limits_.height_min());
-    drawn_target_ = announce_drawn(setup, target_);
+    target_.configure(setup);
+    target_.require_within(limits_.bound());
+    target_.require_above(limits_.height_min());
     find_load(setup);
     add_carriers(setup);
     is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
@@ -37,11 +36,7 @@ class CooperativePayload : public Task {
   /// A pose of the load in the box, unless the scenario gives one.
   template <class Real>
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
-    if (drawn_target_ < 0) return;
-    Random<Real> draw = random(env);
-    start.params.set(drawn_target_, draw_in_box(draw, target_min_, target_max_));
-    const Real yaw_limit(target_yaw_.value());
-    start.params.set(drawn_target_ + 3, draw.uniform(-yaw_limit, yaw_limit));
+    target_.randomize(random(env), start);
   }
 
   template <class Real>
@@ -216,14 +211,14 @@ class CooperativePayload : public Task {
   template <class Real>
   SKYBODY_INLINE LoadView<Real> view_load(const EnvView<Real>& env) const {
     const BodyMotion<Real> body = env.body(load_body_);
-    return {body, target_.vec3(env) - body.position,
-            wrap_angle(target_(env, 3) - yaw(body.rotation))};
+    return {body, target_.position(env) - body.position,
+            wrap_angle(target_.yaw(env) - yaw(body.rotation))};
   }
 
   template <class Real>
   SKYBODY_INLINE Vec3<Real> place_of(const Carrier& carrier, const EnvView<Real>& env) const {
-    return target_.vec3(env) +
-           rotate(from_yaw<Real>(target_(env, 3)), constant<Real>(carrier.place));
+    return target_.position(env) +
+           rotate(from_yaw<Real>(target_.yaw(env)), constant<Real>(carrier.place));
   }
   template <class Real>
   static SKYBODY_INLINE Vec3<Real> constant(const Vec3<double>& v) {
@@ -284,37 +279,18 @@ class CooperativePayload : public Task {
     limits_.judge(verdict, failed);
     verdict.succeed(success_, logical_and(norm(load.error) < success_distance_.value(),
                                           abs(load.yaw_error) < success_yaw_.value()));
-    verdict.close();
   }
 
   TextParameter load_{
       this, {.name = "load", .doc = "which robot; empty: the only one without rotors and actions"}};
-  RealsParameter target_{
-      this,
-      {.name = "target",
-       .unit = "m, rad",
-       .values = {0.0, 0.0, 1.4, 0.0},
-       .count = 4,
-       .doc = "x, y, z (W), yaw of the load; where the scenario gives none, one is drawn for each "
-              "episode",
-       .randomizable = true}};
-  RealsParameter target_min_{this,
-                             {.name = "target_min",
-                              .unit = "m",
-                              .values = {-1.0, -1.0, 0.9},
-                              .doc = "lower corner of the box of drawn targets (W)"}};
-  RealsParameter target_max_{this,
-                             {.name = "target_max",
-                              .unit = "m",
-                              .values = {1.0, 1.0, 1.9},
-                              .doc = "upper corner of the box of drawn targets (W)"}};
-  RealParameter target_yaw_{this,
-                            {.name = "target_yaw",
-                             .unit = "rad",
-                             .value = 0.4,
-                             .min = 0.0,
-                             .max = kPi,
-                             .doc = "largest magnitude of a drawn heading of the load"}};
+  DrawnPose target_{this,
+                    {.target = {0.0, 0.0, 1.4, 0.0},
+                     .low = {-1.0, -1.0, 0.9},
+                     .high = {1.0, 1.0, 1.9},
+                     .doc = "x, y, z (W), yaw of the load; where the scenario gives none, one is "
+                            "drawn for each episode"},
+                    0.4,
+                    "largest magnitude of a drawn heading of the load"};
   RealsParameter places_{this,
                          {.name = "places",
                           .unit = "m",
@@ -363,7 +339,6 @@ class CooperativePayload : public Task {
   Part success_;
   std::vector<Carrier> carriers_;
   int load_robot_ = -1, load_body_ = -1;
-  int drawn_target_ = -1;  ///< first EnvParam of a target that is drawn; -1: the scenario's
   bool is_shaped_ = false;
 };
 

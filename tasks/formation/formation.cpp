@@ -16,8 +16,7 @@ class Formation : public Task {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    require_box(target_min_, target_max_, "target");
-    drawn_target_ = announce_drawn(setup, target_);
+    target_.configure(setup);
     add_robots(setup);
     set_places();
     obstacles_.configure(setup, "formation");
@@ -48,17 +47,17 @@ class Formation : public Task {
   /// A target in the box, unless the scenario gives one.
   template <class Real>
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
-    if (drawn_target_ < 0) return;
+    if (!target_.is_drawn()) return;
     Random<Real> draw = random(env);
-    Vec3<Real> target = draw_in_box(draw, target_min_, target_max_);
+    Vec3<Real> target = target_.draw_point(draw);
     if (relative_.value()) target += env.body(robots_[0].body).position;
     target.z = max(target.z, Real(min_height_.value()));
-    start.params.set(drawn_target_, target);
+    target_.place(target, start);
   }
 
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
-    const Vec3<Real> target = target_.vec3(env);
+    const Vec3<Real> target = target_.position(env);
     observe(env, target, out.observation);
     const Vec3<Real> centroid = centroid_of(env);
     const Real centroid_error = norm(centroid - target);
@@ -92,7 +91,6 @@ class Formation : public Task {
     verdict.fail(separation_failure_, failed.separation);
     if (obstacles_.count() > 0) verdict.fail(collision_failure_, failed.collision);
     verdict.succeed(success_, error < success_error_.value());
-    verdict.close();
     error_info_.set(out.info, error);
     centroid_info_.set(out.info, centroid_error);
     nearest_info_.set(out.info, nearest);
@@ -101,7 +99,7 @@ class Formation : public Task {
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     for (int i = 0; i < count(); ++i) {
-      goal.set(4 * i, target_.vec3(env) + place<Real>(i));
+      goal.set(4 * i, target_.position(env) + place<Real>(i));
       goal.set(4 * i + 3, Real(0.0));
     }
   }
@@ -300,28 +298,12 @@ class Formation : public Task {
                          .value = 1.0,
                          .min = 0.01,
                          .doc = "of the polygon on whose corners the robots belong"}};
-  RealsParameter target_{
-      this,
-      {.name = "target",
-       .unit = "m",
-       .values = {0.0, 0.0, 1.5},
-       .doc = "x, y, z (W); where the scenario gives none, one is drawn for each "
-              "episode",
-       .randomizable = true}};
+  DrawnTarget target_{
+      this, {.target = {0.0, 0.0, 1.5}, .low = {-2.0, -2.0, -2.0}, .high = {2.0, 2.0, -0.5}}};
   BooleanParameter relative_{this,
                              {.name = "relative",
                               .value = true,
                               .doc = "drawn targets count from where the first robot starts"}};
-  RealsParameter target_min_{this,
-                             {.name = "target_min",
-                              .unit = "m",
-                              .values = {-2.0, -2.0, -2.0},
-                              .doc = "lower corner of the box of drawn targets (W axes)"}};
-  RealsParameter target_max_{this,
-                             {.name = "target_max",
-                              .unit = "m",
-                              .values = {2.0, 2.0, -0.5},
-                              .doc = "upper corner of the box of drawn targets (W axes)"}};
   RealParameter min_height_{this,
                             {.name = "min_height",
                              .unit = "m",
@@ -375,7 +357,6 @@ class Formation : public Task {
   Part tilt_failure_, distance_failure_, separation_failure_, collision_failure_, success_;
   bool is_shaped_ = false;  ///< by anything that the paper's reward has not
   std::vector<Robot> robots_;
-  int drawn_target_ = -1;  ///< first EnvParam of a target that is drawn; -1: the scenario's
   double tilt_cosine_ = -2.0, farthest_ = kInfinity;
 };
 

@@ -13,9 +13,8 @@ class Hover : public Task {
   static constexpr bool kSmooth = true;
 
   void configure(const Setup& setup) override {
-    require_box(target_min_, target_max_, "target");
-    require_target_within(target_, target_min_, target_max_, limits_.bound());
-    drawn_target_ = announce_drawn(setup, target_);
+    target_.configure(setup);
+    target_.require_within(limits_.bound());
     is_shaped_ = shaping_.is_asked_for() || failure_reward_.value() != 0.0;
     const int only = robot_.value().empty() ? -1 : setup.robot(robot_.value());
     const bool team = only < 0 && setup.robots().size() > 1;
@@ -40,11 +39,7 @@ class Hover : public Task {
   /// A target in the box, unless the scenario gives one.
   template <class Real>
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
-    if (drawn_target_ < 0) return;
-    Random<Real> draw = random(env);
-    start.params.set(drawn_target_, draw_in_box(draw, target_min_, target_max_));
-    const Real yaw_limit(target_yaw_.value());
-    start.params.set(drawn_target_ + 3, draw.uniform(-yaw_limit, yaw_limit));
+    target_.randomize(random(env), start);
   }
 
   template <class Real>
@@ -57,7 +52,7 @@ class Hover : public Task {
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out,
                 Values<Real> buffer) const {
-    const Real target_yaw = target_(env, 3);
+    const Real target_yaw = target_.yaw(env);
     Real reward(0.0), farthest(0.0);
     PassedLimits<Real> passed;
     for (const Robot& robot : robots_) {
@@ -85,14 +80,13 @@ class Hover : public Task {
     Verdict<Real> verdict(out);
     limits_.judge(verdict, passed);
     verdict.succeed(success_, farthest < success_distance_.value());
-    verdict.close();
   }
 
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     for (int i = 0; i < static_cast<int>(robots_.size()); ++i) {
       goal.set(4 * i, target_of(robots_[static_cast<std::size_t>(i)], env));
-      goal.set(4 * i + 3, target_(env, 3));
+      goal.set(4 * i + 3, target_.yaw(env));
     }
   }
 
@@ -187,7 +181,7 @@ class Hover : public Task {
 
   template <class Real>
   SKYBODY_INLINE Vec3<Real> target_of(const Robot& robot, const EnvView<Real>& env) const {
-    return target_.vec3(env) +
+    return target_.position(env) +
            Vec3<Real>{Real(robot.offset.x), Real(robot.offset.y), Real(robot.offset.z)};
   }
 
@@ -203,32 +197,14 @@ class Hover : public Task {
       this,
       {.name = "robot",
        .doc = "who hovers; empty: all robots but loads (neither rotors nor actions), as a team"}};
-  RealsParameter target_{
+  DrawnPose target_{
       this,
-      {.name = "target",
-       .unit = "m, rad",
-       .values = {0.0, 0.0, 1.75, 0.0},
-       .count = 4,
-       .doc = "x, y, z (W), yaw; where the scenario gives none, one is drawn for "
-              "each episode",
-       .randomizable = true}};
-  RealsParameter target_min_{this,
-                             {.name = "target_min",
-                              .unit = "m",
-                              .values = {-5.0, -5.0, 0.5},
-                              .doc = "lower corner of the box of drawn targets (W)"}};
-  RealsParameter target_max_{this,
-                             {.name = "target_max",
-                              .unit = "m",
-                              .values = {5.0, 5.0, 3.0},
-                              .doc = "upper corner of the box of drawn targets (W)"}};
-  RealParameter target_yaw_{this,
-                            {.name = "target_yaw",
-                             .unit = "rad",
-                             .value = 0.72,
-                             .min = 0.0,
-                             .max = kPi,
-                             .doc = "largest magnitude of a drawn heading"}};
+      {.target = {0.0, 0.0, 1.75, 0.0},
+       .low = {-5.0, -5.0, 0.5},
+       .high = {5.0, 5.0, 3.0},
+       .doc = "x, y, z (W), yaw; where the scenario gives none, one is drawn for each "
+              "episode"},
+      0.72};
   RealsParameter formation_{this,
                             {.name = "formation",
                              .unit = "m",
@@ -254,7 +230,6 @@ class Hover : public Task {
   InfoParts infos_;
   BufferPlan memory_;
   Part success_;
-  int drawn_target_ = -1;   ///< first EnvParam of a target that is drawn; -1: the scenario's
   bool is_shaped_ = false;  ///< by anything that the paper's reward has not
   std::vector<Robot> robots_;
 };

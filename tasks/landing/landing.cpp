@@ -61,7 +61,6 @@ class Landing : public Task {
     const MaskOf<Real> landed = logical_and(touch.landed, logical_not(verdict.failed()));
     verdict.fail(time_failure_, logical_and(late, logical_not(landed)));
     verdict.finish(success_, landed);
-    verdict.close();
     out.set_reward(reward(env, body, distance, speed, state) +
                    select(landed, Real(landing_reward_.value()), Real(0.0)) +
                    select(verdict.failed(), Real(failure_reward_.value()), Real(0.0)));

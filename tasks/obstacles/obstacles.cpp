@@ -25,10 +25,9 @@ class Obstacles : public Task {
   };
 
   void configure(const Setup& setup) override {
-    require_box(target_min_, target_max_, "target");
-    require_target_within(target_, target_min_, target_max_, limits_.bound());
-    require_target_above(target_, target_min_, height_min_.value());
-    drawn_target_ = announce_drawn(setup, target_);
+    target_.configure(setup);
+    target_.require_within(limits_.bound());
+    target_.require_above(height_min_.value());
     obstacles_ = obstacles::find(setup, "task `obstacles`");
     require_obstacles();
     const int robot = setup.robot(robot_.value());
@@ -51,15 +50,13 @@ class Obstacles : public Task {
 
   template <class Real>
   void randomize(const EnvView<Real>& env, State<Real>&, Start<Real>& start) const {
-    if (drawn_target_ < 0) return;
-    Random<Real> draw = random(env);
-    start.params.set(drawn_target_, draw_in_box(draw, target_min_, target_max_));
+    target_.randomize(random(env), start);
   }
 
   template <class Real>
   void evaluate(const EnvView<Real>& env, State<Real>& state, Evaluation<Real>& out) const {
     const BodyMotion<Real> body = env.body(body_);
-    const Vec3<Real> error = target_.vec3(env) - body.position;
+    const Vec3<Real> error = target_.position(env) - body.position;
     const Sight<Real> sight =
         obstacles::look(env, obstacles_, body.position, seen(), view_.value());
     observe(env, body, error, sight, out.observation);
@@ -77,7 +74,6 @@ class Obstacles : public Task {
     verdict.fail(collision_failure_, collides);
     verdict.fail(ground_failure_, low);
     verdict.finish(success_, arrived);
-    verdict.close();
     if (!out.wants_info()) return;
     distance_info_.set(out.info, distance);
     clearance_info_.set(out.info, clearance);
@@ -88,7 +84,7 @@ class Obstacles : public Task {
   template <class Real>
   void goal(const EnvView<Real>& env, const State<Real>&, Values<Real> goal) const {
     const BodyMotion<Real> body = env.body(body_);
-    const Vec3<Real> target = target_.vec3(env);
+    const Vec3<Real> target = target_.position(env);
     const Vec3<Real> way = Guide::way(env, obstacles_, body.position, target, body.velocity,
                                       radius_.value() + safe_distance_.value());
     const Real x = target.x - body.position.x, y = target.y - body.position.y;
@@ -174,23 +170,8 @@ class Obstacles : public Task {
 
   TextParameter robot_{this,
                        {.name = "robot", .doc = "who flies; may be left out for a single robot"}};
-  RealsParameter target_{this,
-                         {.name = "target",
-                          .unit = "m",
-                          .values = {6.0, 0.0, 1.2},
-                          .doc = "x, y, z (W); where the scenario gives none, one is drawn for "
-                                 "each episode",
-                          .randomizable = true}};
-  RealsParameter target_min_{this,
-                             {.name = "target_min",
-                              .unit = "m",
-                              .values = {5.5, -2.0, 1.0},
-                              .doc = "lower corner of the box of drawn targets (W)"}};
-  RealsParameter target_max_{this,
-                             {.name = "target_max",
-                              .unit = "m",
-                              .values = {6.5, 2.0, 1.4},
-                              .doc = "upper corner of the box of drawn targets (W)"}};
+  DrawnTarget target_{
+      this, {.target = {6.0, 0.0, 1.2}, .low = {5.5, -2.0, 1.0}, .high = {6.5, 2.0, 1.4}}};
   IntegerParameter nearest_{this,
                             {.name = "nearest",
                              .value = 4,
@@ -268,7 +249,7 @@ class Obstacles : public Task {
   Part distance_info_, clearance_info_, speed_info_;
   Part collision_failure_, ground_failure_, success_;
   std::vector<Obstacle> obstacles_;
-  int body_ = 0, first_action_ = 0, actions_ = 0, drawn_target_ = -1;
+  int body_ = 0, first_action_ = 0, actions_ = 0;
 };
 
 }  // namespace

@@ -81,7 +81,6 @@ class Payload : public Task {
       speed_info_.set(out.info, norm(robot.velocity));
       verdict.succeed(success_, distance < success_distance_.value());
     }
-    verdict.close();
   }
 
   /// Where the payload's frame belongs, turned as it is now.

@@ -20,7 +20,7 @@ class Pendulum : public Task {
     dt_ = setup.dt();
     require_within_horizon(setup, steps_.value(), "history");
     require_within(target_, "target", limits_.bound());
-    require_target_above(target_, target_, height_min_.value());
+    require_above(target_, "target", height_min_.value());
     if (is_privileged_.value()) setup.need_bodies_before();
     declare_states(setup, robot);
     if (is_privileged_.value()) declare_privileged(setup, robot);
@@ -64,7 +64,6 @@ class Pendulum : public Task {
     verdict.fail(low_failure_, low);
     verdict.fail(fallen_failure_, fallen);
     verdict.succeed(success_, distance < success_distance_.value());
-    verdict.close();
     if (!out.wants_info()) return;
     error_info_.set(out.info, distance);
     upright_info_.set(out.info, upright);

@@ -191,7 +191,6 @@ class Racing : public Task {
     verdict.fail(collision_failure_, failures.collision);
     verdict.fail(ground_failure_, failures.ground);
     verdict.finish(success_, most >= static_cast<double>(laps_.value() * track_.size()));
-    verdict.close();
   }
 
   template <class Real>

@@ -93,7 +93,6 @@ class Reach : public Task {
       tilt_info_.set(out.info, tilt(base.rotation));
       verdict.succeed(success_, distance < success_distance_.value());
     }
-    verdict.close();
   }
 
   /// Where the frame of the body that has the tool belongs, turned as it is now; the vehicle's yaw.

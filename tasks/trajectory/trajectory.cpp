@@ -83,7 +83,6 @@ class Trajectory : public Task {
     out.set_reward(select(verdict.failed(), Real(failure_reward_.value()),
                           reward(env, flight.body, error, slip, distance, yaw_error)));
     verdict.succeed(success_, logical_and(state.counted > 0.0, mean < success_distance_.value()));
-    verdict.close();
   }
 
   template <class Real>

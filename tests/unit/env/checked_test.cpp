@@ -1,5 +1,6 @@
 // Checked mode: mistakes that would damage memory are said with the plugin's name.
 #include <gtest/gtest.h>
+#include <skybody/task_kit.h>
 
 #include "tests/unit/env/small_plugins.h"
 
@@ -70,6 +71,59 @@ class Generous : public Task {
   }
 };
 
+/// Leaves out one of its two infos.
+class Secretive : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    setup.channel("one", "", 1, 0, 1);
+    setup.info("told", "", 1);
+    setup.info("untold", "", 1);
+  }
+  template <class Real>
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>& out) const {
+    out.observation.set(0, Real(1.0));
+    if (out.wants_info()) out.info.set(0, Real(1.0));
+  }
+};
+
+/// Writes three values of a part of two, over what stands behind it.
+class Overlong : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    velocity_ = parts_.add(setup, {"velocity", "m/s", 2, ""});
+    height_ = parts_.add(setup, {"height", "m", 1, ""});
+  }
+  template <class Real>
+  void evaluate(const EnvView<Real>& env, State<Real>&, Evaluation<Real>& out) const {
+    velocity_.set(out.observation, env.body(0).velocity);
+    height_.set(out.observation, env.body(0).position.z);
+  }
+
+ private:
+  task_kit::ObservationParts parts_;
+  task_kit::Part velocity_, height_;
+};
+
+/// Succeeds without having declared that it may, and would write over its first info.
+class Hasty : public Task {
+ public:
+  void configure(const Setup& setup) override {
+    setup.channel("one", "", 1, 0, 1);
+    height_ = infos_.add(setup, "height", "m", "");
+  }
+  template <class Real>
+  void evaluate(const EnvView<Real>&, State<Real>&, Evaluation<Real>& out) const {
+    out.observation.set(0, Real(1.0));
+    if (out.wants_info()) height_.set(out.info, Real(1.0));
+    task_kit::Verdict<Real> verdict(out);
+    verdict.succeed(success_, MaskOf<Real>(true));
+  }
+
+ private:
+  task_kit::InfoParts infos_;
+  task_kit::Part height_, success_;
+};
+
 class Moody : public Task {
  public:
   void configure(const Setup& setup) override { setup.channel("one", "", 1, 0, 1); }
@@ -89,6 +143,9 @@ std::string mistake(const std::string& controller, const std::string& task) {
   factory.add<Forgetful>("forgetful");
   factory.add<Generous>("generous");
   factory.add<Moody>("moody");
+  factory.add<Secretive>("secretive");
+  factory.add<Overlong>("overlong");
+  factory.add<Hasty>("hasty");
   Scenario s;
   s.name = "test";
   s.contact.ground = false;
@@ -102,7 +159,11 @@ std::string mistake(const std::string& controller, const std::string& task) {
   Flight flight(env, 1);
   try {
     flight.reset();
-    flight.step({0, 0, 0, 0});
+    std::vector<float> infos(static_cast<std::size_t>(env.info_size()));
+    Rows rows = flight.rows();
+    rows.info = infos.data();
+    const std::vector<float> actions(4, 0.0f);
+    env.step(flight.group, *flight.work, flight.all, actions.data(), env.action_size(), rows);
   } catch (const Error& e) {
     return e.what();
   }
@@ -126,6 +187,24 @@ TEST(CheckedMode, SaysWhatIsNotWritten) {
   EXPECT_EQ(mistake("forgetful", "watch"),
             "plugin `forgetful` (forgetful) has not written output value 1 of 4; this is a mistake "
             "in the plugin");
+}
+
+TEST(CheckedMode, SaysWhichInfoIsNotWritten) {
+  EXPECT_EQ(mistake("direct", "secretive"),
+            "plugin `secretive` (task) has not written info value 1 of 2; this is a mistake in the "
+            "plugin");
+}
+
+TEST(CheckedMode, NamesThePartThatIsWrittenBeyondItsEnd) {
+  EXPECT_EQ(mistake("direct", "overlong"),
+            "plugin `overlong` (task) asks for velocity value 2; allowed: 0 to 1; this is a "
+            "mistake in the plugin");
+}
+
+TEST(CheckedMode, SaysThatAPartIsNotDeclared) {
+  EXPECT_EQ(mistake("direct", "hasty"),
+            "plugin `hasty` (task) asks for undeclared part value 0; allowed: none; this is a "
+            "mistake in the plugin");
 }
 
 TEST(CheckedMode, SaysThatRewardsOfRobotsWereNotAnnounced) {

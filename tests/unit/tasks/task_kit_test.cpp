@@ -56,14 +56,15 @@ struct Evaluated {
 };
 const Part kTilt(0, 1), kBound(1, 1), kSuccess(2, 1);
 
-TEST(TaskKitVerdict, EndsTheEpisodeAndNamesTheReason) {
+TEST(TaskKitVerdict, EndsTheEpisodeWithItsScopeAndNamesTheReason) {
   Evaluated now;
-  Evaluation<double> out = now.out(true);
-  Verdict<double> verdict(out);
-  verdict.fail(kTilt, false);
-  verdict.fail(kBound, true);
-  verdict.succeed(kSuccess, true);
-  verdict.close();
+  {
+    Evaluation<double> out = now.out(true);
+    Verdict<double> verdict(out);
+    verdict.fail(kTilt, false);
+    verdict.fail(kBound, true);
+    verdict.succeed(kSuccess, true);
+  }
   EXPECT_EQ(now.info, (std::vector<double>{0, 1, 0}));  // a failure is no success
   EXPECT_EQ(now.end, 1u);
 }
@@ -71,15 +72,16 @@ TEST(TaskKitVerdict, EndsTheEpisodeAndNamesTheReason) {
 TEST(TaskKitVerdict, SuccessMayGoOnOrEndTheEpisode) {
   for (const bool ends : {false, true}) {
     Evaluated now;
-    Evaluation<double> out = now.out(true);
-    Verdict<double> verdict(out);
-    verdict.fail(kTilt, false);
-    if (ends) {
-      verdict.finish(kSuccess, true);
-    } else {
-      verdict.succeed(kSuccess, true);
+    {
+      Evaluation<double> out = now.out(true);
+      Verdict<double> verdict(out);
+      verdict.fail(kTilt, false);
+      if (ends) {
+        verdict.finish(kSuccess, true);
+      } else {
+        verdict.succeed(kSuccess, true);
+      }
     }
-    verdict.close();
     EXPECT_EQ(now.info[2], 1.0);
     EXPECT_EQ(now.end, ends ? 1u : 0u);
   }
@@ -88,9 +90,7 @@ TEST(TaskKitVerdict, SuccessMayGoOnOrEndTheEpisode) {
 TEST(TaskKitVerdict, WritesNoInfosWhereNobodyLooks) {
   Evaluated now;
   Evaluation<double> out = now.out(false);
-  Verdict<double> verdict(out);
-  verdict.fail(kTilt, true);
-  verdict.close();
+  Verdict<double>(out).fail(kTilt, true);
   EXPECT_EQ(now.info, std::vector<double>(3, -1.0));
   EXPECT_EQ(now.end, 1u);
 }
