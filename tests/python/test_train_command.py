@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import re
 import resource
+import shlex
 import shutil
 import signal
 import subprocess
@@ -136,13 +137,17 @@ def test_an_interrupt_writes_a_checkpoint_that_goes_on_with_the_same_bits(
 
 
 def test_runs_that_are_told_no_folder_have_one_each_and_say_how_to_fly(tmp_path: Path) -> None:
-    short = command("fast-ppo", "--total-steps", "800")
+    (tmp_path / "my plugins").mkdir()
+    world = ["--override", "robots.quad.pose.position=[0, 0, 2]", "--plugin-path", "my plugins"]
+    short = command("fast-ppo", "--total-steps", "800", *world)
     said = [train(short, tmp_path)[1] for _ in range(2)]
     flights = sorted(folder.name for folder in (tmp_path / "flights").iterdir())
     assert flights == ["hover_learn_fast-ppo", "hover_learn_fast-ppo-2"]
     fly = re.search(r"^fly it +(skybody run .*)$", said[1], re.MULTILINE)
     assert fly is not None, said[1]
-    words = [*fly[1].split()[1:], "--no-picture", "--steps", "5"]
+    # What the world is, and where its plugins lie, has to be told anew.
+    assert "--set 'robots.quad.pose.position=[0, 0, 2]' --plugin-path 'my plugins'" in fly[1]
+    words = [*shlex.split(fly[1])[1:], "--no-picture", "--steps", "5"]
     flown = subprocess.run(
         [str(PROGRAM), *words], cwd=tmp_path, capture_output=True, text=True, check=False
     )
@@ -155,6 +160,7 @@ def test_runs_that_are_told_no_folder_have_one_each_and_say_how_to_fly(tmp_path:
         (["--resume"], "--resume: which run? Name its folder with --out DIR"),
         (["hover_lern"], "did you mean `hover_learn`?"),
         (["hover_learn", "--set", "lerning_rate=1"], "did you mean `learning_rate`?"),
+        (["hover_learn", "--set", "total_steps=2e6"], "that is an option, --total-steps 2e6"),
         (["hover_learn", "--set", "discount=2"], "discount = 2: allowed is 0 to 1"),
         (["hover_learn", "--set", "torch_threads=2"], "no hyper-parameter `torch_threads`"),
         (["formation_2", "--algo", "gradient"], "fast-ppo"),

@@ -13,6 +13,7 @@ import argparse
 import contextlib
 import dataclasses
 import platform
+import shlex
 import shutil
 import sys
 from itertools import count
@@ -331,10 +332,28 @@ def run_to_end(trainer: Trainer) -> int:
     trainer.finish(complete)
     print(trainer.summary())
     if complete:
-        print(f"fly it  skybody run {trainer.config.scenario} --policy {trainer.run}")
+        print(f"fly it  {fly_command(trainer.config, trainer.run)}")
     else:
-        print(f"go on  skybody train --resume --out {trainer.run}")
+        print(f"go on  {resume_command(trainer.config, trainer.run)}")
     return 0 if complete else INTERRUPTED
+
+
+def fly_command(config: Config, run: Path) -> str:
+    """For a shell: flies what a run has learned, in the world in which it has."""
+    words = ["skybody", "run", config.scenario, "--policy", str(run)]
+    words += [word for override in config.overrides for word in ("--set", override)]
+    return shlex.join(words + search_options(config))
+
+
+def resume_command(config: Config, run: Path) -> str:
+    """For a shell: goes on with a run."""
+    words = ["skybody", "train", "--resume", "--out", str(run)]
+    return shlex.join(words + search_options(config))
+
+
+def search_options(config: Config) -> list[str]:
+    """Folders of plugins, which each command is told anew (docs/plugins.md)."""
+    return [word for folder in config.searched for word in ("--plugin-path", folder)]
 
 
 if __name__ == "__main__":

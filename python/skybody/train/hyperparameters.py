@@ -13,6 +13,7 @@ from skybody._native import MOST_LAYERS, hyperparameter_rows, hyperparameters
 from skybody.arguments import allowed_words
 
 SAME_KEYS = "fast-ppo"  # whose ranges hold for keys of the same name, too
+STEPS_KEY = "total_steps"  # the one key of presets that is no hyper-parameter
 
 
 class UsageError(ValueError):
@@ -102,6 +103,8 @@ def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparame
         key, equals, text = setting.partition("=")
         if not equals:
             raise UsageError(f"--set {setting}: write KEY=VALUE")
+        if key == STEPS_KEY:
+            raise UsageError(f"--set {setting}: that is an option, --total-steps {text}")
         base = with_value(base, key, text, f"--set {setting}")
     return base
 

@@ -15,6 +15,7 @@ from skybody._native import CompiledScenario, read_settings, scenario_file
 from skybody.arguments import allowed_words
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.hyperparameters import (
+    STEPS_KEY,
     Hyperparameters,
     UsageError,
     whole_number,
@@ -23,7 +24,6 @@ from skybody.train.hyperparameters import (
 )
 
 TOTAL_STEPS = 1_000_000  # of a run that is told no number
-_TOTAL = "total_steps"  # the one key that is no hyper-parameter
 
 
 @dataclass(frozen=True)
@@ -86,10 +86,10 @@ def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -
         made = dataclasses.replace(made, hyper=row.fit(made.hyper, action_seconds))
     for key, (text, place) in values.items():
         where = f"{place}: {key}"
-        if key == _TOTAL:
+        if key == STEPS_KEY:
             made = dataclasses.replace(made, total_steps=whole_number(text, where))
         else:
-            hyper = with_value(made.hyper, key, text, where, others=[_TOTAL])
+            hyper = with_value(made.hyper, key, text, where, others=[STEPS_KEY])
             made = dataclasses.replace(made, hyper=hyper)
     try:
         made.hyper.check()
