@@ -6,8 +6,8 @@ The ways: 1, 2 and 4 threads; batches of all environments, of a third and of one
 `arrival`; by the program (`skybody hash`) and from Python; in one go, and saved in the middle and
 restored, also into a pool of another shape; beside an environment that faults again and again; on
 the machine as it is, and with a process on every processor that does nothing but compute. `hover`
-is flown on the ground as well. One line per scenario, with the trajectory hash; exit status 0: all
-are identical, 1: some differ, 2: a process failed.
+is flown on the ground as well, `cooperative_payload_ropes` on slack ropes. One line per scenario,
+with the trajectory hash; exit status 0: all are identical, 1: some differ, 2: a process failed.
 
 All of it takes hours. `--scenarios` flies some, and `--write` puts each beside what was flown
 before, as soon as it has been flown: a line that no longer has the pinned hash goes.
@@ -184,7 +184,9 @@ Every shipped scenario, flown in {runs} ways, or in a part of them: the trajecto
 on {machine}; Skybody {version}. A run is {envs} environments under seed {seed}, each with a
 reset, the number of steps below and the actions of `skybody hash`. The horizon is a quarter of the
 steps, so that every environment is reset at least three times on the way. `hover_on_ground` is
-`hover` begun 2 to 6 cm above the ground, which the vehicle touches. The ways are
+`hover` begun 2 to 6 cm above the ground, which the vehicle touches. Taut ropes move as rods do: in
+episodes as short as these `cooperative_payload_ropes` has the hash of `cooperative_payload`;
+`cooperative_payload_slack` is the same world with ropes that are slack at the start. The ways are
 
 - {shapes} shapes: {threads} threads x batches of {batches} x order {orders}; where a line has
   {quick_runs} runs, {quick_shapes};
@@ -267,7 +269,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         "--scenarios",
         nargs="+",
         metavar="NAME",
-        help="default: all that are shipped, and hover_on_ground",
+        help="default: all that are shipped, hover_on_ground and cooperative_payload_slack",
     )
     add("--envs", type=int, default=ENVS, help=f"environments, at least 3; default: {ENVS}")
     add(
