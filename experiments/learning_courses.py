@@ -206,7 +206,7 @@ COURSES = (
     _racing(
         "racing_split_s",
         12,
-        why="10.77 gates, 64 of 100 races; its policy goes up and down to the end: the dots below "
+        why="10.79 gates, 64 of 100 races; its policy goes up and down to the end: the dots below "
         "show checkpoints that win nearly all races between others that win few. Its process was "
         "stopped for some eight minutes of its seconds",
     ),

@@ -29,13 +29,14 @@ def flights_of(scenario: str, folder: Path) -> Any:
     return learning_flight.read_log(folder / "flight.h5")
 
 
-# LEASTCOMMENT
+# 50 of the episodes succeed less often by 3 deviations of the binomial at most than 100 of them, of
+# which 100, 93, 96, 99, DUEL and 98 do (tasks/racing, tasks/landing).
 @pytest.mark.parametrize(
     ("scenario", "least"),
     [
         ("racing", 0.98),
         ("racing_drawn", 0.82),
-        ("racing_split_s", 0.0),
+        ("racing_split_s", 0.87),
         ("racing_figure", 0.94),
         ("racing_duel", 0.0),
         ("landing", 0.92),
