@@ -180,7 +180,11 @@ def _duel(scenario: str, gates: int, track: str, racers: tuple[str, ...]) -> Cou
         "lap_time", "winners' last lap", "s", most=most, of_winners=True, racers=racers
     )
     won = Share(0.9, means="a race won before either touches or misses anything")
-    return Course(scenario, (passed, lap, won), minutes=30.0)
+    why = (
+        "after 8.4 million steps its checkpoint won 96 of the same 100 races, with the same laps; "
+        "later ones clip frames more often"
+    )
+    return Course(scenario, (passed, lap, won), minutes=30.0, why=why)
 
 
 COURSES = (

@@ -30,7 +30,7 @@ def flights_of(scenario: str, folder: Path) -> Any:
 
 
 # 50 of the episodes succeed less often by 3 deviations of the binomial at most than 100 of them, of
-# which 100, 93, 96, 99, DUEL and 98 do (tasks/racing, tasks/landing).
+# which 100, 93, 96, 99, 94 and 98 do (tasks/racing, tasks/landing).
 @pytest.mark.parametrize(
     ("scenario", "least"),
     [
@@ -38,7 +38,7 @@ def flights_of(scenario: str, folder: Path) -> Any:
         ("racing_drawn", 0.82),
         ("racing_split_s", 0.87),
         ("racing_figure", 0.94),
-        ("racing_duel", 0.0),
+        ("racing_duel", 0.83),
         ("landing", 0.92),
     ],
 )
