@@ -92,6 +92,20 @@ def test_a_mean_of_winners_leaves_others_out_and_is_met_by_nobody_without_one() 
     assert not lap.is_met(nobody)
 
 
+def test_of_several_racers_the_one_with_most_gates_counts() -> None:
+    infos = {
+        "red.gates_passed": np.array([15.0, 3.0, 2.0]),
+        "blue.gates_passed": np.array([9.0, 15.0, 4.0]),
+        "red.lap_time": np.array([2.0, 7.0, 7.0]),
+        "blue.lap_time": np.array([7.0, 4.0, 9.0]),
+    }
+    won = np.array([True, True, False])
+    flown = learning_flight.Flights(won, ~won, infos, infos)
+    first, racers = learning_courses.MeanOfTheFirst, ("red", "blue")
+    assert first("gates_passed", "gates", least=1, racers=racers).figure(flown) == 34.0 / 3.0
+    assert first("lap_time", "lap", most=9, of_winners=True, racers=racers).figure(flown) == 3.0
+
+
 def test_what_is_read_of_a_log_is_what_the_program_counts(tmp_path: Path) -> None:
     program = str(ROOT / "build/release/bin/skybody")
     command = [program, "run", "obstacles", "--policy", "random", "--no-picture"]

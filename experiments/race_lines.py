@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""How quickly a race can be flown: lines by `skybody plan` through the gates of racing's tracks.
+
+    .venv/bin/python experiments/race_lines.py [--quick] [--out DIR]
+
+Each line begins at rest where the scenario's robot stands, leads through all gates of all laps at
+their nominal places, and ends at rest behind the last one. Writes race_lines.md and its JSON, of
+which learning_courses.py takes the lap times that learned races are compared with.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from program_bench import PROGRAM
+from scipy.spatial.transform import Rotation
+from skybody import CompiledScenario
+from skybody.program import run_program
+from throughput import arguments, facts, machine_line, markdown_table, output_folder, write_report
+
+Reals = NDArray[np.float64]
+NAME = "race_lines"
+SCENARIOS = ("racing", "racing_figure", "racing_split_s")
+VEHICLE = "qdrone2"
+LINES, QUICK_LINES = 20_000, 200
+SEEDS = 5  # of the search, whose ends differ by up to a tenth
+BEHIND = 0.5  # of the last gate, where the line ends [m]
+TOLERANCE = 0.01  # of a place on the line, which has a point every 0.02 s [m]
+FOUND = re.compile(r"^ *\d+ +[\d.]+ +([\d.]+) +([\d.]+) *$", re.MULTILINE)
+
+
+class LineError(RuntimeError):
+    """A line that is not found, or leads beside a gate; the text is the whole message."""
+
+
+@dataclass(frozen=True)
+class Gate:
+    """An opening at its nominal place."""
+
+    centre: Reals  # W [m]
+    direction: Reals  # along which it is passed, W
+    reach: float  # how far from its centre a robot's centre may be [m]
+
+
+@dataclass(frozen=True)
+class Race:
+    """What is to be flown."""
+
+    start: Reals  # W [m]
+    gates: tuple[Gate, ...]  # of one lap
+    laps: int
+
+    @property
+    def order(self) -> tuple[Gate, ...]:
+        """All gates of all laps."""
+        return self.gates * self.laps
+
+    def course(self) -> dict[str, Any]:
+        """For `skybody plan`."""
+        last = self.gates[-1]
+        return {
+            "start": self.start.tolist(),
+            "gates": [
+                {
+                    "position": gate.centre.tolist(),
+                    "direction": gate.direction.tolist(),
+                    "reach": gate.reach,
+                }
+                for gate in self.order
+            ],
+            "finish": (last.centre + BEHIND * last.direction).tolist(),
+        }
+
+
+def race_of(scenario: str) -> Race:
+    """A scenario's, without its draws."""
+    found = yaml.safe_load(CompiledScenario(scenario).scenario_text)
+    parameters = found["task"]["parameters"]
+    shapes = [shape for shape in found["obstacles"] if "gate" in shape]
+    return Race(
+        start=np.array(found["robots"][0]["pose"]["position"], float),
+        gates=tuple(_gate(shape, parameters.get("radius", 0.2)) for shape in shapes),
+        laps=parameters["laps"],
+    )
+
+
+def _gate(shape: dict[str, Any], radius: float) -> Gate:
+    turn = Rotation.from_euler("xyz", shape.get("rpy", [0.0, 0.0, 0.0]))
+    return Gate(
+        centre=np.array(shape["position"], float),
+        direction=turn.apply([1.0, 0.0, 0.0]),
+        reach=round(min(shape["gate"][:2]) / 2 - radius, 6),
+    )
+
+
+def check(race: Race, line: Reals) -> None:
+    """Raises LineError where a line does not lead through all gates in their direction.
+
+    Args:
+        line: Places on it, a row each.
+    """
+    begin = 0
+    for k, gate in enumerate(race.order):
+        depth = (line[begin:] - gate.centre) @ gate.direction
+        crossings = np.flatnonzero((depth[:-1] < 0.0) & (depth[1:] >= 0.0))
+        for at in crossings:
+            share = -depth[at] / (depth[at + 1] - depth[at])
+            place = (1.0 - share) * line[begin + at] + share * line[begin + at + 1]
+            if np.linalg.norm(place - gate.centre) <= gate.reach + TOLERANCE:
+                begin += int(at) + 1
+                break
+        else:
+            raise LineError(f"the line does not lead through gate {k + 1} in its direction")
+
+
+def plan(race: Race, lines: int, seed: int) -> dict[str, float]:
+    """The quickest of so many lines: its seconds and peak speed."""
+    with tempfile.TemporaryDirectory() as name:
+        gates, table = Path(name) / "gates.yaml", Path(name) / "line.csv"
+        gates.write_text(yaml.safe_dump(race.course()))
+        command = [str(PROGRAM), "plan", str(gates), VEHICLE, "--out", str(table)]
+        command += ["--samples", str(lines), "--seed", str(seed)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        found = FOUND.search(done.stdout)
+        if done.returncode != 0 or found is None:
+            raise LineError(f"`skybody plan` failed (exit code {done.returncode})\n{done.stderr}")
+        check(race, np.loadtxt(table, delimiter=",", skiprows=2)[:, 1:4])
+    return {"seconds": float(found[1]), "peak_speed": float(found[2])}
+
+
+def row_of(scenario: str, lines: int) -> dict[str, Any]:
+    """A scenario's line."""
+    race = race_of(scenario)
+    found = [plan(race, lines, seed) for seed in range(SEEDS)]
+    quickest = min(found, key=lambda line: line["seconds"])
+    return {
+        "scenario": scenario,
+        "gates": len(race.order),
+        "laps": race.laps,
+        "reach": race.gates[0].reach,
+        **quickest,
+        "seconds_by_seed": [line["seconds"] for line in found],
+    }
+
+
+def page(content: dict[str, Any]) -> str:
+    """The page."""
+    table = [
+        ["scenario", "gates", "all laps [s]", "a lap [s]", "peak speed [m/s]", "by seed [s]"],
+        *(
+            [
+                f"`{row['scenario']}`",
+                str(row["gates"]),
+                f"{row['seconds']:.2f}",
+                f"{row['seconds'] / row['laps']:.2f}",
+                f"{row['peak_speed']:.1f}",
+                ", ".join(f"{seconds:.2f}" for seconds in row["seconds_by_seed"]),
+            ]
+            for row in content["rows"]
+        ),
+    ]
+    return f"""# Race lines
+
+    python experiments/{NAME}.py
+
+on {machine_line(content)}.
+
+The quickest line that `skybody plan` finds ([references.md](../references.md#race-lines)) with
+{SEEDS} seeds of {content["lines"]:,} lines each, for a QDrone2 through all gates of all laps, at
+their nominal places and within {content["rows"][0]["reach"]:g} m of their middles: that is as much
+as an opening leaves for a robot's radius. A line begins at rest where the scenario's robot stands
+and ends at rest {BEHIND:g} m behind the last gate. A lap is the time of the line divided by the
+number of laps.
+
+{markdown_table(table)}
+
+The script refuses a line that does not lead through each gate in its direction. The lines keep
+15 % of the rotors' thrust in reserve and are paths of least snap: good ones, not the quickest that
+there are. A policy that begins with some speed, or does not brake at the end, may be quicker.
+"""
+
+
+def main(arguments_given: Sequence[str] | None = None) -> int:
+    """Plans, writes; returns the exit code."""
+    parser = arguments(__doc__ or "")
+    options = parser.parse_args(arguments_given)
+    folder = output_folder(parser, options)
+    lines = QUICK_LINES if options.quick else LINES
+    try:
+        rows = [row_of(scenario, lines) for scenario in SCENARIOS]
+    except LineError as error:
+        print(f"{NAME}: {error}", file=sys.stderr)
+        return 2
+    content = {**facts(), "lines": lines, "rows": rows}
+    write_report(folder, NAME, page(content), content)
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
