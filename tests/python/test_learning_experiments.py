@@ -16,9 +16,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments"))
 
 torch = pytest.importorskip("torch")
+control_abstractions = pytest.importorskip("control_abstractions")
 learner_profile = pytest.importorskip("learner_profile")
 learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
+recurrent_policy = pytest.importorskip("recurrent_policy")
 rl_tools = pytest.importorskip("rl_tools")
 gradient_choices = pytest.importorskip("gradient_choices")
 training_runs = pytest.importorskip("training_runs")
@@ -173,3 +175,74 @@ def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
         ("fast-ppo", "old"),
         ("ppo", "new"),
     ]
+
+
+# --- forms of control -----------------------------------------------------------------------------
+
+
+def arrivals(form: str, steps: list[float | None]) -> list[dict[str, Any]]:
+    """Records of `payload`, a seed each."""
+    base = {"task": "payload", "form": form, "total_steps": 100.0}
+    return [{**base, "steps": {"1": one}} for one in steps]
+
+
+def test_who_does_not_get_below_the_threshold_counts_with_all_steps() -> None:
+    records = [*arrivals("end-to-end", [20.0, None]), *arrivals("modular", [10.0, 30.0])]
+    found = control_abstractions.compare(records, "payload", 1.0)
+    assert found["forms"]["end-to-end"]["mean"] == 60.0
+    assert found["forms"]["end-to-end"]["arrived"] == 1
+    assert found["ratio"] == 3.0
+    assert "too few" in control_abstractions.verdict(found)
+
+
+@pytest.mark.parametrize(
+    ("end_to_end", "said"),
+    [
+        ([50.0, 51.0, 52.0, 53.0, 54.0], "modular control learns sooner"),
+        ([5.0, 5.1, 5.2, 5.3, 5.4], "end-to-end control learns sooner"),
+        ([9.0, 10.0, 20.0, 30.0, 31.0], "no difference can be told"),
+    ],
+)
+def test_a_form_learns_sooner_where_the_whole_interval_says_so(
+    end_to_end: list[float | None], said: str
+) -> None:
+    modular = arrivals("modular", [18.0, 19.0, 20.0, 21.0, 22.0])
+    records = [*arrivals("end-to-end", end_to_end), *modular]
+    assert said in control_abstractions.verdict(
+        control_abstractions.compare(records, "payload", 1.0)
+    )
+
+
+@pytest.mark.parametrize("task", list(control_abstractions.TASKS))
+def test_both_forms_are_trained_alike(task: str) -> None:
+    control_abstractions.require_like_presets(task)
+
+
+# --- memory ---------------------------------------------------------------------------------------
+
+
+def judged(task: str, medians: dict[str, list[float]]) -> list[dict[str, Any]]:
+    """Rows of policies, a seed each."""
+    return [
+        {"task": task, "policy": policy, "median_error": error}
+        for policy, errors in medians.items()
+        for error in errors
+    ]
+
+
+@pytest.mark.parametrize(
+    ("remembers", "forgets", "said"),
+    [
+        ([0.01, 0.02], [0.03, 0.04], "memory helps"),
+        ([0.03, 0.04], [0.01, 0.02], "memory does harm"),
+        ([0.01, 0.03], [0.02, 0.04], "no difference can be told"),
+    ],
+)
+def test_memory_helps_where_every_seed_with_it_is_better(
+    remembers: list[float], forgets: list[float], said: str
+) -> None:
+    rows = judged(
+        "hover",
+        {"memory, sees past actions": remembers, "no memory, sees past actions": forgets},
+    )
+    assert said in recurrent_policy.compared(rows, "hover", True)
