@@ -163,30 +163,53 @@ def record(task: str, kind: Kind, run: Run, program: Path, episodes: int) -> Row
 # --- the page -----------------------------------------------------------------------------------
 
 
-def medians(rows: Sequence[Row], task: str, kind: Kind) -> list[float]:
-    """Median errors [m], a seed each."""
-    return [r["median_error"] for r in rows if (r["task"], r["policy"]) == (task, kind.name)]
+def of_kind(rows: Sequence[Row], task: str, kind: Kind) -> list[Row]:
+    """Of a kind of policy, a row a seed."""
+    return [r for r in rows if (r["task"], r["policy"]) == (task, kind.name)]
 
 
 def compared(rows: Sequence[Row], task: str, sees_actions: bool) -> str:
     """What memory does for policies that see their actions, or do not."""
-    with_memory, without = (
-        medians(rows, task, next(k for k in KINDS if (k.remembers, k.sees_actions) == which))
+    ours, theirs = (
+        of_kind(rows, task, next(k for k in KINDS if (k.remembers, k.sees_actions) == which))
         for which in ((True, sees_actions), (False, sees_actions))
     )
-    said = (
-        "memory helps"
-        if max(with_memory) < min(without)
-        else "memory does harm"
-        if min(with_memory) > max(without)
-        else "the seeds overlap: no difference can be told"
-    )
     who = "who sees its past actions" if sees_actions else "who sees none"
-    ours, theirs = (f"{1e3 * statistics.median(m):.1f}" for m in (with_memory, without))
     return (
-        f"- `{task}`, {who}: median error {ours} mm with memory, {theirs} mm without "
-        f"(medians over the seeds): {said}."
+        f"- `{task}`, {who}: with memory {in_words(ours)}; without {in_words(theirs)}. "
+        f"{arriving(ours, theirs)}; {erring(ours, theirs)}."
     )
+
+
+def in_words(own: Sequence[Row]) -> str:
+    """Of all flights of the seeds."""
+    near, flown = (sum(r[name] for r in own) for name in ("near", "episodes"))
+    median = statistics.median(r["median_error"] for r in own)
+    return f"{near} of {flown} within {NEAR} m, median error {1e3 * median:.1f} mm"
+
+
+def arriving(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
+    """Whether as many arrive with memory as without: two standard errors, and all seeds agree."""
+    shares = [[r["near"] / r["episodes"] for r in own] for own in (ours, theirs)]
+    means = [statistics.fmean(own) for own in shares]
+    counts = [sum(r["episodes"] for r in own) for own in (ours, theirs)]
+    error = sum(p * (1.0 - p) / n for p, n in zip(means, counts, strict=True)) ** 0.5
+    if abs(means[0] - means[1]) > 2.0 * error:
+        if min(shares[0]) > max(shares[1]):
+            return "More arrive with memory"
+        if max(shares[0]) < min(shares[1]):
+            return "Fewer arrive with memory"
+    return "As many arrive, as far as can be told"
+
+
+def erring(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
+    """Whether the median vehicle is nearer with memory: all seeds agree."""
+    medians = [[r["median_error"] for r in own] for own in (ours, theirs)]
+    if max(medians[0]) < min(medians[1]):
+        return "the median vehicle is nearer with it, with every seed"
+    if min(medians[0]) > max(medians[1]):
+        return "the median vehicle is farther off with it, with every seed"
+    return "of the median error no difference can be told"
 
 
 def table(rows: Sequence[Row]) -> list[str]:
@@ -231,6 +254,8 @@ on {machine_line(content["machine"])}.
 
 ![Error over mass](images/recurrent_policy.png)
 
+A point is an episode, a cross one that failed; lines are medians of neighbours in mass.
+
 {chr(10).join(table(rows))}
 
 A policy is trained with {FLEET:,} vehicles (randomizer `vehicle`: mass, arms, inertia, rotors,
@@ -261,16 +286,18 @@ Versions: {versions_line(rows)}.
 
 
 def draw(rows: Sequence[Row], out: Path) -> None:
-    """Error over mass; a point an episode, a panel a task."""
+    """Error over mass; a point an episode, a cross one that failed, a panel a task."""
     tasks = [name for name in TASKS if any(row["task"] == name for row in rows)]
     figure = Figure(figsize=(4.8 * len(tasks), 4.0), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     for axis, task in zip(np.atleast_1d(figure.subplots(1, len(tasks))), tasks, strict=True):
         for kind in KINDS:
-            own = [r for r in rows if (r["task"], r["policy"]) == (task, kind.name)]
+            own = of_kind(rows, task, kind)
             masses = np.concatenate([r["masses"] for r in own])
             errors = np.concatenate([r["errors"] for r in own])
-            axis.plot(masses, errors, ".", markersize=3, alpha=0.6, color=kind.color)
+            failed = np.concatenate([r["failed"] for r in own]).astype(bool)
+            axis.plot(masses[~failed], errors[~failed], ".", markersize=3, color=kind.color)
+            axis.plot(masses[failed], errors[failed], "x", markersize=4, color=kind.color)
             axis.plot(*middles(masses, errors), color=kind.color, linewidth=1.5, label=kind.name)
         axis.set(xscale="log", yscale="log", title=task, xlabel="mass [kg]", ylabel="error [m]")
         axis.grid(alpha=0.3)

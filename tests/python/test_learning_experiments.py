@@ -221,28 +221,38 @@ def test_both_forms_are_trained_alike(task: str) -> None:
 # --- memory ---------------------------------------------------------------------------------------
 
 
-def judged(task: str, medians: dict[str, list[float]]) -> list[dict[str, Any]]:
-    """Rows of policies, a seed each."""
-    return [
-        {"task": task, "policy": policy, "median_error": error}
-        for policy, errors in medians.items()
-        for error in errors
-    ]
+def seeds(near: list[int], medians: list[float]) -> list[dict[str, Any]]:
+    """Rows of a kind of policy, 100 flights each."""
+    pairs = zip(near, medians, strict=True)
+    return [{"near": n, "episodes": 100, "median_error": error} for n, error in pairs]
 
 
 @pytest.mark.parametrize(
     ("remembers", "forgets", "said"),
     [
-        ([0.01, 0.02], [0.03, 0.04], "memory helps"),
-        ([0.03, 0.04], [0.01, 0.02], "memory does harm"),
+        ([95, 96], [79, 85], "More arrive"),
+        ([79, 85], [95, 96], "Fewer arrive"),
+        ([95, 97], [94, 96], "As many arrive"),
+        ([97, 96], [95, 94], "As many arrive"),
+    ],
+)
+def test_more_arrive_where_all_seeds_say_so_by_two_standard_errors(
+    remembers: list[int], forgets: list[int], said: str
+) -> None:
+    assert said in recurrent_policy.arriving(
+        seeds(remembers, [0.1, 0.1]), seeds(forgets, [0.1] * 2)
+    )
+
+
+@pytest.mark.parametrize(
+    ("remembers", "forgets", "said"),
+    [
+        ([0.01, 0.02], [0.03, 0.04], "nearer with it"),
+        ([0.03, 0.04], [0.01, 0.02], "farther off with it"),
         ([0.01, 0.03], [0.02, 0.04], "no difference can be told"),
     ],
 )
-def test_memory_helps_where_every_seed_with_it_is_better(
+def test_the_median_vehicle_is_nearer_where_all_seeds_say_so(
     remembers: list[float], forgets: list[float], said: str
 ) -> None:
-    rows = judged(
-        "hover",
-        {"memory, sees past actions": remembers, "no memory, sees past actions": forgets},
-    )
-    assert said in recurrent_policy.compared(rows, "hover", True)
+    assert said in recurrent_policy.erring(seeds([9, 9], remembers), seeds([9, 9], forgets))
