@@ -129,12 +129,7 @@ def _payload(scenario: str) -> Course:
 def _pendulum(scenario: str) -> Course:
     # Who is not upright for the whole episode has failed.
     near = Share(0.9, "position_error", 0.3, "upright for 10 s, bob within 0.3 m in the last one")
-    why = (
-        "all that fail sink below `height_min` on their way from a far start, and the share goes "
-        "up and down by up to a quarter from checkpoint to checkpoint; neither fewer steps nor "
-        "more noise at the end changes that ([pendulum](../../tasks/pendulum/README.md))"
-    )
-    return Course(scenario, (near,), error="position_error", why=why)
+    return Course(scenario, (near,), error="position_error")
 
 
 def _formation(scenario: str) -> Course:

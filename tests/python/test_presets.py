@@ -76,7 +76,7 @@ def test_values_are_written_as_yaml_and_as_the_command_line_has_them(scenario: P
         ("fast-ppo:\n  total_step: 2\n", ":2:3", "did you mean `total_steps`?"),
         ("fast-ppo:\n  epochs: many\n", ":2:3", "`many` is not an integer"),
         ("fast-ppo:\n  total_steps: 1.5\n", ":2:3", "`1.5` is not an integer"),
-        ("fast-ppo:\n  discount: 2\n", "", "hyper-parameter discount = 2: allowed is 0 to 1"),
+        ("fast-ppo:\n  discount: 2\n", ":2:3", "hyper-parameter discount = 2: allowed is 0 to 1"),
         ("fast-ppo: 3\n", ":1:11", "it must be a map of keys and values"),
         ("fast-ppo: {envs: {a: 1}}\n", ":1:18", "it must be a value or a list of values"),
         ("fast-ppo: {envs: 8\n", ":2:1", "error"),

@@ -94,5 +94,6 @@ def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -
     try:
         made.hyper.check()
     except UsageError as error:
-        raise UsageError(f"{file}, {algorithm}: {error}") from None
+        named = [place for key, (_, place) in values.items() if f"parameter {key} = " in f"{error}"]
+        raise UsageError(f"{named[0] if named else file}: {algorithm}: {error}") from None
     return made

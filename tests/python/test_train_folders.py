@@ -1,4 +1,4 @@
-"""Wrong options and run folders of skybody.train, each a clear message."""
+"""Run folders of skybody.train: damaged, of another version, in use; each a clear message."""
 
 from __future__ import annotations
 
@@ -14,22 +14,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-import torch
-from conftest import Finished
 from skybody._native import CompiledScenario, Ppo
 from skybody.train import curve, evaluate
 from skybody.train.__main__ import main
-from skybody.train.algorithms import ALGORITHMS, NATIVE
 from skybody.train.checkpoint import checkpoint_folders, read_checkpoint
 from skybody.train.evaluation_file import read_evaluation
-from skybody.train.hyperparameters import UsageError, with_settings
-from skybody.train.native_learners import FastPpo, NativeLearner
+from skybody.train.native_learners import FastPpo
 from skybody.train.policy_file import Layer, Policy, write_policy
-from skybody.train.presets import preset
-from skybody.train.torch_errors import memory_errors
-from training import SCENARIO, arguments, finished_run
+from training import arguments, finished_run
 
 PROGRAM = Path(__file__).resolve().parents[2] / "build/release/bin/skybody"
+
 
 pytestmark = pytest.mark.timeout(120)
 
@@ -38,60 +33,6 @@ pytestmark = pytest.mark.timeout(120)
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A finished run with evaluations."""
     return finished_run(tmp_path_factory.mktemp("train") / "run")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (["--set", "rate=3"], "no hyper-parameter `rate`"),
-        (["--set", "leraning_rate=3"], "did you mean `learning_rate`? Allowed: envs,"),
-        (["--set", "epochs=many"], "`many` is not an integer"),
-        (["--set", "hidden=a"], "`a` is not sizes as 64,64"),
-        (["--set", "hidden=64,,64"], "`64,,64` is not sizes as 64,64"),
-        (
-            ["--set", f"hidden={','.join(['4'] * 64)}"],
-            "hyper-parameter hidden = 64 sizes: allowed is at most 63, as a policy file has 64",
-        ),
-        (["--set", "epochs"], "write KEY=VALUE"),
-        (["--set", "discount=1.5"], "hyper-parameter discount = 1.5: allowed is 0 to 1"),
-        (["--set", "log_std=nan"], "hyper-parameter log_std = nan: allowed is a finite number"),
-        (["--set", "envs=4"], "--envs and --set envs=...: give one of them"),
-        (
-            ["--override", "stepping.horizon=0", "--eval-episodes", "1"],
-            "no horizon, evaluations might never end",
-        ),
-        (["--threads", "100000"], "--threads 100000: at most 1024"),
-        (["--envs", str(2**31)], "hyper-parameter envs = 2147483648: allowed is 1 to 16777216"),
-        (["--plugin-path", "/nonexist"], "--plugin-path: directory does not exist: /nonexist"),
-        (["--override", "stepping.horizon"], "train: --override stepping.horizon: error: a path"),
-        (["--override", "stepping.dt=abc"], "train: --override stepping.dt=abc: error: `dt` is"),
-        (["--envs", "0"], "hyper-parameter envs = 0: allowed is 1 to 16777216"),
-        (["--total-steps", "0"], "--total-steps 0: at least 1"),
-        (["--seed", str(2**32)], "--seed 4294967296: at most 4294967295"),
-    ],
-)
-def test_wrong_options_are_one_clear_message(
-    changes: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([*arguments("ppo", tmp_path / "run"), *changes]) == 2
-    assert message in capsys.readouterr().err
-    assert not (tmp_path / "run").exists()
-
-
-def test_an_unknown_scenario_is_an_error(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["no_such_scenario", "--out", str(tmp_path / "run")]) == 2
-    assert "no_such_scenario" in capsys.readouterr().err
-
-
-def test_a_folder_that_holds_something_is_not_overwritten(
-    run: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(arguments("ppo", run)) == 2
-    assert "not empty" in capsys.readouterr().err
-    assert main(arguments("ppo", run / "config.json")) == 2
-    assert "config.json is a file: name a new folder" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -339,142 +280,6 @@ def test_a_run_of_a_learner_that_does_not_fit_is_not_resumed(
     assert len(said.splitlines()) == 1
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (["--algo", "lean-ppo"], "the learner `lean-ppo` has gone: `fast-ppo` learns by the same"),
-        (["--algo", "fast-pp"], "no learner `fast-pp`; did you mean `fast-ppo`?"),
-        (["--workers", "4"], "--workers 4 is of a cluster: give --ray ADDRESS, too"),
-        (["--ray", "local"], "--algo gradient: with --ray there is fast-ppo alone"),
-    ],
-)
-def test_a_learner_that_there_is_not_is_one_message(
-    changes: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    command = [SCENARIO, "--algo", "gradient", "--out", str(tmp_path / "run"), *changes]
-    assert main(command) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"train: {message}")
-    assert len(said.splitlines()) == 1
-    assert not (tmp_path / "run").exists()
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--seed", "-1"], "--seed -1: at least 0"),
-        (["--seed", str(2**64)], f"--seed {2**64}: at most {2**64 - 1}"),
-        (["--episodes", str(2**31)], "--episodes 2147483648: at most 16777216"),
-        (["--threads", "-1"], "--threads -1: at least 0"),
-    ],
-)
-def test_numbers_out_of_range_are_evaluates_own_errors(
-    options: list[str], message: str, run: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as ended:
-        evaluate.main([str(run), *options])
-    assert ended.value.code == 2
-    assert message in capsys.readouterr().err
-
-
-SB3 = ["stable_baselines3", "torch"]
-
-
-def train_without(packages: list[str], words: list[str], python: Callable[[str], Finished]) -> Any:
-    """`skybody train` where packages are not installed."""
-    return python(f"""
-        import runpy, sys
-        for name in {packages}:
-            sys.modules[name] = None  # importing it raises ModuleNotFoundError
-        sys.argv = ["train", *{words}]
-        runpy.run_module("skybody.train", run_name="__main__", alter_sys=True)
-    """)
-
-
-@pytest.mark.parametrize(
-    ("algorithm", "packages", "extras"),
-    [
-        ("fast-ppo", ["matplotlib"], "train"),
-        ("gradient", ["tqdm"], "train"),
-        ("ppo", ["torch"], "sb3"),
-        ("ppo", ["stable_baselines3"], "sb3"),
-        ("ppo", ["matplotlib", "torch"], "train,sb3"),
-    ],
-)
-def test_a_missing_package_is_one_message_with_the_remedy(
-    algorithm: str,
-    packages: list[str],
-    extras: str,
-    python: Callable[[str], Finished],
-    tmp_path: Path,
-) -> None:
-    out = tmp_path / "run"
-    words = ["hover", "--algo", algorithm, "--out", str(out)]
-    done = train_without(packages, words, python)
-    assert done.returncode == 2
-    assert done.stderr == (
-        f"train: needs {', '.join(packages)}, not installed here: `pip install '.[{extras}]'` in "
-        "Skybody's source folder\n"
-    )
-    assert not out.exists()
-
-
-@pytest.mark.parametrize("algorithm", NATIVE)
-def test_learners_in_cpp_train_and_go_on_without_pytorch(
-    algorithm: str, python: Callable[[str], Finished], tmp_path: Path
-) -> None:
-    out = str(tmp_path / "run")
-    words = [SCENARIO, "--algo", algorithm, "--envs", "16", "--eval-episodes", "0", "--out", out]
-    words += ["--set", "rollout_steps=8", "--set", "hidden=8", "--total-steps", "256"]
-    words += ["--set", "minibatch=64"] if algorithm == "fast-ppo" else []
-    done = train_without(SB3, words, python)
-    assert done.returncode == 0, done.stderr
-    done = train_without(SB3, ["--resume", "--out", out, "--total-steps", "512"], python)
-    assert done.returncode == 0, done.stderr
-
-
-def test_a_run_of_ppo_that_is_to_go_on_names_its_missing_package(
-    python: Callable[[str], Finished], tmp_path: Path
-) -> None:
-    words = arguments("ppo", tmp_path / "run")
-    words[words.index("--total-steps") + 1] = "300"
-    assert main(words) == 0
-    done = train_without(["torch"], ["--resume", "--out", str(tmp_path / "run")], python)
-    assert done.returncode == 2
-    assert done.stderr.startswith("train: needs torch, not installed here: `pip install '.[sb3]'`")
-
-
-@pytest.mark.parametrize("module", ["train", "train.evaluate", "train.curve"])
-def test_help_needs_no_package_of_the_extra(module: str, python: Callable[[str], Finished]) -> None:
-    done = python(f"""
-        import runpy, sys
-        for name in ("h5py", "matplotlib", "stable_baselines3", "torch", "tqdm"):
-            sys.modules[name] = None
-        sys.argv = ["train", "--help"]
-        runpy.run_module("skybody.{module}", run_name="__main__", alter_sys=True)
-    """)
-    assert done.returncode == 0, done.stderr
-    assert "usage:" in done.stdout
-
-
-def test_memory_that_is_at_its_end_in_training_is_one_message(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def iterate(learner: NativeLearner) -> None:
-        raise MemoryError
-
-    monkeypatch.setattr(NativeLearner, "iterate", iterate)
-    assert main(arguments("fast-ppo", tmp_path / "run")) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("train: not enough memory: take fewer envs or rollout_steps")
-    assert len(said.splitlines()) == 1
-
-
-def test_memory_that_pytorch_does_not_get_is_a_memory_error() -> None:
-    with pytest.raises(MemoryError, match="allocate"), memory_errors():
-        torch.empty(2**58)  # no processor has so many addresses
-
-
 def test_two_processes_do_not_train_in_one_folder(
     run: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -498,13 +303,6 @@ with files.folder_lock(Path(sys.argv[1])):
         assert "another process trains there" in capsys.readouterr().err
     finally:
         process.communicate("")
-
-
-def test_presets_are_consistent() -> None:
-    for algorithm in ALGORITHMS:
-        preset(SCENARIO, algorithm).hyper.check()
-    with pytest.raises(UsageError, match="minibatch"):
-        with_settings(preset(SCENARIO, "ppo").hyper, ["minibatch=1"]).check()
 
 
 def test_a_run_that_goes_on_under_other_versions_says_so(
