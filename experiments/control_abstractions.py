@@ -6,9 +6,9 @@
 
 A policy gives rotor speeds (end-to-end), or a force that an attitude controller turns into rotor
 speeds at every physics step (modular). Vehicle, rotors with their lag, physics, action rate,
-observations but for the action, rewards, draws and hyper-parameters are the same in both. Compared
-are the steps until the error in training is below a threshold; the policy at the end flies held-out
-episodes.
+observations but for the action, rewards, draws and hyper-parameters (those of the scenarios'
+presets) are the same in both. Compared are the steps until the error in training is below a
+threshold; the policy at the end flies held-out episodes.
 Finished runs are not repeated, and one that was cut short goes on. Writes control_abstractions.md,
 its JSON and a picture.
 """
@@ -27,11 +27,13 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from skybody.program import run_program
+from skybody.train.presets import preset
 from skybody.train.run_folder import read_table
 from training_runs import (
     ROOT,
     Run,
     RunError,
+    changed_hyper,
     command_line,
     machine,
     machine_line,
@@ -41,21 +43,12 @@ from training_runs import (
     write_json,
 )
 
-SETTINGS = (  # of both forms
-    "value_epochs=2",
-    "final_log_std=-2.7",
-    "bounded_mean=true",
-    "normalization_steps=1.5e6",
-    "averaging_steps=1e5",
-)
-FORCE = (
-    "[{plugin: force, parameters: {takes_yaw: false, max_force: [9, 9, 0]}}, "
-    "{plugin: attitude}, {plugin: ctbr}]"
-)
-AVERAGED = 100_000  # steps over which the error in training is averaged
+# Steps over which the error in training is averaged: episodes of `payload` in 256 environments.
+AVERAGED = 256_000
 LEAST_ARRIVED = 0.8  # of the seeds, in both forms: means of fewer say little
 QUICK_STEPS = 60_000
 SAMPLES = 10_000  # of the bootstrap
+Row = dict[str, Any]
 COLORS = {"end-to-end": "C1", "modular": "C0"}
 
 
@@ -63,69 +56,77 @@ COLORS = {"end-to-end": "C1", "modular": "C0"}
 class Compared:
     """A task in both forms."""
 
-    scenario: str
+    scenarios: dict[str, str]  # by the form; their presets are alike
     overrides: tuple[str, ...]  # of both forms
-    settings: tuple[str, ...]  # likewise, beside SETTINGS
     total_steps: int
-    threshold: float  # of the mean error [m]
+    thresholds: tuple[float, ...]  # of the mean error [m]
     doc: str
 
 
 TASKS = {
     "trajectory": Compared(
-        scenario="trajectory",
+        scenarios={"end-to-end": "trajectory", "modular": "trajectory_modular"},
         overrides=("randomization.lissajous.parameters.along=0",),
-        settings=("activation=elu", "discount=0.98"),
-        total_steps=4_000_000,
-        threshold=0.2,
+        total_steps=8_000_000,
+        thresholds=(0.5, 0.2, 0.1),
         doc="700 and 680 observations, the heading fixed, which no force commands",
     ),
     "payload": Compared(
-        scenario="payload",
+        scenarios={"end-to-end": "payload_learn", "modular": "payload_modular_learn"},
         overrides=(),
-        settings=("discount=0.99",),
-        total_steps=4_000_000,
-        threshold=0.5,
-        doc="26 and 25 observations, with the paper's reward",
+        total_steps=12_000_000,
+        thresholds=(2.0, 1.0),
+        doc="26 and 25 observations",
     ),
 }
+FORMS = tuple(COLORS)
 # The answer hangs on the learner's settings: whoever shows one must show those beside it.
 BEFORE = """\
-Two other settings were run before this one, five seeds each, with 34 and 33 observations in world
-axes (`trajectory_compact`, `axes: world`) and 4 million steps: with tanh units and three passes of
-the value function, end-to-end took 0.40 times the steps of modular control (95 % interval 0.31 to
-0.49; 5 of 5 seeds against 1 of 5 below 0.2 m); with elu units and two passes, no seed of either
-form got there. So these runs do not show that modular control speeds early learning, and the
-opposite only for one choice of settings. With the presets of 6 million steps both forms with their
-700 and 680 observations come to 3 to 8 cm (tasks/trajectory/README.md)."""
-FORMS = {"end-to-end": (), "modular": (f"robots.quad.controllers={FORCE}",)}
+Three other settings were run before this one, five seeds each and 4 million steps, which is too few
+for most of them:
+
+- `trajectory` with 34 and 33 observations in world axes (`trajectory_compact`, `axes: world`), tanh
+  units and three passes of the value function: end-to-end took 0.40 times the steps of modular
+  control (95 % interval 0.31 to 0.49; 5 of 5 seeds against 1 of 5 below 0.2 m). With elu units and
+  two passes no seed of either form got there.
+- `trajectory` with today's 700 and 680 observations and a policy averaged over 100,000 steps: 2 of
+  5 seeds end-to-end and 0 of 5 modular ones below 0.2 m.
+- `payload` with the paper's reward: no seed of either form below 0.5 m; after the 4 million steps
+  the median policy was 3.6 m off end-to-end and 1.3 m modular."""
 
 
-def make_runs(out: Path, task: str, form: str, seeds: int, quick: bool) -> list[Run]:
+def make_runs(options: argparse.Namespace, task: str, form: str) -> list[Run]:
     """Of one form of a task, a run a seed."""
     compared = TASKS[task]
-    steps = QUICK_STEPS if quick else compared.total_steps
     return [
         Run(
-            folder=out / f"{task}-{form}-seed-{seed}",
-            scenario=compared.scenario,
+            folder=options.out / f"{task}-{form}-seed-{seed}",
+            scenario=compared.scenarios[form],
             algorithm="fast-ppo",
             seed=seed,
-            total_steps=steps,
-            overrides=(*compared.overrides, *FORMS[form]),
-            settings=(*SETTINGS, *compared.settings),
+            total_steps=QUICK_STEPS if options.quick else compared.total_steps,
+            threads=options.threads,
+            overrides=compared.overrides,
             checkpoints=1,
-        )
-        for seed in range(1, seeds + 1)
+        ).with_threads_of_folder()
+        for seed in range(1, options.seeds + 1)
     ]
 
 
-def record(run: Run, task: str, form: str) -> dict[str, Any]:
+def require_like_presets(task: str) -> None:
+    """Raises RunError where the forms would be trained otherwise."""
+    hypers = [preset(name, "fast-ppo").hyper for name in TASKS[task].scenarios.values()]
+    if any(hyper != hypers[0] for hyper in hypers):
+        raise RunError(f"the presets of {', '.join(TASKS[task].scenarios.values())} differ")
+
+
+def record(run: Run, task: str, form: str) -> Row:
     """The curve of a finished run, and what its policy does."""
     rows = read_table(run.folder / "progress.csv")
     steps = np.array([float(row["steps"]) for row in rows])
     errors = averaged(steps, np.array([float(row["position_error"]) for row in rows]))
-    below = np.flatnonzero((errors < TASKS[task].threshold) & (steps >= AVERAGED))
+    known = steps >= AVERAGED
+    below = {t: np.flatnonzero((errors < t) & known) for t in TASKS[task].thresholds}
     found = run.evaluations()[-1]
     every = max(1, len(rows) // 60)
     return {
@@ -133,12 +134,14 @@ def record(run: Run, task: str, form: str) -> dict[str, Any]:
         "form": form,
         "seed": run.seed,
         "total_steps": run.total_steps,
-        "steps": float(steps[below[0]]) if below.size else None,
+        "steps": {f"{t:g}": float(steps[k[0]]) if k.size else None for t, k in below.items()},
+        "last_error": float(errors[-1]),
         "curve": [[float(s), round(float(e), 4)] for s, e in zip(steps, errors, strict=True)][
             ::every
         ],
         "final_error": found["position_error_mean"],
         "final_success": found["success_share"],
+        "hyper": changed_hyper(run.config()),
         "versions": run.config()["versions"],
     }
 
@@ -156,10 +159,9 @@ def averaged(steps: np.ndarray, errors: np.ndarray) -> np.ndarray:
 # --- comparing ----------------------------------------------------------------------------------
 
 
-def steps_of(records: Sequence[dict[str, Any]], task: str, form: str) -> list[float]:
-    """Steps to the threshold, a seed each; of one that did not arrive all its steps."""
-    own = [r for r in records if r["task"] == task and r["form"] == form]
-    return [float(r["total_steps"] if r["steps"] is None else r["steps"]) for r in own]
+def own_of(records: Sequence[Row], task: str, form: str) -> list[Row]:
+    """Of one form of a task, a record a seed."""
+    return [r for r in records if (r["task"], r["form"]) == (task, form)]
 
 
 def interval(samples: np.ndarray) -> tuple[float, float]:
@@ -168,40 +170,46 @@ def interval(samples: np.ndarray) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def compare(records: Sequence[dict[str, Any]], task: str) -> dict[str, Any]:
+def compare(records: Sequence[Row], task: str, threshold: float) -> Row:
     """Means of both forms with intervals, and of their ratio, by the bootstrap over seeds."""
     random = np.random.default_rng(1)
-    means: dict[str, np.ndarray] = {}
-    out: dict[str, Any] = {"task": task, "threshold": TASKS[task].threshold, "forms": {}}
+    samples: dict[str, np.ndarray] = {}
+    forms: Row = {}
     for form in FORMS:
-        steps = np.array(steps_of(records, task, form))
-        own = [r for r in records if r["task"] == task and r["form"] == form]
-        means[form] = random.choice(steps, (SAMPLES, len(steps))).mean(axis=1)
-        out["forms"][form] = {
+        own = own_of(records, task, form)
+        found = [r["steps"][f"{threshold:g}"] for r in own]
+        # Who did not arrive counts with all its steps.
+        pairs = zip(found, own, strict=True)
+        steps = np.array([r["total_steps"] if s is None else s for s, r in pairs], float)
+        samples[form] = random.choice(steps, (SAMPLES, len(steps))).mean(axis=1)
+        forms[form] = {
             "seeds": len(steps),
-            "arrived": sum(r["steps"] is not None for r in own),
+            "arrived": sum(s is not None for s in found),
             "mean": float(steps.mean()),
-            "interval": interval(means[form]),
-            "final_error": statistics.median(r["final_error"] for r in own),
-            "final_success": statistics.fmean(r["final_success"] for r in own),
+            "interval": interval(samples[form]),
         }
-    ratio = means["end-to-end"] / means["modular"]
-    of_means = out["forms"]["end-to-end"]["mean"] / out["forms"]["modular"]["mean"]
-    return out | {"ratio": of_means, "ratio_interval": interval(ratio)}
+    return {
+        "task": task,
+        "threshold": threshold,
+        "forms": forms,
+        "ratio": forms["end-to-end"]["mean"] / forms["modular"]["mean"],
+        "ratio_interval": interval(samples["end-to-end"] / samples["modular"]),
+    }
 
 
 # --- the page -----------------------------------------------------------------------------------
 
 
-def verdict(row: dict[str, Any]) -> str:
+def verdict(row: Row) -> str:
     """What a task's comparison says, in words."""
-    low, high = row["ratio_interval"]
+    where = f"- `{row['task']}`, {row['threshold']:g} m:"
     arrived = [f"{form['arrived']} of {form['seeds']}" for form in row["forms"].values()]
     if min(form["arrived"] / form["seeds"] for form in row["forms"].values()) < LEAST_ARRIVED:
         return (
-            f"- `{row['task']}`: {arrived[0]} end-to-end and {arrived[1]} modular seeds get below "
+            f"{where} {arrived[0]} end-to-end and {arrived[1]} modular seeds get below "
             "the threshold: too few to say which learns sooner."
         )
+    low, high = row["ratio_interval"]
     said = (
         "modular control learns sooner"
         if low > 1.0
@@ -210,35 +218,46 @@ def verdict(row: dict[str, Any]) -> str:
         else "no difference can be told"
     )
     return (
-        f"- `{row['task']}`: end-to-end takes {row['ratio']:.2f} times the steps of modular "
+        f"{where} end-to-end takes {row['ratio']:.2f} times the steps of modular "
         f"control (95 % interval {low:.2f} to {high:.2f}): {said}."
     )
 
 
-def table_row(row: dict[str, Any], form: str) -> str:
+def steps_row(row: Row, form: str) -> str:
+    """A line of the table of steps."""
     found = row["forms"][form]
     low, high = (f"{steps / 1e6:.2f}" for steps in found["interval"])
-    cells = [row["task"], form, f"{found['arrived']} of {found['seeds']}"]
-    cells += [f"{found['mean'] / 1e6:.2f} ({low} to {high})", f"{found['final_error']:.3f}"]
-    cells.append(f"{100 * found['final_success']:.0f} %")
+    cells = [row["task"], f"{row['threshold']:g}", form, f"{found['arrived']} of {found['seeds']}"]
+    cells.append(f"{found['mean'] / 1e6:.2f} ({low} to {high})")
     return f"| {' | '.join(cells)} |"
 
 
-def markdown(content: dict[str, Any]) -> str:
+def end_row(records: Sequence[Row], task: str, form: str) -> str:
+    """A line of the table of what is learned at the end."""
+    own = own_of(records, task, form)
+    training = statistics.median(r["last_error"] for r in own)
+    held_out = statistics.median(r["final_error"] for r in own)
+    unfailed = statistics.fmean(r["final_success"] for r in own)
+    return f"| {task} | {form} | {training:.3f} | {held_out:.3f} | {100 * unfailed:.0f} % |"
+
+
+def markdown(content: Row) -> str:
     """The whole page."""
-    rows = content["tasks"]
-    table = [
-        "| task | form | seeds below the threshold | millions of steps to it (95 %) "
-        "| final error [m] | flights without failure |",
-        "|---|---|---:|---:|---:|---:|",
-        *(table_row(row, form) for row in rows for form in FORMS),
+    rows, runs = content["comparisons"], content["runs"]
+    tasks = [name for name in TASKS if any(r["task"] == name for r in runs)]
+    steps = [
+        "| task | threshold [m] | form | seeds below it | millions of steps to it (95 %) |",
+        "|---|---:|---|---:|---:|",
+        *(steps_row(row, form) for row in rows for form in FORMS),
     ]
-    tasks = "\n".join(
-        f"- `{row['task']}`: {TASKS[row['task']].doc}; threshold {row['threshold']} m, "
-        f"{content['total_steps']:,} steps a run."
-        for row in rows
-    )
-    missing = [name for name in TASKS if name not in {row["task"] for row in rows}]
+    ends = [
+        "| task | form | error in training [m] | error of held-out flights [m] "
+        "| flights without failure |",
+        "|---|---|---:|---:|---:|",
+        *(end_row(runs, task, form) for task in tasks for form in FORMS),
+    ]
+    about = "\n".join(about_task(task, own_of(runs, task, "modular")[0]) for task in tasks)
+    missing = [name for name in TASKS if name not in tasks]
     cut = f"Not run: {', '.join(missing)}.\n\n" if missing else ""
     return f"""\
 # Control abstractions
@@ -253,19 +272,29 @@ on {machine_line(content["machine"])}.
 
 ![Error over steps](images/control_abstractions.png)
 
-{chr(10).join(table)}
+{chr(10).join(steps)}
+
+At the end of training:
+
+{chr(10).join(ends)}
 
 End-to-end, the policy gives four rotor speeds; modular, a force in world axes, which `force`,
 `attitude` and `ctbr` turn into rotor speeds at every physics step (1 kHz). Vehicle, rotors with
 their lag, physics, the 100 Hz of the actions, observations but for the action, rewards, draws and
-hyper-parameters are the same in both. The paper compares forms with different actuators.
+hyper-parameters are the same in both: the scenarios differ in their controllers alone, and their
+presets do not differ. (The reward of `trajectory` takes off 0.01 of the squares of the actions,
+whatever they are.) The paper compares forms with different actuators.
 
-{tasks}
+{about}
 
-The error is that of training, with its noise, averaged over {AVERAGED:,} steps. A seed that
-does not get below the threshold counts with all its steps, so that means are lower bounds where
-some do not. Intervals are of the bootstrap over seeds. The final error is the median over the seeds
-of the mean over 20 held-out episodes of a deterministic policy, in each its last second.
+The error is that of training, with its noise, a mean over whole episodes: where flights begin far
+from the target, as those of `payload`, the way there is in it. It is averaged over {AVERAGED:,}
+steps. A seed that does not get below a threshold counts with all its steps, so that means are lower
+bounds where some do not. Intervals are of the bootstrap over {rows[0]["forms"]["modular"]["seeds"]}
+seeds a form, which makes intervals of few seeds too narrow. Errors at the end are medians
+over the seeds; that of held-out flights is the mean over 20 episodes of a deterministic policy, in
+each its last second. Learning rate and noise fall over the whole run, so that a longer one arrives
+later.
 
 ## Other settings
 
@@ -273,23 +302,34 @@ of the mean over 20 held-out episodes of a deterministic policy, in each its las
 
 {cut}Not run: the paper's own protocol, whose runs are tens of times as long.
 
-Versions: {versions_line(content["runs"])}.
+Versions: {versions_line(runs)}.
 """
 
 
-def draw(records: Sequence[dict[str, Any]], tasks: Sequence[str], out: Path) -> None:
+def about_task(task: str, run: Row) -> str:
+    """What was trained, and how."""
+    pair = " and ".join(f"`{name}`" for name in TASKS[task].scenarios.values())
+    overrides = ", ".join(f"`{override}`" for override in TASKS[task].overrides)
+    also = f", both with {overrides}" if overrides else ""
+    return (
+        f"- `{task}`: {pair}{also}; {TASKS[task].doc}; {run['total_steps']:,} steps a run. "
+        f"Hyper-parameters of their presets: {', '.join(run['hyper'])}."
+    )
+
+
+def draw(records: Sequence[Row], tasks: Sequence[str], out: Path) -> None:
     """Error over steps; a line a seed, a panel a task."""
     figure = Figure(figsize=(4.6 * len(tasks), 3.8), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     panels = np.atleast_1d(figure.subplots(1, len(tasks)))
     for axis, task in zip(panels, tasks, strict=True):
         for form, color in COLORS.items():
-            own = [r for r in records if r["task"] == task and r["form"] == form]
-            for index, run in enumerate(own):
+            for index, run in enumerate(own_of(records, task, form)):
                 steps, errors = np.array(run["curve"]).T
                 label = form if index == 0 else None
                 axis.plot(steps / 1e6, errors, color=color, linewidth=1.0, label=label)
-        axis.axhline(TASKS[task].threshold, color="0.3", linewidth=0.8, linestyle=(0, (6, 3)))
+        for threshold in TASKS[task].thresholds:
+            axis.axhline(threshold, color="0.3", linewidth=0.8, linestyle=(0, (6, 3)))
         axis.set(
             yscale="log", title=task, xlabel="million steps", ylabel="mean error in training [m]"
         )
@@ -311,6 +351,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="default: all")
     add("--seeds", type=int, default=5, help="of each form (5)")
     add("--jobs", type=int, default=1, help="runs at a time (1)")
+    add("--threads", type=int, default=0, help="of a run; 0: all, which changes no bits")
     add("--out", type=Path, default=ROOT / "flights/control_abstractions", help="of the runs")
     add("--report", type=Path, help="folder of the page; default: docs/results")
     add("--quick", action="store_true", help="two seeds, few steps, report into --out: a trial")
@@ -326,12 +367,12 @@ def main(arguments: list[str] | None = None) -> int:
     """Trains, compares, writes; returns the exit code."""
     options = parse(arguments)
     made = {
-        (task, form): make_runs(options.out, task, form, options.seeds, options.quick)
-        for task in options.tasks
-        for form in FORMS
+        (task, form): make_runs(options, task, form) for task in options.tasks for form in FORMS
     }
     by_seed = [run for runs in zip(*made.values(), strict=True) for run in runs]
     try:
+        for task in options.tasks:
+            require_like_presets(task)
         train_all(by_seed, options.jobs, lambda run: run.folder.name)
         records = [record(run, *key) for key, runs in made.items() for run in runs]
     except RunError as error:
@@ -342,8 +383,11 @@ def main(arguments: list[str] | None = None) -> int:
         "experiment": "control abstractions",
         "command": command_line("control_abstractions.py", given),
         "machine": machine(),
-        "total_steps": records[0]["total_steps"],
-        "tasks": [compare(records, task) for task in options.tasks],
+        "comparisons": [
+            compare(records, task, threshold)
+            for task in options.tasks
+            for threshold in TASKS[task].thresholds
+        ],
         "runs": records,
     }
     write_json(options.report / "data/control_abstractions.json", content)

@@ -45,16 +45,18 @@ def fly(program: Path, run: Run, episodes: int) -> Flights:
         if found["asked"] == asked:
             return from_json(found)
     with tempfile.TemporaryDirectory(dir=run.folder, prefix=".flight-") as folder:
-        line = _command(program, run.scenario, checkpoint, episodes, Path(folder))
+        line = _command(program, run, checkpoint, episodes, Path(folder))
         flights = read_log(Path(folder) / "flight.h5", line)
     write_json(path, {"asked": asked, **to_json(flights)})
     return flights
 
 
-def _command(program: Path, scenario: str, policy: Path, episodes: int, out: Path) -> str:
+def _command(program: Path, run: Run, policy: Path, episodes: int, out: Path) -> str:
     """Flies into `out`; returns the line on successes."""
-    command = [str(program), "run", scenario, "--policy", str(policy), "--no-picture"]
+    command = [str(program), "run", run.scenario, "--policy", str(policy), "--no-picture"]
     command += ["--episodes", str(episodes), "--seed", str(SEED), "--out", str(out)]
+    for override in run.overrides:
+        command += ["--set", override]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RunError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr}")

@@ -48,6 +48,7 @@ SCENARIOS = (
     "trajectory_modular",
     "trajectory_ctbr",
     "trajectory_compact",
+    "vehicles_trajectory",
     "trajectory_paper",
     "trajectory_modular_paper",
     "payload",

@@ -94,6 +94,12 @@ class Run:
                     "remove it, or take another --out"
                 )
 
+    def with_threads_of_folder(self) -> Run:
+        """As the folder has it, if any: threads change no bits, and a run goes on with its own."""
+        if not (self.folder / "config.json").exists():
+            return self
+        return dataclasses.replace(self, threads=self.config()["threads"])
+
     def finished(self) -> bool:
         """Whether it came to its end and every checkpoint has its evaluation."""
         found = checkpoint_folders(self.folder)

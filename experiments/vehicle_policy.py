@@ -44,20 +44,24 @@ FLEET, LIGHTEST, HEAVIEST = 20_000, 0.03, 5.0  # vehicles; kg
 SECONDS = 60.0  # from the command to the policy that counts
 NEAR = 0.3  # m, the scenario's success
 CHECKPOINTS = 10
-OVERRIDES = (
-    "randomization=[{plugin: vehicle, parameters: {robot: quad, "
-    f"fleet: {FLEET}, mass: [{LIGHTEST}, {HEAVIEST}]}}}}, "
-    "{plugin: start, parameters: {robot: quad, position_min: [-1, -1, 2], "
-    "position_max: [1, 1, 4], yaw_min: -0.7, yaw_max: 0.7, rotor_speed: hover}}]",
-    "task={plugin: hover, parameters: {robot: quad, target: [0, 0, 3, 0], approach_reward: 1, "
-    "precision_reward: 4, heading_reward: 0.5, tilt_cost: 2, failure_reward: -100}}",
-)
-_PPO = (
+PPO = (
     "final_log_std=-2.7",
     "bounded_mean=true",
     "normalization_steps=1500000",
     "averaging_steps=300000",
 )
+
+
+def overrides(fleet: int) -> tuple[str, ...]:
+    """Of the scenario: so many vehicles, and the rewards of `hover_learn`."""
+    return (
+        "randomization=[{plugin: vehicle, parameters: {robot: quad, "
+        f"fleet: {fleet}, mass: [{LIGHTEST}, {HEAVIEST}]}}}}, "
+        "{plugin: start, parameters: {robot: quad, position_min: [-1, -1, 2], "
+        "position_max: [1, 1, 4], yaw_min: -0.7, yaw_max: 0.7, rotor_speed: hover}}]",
+        "task={plugin: hover, parameters: {robot: quad, target: [0, 0, 3, 0], approach_reward: 1, "
+        "precision_reward: 4, heading_reward: 0.5, tilt_cost: 2, failure_reward: -100}}",
+    )
 
 
 @dataclass(frozen=True)
@@ -70,9 +74,9 @@ class Contestant:
 
 
 CONTESTANTS = {
-    "fast-ppo": Contestant("fast-ppo", 24_000_000, _PPO),
+    "fast-ppo": Contestant("fast-ppo", 24_000_000, PPO),
     "fast-ppo, memory of 64 units": Contestant(
-        "fast-ppo", 12_000_000, (*_PPO, "recurrent_units=64")
+        "fast-ppo", 12_000_000, (*PPO, "recurrent_units=64")
     ),
     "gradient": Contestant(
         "gradient",
@@ -100,7 +104,7 @@ def make_runs(out: Path, seeds: Sequence[int]) -> list[tuple[str, Run]]:
                 algorithm=contestant.algorithm,
                 seed=seed,
                 total_steps=contestant.steps,
-                overrides=OVERRIDES,
+                overrides=overrides(FLEET),
                 settings=contestant.settings,
                 checkpoints=CHECKPOINTS,
                 eval_episodes=0,

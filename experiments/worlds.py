@@ -120,6 +120,7 @@ WORLDS = {
     "trajectory_modular": (SHORTER, on_the_path(0.1)),
     "trajectory_ctbr": (SHORTER, on_the_path(0.1)),
     "trajectory_compact": (SHORTER, on_the_path(0.05)),
+    "vehicles_trajectory": (SHORTER, on_the_path(0.6)),
     "trajectory_paper": (SHORTER, on_the_path(0.1)),
     "trajectory_modular_paper": (SHORTER, on_the_path(0.1)),
     "payload": ([], says_so),

@@ -71,6 +71,7 @@ SCENARIOS = (
     "trajectory_paper",
     "trajectory_training",
     "vehicles",
+    "vehicles_trajectory",
     "windy_hover",
 )
 

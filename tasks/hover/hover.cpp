@@ -102,7 +102,7 @@ class Hover : public Task {
     Part position_error = {}, yaw_error = {}, velocity = {}, attitude = {}, angular_velocity = {},
          actions = {};
     Part distance_info = {}, yaw_info = {}, tilt_info = {}, speed_info = {};
-    History past_actions = {};  ///< this step's, then the one before
+    History past_actions = {};  ///< this step's, then the one before; empty: not observed
   };
 
   template <class Real>
@@ -145,15 +145,17 @@ class Hover : public Task {
     robot.velocity = part("velocity", "m/s", 3, kInfinity, "of the base's frame, W");
     robot.attitude = part("attitude", "", 4, 1.0, "quaternion w x y z, W from B, with w >= 0");
     robot.angular_velocity = part("angular_velocity", "rad/s", 3, kInfinity, "B");
-    robot.actions = part("actions", "", 2 * actions, 1.0,
-                         "this step's action, then the one before, in [-1, 1]; -1 at a reset");
+    if (past_actions_.value()) {
+      robot.actions = part("actions", "", 2 * actions, 1.0,
+                           "this step's action, then the one before, in [-1, 1]; -1 at a reset");
+      robot.past_actions = History(memory_, 2, actions);
+    }
     robot.distance_info =
         infos_.add(setup, prefix + "position_error", "m", "distance from the target");
     robot.yaw_info = infos_.add(setup, prefix + "yaw_error", "rad", "magnitude, 0 .. pi");
     robot.tilt_info = infos_.add(setup, prefix + "tilt", "rad",
                                  "angle between the body's z axis and the world's, 0 .. pi");
     robot.speed_info = infos_.add(setup, prefix + "speed", "m/s", "of the base's frame");
-    robot.past_actions = History(memory_, 2, actions);
     robots_.push_back(robot);
     setup.goal(index, info.first_body);
   }
@@ -211,6 +213,11 @@ class Hover : public Task {
                              .count = -1,
                              .doc = "x, y, z of each robot from the target; none: as the scenario "
                                     "places them about their mean"}};
+  BooleanParameter past_actions_{
+      this,
+      {.name = "past_actions",
+       .value = true,
+       .doc = "observe the last two actions; false: a policy that needs them must remember"}};
   FlightLimits limits_{this};
   GoalShaping shaping_{this};
   RealParameter failure_reward_{this,

@@ -34,7 +34,8 @@ class Trajectory : public Task {
     window_ = {static_cast<int>(moments_.value()), spacing_.value()};
     observed_.configure(setup,
                         {static_cast<int>(entries_.value()), window_.count, matrices_.value(),
-                         axes_.value() == "body", robot, action_count(info, "trajectory")});
+                         axes_.value() == "body", past_actions_.value(), robot,
+                         action_count(info, "trajectory")});
     actions_ = action_count(info, "trajectory");
     require_memory(setup);
     require_path(setup, robot);
@@ -220,6 +221,11 @@ class Trajectory : public Task {
                        .value = "world",
                        .choices = {"world", "body"},
                        .doc = "of observed velocities and errors"}};
+  BooleanParameter past_actions_{
+      this,
+      {.name = "past_actions",
+       .value = true,
+       .doc = "the history has the actions; false: a policy that needs them must remember"}};
   reference::PathParameters path_parameters_{this};
   control::PathCheck check_{this};
   tracking::PathLimits limits_{this};

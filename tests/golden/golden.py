@@ -146,6 +146,7 @@ FLIGHTS = (
     Flight("trajectory_modular", "trajectory_modular", most_steps=100),
     Flight("trajectory_ctbr", "trajectory_ctbr", most_steps=100),
     Flight("trajectory_compact", "trajectory_compact", most_steps=100),
+    Flight("vehicles_trajectory", "vehicles_trajectory", most_steps=100),
     Flight("trajectory_paper", "trajectory_paper", most_steps=100),
     Flight("trajectory_modular_paper", "trajectory_modular_paper", most_steps=100),
     Flight("boom", "boom", most_steps=50),  # cvode takes its time

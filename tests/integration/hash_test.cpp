@@ -35,6 +35,7 @@ const std::map<std::string, std::vector<std::string>> kInTime = {
     {"trajectory_modular", kLonger},
     {"trajectory_modular_paper", kLonger},
     {"trajectory_paper", kLonger},
+    {"vehicles_trajectory", kLonger},
     {"rotor_out", {"effects[0].parameters.earliest=0.01", "effects[0].parameters.latest=0.05"}}};
 
 std::string hash_of(const std::string& scenario, const std::vector<std::string>& more) {

@@ -16,9 +16,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "experiments"))
 
 torch = pytest.importorskip("torch")
+control_abstractions = pytest.importorskip("control_abstractions")
 learner_profile = pytest.importorskip("learner_profile")
 learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
+recurrent_policy = pytest.importorskip("recurrent_policy")
 rl_tools = pytest.importorskip("rl_tools")
 gradient_choices = pytest.importorskip("gradient_choices")
 training_runs = pytest.importorskip("training_runs")
@@ -173,3 +175,84 @@ def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
         ("fast-ppo", "old"),
         ("ppo", "new"),
     ]
+
+
+# --- forms of control -----------------------------------------------------------------------------
+
+
+def arrivals(form: str, steps: list[float | None]) -> list[dict[str, Any]]:
+    """Records of `payload`, a seed each."""
+    base = {"task": "payload", "form": form, "total_steps": 100.0}
+    return [{**base, "steps": {"1": one}} for one in steps]
+
+
+def test_who_does_not_get_below_the_threshold_counts_with_all_steps() -> None:
+    records = [*arrivals("end-to-end", [20.0, None]), *arrivals("modular", [10.0, 30.0])]
+    found = control_abstractions.compare(records, "payload", 1.0)
+    assert found["forms"]["end-to-end"]["mean"] == 60.0
+    assert found["forms"]["end-to-end"]["arrived"] == 1
+    assert found["ratio"] == 3.0
+    assert "too few" in control_abstractions.verdict(found)
+
+
+@pytest.mark.parametrize(
+    ("end_to_end", "said"),
+    [
+        ([50.0, 51.0, 52.0, 53.0, 54.0], "modular control learns sooner"),
+        ([5.0, 5.1, 5.2, 5.3, 5.4], "end-to-end control learns sooner"),
+        ([9.0, 10.0, 20.0, 30.0, 31.0], "no difference can be told"),
+    ],
+)
+def test_a_form_learns_sooner_where_the_whole_interval_says_so(
+    end_to_end: list[float | None], said: str
+) -> None:
+    modular = arrivals("modular", [18.0, 19.0, 20.0, 21.0, 22.0])
+    records = [*arrivals("end-to-end", end_to_end), *modular]
+    assert said in control_abstractions.verdict(
+        control_abstractions.compare(records, "payload", 1.0)
+    )
+
+
+@pytest.mark.parametrize("task", list(control_abstractions.TASKS))
+def test_both_forms_are_trained_alike(task: str) -> None:
+    control_abstractions.require_like_presets(task)
+
+
+# --- memory ---------------------------------------------------------------------------------------
+
+
+def seeds(near: list[int], medians: list[float]) -> list[dict[str, Any]]:
+    """Rows of a kind of policy, 100 flights each."""
+    pairs = zip(near, medians, strict=True)
+    return [{"near": n, "episodes": 100, "median_error": error} for n, error in pairs]
+
+
+@pytest.mark.parametrize(
+    ("remembers", "forgets", "said"),
+    [
+        ([95, 96], [79, 85], "More arrive"),
+        ([79, 85], [95, 96], "Fewer arrive"),
+        ([95, 97], [94, 96], "As many arrive"),
+        ([97, 96], [95, 94], "As many arrive"),
+    ],
+)
+def test_more_arrive_where_all_seeds_say_so_by_two_standard_errors(
+    remembers: list[int], forgets: list[int], said: str
+) -> None:
+    assert said in recurrent_policy.arriving(
+        seeds(remembers, [0.1, 0.1]), seeds(forgets, [0.1] * 2)
+    )
+
+
+@pytest.mark.parametrize(
+    ("remembers", "forgets", "said"),
+    [
+        ([0.01, 0.02], [0.03, 0.04], "nearer with it"),
+        ([0.03, 0.04], [0.01, 0.02], "farther off with it"),
+        ([0.01, 0.03], [0.02, 0.04], "no difference can be told"),
+    ],
+)
+def test_the_median_vehicle_is_nearer_where_all_seeds_say_so(
+    remembers: list[float], forgets: list[float], said: str
+) -> None:
+    assert said in recurrent_policy.erring(seeds([9, 9], remembers), seeds([9, 9], forgets))

@@ -57,6 +57,21 @@ def test_observing_changes_nothing_of_the_tasks_own_values() -> None:
         np.testing.assert_array_equal(plain.step(given)[0], observed.step(given)[0][:, :22])
 
 
+@pytest.mark.parametrize("scenario", ["hover", "trajectory", "trajectory_compact"])
+def test_without_past_actions_the_other_values_stay_as_they_are(scenario: str) -> None:
+    hidden = ("task.parameters.past_actions=false",)
+    whole = skybody.make_vec(scenario, N, seed=3)
+    rest = skybody.make_vec(scenario, N, seed=3, overrides=hidden)
+    columns = whole.compiled.observation_columns
+    keep = np.concatenate([np.full(c.shape, c.name != "actions").ravel() for c in columns])
+    assert not keep.all()
+    seen, other = whole.reset()[0], rest.reset()[0]
+    for step in range(5):
+        np.testing.assert_array_equal(seen[:, keep], other)
+        given = actions(step, N)
+        seen, other = whole.step(given)[0], rest.step(given)[0]
+
+
 def test_a_dictionary_holds_views_of_the_flat_rows() -> None:
     flat, named = envs_of(OBSERVED), envs_of(OBSERVED, dict_observations=True)
     assert isinstance(named.single_observation_space, Dict)

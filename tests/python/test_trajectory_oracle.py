@@ -65,6 +65,7 @@ DIMENSIONS = {
     "trajectory_ctbr": (700, 4),
     "trajectory_modular": (680, 3),
     "trajectory_compact": (33, 4),
+    "vehicles_trajectory": (33, 4),
     "trajectory_paper": (700, 4),
     "trajectory_modular_paper": (680, 3),
 }

@@ -1,0 +1,368 @@
+#!/usr/bin/env python3
+"""One policy for 1,000 drawn quadrotors: does memory help it to hover and to follow a path?
+
+    .venv/bin/python experiments/recurrent_policy.py [--seeds 1 2] [--out DIR] [--quick]
+
+RAPTOR's question: can one recurrent policy fly vehicles from 30 g to 5 kg that it has never seen?
+Hover is `vehicles` with the masses and rewards of vehicle_policy.py, the path is that of
+`vehicles_trajectory`. Policies have gated recurrent units or none, and observe their past actions
+or not: who sees these can tell what the vehicle makes of them. All take the same steps. Each flies
+100 episodes with the vehicles of another fleet. Finished runs are not repeated, and one that was
+cut short goes on. Writes recurrent_policy.md, its JSON and a picture.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from learning_flight import SEED, fly
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from skybody.program import run_program
+from training_runs import (
+    ROOT,
+    Run,
+    RunError,
+    changed_hyper,
+    command_line,
+    machine,
+    machine_line,
+    shown,
+    train_all,
+    versions_line,
+    write_json,
+)
+from vehicle_policy import HEAVIEST, LIGHTEST, PPO, overrides
+
+FLEET, EPISODES = 1000, 100
+NEAR = 0.1  # m
+UNITS = 64  # of memory
+QUICK_STEPS, QUICK_EPISODES = 100_000, 4
+MASS = "robots.quad.links.base_link.mass"
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Flown:
+    """A task, and which of its errors counts."""
+
+    scenario: str
+    overrides: tuple[str, ...]
+    settings: tuple[str, ...]  # beside the scenario's preset
+    total_steps: int
+    error: str  # an info
+    is_mean: bool  # its value at the end is a mean already; else it is averaged over a second
+    doc: str
+
+
+TASKS = {
+    "hover": Flown(
+        scenario="vehicles",
+        overrides=overrides(FLEET),
+        settings=PPO,
+        total_steps=10_000_000,
+        error="position_error",
+        is_mean=False,
+        doc="distance from the target, averaged over the last second of 15",
+    ),
+    "trajectory": Flown(
+        scenario="vehicles_trajectory",
+        overrides=(),
+        settings=(),
+        total_steps=6_000_000,
+        error="mean_error",
+        is_mean=True,
+        doc="distance from the moving place on the path, averaged from 3 s on to the end (30 s)",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of policy."""
+
+    name: str
+    remembers: bool
+    sees_actions: bool
+    color: str
+
+    def settings(self) -> tuple[str, ...]:
+        """Hyper-parameters."""
+        return (f"recurrent_units={UNITS}",) if self.remembers else ()
+
+    def overrides(self) -> tuple[str, ...]:
+        """Of the scenario."""
+        return () if self.sees_actions else ("task.parameters.past_actions=false",)
+
+
+KINDS = (
+    Kind("memory, sees past actions", True, True, "C0"),
+    Kind("no memory, sees past actions", False, True, "C1"),
+    Kind("memory, sees no actions", True, False, "C2"),
+    Kind("no memory, sees no actions", False, False, "C3"),
+)
+
+
+def make_run(options: argparse.Namespace, task: str, kind: Kind, seed: int) -> Run:
+    """Of one policy."""
+    flown = TASKS[task]
+    name = kind.name.replace(", ", "-").replace(" ", "-")
+    return Run(
+        folder=options.out / f"{task}-{name}-seed-{seed}",
+        scenario=str(ROOT / f"scenarios/{flown.scenario}.yaml"),
+        algorithm="fast-ppo",
+        seed=seed,
+        total_steps=QUICK_STEPS if options.quick else flown.total_steps,
+        threads=options.threads,
+        overrides=(*flown.overrides, *kind.overrides()),
+        settings=(*flown.settings, *kind.settings()),
+        checkpoints=1,
+        eval_episodes=0,
+    ).with_threads_of_folder()
+
+
+def all_runs(options: argparse.Namespace) -> Iterator[tuple[str, Kind, Run]]:
+    """A seed of every policy after the other, so that a cut leaves whole comparisons."""
+    for seed in options.seeds:
+        for task in options.tasks:
+            for kind in KINDS:
+                yield task, kind, make_run(options, task, kind, seed)
+
+
+def record(task: str, kind: Kind, run: Run, program: Path, episodes: int) -> Row:
+    """What a policy has learned, in flights that it does not know."""
+    flights = fly(program, run, episodes)
+    flown = TASKS[task]
+    infos = flights.at_the_end if flown.is_mean else flights.last_second
+    errors = infos[flown.error]
+    return {
+        "task": task,
+        "policy": kind.name,
+        "seed": run.seed,
+        "total_steps": run.total_steps,
+        "median_error": float(np.median(errors)),
+        "error_90_percent": float(np.percentile(errors, 90)),
+        "failures": int(flights.failed.sum()),
+        "near": int((~flights.failed & (errors < NEAR)).sum()),
+        "episodes": len(errors),
+        "masses": [round(float(m), 5) for m in flights.at_the_end[MASS]],
+        "errors": [round(float(e), 5) for e in errors],
+        "failed": flights.failed.tolist(),
+        "hyper": changed_hyper(run.config()),
+        "versions": run.config()["versions"],
+    }
+
+
+# --- the page -----------------------------------------------------------------------------------
+
+
+def of_kind(rows: Sequence[Row], task: str, kind: Kind) -> list[Row]:
+    """Of a kind of policy, a row a seed."""
+    return [r for r in rows if (r["task"], r["policy"]) == (task, kind.name)]
+
+
+def compared(rows: Sequence[Row], task: str, sees_actions: bool) -> str:
+    """What memory does for policies that see their actions, or do not."""
+    ours, theirs = (
+        of_kind(rows, task, next(k for k in KINDS if (k.remembers, k.sees_actions) == which))
+        for which in ((True, sees_actions), (False, sees_actions))
+    )
+    who = "who sees its past actions" if sees_actions else "who sees none"
+    return (
+        f"- `{task}`, {who}: with memory {in_words(ours)}; without {in_words(theirs)}. "
+        f"{arriving(ours, theirs)}; {erring(ours, theirs)}."
+    )
+
+
+def in_words(own: Sequence[Row]) -> str:
+    """Of all flights of the seeds."""
+    near, flown = (sum(r[name] for r in own) for name in ("near", "episodes"))
+    median = statistics.median(r["median_error"] for r in own)
+    return f"{near} of {flown} within {NEAR} m, median error {1e3 * median:.1f} mm"
+
+
+def arriving(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
+    """Whether as many arrive with memory as without: two standard errors, and all seeds agree."""
+    shares = [[r["near"] / r["episodes"] for r in own] for own in (ours, theirs)]
+    means = [statistics.fmean(own) for own in shares]
+    counts = [sum(r["episodes"] for r in own) for own in (ours, theirs)]
+    error = sum(p * (1.0 - p) / n for p, n in zip(means, counts, strict=True)) ** 0.5
+    if abs(means[0] - means[1]) > 2.0 * error:
+        if min(shares[0]) > max(shares[1]):
+            return "More arrive with memory"
+        if max(shares[0]) < min(shares[1]):
+            return "Fewer arrive with memory"
+    return "As many arrive, as far as can be told"
+
+
+def erring(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
+    """Whether the median vehicle is nearer with memory: all seeds agree."""
+    medians = [[r["median_error"] for r in own] for own in (ours, theirs)]
+    if max(medians[0]) < min(medians[1]):
+        return "the median vehicle is nearer with it, with every seed"
+    if min(medians[0]) > max(medians[1]):
+        return "the median vehicle is farther off with it, with every seed"
+    return "of the median error no difference can be told"
+
+
+def table(rows: Sequence[Row]) -> list[str]:
+    """A line a policy."""
+    lines = [
+        "| task | policy | seed | steps | median error [m] | 90 % quantile [m] | failures "
+        f"| within {NEAR} m |",
+        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    order = {kind.name: k for k, kind in enumerate(KINDS)}
+    for row in sorted(rows, key=lambda r: (r["task"], order[r["policy"]], r["seed"])):
+        lines.append(
+            f"| {row['task']} | {row['policy']} | {row['seed']} | {row['total_steps'] / 1e6:.4g} M "
+            f"| {row['median_error']:.4f} | {row['error_90_percent']:.4f} "
+            f"| {row['failures']} of {row['episodes']} | {row['near']} |"
+        )
+    return lines
+
+
+def markdown(content: dict[str, Any]) -> str:
+    """The page."""
+    rows = content["runs"]
+    tasks = [name for name in TASKS if any(row["task"] == name for row in rows)]
+    first = rows[0]
+    verdicts = [compared(rows, task, sees) for task in tasks for sees in (True, False)]
+    hyper = {f"{row['task']}, {row['policy']}": row["hyper"] for row in rows}
+    settings = "\n".join(f"- {name}: {', '.join(values)}" for name, values in hyper.items())
+    errors = "\n".join(
+        f"- `{task}` (scenario `{TASKS[task].scenario}`): {TASKS[task].doc}." for task in tasks
+    )
+    return f"""\
+# One policy for {FLEET:,} vehicles, with and without memory
+
+Does memory help one policy that is to fly any quadrotor of {1e3 * LIGHTEST:.0f} g to
+{HEAVIEST:.0f} kg (RAPTOR's question)? By
+
+    {content["command"]}
+
+on {machine_line(content["machine"])}.
+
+{chr(10).join(verdicts)}
+
+![Error over mass](images/recurrent_policy.png)
+
+A point is an episode, a cross one that failed; lines are medians of neighbours in mass.
+
+{chr(10).join(table(rows))}
+
+A policy is trained with {FLEET:,} vehicles (randomizer `vehicle`: mass, arms, inertia, rotors,
+their lag and thrust to weight; nobody observes them), one of them in each episode, and gives
+throttles at 100 Hz. Then it flies {first["episodes"]} episodes with vehicles of another fleet, that
+of seed {SEED}: {len(set(first["masses"]))} different ones, from {1e3 * min(first["masses"]):.0f} g
+to {max(first["masses"]):.2f} kg. Memory is {UNITS} gated recurrent units in front of the policy's
+two layers; the value function has none. Who sees past actions sees the last two of them (hover), or
+the last one (trajectory), and can tell from these what its vehicle makes of a throttle. Who sees
+none (`past_actions: false`) has only memory to know that by.
+
+Errors, failed episodes included:
+
+{errors}
+
+A failure is an episode that ends early or faults.
+
+The other question about who sees what, a critic that sees more than the policy, is answered for the
+pendulum: [tasks/pendulum](../../tasks/pendulum/README.md#learned). {FLEET:,} vehicles against
+20,000, and `gradient`: [vehicle_policy.md](vehicle_policy.md).
+
+Hyper-parameters that are not the learner's defaults:
+
+{settings}
+
+Versions: {versions_line(rows)}.
+"""
+
+
+def draw(rows: Sequence[Row], out: Path) -> None:
+    """Error over mass; a point an episode, a cross one that failed, a panel a task."""
+    tasks = [name for name in TASKS if any(row["task"] == name for row in rows)]
+    figure = Figure(figsize=(4.8 * len(tasks), 4.0), layout="constrained")
+    canvas = FigureCanvasAgg(figure)
+    for axis, task in zip(np.atleast_1d(figure.subplots(1, len(tasks))), tasks, strict=True):
+        for kind in KINDS:
+            own = of_kind(rows, task, kind)
+            masses = np.concatenate([r["masses"] for r in own])
+            errors = np.concatenate([r["errors"] for r in own])
+            failed = np.concatenate([r["failed"] for r in own]).astype(bool)
+            axis.plot(masses[~failed], errors[~failed], ".", markersize=3, color=kind.color)
+            axis.plot(masses[failed], errors[failed], "x", markersize=4, color=kind.color)
+            axis.plot(*middles(masses, errors), color=kind.color, linewidth=1.5, label=kind.name)
+        axis.set(xscale="log", yscale="log", title=task, xlabel="mass [kg]", ylabel="error [m]")
+        axis.grid(alpha=0.3)
+    axis.legend(fontsize=8)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    canvas.print_png(out)
+
+
+def middles(masses: np.ndarray, errors: np.ndarray, parts: int = 8) -> tuple[list[float], ...]:
+    """Masses and median errors of as many parts with equally many episodes."""
+    order = np.array_split(np.argsort(masses), parts)
+    return (
+        [float(np.median(masses[k])) for k in order],
+        [float(np.median(errors[k])) for k in order],
+    )
+
+
+# --- the command line ---------------------------------------------------------------------------
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line's values."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="default: all")
+    add("--seeds", type=int, nargs="+", default=[1, 2], help="default: 1 2")
+    add("--jobs", type=int, default=1, help="runs at a time (1)")
+    add("--threads", type=int, default=0, help="of a run; 0: all, which changes no bits")
+    add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="flies policies")
+    add("--out", type=Path, default=ROOT / "flights/recurrent_policy", help="folder of the runs")
+    add("--report", type=Path, help="folder of the page; default: docs/results")
+    add("--quick", action="store_true", help="one seed, few steps, report into --out: a trial")
+    options = parser.parse_args(arguments)
+    options.report = options.report or (options.out if options.quick else ROOT / "docs/results")
+    options.seeds = options.seeds[:1] if options.quick else options.seeds
+    return options
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Trains, flies, writes; returns the exit code."""
+    options = parse(arguments)
+    made = list(all_runs(options))
+    episodes = QUICK_EPISODES if options.quick else EPISODES
+    try:
+        train_all([run for _, _, run in made], options.jobs, lambda run: run.folder.name)
+        records = [record(*of_run, options.program, episodes) for of_run in made]
+    except RunError as error:
+        print(f"recurrent_policy: {error}", file=sys.stderr)
+        return 2
+    given = sys.argv[1:] if arguments is None else arguments
+    content = {
+        "experiment": "one policy for many vehicles, with and without memory",
+        "command": command_line("recurrent_policy.py", given),
+        "machine": machine(),
+        "runs": records,
+    }
+    write_json(options.report / "data/recurrent_policy.json", content)
+    draw(records, options.report / "images/recurrent_policy.png")
+    text = markdown(content)
+    (options.report / "recurrent_policy.md").write_text(text)
+    print(f"{text}\nwritten: {shown(options.report / 'recurrent_policy.md')}")
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)
