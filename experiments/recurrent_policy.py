@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One policy for 1,000 drawn quadrotors: does memory help it to hover and to follow a path?
 
-    .venv/bin/python experiments/recurrent_policy.py [--seeds 1 2] [--out DIR] [--quick]
+    .venv/bin/python experiments/recurrent_policy.py [--seeds 1 2 3] [--out DIR] [--quick]
 
 RAPTOR's question: can one recurrent policy fly vehicles from 30 g to 5 kg that it has never seen?
 Hover is `vehicles` with the masses and rewards of vehicle_policy.py, the path is that of
@@ -325,7 +325,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     add = parser.add_argument
     add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="default: all")
-    add("--seeds", type=int, nargs="+", default=[1, 2], help="default: 1 2")
+    add("--seeds", type=int, nargs="+", default=[1, 2, 3], help="default: 1 2 3")
     add("--jobs", type=int, default=1, help="runs at a time (1)")
     add("--threads", type=int, default=0, help="of a run; 0: all, which changes no bits")
     add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="flies policies")
