@@ -288,7 +288,7 @@ Versions: {versions_line(rows)}.
 def draw(rows: Sequence[Row], out: Path) -> None:
     """Error over mass; a point an episode, a cross one that failed, a panel a task."""
     tasks = [name for name in TASKS if any(row["task"] == name for row in rows)]
-    figure = Figure(figsize=(4.8 * len(tasks), 4.0), layout="constrained")
+    figure = Figure(figsize=(4.8 * len(tasks), 4.4), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     for axis, task in zip(np.atleast_1d(figure.subplots(1, len(tasks))), tasks, strict=True):
         for kind in KINDS:
@@ -301,7 +301,8 @@ def draw(rows: Sequence[Row], out: Path) -> None:
             axis.plot(*middles(masses, errors), color=kind.color, linewidth=1.5, label=kind.name)
         axis.set(xscale="log", yscale="log", title=task, xlabel="mass [kg]", ylabel="error [m]")
         axis.grid(alpha=0.3)
-    axis.legend(fontsize=8)
+    handles, labels = axis.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=8)
     out.parent.mkdir(parents=True, exist_ok=True)
     canvas.print_png(out)
 
