@@ -292,8 +292,8 @@ from the target, as those of `payload`, the way there is in it: a policy that en
 0.6 m, and the threshold of 0.5 m that this page had before cannot be reached. It is averaged over
 {AVERAGED:,} steps. A seed that does not get below a threshold counts with all its steps, so that
 means are lower bounds where some do not. Intervals are of the bootstrap over
-{rows[0]["forms"]["modular"]["seeds"]} seeds a form, which makes intervals of few seeds too narrow. Errors at the end are medians
-over the seeds; that of held-out flights is the mean over 20 episodes of a deterministic policy, in
+{rows[0]["forms"]["modular"]["seeds"]} seeds a form, which makes intervals of few seeds
+too narrow. Errors at the end are medians over the seeds; that of held-out flights is the mean over 20 episodes of a deterministic policy, in
 each its last second. Learning rate and noise fall over the whole run, so that a longer one arrives
 later.
 
