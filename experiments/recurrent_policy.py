@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One policy for 1,000 drawn quadrotors: does memory help it to hover and to follow a path?
 
-    .venv/bin/python experiments/recurrent_policy.py [--seeds 1 2] [--out DIR] [--quick]
+    .venv/bin/python experiments/recurrent_policy.py [--seeds 1 2 3] [--out DIR] [--quick]
 
 RAPTOR's question: can one recurrent policy fly vehicles from 30 g to 5 kg that it has never seen?
 Hover is `vehicles` with the masses and rewards of vehicle_policy.py, the path is that of
@@ -288,7 +288,7 @@ Versions: {versions_line(rows)}.
 def draw(rows: Sequence[Row], out: Path) -> None:
     """Error over mass; a point an episode, a cross one that failed, a panel a task."""
     tasks = [name for name in TASKS if any(row["task"] == name for row in rows)]
-    figure = Figure(figsize=(4.8 * len(tasks), 4.0), layout="constrained")
+    figure = Figure(figsize=(4.8 * len(tasks), 4.4), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     for axis, task in zip(np.atleast_1d(figure.subplots(1, len(tasks))), tasks, strict=True):
         for kind in KINDS:
@@ -301,7 +301,8 @@ def draw(rows: Sequence[Row], out: Path) -> None:
             axis.plot(*middles(masses, errors), color=kind.color, linewidth=1.5, label=kind.name)
         axis.set(xscale="log", yscale="log", title=task, xlabel="mass [kg]", ylabel="error [m]")
         axis.grid(alpha=0.3)
-    axis.legend(fontsize=8)
+    handles, labels = axis.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=8)
     out.parent.mkdir(parents=True, exist_ok=True)
     canvas.print_png(out)
 
@@ -325,7 +326,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     add = parser.add_argument
     add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="default: all")
-    add("--seeds", type=int, nargs="+", default=[1, 2], help="default: 1 2")
+    add("--seeds", type=int, nargs="+", default=[1, 2, 3], help="default: 1 2 3")
     add("--jobs", type=int, default=1, help="runs at a time (1)")
     add("--threads", type=int, default=0, help="of a run; 0: all, which changes no bits")
     add("--program", type=Path, default=ROOT / "build/release/bin/skybody", help="flies policies")

@@ -32,10 +32,9 @@ class Trajectory : public Task {
     step_ = dt_ * setup.action_repeat();
     gravity_ = {setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]};
     window_ = {static_cast<int>(moments_.value()), spacing_.value()};
-    observed_.configure(setup,
-                        {static_cast<int>(entries_.value()), window_.count, matrices_.value(),
-                         axes_.value() == "body", past_actions_.value(), robot,
-                         action_count(info, "trajectory")});
+    observed_.configure(setup, {static_cast<int>(entries_.value()), window_.count,
+                                matrices_.value(), axes_.value() == "body", past_actions_.value(),
+                                robot, action_count(info, "trajectory")});
     actions_ = action_count(info, "trajectory");
     require_memory(setup);
     require_path(setup, robot);
