@@ -82,8 +82,8 @@ TASKS = {
 FORMS = tuple(COLORS)
 # The answer hangs on the learner's settings: whoever shows one must show those beside it.
 BEFORE = """\
-Three other settings were run before this one, five seeds each and 4 million steps, which is too few
-for most of them:
+Other settings were run before this one, five seeds each and 4 million steps, which is too few for
+most of them:
 
 - `trajectory` with 34 and 33 observations in world axes (`trajectory_compact`, `axes: world`), tanh
   units and three passes of the value function: end-to-end took 0.40 times the steps of modular
@@ -290,7 +290,7 @@ whatever they are.) The paper compares forms with different actuators.
 
 The error is that of training, with its noise, a mean over whole episodes: where flights begin
 far from the target, as those of `payload`, the way there is in it: a policy that ends 2 cm off
-has 0.6 m, and the threshold of 0.5 m that this page had before cannot be reached. It is
+has 0.6 m, so no run gets below the 0.5 m that an earlier version of this page asked for. It is
 averaged over {AVERAGED:,} steps. A seed that does not get below a threshold counts with all its
 steps, so that means are lower bounds where some do not. Intervals are of the bootstrap over
 {seeds} seeds a form, which makes intervals of few seeds too narrow. Errors at the end are

@@ -176,8 +176,8 @@ def line(result: Result) -> str:
 HEAD = """\
 # The determinism matrix
 
-Every shipped scenario, flown in {runs} ways, or in a part of them: the trajectory hash that
-`tests/golden` pins, and whether all of them gave it.
+The shipped scenarios of the table, flown in {runs} ways, or in a part of them: the trajectory hash
+that `tests/golden` pins, and whether all of them gave it.
 
     .venv/bin/python experiments/determinism_matrix.py --write [--quick] [--scenarios NAME ...]
 
@@ -186,7 +186,8 @@ reset, the number of steps below and the actions of `skybody hash`. The horizon 
 steps, so that every environment is reset at least three times on the way. `hover_on_ground` is
 `hover` begun 2 to 6 cm above the ground, which the vehicle touches. Taut ropes move as rods do: in
 episodes as short as these `cooperative_payload_ropes` has the hash of `cooperative_payload`;
-`cooperative_payload_slack` is the same world with ropes that are slack at the start. The ways are
+`cooperative_payload_slack` is the same world with ropes that are slack at the start. The machine is
+that of the lines that were flown last. The ways are
 
 - {shapes} shapes: {threads} threads x batches of {batches} x order {orders}; where a line has
   {quick_runs} runs, {quick_shapes};

@@ -210,9 +210,10 @@ COURSES = (
     _racing(
         "racing_split_s",
         12,
-        why="10.79 gates, 64 of 100 races; its policy goes up and down to the end: the dots below "
-        "show checkpoints that win nearly all races between others that win few. Its process was "
-        "stopped for some eight minutes of its seconds",
+        why="it passes 10.79 gates and wins 64 of 100 races. Its policy gets better and worse "
+        "until the end: of its last three checkpoints one wins all of its 20 races, one 14 and "
+        "one 9 (dots below). Its process stood still for about eight minutes, which its seconds "
+        "include",
     ),
     _racing("racing_figure", 18),
     _duel("racing_duel", 15, "racing", ("red", "blue")),

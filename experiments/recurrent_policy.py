@@ -6,7 +6,7 @@
 RAPTOR's question: can one recurrent policy fly vehicles from 30 g to 5 kg that it has never seen?
 Hover is `vehicles` with the masses and rewards of vehicle_policy.py, the path is that of
 `vehicles_trajectory`. Policies have gated recurrent units or none, and observe their past actions
-or not: who sees these can tell what the vehicle makes of them. All take the same steps. Each flies
+or not: these tell how the vehicle answers a throttle. All take the same steps. Each flies
 100 episodes with the vehicles of another fleet. Finished runs are not repeated, and one that was
 cut short goes on. Writes recurrent_policy.md, its JSON and a picture.
 """
@@ -174,7 +174,7 @@ def compared(rows: Sequence[Row], task: str, sees_actions: bool) -> str:
         of_kind(rows, task, next(k for k in KINDS if (k.remembers, k.sees_actions) == which))
         for which in ((True, sees_actions), (False, sees_actions))
     )
-    who = "who sees its past actions" if sees_actions else "who sees none"
+    who = "past actions observed" if sees_actions else "no actions observed"
     return (
         f"- `{task}`, {who}: with memory {in_words(ours)}; without {in_words(theirs)}. "
         f"{arriving(ours, theirs)}; {erring(ours, theirs)}."
@@ -189,7 +189,7 @@ def in_words(own: Sequence[Row]) -> str:
 
 
 def arriving(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
-    """Whether as many arrive with memory as without: two standard errors, and all seeds agree."""
+    """Whether more arrive with memory or without: two standard errors, and all seeds agree."""
     shares = [[r["near"] / r["episodes"] for r in own] for own in (ours, theirs)]
     means = [statistics.fmean(own) for own in shares]
     counts = [sum(r["episodes"] for r in own) for own in (ours, theirs)]
@@ -199,7 +199,7 @@ def arriving(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
             return "More arrive with memory"
         if max(shares[0]) < min(shares[1]):
             return "Fewer arrive with memory"
-    return "As many arrive, as far as can be told"
+    return "Of how many arrive no difference can be told"
 
 
 def erring(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
@@ -263,9 +263,9 @@ their lag and thrust to weight; nobody observes them), one of them in each episo
 throttles at 100 Hz. Then it flies {first["episodes"]} episodes with vehicles of another fleet, that
 of seed {SEED}: {len(set(first["masses"]))} different ones, from {1e3 * min(first["masses"]):.0f} g
 to {max(first["masses"]):.2f} kg. Memory is {UNITS} gated recurrent units in front of the policy's
-two layers; the value function has none. Who sees past actions sees the last two of them (hover), or
-the last one (trajectory), and can tell from these what its vehicle makes of a throttle. Who sees
-none (`past_actions: false`) has only memory to know that by.
+two layers; the value function has none. A policy that sees past actions sees the last two of them
+(hover) or the last one (trajectory), which tell how its vehicle answers a throttle. A policy that
+sees none (`past_actions: false`) can tell by its memory alone, if it has one.
 
 Errors, failed episodes included:
 
@@ -273,8 +273,8 @@ Errors, failed episodes included:
 
 A failure is an episode that ends early or faults.
 
-The other question about who sees what, a critic that sees more than the policy, is answered for the
-pendulum: [tasks/pendulum](../../tasks/pendulum/README.md#learned). {FLEET:,} vehicles against
+Whether a critic should see more than the policy was measured with the pendulum:
+[tasks/pendulum](../../tasks/pendulum/README.md#learned). {FLEET:,} vehicles against
 20,000, and `gradient`: [vehicle_policy.md](vehicle_policy.md).
 
 Hyper-parameters that are not the learner's defaults:

@@ -232,8 +232,8 @@ def seeds(near: list[int], medians: list[float]) -> list[dict[str, Any]]:
     [
         ([95, 96], [79, 85], "More arrive"),
         ([79, 85], [95, 96], "Fewer arrive"),
-        ([95, 97], [94, 96], "As many arrive"),
-        ([97, 96], [95, 94], "As many arrive"),
+        ([95, 97], [94, 96], "Of how many arrive no difference can be told"),
+        ([97, 96], [95, 94], "Of how many arrive no difference can be told"),
     ],
 )
 def test_more_arrive_where_all_seeds_say_so_by_two_standard_errors(
