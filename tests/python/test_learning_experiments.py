@@ -195,6 +195,16 @@ def test_who_does_not_get_below_the_threshold_counts_with_all_steps() -> None:
     assert "too few" in control_abstractions.verdict(found)
 
 
+def test_four_seeds_that_mingle_tell_no_difference_whatever_the_bootstrap_says() -> None:
+    records = [
+        *arrivals("end-to-end", [10.0, 12.0, 13.0, 20.0]),
+        *arrivals("modular", [18.0, 19.0, 20.0, 22.0]),
+    ]
+    found = control_abstractions.compare(records, "payload", 1.0)
+    assert found["ratio_interval"][1] < 1.0
+    assert "no difference can be told" in control_abstractions.verdict(found)
+
+
 @pytest.mark.parametrize(
     ("end_to_end", "said"),
     [
@@ -256,3 +266,13 @@ def test_the_median_vehicle_is_nearer_where_all_seeds_say_so(
     remembers: list[float], forgets: list[float], said: str
 ) -> None:
     assert said in recurrent_policy.erring(seeds([9, 9], remembers), seeds([9, 9], forgets))
+
+
+# --- pages ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("script", [control_abstractions, recurrent_policy])
+def test_the_page_is_what_the_figures_make_of_it(script: Any) -> None:
+    name = Path(script.__file__).stem
+    content = json.loads((ROOT / f"docs/results/data/{name}.json").read_text())
+    assert script.markdown(content) == (ROOT / f"docs/results/{name}.md").read_text()
