@@ -33,6 +33,7 @@ from training_runs import (
     ROOT,
     Run,
     RunError,
+    changed_hyper,
     command_line,
     machine,
     machine_line,
@@ -206,7 +207,8 @@ a new vehicle in each episode.
 Returns are by the paper's reward, 10 s at most; +- after them is the deviation over all episodes
 and seeds. The gain is that of the means of the seeds, its interval Welch's. Error: the bob's median
 distance from its target in the last second. `python -m skybody.train` trains `pendulum_learn` and
-`pendulum_learn_randomized`, whose reward pays for being near, too, with the same hyper-parameters.
+`pendulum_learn_randomized`, whose reward pays for being near, too, with the same hyper-parameters,
+which their presets had at that time: {", ".join(content["hyper"])}.
 
 The paper's figures, one spread of 10 %: trained on one vehicle {PAPER["fixed"][0]} on drawn ones
 ({PAPER["fixed"][1]} while training), trained on drawn ones {PAPER["drawn"][0]}
@@ -255,6 +257,7 @@ def main(arguments: list[str] | None = None) -> int:
         "seeds": options.seeds,
         "total_steps": options.total_steps,
         "episodes": options.episodes,
+        "hyper": changed_hyper(trained[0].run.config()),
         "rows": rows,
     }
     write_json(options.report / "data/domain_randomization.json", content)
