@@ -131,7 +131,6 @@ class Course:
     learned: Sequence[Limit]  # all of them
     minutes: float = 15.0  # that a run may take
     error: str = ""  # the info whose last second the page shows [m]
-    why: str = ""  # a seed may fall short
     algorithm: str = "fast-ppo"
     seeds: tuple[int, ...] = SEEDS
 
@@ -157,17 +156,16 @@ def _formation(scenario: str) -> Course:
     return Course(scenario, (near,), error="formation_error")
 
 
-def _racing(scenario: str, gates: int, track: str = "", why: str = "") -> Course:
+def _racing(scenario: str, gates: int, track: str = "") -> Course:
     """All gates of three laps, alone.
 
     Args:
         track: Scenario with whose line the laps are compared; default: this one.
-        why: A seed may fall short.
     """
     most = LAP_FACTOR * LAPS[track or scenario]
     passed = Mean("gates_passed", f"gates of {gates}", least=0.9 * gates)
     lap = Mean("lap_time", "winners' last lap", "s", most=most, of_winners=True)
-    return Course(scenario, (passed, lap), minutes=30.0, why=why)
+    return Course(scenario, (passed, lap), minutes=30.0)
 
 
 def _duel(scenario: str, gates: int, track: str, racers: tuple[str, ...]) -> Course:
@@ -180,11 +178,7 @@ def _duel(scenario: str, gates: int, track: str, racers: tuple[str, ...]) -> Cou
         "lap_time", "winners' last lap", "s", most=most, of_winners=True, racers=racers
     )
     won = Share(0.9, means="a race won before either touches or misses anything")
-    why = (
-        "after 8.4 million steps its checkpoint won 96 of the same 100 races, with the same laps; "
-        "later ones clip frames more often"
-    )
-    return Course(scenario, (passed, lap, won), minutes=30.0, why=why)
+    return Course(scenario, (passed, lap, won), minutes=30.0)
 
 
 COURSES = (
@@ -207,14 +201,7 @@ COURSES = (
     ),
     _racing("racing", 15),
     _racing("racing_drawn", 15, track="racing"),
-    _racing(
-        "racing_split_s",
-        12,
-        why="it passes 10.79 gates and wins 64 of 100 races. Its policy gets better and worse "
-        "until the end: of its last three checkpoints one wins all of its 20 races, one 14 and "
-        "one 9 (dots below). Its process stood still for about eight minutes, which its seconds "
-        "include",
-    ),
+    _racing("racing_split_s", 12),
     _racing("racing_figure", 18),
     _duel("racing_duel", 15, "racing", ("red", "blue")),
     Course("landing", (Share(0.9),)),

@@ -122,14 +122,13 @@ def _error(row: Row) -> str:
 
 
 def missed(rows: Sequence[Row], courses: Sequence[Course]) -> str:
-    """What falls short, with the reason, and what was not run."""
+    """What falls short, took too long or was not run."""
     lines = []
     for course in courses:
         found = of(rows, course)
         if below := [row for row in found if not row["learned"]]:
             seeds = ", ".join(f"seed {row['seed']} ({'; '.join(row['figures'])})" for row in below)
-            why = course.why or "no reason is known"
-            lines.append(f"- `{course.scenario}` falls short with {seeds}: {why}.")
+            lines.append(f"- `{course.scenario}` falls short with {seeds}.")
         late = [row for row in found if row["seconds"] > 60.0 * course.minutes]
         if late:
             seeds = ", ".join(f"seed {row['seed']} ({row['seconds']:.0f} s)" for row in late)

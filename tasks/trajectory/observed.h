@@ -31,7 +31,7 @@ class Observed {
     int history, window;  ///< entries of the past, moments ahead
     bool matrices;        ///< with each entry's and moment's rotation; else the present one only
     bool body_axes;       ///< vectors in B rather than in W
-    bool actions_too;     ///< the history has the actions
+    bool past_actions;    ///< the history has the actions
     int robot, actions;
   };
 
@@ -48,7 +48,7 @@ class Observed {
       attitude_ = add(setup, "attitude", "", 9 * h, "W from B, row by row" + past, 1.0);
     }
     rates_ = add(setup, "angular_velocity", "rad/s", 3 * h, "B" + past);
-    if (choice.actions_too) {
+    if (choice.past_actions) {
       actions_ = add(setup, "actions", "", m * h, "in [-1, 1]; -1 at a reset" + past, 1.0);
     }
     position_error_ = add(setup, "position_error", "m", 3 * f, "r - p of now, " + axes + ahead);
@@ -67,7 +67,7 @@ class Observed {
     velocities_ = History(memory_, h, 3);
     if (choice.matrices) attitudes_ = History(memory_, h, 9);
     all_rates_ = History(memory_, h, 3);
-    if (choice.actions_too) all_actions_ = History(memory_, h, m);
+    if (choice.past_actions) all_actions_ = History(memory_, h, m);
     setup.buffer(memory_.size());
   }
   int window() const { return choice_.window; }

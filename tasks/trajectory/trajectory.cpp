@@ -32,10 +32,14 @@ class Trajectory : public Task {
     step_ = dt_ * setup.action_repeat();
     gravity_ = {setup.gravity()[0], setup.gravity()[1], setup.gravity()[2]};
     window_ = {static_cast<int>(moments_.value()), spacing_.value()};
-    observed_.configure(setup, {static_cast<int>(entries_.value()), window_.count,
-                                matrices_.value(), axes_.value() == "body", past_actions_.value(),
-                                robot, action_count(info, "trajectory")});
     actions_ = action_count(info, "trajectory");
+    observed_.configure(setup, {.history = static_cast<int>(entries_.value()),
+                                .window = window_.count,
+                                .matrices = matrices_.value(),
+                                .body_axes = axes_.value() == "body",
+                                .past_actions = past_actions_.value(),
+                                .robot = robot,
+                                .actions = actions_});
     require_memory(setup);
     require_path(setup, robot);
     distance_info_ = infos_.add(setup, "position_error", "m", "distance from the path's place");
