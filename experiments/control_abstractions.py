@@ -282,6 +282,9 @@ on {machine_line(content["machine"])}.
 
 {chr(10).join(verdict(row) for row in rows)}
 
+A difference is told where the interval leaves out 1 and, besides, fewer than 5 % of all ways to
+deal the runs to the two forms give a ratio as far from 1.
+
 ![Error over steps](images/control_abstractions.png)
 
 {chr(10).join(steps)}
@@ -304,12 +307,10 @@ far from the target, as those of `payload`, the way there is in it: a policy tha
 has 0.6 m, so no run gets below the 0.5 m that an earlier version of this page asked for. It is
 averaged over {AVERAGED:,} steps. A seed that does not get below a threshold counts with all its
 steps, so that means are lower bounds where some do not. Intervals are of the bootstrap over
-{seeds} seeds a form, which makes intervals of few seeds too narrow; so a form is said to learn
-sooner only where, besides, fewer than 5 % of all ways to deal the runs to the two forms give a
-ratio as far from 1 (exact permutation test). Errors at the end are medians over the seeds; that
-of held-out flights is the mean over 20 episodes of a deterministic policy, in each its last
-second. Learning rate and noise fall over the whole run, so that a longer one
-arrives later.
+{seeds} seeds a form, which makes intervals of few seeds too narrow; hence the exact permutation
+test besides. Errors at the end are medians over the seeds; that of held-out flights is the mean
+over 20 episodes of a deterministic policy, in each its last second. Learning rate and noise fall
+over the whole run, so that a longer one arrives later.
 
 ## Other settings
 

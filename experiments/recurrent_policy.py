@@ -252,6 +252,10 @@ on {machine_line(content["machine"])}.
 
 {chr(10).join(verdicts)}
 
+More or fewer are said to arrive where the shares differ by two standard errors and those of all
+seeds lie on one side; the median vehicle is said to be nearer or farther off where it is so for all
+seeds. The median error of a line is the median of its seeds'.
+
 ![Error over mass](images/recurrent_policy.png)
 
 A point is an episode, a cross one that failed; lines are medians of neighbours in mass.
