@@ -34,9 +34,9 @@ again and compares hashes, and `experiments/learning.py --check` trains up to th
 Figures are of {episodes} drawn episodes of each seed's last checkpoint, flown by
 `skybody run SCENARIO --policy RUN --episodes {episodes} --seed {seed}`, which neither training nor
 its evaluations know; a figure a seed. A failed episode counts against every share. Laps may take
-1.3 times those of a line that `skybody plan` finds ([race_lines.md](race_lines.md)). The error is the
-distance from the goal in the last second, its median over the episodes. Seconds are training's own,
-from its first rollout to its last, without the evaluations; most runs shared the machine's
+1.3 times as long as a line that `skybody plan` finds ([race_lines.md](race_lines.md)). The error is
+the distance from the goal in the last second, its median over the episodes. Seconds are training's
+own, from its first rollout to its last, without the evaluations; most runs shared the machine's
 processors with others, and the table of runs has their threads.
 
 {missed}
