@@ -10,7 +10,7 @@ Checkpoints fly 20 episodes each; the last one is flown by `skybody run` in 100 
 that neither training nor those know. Rows of the page whose runs are not repeated stay, as long as
 scenario and preset are what they were. --check trains every run of the page again up to its first
 checkpoint and compares the hash over all parameters; exit code 1 where one differs. Writes
-learning.md, its JSON and pictures.
+learning.md, its JSON and pictures; learned_tables.py takes the JSON to the READMEs of tasks.
 """
 
 from __future__ import annotations

@@ -16,6 +16,16 @@ from training_runs import machine_line, versions_line
 Row = dict[str, Any]
 COLUMNS = 5  # of panels in a picture
 SCALES = {"steps": (1e-6, "million steps"), "seconds": (1.0, "seconds")}
+TABLE = {  # its columns, with their alignment
+    "task": "---",
+    "learned means": "---",
+    "reached by seeds": "---:",
+    "figures": "---",
+    "median error [m]": "---",
+    "steps": "---:",
+    "seconds (allowed)": "---",
+    "parameter hashes": "---",
+}
 SHORT, LONG = 8, 16  # hexadecimal digits of a hash; data/learning.json has all 64
 
 TEXT = """\
@@ -84,34 +94,28 @@ def of(rows: Sequence[Row], course: Course) -> list[Row]:
 
 def table(rows: Sequence[Row], courses: Sequence[Course]) -> str:
     """A line a course that has runs."""
-    lines = [
-        "| task | learned means | reached by seeds | figures | median error [m] | steps "
-        "| seconds (allowed) | parameter hashes |",
-        "| --- | --- | ---: | --- | --- | ---: | --- | --- |",
-    ]
+    lines = [f"| {' | '.join(TABLE)} |", f"| {' | '.join(TABLE.values())} |"]
     for course in courses:
         if found := of(rows, course):
-            lines.append(_course_line(course, found))
+            cells = course_cells(course, found)
+            lines.append(f"| {' | '.join(cells[name] for name in TABLE)} |")
     return "\n".join(lines)
 
 
-def _course_line(course: Course, rows: Sequence[Row]) -> str:
+def course_cells(course: Course, rows: Sequence[Row]) -> dict[str, str]:
+    """What tables say of a course, by the names of their columns."""
     reached = sum(row["learned"] for row in rows)
-    figures = "; ".join(", ".join(row["figures"][k] for row in rows) for k in _limits(course))
-    errors = ", ".join(_error(row) for row in rows) if course.error else ""
     seconds = ", ".join(f"{row['seconds']:.0f}" for row in rows)
-    hashes = " ".join(f"`{row['parameter_hash'][:SHORT]}`" for row in rows)
-    cells = [
-        f"`{course.scenario}`",
-        "; ".join(limit.text for limit in course.learned),
-        f"{reached} of {len(rows)}",
-        figures,
-        errors,
-        f"{rows[0]['total_steps'] / 1e6:g} M",
-        f"{seconds} ({60 * course.minutes:.0f})",
-        hashes,
-    ]
-    return f"| {' | '.join(cells)} |"
+    return {
+        "task": f"`{course.scenario}`",
+        "learned means": "; ".join(limit.text for limit in course.learned),
+        "reached by seeds": f"{reached} of {len(rows)}",
+        "figures": "; ".join(", ".join(row["figures"][k] for row in rows) for k in _limits(course)),
+        "median error [m]": ", ".join(_error(row) for row in rows) if course.error else "",
+        "steps": f"{rows[0]['total_steps'] / 1e6:g} M",
+        "seconds (allowed)": f"{seconds} ({60 * course.minutes:.0f})",
+        "parameter hashes": " ".join(f"`{row['parameter_hash'][:SHORT]}`" for row in rows),
+    }
 
 
 def _limits(course: Course) -> range:
