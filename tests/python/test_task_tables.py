@@ -18,9 +18,3 @@ def test_readmes_of_tasks_have_the_tables_that_the_tasks_declare(
     for readme in script.pages():
         text = readme.read_text()
         assert script.page(text) == text, f"{readme}: scripts/update_docs.sh writes it anew"
-
-
-def test_the_task_in_the_manual_is_the_one_that_new_projects_begin_with() -> None:
-    template = (ROOT / "plugins/template/task/NAME.cpp.in").read_text()
-    code = template.replace("@CLASS@", "Stay").replace("@NAME@", "stay")
-    assert f"```cpp\n{code}```" in (ROOT / "docs/task_kit.md").read_text()
