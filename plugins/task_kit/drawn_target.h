@@ -1,4 +1,4 @@
-// A target that is drawn in a box for each episode, unless the scenario gives it.
+// A target that the scenario gives, or that the task draws from a box at every reset.
 #pragma once
 
 #include <skybody/plugin.h>
@@ -10,56 +10,62 @@
 
 namespace skybody::task_kit {
 
-/// A point and its parameters `target`, `target_min`, `target_max`: a member of a task, among its
-/// parameters.
+/// A target point and the parameters `target`, `target_min` and `target_max`. A task has it as a
+/// member, among its parameters. The target is the value of the EnvParam `task.target`: one that is
+/// drawn is written there, and callers may set another one.
 class DrawnTarget {
  public:
-  /// What holds where a scenario says nothing: `target`, `low` and `high` [m], `doc` of `target`.
+  /// Values of the parameters that a scenario leaves out, and their docs.
   struct Defaults {
-    std::vector<double> target;  ///< x, y, z, W [m]; for a table, since an episode has a drawn one
-    std::vector<double> low;     ///< lower corner of the box [m]
-    std::vector<double> high;    ///< upper corner of the box [m]
+    std::vector<double> target;  ///< x, y, z, W [m]; shown in tables, no episode has it
+    std::vector<double> low;     ///< `target_min`, the lower corner of the box [m]
+    std::vector<double> high;    ///< `target_max`, the upper corner of the box [m]
     const char* doc = "x, y, z (W); where the scenario gives none, one is drawn for each episode";
+    const char* low_doc = "lower corner of the box of drawn targets (W)";
+    const char* high_doc = "upper corner of the box of drawn targets (W)";
   };
 
   DrawnTarget(Plugin* owner, const Defaults& defaults) : DrawnTarget(owner, defaults, "m") {}
 
-  /// Refuses a box that is upside down, and announces what randomize() draws.
+  /// To be called in the task's configure(): refuses a box whose lower corner is not the lower one,
+  /// and announces that the task writes `target`, if it draws it.
   void configure(const Setup& setup) {
     require_box(low_, high_, "target");
     announce_drawn(setup, target_);
   }
-  /// Refuses targets beyond the bound [m] where an episode ends.
+  /// Refuses a given target, or a box, with a coordinate beyond `bound` [m], where episodes end.
   void require_within(double bound) const {
     if (!is_drawn()) return task_kit::require_within(target_, "target", bound);
     task_kit::require_within(low_, "target_min", bound);
     task_kit::require_within(high_, "target_max", bound);
   }
-  /// Refuses targets below the height [m] where an episode ends.
+  /// Refuses a given target, or a box, that reaches below `height_min` [m], where episodes end.
   void require_above(double height_min) const {
     task_kit::require_above(is_drawn() ? low_ : target_, is_drawn() ? "target_min" : "target",
                             height_min);
   }
 
-  bool is_drawn() const { return !target_.is_given(); }  ///< false: the scenario gives it
+  /// Whether the task draws the target; false: the scenario gives it.
+  bool is_drawn() const { return !target_.is_given(); }
 
-  /// What the task's randomize() does.
+  /// Draws the target, if it is drawn. To be called in the task's randomize().
   template <class Real>
   SKYBODY_INLINE void randomize(Random<Real> draw, Start<Real>& start) const {
     if (is_drawn()) place(draw_point(draw), start);
   }
-  /// For tasks that change what is drawn: a point of the box [m], ...
+  /// Draws a point of the box [m]. Tasks that put the target elsewhere than there call it and
+  /// place() in the place of randomize(), if is_drawn().
   template <class Real>
   SKYBODY_INLINE Vec3<Real> draw_point(Random<Real>& draw) const {
     return draw_in_box(draw, low_, high_);
   }
-  /// ... and where the target is to be (W) [m], if it is drawn.
+  /// Writes where the target is in this episode, W [m].
   template <class Real>
   SKYBODY_INLINE void place(const Vec3<Real>& point, Start<Real>& start) const {
     start.params.set(target_.env_param(), point);
   }
 
-  /// Where it is in this episode, W [m].
+  /// The target of this episode, W [m].
   template <class Real>
   SKYBODY_INLINE Vec3<Real> position(const EnvView<Real>& env) const {
     return target_.vec3(env);
@@ -73,19 +79,18 @@ class DrawnTarget {
                         .count = static_cast<int>(defaults.target.size()),
                         .doc = defaults.doc,
                         .randomizable = true}),
-        low_(owner, {.name = "target_min",
-                     .unit = "m",
-                     .values = defaults.low,
-                     .doc = "lower corner of the box of drawn targets (W)"}),
+        low_(owner,
+             {.name = "target_min", .unit = "m", .values = defaults.low, .doc = defaults.low_doc}),
         high_(owner, {.name = "target_max",
                       .unit = "m",
                       .values = defaults.high,
-                      .doc = "upper corner of the box of drawn targets (W)"}) {}
+                      .doc = defaults.high_doc}) {}
 
   RealsParameter target_, low_, high_;
 };
 
-/// The same with a heading, the fourth value of `target`, and a parameter `target_yaw`.
+/// A target with a heading: the fourth value of `target` [rad]. Drawn headings are uniform within
+/// plus and minus the parameter `target_yaw`.
 class DrawnPose : public DrawnTarget {
  public:
   DrawnPose(Plugin* owner, const Defaults& defaults, double yaw_max,
@@ -98,7 +103,7 @@ class DrawnPose : public DrawnTarget {
                          .max = kPi,
                          .doc = yaw_doc}) {}
 
-  /// What the task's randomize() does.
+  /// Draws point and heading, if they are drawn. To be called in the task's randomize().
   template <class Real>
   SKYBODY_INLINE void randomize(Random<Real> draw, Start<Real>& start) const {
     if (!is_drawn()) return;
@@ -107,7 +112,7 @@ class DrawnPose : public DrawnTarget {
     start.params.set(target_.env_param() + 3, draw.uniform(-limit, limit));
   }
 
-  /// Its heading in this episode [rad].
+  /// The target's heading in this episode [rad].
   template <class Real>
   SKYBODY_INLINE Real yaw(const EnvView<Real>& env) const {
     return target_(env, 3);

@@ -299,11 +299,17 @@ class Formation : public Task {
                          .min = 0.01,
                          .doc = "of the polygon on whose corners the robots belong"}};
   DrawnTarget target_{
-      this, {.target = {0.0, 0.0, 1.5}, .low = {-2.0, -2.0, -2.0}, .high = {2.0, 2.0, -0.5}}};
-  BooleanParameter relative_{this,
-                             {.name = "relative",
-                              .value = true,
-                              .doc = "drawn targets count from where the first robot starts"}};
+      this,
+      {.target = {0.0, 0.0, 1.5},
+       .low = {-2.0, -2.0, -2.0},
+       .high = {2.0, 2.0, -0.5},
+       .low_doc = "lower corner of the box of drawn targets, counted as `relative` says",
+       .high_doc = "upper corner of that box"}};
+  BooleanParameter relative_{
+      this,
+      {.name = "relative",
+       .value = true,
+       .doc = "the box of drawn targets counts from where the first robot starts; false: from W"}};
   RealParameter min_height_{this,
                             {.name = "min_height",
                              .unit = "m",
