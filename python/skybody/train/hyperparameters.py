@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,15 @@ STEPS_KEY = "total_steps"  # the one key of presets that is no hyper-parameter
 
 
 class UsageError(ValueError):
-    """A wrong option or input file of the user's; the text is the whole message."""
+    """A wrong option or input file of the user's; the text is the whole message.
+
+    Attributes:
+        key: of the hyper-parameter that is beyond its range; None where it is something else.
+    """
+
+    def __init__(self, message: str, key: str | None = None) -> None:
+        super().__init__(message)
+        self.key = key
 
 
 @dataclass(frozen=True)
@@ -89,12 +97,32 @@ def native_defaults(algorithm: str) -> Any:
         try:
             hyperparameters(algorithm, vars(hyper))
         except ValueError as error:
-            raise UsageError(str(error)) from None
+            raise UsageError(str(error), _wrong_key(algorithm, vars(hyper))) from None
 
     fields = [(name, type(value), value) for name, value in hyperparameters(algorithm).items()]
     return dataclasses.make_dataclass(
         "NativeHyperparameters", fields, frozen=True, namespace={"check": check}
     )()
+
+
+def _wrong_key(algorithm: str, values: Mapping[str, Any]) -> str | None:
+    """The key of a value that a learner in C++ refuses: the value alone, or beside the others."""
+    defaults = hyperparameters(algorithm)
+    for name, value in values.items():
+        if not _is_possible(algorithm, {name: value}):
+            return name
+    for name in values:
+        if _is_possible(algorithm, {**values, name: defaults[name]}):
+            return name
+    return None
+
+
+def _is_possible(algorithm: str, values: dict[str, Any]) -> bool:
+    try:
+        hyperparameters(algorithm, values)
+    except ValueError:
+        return False
+    return True
 
 
 def with_settings(base: Hyperparameters, settings: Sequence[str]) -> Hyperparameters:
@@ -194,4 +222,4 @@ def _plain(limit: float) -> str:
 
 def _demand(good: bool, name: str, value: object, allowed: str) -> None:
     if not good:
-        raise UsageError(f"hyper-parameter {name} = {value}: allowed is {allowed}")
+        raise UsageError(f"hyper-parameter {name} = {value}: allowed is {allowed}", name)

@@ -94,6 +94,6 @@ def preset(scenario: str, algorithm: str, action_seconds: float | None = None) -
     try:
         made.hyper.check()
     except UsageError as error:
-        named = [place for key, (_, place) in values.items() if f"parameter {key} = " in f"{error}"]
-        raise UsageError(f"{named[0] if named else file}: {algorithm}: {error}") from None
+        _, place = values.get(error.key or "", ("", f"{file}"))
+        raise UsageError(f"{place}: {algorithm}: {error}", error.key) from None
     return made
