@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from learning_courses import Course
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from training_runs import machine_line, versions_line
 
 Row = dict[str, Any]
@@ -187,9 +190,23 @@ def draw(rows: Sequence[Row], over: str, out: Path) -> None:
         axis.set_title(name, fontsize=9)
     for axis in axes.flat[len(names) :]:
         axis.axis("off")
+    figure.legend(handles=_legend(rows), loc="outside upper center", ncols=5, fontsize=9)
     figure.supxlabel(SCALES[over][1], fontsize=9)
-    figure.supylabel("mean return in training (lines), successes (dots)", fontsize=9)
+    figure.supylabel("mean return in training", fontsize=9)
     canvas.print_png(out)
+
+
+def _legend(rows: Sequence[Row]) -> list[Artist]:
+    """What colours, lines and dots are."""
+    numbers = sorted({row["seed"] for row in rows})
+    seeds = [Patch(color=_color(seed), label=f"seed {seed}") for seed in numbers]
+    line = Line2D([], [], color="black", linewidth=1.0, label="mean return in training")
+    label = "share of successes at a checkpoint, 0 (bottom) to 1 (top)"
+    return [*seeds, line, Line2D([], [], color="black", marker=".", linestyle="", label=label)]
+
+
+def _color(seed: int) -> str:
+    return f"C{seed - 1}"
 
 
 def _panel(axis: Axes, rows: Sequence[Row], over: str) -> None:
@@ -198,7 +215,7 @@ def _panel(axis: Axes, rows: Sequence[Row], over: str) -> None:
     shares.set_ylim(-0.05, 1.05)
     shares.set_yticks([])
     for row in rows:
-        color = f"C{row['seed'] - 1}"
+        color = _color(row["seed"])
         curve, points = row["curve"], row["checkpoints"]
         returns = [math.nan if y is None else y for y in curve["recent_return_mean"]]
         axis.plot([scale * x for x in curve[key]], returns, color=color, linewidth=1.0)

@@ -46,6 +46,9 @@ NEAR = 0.1  # m
 UNITS = 64  # of memory
 QUICK_STEPS, QUICK_EPISODES = 100_000, 4
 MASS = "robots.quad.links.base_link.mass"
+MORE, FEWER = "More arrive with memory", "Fewer arrive with memory"
+NEARER = "the median vehicle is nearer with it, with every seed"
+FARTHER = "the median vehicle is farther off with it, with every seed"
 Row = dict[str, Any]
 
 
@@ -168,12 +171,34 @@ def of_kind(rows: Sequence[Row], task: str, kind: Kind) -> list[Row]:
     return [r for r in rows if (r["task"], r["policy"]) == (task, kind.name)]
 
 
+def pair(rows: Sequence[Row], task: str, sees_actions: bool) -> tuple[list[Row], list[Row]]:
+    """Of policies with memory and without, which see their actions or do not."""
+    kinds = {kind.remembers: kind for kind in KINDS if kind.sees_actions == sees_actions}
+    return of_kind(rows, task, kinds[True]), of_kind(rows, task, kinds[False])
+
+
+def answer(rows: Sequence[Row], of: Sequence[tuple[str, bool]]) -> str:
+    """The whole page in a sentence."""
+    pairs = [pair(rows, *which) for which in of]
+    said = [(arriving(*both), erring(*both)) for both in pairs]
+    better = sum(more == MORE or error == NEARER for more, error in said)
+    worse = sum(more == FEWER or error == FARTHER for more, error in said)
+    seeds = len({row["seed"] for row in rows})
+    runs = f"{seeds} seed{'s' if seeds > 1 else ''} of each policy"
+    if not better and not worse:
+        return (
+            f"**No effect of memory can be told with {runs}:** in none of {len(said)} comparisons "
+            "is there a difference in how many vehicles arrive or in the median error."
+        )
+    return (
+        f"**With {runs}, memory helps in {better} of {len(said)} comparisons and does harm in "
+        f"{worse}**, in how many vehicles arrive or in the median error."
+    )
+
+
 def compared(rows: Sequence[Row], task: str, sees_actions: bool) -> str:
     """What memory does for policies that see their actions, or do not."""
-    ours, theirs = (
-        of_kind(rows, task, next(k for k in KINDS if (k.remembers, k.sees_actions) == which))
-        for which in ((True, sees_actions), (False, sees_actions))
-    )
+    ours, theirs = pair(rows, task, sees_actions)
     who = "past actions observed" if sees_actions else "no actions observed"
     return (
         f"- `{task}`, {who}: with memory {in_words(ours)}; without {in_words(theirs)}. "
@@ -196,9 +221,9 @@ def arriving(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
     error = sum(p * (1.0 - p) / n for p, n in zip(means, counts, strict=True)) ** 0.5
     if abs(means[0] - means[1]) > 2.0 * error:
         if min(shares[0]) > max(shares[1]):
-            return "More arrive with memory"
+            return MORE
         if max(shares[0]) < min(shares[1]):
-            return "Fewer arrive with memory"
+            return FEWER
     return "Of how many arrive no difference can be told"
 
 
@@ -206,9 +231,9 @@ def erring(ours: Sequence[Row], theirs: Sequence[Row]) -> str:
     """Whether the median vehicle is nearer with memory: all seeds agree."""
     medians = [[r["median_error"] for r in own] for own in (ours, theirs)]
     if max(medians[0]) < min(medians[1]):
-        return "the median vehicle is nearer with it, with every seed"
+        return NEARER
     if min(medians[0]) > max(medians[1]):
-        return "the median vehicle is farther off with it, with every seed"
+        return FARTHER
     return "of the median error no difference can be told"
 
 
@@ -234,7 +259,8 @@ def markdown(content: dict[str, Any]) -> str:
     rows = content["runs"]
     tasks = [name for name in TASKS if any(row["task"] == name for row in rows)]
     first = rows[0]
-    verdicts = [compared(rows, task, sees) for task in tasks for sees in (True, False)]
+    pairs = [(task, sees) for task in tasks for sees in (True, False)]
+    verdicts = [compared(rows, *which) for which in pairs]
     hyper = {f"{row['task']}, {row['policy']}": row["hyper"] for row in rows}
     settings = "\n".join(f"- {name}: {', '.join(values)}" for name, values in hyper.items())
     errors = "\n".join(
@@ -242,6 +268,8 @@ def markdown(content: dict[str, Any]) -> str:
     )
     return f"""\
 # One policy for {FLEET:,} vehicles, with and without memory
+
+{answer(rows, pairs)}
 
 Does memory help one policy that is to fly any quadrotor of {1e3 * LIGHTEST:.0f} g to
 {HEAVIEST:.0f} kg (RAPTOR's question)? By
@@ -277,8 +305,8 @@ Errors, failed episodes included:
 
 A failure is an episode that ends early or faults.
 
-Whether a critic should see more than the policy was measured with the pendulum:
-[tasks/pendulum](../../tasks/pendulum/README.md#learned). {FLEET:,} vehicles against
+Whether a critic should see more than the policy was tried with the pendulum, without a clear
+answer: [tasks/pendulum](../../tasks/pendulum/README.md#learned). {FLEET:,} vehicles against
 20,000, and `gradient`: [vehicle_policy.md](vehicle_policy.md).
 
 Hyper-parameters that are not the learner's defaults:

@@ -268,6 +268,25 @@ def test_the_median_vehicle_is_nearer_where_all_seeds_say_so(
     assert said in recurrent_policy.erring(seeds([9, 9], remembers), seeds([9, 9], forgets))
 
 
+@pytest.mark.parametrize(
+    ("remembers", "forgets", "said"),
+    [
+        ([0.01, 0.02], [0.03, 0.04], "memory helps in 1 of 1 comparisons and does harm in 0"),
+        ([0.03, 0.04], [0.01, 0.02], "memory helps in 0 of 1 comparisons and does harm in 1"),
+        ([0.01, 0.03], [0.02, 0.04], "No effect of memory can be told with 2 seeds"),
+    ],
+)
+def test_the_page_begins_with_how_often_memory_helps(
+    remembers: list[float], forgets: list[float], said: str
+) -> None:
+    rows = [
+        {**row, "task": "hover", "policy": f"{name}, sees no actions", "seed": seed}
+        for name, medians in (("memory", remembers), ("no memory", forgets))
+        for seed, row in enumerate(seeds([9, 9], medians))
+    ]
+    assert said in recurrent_policy.answer(rows, [("hover", False)])
+
+
 # --- pages ----------------------------------------------------------------------------------------
 
 

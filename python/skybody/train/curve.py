@@ -10,7 +10,7 @@ import io
 import math
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,33 +24,37 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Columns = dict[str, NDArray[np.float64]]
+ABSCISSAE = ("steps", "wall_clock")
 
 
 def draw_curve(runs: list[Path], out: Path) -> None:
-    """Draws the runs into one PNG; a single run's evaluations get their deviation as a band."""
+    """Draws the runs into one PNG; a single run's evaluations get their deviation as a band.
+
+    Without any position error, as in races, returns are all that is drawn.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from matplotlib.ticker import EngFormatter, FormatStrFormatter, LogLocator, NullFormatter
+    from matplotlib.ticker import EngFormatter
 
-    figure = Figure(figsize=(10, 6.5), layout="constrained")
+    tables = [(_columns(run / "progress.csv"), _columns(run / "evaluation.csv")) for run in runs]
+    rows = 2 if any(_has_error(*pair) for pair in tables) else 1
+    figure = Figure(figsize=(10, 0.5 + 3.0 * rows), layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(2, 2, sharex="col", sharey="row")
-    for number, run in enumerate(runs):
-        _draw_run(axes, run, f"C{number}", several=len(runs) > 1)
-    for row, label in enumerate(("return per episode", "position error [m]")):
-        axes[row, 0].set_ylabel(label)
+    axes = figure.subplots(rows, 2, sharex="col", sharey="row", squeeze=False)
+    for number, (run, (training, evaluation)) in enumerate(zip(runs, tables, strict=True)):
+        several = len(runs) > 1
+        _draw_returns(axes[0], training, evaluation, run.name if several else "", f"C{number}")
+        if rows > 1:
+            _draw_errors(axes[1], training, evaluation, f"C{number}", several)
+    axes[0, 0].set_ylabel("return per episode")
+    axes[0, 0].set_title("mean of all episodes that ended", fontsize=9)
     for column, label in enumerate(("environment steps", "wall-clock time [s]")):
-        axes[1, column].set_xlabel(label)
+        axes[-1, column].set_xlabel(label)
     for axis in axes.flat:
         axis.grid(alpha=0.3)
-    axes[0, 0].set_title("mean of all episodes that ended", fontsize=9)
-    axes[1, 0].set_title("training: mean of all steps; evaluation: last second, median", fontsize=9)
-    axes[1, 0].set_yscale("log")
-    for axis in (axes[1, 0].yaxis, axes[1, 1].yaxis):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_minor_formatter(NullFormatter())
-        axis.set_major_formatter(FormatStrFormatter("%g"))
-    axes[1, 0].xaxis.set_major_formatter(EngFormatter(sep=""))
+    if rows > 1:
+        _prepare_errors(axes[1])
+    axes[-1, 0].xaxis.set_major_formatter(EngFormatter(sep=""))
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
     picture = io.BytesIO()
@@ -58,23 +62,28 @@ def draw_curve(runs: list[Path], out: Path) -> None:
     files.write_file(out, picture.getvalue())
 
 
-def _draw_run(axes: NDArray[np.object_], run: Path, color: str, several: bool) -> None:
-    training, evaluation = _columns(run / "progress.csv"), _columns(run / "evaluation.csv")
-    prefix = f"{run.name}: " if several else ""
-    for column, x in enumerate(("steps", "wall_clock")):
-        upper, lower = axes[0, column], axes[1, column]
-        _line(upper, training, x, "return_mean", color, f"{prefix}training (with exploration)")
-        _line(lower, training, x, "position_error", color, None)
+def _has_error(training: Columns, evaluation: Columns) -> bool:
+    """Whether the task knows a position error."""
+    return _is_known(training, "position_error") or _is_known(evaluation, "position_error_median")
+
+
+def _is_known(table: Columns, name: str) -> bool:
+    return bool(table) and bool(np.isfinite(table[name]).any())
+
+
+def _draw_returns(
+    axes: NDArray[np.object_], training: Columns, evaluation: Columns, name: str, color: str
+) -> None:
+    """`name`: of one run among several, else empty; then deviations are shown, too."""
+    prefix = f"{name}: " if name else ""
+    for axis, x in zip(axes, ABSCISSAE, strict=True):
+        _line(axis, training, x, "return_mean", color, f"{prefix}training (with exploration)")
         if not evaluation:
             continue
         mean, deviation = evaluation["return_mean"], evaluation["return_std"]
-        style = {"color": color if several else "C1", "marker": "o", "markersize": 4}
-        upper.plot(evaluation[x], mean, label=f"{prefix}evaluation, mean", **style)
-        median = evaluation["position_error_median"]
-        if np.isfinite(median).any():
-            lower.plot(evaluation[x], median, **style)
-        if not several:
-            upper.fill_between(
+        axis.plot(evaluation[x], mean, label=f"{prefix}evaluation, mean", **_dots(color, name))
+        if not name:
+            axis.fill_between(
                 evaluation[x],
                 mean - deviation,
                 mean + deviation,
@@ -84,8 +93,34 @@ def _draw_run(axes: NDArray[np.object_], run: Path, color: str, several: bool) -
             )
 
 
+def _draw_errors(
+    axes: NDArray[np.object_], training: Columns, evaluation: Columns, color: str, several: bool
+) -> None:
+    for axis, x in zip(axes, ABSCISSAE, strict=True):
+        _line(axis, training, x, "position_error", color, None)
+        if _is_known(evaluation, "position_error_median"):
+            median = evaluation["position_error_median"]
+            axis.plot(evaluation[x], median, **_dots(color, several))
+
+
+def _dots(color: str, several: object) -> dict[str, Any]:
+    return {"color": color if several else "C1", "marker": "o", "markersize": 4}
+
+
+def _prepare_errors(axes: NDArray[np.object_]) -> None:
+    from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+    axes[0].set_ylabel("position error [m]")
+    axes[0].set_title("training: mean of all steps; evaluation: last second, median", fontsize=9)
+    axes[0].set_yscale("log")
+    for axis in axes:
+        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.yaxis.set_minor_formatter(NullFormatter())
+        axis.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+
+
 def _line(axis: Axes, table: Columns, x: str, y: str, color: str, label: str | None) -> None:
-    if table and np.isfinite(table[y]).any():
+    if _is_known(table, y):
         good = np.isfinite(table[y])
         axis.plot(table[x][good], table[y][good], color=color, alpha=0.6, linewidth=1, label=label)
 
