@@ -70,7 +70,7 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   simulation.reset();
   summary.params = {simulation.params()};
   log.begin_episode(summary.params.front());
-  record(simulation, false, log);
+  record(simulation, log);
   summary.redraws = static_cast<std::uint64_t>(simulation.state("redraws")[0]);
   log.event(summary.redraws == 0
                 ? "reset"
@@ -78,9 +78,8 @@ EpisodeSummary fly_episode(std::uint64_t number, const FlightPlan& plan, Simulat
   for (summary.end = end_of(plan, simulation); summary.end.empty();
        summary.end = end_of(plan, simulation)) {
     policy.act(simulation, action);
-    const std::uint64_t before = simulation.step_counts().near;
     simulation.step(action);
-    record(simulation, simulation.step_counts().near > before, log);
+    record(simulation, log);
     note_changes(simulation, summary.params, log);
     add_infos(simulation, summary.infos);
     window.add(simulation);

@@ -133,6 +133,11 @@ std::vector<double> values_of(const Snapshot& snapshot, Block block) {
   return values;
 }
 
+/// A state in which something went wrong may have no contacts that can be computed.
+bool touches_anything(const Simulation& simulation) {
+  return !simulation.fault() && !simulation.contacts().empty();
+}
+
 }  // namespace
 
 std::string body_name(const CompiledScenario& compiled, int body) {
@@ -162,7 +167,7 @@ FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t 
   return header;
 }
 
-void record(const Simulation& simulation, bool is_near, FlightLog& log) {
+void record(const Simulation& simulation, FlightLog& log) {
   const Layout& layout = simulation.compiled().layout();
   const Snapshot state = simulation.save();
   const std::vector<double> q = values_of(state, layout.q), u = values_of(state, layout.u);
@@ -191,7 +196,7 @@ void record(const Simulation& simulation, bool is_near, FlightLog& log) {
   row.observation = observation;
   row.reward = simulation.reward();
   row.status = simulation.status();
-  row.near = is_near ? 1 : 0;
+  row.touching = touches_anything(simulation) ? 1 : 0;
   row.sensors = sensors;
   row.info = simulation.info();
   row.goal = goal;

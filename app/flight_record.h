@@ -18,7 +18,6 @@ FlightLogHeader describe_flight(const CompiledScenario& compiled, std::uint64_t 
                                 const std::string& policy);
 
 /// Appends the simulation's present state to the log's episode.
-/// @param is_near  whether anything was near enough to touch since the row before
-void record(const Simulation& simulation, bool is_near, FlightLog& log);
+void record(const Simulation& simulation, FlightLog& log);
 
 }  // namespace skybody

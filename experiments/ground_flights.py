@@ -4,7 +4,7 @@
     .venv/bin/python experiments/ground_flights.py [--program PROGRAM] [--docs docs/results]
 
 Each flight is one `skybody run` under the hold baseline, seed 1. The pictures show the first
-episode, with the time shaded in which something is near enough to touch. Exit code 1 where a flight
+episode, with the time shaded in which something touches. Exit code 1 where a flight
 does not end as it should: at its goal, at rest on the ground, or on its back after the collision.
 """
 
@@ -68,7 +68,7 @@ FLIGHTS = (
     Flight(
         "collision",
         "Two robots that fly to each other's place collide, tumble and fall; in the shaded time "
-        "something is near enough to touch",
+        "something touches",
         "collision",
         (),
         (LEG, BACK),
@@ -88,18 +88,18 @@ def fly(program: Path, flight: Flight, picture: Path) -> tuple[str, bool]:
         shutil.copyfile(Path(folder) / PICTURE, picture)
         with h5py.File(Path(folder) / "flight.h5") as log:
             episode = log["episodes/0001"]
-            near = episode["near"][:]
+            touching = episode["touching"][:]
             names = [str(name) for name in log.attrs["bodies"]]
-            bodies = episode["bodies"][:].reshape(len(near), len(names), 13)
+            bodies = episode["bodies"][:].reshape(len(touching), len(names), 13)
             time = episode["time"][-1]
     heights, speeds = bodies[-1, :, 2], np.linalg.norm(bodies[-1, :, 7:10], axis=1)
-    share = float(near.mean())
+    share = float(touching.mean())
     off = np.min([abs(heights - height) for height in flight.end_heights], axis=0)
     good = bool(np.all(off < NEAR)) and speeds.max() < AT_REST
     ends = ", ".join(f"{height:.3f}" for height in heights)
     return (
         f"After {time:g} s: height of the origin {ends} m, speed at most {speeds.max():.2g} m/s; "
-        f"{100 * share:.2g} % of the rows have something near enough to touch."
+        f"{100 * share:.2g} % of the rows have something that touches."
     ), good
 
 

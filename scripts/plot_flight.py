@@ -4,9 +4,9 @@
     plot_flight.py flights/hover-0/flight.h5 [--out DIR] [--most 3]
 
 Positions against their goals, attitude, rotor speeds with their commands, joints, reward, and the
-path in space with the vehicle at some instants and the obstacles. Where tree dynamics and Simbody
-took turns, what Simbody took is shaded. Writes flight-0001.png, flight-0002.png, ... beside the log
-and prints a line `picture PATH` for each.
+path in space with the vehicle at some instants and the obstacles. The time is shaded in which
+something touches the ground, an obstacle or another robot. Writes flight-0001.png, flight-0002.png,
+... beside the log and prints a line `picture PATH` for each.
 Needs matplotlib, numpy and h5py.
 """
 
@@ -30,7 +30,7 @@ import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from plot_flight_data import Flight, colors, read_flight
-from plot_flight_scene import NEAR, draw_path
+from plot_flight_scene import TOUCHING, draw_path
 
 DPI = 150
 STYLE = {
@@ -48,6 +48,7 @@ STYLE = {
 GOAL = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.9}
 LEGEND_WIDTH = 72  # letters that fit above a panel, each line and its gap taken as 7
 MOST_NAMED = 15  # joints with a name each; of more only the lines are drawn
+LEAST_ERROR = 1e-3  # mm; less is drawn as this
 COMMAND = {"linestyle": (0, (1, 1.5)), "linewidth": 1.0, "alpha": 0.8}
 
 
@@ -75,7 +76,7 @@ def draw_positions(panels, flight: Flight) -> None:
 def draw_errors(panel, flight: Flight) -> None:
     for track in flight.tracks:
         if track.goal is not None:
-            panel.plot(flight.time, np.maximum(track.error(), 1e-6), color=track.color)
+            panel.plot(flight.time, np.maximum(track.error(), LEAST_ERROR), color=track.color)
     panel.set_yscale("log")
     low, high = panel.get_ylim()
     if high < 10.0 * low:  # a decade at least: its ticks are round numbers
@@ -91,7 +92,7 @@ def draw_attitude(panels, flight: Flight) -> None:
                 continue
             panel.plot(flight.time, track.angles[:, axis], color=track.color)
             if axis == 2 and track.goal is not None:
-                panel.plot(flight.time, np.degrees(track.goal[:, 3]), **GOAL)
+                panel.plot(flight.time, track.goal_yaw(), **GOAL)
         panel.set_ylabel(f"{('roll', 'pitch', 'yaw')[axis]} [deg]")
         widen(panel, 2.0)
 
@@ -178,9 +179,9 @@ def draw_joints(panel, flight: Flight) -> None:
         above(panel, handles)
 
 
-def shade_near(panel, flight: Flight) -> None:
-    for begin, end in flight.near:
-        panel.axvspan(begin, end, zorder=0, **NEAR)
+def shade_touching(panel, flight: Flight) -> None:
+    for begin, end in flight.touching:
+        panel.axvspan(begin, end, zorder=0, **TOUCHING)
 
 
 def above(panel, handles: list | None = None) -> None:
@@ -205,8 +206,8 @@ def draw_heading(figure, flight: Flight) -> None:
     figure.text(0.02, 0.938, flight.subtitle, color="dimgrey", fontsize=9.5)
     handles = [Line2D([], [], color=t.color, linewidth=2.5, label=t.name) for t in flight.tracks]
     handles.append(Line2D([], [], label="goal", **GOAL))
-    if flight.near:
-        handles.insert(0, Patch(label="near enough to touch", **NEAR))
+    if flight.touching:
+        handles.insert(0, Patch(label="something touches", **TOUCHING))
     figure.legend(
         handles=handles[:12],
         loc="upper left",
@@ -240,7 +241,7 @@ def draw(flight: Flight):
     if flight.joints:
         draw_joints(times[1], flight)
     for panel in (*panels[0], *panels[1], *times):
-        shade_near(panel, flight)
+        shade_touching(panel, flight)
     for column in panels:
         for panel in column[:3]:
             panel.tick_params(labelbottom=False)

@@ -31,6 +31,11 @@ class Track:
         moves = np.any(np.diff(self.goal[:, :3], axis=0) != 0.0, axis=1)
         return bool(np.mean(moves) > 0.1)
 
+    def goal_yaw(self) -> np.ndarray:
+        """The goal's heading in degrees, without jumps like the body's, begun in the same turn."""
+        goal = np.degrees(np.unwrap(self.goal[:, 3]))
+        return goal + 360.0 * np.round((self.angles[0, 2] - goal[0]) / 360.0)
+
     def error(self) -> np.ndarray:
         """Distance to the goal in mm."""
         return 1e3 * np.linalg.norm(self.position - self.goal[:, :3], axis=1)
@@ -72,7 +77,7 @@ class Flight:
     rotor_command: np.ndarray | None
     joints: list[Joints]
     obstacles: list[Obstacle]
-    near: list[tuple[float, float]]  # spans of time with something near enough to touch
+    touching: list[tuple[float, float]]  # spans of time in which something touches something
 
 
 def euler_degrees(quaternion: np.ndarray) -> np.ndarray:
@@ -228,10 +233,10 @@ def ending(episode: h5py.Group) -> str:
     return last if last.split(":")[0] in ENDINGS else "unfinished"
 
 
-def near_spans(near: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
-    """From the row before the first with something near to the last."""
-    is_near = near[1:] == 1
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_near, [False]]).astype(int)))
+def touching_spans(touching: np.ndarray, time: np.ndarray) -> list[tuple[float, float]]:
+    """From the row before the first in which something touches to the last."""
+    later = touching[1:] == 1
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], later, [False]]).astype(int)))
     return [(time[a], time[b]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
@@ -263,5 +268,5 @@ def read_flight(log: h5py.File, name: str) -> Flight:
             drawn_of(log, episode),
             Path(str(about["scenario_file"])).parent,
         ),
-        near=near_spans(episode["near"][:], time) if "near" in episode else [],
+        touching=touching_spans(episode["touching"][:], time) if "touching" in episode else [],
     )

@@ -8,7 +8,7 @@ import numpy as np
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from plot_flight_data import Flight, Obstacle, rotation_of
 
-NEAR = {"color": "gold", "alpha": 0.4, "linewidth": 0}
+TOUCHING = {"color": "gold", "alpha": 0.4, "linewidth": 0}
 AXES = ("tab:red", "tab:green", "tab:blue")
 INSTANTS = 7  # at which vehicles are drawn, along each path
 AROUND = 24  # points of a circle
@@ -197,9 +197,9 @@ def draw_path(panel, flight: Flight) -> None:
     draw_obstacles(panel, flight.obstacles, low, high)
     for track in flight.tracks:
         panel.plot(*track.position.T, color=track.color, linewidth=1.1)
-        for begin, end in flight.near:
+        for begin, end in flight.touching:
             rows = (flight.time >= begin) & (flight.time <= end)
-            panel.plot(*track.position[rows].T, **{**NEAR, "linewidth": 5})
+            panel.plot(*track.position[rows].T, **{**TOUCHING, "linewidth": 5})
         panel.scatter(*track.position[0], color=track.color, marker="o", s=14)
         panel.scatter(*track.position[-1], color=track.color, marker="s", s=18)
         if track.goal is not None:

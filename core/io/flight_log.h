@@ -47,8 +47,8 @@ struct FlightLogRow {
   std::span<const double> action, command;
   std::span<const float> observation;  ///< the privileged values last
   float reward = 0.0f;
-  std::uint64_t status = 0;  ///< EpisodeStatus bits
-  std::uint8_t near = 0;     ///< 1: something was near enough to touch since the row before, 0: no
+  std::uint64_t status = 0;   ///< EpisodeStatus bits
+  std::uint8_t touching = 0;  ///< 1: something touches the ground, an obstacle or a robot, 0: no
   std::span<const double> sensors;
   std::span<const float> info;   ///< as the task and other plugins report
   std::span<const double> goal;  ///< 4 per goal: position (W) [m], yaw [rad]

@@ -50,7 +50,7 @@ FlightLogEpisode::FlightLogEpisode(const Hdf5Writer& writer, Hdf5Id group,
       time_(make("time", H5T_NATIVE_DOUBLE, {})),
       reward_(make("reward", H5T_NATIVE_FLOAT, {})),
       status_(make("status", H5T_NATIVE_UINT64, {})),
-      near_(make("near", H5T_NATIVE_UINT8, {})),
+      touching_(make("touching", H5T_NATIVE_UINT8, {})),
       bodies_(make_items("bodies", header.bodies, body_columns())),
       goal_(make_items("goal", header.goals, goal_columns())),
       q_(make_columns("q", header.q, H5T_NATIVE_DOUBLE)),
@@ -65,15 +65,15 @@ FlightLogEpisode::FlightLogEpisode(const Hdf5Writer& writer, Hdf5Id group,
   writer_.write_attribute(time_.dataset(), "unit", std::string("s"));
   writer_.write_attribute(status_.dataset(), "bits",
                           std::string("1 terminated, 2 truncated, 4 fault"));
-  writer_.write_attribute(near_.dataset(), "values",
-                          std::string("1 where something was near enough to touch"));
+  writer_.write_attribute(touching_.dataset(), "values",
+                          std::string("1 where something touches something"));
 }
 
 void FlightLogEpisode::add(const FlightLogRow& row) {
   time_.add(std::span(&row.time, 1));
   reward_.add(std::span(&row.reward, 1));
   status_.add(std::span(&row.status, 1));
-  near_.add(std::span(&row.near, 1));
+  touching_.add(std::span(&row.touching, 1));
   bodies_.add(row.bodies);
   goal_.add(row.goal);
   q_.add(row.q);
@@ -128,8 +128,9 @@ void FlightLogEpisode::describe(const FlightLogSeries& series,
 }
 
 std::array<FlightLogSeries*, 15> FlightLogEpisode::all() {
-  return {&time_,        &reward_,        &status_, &near_,    &bodies_,  &goal_,        &q_,   &u_,
-          &rotor_speed_, &rotor_command_, &action_, &command_, &sensors_, &observation_, &info_};
+  return {&time_,   &reward_,  &status_,  &touching_,    &bodies_,
+          &goal_,   &q_,       &u_,       &rotor_speed_, &rotor_command_,
+          &action_, &command_, &sensors_, &observation_, &info_};
 }
 
 void FlightLogEpisode::write_events() const {

@@ -44,7 +44,7 @@ class FlightLogEpisode {
 
   const Hdf5Writer& writer_;
   Hdf5Id group_;
-  FlightLogSeries time_, reward_, status_, near_, bodies_, goal_, q_, u_, rotor_speed_,
+  FlightLogSeries time_, reward_, status_, touching_, bodies_, goal_, q_, u_, rotor_speed_,
       rotor_command_, action_, command_, sensors_, observation_, info_;
   std::vector<Event> events_;
   std::uint64_t rows_ = 0;

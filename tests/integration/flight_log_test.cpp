@@ -44,7 +44,7 @@ void add_rows(FlightLog& log, int rows) {
     row.q = std::span(&q, 1);
     row.reward = static_cast<float>(i);
     row.status = i + 1 == rows ? 2 : 0;
-    row.near = static_cast<std::uint8_t>(i % 2);
+    row.touching = static_cast<std::uint8_t>(i % 2);
     log.add(row);
   }
 }
@@ -65,7 +65,7 @@ TEST(FlightLog, ReturnsEveryRowAcrossChunks) {
   EXPECT_EQ(bodies[26 * 2400 + 25], 240025.0);
   EXPECT_EQ(file.values("/episodes/0001/q").back(), 0.5 * (rows - 1));
   EXPECT_EQ(file.values("/episodes/0001/status").back(), 2.0);
-  EXPECT_EQ(file.values("/episodes/0001/near").back(), (rows - 1) % 2);
+  EXPECT_EQ(file.values("/episodes/0001/touching").back(), (rows - 1) % 2);
   EXPECT_THAT(file.values("/episodes/0001/params"), ElementsAre(2.25));
   EXPECT_THAT(file.values("/params/nominal"), ElementsAre(2.0));
   EXPECT_THAT(file.texts("/params/paths"), ElementsAre("robots.a.links.base.mass"));

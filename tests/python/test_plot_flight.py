@@ -152,3 +152,21 @@ def test_the_script_draws_a_robot_with_joints_among_obstacles(tmp_path: Path) ->
     picture = tmp_path / "flight-0001.png"
     assert done.stdout == f"picture {picture}\n"
     assert picture.stat().st_size > 50_000
+
+
+def test_the_goals_heading_turns_on_as_the_bodys_does(data: ModuleType) -> None:
+    turned = np.linspace(3.0, 3.0 + 4.0 * np.pi, 200)  # two turns
+    angles = np.degrees(np.stack([0 * turned, 0 * turned, turned], axis=1))
+    goal = np.zeros((200, 4))
+    goal[:, 3] = (turned + 0.1 + np.pi) % (2.0 * np.pi) - np.pi  # as tasks give it
+    track = data.Track("quad.base_link", "C0", np.zeros((200, 3)), angles, goal)
+    assert track.goal_yaw() - angles[:, 2] == pytest.approx(np.degrees(0.1), abs=1e-9)
+
+
+def test_what_touches_is_shaded_and_what_passes_at_a_distance_is_not(
+    data: ModuleType, tmp_path: Path
+) -> None:
+    spans = data.touching_spans(np.array([0, 0, 1, 1, 0, 1]), np.arange(6.0))
+    assert spans == [(1.0, 3.0), (4.0, 5.0)]
+    log = episode_of(flown(tmp_path, "pendulum"))  # whose rod is as long as it is high
+    assert data.read_flight(log, "0001").touching == []
