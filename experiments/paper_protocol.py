@@ -194,7 +194,10 @@ def learned_section(rows: list[dict[str, Any]]) -> str:
     ]
     for row in known:
         course, flown = row["learned"]["curve"], row["learned"].get("flown")
-        ends = [f"{course[name][0]:.4g}, {course[name][-1]:.4g}" for name in ("return", "error")]
+        ends = [
+            ", ".join(known_or_dash(course[name][k]) for k in (0, -1))
+            for name in ("return", "error")
+        ]
         cells = [f"`{row['task']}`", row["learner"], str(row["learned"]["seed"])]
         cells += [f"{row['transitions']:,}", *ends]
         cells += ["-"] * 3 if flown is None else flown_cells(flown)
@@ -217,6 +220,11 @@ early on. Its returns are not comparable: the scenarios here end an episode wher
 does, and mend what its code got wrong (their heads say what). control_abstractions.md asks the
 paper's question with five seeds a form and presets that learn.
 """
+
+
+def known_or_dash(value: float | None) -> str:
+    """Four digits."""
+    return "-" if value is None else f"{value:.4g}"
 
 
 def flown_cells(flown: dict[str, Any]) -> list[str]:

@@ -177,6 +177,38 @@ def test_rows_of_earlier_runs_keep_their_machine(tmp_path: Path) -> None:
     ]
 
 
+def protocol_row(task: str, flown: dict[str, Any] | None = None) -> dict[str, Any]:
+    """A row of the paper's protocol with a curve of two points."""
+    course = {"steps": [1e6, 2e6], "return": [None, 9.0], "error": [3.0, 1.0]}
+    learned = {"seed": 1, "curve": course} | ({} if flown is None else {"flown": flown})
+    return {"task": task, "learner": "fast-ppo", "transitions": 2_000_000, "learned": learned}
+
+
+def test_a_protocol_curve_is_of_whole_blocks_and_tells_what_is_unknown(tmp_path: Path) -> None:
+    lines = ["steps,recent_return_mean,position_error", "10,nan,4", "20,1,2", "30,3,2"]
+    (tmp_path / "progress.csv").write_text("\n".join(lines) + "\n")
+    (run, *_) = paper_protocol.make_runs("hover", "fast-ppo", tmp_path, 5_000_000, [1])
+    object.__setattr__(run, "folder", tmp_path)
+    found = paper_protocol.curve(run)
+    assert found == {"steps": [10, 20, 30], "return": [None, 1, 3], "error": [4, 2, 2]}
+
+
+def test_the_protocols_page_tells_what_held_out_flights_did(tmp_path: Path) -> None:
+    flown = {"episodes": 100, "succeeded": 7, "failed": 2, "median_error": 0.5}
+    rows = [protocol_row("payload_paper", flown), protocol_row("hover")]
+    text = paper_protocol.learned_section(rows)
+    assert (
+        "| `payload_paper` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | 7 of 100 | 2 | 0.500" in text
+    )
+    assert "| `hover` | fast-ppo | 1 | 2,000,000 | -, 9 | 3, 1 | - | - | - |" in text
+    paper_protocol.draw(rows, tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_protocol_without_curves_has_no_section_on_learning() -> None:
+    assert paper_protocol.learned_section([{"task": "hover"}]) == ""
+
+
 # --- forms of control -----------------------------------------------------------------------------
 
 
