@@ -17,6 +17,7 @@ sys.path.insert(0, str(ROOT / "experiments"))
 
 torch = pytest.importorskip("torch")
 control_abstractions = pytest.importorskip("control_abstractions")
+control_abstractions_report = pytest.importorskip("control_abstractions_report")
 learner_profile = pytest.importorskip("learner_profile")
 learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
@@ -224,7 +225,7 @@ def test_who_does_not_get_below_the_threshold_counts_with_all_steps() -> None:
     assert found["forms"]["end-to-end"]["mean"] == 60.0
     assert found["forms"]["end-to-end"]["arrived"] == 1
     assert found["ratio"] == 3.0
-    assert "too few" in control_abstractions.verdict(found)
+    assert "too few" in control_abstractions_report.verdict(found)
 
 
 def test_four_seeds_that_mingle_tell_no_difference_whatever_the_bootstrap_says() -> None:
@@ -234,7 +235,7 @@ def test_four_seeds_that_mingle_tell_no_difference_whatever_the_bootstrap_says()
     ]
     found = control_abstractions.compare(records, "payload", 1.0)
     assert found["ratio_interval"][1] < 1.0
-    assert "no difference can be told" in control_abstractions.verdict(found)
+    assert "no difference can be told" in control_abstractions_report.verdict(found)
 
 
 @pytest.mark.parametrize(
@@ -250,7 +251,7 @@ def test_a_form_learns_sooner_where_the_whole_interval_says_so(
 ) -> None:
     modular = arrivals("modular", [18.0, 19.0, 20.0, 21.0, 22.0])
     records = [*arrivals("end-to-end", end_to_end), *modular]
-    assert said in control_abstractions.verdict(
+    assert said in control_abstractions_report.verdict(
         control_abstractions.compare(records, "payload", 1.0)
     )
 
