@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from result_pages import heading, option_parser, write_page
 from scipy import stats
 from skybody import InputError
 from skybody.program import run_program
@@ -34,12 +35,8 @@ from training_runs import (
     Run,
     RunError,
     changed_hyper,
-    command_line,
-    machine,
     machine_line,
-    shown,
     train_all,
-    write_json,
 )
 
 FIXED, DRAWN = "pendulum_learn", "pendulum_learn_randomized"
@@ -218,9 +215,7 @@ The paper's figures, one spread of 10 %: trained on one vehicle {PAPER["fixed"][
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values, checked."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     add("--seeds", type=int, help="of each kind; default: 5")
     add("--total-steps", type=float, help="of a run; default: the preset's")
@@ -249,21 +244,15 @@ def main(arguments: list[str] | None = None) -> int:
     except (InputError, RunError) as error:
         print(f"domain_randomization: {error}", file=sys.stderr)
         return 2
-    given = sys.argv[1:] if arguments is None else arguments
     content = {
-        "experiment": "vehicles drawn in training",
-        "command": command_line("domain_randomization.py", given),
-        "machine": machine(),
+        **heading("vehicles drawn in training", "domain_randomization.py", arguments),
         "seeds": options.seeds,
         "total_steps": options.total_steps,
         "episodes": options.episodes,
         "hyper": changed_hyper(trained[0].run.config()),
         "rows": rows,
     }
-    write_json(options.report / "data/domain_randomization.json", content)
-    text = markdown(content)
-    (options.report / "domain_randomization.md").write_text(text)
-    print(f"{text}\nwritten: {shown(options.report / 'domain_randomization.md')}")
+    write_page(options.report, "domain_randomization", content, markdown(content))
     return 0
 
 

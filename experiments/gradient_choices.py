@@ -12,7 +12,6 @@ machine that does nothing else.
 
 from __future__ import annotations
 
-import argparse
 import re
 import statistics
 import subprocess
@@ -22,17 +21,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from result_pages import heading, option_parser, write_page
 from skybody import versions
 from skybody.program import run_program
 from training_runs import (
     ROOT,
     RunError,
-    command_line,
-    machine,
     machine_line,
-    shown,
     versions_line,
-    write_json,
 )
 
 PATIENCE = 300.0  # s, for one run
@@ -219,9 +215,7 @@ def _table(rows: Sequence[dict[str, Any]], title: str) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Measures, writes; returns the exit code."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     add("--program", type=Path, default=ROOT / "build/release/bin/bench_gradient")
     add("--report", type=Path, default=ROOT / "docs/results", help="folder of the page")
@@ -230,11 +224,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"--program {options.program} does not exist; build the target bench_gradient")
     try:
         content: dict[str, Any] = {
-            "experiment": "costs and choices of gradient",
-            "command": command_line(
-                "gradient_choices.py", sys.argv[1:] if arguments is None else arguments
-            ),
-            "machine": machine(),
+            **heading("costs and choices of gradient", "gradient_choices.py", arguments),
             "versions": {name: str(version) for name, version in versions().items()},
             "costs": costs(options.program),
             "values": compared(options.program, VALUE_CHOICES),
@@ -243,10 +233,7 @@ def main(arguments: list[str] | None = None) -> int:
     except RunError as error:
         print(f"gradient_choices: {error}", file=sys.stderr)
         return 2
-    write_json(options.report / "data/gradient_choices.json", content)
-    text = markdown(content)
-    (options.report / "gradient_choices.md").write_text(text)
-    print(f"{text}\nwritten: {shown(options.report / 'gradient_choices.md')}")
+    write_page(options.report, "gradient_choices", content, markdown(content))
     return 0
 
 

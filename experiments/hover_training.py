@@ -31,6 +31,7 @@ import numpy as np
 import training_reproducibility
 from hover_report import draw, markdown
 from policy_flight import PICTURE, fly_policy
+from result_pages import heading, option_parser, write_page
 from skybody import CompiledScenario
 from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders
@@ -40,9 +41,6 @@ from training_runs import (
     ROOT,
     Run,
     RunError,
-    command_line,
-    machine,
-    shown,
     train_all,
     write_json,
 )
@@ -198,9 +196,7 @@ def hover_curve(out: Path, steps: int) -> dict[str, Any]:
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values, checked."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     steps = {algorithm: shipped_steps(algorithm) for algorithm in SECONDS}
     defaults = ", ".join(f"{name} {number:,}" for name, number in steps.items())
@@ -258,11 +254,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     shutil.copyfile(options.out / "flight" / PICTURE, report / "images/hover_policy.png")
     content = {
-        "experiment": "hover training",
-        "command": command_line(
-            "hover_training.py", sys.argv[1:] if arguments is None else arguments
-        ),
-        "machine": machine(),
+        **heading("hover training", "hover_training.py", arguments),
         "limits": {
             "median_error": MOST_ERROR,
             "success_share": LEAST_SUCCESS,
@@ -273,11 +265,8 @@ def main(arguments: list[str] | None = None) -> int:
         "hover": hover,
         "flight": flight,
     }
-    write_json(report / "data/hover_training.json", content)
     draw(content, report / "images/hover_training.png")
-    text = markdown(content)
-    (report / "hover_training.md").write_text(text)
-    print(f"{text}\nwritten: {shown(report / 'hover_training.md')}")
+    write_page(report, "hover_training", content, markdown(content))
     return 0 if all(row["within_limits"] for row in records) and flight["agrees"] else 1
 
 

@@ -12,7 +12,6 @@ differ in a bit of their parameters, in the environments' state or in the table 
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import random
 import shutil
@@ -24,11 +23,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from result_pages import heading, option_parser, write_page
 from skybody.program import run_program
 from skybody.train.algorithms import ALGORITHMS, algorithm_of
 from skybody.train.checkpoint import checkpoint_folders, read_meta
 from skybody.train.run_folder import read_table
-from training_runs import ROOT, RunError, command_line, machine, machine_line, shown, write_json
+from training_runs import ROOT, RunError, machine_line
 
 KILLS = 20
 SCENARIO = "hover_learn"
@@ -209,9 +209,7 @@ but for times.
 
 def main(arguments: list[str] | None = None) -> int:
     """Trains, kills, compares, writes; returns the exit code."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     add("--kills", type=int, default=KILLS, help=f"of each learner; default: {KILLS}")
     add("--seed", type=int, default=1, help="of the moments; default: 1")
@@ -234,18 +232,11 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"kill_and_resume: {error}", file=sys.stderr)
         return 2
     content = {
-        "experiment": "kill and resume",
-        "command": command_line(
-            "kill_and_resume.py", sys.argv[1:] if arguments is None else arguments
-        ),
-        "machine": machine(),
+        **heading("kill and resume", "kill_and_resume.py", arguments),
         "seed": options.seed,
         "results": [{**vars(result), "same": result.same()} for result in results],
     }
-    write_json(report / "data/kill_and_resume.json", content)
-    text = markdown(content)
-    (report / "kill_and_resume.md").write_text(text)
-    print(f"{text}\nwritten: {shown(report / 'kill_and_resume.md')}")
+    write_page(report, "kill_and_resume", content, markdown(content))
     return 0 if all(result.same() for result in results) else 1
 
 

@@ -29,6 +29,7 @@ from hover_training import EPISODES, SCENARIO, evaluate, measure, shipped, shipp
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator
+from result_pages import heading, option_parser, write_page
 from skybody.program import run_program
 from skybody.train.algorithms import ALGORITHMS
 from skybody.train.checkpoint import checkpoint_folders
@@ -38,12 +39,8 @@ from training_runs import (
     ROOT,
     Run,
     RunError,
-    command_line,
-    machine,
     machine_line,
-    shown,
     versions_line,
-    write_json,
 )
 
 SEEDS = {"gradient": range(1, 11), "ppo": (1,)}  # others:
@@ -280,9 +277,7 @@ def draw(records: Sequence[dict[str, Any]], out: Path) -> None:
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     there = list(ALGORITHMS)
     add = parser.add_argument
     add("--algo", nargs="+", choices=there, default=there, help=f"default: {' '.join(there)}")
@@ -338,19 +333,14 @@ def main(arguments: list[str] | None = None) -> int:
     if options.rl_tools:  # the folder is this machine's affair
         given = ["FOLDER" if word == str(options.rl_tools) else word for word in given]
     content = {
-        "experiment": "speed of learning",
-        "command": command_line("learn_table.py", given),
-        "machine": machine(),
+        **heading("speed of learning", "learn_table.py", given),
         "learners": by_learner(records),
         "runs": records,
         "rl_tools": rl_tools.facts(options.rl_tools) if options.rl_tools else None,
     }
-    write_json(options.report / "data/learning_speed.json", content)
     (options.report / "images").mkdir(parents=True, exist_ok=True)
     draw(records, options.report / "images/learning_speed.png")
-    text = markdown(content)
-    (options.report / "learning_speed.md").write_text(text)
-    print(f"{text}\nwritten: {shown(options.report / 'learning_speed.md')}")
+    write_page(options.report, "learning_speed", content, markdown(content))
     return 0
 
 

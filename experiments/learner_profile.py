@@ -16,7 +16,6 @@ that does nothing else. Exit code 1 where a wide figure misses its goal.
 
 from __future__ import annotations
 
-import argparse
 import multiprocessing
 import re
 import statistics
@@ -28,6 +27,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from result_pages import heading, option_parser, write_page
 from skybody import CompiledScenario
 from skybody.program import deaf_to_interrupts, run_program
 from skybody.train.__main__ import all_versions
@@ -38,12 +38,8 @@ from skybody.train.presets import preset
 from training_runs import (
     ROOT,
     RunError,
-    command_line,
-    machine,
     machine_line,
-    shown,
     versions_line,
-    write_json,
 )
 
 SCENARIO = "hover_learn"
@@ -308,9 +304,7 @@ def _products_table(products: dict[str, dict[str, float]]) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Measures, writes; returns the exit code."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     add("--turns", type=int, default=3, help="of each measurement; default: 3")
     add("--program", type=Path, default=ROOT / "build/release/bin/bench_learn")
@@ -322,11 +316,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"--program {options.program} does not exist; build the target bench_learn")
     try:
         content: dict[str, Any] = {
-            "experiment": "profile of the learners",
-            "command": command_line(
-                "learner_profile.py", sys.argv[1:] if arguments is None else arguments
-            ),
-            "machine": machine(),
+            **heading("profile of the learners", "learner_profile.py", arguments),
             "versions": all_versions(CompiledScenario(SCENARIO), "ppo"),
             "turns": options.turns,
             "products": bare_products(options.program),
@@ -337,10 +327,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"learner_profile: {error}", file=sys.stderr)
         return 2
     content["ratios"] = ratios(content)
-    write_json(options.report / "data/learner_profile.json", content)
-    text = markdown(content)
-    (options.report / "learner_profile.md").write_text(text)
-    print(f"{text}\nwritten: {shown(options.report / 'learner_profile.md')}")
+    write_page(options.report, "learner_profile", content, markdown(content))
     found = content["ratios"]
     good = found["against_sb3"] >= LEAST_AGAINST_SB3 and found["of_products"] >= LEAST_OF_PRODUCTS
     return 0 if good else 1

@@ -25,22 +25,20 @@ import numpy as np
 from learning_flight import SEED, fly
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from result_pages import heading, option_parser, write_page
 from skybody.program import run_program
 from training_runs import (
     ROOT,
     Run,
     RunError,
     changed_hyper,
-    command_line,
-    machine,
     machine_line,
-    shown,
     train_all,
     versions_line,
-    write_json,
 )
 from vehicle_policy import HEAVIEST, LIGHTEST, PPO, overrides
 
+EXPERIMENT = "one policy for many vehicles, with and without memory"
 FLEET, EPISODES = 1000, 100
 NEAR = 0.1  # m
 UNITS = 64  # of memory
@@ -353,9 +351,7 @@ def middles(masses: np.ndarray, errors: np.ndarray, parts: int = 8) -> tuple[lis
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     add("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS), help="default: all")
     add("--seeds", type=int, nargs="+", default=[1, 2, 3], help="default: 1 2 3")
@@ -382,18 +378,16 @@ def main(arguments: list[str] | None = None) -> int:
     except RunError as error:
         print(f"recurrent_policy: {error}", file=sys.stderr)
         return 2
-    given = sys.argv[1:] if arguments is None else arguments
     content = {
-        "experiment": "one policy for many vehicles, with and without memory",
-        "command": command_line("recurrent_policy.py", given),
-        "machine": machine(),
+        **heading(
+            "one policy for many vehicles, with and without memory",
+            "recurrent_policy.py",
+            arguments,
+        ),
         "runs": records,
     }
-    write_json(options.report / "data/recurrent_policy.json", content)
     draw(records, options.report / "images/recurrent_policy.png")
-    text = markdown(content)
-    (options.report / "recurrent_policy.md").write_text(text)
-    print(f"{text}\nwritten: {shown(options.report / 'recurrent_policy.md')}")
+    write_page(options.report, "recurrent_policy", content, markdown(content))
     return 0
 
 

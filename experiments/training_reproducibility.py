@@ -23,17 +23,14 @@ from typing import Any
 
 import numpy as np
 from reproducibility_report import draw, markdown
+from result_pages import heading, option_parser, write_page
 from skybody.program import run_program
 from skybody.train.algorithms import algorithm_of
 from training_runs import (
     ROOT,
     Run,
     RunError,
-    command_line,
-    machine,
-    shown,
     train_all,
-    write_json,
 )
 
 SEEDS = (1, 5, 25, 42, 125)  # the paper's; the first one is also that of the same-seed group
@@ -236,9 +233,7 @@ def say(run: Run) -> str:
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line's values, checked."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     add("--algo", choices=("ppo", "fast-ppo"), default="ppo", help="default: ppo")
     add("--steps", type=float, help=f"per run; default: {STEPS:,}")
@@ -290,23 +285,17 @@ def main(arguments: list[str] | None = None) -> int:
     except RunError as error:
         print(f"training_reproducibility: {error}", file=sys.stderr)
         return 2
-    given = sys.argv[1:] if arguments is None else arguments
     content = {
-        "experiment": "training reproducibility",
-        "command": command_line("training_reproducibility.py", given),
-        "machine": machine(),
+        **heading("training reproducibility", "training_reproducibility.py", arguments),
         "algorithm": options.algo,
         "name": options.name,
         "steps": options.steps,
         "scenarios": scenarios,
     }
     report: Path = options.report
-    write_json(report / f"data/{options.name}.json", content)
     (report / "images").mkdir(parents=True, exist_ok=True)
     draw(content, report / f"images/{options.name}.png")
-    text = markdown(content)
-    (report / f"{options.name}.md").write_text(text)
-    print(f"{text}\nwritten: {shown(report / f'{options.name}.md')}")
+    write_page(report, options.name, content, markdown(content))
     return 0 if all(reproducible(figures) for figures in scenarios.values()) else 1
 
 

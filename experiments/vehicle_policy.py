@@ -14,7 +14,6 @@ for which that does not matter.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from typing import Any
 
 import numpy as np
 from hover_training import EPISODES, evaluate_checkpoint, measure
+from result_pages import heading, option_parser, write_page
 from skybody.program import run_program
 from skybody.train.checkpoint import checkpoint_folders
 from skybody.train.evaluation_file import read_evaluation
@@ -31,12 +31,8 @@ from training_runs import (
     Run,
     RunError,
     changed_hyper,
-    command_line,
-    machine,
     machine_line,
-    shown,
     versions_line,
-    write_json,
 )
 
 SCENARIO = "vehicles"
@@ -198,9 +194,7 @@ Versions: {versions_line(content["runs"])}.
 
 def main(arguments: list[str] | None = None) -> int:
     """Trains, evaluates, writes; returns the exit code."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = option_parser(__doc__)
     add = parser.add_argument
     add("--seeds", type=int, nargs="+", default=[1], help="default: 1")
     add("--train-only", action="store_true", help="evaluate and write in a later call")
@@ -217,17 +211,11 @@ def main(arguments: list[str] | None = None) -> int:
     except RunError as error:
         print(f"vehicle_policy: {error}", file=sys.stderr)
         return 2
-    given = sys.argv[1:] if arguments is None else arguments
     content = {
-        "experiment": "one policy for many vehicles",
-        "command": command_line("vehicle_policy.py", given),
-        "machine": machine(),
+        **heading("one policy for many vehicles", "vehicle_policy.py", arguments),
         "runs": records,
     }
-    write_json(options.report / "data/vehicle_policy.json", content)
-    text = markdown(content)
-    (options.report / "vehicle_policy.md").write_text(text)
-    print(f"{text}\nwritten: {shown(options.report / 'vehicle_policy.md')}")
+    write_page(options.report, "vehicle_policy", content, markdown(content))
     return 0
 
 

@@ -22,6 +22,7 @@ learner_profile = pytest.importorskip("learner_profile")
 learn_table = pytest.importorskip("learn_table")
 paper_protocol = pytest.importorskip("paper_protocol")
 recurrent_policy = pytest.importorskip("recurrent_policy")
+result_pages = pytest.importorskip("result_pages")
 rl_tools = pytest.importorskip("rl_tools")
 gradient_choices = pytest.importorskip("gradient_choices")
 training_runs = pytest.importorskip("training_runs")
@@ -321,6 +322,20 @@ def test_the_page_begins_with_how_often_memory_helps(
 
 
 # --- pages ----------------------------------------------------------------------------------------
+
+
+def test_a_page_is_written_beside_the_data_that_it_was_made_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = result_pages.heading("a trial", "trial.py", ["--quick"])
+    assert (content["experiment"], content["command"]) == (
+        "a trial",
+        "python experiments/trial.py --quick",
+    )
+    result_pages.write_page(tmp_path, "trial", content, "# A trial")
+    assert json.loads((tmp_path / "data/trial.json").read_text()) == content
+    assert (tmp_path / "trial.md").read_text() == "# A trial"
+    assert "# A trial\nwritten: " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("script", [control_abstractions, recurrent_policy])
