@@ -188,6 +188,16 @@ def test_a_checkpoint_of_another_version_is_one_message(
     assert len(said.splitlines()) == 1
 
 
+def test_a_curve_has_position_errors_where_a_task_has_them(tmp_path: Path) -> None:
+    def height(error: str) -> int:
+        row = "steps,wall_clock,return_mean,position_error\n"
+        (tmp_path / "progress.csv").write_text(f"{row}100,1.0,2.0,{error}\n200,2.0,3.0,{error}\n")
+        curve.draw_curve([tmp_path], tmp_path / "curve.png")
+        return int.from_bytes((tmp_path / "curve.png").read_bytes()[20:24], "big")  # of the PNG
+
+    assert height("nan") == height("") < height("0.5")
+
+
 def test_a_curve_of_no_folder_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert curve.main([str(tmp_path / "nothere")]) == 2
     assert capsys.readouterr().err == f"curve: {tmp_path}/nothere: there is no such folder\n"
