@@ -21,6 +21,9 @@ namespace {
 /// Steps: every phase of a plugin with a period of at most so many actions is met.
 constexpr int kSteps = 8;
 
+/// Starts that are drawn to see whether they fail at once.
+constexpr int kStarts = 32;
+
 /// To four digits: what is computed has more than anybody reads.
 std::string rounded(double value) {
   char text[32];
@@ -159,6 +162,81 @@ void tell_of_faults(const CompiledScenario& compiled, std::uint64_t status,
                       "every step of a trial flight ends in a fault: " + reason);
 }
 
+/// Where the user's own file gives a parameter of a randomizer, else where that is named.
+SourceMark mark_of_own(const Scenario& scenario, const PluginUse& use) {
+  for (const ParameterValue& value : use.parameters) {
+    if (value.is_given && value.mark.file == scenario.file) return value.mark;
+  }
+  return use.mark;
+}
+
+/// Where a start is said: at the randomizer that writes the place of a base, else at the only
+/// robot, else at the task.
+SourceMark mark_of_starts(const CompiledScenario& compiled) {
+  const Scenario& scenario = compiled.scenario();
+  const Layout& layout = compiled.layout();
+  const std::vector<PluginInstance>& randomizers = compiled.plugins(SKYBODY_RANDOMIZER);
+  for (std::size_t i = 0; i < randomizers.size(); ++i) {
+    for (const int param : randomizers[i].writes) {
+      const std::string& path = layout.param_info[static_cast<std::size_t>(param)].path;
+      if (path.find(".start.position[") != path.npos) {
+        return mark_of_own(scenario, scenario.randomization[i]);
+      }
+    }
+  }
+  return scenario.robots.size() == 1 ? scenario.robots[0].mark : scenario.task.mark;
+}
+
+/// The failure that the task sees in the present moment, with what it means; empty: none.
+std::string present_failure(const Simulation& simulation) {
+  std::size_t first = 0;
+  for (const Channel& info : simulation.compiled().info_channels()) {
+    const bool is_failure = info.name.rfind("failed.", 0) == 0;
+    if (is_failure && simulation.info()[first] > 0.0f) {
+      return "`" + info.name + "`" + (info.doc.empty() ? "" : " (" + info.doc + ")");
+    }
+    first += static_cast<std::size_t>(info.count);
+  }
+  return "";
+}
+
+/// Where robots are: "robot `quad` at [0, 0, 1] m", of several the first ones.
+std::string places_text(const Simulation& simulation) {
+  constexpr std::size_t kMost = 3;
+  std::string text;
+  const auto& robots = simulation.scenario().robots;
+  for (std::size_t i = 0; i < robots.size() && i < kMost; ++i) {
+    const Vec3<double>& p = simulation.base(robots[i].name).position;
+    text += (i == 0 ? "" : ", ") + ("robot `" + robots[i].name) + "` at [" + rounded(p.x) + ", " +
+            rounded(p.y) + ", " + rounded(p.z) + "] m";
+  }
+  return text + (robots.size() > kMost ? ", ..." : "");
+}
+
+/// Episodes that begin where the task sees a failure end with their first step. If all do, nobody
+/// can fly or learn; if some do, those are lost.
+void tell_of_failed_starts(const std::shared_ptr<const CompiledScenario>& compiled,
+                           Diagnostics& diagnostics) {
+  Simulation simulation(compiled, 0, 0);
+  int failed = 0;
+  std::string how;
+  for (int k = 0; k < kStarts; ++k) {
+    simulation.reset();
+    const std::string failure = simulation.fault() ? "" : present_failure(simulation);
+    if (failure.empty()) continue;
+    if (failed++ == 0) how = failure + ", such as with " + places_text(simulation);
+  }
+  if (failed == 0) return;
+  const SourceMark mark = mark_of_starts(*compiled);
+  const std::string remedy = ": move the start, or widen that limit";
+  if (failed == kStarts) {
+    diagnostics.error(mark, "every episode begins as a failure: " + how + remedy);
+  } else {
+    diagnostics.warning(mark, std::to_string(failed) + " of " + std::to_string(kStarts) +
+                                  " drawn episodes begin as a failure: " + how + remedy);
+  }
+}
+
 }  // namespace
 
 void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
@@ -174,6 +252,7 @@ void fly_for_a_moment(const std::shared_ptr<const CompiledScenario>& compiled,
         "the first start that is drawn is a fault: " + compiled->fault_reason(simulation.status()));
   }
   warn_of_weight(*compiled, diagnostics);
+  tell_of_failed_starts(compiled, diagnostics);
   static_cast<void>(simulation.goals());  // the task's goal() is tried, too
   int faults = 0;
   for (int k = 0; k < kSteps; ++k) {
