@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/math.h"
@@ -162,29 +164,40 @@ void tell_of_faults(const CompiledScenario& compiled, std::uint64_t status,
                       "every step of a trial flight ends in a fault: " + reason);
 }
 
-/// Where the user's own file gives a parameter of a randomizer, else where that is named.
-SourceMark mark_of_own(const Scenario& scenario, const PluginUse& use) {
+/// Where the user's own file gives a parameter of a plugin, if it does.
+std::optional<SourceMark> own_parameter(const Scenario& scenario, const PluginUse& use) {
   for (const ParameterValue& value : use.parameters) {
     if (value.is_given && value.mark.file == scenario.file) return value.mark;
   }
-  return use.mark;
+  return std::nullopt;
 }
 
-/// Where a start is said: at the randomizer that writes the place of a base, else at the only
-/// robot, else at the task.
-SourceMark mark_of_starts(const CompiledScenario& compiled) {
-  const Scenario& scenario = compiled.scenario();
-  const Layout& layout = compiled.layout();
+/// The randomizer that writes where a robot begins, or null.
+const PluginUse* drawer_of_starts(const CompiledScenario& compiled) {
   const std::vector<PluginInstance>& randomizers = compiled.plugins(SKYBODY_RANDOMIZER);
   for (std::size_t i = 0; i < randomizers.size(); ++i) {
     for (const int param : randomizers[i].writes) {
-      const std::string& path = layout.param_info[static_cast<std::size_t>(param)].path;
-      if (path.find(".start.position[") != path.npos) {
-        return mark_of_own(scenario, scenario.randomization[i]);
-      }
+      const std::string& path = compiled.layout().param_info[static_cast<std::size_t>(param)].path;
+      if (path.find(".start.position[") == path.npos) continue;
+      return &compiled.scenario().randomization[i];
     }
   }
-  return scenario.robots.size() == 1 ? scenario.robots[0].mark : scenario.task.mark;
+  return nullptr;
+}
+
+/// Where a start may be wrong: what the user's own file says about the draw of starts, robots or
+/// the task, in this order; else where any file says it.
+SourceMark mark_of_starts(const CompiledScenario& compiled) {
+  const Scenario& scenario = compiled.scenario();
+  const PluginUse* drawer = drawer_of_starts(compiled);
+  if (drawer != nullptr) {
+    if (const auto own = own_parameter(scenario, *drawer)) return *own;
+  }
+  const RobotUse& first = scenario.robots[0];
+  if (scenario.robots.size() == 1 && first.mark.file == scenario.file) return first.mark;
+  if (const auto own = own_parameter(scenario, scenario.task)) return *own;
+  if (drawer != nullptr) return drawer->mark;
+  return scenario.robots.size() == 1 ? first.mark : scenario.task.mark;
 }
 
 /// The failure that the task sees in the present moment, with what it means; empty: none.
@@ -228,7 +241,7 @@ void tell_of_failed_starts(const std::shared_ptr<const CompiledScenario>& compil
   }
   if (failed == 0) return;
   const SourceMark mark = mark_of_starts(*compiled);
-  const std::string remedy = ": move the start, or widen that limit";
+  const std::string remedy = ": move starts or goals, or widen that limit";
   if (failed == kStarts) {
     diagnostics.error(mark, "every episode begins as a failure: " + how + remedy);
   } else {
